@@ -1,0 +1,115 @@
+//! Wake-ups between processes that do not share the lock-step page.
+
+use std::time::Duration;
+
+use iceoryx2::prelude::{EventId, Node, ipc};
+
+use super::service::{TopicHolder, service_name};
+use super::{BusError, BusOptions, ReceiveError, SendError};
+
+pub(super) fn create(
+    node: &Node<ipc::Service>,
+    options: &BusOptions,
+    name: &'static str,
+) -> Result<TopicHolder, BusError> {
+    let processes = options.size.processes + 2 + crate::topics::ONLOOKERS;
+    let service = node
+        .service_builder(&service_name(name)?)
+        .event()
+        .max_notifiers(processes)
+        .max_listeners(processes)
+        .max_nodes(processes)
+        .event_id_max_value(processes.max(64))
+        .create()
+        .map_err(|e| BusError::Create {
+            topic: name,
+            reason: format!("{e:?}"),
+        })?;
+    Ok(TopicHolder::new(name, service))
+}
+
+fn open(
+    node: &Node<ipc::Service>,
+    name: &'static str,
+) -> Result<iceoryx2::service::port_factory::event::PortFactory<ipc::Service>, BusError> {
+    node.service_builder(&service_name(name)?)
+        .event()
+        .open()
+        .map_err(|e| BusError::Open {
+            topic: name,
+            reason: format!("{e:?}"),
+        })
+}
+
+/// Wakes the listeners of an event.
+#[derive(Debug)]
+pub struct Notifier {
+    name: &'static str,
+    port: iceoryx2::port::notifier::Notifier<ipc::Service>,
+}
+
+impl Notifier {
+    pub(super) fn open(node: &Node<ipc::Service>, name: &'static str) -> Result<Self, BusError> {
+        let port = open(node, name)?
+            .notifier_builder()
+            .create()
+            .map_err(|e| BusError::Port {
+                topic: name,
+                port: "notifier",
+                reason: format!("{e:?}"),
+            })?;
+        Ok(Self { name, port })
+    }
+
+    /// Wakes every listener with this id; returns how many there are.
+    ///
+    /// # Errors
+    /// [`SendError::Transport`] if iceoryx2 fails or the id exceeds the service's largest.
+    pub fn notify(&self, id: usize) -> Result<usize, SendError> {
+        self.port
+            .notify_with_custom_event_id(EventId::new(id))
+            .map_err(|e| SendError::Transport {
+                topic: self.name,
+                reason: format!("{e:?}"),
+            })
+    }
+}
+
+/// Waits for an event.
+#[derive(Debug)]
+pub struct Listener {
+    name: &'static str,
+    port: iceoryx2::port::listener::Listener<ipc::Service>,
+}
+
+impl Listener {
+    pub(super) fn open(node: &Node<ipc::Service>, name: &'static str) -> Result<Self, BusError> {
+        let port = open(node, name)?
+            .listener_builder()
+            .create()
+            .map_err(|e| BusError::Port {
+                topic: name,
+                port: "listener",
+                reason: format!("{e:?}"),
+            })?;
+        Ok(Self { name, port })
+    }
+
+    /// Sleeps until woken or until the time is over; calls back once per id that came in.
+    ///
+    /// # Errors
+    /// [`ReceiveError::Transport`] if iceoryx2 fails.
+    pub fn wait(
+        &self,
+        timeout: Duration,
+        mut woken: impl FnMut(usize),
+    ) -> Result<(), ReceiveError> {
+        self.port
+            .timed_wait(|activation| woken(activation.id.as_value()), timeout)
+            .map(drop)
+            .map_err(|e| ReceiveError::Transport {
+                topic: self.name,
+                reason: format!("{e:?}"),
+            })
+    }
+}

@@ -1,0 +1,145 @@
+//! Where the services of one run live, apart from those of every other run.
+
+use std::os::unix::fs::DirBuilderExt;
+use std::path::{Path, PathBuf};
+
+use iceoryx2::prelude::{Config, FileName, Path as TransportPath};
+
+use super::BusError;
+
+/// iceoryx2 keeps Unix sockets below the root; a socket's path is limited to 107 bytes.
+const MAX_ROOT_BYTES: usize = 60;
+
+/// The iceoryx2 prefix and root path of one run.
+///
+/// Names in `/dev/shm` depend on the prefix only and files below the root on both, so a run needs
+/// its own of each.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RunSpace {
+    root: PathBuf,
+    prefix: String,
+}
+
+impl RunSpace {
+    /// Names a run space; touches nothing.
+    ///
+    /// # Errors
+    /// [`BusError::Space`] if the root is longer than 60 bytes or not UTF-8, or the prefix is not
+    /// of letters, digits and underscores.
+    pub fn new(root: impl Into<PathBuf>, prefix: impl Into<String>) -> Result<Self, BusError> {
+        let (root, prefix) = (root.into(), prefix.into());
+        let problem = if root.as_os_str().len() > MAX_ROOT_BYTES {
+            Some(format!(
+                "the path has {} bytes; Unix sockets below it allow at most {MAX_ROOT_BYTES} \
+                 (set XDG_RUNTIME_DIR to a shorter one)",
+                root.as_os_str().len()
+            ))
+        } else if root.to_str().is_none() {
+            Some("the path is not UTF-8".to_owned())
+        } else if prefix.is_empty()
+            || prefix.len() > 64
+            || !prefix
+                .bytes()
+                .all(|b| b.is_ascii_alphanumeric() || b == b'_')
+        {
+            Some(format!(
+                "prefix {prefix:?} is not 1 to 64 letters, digits and underscores"
+            ))
+        } else {
+            None
+        };
+        match problem {
+            Some(reason) => Err(BusError::Space { path: root, reason }),
+            None => Ok(Self { root, prefix }),
+        }
+    }
+
+    /// Creates the root for the current user only (mode 0700).
+    ///
+    /// # Errors
+    /// [`BusError::Space`] if it exists or cannot be created.
+    pub fn create_root(&self) -> Result<(), BusError> {
+        std::fs::DirBuilder::new()
+            .mode(0o700)
+            .create(&self.root)
+            .map_err(|e| BusError::Space {
+                path: self.root.clone(),
+                reason: e.to_string(),
+            })
+    }
+
+    /// Directory of the run's files.
+    pub fn root(&self) -> &Path {
+        &self.root
+    }
+
+    /// Prefix of everything the run puts into `/dev/shm`.
+    pub fn prefix(&self) -> &str {
+        &self.prefix
+    }
+
+    /// The iceoryx2 configuration of the run.
+    ///
+    /// # Errors
+    /// [`BusError::Space`] if iceoryx2 refuses the names.
+    pub fn config(&self) -> Result<Config, BusError> {
+        let refused = |reason: String| BusError::Space {
+            path: self.root.clone(),
+            reason,
+        };
+        let mut config = Config::default();
+        config.global.prefix =
+            FileName::try_from(self.prefix.as_str()).map_err(|e| refused(format!("{e:?}")))?;
+        let root = TransportPath::try_from(self.root.to_string_lossy().as_ref())
+            .map_err(|e| refused(format!("{e:?}")))?;
+        config.global.set_root_path(&root);
+        // A node of this run never has dead nodes of another to clean up, and cleaning is
+        // expensive: the orchestrator does it when a process died.
+        config.global.node.cleanup_dead_nodes_on_creation = false;
+        config.global.node.cleanup_dead_nodes_on_destruction = false;
+        Ok(config)
+    }
+
+    /// Removes everything of the run from shared memory and disk. Only when no process of it lives.
+    ///
+    /// # Errors
+    /// The first failure; removes what it can all the same.
+    pub fn wipe(&self) -> std::io::Result<()> {
+        let mut first_error = None;
+        let mut keep = |result: std::io::Result<()>| match result {
+            Err(e) if e.kind() != std::io::ErrorKind::NotFound && first_error.is_none() => {
+                first_error = Some(e);
+            }
+            _ => {}
+        };
+        match std::fs::read_dir("/dev/shm") {
+            Ok(entries) => {
+                for entry in entries.flatten() {
+                    if entry
+                        .file_name()
+                        .as_encoded_bytes()
+                        .starts_with(self.prefix.as_bytes())
+                    {
+                        keep(std::fs::remove_file(entry.path()));
+                    }
+                }
+            }
+            Err(e) => keep(Err(e)),
+        }
+        keep(std::fs::remove_dir_all(&self.root));
+        first_error.map_or(Ok(()), Err)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_roots_and_odd_prefixes_are_refused_with_the_limit() {
+        let long = RunSpace::new(format!("/tmp/{}", "x".repeat(60)), "p_").unwrap_err();
+        assert!(long.to_string().contains("at most 60"), "{long}");
+        let odd = RunSpace::new("/tmp/x", "a/b").unwrap_err();
+        assert!(odd.to_string().contains("a/b"), "{odd}");
+    }
+}

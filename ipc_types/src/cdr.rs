@@ -1,0 +1,111 @@
+//! The ROS 2 CDR form of a message: its shared-memory bytes behind a 4-byte encapsulation header.
+//!
+//! CDR (little-endian, XCDR1) aligns every primitive to its size, counted from the end of the
+//! encapsulation header. The messages have no implicit padding and their first field has the
+//! alignment of the whole, so user header and elements are copied as they are; only the element
+//! count of a sequence and the gap behind it are written.
+
+use crate::message::Message;
+use crate::topics::{Shape, Topic};
+
+/// Little-endian plain CDR.
+const ENCAPSULATION: [u8; 4] = [0x00, 0x01, 0x00, 0x00];
+
+/// Why bytes are not a message of a topic.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum DecodeError {
+    /// The first four bytes are not those of little-endian plain CDR.
+    #[error("encapsulation header is {found:02x?}, expected [00, 01, 00, 00] (little-endian CDR)")]
+    Encapsulation {
+        /// The bytes found (fewer than four if the message ends there).
+        found: Vec<u8>,
+    },
+    /// The length does not fit the topic's layout.
+    #[error("a message of {topic} with {elements} element(s) has {expected} bytes, found {found}")]
+    Length {
+        /// The topic.
+        topic: &'static str,
+        /// Elements that the message claims.
+        elements: usize,
+        /// Bytes that it then must have.
+        expected: usize,
+        /// Bytes that it has.
+        found: usize,
+    },
+}
+
+/// Appends the CDR form of a message to `out`.
+pub fn encode<T: Topic>(header: &T::Header, elements: &[T::Element], out: &mut Vec<u8>) {
+    use zerocopy::IntoBytes;
+    out.extend_from_slice(&ENCAPSULATION);
+    out.extend_from_slice(header.as_bytes());
+    if T::SHAPE == Shape::Many {
+        // A slice in shared memory is far below 2^32 elements (`Bus` caps it).
+        out.extend_from_slice(&(elements.len() as u32).to_le_bytes());
+        out.resize(out.len() + sequence_gap::<T>(), 0);
+    }
+    out.extend_from_slice(elements.as_bytes());
+}
+
+/// Reads a message back from its CDR form.
+///
+/// # Errors
+/// [`DecodeError`] if the bytes are not exactly one message of the topic.
+pub fn decode<T: Topic>(bytes: &[u8]) -> Result<(T::Header, Vec<T::Element>), DecodeError> {
+    use zerocopy::FromBytes;
+    let body = bytes
+        .strip_prefix(&ENCAPSULATION)
+        .ok_or_else(|| DecodeError::Encapsulation {
+            found: bytes[..bytes.len().min(4)].to_vec(),
+        })?;
+    let wrong = |elements: usize| DecodeError::Length {
+        topic: T::NAME,
+        elements,
+        expected: encoded_len::<T>(elements),
+        found: bytes.len(),
+    };
+    let (header, rest) = T::Header::read_from_prefix(body).map_err(|_| wrong(0))?;
+    let (count, rest) = match T::SHAPE {
+        Shape::One => (1, rest),
+        Shape::Many => {
+            let (count, rest) = u32::read_from_prefix(rest).map_err(|_| wrong(0))?;
+            let count = count as usize;
+            (
+                count,
+                rest.get(sequence_gap::<T>()..)
+                    .ok_or_else(|| wrong(count))?,
+            )
+        }
+    };
+    if count.checked_mul(size_of::<T::Element>()) != Some(rest.len()) {
+        return Err(wrong(count));
+    }
+    // The bytes of a log are not aligned: copy element by element.
+    let elements = rest
+        .chunks_exact(size_of::<T::Element>())
+        .map(T::Element::read_from_bytes)
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(|_| wrong(count))?;
+    Ok((header, elements))
+}
+
+/// Bytes of the CDR form of a message with this many elements (saturating).
+pub fn encoded_len<T: Topic>(elements: usize) -> usize {
+    let sequence = if T::SHAPE == Shape::Many {
+        4 + sequence_gap::<T>()
+    } else {
+        0
+    };
+    elements
+        .saturating_mul(size_of::<T::Element>())
+        .saturating_add(ENCAPSULATION.len() + size_of::<T::Header>() + sequence)
+}
+
+/// Padding between a sequence's count (which ends at 4 modulo 8) and its first element.
+const fn sequence_gap<T: Topic>() -> usize {
+    if T::Element::DESCRIPTOR.align == 8 {
+        4
+    } else {
+        0
+    }
+}

@@ -1,0 +1,17 @@
+//! Every message of Protean, every topic and its quality of service, and the iceoryx2 bus that
+//! opens them. Knows nothing of who sends or receives.
+//!
+//! * [`message`]: how a message type is defined, and what is proved about it at compile time;
+//! * [`messages`]: the messages; [`stamp`]: what stands first in each;
+//! * [`topics`]: the topics with their quality of service;
+//! * [`bus`]: publishers, subscribers, request–response and events of one isolated run;
+//! * [`schema`], [`cdr`]: how logs and other languages see them.
+
+pub mod bus;
+pub mod cdr;
+pub mod clock;
+pub mod message;
+pub mod messages;
+pub mod schema;
+pub mod stamp;
+pub mod topics;

@@ -1,0 +1,8 @@
+//! The messages, by who speaks: the world, robots and their planners, perception, the optimiser,
+//! the processes themselves.
+
+pub mod optimiser;
+pub mod perception;
+pub mod process;
+pub mod robot;
+pub mod world;

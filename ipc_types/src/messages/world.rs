@@ -1,0 +1,128 @@
+//! What the simulator tells everybody, and how obstacles change.
+
+use iceoryx2::prelude::ZeroCopySend;
+
+use crate::message;
+use crate::stamp::{Stamp, headers};
+
+message! {
+    /// Header of `world/state`.
+    pub struct WorldHeader = "protean/WorldHeader" {
+        stamp: Stamp = "tick and time of this state; its origin clock is its own sending",
+        tick_period_ns: u64 = "simulated time between two ticks [ns]",
+        map_revision: u32 = "revision of the map that holds at this tick",
+        phase: u32 = "0 running, 1 the game is over: nothing moves after this state",
+    }
+}
+
+impl WorldHeader {
+    /// `phase` while the game runs.
+    pub const RUNNING: u32 = 0;
+    /// `phase` of the last state.
+    pub const OVER: u32 = 1;
+}
+
+message! {
+    /// One robot in `world/state`: ground truth.
+    pub struct RobotState = "protean/RobotState" {
+        x: f64 = "position along the world's x axis [m]",
+        y: f64 = "position along the world's y axis [m]",
+        theta: f64 = "heading [rad], counter-clockwise from +x, in (-pi, pi]",
+        v: f64 = "forward speed [m/s]",
+        omega: f64 = "turning rate [rad/s]",
+        distance: f64 = "path length driven so far [m]",
+        robot: u32 = "index of the robot in the scenario",
+        contacts: u32 = "contact episodes with obstacles and robots so far",
+        team: u8 = "0 neutral, 1 police, 2 evader",
+        status: u8 = "0 active, 1 caught, 2 escaped, 3 timed out, 4 goal reached, 5 disabled",
+        in_contact: u8 = "1 while touching an obstacle or another robot",
+        fail_safe: u8 = "1 while the robot is stopped for want of a valid command",
+        present: u8 = "1 while its body stands in the world, in play or not",
+        reserved: [u8; 3] = "always 0",
+    }
+}
+
+message! {
+    /// Header of `world/map`.
+    pub struct MapHeader = "protean/MapHeader" {
+        stamp: Stamp = "since when the map holds",
+        resolution: f64 = "side of a cell [m]",
+        origin_x: f64 = "outer corner of cell (0, 0), x [m]",
+        origin_y: f64 = "outer corner of cell (0, 0), y [m]",
+        blur_sigma: f64 = "standard deviation of the Gaussian blur [m]",
+        width: u32 = "columns (cells along x)",
+        height: u32 = "rows (cells along y)",
+        revision: u32 = "counts from 1, +1 with every change",
+        reserved: u32 = "always 0",
+    }
+}
+
+message! {
+    /// One cell of `world/map`, row by row from the smallest y, columns along +x.
+    pub struct MapCell = "protean/MapCell" {
+        clearance: f32 = "distance from the cell's centre to the nearest obstacle [m]; 0 or less inside one",
+        blurred: f32 = "Gaussian blur of the free map (1 free), 0..1, not masked by occupancy",
+        occupied: u8 = "1 if the cell's centre lies in an obstacle",
+        reserved_a: u8 = "always 0",
+        reserved_b: u16 = "always 0",
+    }
+}
+
+message! {
+    /// One change of the obstacles in `world/obstacle_event`; applied at the start of the stamp's tick.
+    pub struct ObstacleEvent = "protean/ObstacleEvent" {
+        x: f64 = "reference point of the shape, x [m]",
+        y: f64 = "reference point of the shape, y [m]",
+        theta: f64 = "rotation of the shape [rad]",
+        radius: f64 = "radius of a circle [m], else 0",
+        half_x: f64 = "half extent of a rectangle along its own x [m], else 0",
+        half_y: f64 = "half extent of a rectangle along its own y [m], else 0",
+        vertices: [f64; 32] = "x, y pairs of a polygon in the world frame [m]",
+        vertex_count: u32 = "vertices of the polygon, at most 16",
+        id: u32 = "which obstacle; chosen by the sender, unique in the run",
+        action: u8 = "0 appear, 1 disappear, 2 move",
+        shape: u8 = "0 circle, 1 rectangle, 2 polygon",
+        reserved: [u8; 6] = "always 0",
+    }
+}
+
+message! {
+    /// Something that happened in the world, in `world/event`.
+    pub struct WorldEvent = "protean/WorldEvent" {
+        x: f64 = "where, x [m]",
+        y: f64 = "where, y [m]",
+        value: f64 = "by kind: 0 when it has none",
+        kind: u32 = "index into the list of names of events: 0 captured, 1 escaped, 2 timed out, 3 goal reached, 4 contact begins, 5 contact ends, 6 invalid command, 7 missing command, 8 obstacle changed, 9 game over, 10 pushed out by an obstacle, 11 trapped by one, 12 released",
+        robot: u32 = "the robot it happened to, or 4294967295",
+        other: u32 = "the other robot, the obstacle's id or the exit's index, or 4294967295",
+        reserved: u32 = "always 0",
+    }
+}
+
+impl WorldEvent {
+    /// Stands for "no robot" or "no other".
+    pub const NONE: u32 = u32::MAX;
+    /// The kinds by their code, as names for people and JSON.
+    pub const NAMES: [&'static str; 13] = [
+        "captured",
+        "escaped",
+        "timed_out",
+        "goal_reached",
+        "contact_begin",
+        "contact_end",
+        "invalid_command",
+        "missing_command",
+        "obstacle",
+        "game_over",
+        "pushed_out",
+        "trapped",
+        "released",
+    ];
+
+    /// The name of a kind; `unknown` for a code that this version does not know.
+    pub fn name_of(kind: u32) -> &'static str {
+        Self::NAMES.get(kind as usize).copied().unwrap_or("unknown")
+    }
+}
+
+headers!(WorldHeader, MapHeader);

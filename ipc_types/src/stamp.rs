@@ -1,0 +1,60 @@
+//! When, in which order and by whom a message was sent.
+
+use iceoryx2::prelude::ZeroCopySend;
+
+use crate::message;
+
+message! {
+    /// Stands first in the user header of every message.
+    ///
+    /// The simulated part (tick, time, sequence, source) is a function of scenario and seed in
+    /// lock-step and belongs to the digest of a run. The three monotonic clocks sit together at the
+    /// end, never steer anything, and are outside the digest.
+    pub struct Stamp = "protean/Stamp" {
+        tick: u64 = "tick of the world state that this message belongs to",
+        time_ns: u64 = "simulated time of that tick [ns]",
+        sequence: u64 = "counts the messages of one publisher on one topic from 0; a gap is a loss",
+        source: u32 = "index of the sending process in the run",
+        reserved: u32 = "always 0",
+        origin_ns: u64 = "monotonic clock when the causing world state was sent [ns], handed on unchanged",
+        received_ns: u64 = "monotonic clock when the sender took up the last input for this message [ns]",
+        sent_ns: u64 = "monotonic clock when this message was sent [ns]",
+    }
+}
+
+impl Stamp {
+    /// How many leading bytes belong to simulated history; the clocks follow them.
+    pub const SIMULATED_BYTES: usize = core::mem::offset_of!(Stamp, origin_ns);
+}
+
+/// A user header: a message whose first field is the [`Stamp`].
+pub trait Header: message::Message {
+    /// The stamp.
+    fn stamp(&self) -> &Stamp;
+    /// The stamp, to fill in.
+    fn stamp_mut(&mut self) -> &mut Stamp;
+}
+
+/// Implements [`Header`] for messages with a `stamp` field at offset 0, and checks that offset.
+macro_rules! headers {
+    ($($name:ident),+ $(,)?) => {$(
+        impl $crate::stamp::Header for $name {
+            fn stamp(&self) -> &$crate::stamp::Stamp {
+                &self.stamp
+            }
+            fn stamp_mut(&mut self) -> &mut $crate::stamp::Stamp {
+                &mut self.stamp
+            }
+        }
+        const _: () = assert!(core::mem::offset_of!($name, stamp) == 0 && size_of::<$name>() % 8 == 0);
+    )+};
+}
+pub(crate) use headers;
+
+message! {
+    /// Header of topics that need nothing but the stamp.
+    pub struct PlainHeader = "protean/PlainHeader" {
+        stamp: Stamp = "when, in which order, by whom",
+    }
+}
+headers!(PlainHeader);

@@ -1,0 +1,60 @@
+//! `protean check`.
+
+use std::process::ExitCode;
+
+use serde_json::json;
+
+use super::{EXIT_INVALID, OverrideArgs, print, print_json};
+use crate::scenario::{Loader, Program};
+
+/// Checks a scenario and says what it is.
+pub fn check(target: &str, overrides: &OverrideArgs, show: bool, as_json: bool) -> ExitCode {
+    let loaded = Loader::default()
+        .allow_outside(overrides.allow_outside)
+        .load(target, &overrides.set, overrides.seed);
+    match loaded {
+        Ok(scenario) if show => {
+            print(scenario.to_toml().trim_end());
+            ExitCode::SUCCESS
+        }
+        Ok(scenario) if as_json => {
+            print_json(&json!({
+                "ok": true,
+                "scenario": scenario.name,
+                "seed": scenario.run.seed,
+                "robots": scenario.world.robots.iter().map(|r| &r.name).collect::<Vec<_>>(),
+                "processes": scenario.processes.iter().map(|p| &p.name).collect::<Vec<_>>(),
+                "events": scenario.events.len(),
+                "external_commands": scenario.uses_external_commands(),
+            }));
+            ExitCode::SUCCESS
+        }
+        Ok(scenario) => {
+            let mut text = format!(
+                "{target}: ok: {} robots, {} processes and the simulator, {} events",
+                scenario.world.robots.len(),
+                scenario.processes.len(),
+                scenario.events.len()
+            );
+            for process in scenario.external_commands() {
+                if let Program::Command(words) = &process.program {
+                    text.push_str(&format!(
+                        "\n  {} starts a program of its own: {}",
+                        process.name,
+                        words.join(" ")
+                    ));
+                }
+            }
+            print(&text);
+            ExitCode::SUCCESS
+        }
+        Err(problems) => {
+            if as_json {
+                print_json(&json!({ "ok": false, "problems": problems.to_string() }));
+            } else {
+                eprintln!("{problems}");
+            }
+            ExitCode::from(EXIT_INVALID)
+        }
+    }
+}

@@ -1,0 +1,53 @@
+//! `protean list`.
+
+use std::process::ExitCode;
+
+use serde_json::json;
+
+use super::{EXIT_INVALID, print, print_json};
+use crate::scenario::kinds::KINDS;
+use crate::scenario::{builtin, list as scenarios};
+
+/// Lists what there is, or shows one built-in scenario.
+pub fn list(as_json: bool, show: Option<&str>) -> ExitCode {
+    if let Some(name) = show {
+        return match builtin::scenario(name) {
+            Some(scenario) => {
+                print(scenario.text.trim_end());
+                ExitCode::SUCCESS
+            }
+            None => {
+                let names: Vec<_> = scenarios().into_iter().map(|s| s.name).collect();
+                eprintln!(
+                    "error: no built-in scenario {name:?}: expected one of {}",
+                    names.join(", ")
+                );
+                ExitCode::from(EXIT_INVALID)
+            }
+        };
+    }
+    let scenarios = scenarios();
+    if as_json {
+        print_json(&json!({
+            "scenarios": scenarios
+                .iter()
+                .map(|s| json!({ "name": s.name, "title": s.title }))
+                .collect::<Vec<_>>(),
+            "kinds": KINDS
+                .iter()
+                .map(|k| json!({ "name": k.name, "summary": k.summary }))
+                .collect::<Vec<_>>(),
+        }));
+        return ExitCode::SUCCESS;
+    }
+    let mut text = String::from("Scenarios (protean run NAME, protean list --show NAME):\n");
+    for s in &scenarios {
+        text.push_str(&format!("  {:20} {}\n", s.name, s.title));
+    }
+    text.push_str("\nKinds of processes (kind = \"NAME\"):\n");
+    for k in KINDS {
+        text.push_str(&format!("  {:20} {}\n", k.name, k.summary));
+    }
+    print(text.trim_end());
+    ExitCode::SUCCESS
+}

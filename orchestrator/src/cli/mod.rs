@@ -1,0 +1,170 @@
+//! What a person types.
+
+mod check;
+mod clean;
+mod list;
+mod process;
+mod run;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{CommandFactory as _, Parser, Subcommand};
+
+/// Exit code of a run that failed.
+pub const EXIT_FAILED: u8 = 1;
+/// Exit code for wrong usage or input.
+pub const EXIT_INVALID: u8 = 2;
+/// Exit code for a partial result: a run that was interrupted, a log that misses messages.
+pub const EXIT_PARTIAL: u8 = 3;
+
+/// Patrol, coverage and pursuit-evasion with 2-D robots, as real processes over zero-copy shared
+/// memory, recorded to MCAP.
+///
+/// Without a command it runs the default chase.
+#[derive(Debug, Parser)]
+#[command(name = "protean", version, args_conflicts_with_subcommands = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Option<Command>,
+    #[command(flatten)]
+    run: RunArgs,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Run a scenario: start its processes, record everything, print the outcome
+    Run {
+        /// A scenario file, or the name of a built-in scenario (see `protean list`)
+        #[arg(default_value = DEFAULT_SCENARIO)]
+        scenario: String,
+        #[command(flatten)]
+        args: RunArgs,
+    },
+    /// Check a scenario without running it
+    Check {
+        /// A scenario file, or the name of a built-in scenario
+        scenario: String,
+        #[command(flatten)]
+        overrides: OverrideArgs,
+        /// Print the scenario with everything filled in
+        #[arg(long)]
+        print: bool,
+        /// Print one JSON object
+        #[arg(long)]
+        json: bool,
+    },
+    /// List the built-in scenarios and the kinds of processes
+    List {
+        /// Print one JSON object
+        #[arg(long)]
+        json: bool,
+        /// Print a built-in scenario's file, to copy from
+        #[arg(long, value_name = "NAME")]
+        show: Option<String>,
+    },
+    /// Remove what runs that were killed have left behind
+    Clean {
+        /// Print one JSON object
+        #[arg(long)]
+        json: bool,
+    },
+    /// Print a completion script for a shell
+    Completions {
+        /// The shell
+        shell: clap_complete::Shell,
+    },
+    /// Be one process of a run (the orchestrator calls this)
+    #[command(hide = true)]
+    Process {
+        /// Kind of the process
+        kind: String,
+        /// Its configuration
+        #[arg(long)]
+        config: PathBuf,
+    },
+}
+
+/// Scenario that runs when none is named.
+const DEFAULT_SCENARIO: &str = "chase";
+
+/// Changes to a scenario.
+#[derive(Debug, Clone, Default, clap::Args)]
+struct OverrideArgs {
+    /// Seed of everything random, in place of the scenario's
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+    /// Override a value of the scenario, e.g. rules.time_limit=60 or robots.police_1.limits.v_max=0.5
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    set: Vec<String>,
+    /// Let the scenario use files outside its folder
+    #[arg(long)]
+    allow_outside: bool,
+}
+
+/// How to run.
+#[derive(Debug, Clone, Default, clap::Args)]
+struct RunArgs {
+    #[command(flatten)]
+    overrides: OverrideArgs,
+    /// Run by the clock instead of in lock-step, FACTOR times as fast as reality
+    #[arg(long, value_name = "FACTOR", num_args = 0..=1, default_missing_value = "1")]
+    real_time: Option<f64>,
+    /// Write the log to this file [default: logs/SCENARIO-SEED.mcap]
+    #[arg(long, short, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Overwrite the log if it exists
+    #[arg(long)]
+    force: bool,
+    /// Let the scenario start programs that are not Protean's own
+    #[arg(long)]
+    allow_external: bool,
+    /// Show nothing but errors and the result
+    #[arg(long, short)]
+    quiet: bool,
+    /// Print the outcome as one JSON object
+    #[arg(long)]
+    json: bool,
+    /// Least severe level that the processes log: error, warn, info, debug or trace
+    #[arg(long, value_name = "LEVEL", default_value = "warn")]
+    log_level: String,
+}
+
+/// Runs the command line; returns the exit code.
+pub fn main() -> ExitCode {
+    let cli = Cli::parse();
+    match cli.command {
+        None => run::run(DEFAULT_SCENARIO, &cli.run),
+        Some(Command::Run { scenario, args }) => run::run(&scenario, &args),
+        Some(Command::Check {
+            scenario,
+            overrides,
+            print,
+            json,
+        }) => check::check(&scenario, &overrides, print, json),
+        Some(Command::List { json, show }) => list::list(json, show.as_deref()),
+        Some(Command::Clean { json }) => clean::clean(json),
+        Some(Command::Completions { shell }) => {
+            clap_complete::generate(
+                shell,
+                &mut Cli::command(),
+                "protean",
+                &mut std::io::stdout(),
+            );
+            ExitCode::SUCCESS
+        }
+        Some(Command::Process { kind, config }) => process::run(&kind, &config),
+    }
+}
+
+/// Writes a line to stdout; a reader that went away (`protean list | head`) is no error.
+fn print(text: &str) {
+    use std::io::Write as _;
+    let mut out = std::io::stdout().lock();
+    let _ = writeln!(out, "{text}").and_then(|()| out.flush());
+}
+
+/// Writes a JSON object to stdout.
+fn print_json(value: &serde_json::Value) {
+    print(&value.to_string());
+}

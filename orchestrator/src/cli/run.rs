@@ -1,0 +1,118 @@
+//! `protean run`.
+
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use super::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, RunArgs, print, print_json};
+use crate::mission::{self, MissionOptions, report};
+use crate::scenario::spec::Mode;
+use crate::scenario::{Loader, Program, ResolvedScenario};
+
+/// Levels that `--log-level` takes.
+const LEVELS: [&str; 5] = ["error", "warn", "info", "debug", "trace"];
+
+/// Loads, checks and runs a scenario.
+pub fn run(target: &str, args: &RunArgs) -> ExitCode {
+    start_logging(&args.log_level);
+    let scenario = match load(target, args) {
+        Ok(scenario) => scenario,
+        Err(text) => {
+            eprintln!("{text}");
+            return ExitCode::from(EXIT_INVALID);
+        }
+    };
+    let interrupted = Arc::new(AtomicBool::new(false));
+    if let Err(error) = handle_signals(&interrupted) {
+        eprintln!("error: cannot handle signals: {error}");
+        return ExitCode::from(EXIT_FAILED);
+    }
+    let options = MissionOptions {
+        out: args.out.clone(),
+        force: args.force,
+        quiet: args.quiet,
+        log_level: args.log_level.clone(),
+        interrupted,
+    };
+    match mission::run(&scenario, &options) {
+        Ok(report) => {
+            if args.json {
+                print_json(&report::json(&scenario, &report));
+            } else {
+                print(&report::text(&scenario, &report));
+            }
+            let lost = report.summary.topics.values().any(|topic| topic.gaps > 0);
+            if report.interrupted || lost {
+                ExitCode::from(EXIT_PARTIAL)
+            } else {
+                ExitCode::SUCCESS
+            }
+        }
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(EXIT_FAILED)
+        }
+    }
+}
+
+fn load(target: &str, args: &RunArgs) -> Result<ResolvedScenario, String> {
+    if !LEVELS.contains(&args.log_level.as_str()) {
+        return Err(format!(
+            "error: --log-level {:?}: expected one of {}",
+            args.log_level,
+            LEVELS.join(", ")
+        ));
+    }
+    let mut scenario = Loader::default()
+        .allow_outside(args.overrides.allow_outside)
+        .load(target, &args.overrides.set, args.overrides.seed)
+        .map_err(|problems| problems.to_string())?;
+    if let Some(factor) = args.real_time {
+        if !(0.001..=1000.0).contains(&factor) {
+            return Err(format!(
+                "error: --real-time {factor}: expected a factor from 0.001 to 1000"
+            ));
+        }
+        scenario.run.mode = Mode::RealTime;
+        scenario.run.real_time_factor = factor;
+    }
+    if scenario.uses_external_commands() && !args.allow_external {
+        let mut text = format!(
+            "error: {target} starts programs that are not Protean's own; look at them and add \
+             --allow-external:"
+        );
+        for process in scenario.external_commands() {
+            if let Program::Command(words) = &process.program {
+                text.push_str(&format!("\n    {}: {}", process.name, words.join(" ")));
+            }
+        }
+        return Err(text);
+    }
+    Ok(scenario)
+}
+
+/// The first Ctrl-C or SIGTERM ends the run in order, the second ends the program.
+fn handle_signals(interrupted: &Arc<AtomicBool>) -> std::io::Result<()> {
+    use signal_hook::consts::{SIGINT, SIGTERM};
+    use signal_hook::flag;
+    for signal in [SIGINT, SIGTERM] {
+        flag::register_conditional_shutdown(signal, 128 + signal, Arc::clone(interrupted))?;
+        flag::register(signal, Arc::clone(interrupted))?;
+    }
+    debug_assert!(!interrupted.load(Ordering::SeqCst));
+    Ok(())
+}
+
+fn start_logging(level: &str) {
+    let filter = tracing_subscriber::EnvFilter::try_from_env("PROTEAN_LOG")
+        .or_else(|_| tracing_subscriber::EnvFilter::try_new(level))
+        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("warn"));
+    let _ = tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_writer(std::io::stderr)
+        .with_ansi(false)
+        .without_time()
+        .with_target(false)
+        .try_init();
+    ipc_types::bus::quiet_transport();
+}

@@ -1,0 +1,6 @@
+//! The protean command: runs, supervises and records missions of real processes.
+
+pub mod cli;
+pub mod mission;
+pub mod recorder;
+pub mod scenario;

@@ -1,0 +1,234 @@
+//! The processes of a run: started, watched, ended.
+
+use std::collections::VecDeque;
+use std::io::{BufRead as _, BufReader};
+use std::os::fd::{AsFd as _, OwnedFd};
+use std::os::unix::process::CommandExt as _;
+use std::path::Path;
+use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
+use std::sync::{Arc, Mutex};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use rustix::event::{PollFd, PollFlags};
+use rustix::process::{Pid, PidfdFlags, Signal};
+
+/// Lines of its stderr that are kept of every process, to be shown if it fails.
+const KEPT_LINES: usize = 20;
+
+/// Why a process cannot be started or watched.
+#[derive(Debug, thiserror::Error)]
+#[error("process {name}: {what}: {source}")]
+pub struct ChildError {
+    /// Name of the process.
+    pub name: String,
+    /// What was attempted.
+    pub what: &'static str,
+    /// What the system said.
+    pub source: std::io::Error,
+}
+
+/// How a process is executed.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Executable {
+    /// One of our own kinds: this program executes itself.
+    Kind(String),
+    /// An executable of the user's with its arguments; the configuration's path is in the
+    /// environment variable `PROTEAN_CONFIG`.
+    Command(Vec<String>),
+}
+
+/// One process of the run.
+#[derive(Debug)]
+pub struct RunningProcess {
+    /// Name in the scenario.
+    pub name: String,
+    /// Index in the run.
+    pub slot: usize,
+    child: Child,
+    pidfd: OwnedFd,
+    /// The end of this pipe is what tells the process that the orchestrator is gone.
+    stdin: Option<ChildStdin>,
+    lines: Arc<Mutex<VecDeque<String>>>,
+    reader: Option<JoinHandle<()>>,
+    /// How it ended.
+    pub exit: Option<ExitStatus>,
+}
+
+impl RunningProcess {
+    /// Starts a process of the run.
+    ///
+    /// `echo` lets its stderr through to ours, each line with the process's name before it.
+    ///
+    /// # Errors
+    /// [`ChildError`] names the process and the reason.
+    pub fn start(
+        name: &str,
+        slot: usize,
+        executable: &Executable,
+        config: &Path,
+        echo: bool,
+    ) -> Result<Self, ChildError> {
+        let failed = |what: &'static str| {
+            let name = name.to_owned();
+            move |source: std::io::Error| ChildError { name, what, source }
+        };
+        let mut command = match executable {
+            Executable::Kind(kind) => {
+                let this = std::env::current_exe().map_err(failed("cannot find this program"))?;
+                let mut command = Command::new(this);
+                command.arg0(format!("protean:{name}"));
+                command.args(["process", kind, "--config"]).arg(config);
+                command
+            }
+            Executable::Command(words) => {
+                let (program, arguments) = words.split_first().ok_or_else(|| {
+                    failed("has an empty command")(std::io::ErrorKind::InvalidInput.into())
+                })?;
+                let mut command = Command::new(program);
+                command.args(arguments);
+                command
+            }
+        };
+        command
+            .env("PROTEAN_CONFIG", config)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            // Ctrl-C in a terminal is for the orchestrator, which then ends the run in order.
+            .process_group(0);
+        let mut child = command.spawn().map_err(failed("cannot be started"))?;
+        let pid = Pid::from_child(&child);
+        let pidfd = match rustix::process::pidfd_open(pid, PidfdFlags::empty()) {
+            Ok(pidfd) => pidfd,
+            Err(error) => {
+                let _ = child.kill();
+                let _ = child.wait();
+                return Err(failed("cannot be watched")(error.into()));
+            }
+        };
+        let lines = Arc::new(Mutex::new(VecDeque::new()));
+        let reader = child.stderr.take().and_then(|stderr| {
+            let (lines, name) = (Arc::clone(&lines), name.to_owned());
+            std::thread::Builder::new()
+                .name(format!("stderr-{slot}"))
+                .spawn(move || {
+                    for line in BufReader::new(stderr).lines().map_while(Result::ok) {
+                        if echo {
+                            eprintln!("[{name}] {line}");
+                        }
+                        if let Ok(mut kept) = lines.lock() {
+                            if kept.len() == KEPT_LINES {
+                                kept.pop_front();
+                            }
+                            kept.push_back(line);
+                        }
+                    }
+                })
+                .ok()
+        });
+        let stdin = child.stdin.take();
+        Ok(Self {
+            name: name.to_owned(),
+            slot,
+            child,
+            pidfd,
+            stdin,
+            lines,
+            reader,
+            exit: None,
+        })
+    }
+
+    /// Process id.
+    pub fn pid(&self) -> u32 {
+        self.child.id()
+    }
+
+    /// Takes note if it has ended; true the first time.
+    pub fn check_exit(&mut self) -> bool {
+        if self.exit.is_some() {
+            return false;
+        }
+        match self.child.try_wait() {
+            Ok(Some(status)) => {
+                self.exit = Some(status);
+                // What it wrote last is worth waiting for: its end of the pipe is closed now.
+                if let Some(reader) = self.reader.take() {
+                    let _ = reader.join();
+                }
+                true
+            }
+            _ => false,
+        }
+    }
+
+    /// The last lines it wrote to stderr.
+    pub fn last_words(&self) -> Vec<String> {
+        self.lines
+            .lock()
+            .map(|lines| lines.iter().cloned().collect())
+            .unwrap_or_default()
+    }
+
+    fn signal(&self, signal: Signal) {
+        if self.exit.is_none() {
+            let _ = rustix::process::pidfd_send_signal(&self.pidfd, signal);
+        }
+    }
+}
+
+/// Sleeps until one of the processes has ended or `wake` is readable, at most for `timeout`.
+pub fn sleep_until_exit(processes: &[RunningProcess], wake: Option<&OwnedFd>, timeout: Duration) {
+    let mut fds: Vec<PollFd<'_>> = processes
+        .iter()
+        .filter(|p| p.exit.is_none())
+        .map(|p| PollFd::from_borrowed_fd(p.pidfd.as_fd(), PollFlags::IN))
+        .collect();
+    fds.extend(wake.map(|fd| PollFd::from_borrowed_fd(fd.as_fd(), PollFlags::IN)));
+    let timeout = rustix::thread::Timespec {
+        tv_sec: i64::try_from(timeout.as_secs()).unwrap_or(i64::MAX),
+        tv_nsec: i64::from(timeout.subsec_nanos()),
+    };
+    // Woken by a signal or failed: the caller looks anyway.
+    let _ = rustix::event::poll(&mut fds, Some(&timeout));
+}
+
+/// Ends all processes: waits `patience` for them to end by themselves, then asks with SIGTERM, then
+/// kills. Returns the names of those that had to be killed.
+pub fn end_all(processes: &mut [RunningProcess], patience: Duration) -> Vec<String> {
+    let mut killed = Vec::new();
+    for (signal, time) in [
+        (None, patience),
+        (Some(Signal::TERM), Duration::from_secs(1)),
+        (Some(Signal::KILL), Duration::from_secs(5)),
+    ] {
+        let deadline = Instant::now() + time;
+        for process in processes.iter_mut() {
+            process.check_exit();
+            if let Some(signal) = signal
+                && process.exit.is_none()
+            {
+                process.signal(signal);
+                if signal == Signal::KILL {
+                    killed.push(process.name.clone());
+                }
+            }
+        }
+        loop {
+            for process in processes.iter_mut() {
+                process.check_exit();
+            }
+            let left = deadline.saturating_duration_since(Instant::now());
+            if left.is_zero() || processes.iter().all(|p| p.exit.is_some()) {
+                break;
+            }
+            sleep_until_exit(processes, None, left);
+        }
+    }
+    for process in processes {
+        // Closed last: while it is open the process knows that somebody is there.
+        process.stdin.take();
+    }
+    killed
+}

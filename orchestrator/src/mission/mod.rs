@@ -1,0 +1,15 @@
+//! One run, from the resolved scenario to the summary: processes started, supervised, recorded,
+//! ended, and nothing left behind.
+
+pub mod children;
+mod error;
+mod gate;
+mod log_path;
+pub mod plan;
+mod progress;
+pub mod report;
+mod run;
+pub mod spaces;
+
+pub use error::MissionError;
+pub use run::{MissionOptions, MissionReport, run};

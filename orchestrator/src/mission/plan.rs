@@ -1,0 +1,282 @@
+//! From a resolved scenario to what every process of the run is told.
+
+use std::path::Path;
+
+use ipc_types::messages::world::ObstacleEvent;
+use kit::config::{Clock, Idle, ProcessConfig, RobotInfo, RunConfig};
+use kit::obstacle::{self, ObstacleMessageError};
+use serde_json::Value as Json;
+use sim_backend::map::{ObstacleChange, WorldMap};
+use simulator::SimulatorParams;
+
+use super::children::Executable;
+use crate::scenario::kinds::{KINDS, Need, find};
+use crate::scenario::spec::{self, Mode};
+use crate::scenario::{Program, ResolvedScenario};
+
+/// Most bytes that the beliefs waiting for the recorder may take in shared memory.
+const RECORDER_MEMORY: usize = 256 << 20;
+/// Ticks that the recorder may lag behind when messages are small.
+const RECORDER_TICKS: usize = 256;
+/// Real seconds that the recorder may lag behind in real time.
+const RECORDER_SECONDS: f64 = 2.0;
+
+/// Why a scenario cannot be launched.
+#[derive(Debug, thiserror::Error)]
+pub enum PlanError {
+    /// The map cannot be built. The scenario was checked: only a changed file can cause it.
+    #[error(transparent)]
+    Map(#[from] sim_backend::map::MapError),
+    /// An obstacle event does not fit its message.
+    #[error(transparent)]
+    Obstacle(#[from] ObstacleMessageError),
+    /// The parameters cannot be written down.
+    #[error("parameters of the simulator: {0}")]
+    Params(#[from] serde_json::Error),
+}
+
+/// One process to be started.
+#[derive(Debug, Clone)]
+pub struct Launch {
+    /// What is executed.
+    pub executable: Executable,
+    /// What it is told.
+    pub config: ProcessConfig,
+    /// Whether other processes wait for it.
+    pub watched: bool,
+}
+
+/// One obstacle change to be replayed.
+#[derive(Debug, Clone)]
+pub struct Replay {
+    /// Tick at whose start it is applied.
+    pub tick: u64,
+    /// The change.
+    pub event: ObstacleEvent,
+}
+
+/// Everything that a run needs to start.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// What all processes share.
+    pub run: RunConfig,
+    /// The processes; the index in this list is the process's index in the run. The simulator is
+    /// the first.
+    pub launches: Vec<Launch>,
+    /// The obstacle changes, by tick.
+    pub replays: Vec<Replay>,
+    /// The obstacles that stand from the beginning, for viewers.
+    pub standing: Vec<ObstacleEvent>,
+}
+
+impl Plan {
+    /// Plans a run of the scenario in a directory.
+    ///
+    /// # Errors
+    /// [`PlanError`] if map or events cannot be told to the processes.
+    pub fn new(
+        scenario: &ResolvedScenario,
+        root: &Path,
+        prefix: &str,
+        log_level: &str,
+    ) -> Result<Self, PlanError> {
+        let map = WorldMap::new(&scenario.world.map)?;
+        let tick_period_ns = (scenario.run.dt * 1e9).round() as u64;
+        let particles = scenario
+            .processes
+            .iter()
+            .map(|p| particles(&p.params))
+            .max()
+            .unwrap_or(0);
+        let clock = match scenario.run.mode {
+            Mode::LockStep => Clock::LockStep,
+            Mode::RealTime => Clock::RealTime {
+                factor: scenario.run.real_time_factor,
+                deadline_ns: (scenario.run.command_deadline_s * 1e9) as u64,
+            },
+        };
+        let run = RunConfig {
+            root: root.to_owned(),
+            prefix: prefix.to_owned(),
+            seed: scenario.run.seed,
+            tick_period_ns,
+            clock,
+            idle: match scenario.run.idle {
+                spec::Idle::Block => Idle::Block,
+                spec::Idle::Spin => Idle::Spin,
+            },
+            processor: (scenario.run.pin == spec::Pin::OneCore).then(first_processor),
+            processes: scenario.processes.len() as u32 + 1,
+            events: scenario.events.len() as u32,
+            recorder_ticks: recorder_ticks(clock, scenario, particles) as u32,
+            map_cells: map.frame().len() as u32,
+            particles: particles as u32,
+            robots: scenario
+                .world
+                .robots
+                .iter()
+                .map(|robot| RobotInfo {
+                    name: robot.name.clone(),
+                    team: robot.team,
+                    model: robot.model(),
+                    beams: robot.scan.as_ref().map_or(0, |scan| scan.beams as u32),
+                    start: robot.start,
+                })
+                .collect(),
+            exits: map
+                .exits()
+                .iter()
+                .chain(&scenario.world.rules.exits)
+                .copied()
+                .collect(),
+            capture_radius: scenario.world.rules.capture.map_or(0.0, |c| c.radius),
+            log_level: log_level.to_owned(),
+        };
+        let replays = scenario
+            .events
+            .iter()
+            .filter_map(|event| Some((event.time_s, event.change()?)))
+            .map(|(time_s, change)| {
+                // The first tick at or after the time.
+                let tick = (time_s * 1e9 / tick_period_ns as f64 - 1e-9)
+                    .ceil()
+                    .max(0.0) as u64;
+                Ok(Replay {
+                    tick,
+                    event: obstacle::to_message(&change)?,
+                })
+            })
+            .collect::<Result<Vec<_>, ObstacleMessageError>>()?;
+        // A standing polygon with more corners than a message holds is drawn by the map alone.
+        let standing = map
+            .obstacles()
+            .iter()
+            .filter_map(|o| {
+                let appear = ObstacleChange::Appear {
+                    id: o.id,
+                    shape: o.shape.clone(),
+                };
+                obstacle::to_message(&appear).ok()
+            })
+            .collect();
+        let launches = launches(scenario, &run)?;
+        Ok(Self {
+            run,
+            launches,
+            replays,
+            standing,
+        })
+    }
+
+    /// Index under which the orchestrator itself sends.
+    pub fn orchestrator_index(&self) -> u32 {
+        self.launches.len() as u32
+    }
+
+    /// Whether the beliefs of a tick are input of a process.
+    pub fn reads_beliefs(&self, index: usize) -> bool {
+        self.launches
+            .get(index)
+            .is_some_and(|l| !l.config.upstream.is_empty())
+    }
+}
+
+/// Particles per belief that the parameters of a process ask for.
+fn particles(params: &Json) -> usize {
+    params
+        .pointer("/filter/particles")
+        .or_else(|| params.get("particles"))
+        .and_then(Json::as_u64)
+        .map_or(0, |n| n as usize)
+}
+
+fn recorder_ticks(clock: Clock, scenario: &ResolvedScenario, particles: usize) -> usize {
+    let per_tick = scenario.world.robots.len().max(1) * particles * 16;
+    let fitting = RECORDER_MEMORY
+        .checked_div(per_tick)
+        .unwrap_or(RECORDER_TICKS);
+    match clock {
+        Clock::LockStep => fitting.clamp(8, RECORDER_TICKS),
+        Clock::RealTime { factor, .. } => {
+            let ticks = RECORDER_SECONDS * factor / scenario.run.dt;
+            fitting.clamp(8, (ticks as usize).clamp(64, 4096))
+        }
+    }
+}
+
+/// The first processor that this process may use.
+fn first_processor() -> u32 {
+    rustix::thread::sched_getaffinity(None).map_or(0, |set| {
+        (0..rustix::thread::CpuSet::MAX_CPU)
+            .find(|&cpu| set.is_set(cpu))
+            .unwrap_or(0) as u32
+    })
+}
+
+fn launches(scenario: &ResolvedScenario, run: &RunConfig) -> Result<Vec<Launch>, PlanError> {
+    let kind_of = |program: &Program| match program {
+        Program::Kind(kind) => find(KINDS, kind),
+        Program::Command(_) => None,
+    };
+    let index = |position: usize| position as u32 + 1;
+    let providers: Vec<u32> = scenario
+        .processes
+        .iter()
+        .enumerate()
+        .filter(|(_, p)| kind_of(&p.program).is_some_and(|kind| kind.provides_belief))
+        .map(|(position, _)| index(position))
+        .collect();
+    let mut drivers: Vec<Option<u32>> = vec![None; scenario.world.robots.len()];
+    for (position, process) in scenario.processes.iter().enumerate() {
+        let drives = kind_of(&process.program).is_none_or(|kind| kind.drives_robots);
+        for &robot in process.robots.iter().filter(|_| drives) {
+            if let Some(driver) = drivers.get_mut(robot) {
+                *driver = Some(index(position));
+            }
+        }
+    }
+    let simulator = SimulatorParams {
+        world: scenario.world.clone(),
+        blur_sigma: scenario.blur_sigma,
+        drivers,
+    };
+    let mut launches = vec![Launch {
+        executable: Executable::Kind("simulator".into()),
+        config: ProcessConfig {
+            run: run.clone(),
+            name: "simulator".into(),
+            kind: "simulator".into(),
+            index: 0,
+            robots: Vec::new(),
+            upstream: Vec::new(),
+            params: serde_json::to_value(&simulator)?,
+        },
+        watched: false,
+    }];
+    for (position, process) in scenario.processes.iter().enumerate() {
+        let kind = kind_of(&process.program);
+        let needs_belief = kind.is_some_and(|k| (k.needs)(&process.params).contains(&Need::Belief));
+        let (executable, kind_name) = match &process.program {
+            Program::Kind(kind) => (Executable::Kind(kind.clone()), kind.clone()),
+            Program::Command(words) => (Executable::Command(words.clone()), "external".into()),
+        };
+        launches.push(Launch {
+            executable,
+            config: ProcessConfig {
+                run: run.clone(),
+                name: process.name.clone(),
+                kind: kind_name,
+                index: index(position),
+                robots: process.robots.iter().map(|&r| r as u32).collect(),
+                upstream: if needs_belief {
+                    providers.clone()
+                } else {
+                    Vec::new()
+                },
+                params: process.params.clone(),
+            },
+            watched: providers.contains(&index(position)),
+        });
+    }
+    Ok(launches)
+}

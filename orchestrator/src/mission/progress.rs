@@ -1,0 +1,124 @@
+//! What a person sees while a run goes on: a line that moves on a terminal, plain lines elsewhere.
+
+use std::io::IsTerminal as _;
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use ipc_types::messages::world::WorldEvent;
+
+use crate::recorder::Observer;
+
+/// How often a plain line is written when stderr is not a terminal.
+const PLAIN_EVERY: Duration = Duration::from_secs(5);
+
+/// Shows how far a run is.
+#[derive(Debug)]
+pub struct Progress {
+    bar: ProgressBar,
+    plain: bool,
+    start: Instant,
+    last_plain: Instant,
+}
+
+impl Progress {
+    /// Progress towards the time limit [s], if there is one; `quiet` shows nothing.
+    pub fn new(limit_s: Option<f64>, quiet: bool) -> Self {
+        let terminal = std::io::stderr().is_terminal();
+        let bar = match limit_s {
+            Some(limit) if limit.is_finite() => ProgressBar::new((limit * 1e3) as u64),
+            _ => ProgressBar::no_length(),
+        };
+        bar.set_draw_target(if quiet || !terminal {
+            ProgressDrawTarget::hidden()
+        } else {
+            ProgressDrawTarget::stderr_with_hz(10)
+        });
+        // A template that does not parse would only cost the bar its looks.
+        if let Ok(style) = ProgressStyle::with_template("{bar:30} {msg}") {
+            bar.set_style(style);
+        }
+        let now = Instant::now();
+        Self {
+            bar,
+            plain: !quiet && !terminal,
+            start: now,
+            last_plain: now,
+        }
+    }
+
+    /// A handle that writes events above the bar, for the recorder's thread.
+    pub fn events(&self, robots: Vec<String>, quiet: bool) -> EventPrinter {
+        EventPrinter {
+            bar: self.bar.clone(),
+            plain: self.plain,
+            quiet,
+            robots,
+        }
+    }
+
+    /// Shows that the run has reached a simulated time [s].
+    pub fn at(&mut self, time_s: f64) {
+        let factor = time_s / self.start.elapsed().as_secs_f64().max(1e-9);
+        self.bar.set_position((time_s * 1e3) as u64);
+        self.bar
+            .set_message(format!("t = {time_s:.1} s  ({factor:.0}x real time)"));
+        if self.plain && self.last_plain.elapsed() >= PLAIN_EVERY {
+            self.last_plain = Instant::now();
+            eprintln!("t = {time_s:.1} s  ({factor:.0}x real time)");
+        }
+    }
+
+    /// Takes the bar away.
+    pub fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+/// Writes what happens as it is recorded.
+#[derive(Debug)]
+pub struct EventPrinter {
+    bar: ProgressBar,
+    plain: bool,
+    quiet: bool,
+    robots: Vec<String>,
+}
+
+impl EventPrinter {
+    fn name(&self, robot: u32) -> &str {
+        self.robots.get(robot as usize).map_or("?", String::as_str)
+    }
+
+    /// The event in words; `None` for those that only fill the screen.
+    fn words(&self, event: &WorldEvent) -> Option<String> {
+        let robot = self.name(event.robot);
+        Some(match WorldEvent::name_of(event.kind) {
+            "captured" => format!("{robot} caught by {}", self.name(event.other)),
+            "escaped" => format!("{robot} escaped"),
+            "timed_out" => format!("{robot} ran out of time"),
+            "goal_reached" => format!("{robot} reached its goal"),
+            "invalid_command" => format!("{robot} stopped: invalid command"),
+            "missing_command" => format!("{robot} stopped: no command"),
+            "obstacle" => format!("obstacle {} changed", event.other),
+            "pushed_out" => format!("{robot} pushed aside by an obstacle"),
+            "trapped" => format!("{robot} trapped by an obstacle"),
+            "released" => format!("{robot} free again"),
+            _ => return None,
+        })
+    }
+}
+
+impl Observer for EventPrinter {
+    fn on_event(&mut self, time_s: f64, event: &WorldEvent) {
+        if self.quiet {
+            return;
+        }
+        if let Some(words) = self.words(event) {
+            let line = format!("{time_s:8.2} s  {words}");
+            if self.plain {
+                eprintln!("{line}");
+            } else {
+                self.bar.println(line);
+            }
+        }
+    }
+}

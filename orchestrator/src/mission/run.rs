@@ -1,0 +1,573 @@
+//! Starting, supervising and ending the processes of a run.
+
+use std::collections::BTreeMap;
+use std::io::Write as _;
+use std::os::fd::OwnedFd;
+use std::os::unix::fs::OpenOptionsExt as _;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, mpsc};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use ipc_types::bus::{Bus, BusError, Publisher, PublisherOptions, TopicHolder};
+use ipc_types::messages::process::RunControl;
+use ipc_types::stamp::PlainHeader;
+use ipc_types::topics::{
+    Control, ObstacleEvents, OptimiserPlan, Topic, TopicVisitor, for_each_topic,
+};
+use kit::config::Clock;
+use kit::lockstep::{Overseer, Phase, SlotState, TurnPage};
+
+use super::children::{RunningProcess, end_all, sleep_until_exit};
+use super::error::MissionError;
+use super::gate::PageGate;
+use super::plan::Plan;
+use super::progress::{EventPrinter, Progress};
+use super::spaces::{self, OwnedSpace};
+use super::{log_path, report};
+use crate::recorder::{
+    Compression, LogError, LogOptions, Manifest, ManifestFile, Order, ProcessInfo, Recorder,
+    RecorderError, RecorderOptions, Recording, RobotInfo, Summary, ViewerOptions,
+};
+use crate::scenario::ResolvedScenario;
+use crate::scenario::spec;
+
+/// Time that a process has to open its ports.
+const READY_WITHIN: Duration = Duration::from_secs(20);
+/// Time that processes have to end by themselves when the run stops.
+const END_WITHIN: Duration = Duration::from_secs(3);
+/// Beat of the supervisor: progress is shown and silence noticed this often. The end of a process
+/// wakes it at once.
+const BEAT: Duration = Duration::from_millis(50);
+
+/// How a run is done.
+#[derive(Debug, Clone, Default)]
+pub struct MissionOptions {
+    /// Where the log goes; `logs/<scenario>-<seed>.mcap` if not said.
+    pub out: Option<PathBuf>,
+    /// Whether an existing log may be overwritten.
+    pub force: bool,
+    /// Whether nothing but errors is shown.
+    pub quiet: bool,
+    /// Least severe level that the processes log.
+    pub log_level: String,
+    /// Set from outside (Ctrl-C) to end the run in order.
+    pub interrupted: Arc<AtomicBool>,
+}
+
+/// How a run went.
+#[derive(Debug, Clone)]
+pub struct MissionReport {
+    /// What the log holds.
+    pub summary: Summary,
+    /// Real time from the first tick to the last [s].
+    pub wall_time_s: f64,
+    /// Real time from the call to the first tick [s].
+    pub start_up_s: f64,
+    /// Whether it was ended from outside.
+    pub interrupted: bool,
+}
+
+/// Runs a scenario to its end.
+///
+/// # Errors
+/// [`MissionError`]; the log holds everything up to then, and no process, shared memory or
+/// directory of the run remains.
+pub fn run(
+    scenario: &ResolvedScenario,
+    options: &MissionOptions,
+) -> Result<MissionReport, MissionError> {
+    let start = Instant::now();
+    // What a killed orchestrator left behind goes now; a failure to do so concerns this run only
+    // if it cannot have a directory of its own, which is said below.
+    let _ = spaces::clean();
+    let space = OwnedSpace::create()?;
+    let log_level = if options.log_level.is_empty() {
+        "warn"
+    } else {
+        options.log_level.as_str()
+    };
+    let plan = Plan::new(
+        scenario,
+        space.space().root(),
+        space.space().prefix(),
+        log_level,
+    )?;
+    let recording = create_log(scenario, &plan, options)?;
+
+    let bus = Bus::join(space.space(), plan.run.bus_options(), "orchestrator")?;
+    let services = create_services(&bus)?;
+    let page = TurnPage::create(space.space().prefix(), plan.launches.len())?;
+    let overseer = Overseer::new(Arc::new(page));
+    for (slot, launch) in plan.launches.iter().enumerate() {
+        overseer.seat(slot, slot != 0, launch.watched);
+    }
+
+    let progress = Progress::new(scenario.world.rules.time_limit, options.quiet);
+    let robots = scenario
+        .world
+        .robots
+        .iter()
+        .map(|r| r.name.clone())
+        .collect();
+    let printer = progress.events(robots, options.quiet);
+    let recorder = RecorderThread::start(&plan, &overseer, recording, printer)?;
+
+    let mut flight = Flight {
+        plan: &plan,
+        options,
+        overseer,
+        bus,
+        processes: Vec::new(),
+        recorder,
+        progress,
+        hang_timeout: Duration::from_secs_f64(scenario.run.hang_timeout_s),
+        start,
+        first_tick: None,
+        interrupted: false,
+    };
+    let flown = flight.fly(&space);
+    let wall_time_s = flight
+        .first_tick
+        .map_or(0.0, |first| first.elapsed().as_secs_f64());
+    let start_up_s = flight
+        .first_tick
+        .map_or(0.0, |first| (first - start).as_secs_f64());
+    let interrupted = flight.interrupted;
+    let recorded = flight.land();
+    drop(services);
+    drop(space);
+    // A failed recorder is the cause rather than the consequence of anything else.
+    let summary = recorded?;
+    flown?;
+    Ok(MissionReport {
+        summary,
+        wall_time_s,
+        start_up_s,
+        interrupted,
+    })
+}
+
+fn create_services(bus: &Bus) -> Result<Vec<TopicHolder>, BusError> {
+    struct Create<'a>(&'a Bus, Vec<TopicHolder>);
+    impl TopicVisitor for Create<'_> {
+        type Error = BusError;
+        fn visit<T: Topic>(&mut self) -> Result<(), BusError> {
+            self.1.push(self.0.create::<T>()?);
+            Ok(())
+        }
+    }
+    let mut create = Create(bus, Vec::new());
+    for_each_topic(&mut create)?;
+    create.1.push(bus.create_service::<OptimiserPlan>()?);
+    Ok(create.1)
+}
+
+/// Creates the log. Without a name of its own it takes the first free one, also when another run
+/// takes names at the same time.
+fn create_log(
+    scenario: &ResolvedScenario,
+    plan: &Plan,
+    options: &MissionOptions,
+) -> Result<Recording, MissionError> {
+    let mut recorder = recorder_options(scenario, plan, options);
+    loop {
+        recorder.path = match &options.out {
+            Some(path) => path.clone(),
+            None => log_path::free_path(&scenario.name, scenario.run.seed).map_err(|source| {
+                MissionError::System {
+                    what: "cannot make the directory logs".into(),
+                    source,
+                }
+            })?,
+        };
+        match Recording::create(&recorder) {
+            Err(LogError::Exists { .. }) if options.out.is_none() => {}
+            result => return Ok(result?),
+        }
+    }
+}
+
+fn recorder_options(
+    scenario: &ResolvedScenario,
+    plan: &Plan,
+    options: &MissionOptions,
+) -> RecorderOptions {
+    let toml = scenario.to_toml();
+    let mut processes: Vec<ProcessInfo> = plan
+        .launches
+        .iter()
+        .enumerate()
+        .map(|(index, launch)| ProcessInfo {
+            index: index as u32,
+            name: launch.config.name.clone(),
+            kind: launch.config.kind.clone(),
+            reads_beliefs: plan.reads_beliefs(index),
+        })
+        .collect();
+    processes.push(ProcessInfo {
+        index: plan.orchestrator_index(),
+        name: "orchestrator".into(),
+        kind: "orchestrator".into(),
+        reads_beliefs: false,
+    });
+    let entries = BTreeMap::from([
+        ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
+        ("scenario".to_owned(), scenario.name.clone()),
+        (
+            "scenario_blake3".to_owned(),
+            blake3::hash(toml.as_bytes()).to_hex().to_string(),
+        ),
+        ("seed".to_owned(), scenario.run.seed.to_string()),
+        (
+            "tick_period_ns".to_owned(),
+            plan.run.tick_period_ns.to_string(),
+        ),
+        (
+            "mode".to_owned(),
+            report::mode_name(scenario.run.mode).to_owned(),
+        ),
+        (
+            "robots".to_owned(),
+            names(plan.run.robots.iter().map(|r| r.name.as_str())),
+        ),
+        (
+            "processes".to_owned(),
+            names(processes.iter().map(|p| p.name.as_str())),
+        ),
+        ("machine".to_owned(), report::machine()),
+    ]);
+    RecorderOptions {
+        path: PathBuf::new(),
+        log: LogOptions {
+            compression: match scenario.log.compression {
+                spec::Compression::Zstd => LogOptions::default().compression,
+                spec::Compression::None => Compression::None,
+            },
+            force: options.force,
+            ..LogOptions::default()
+        },
+        manifest: Manifest {
+            entries,
+            attachments: vec![ManifestFile {
+                name: "scenario.toml".into(),
+                media_type: "application/toml".into(),
+                data: toml.into_bytes(),
+            }],
+        },
+        processes,
+        robots: plan
+            .run
+            .robots
+            .iter()
+            .map(|r| RobotInfo {
+                name: r.name.clone(),
+                radius: r.model.radius,
+            })
+            .collect(),
+        tick_period_ns: plan.run.tick_period_ns,
+        order: match plan.run.clock {
+            Clock::LockStep => Order::LockStep,
+            // A quarter of a real second behind: later messages are rarer than lost ones.
+            Clock::RealTime { factor, .. } => Order::RealTime {
+                window_ticks: ((0.25 * factor / plan.run.tick_period()).ceil() as u64).max(2),
+            },
+        },
+        viewer: ViewerOptions {
+            rate_hz: scenario.log.viewer_rate_hz,
+            ..ViewerOptions::default()
+        },
+        obstacles: plan.standing.clone(),
+    }
+}
+
+fn names<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    names.collect::<Vec<_>>().join(",")
+}
+
+/// The recorder and its thread.
+struct RecorderThread {
+    thread: JoinHandle<Result<Summary, RecorderError>>,
+    connect: mpsc::Sender<()>,
+    connected: mpsc::Receiver<()>,
+    /// Set once nobody sends any more.
+    ended: Arc<AtomicBool>,
+    /// Readable when the thread has ended.
+    wake: OwnedFd,
+}
+
+impl RecorderThread {
+    fn start(
+        plan: &Plan,
+        overseer: &Overseer,
+        recording: Recording,
+        mut printer: EventPrinter,
+    ) -> Result<Self, MissionError> {
+        let system = |what: &str| {
+            let what = what.to_owned();
+            move |source: std::io::Error| MissionError::System { what, source }
+        };
+        let (wake, ended_end) = rustix::pipe::pipe_with(rustix::pipe::PipeFlags::CLOEXEC)
+            .map_err(|e| system("cannot make a pipe")(e.into()))?;
+        let (connect, do_connect) = mpsc::channel();
+        let (tell, connected) = mpsc::channel();
+        let ended = Arc::new(AtomicBool::new(false));
+        let gate = PageGate::new(overseer.clone(), Arc::clone(&ended));
+        let space = plan.run.space()?;
+        let bus_options = plan.run.bus_options();
+        let thread = std::thread::Builder::new()
+            .name("recorder".into())
+            .spawn(move || {
+                // Closed when the thread ends, however it ends: that wakes the supervisor.
+                let _wake = ended_end;
+                // The ports of the bus belong to the thread that opened them.
+                let bus =
+                    Bus::join(&space, bus_options, "recorder").map_err(RecorderError::Subscribe)?;
+                let recorder = Recorder::open(&bus, recording)?;
+                let _ = tell.send(());
+                // Both channels end when the run ends before it began.
+                if do_connect.recv().is_ok() {
+                    recorder.update_connections()?;
+                }
+                let _ = tell.send(());
+                recorder.run(&gate, &mut printer)
+            })
+            .map_err(system("cannot start the recorder's thread"))?;
+        let recorder = Self {
+            thread,
+            connect,
+            connected,
+            ended,
+            wake,
+        };
+        // Its subscriptions must stand before anybody sends.
+        let _ = recorder.connected.recv();
+        Ok(recorder)
+    }
+
+    fn connect(&self) {
+        let _ = self.connect.send(());
+        let _ = self.connected.recv();
+    }
+
+    fn finish(self) -> Result<Summary, MissionError> {
+        self.ended.store(true, Ordering::SeqCst);
+        drop(self.connect);
+        match self.thread.join() {
+            Ok(result) => Ok(result?),
+            Err(_) => Err(MissionError::RecorderLost),
+        }
+    }
+}
+
+/// A run in the air.
+struct Flight<'a> {
+    plan: &'a Plan,
+    options: &'a MissionOptions,
+    overseer: Overseer,
+    bus: Bus,
+    processes: Vec<RunningProcess>,
+    recorder: RecorderThread,
+    progress: Progress,
+    hang_timeout: Duration,
+    start: Instant,
+    first_tick: Option<Instant>,
+    interrupted: bool,
+}
+
+impl Flight<'_> {
+    /// From the first process to the end of the game.
+    fn fly(&mut self, space: &OwnedSpace) -> Result<(), MissionError> {
+        let control: Publisher<Control> = self.bus.publisher(self.publisher(1))?;
+        let obstacles: Publisher<ObstacleEvents> = self.bus.publisher(self.publisher(1))?;
+        for (slot, launch) in self.plan.launches.iter().enumerate() {
+            let path = write_config(space.space().root(), launch)?;
+            let name = &launch.config.name;
+            let echo = !self.options.quiet;
+            let process = RunningProcess::start(name, slot, &launch.executable, &path, echo)?;
+            self.processes.push(process);
+        }
+        space.note_processes(self.processes.iter().map(RunningProcess::pid))?;
+        if !self.wait_until(SlotState::Ready)? {
+            return Ok(());
+        }
+        self.overseer.set_phase(Phase::Connect);
+        if !self.wait_until(SlotState::Connected)? {
+            return Ok(());
+        }
+        control.update_connections()?;
+        obstacles.update_connections()?;
+        self.recorder.connect();
+        for replay in &self.plan.replays {
+            let mut header = PlainHeader::default();
+            header.stamp.tick = replay.tick;
+            header.stamp.time_ns = replay.tick * self.plan.run.tick_period_ns;
+            obstacles.send(header, &[replay.event])?;
+        }
+        let rate = match self.plan.run.clock {
+            Clock::LockStep => 0.0,
+            Clock::RealTime { factor, .. } => factor,
+        };
+        const START: u32 = 1;
+        let order = RunControl {
+            rate,
+            command: START,
+            ..RunControl::default()
+        };
+        control.send(PlainHeader::default(), &[order])?;
+        tracing::info!(
+            "first tick {:.3} s after the start",
+            self.start.elapsed().as_secs_f64()
+        );
+        self.first_tick = Some(Instant::now());
+        self.overseer.set_phase(Phase::Run);
+        self.supervise()
+    }
+
+    fn publisher(&self, capacity: usize) -> PublisherOptions {
+        PublisherOptions::new(self.plan.orchestrator_index(), capacity)
+    }
+
+    /// Waits until every process is at least this far; false if the run is interrupted.
+    fn wait_until(&mut self, wanted: SlotState) -> Result<bool, MissionError> {
+        let deadline = Instant::now() + READY_WITHIN;
+        loop {
+            let page = self.overseer.page();
+            let behind = self.processes.iter().find(|process| {
+                let state = page.state(process.slot);
+                match wanted {
+                    SlotState::Ready => state == SlotState::Starting,
+                    _ => matches!(state, SlotState::Starting | SlotState::Ready),
+                }
+            });
+            let behind = behind.map(|p| (p.name.clone(), p.last_words()));
+            self.check_exits("before it was ready")?;
+            let Some((name, last_words)) = behind else {
+                return Ok(true);
+            };
+            if self.check_interrupt() {
+                return Ok(false);
+            }
+            if Instant::now() >= deadline {
+                return Err(MissionError::NotReady {
+                    name,
+                    waited: READY_WITHIN,
+                    last_words,
+                });
+            }
+            // Processes say how far they are on the page; a few milliseconds are nothing against
+            // what starting a process takes.
+            sleep_until_exit(&self.processes, None, Duration::from_millis(2));
+        }
+    }
+
+    /// Watches the run until the game is over, the run is interrupted, or something fails.
+    fn supervise(&mut self) -> Result<(), MissionError> {
+        let mut last_tick = 0;
+        let mut last_progress = Instant::now();
+        loop {
+            let page = self.overseer.page();
+            let ticks = page.ticks_posted();
+            let over = page.is_over();
+            self.progress.at(ticks as f64 * self.plan.run.tick_period());
+            if over {
+                return Ok(());
+            }
+            if self.recorder.thread.is_finished() {
+                // Why is in the thread's result.
+                return Ok(());
+            }
+            self.check_exits(&format!("at tick {}", ticks.saturating_sub(1)))?;
+            if self.check_interrupt() {
+                return Ok(());
+            }
+            if ticks != last_tick {
+                (last_tick, last_progress) = (ticks, Instant::now());
+            } else if last_progress.elapsed() >= self.hang_timeout {
+                return Err(self.name_the_hung(ticks.saturating_sub(1)));
+            }
+            sleep_until_exit(&self.processes, Some(&self.recorder.wake), BEAT);
+        }
+    }
+
+    fn check_exits(&mut self, when: &str) -> Result<(), MissionError> {
+        for process in &mut self.processes {
+            if process.check_exit() {
+                self.overseer.bury(process.slot);
+                self.bus.clean_up_dead();
+                return Err(MissionError::Exited {
+                    name: process.name.clone(),
+                    how: process
+                        .exit
+                        .map_or_else(|| "ended".into(), report::exit_words),
+                    when: when.to_owned(),
+                    last_words: process.last_words(),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    fn check_interrupt(&mut self) -> bool {
+        self.interrupted |= self.options.interrupted.load(Ordering::SeqCst);
+        self.interrupted
+    }
+
+    /// Who owes the tick that everybody waits for.
+    fn name_the_hung(&self, tick: u64) -> MissionError {
+        let page = self.overseer.page();
+        let owing = self
+            .processes
+            .iter()
+            .filter(|p| p.slot != 0 && page.state(p.slot) == SlotState::Connected)
+            .find(|p| page.ticks_done(p.slot) <= tick && !self.waits_for_another(p.slot, tick))
+            .or(self.processes.first());
+        MissionError::Hung {
+            name: owing.map_or_else(|| "simulator".into(), |p| p.name.clone()),
+            tick,
+            waited: self.hang_timeout,
+            last_words: owing.map(RunningProcess::last_words).unwrap_or_default(),
+        }
+    }
+
+    fn waits_for_another(&self, slot: usize, tick: u64) -> bool {
+        self.plan.launches.get(slot).is_some_and(|launch| {
+            launch
+                .config
+                .upstream
+                .iter()
+                .any(|&up| self.overseer.page().ticks_done(up as usize) <= tick)
+        })
+    }
+
+    /// Ends everything and collects what was recorded.
+    fn land(mut self) -> Result<Summary, MissionError> {
+        self.overseer.set_phase(Phase::Stop);
+        let killed = end_all(&mut self.processes, END_WITHIN);
+        for name in killed {
+            tracing::warn!("process {name} did not end and was killed");
+        }
+        self.progress.finish();
+        self.recorder.finish()
+    }
+}
+
+/// Writes the configuration of a process, for the current user only.
+fn write_config(root: &Path, launch: &super::plan::Launch) -> Result<PathBuf, MissionError> {
+    // Process names may hold anything: the index makes the file's name.
+    let path = root.join(format!("process-{}.json", launch.config.index));
+    let failed = |source| MissionError::System {
+        what: format!("{}", path.display()),
+        source,
+    };
+    let mut file = std::fs::OpenOptions::new()
+        .create_new(true)
+        .write(true)
+        .mode(0o600)
+        .open(&path)
+        .map_err(failed)?;
+    let text = serde_json::to_vec(&launch.config).map_err(|e| failed(e.into()))?;
+    file.write_all(&text).map_err(failed)?;
+    Ok(path)
+}

@@ -1,0 +1,156 @@
+//! From the bus into the recording.
+
+use std::time::Duration;
+
+use ipc_types::bus::{Bus, BusError, ReceiveError, Subscriber};
+use ipc_types::topics::{Topic, TopicVisitor, for_each_topic};
+
+use super::error::RecorderError;
+use super::gate::{Gate, Observer};
+use super::options::Order;
+use super::recording::Recording;
+use super::summary::Summary;
+
+/// Longest sleep between two looks at the bus. Messages gather meanwhile, so that the recorder is
+/// woken per batch and not per tick; a gate wakes it earlier when the simulator is about to be
+/// held back.
+const NAP: Duration = Duration::from_millis(10);
+
+/// Most messages taken from one topic before the others get their turn.
+const TURN: usize = 16_384;
+
+/// Records every topic of a run.
+///
+/// The ports of the bus belong to one thread: open the recorder on the thread that runs it.
+pub struct Recorder {
+    taps: Vec<Box<dyn Tap>>,
+    recording: Recording,
+}
+
+impl Recorder {
+    /// Subscribes to every topic; the services must exist. (The recording comes from outside so
+    /// that a log that cannot be created is reported before anything is started.)
+    ///
+    /// # Errors
+    /// [`RecorderError::Subscribe`].
+    pub fn open(bus: &Bus, recording: Recording) -> Result<Self, RecorderError> {
+        struct Open<'a>(&'a Bus, Vec<Box<dyn Tap>>);
+        impl TopicVisitor for Open<'_> {
+            type Error = BusError;
+            fn visit<T: Topic>(&mut self) -> Result<(), BusError> {
+                let rank = self.1.len();
+                self.1.push(Box::new(TopicTap {
+                    subscriber: self.0.recorder::<T>()?,
+                    rank,
+                }));
+                Ok(())
+            }
+        }
+        let mut open = Open(bus, Vec::new());
+        for_each_topic(&mut open)?;
+        Ok(Self {
+            taps: open.1,
+            recording,
+        })
+    }
+
+    /// Connects to all publishers that exist by now (part of the run's handshake).
+    ///
+    /// # Errors
+    /// [`RecorderError::Receive`].
+    pub fn update_connections(&self) -> Result<(), RecorderError> {
+        self.taps
+            .iter()
+            .try_for_each(|tap| tap.connect())
+            .map_err(RecorderError::from)
+    }
+
+    /// Records until the gate says that the run has ended.
+    ///
+    /// # Errors
+    /// [`RecorderError`]; what was written before stays readable.
+    pub fn run(
+        mut self,
+        gate: &dyn Gate,
+        observer: &mut dyn Observer,
+    ) -> Result<Summary, RecorderError> {
+        let mut recorded = None;
+        loop {
+            // What the gate says must be known before the buffers are looked at: then every
+            // message that it speaks of is in them.
+            let ended = gate.ended();
+            let completed = gate.completed_tick();
+            let empty = self.drain()?;
+            if empty {
+                if ended {
+                    break;
+                }
+                let completed = match self.recording.order() {
+                    Order::LockStep => completed,
+                    Order::RealTime { window_ticks } => {
+                        self.recording.newest_tick().checked_sub(window_ticks)
+                    }
+                };
+                if let Some(completed) = completed
+                    && recorded.is_none_or(|recorded| completed > recorded)
+                {
+                    self.recording.advance(completed, observer)?;
+                    gate.recorded(completed);
+                    recorded = Some(completed);
+                }
+            }
+            self.recording.flush_if_due()?;
+            if empty {
+                gate.wait(NAP);
+            }
+        }
+        Ok(self.recording.finish(observer)?)
+    }
+
+    /// Takes what is there; `false` if there may be more.
+    fn drain(&mut self) -> Result<bool, ReceiveError> {
+        let mut empty = true;
+        for tap in &self.taps {
+            empty &= tap.drain(&mut self.recording)?;
+        }
+        Ok(empty)
+    }
+}
+
+impl core::fmt::Debug for Recorder {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Recorder")
+            .field("recording", &self.recording)
+            .finish_non_exhaustive()
+    }
+}
+
+/// A subscriber without its type.
+trait Tap {
+    fn connect(&self) -> Result<(), ReceiveError>;
+    /// Takes messages; `false` if there may be more.
+    fn drain(&self, recording: &mut Recording) -> Result<bool, ReceiveError>;
+}
+
+struct TopicTap<T: Topic> {
+    subscriber: Subscriber<T>,
+    rank: usize,
+}
+
+impl<T: Topic> Tap for TopicTap<T> {
+    fn connect(&self) -> Result<(), ReceiveError> {
+        self.subscriber.update_connections()
+    }
+
+    fn drain(&self, recording: &mut Recording) -> Result<bool, ReceiveError> {
+        for _ in 0..TURN {
+            match self.subscriber.receive()? {
+                Some(message) => {
+                    recording.push_ranked::<T>(self.rank, message.header(), message.elements());
+                }
+                None => return Ok(true),
+            }
+        }
+        Ok(false)
+    }
+}

@@ -1,0 +1,217 @@
+//! What a message must satisfy to be believed. Whatever it says, it is logged.
+
+use ipc_types::message::{Descriptor, FieldKind};
+
+/// Fields in which infinity means something (see their documentation).
+const MAY_BE_INFINITE: &[(&str, &str)] = &[
+    // An unseen robot is somewhere.
+    ("perception/sighting", "sigma"),
+    // A map without obstacles.
+    ("world/map", "clearance"),
+];
+
+/// Topics whose elements are bare numbers that may be infinite: beams that hit nothing.
+const INFINITE_ELEMENTS: &[&str] = &["robot/scan"];
+
+/// Finds numbers that are not finite in the bytes of a topic's messages.
+#[derive(Debug)]
+pub(super) struct Finite {
+    header: Vec<Float>,
+    element: Elements,
+}
+
+/// Bits of a number that decide whether it is finite.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Float {
+    offset: usize,
+    double: bool,
+    may_be_infinite: bool,
+}
+
+#[derive(Debug)]
+enum Elements {
+    /// Nothing but `float32`: the particles, the bulk of all traffic, in one pass over the bytes.
+    Floats { may_be_infinite: bool },
+    /// Anything else, field by field.
+    Fields(Vec<Float>),
+}
+
+impl Finite {
+    pub(super) fn of(topic: &str, header: &Descriptor, element: &Descriptor) -> Self {
+        let mut header_floats = Vec::new();
+        collect(topic, header, 0, &mut header_floats);
+        let mut floats = Vec::new();
+        collect(topic, element, 0, &mut floats);
+        let may_be_infinite = INFINITE_ELEMENTS.contains(&topic);
+        let element = if floats.len() * 4 == element.size
+            && floats
+                .iter()
+                .all(|f| !f.double && f.may_be_infinite == may_be_infinite)
+        {
+            Elements::Floats { may_be_infinite }
+        } else {
+            Elements::Fields(floats)
+        };
+        Self {
+            header: header_floats,
+            element,
+        }
+    }
+
+    /// Whether all numbers are what they may be.
+    pub(super) fn holds(&self, header: &[u8], elements: &[u8], element_bytes: usize) -> bool {
+        let fields_hold =
+            |fields: &[Float], bytes: &[u8]| fields.iter().all(|float| float.holds(bytes));
+        fields_hold(&self.header, header)
+            && match &self.element {
+                Elements::Floats { may_be_infinite } => floats_hold(elements, *may_be_infinite),
+                Elements::Fields(fields) => {
+                    fields.is_empty()
+                        || elements
+                            .chunks_exact(element_bytes.max(1))
+                            .all(|bytes| fields_hold(fields, bytes))
+                }
+            }
+    }
+}
+
+fn collect(topic: &str, descriptor: &Descriptor, base: usize, floats: &mut Vec<Float>) {
+    // A plain number as element has no fields.
+    if descriptor.fields.is_empty() && descriptor.name.starts_with("float") {
+        floats.push(Float {
+            offset: base,
+            double: descriptor.size == 8,
+            may_be_infinite: INFINITE_ELEMENTS.contains(&topic),
+        });
+    }
+    for field in descriptor.fields {
+        let may_be_infinite = MAY_BE_INFINITE.contains(&(topic, field.name));
+        let (ros, count) = match field.kind {
+            FieldKind::Number(ros) => (ros, 1),
+            FieldKind::Array(ros, count) => (ros, count),
+            FieldKind::Nested(inner) => {
+                collect(topic, inner, base + field.offset, floats);
+                continue;
+            }
+        };
+        let (size, double) = match ros {
+            "float32" => (4, false),
+            "float64" => (8, true),
+            _ => continue,
+        };
+        floats.extend((0..count).map(|i| Float {
+            offset: base + field.offset + i * size,
+            double,
+            may_be_infinite,
+        }));
+    }
+}
+
+impl Float {
+    fn holds(self, bytes: &[u8]) -> bool {
+        let number = if self.double {
+            bytes
+                .get(self.offset..self.offset + 8)
+                .and_then(|b| b.try_into().ok())
+                .map(f64::from_le_bytes)
+        } else {
+            bytes
+                .get(self.offset..self.offset + 4)
+                .and_then(|b| b.try_into().ok())
+                .map(|b| f64::from(f32::from_le_bytes(b)))
+        };
+        number.is_none_or(|x| x.is_finite() || (self.may_be_infinite && !x.is_nan()))
+    }
+}
+
+/// Whether a run of little-endian `float32` has no forbidden value; without branches, so that the
+/// compiler can do several at a time.
+fn floats_hold(bytes: &[u8], may_be_infinite: bool) -> bool {
+    const MAGNITUDE: u32 = 0x7fff_ffff;
+    const INFINITY: u32 = 0x7f80_0000;
+    let limit = if may_be_infinite {
+        INFINITY
+    } else {
+        INFINITY - 1
+    };
+    let (floats, _) = bytes.as_chunks::<4>();
+    let largest = floats.iter().fold(0, |largest, b| {
+        largest.max(u32::from_le_bytes(*b) & MAGNITUDE)
+    });
+    largest <= limit
+}
+
+#[cfg(test)]
+mod tests {
+    use ipc_types::messages::perception::{BeliefHeader, Particle, Sighting};
+    use ipc_types::messages::robot::{Command, ScanHeader};
+    use ipc_types::stamp::PlainHeader;
+    use ipc_types::topics::{Belief, Commands, Scan, Sightings, Topic};
+    use zerocopy::IntoBytes;
+
+    use super::super::topic_info::TopicInfo;
+
+    fn holds<T: Topic>(header: &T::Header, elements: &[T::Element]) -> bool {
+        let info = TopicInfo::of::<T>();
+        info.finite
+            .holds(header.as_bytes(), elements.as_bytes(), info.element_bytes)
+    }
+
+    #[test]
+    fn a_number_that_is_not_finite_is_found_wherever_it_stands() {
+        let header = PlainHeader::default();
+        assert!(holds::<Commands>(&header, &[Command::default()]));
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            assert!(!holds::<Commands>(
+                &header,
+                &[Command {
+                    omega: bad,
+                    ..Command::default()
+                }]
+            ));
+        }
+        let belief = BeliefHeader::default();
+        let mut particles = [Particle {
+            x: 1e30,
+            y: -1.0,
+            theta: 3.0,
+            weight: 0.1,
+        }; 50];
+        assert!(holds::<Belief>(&belief, &particles));
+        particles[37].theta = f32::NAN;
+        assert!(!holds::<Belief>(&belief, &particles));
+        particles[37].theta = f32::NEG_INFINITY;
+        assert!(!holds::<Belief>(&belief, &particles));
+        let bad = BeliefHeader {
+            covariance_yy: f64::NAN,
+            ..belief
+        };
+        assert!(!holds::<Belief>(&bad, &[]));
+    }
+
+    #[test]
+    fn infinity_is_allowed_where_it_means_something_and_nan_is_not() {
+        let header = PlainHeader::default();
+        assert!(holds::<Sightings>(
+            &header,
+            &[Sighting {
+                sigma: f64::INFINITY,
+                ..Sighting::default()
+            }]
+        ));
+        assert!(!holds::<Sightings>(
+            &header,
+            &[Sighting {
+                sigma: f64::NAN,
+                ..Sighting::default()
+            }]
+        ));
+        assert!(holds::<Scan>(&ScanHeader::default(), &[1.0, f32::INFINITY]));
+        assert!(!holds::<Scan>(&ScanHeader::default(), &[1.0, f32::NAN]));
+        let unlimited = ScanHeader {
+            range_max: f64::INFINITY,
+            ..ScanHeader::default()
+        };
+        assert!(!holds::<Scan>(&unlimited, &[]));
+    }
+}

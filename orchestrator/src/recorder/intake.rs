@@ -1,0 +1,204 @@
+//! Messages between their arrival and their place in the log.
+
+use ipc_types::cdr;
+use ipc_types::stamp::{Header, Stamp};
+use ipc_types::topics::Topic;
+
+/// A message that waits for its turn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Entry {
+    /// Tick at which it is written; its stamp's unless that is not to be believed.
+    pub(super) tick: u64,
+    /// Place of its topic in the list of topics.
+    pub(super) rank: usize,
+    /// The simulated part of its stamp, and the clocks.
+    pub(super) stamp: Stamp,
+    /// Elements of the message.
+    pub(super) elements: usize,
+    /// Whether it failed the checks.
+    pub(super) rejected: bool,
+    /// Order of arrival, to keep the order of what is otherwise equal.
+    arrival: u64,
+    start: usize,
+    len: usize,
+}
+
+/// Holds messages, in their CDR form, until their tick is complete, and hands them out ordered by
+/// tick, topic, source and sequence: the same order in every run, however they arrived.
+#[derive(Debug, Default)]
+pub(super) struct Intake {
+    entries: Vec<Entry>,
+    bytes: Vec<u8>,
+    /// Takes over what stays when the rest is handed out; swapped with `bytes`.
+    spare: Vec<u8>,
+    arrivals: u64,
+}
+
+impl Intake {
+    /// Copies a message out of shared memory; returns it and its CDR form.
+    pub(super) fn push<T: Topic>(
+        &mut self,
+        rank: usize,
+        header: &T::Header,
+        elements: &[T::Element],
+    ) -> (&mut Entry, &[u8]) {
+        let start = self.bytes.len();
+        cdr::encode::<T>(header, elements, &mut self.bytes);
+        let stamp = *header.stamp();
+        let entry = Entry {
+            tick: stamp.tick,
+            rank,
+            stamp,
+            elements: elements.len(),
+            rejected: false,
+            arrival: self.arrivals,
+            start,
+            len: self.bytes.len() - start,
+        };
+        self.arrivals += 1;
+        self.entries.push(entry);
+        let last = self.entries.len() - 1;
+        (&mut self.entries[last], &self.bytes[start..])
+    }
+
+    /// Hands out, in order, the messages of all ticks up to `completed` (of all if `None`).
+    ///
+    /// # Errors
+    /// The first error of `take`; what was not handed out then is gone.
+    pub(super) fn take<E>(
+        &mut self,
+        completed: Option<u64>,
+        mut take: impl FnMut(&Entry, &[u8]) -> Result<(), E>,
+    ) -> Result<(), E> {
+        self.entries.sort_unstable_by_key(|e| {
+            (e.tick, e.rank, e.stamp.source, e.stamp.sequence, e.arrival)
+        });
+        let complete = completed.map_or(self.entries.len(), |completed| {
+            self.entries
+                .partition_point(|entry| entry.tick <= completed)
+        });
+        let mut result = Ok(());
+        for entry in &self.entries[..complete] {
+            result = take(entry, &self.bytes[entry.start..entry.start + entry.len]);
+            if result.is_err() {
+                break;
+            }
+        }
+        self.entries.drain(..complete);
+        self.spare.clear();
+        for entry in &mut self.entries {
+            let start = self.spare.len();
+            self.spare
+                .extend_from_slice(&self.bytes[entry.start..entry.start + entry.len]);
+            entry.start = start;
+        }
+        core::mem::swap(&mut self.bytes, &mut self.spare);
+        result
+    }
+
+    /// Bytes of the messages that wait.
+    pub(super) fn waiting_bytes(&self) -> usize {
+        self.bytes.len()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::convert::Infallible;
+
+    use ipc_types::messages::robot::Command;
+    use ipc_types::stamp::PlainHeader;
+    use ipc_types::topics::Commands;
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn push(intake: &mut Intake, rank: usize, tick: u64, source: u32, sequence: u64) {
+        let mut header = PlainHeader::default();
+        header.stamp.tick = tick;
+        header.stamp.source = source;
+        header.stamp.sequence = sequence;
+        let command = Command {
+            v: (tick * 100 + u64::from(source)) as f64,
+            ..Command::default()
+        };
+        intake.push::<Commands>(rank, &header, &[command]);
+    }
+
+    fn take(intake: &mut Intake, completed: Option<u64>) -> Vec<(u64, usize, u32, u64)> {
+        let mut out = Vec::new();
+        let Ok(()) = intake.take::<Infallible>(completed, |entry, bytes| {
+            let (_, commands) = cdr::decode::<Commands>(bytes).unwrap();
+            let expected = entry.tick * 100 + u64::from(entry.stamp.source);
+            assert_eq!(
+                commands[0].v, expected as f64,
+                "the bytes belong to the entry"
+            );
+            out.push((
+                entry.tick,
+                entry.rank,
+                entry.stamp.source,
+                entry.stamp.sequence,
+            ));
+            Ok(())
+        });
+        out
+    }
+
+    #[test]
+    fn complete_ticks_are_handed_out_in_order_and_the_rest_waits() {
+        let mut intake = Intake::default();
+        for (rank, tick, source, sequence) in [
+            (7, 2, 3, 0),
+            (7, 1, 3, 0),
+            (0, 2, 0, 1),
+            (0, 1, 0, 0),
+            (7, 1, 2, 0),
+            (7, 1, 2, 1),
+        ] {
+            push(&mut intake, rank, tick, source, sequence);
+        }
+        assert_eq!(take(&mut intake, Some(0)), []);
+        assert_eq!(
+            take(&mut intake, Some(1)),
+            [(1, 0, 0, 0), (1, 7, 2, 0), (1, 7, 2, 1), (1, 7, 3, 0)]
+        );
+        assert!(intake.waiting_bytes() > 0);
+        assert_eq!(take(&mut intake, None), [(2, 0, 0, 1), (2, 7, 3, 0)]);
+        assert_eq!(intake.waiting_bytes(), 0);
+    }
+
+    proptest! {
+        #[test]
+        fn the_order_does_not_depend_on_arrival_or_batches(
+            keys in proptest::collection::btree_set((0_u64..6, 0_usize..3, 0_u32..3), 1..40),
+            shuffle in any::<u64>(),
+            cut in 0_usize..40,
+        ) {
+            let sorted: Vec<_> = keys.iter().map(|&(t, r, s)| (t, r, s, t)).collect();
+            let mut arrival: Vec<_> = keys.into_iter().collect();
+            let mut state = shuffle | 1;
+            for i in (1..arrival.len()).rev() {
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+                arrival.swap(i, (state >> 33) as usize % (i + 1));
+            }
+            let mut intake = Intake::default();
+            let cut = cut.min(arrival.len());
+            for &(tick, rank, source) in &arrival[..cut] {
+                push(&mut intake, rank, tick, source, tick);
+            }
+            // Complete is only what nothing earlier can follow.
+            let completed = arrival[cut..].iter().map(|k| k.0).min();
+            let mut out = match completed {
+                Some(0) => Vec::new(),
+                Some(tick) => take(&mut intake, Some(tick - 1)),
+                None => take(&mut intake, None),
+            };
+            for &(tick, rank, source) in &arrival[cut..] {
+                push(&mut intake, rank, tick, source, tick);
+            }
+            out.extend(take(&mut intake, None));
+            prop_assert_eq!(out, sorted);
+        }
+    }
+}

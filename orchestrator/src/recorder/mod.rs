@@ -1,0 +1,43 @@
+//! The recorder: every message of a run, losslessly, in one MCAP file that the tools people have
+//! can open, and what the run amounted to.
+//!
+//! * [`Recorder`] drains the bus on a thread of its own and drives a [`Recording`];
+//! * [`Recording`] orders, checks, counts and fingerprints messages and writes them;
+//! * [`LogWriter`] is the MCAP file; [`Gate`] and [`Observer`] are the seams to the run.
+//!
+//! Lossless topics are ROS 2 CDR whose body is the message's bytes (`ipc_types::cdr`); beside them
+//! stand `/viewer/…` topics in the viewers' own schemas. Log time is simulated time.
+
+mod bus;
+mod checks;
+mod digest;
+mod error;
+mod gate;
+mod intake;
+mod latency;
+mod log_file;
+mod log_writer;
+mod malformed;
+mod options;
+mod recording;
+mod sequence;
+mod sink;
+mod summary;
+mod topic_info;
+mod viewer;
+
+#[cfg(test)]
+mod tests;
+
+pub use bus::Recorder;
+pub use error::{LogError, RecorderError};
+pub use gate::{Gate, Observer};
+pub use latency::{Percentiles, SENSE_TO_ACT};
+pub use log_writer::{
+    ChannelId, ChannelSpec, ChannelTotals, Compression, LogOptions, LogTotals, LogWriter, Manifest,
+    ManifestFile,
+};
+pub use options::{Order, ProcessInfo, RecorderOptions, RobotInfo};
+pub use recording::Recording;
+pub use summary::{EventEntry, RobotOutcome, Summary, TopicCount, status_name, team_name};
+pub use viewer::ViewerOptions;

@@ -1,0 +1,67 @@
+//! What the recorder is told about a run.
+
+use std::path::PathBuf;
+
+use ipc_types::messages::world::ObstacleEvent;
+
+use super::log_writer::{LogOptions, Manifest};
+use super::viewer::ViewerOptions;
+
+/// A process of the run.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ProcessInfo {
+    /// Its index: the `source` of its stamps.
+    pub index: u32,
+    /// Its name in the run.
+    pub name: String,
+    /// Its kind, by which latencies are grouped.
+    pub kind: String,
+    /// Whether its commands wait for the beliefs of their tick.
+    pub reads_beliefs: bool,
+}
+
+/// A robot of the run; its place in the list is its index.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RobotInfo {
+    /// Its name.
+    pub name: String,
+    /// Its radius [m], > 0.
+    pub radius: f64,
+}
+
+/// When a tick counts as complete.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Order {
+    /// As soon as the gate says so: every message of it has been sent.
+    LockStep,
+    /// When the simulator is this many ticks ahead of it; a message that comes later still is
+    /// written late.
+    RealTime {
+        /// How far the log stays behind [ticks].
+        window_ticks: u64,
+    },
+}
+
+/// What is recorded, how and where.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RecorderOptions {
+    /// The file.
+    pub path: PathBuf,
+    /// How the file is written.
+    pub log: LogOptions,
+    /// What stands at its head.
+    pub manifest: Manifest,
+    /// All processes that send, the orchestrator included. Messages of others are logged but
+    /// counted as rejected.
+    pub processes: Vec<ProcessInfo>,
+    /// All robots.
+    pub robots: Vec<RobotInfo>,
+    /// Simulated time between two ticks [ns], > 0.
+    pub tick_period_ns: u64,
+    /// When a tick counts as complete.
+    pub order: Order,
+    /// What viewers get to see.
+    pub viewer: ViewerOptions,
+    /// Obstacles that stand from the beginning, for viewers.
+    pub obstacles: Vec<ObstacleEvent>,
+}

@@ -1,0 +1,280 @@
+//! Where ordered messages go: the log, the latencies, the viewers, the outcome, the observer.
+
+use std::collections::BTreeMap;
+
+use ipc_types::messages::world::RobotState;
+use ipc_types::topics::{
+    Belief, ObstacleEvents, Plan, Scan, Shape, Status, WorldEvents, WorldMap, WorldState,
+};
+
+use super::error::LogError;
+use super::gate::Observer;
+use super::intake::Entry;
+use super::latency::Latency;
+use super::log_writer::{ChannelId, ChannelSpec, LogWriter};
+use super::malformed::Malformed;
+use super::options::RecorderOptions;
+use super::summary::{Outcome, Summary, TopicCount, seconds};
+use super::topic_info::{self, Role, TopicInfo, view};
+use super::viewer::Viewer;
+
+/// A topic with its channel.
+#[derive(Debug)]
+pub(super) struct TopicChannel {
+    pub(super) info: TopicInfo,
+    channel: ChannelId,
+    pub(super) gaps: u64,
+    pub(super) rejected: u64,
+}
+
+/// Takes messages in the order of the log.
+pub(super) struct Sink {
+    log: LogWriter,
+    pub(super) topics: Vec<TopicChannel>,
+    malformed: Malformed,
+    viewer: Option<Viewer>,
+    latency: Latency,
+    outcome: Outcome,
+    tick: u64,
+    tick_period_ns: u64,
+    /// Scratch.
+    robots: Vec<RobotState>,
+}
+
+impl Sink {
+    pub(super) fn create(options: &RecorderOptions) -> Result<Self, LogError> {
+        let mut log = LogWriter::create(&options.path, &options.log, &options.manifest)?;
+        let mut topics = Vec::new();
+        for info in topic_info::all() {
+            let channel = log.add_channel(&ChannelSpec {
+                topic: info.name,
+                schema_name: &info.schema_name,
+                schema_encoding: "ros2msg",
+                schema: info.schema.as_bytes(),
+                message_encoding: "cdr",
+                metadata: &info.metadata,
+            })?;
+            topics.push(TopicChannel {
+                info,
+                channel,
+                gaps: 0,
+                rejected: 0,
+            });
+        }
+        let viewer = Viewer::new(
+            &options.viewer,
+            &options.robots,
+            &options.obstacles,
+            &mut log,
+        )?;
+        // Schemas and channels are in the file before the first message.
+        log.flush()?;
+        Ok(Self {
+            log,
+            topics,
+            malformed: Malformed::default(),
+            viewer,
+            latency: Latency::new(&options.processes),
+            outcome: Outcome::new(&options.robots, options.tick_period_ns),
+            tick: 0,
+            tick_period_ns: options.tick_period_ns,
+            robots: Vec::new(),
+        })
+    }
+
+    /// Writes a message and passes it on to whom it may concern.
+    pub(super) fn write(
+        &mut self,
+        entry: &Entry,
+        bytes: &[u8],
+        observer: &mut dyn Observer,
+    ) -> Result<(), LogError> {
+        if entry.tick != self.tick {
+            self.end_of_tick()?;
+            self.tick = entry.tick;
+        }
+        let time_ns = entry.tick.saturating_mul(self.tick_period_ns);
+        let Some(topic) = self.topics.get(entry.rank) else {
+            return Ok(());
+        };
+        let stamp = &entry.stamp;
+        if topic.info.shape == Shape::One && entry.elements != 1 {
+            let name = topic.info.name;
+            return self
+                .malformed
+                .write(&mut self.log, name, time_ns, stamp.time_ns, bytes);
+        }
+        // The counter of the channel has 32 bits; the stamp has all 64.
+        let sequence = stamp.sequence as u32;
+        self.log
+            .write(topic.channel, sequence, time_ns, stamp.time_ns, bytes)?;
+        self.latency.message(topic.info.role, stamp);
+        if entry.rejected {
+            return Ok(());
+        }
+        let role = topic.info.role;
+        self.show(role, time_ns, bytes, observer)
+    }
+
+    fn show(
+        &mut self,
+        role: Role,
+        time_ns: u64,
+        bytes: &[u8],
+        observer: &mut dyn Observer,
+    ) -> Result<(), LogError> {
+        let Self {
+            log,
+            viewer,
+            outcome,
+            robots,
+            ..
+        } = self;
+        match role {
+            Role::State => {
+                let Some((header, states)) = view::<WorldState>(bytes) else {
+                    return Ok(());
+                };
+                robots.clear();
+                robots.extend(states);
+                outcome.state(&header, robots);
+                observer.on_state(&header, robots);
+                if let Some(viewer) = viewer {
+                    viewer.state(&header, time_ns, robots);
+                }
+            }
+            Role::Event => {
+                let Some((_, events)) = view::<WorldEvents>(bytes) else {
+                    return Ok(());
+                };
+                let time_s = seconds(time_ns);
+                for event in events {
+                    outcome.event(time_s, &event);
+                    observer.on_event(time_s, &event);
+                    if let Some(viewer) = viewer {
+                        viewer.event(&event, time_ns, log)?;
+                    }
+                }
+            }
+            Role::Status => {
+                if let Some((header, mut status)) = view::<Status>(bytes)
+                    && let Some(status) = status.next()
+                {
+                    observer.on_status(&header.stamp, &status);
+                }
+            }
+            _ => {
+                if let Some(viewer) = viewer {
+                    draw(viewer, role, time_ns, bytes, log)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Every message of the present tick has been written.
+    pub(super) fn end_of_tick(&mut self) -> Result<(), LogError> {
+        match &mut self.viewer {
+            Some(viewer) => viewer.end_of_tick(&mut self.log),
+            None => Ok(()),
+        }
+    }
+
+    pub(super) fn flush_if_due(&mut self) -> Result<(), LogError> {
+        self.log.flush_if_due()
+    }
+
+    /// Ends the log and says what it holds.
+    pub(super) fn finish(mut self, digest: String) -> Result<Summary, LogError> {
+        if let Some(viewer) = &mut self.viewer {
+            viewer.finish(&mut self.log)?;
+        }
+        let latency = self.latency.finish();
+        let path = self.log.path().to_owned();
+        let mut summary = self
+            .outcome
+            .finish(digest, BTreeMap::new(), latency, path, 0);
+        self.log
+            .metadata("protean.result", result_entries(&summary))?;
+        let totals = self.log.finish()?;
+        summary.log_bytes = totals.file_bytes;
+        for channel in totals.channels {
+            let topic = self.topics.iter().find(|t| t.info.name == channel.topic);
+            let count = TopicCount {
+                messages: channel.messages,
+                bytes: channel.bytes,
+                gaps: topic.map_or(0, |t| t.gaps),
+                rejected: topic.map_or(0, |t| t.rejected),
+            };
+            if count != TopicCount::default() {
+                summary.topics.insert(channel.topic, count);
+            }
+        }
+        Ok(summary)
+    }
+}
+
+/// Draws what only viewers look at.
+fn draw(
+    viewer: &mut Viewer,
+    role: Role,
+    time_ns: u64,
+    bytes: &[u8],
+    log: &mut LogWriter,
+) -> Result<(), LogError> {
+    match role {
+        Role::Map => match view::<WorldMap>(bytes) {
+            Some((header, cells)) => viewer.map(&header, time_ns, cells, log),
+            None => Ok(()),
+        },
+        Role::Obstacle => {
+            let event = view::<ObstacleEvents>(bytes).and_then(|(_, mut events)| events.next());
+            event.map_or(Ok(()), |event| viewer.obstacle(&event, time_ns, log))
+        }
+        Role::Plan => {
+            if let Some((header, points)) = view::<Plan>(bytes) {
+                viewer.plan(header.robot, points);
+            }
+            Ok(())
+        }
+        Role::Belief => match view::<Belief>(bytes) {
+            Some((header, particles)) => {
+                let particles =
+                    particles.len() * size_of::<<Belief as ipc_types::topics::Topic>::Element>();
+                let start = bytes.len().saturating_sub(particles);
+                viewer.belief(
+                    header.robot,
+                    time_ns,
+                    bytes.get(start..).unwrap_or_default(),
+                    log,
+                )
+            }
+            None => Ok(()),
+        },
+        Role::Scan => match view::<Scan>(bytes) {
+            Some((header, ranges)) => viewer.scan(&header, time_ns, ranges, log),
+            None => Ok(()),
+        },
+        _ => Ok(()),
+    }
+}
+
+/// The end of a run as the last metadata record of its log.
+fn result_entries(summary: &Summary) -> BTreeMap<String, String> {
+    // These structures have string keys and finite numbers only; should one ever not encode, the
+    // log is worth more than the entry.
+    let json = |result: serde_json::Result<String>| result.unwrap_or_default();
+    [
+        ("digest", summary.digest.clone()),
+        ("ticks", summary.ticks.to_string()),
+        ("sim_time_s", summary.sim_time_s.to_string()),
+        ("robots", json(serde_json::to_string(&summary.robots))),
+        (
+            "latency_us",
+            json(serde_json::to_string(&summary.latency_us)),
+        ),
+    ]
+    .into_iter()
+    .map(|(key, value)| (key.to_owned(), value))
+    .collect()
+}

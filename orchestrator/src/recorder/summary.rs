@@ -1,0 +1,225 @@
+//! What a run amounted to.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use ipc_types::messages::world::{RobotState, WorldEvent, WorldHeader};
+use serde::{Deserialize, Serialize};
+
+use super::latency::Percentiles;
+use super::options::RobotInfo;
+
+/// Most events that a summary lists; the log has all.
+const MAX_EVENTS: usize = 100_000;
+
+/// What a run amounted to, as `protean run --json` prints it (design §10).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// Fingerprint of the simulated history, 64 hexadecimal digits.
+    pub digest: String,
+    /// Last tick of the world.
+    pub ticks: u64,
+    /// Simulated time of that tick [s].
+    pub sim_time_s: f64,
+    /// What became of every robot, by its index.
+    pub robots: Vec<RobotOutcome>,
+    /// What happened, in order.
+    pub events: Vec<EventEntry>,
+    /// Events that the list leaves out because it is full.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub events_omitted: u64,
+    /// Every channel of the log that holds messages.
+    pub topics: BTreeMap<String, TopicCount>,
+    /// Latencies by name [µs].
+    pub latency_us: BTreeMap<String, Percentiles>,
+    /// The log.
+    pub log: PathBuf,
+    /// Its size [bytes].
+    pub log_bytes: u64,
+}
+
+/// What became of a robot.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RobotOutcome {
+    /// Its name.
+    pub name: String,
+    /// `neutral`, `police` or `evader`.
+    pub team: String,
+    /// `active`, `caught`, `escaped`, `timed_out`, `goal_reached` or `disabled`.
+    pub outcome: String,
+    /// When that was decided, or the end of the run for an active one [s].
+    pub time_s: f64,
+    /// Path length driven [m].
+    pub distance_m: f64,
+    /// Contact episodes.
+    pub contacts: u32,
+}
+
+/// One event.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct EventEntry {
+    /// When [s].
+    pub time_s: f64,
+    /// What: [`WorldEvent::NAMES`].
+    pub kind: String,
+    /// Name of the robot it happened to.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub robot: Option<String>,
+    /// The other robot's index, the obstacle's id or the exit's index, by kind.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub other: Option<u32>,
+    /// Where, x [m].
+    pub x: f64,
+    /// Where, y [m].
+    pub y: f64,
+    /// By kind; 0 when it has none.
+    pub value: f64,
+}
+
+/// How much was recorded of a topic.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TopicCount {
+    /// Messages in the log.
+    pub messages: u64,
+    /// Their bytes, uncompressed.
+    pub bytes: u64,
+    /// Messages that are missing by the sequence numbers.
+    pub gaps: u64,
+    /// Messages that failed the checks; they are in the log all the same.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub rejected: u64,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde wants a reference")]
+fn is_zero(n: &u64) -> bool {
+    *n == 0
+}
+
+/// Collects the outcome of a run from its states and events.
+#[derive(Debug)]
+pub(super) struct Outcome {
+    names: Vec<String>,
+    tick_period_ns: u64,
+    tick: u64,
+    robots: Vec<RobotState>,
+    /// When each robot's status changed last [s].
+    decided: Vec<f64>,
+    events: Vec<EventEntry>,
+    omitted: u64,
+}
+
+impl Outcome {
+    pub(super) fn new(robots: &[RobotInfo], tick_period_ns: u64) -> Self {
+        Self {
+            names: robots.iter().map(|r| r.name.clone()).collect(),
+            tick_period_ns,
+            tick: 0,
+            robots: vec![RobotState::default(); robots.len()],
+            decided: vec![0.0; robots.len()],
+            events: Vec::new(),
+            omitted: 0,
+        }
+    }
+
+    pub(super) fn state(&mut self, header: &WorldHeader, robots: &[RobotState]) {
+        self.tick = header.stamp.tick;
+        let now = self.time_s();
+        for state in robots {
+            let robot = state.robot as usize;
+            let (Some(known), Some(decided)) =
+                (self.robots.get_mut(robot), self.decided.get_mut(robot))
+            else {
+                continue;
+            };
+            if state.status == 0 || known.status != state.status {
+                *decided = now;
+            }
+            *known = *state;
+        }
+    }
+
+    pub(super) fn event(&mut self, time_s: f64, event: &WorldEvent) {
+        if self.events.len() >= MAX_EVENTS {
+            self.omitted += 1;
+            return;
+        }
+        self.events.push(EventEntry {
+            time_s,
+            kind: WorldEvent::name_of(event.kind).to_owned(),
+            robot: self.names.get(event.robot as usize).cloned(),
+            other: (event.other != WorldEvent::NONE).then_some(event.other),
+            x: event.x,
+            y: event.y,
+            value: event.value,
+        });
+    }
+
+    fn time_s(&self) -> f64 {
+        seconds(self.tick.saturating_mul(self.tick_period_ns))
+    }
+
+    pub(super) fn finish(
+        self,
+        digest: String,
+        topics: BTreeMap<String, TopicCount>,
+        latency_us: BTreeMap<String, Percentiles>,
+        log: PathBuf,
+        log_bytes: u64,
+    ) -> Summary {
+        let sim_time_s = self.time_s();
+        let robots = self
+            .names
+            .into_iter()
+            .zip(&self.robots)
+            .zip(&self.decided)
+            .map(|((name, state), &time_s)| RobotOutcome {
+                name,
+                team: team_name(state.team).to_owned(),
+                outcome: status_name(state.status).to_owned(),
+                time_s,
+                distance_m: state.distance,
+                contacts: state.contacts,
+            })
+            .collect();
+        Summary {
+            digest,
+            ticks: self.tick,
+            sim_time_s,
+            robots,
+            events: self.events,
+            events_omitted: self.omitted,
+            topics,
+            latency_us,
+            log,
+            log_bytes,
+        }
+    }
+}
+
+/// Simulated nanoseconds as seconds.
+pub(super) fn seconds(ns: u64) -> f64 {
+    ns as f64 / 1e9
+}
+
+/// Name of a team's code in [`RobotState`].
+pub fn team_name(team: u8) -> &'static str {
+    ["neutral", "police", "evader"]
+        .get(usize::from(team))
+        .copied()
+        .unwrap_or("unknown")
+}
+
+/// Name of a status code in [`RobotState`].
+pub fn status_name(status: u8) -> &'static str {
+    [
+        "active",
+        "caught",
+        "escaped",
+        "timed_out",
+        "goal_reached",
+        "disabled",
+    ]
+    .get(usize::from(status))
+    .copied()
+    .unwrap_or("unknown")
+}

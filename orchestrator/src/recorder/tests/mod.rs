@@ -1,0 +1,309 @@
+//! The recorder as a whole, with made-up runs.
+
+mod bus;
+mod files;
+mod kill;
+mod python;
+mod round_trip;
+mod strangers;
+
+use std::path::Path;
+
+use ipc_types::messages::perception::{BeliefHeader, Particle, Sighting};
+use ipc_types::messages::process::{ProcessStatus, RunControl};
+use ipc_types::messages::robot::{
+    Command, PlanHeader, PlanPoint, ScanHeader, TreeEdge, TreeHeader,
+};
+use ipc_types::messages::world::{
+    MapCell, MapHeader, ObstacleEvent, RobotState, WorldEvent, WorldHeader,
+};
+use ipc_types::stamp::{PlainHeader, Stamp};
+use ipc_types::topics::{
+    Belief, Commands, Control, ObstacleEvents, Plan, Scan, Sightings, Status, Tree, WorldEvents,
+    WorldMap, WorldState,
+};
+
+use super::{
+    LogOptions, Manifest, ManifestFile, Order, ProcessInfo, RecorderOptions, Recording, RobotInfo,
+    ViewerOptions,
+};
+
+const PERIOD_NS: u64 = 50_000_000;
+const ORCHESTRATOR: u32 = 0;
+const SIMULATOR: u32 = 1;
+const PERCEPTION: u32 = 2;
+const FIRST_ROBOT: u32 = 3;
+const ROBOTS: u32 = 3;
+
+/// One message of any topic, ready to be recorded.
+#[derive(Clone)]
+enum Sent {
+    State(WorldHeader, Vec<RobotState>),
+    Map(MapHeader, Vec<MapCell>),
+    Event(PlainHeader, Vec<WorldEvent>),
+    Obstacle(PlainHeader, ObstacleEvent),
+    Scan(ScanHeader, Vec<f32>),
+    Sighting(PlainHeader, Vec<Sighting>),
+    Belief(BeliefHeader, Vec<Particle>),
+    Command(PlainHeader, Vec<Command>),
+    Plan(PlanHeader, Vec<PlanPoint>),
+    Tree(TreeHeader, Vec<TreeEdge>),
+    Status(PlainHeader, ProcessStatus),
+    Control(PlainHeader, RunControl),
+}
+
+impl Sent {
+    fn push(&self, recording: &mut Recording) {
+        match self {
+            Self::State(h, e) => recording.push::<WorldState>(h, e),
+            Self::Map(h, e) => recording.push::<WorldMap>(h, e),
+            Self::Event(h, e) => recording.push::<WorldEvents>(h, e),
+            Self::Obstacle(h, e) => recording.push::<ObstacleEvents>(h, &[*e]),
+            Self::Scan(h, e) => recording.push::<Scan>(h, e),
+            Self::Sighting(h, e) => recording.push::<Sightings>(h, e),
+            Self::Belief(h, e) => recording.push::<Belief>(h, e),
+            Self::Command(h, e) => recording.push::<Commands>(h, e),
+            Self::Plan(h, e) => recording.push::<Plan>(h, e),
+            Self::Tree(h, e) => recording.push::<Tree>(h, e),
+            Self::Status(h, e) => recording.push::<Status>(h, &[*e]),
+            Self::Control(h, e) => recording.push::<Control>(h, &[*e]),
+        }
+    }
+
+    fn stamp(&self) -> &Stamp {
+        match self {
+            Self::State(h, _) => &h.stamp,
+            Self::Map(h, _) => &h.stamp,
+            Self::Event(h, _)
+            | Self::Obstacle(h, _)
+            | Self::Sighting(h, _)
+            | Self::Command(h, _)
+            | Self::Status(h, _)
+            | Self::Control(h, _) => &h.stamp,
+            Self::Scan(h, _) => &h.stamp,
+            Self::Belief(h, _) => &h.stamp,
+            Self::Plan(h, _) => &h.stamp,
+            Self::Tree(h, _) => &h.stamp,
+        }
+    }
+}
+
+/// A run of a few robots with every topic, in the order in which the log holds it. The clocks
+/// start at `clock`.
+#[expect(clippy::too_many_lines, reason = "one topic after the other")]
+fn run(ticks: u64, clock: u64) -> Vec<Sent> {
+    let mut sent = Vec::new();
+    let stamp = |tick: u64, source: u32, sequence: u64| {
+        let origin_ns = clock + tick * 300_000;
+        let received_ns = origin_ns + u64::from(source) * 10_000;
+        Stamp {
+            tick,
+            time_ns: tick * PERIOD_NS,
+            sequence,
+            source,
+            reserved: 0,
+            origin_ns,
+            received_ns,
+            sent_ns: received_ns + 5_000,
+        }
+    };
+    let plain = |tick, source, sequence| PlainHeader {
+        stamp: stamp(tick, source, sequence),
+    };
+    for tick in 0..ticks {
+        let last = tick + 1 == ticks;
+        let robots = (0..ROBOTS)
+            .map(|robot| RobotState {
+                x: tick as f64 * 0.1,
+                y: f64::from(robot),
+                theta: 0.1 * f64::from(robot),
+                distance: tick as f64 * 0.1,
+                robot,
+                team: if robot < 2 { 1 } else { 2 },
+                status: u8::from(robot == 2 && tick >= 5),
+                ..RobotState::default()
+            })
+            .collect();
+        let mut header = WorldHeader {
+            stamp: stamp(tick, SIMULATOR, tick),
+            tick_period_ns: PERIOD_NS,
+            map_revision: 1,
+            phase: if last {
+                WorldHeader::OVER
+            } else {
+                WorldHeader::RUNNING
+            },
+        };
+        header.stamp.origin_ns = header.stamp.sent_ns;
+        sent.push(Sent::State(header, robots));
+        if tick == 0 {
+            let header = MapHeader {
+                stamp: stamp(tick, SIMULATOR, 0),
+                resolution: 0.5,
+                width: 4,
+                height: 3,
+                revision: 1,
+                ..MapHeader::default()
+            };
+            sent.push(Sent::Map(
+                header,
+                vec![
+                    MapCell {
+                        blurred: 0.5,
+                        ..MapCell::default()
+                    };
+                    12
+                ],
+            ));
+        }
+        if tick == 5 {
+            let event = WorldEvent {
+                robot: 2,
+                other: 0,
+                value: 0.3,
+                ..WorldEvent::default()
+            };
+            sent.push(Sent::Event(plain(tick, SIMULATOR, 0), vec![event]));
+        }
+        if tick == 3 {
+            let event = ObstacleEvent {
+                id: 1,
+                radius: 0.4,
+                ..ObstacleEvent::default()
+            };
+            sent.push(Sent::Obstacle(plain(tick, ORCHESTRATOR, 0), event));
+        }
+        let scan = ScanHeader {
+            stamp: stamp(tick, SIMULATOR, tick),
+            ..ScanHeader::default()
+        };
+        sent.push(Sent::Scan(scan, vec![1.0, f32::INFINITY, 2.5]));
+        let sighting = Sighting {
+            sigma: f64::INFINITY,
+            robot: 2,
+            ..Sighting::default()
+        };
+        sent.push(Sent::Sighting(
+            plain(tick, PERCEPTION, tick),
+            vec![sighting],
+        ));
+        let belief = BeliefHeader {
+            stamp: stamp(tick, PERCEPTION, tick),
+            robot: 2,
+            ..BeliefHeader::default()
+        };
+        let particles = (0..40)
+            .map(|i| Particle {
+                x: i as f32,
+                y: tick as f32,
+                theta: 0.0,
+                weight: 0.025,
+            })
+            .collect();
+        sent.push(Sent::Belief(belief, particles));
+        for robot in 0..ROBOTS {
+            let command = Command {
+                v: 0.1,
+                omega: 0.2,
+                robot,
+                reserved: 0,
+            };
+            sent.push(Sent::Command(
+                plain(tick, FIRST_ROBOT + robot, tick),
+                vec![command],
+            ));
+        }
+        for robot in 0..ROBOTS {
+            let header = PlanHeader {
+                stamp: stamp(tick, FIRST_ROBOT + robot, tick),
+                robot,
+                target: 2,
+            };
+            sent.push(Sent::Plan(
+                header,
+                vec![
+                    PlanPoint {
+                        x: 1.0,
+                        ..PlanPoint::default()
+                    };
+                    2
+                ],
+            ));
+        }
+        let tree = TreeHeader {
+            stamp: stamp(tick, FIRST_ROBOT, tick),
+            ..TreeHeader::default()
+        };
+        sent.push(Sent::Tree(tree, vec![TreeEdge::default(); 5]));
+        if tick % 4 == 0 {
+            let mut status = ProcessStatus {
+                ticks: tick,
+                ..ProcessStatus::default()
+            };
+            status.set_error("fine");
+            sent.push(Sent::Status(plain(tick, SIMULATOR, tick / 4), status));
+        }
+        if tick == 0 {
+            sent.push(Sent::Control(
+                plain(tick, ORCHESTRATOR, 0),
+                RunControl::default(),
+            ));
+        }
+    }
+    sent
+}
+
+fn options(path: &Path) -> RecorderOptions {
+    let kinds = [
+        "orchestrator",
+        "simulator",
+        "perception",
+        "pursuer",
+        "pursuer",
+        "evader",
+    ];
+    RecorderOptions {
+        path: path.to_owned(),
+        log: LogOptions::default(),
+        manifest: Manifest {
+            entries: [("seed".to_owned(), "7".to_owned())].into(),
+            attachments: vec![ManifestFile {
+                name: "scenario.toml".to_owned(),
+                media_type: "application/toml".to_owned(),
+                data: b"name = \"made up\"\n".to_vec(),
+            }],
+        },
+        processes: kinds
+            .iter()
+            .enumerate()
+            .map(|(index, kind)| ProcessInfo {
+                index: index as u32,
+                name: format!("{kind}_{index}"),
+                kind: (*kind).to_owned(),
+                reads_beliefs: *kind == "pursuer",
+            })
+            .collect(),
+        robots: ["police_1", "police_2", "baddie_1"]
+            .map(|name| RobotInfo {
+                name: name.to_owned(),
+                radius: 0.1,
+            })
+            .to_vec(),
+        tick_period_ns: PERIOD_NS,
+        order: Order::LockStep,
+        viewer: ViewerOptions::default(),
+        obstacles: vec![ObstacleEvent {
+            id: 77,
+            half_x: 1.0,
+            shape: 1,
+            ..ObstacleEvent::default()
+        }],
+    }
+}
+
+/// A command message with as many elements as it must not have.
+fn command_element_count(elements: usize) -> Sent {
+    let mut header = PlainHeader::default();
+    header.stamp.source = FIRST_ROBOT;
+    Sent::Command(header, vec![Command::default(); elements])
+}

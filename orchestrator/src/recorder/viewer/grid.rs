@@ -1,0 +1,91 @@
+//! The map as coloured cells.
+
+use foxglove::messages::{Grid, PackedElementField, Vector2, packed_element_field::NumericType};
+use ipc_types::messages::world::{MapCell, MapHeader};
+
+use super::scene::pose;
+use super::{MAP_FRAME, palette, timestamp};
+
+/// Bytes of a cell: red, green, blue, alpha.
+const STRIDE: u32 = 4;
+
+/// Draws a map: obstacles dark, free cells the whiter the farther obstacles are (by the blurred
+/// map). `None` if the header and the number of cells do not belong together.
+pub(super) fn draw(
+    header: &MapHeader,
+    time_ns: u64,
+    cells: impl ExactSizeIterator<Item = MapCell>,
+) -> Option<Grid> {
+    let count = u64::from(header.width) * u64::from(header.height);
+    if count != cells.len() as u64 || count == 0 {
+        return None;
+    }
+    let row_stride = header.width.checked_mul(STRIDE)?;
+    let mut data = Vec::with_capacity(cells.len() * STRIDE as usize);
+    for cell in cells {
+        let grey = if cell.occupied != 0 {
+            palette::WALL_GREY
+        } else {
+            let edge = f32::from(palette::EDGE_GREY);
+            // A cast of a float saturates, also for what is not a number.
+            (edge + (255.0 - edge) * cell.blurred.clamp(0.0, 1.0)) as u8
+        };
+        data.extend_from_slice(&[grey, grey, grey, u8::MAX]);
+    }
+    let field = |(offset, name): (u32, &str)| PackedElementField {
+        name: name.to_owned(),
+        offset,
+        r#type: NumericType::Uint8 as i32,
+    };
+    Some(Grid {
+        timestamp: Some(timestamp(time_ns)),
+        frame_id: MAP_FRAME.to_owned(),
+        pose: Some(pose(header.origin_x, header.origin_y, 0.0, 0.0)),
+        column_count: header.width,
+        cell_size: Some(Vector2 {
+            x: header.resolution,
+            y: header.resolution,
+        }),
+        row_stride,
+        cell_stride: STRIDE,
+        fields: [(0, "red"), (1, "green"), (2, "blue"), (3, "alpha")]
+            .map(field)
+            .to_vec(),
+        data: data.into(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_are_coloured_by_row_and_a_lying_header_draws_nothing() {
+        let header = MapHeader {
+            width: 2,
+            height: 1,
+            resolution: 0.5,
+            ..MapHeader::default()
+        };
+        let cells = [
+            MapCell {
+                occupied: 1,
+                ..MapCell::default()
+            },
+            MapCell {
+                blurred: 1.0,
+                ..MapCell::default()
+            },
+        ];
+        let grid = draw(&header, 1_500_000_000, cells.into_iter()).unwrap();
+        assert_eq!(grid.data.as_ref(), [60, 60, 60, 255, 255, 255, 255, 255]);
+        assert_eq!((grid.row_stride, grid.column_count), (8, 2));
+        let lie = MapHeader {
+            width: u32::MAX,
+            height: u32::MAX,
+            ..header
+        };
+        assert!(draw(&lie, 0, cells.into_iter()).is_none());
+        assert!(draw(&MapHeader::default(), 0, [].into_iter()).is_none());
+    }
+}

@@ -1,0 +1,32 @@
+//! Colours that people with any colour vision tell apart (Okabe and Ito's palette).
+
+use foxglove::messages::Color;
+
+/// Colour of the obstacles that come and go: orange.
+pub(super) const OBSTACLE: Color = rgb(230, 159, 0, 0.85);
+/// Colour of names and headings: black.
+pub(super) const INK: Color = rgb(0, 0, 0, 1.0);
+/// Grey level of a cell in an obstacle.
+pub(super) const WALL_GREY: u8 = 60;
+/// Grey level of a free cell beside an obstacle; far from obstacles a cell is white.
+pub(super) const EDGE_GREY: u8 = 200;
+
+const fn rgb(r: u8, g: u8, b: u8, a: f64) -> Color {
+    Color {
+        r: r as f64 / 255.0,
+        g: g as f64 / 255.0,
+        b: b as f64 / 255.0,
+        a,
+    }
+}
+
+/// Colour of a team by its code in `RobotState`: police blue, evaders vermilion, others bluish
+/// green; paler once a robot is out of the game.
+pub(super) fn team(team: u8, active: bool) -> Color {
+    let alpha = if active { 1.0 } else { 0.35 };
+    match team {
+        1 => rgb(0, 114, 178, alpha),
+        2 => rgb(213, 94, 0, alpha),
+        _ => rgb(0, 158, 115, alpha),
+    }
+}

@@ -1,0 +1,219 @@
+//! The robots: a disc with a heading arrow and a name each, their trails, their frames.
+
+use foxglove::messages::{
+    ArrowPrimitive, Color, CylinderPrimitive, Duration, FrameTransform, FrameTransforms,
+    KeyValuePair, LinePrimitive, Point3, Pose, Quaternion, SceneEntity, SceneUpdate, TextPrimitive,
+    Vector3, line_primitive,
+};
+use ipc_types::messages::world::RobotState;
+use sim_backend::math::sincos;
+
+use super::super::options::RobotInfo;
+use super::super::summary::status_name;
+use super::{MAP_FRAME, palette, timestamp};
+
+/// Code of a robot that still plays.
+const ACTIVE: u8 = 0;
+
+/// Height of the text of names [pixels].
+const FONT_PIXELS: f64 = 14.0;
+
+/// Width of trails [pixels].
+const TRAIL_PIXELS: f64 = 2.0;
+
+/// Where the robots were in the last picture.
+#[derive(Debug, Default)]
+pub(super) struct Trail {
+    last: Vec<Option<(f64, f64)>>,
+    pictures: u64,
+}
+
+/// Rotation about the vertical axis.
+pub(super) fn yaw(theta: f64) -> Quaternion {
+    let (sin, cos) = sincos(theta / 2.0);
+    Quaternion {
+        x: 0.0,
+        y: 0.0,
+        z: sin,
+        w: cos,
+    }
+}
+
+/// Pose in the plane, lifted by `z`.
+pub(super) fn pose(x: f64, y: f64, z: f64, theta: f64) -> Pose {
+    Pose {
+        position: Some(Vector3 { x, y, z }),
+        orientation: Some(yaw(theta)),
+    }
+}
+
+/// An entity in the map's frame without anything in it.
+pub(super) fn entity(id: String, time_ns: u64) -> SceneEntity {
+    SceneEntity {
+        timestamp: Some(timestamp(time_ns)),
+        frame_id: MAP_FRAME.to_owned(),
+        id,
+        ..SceneEntity::default()
+    }
+}
+
+/// The robots of a state and the next piece of their trails.
+pub(super) fn draw(
+    robots: &[RobotInfo],
+    states: &[RobotState],
+    time_ns: u64,
+    trail: &mut Trail,
+    trail_s: f64,
+) -> SceneUpdate {
+    let mut entities = Vec::with_capacity(states.len() + 1);
+    for state in states {
+        if let Some(info) = robots.get(state.robot as usize) {
+            entities.push(robot(info, state, time_ns));
+        }
+    }
+    if trail_s > 0.0 {
+        entities.extend(trail.extend(robots.len(), states, time_ns, trail_s));
+    }
+    SceneUpdate {
+        deletions: Vec::new(),
+        entities,
+    }
+}
+
+fn robot(info: &RobotInfo, state: &RobotState, time_ns: u64) -> SceneEntity {
+    let active = state.status == ACTIVE;
+    let color = palette::team(state.team, active);
+    let diameter = 2.0 * info.radius;
+    let height = info.radius;
+    let text = if active {
+        info.name.clone()
+    } else {
+        format!(
+            "{} ({})",
+            info.name,
+            status_name(state.status).replace('_', " ")
+        )
+    };
+    let at = |z| Some(pose(state.x, state.y, z, state.theta));
+    SceneEntity {
+        metadata: vec![KeyValuePair {
+            key: "status".to_owned(),
+            value: status_name(state.status).to_owned(),
+        }],
+        cylinders: vec![CylinderPrimitive {
+            pose: at(height / 2.0),
+            size: Some(Vector3 {
+                x: diameter,
+                y: diameter,
+                z: height,
+            }),
+            bottom_scale: 1.0,
+            top_scale: 1.0,
+            color: Some(color),
+        }],
+        arrows: vec![ArrowPrimitive {
+            pose: at(1.2 * height),
+            shaft_length: 0.8 * diameter,
+            shaft_diameter: 0.2 * diameter,
+            head_length: 0.4 * diameter,
+            head_diameter: 0.45 * diameter,
+            color: Some(Color {
+                a: color.a,
+                ..palette::INK
+            }),
+        }],
+        texts: vec![TextPrimitive {
+            pose: Some(pose(
+                state.x,
+                state.y + 2.0 * info.radius,
+                2.0 * height,
+                0.0,
+            )),
+            billboard: true,
+            font_size: FONT_PIXELS,
+            scale_invariant: true,
+            color: Some(palette::INK),
+            text,
+        }],
+        ..entity(info.name.clone(), time_ns)
+    }
+}
+
+impl Trail {
+    /// The way of all robots since the last picture, as one entity that vanishes by itself.
+    fn extend(
+        &mut self,
+        robots: usize,
+        states: &[RobotState],
+        time_ns: u64,
+        trail_s: f64,
+    ) -> Option<SceneEntity> {
+        self.last.resize(robots, None);
+        // One list of lines per team's colour.
+        let mut lines: Vec<(u8, Vec<Point3>)> = Vec::new();
+        for state in states {
+            let Some(last) = self.last.get_mut(state.robot as usize) else {
+                continue;
+            };
+            let from = last.replace((state.x, state.y));
+            let Some(from) = from.filter(|&from| from != (state.x, state.y)) else {
+                continue;
+            };
+            let piece = [from, (state.x, state.y)].map(|(x, y)| Point3 { x, y, z: 0.01 });
+            match lines.iter_mut().find(|(team, _)| *team == state.team) {
+                Some((_, points)) => points.extend(piece),
+                None => lines.push((state.team, piece.to_vec())),
+            }
+        }
+        if lines.is_empty() {
+            return None;
+        }
+        self.pictures += 1;
+        let lines = lines
+            .into_iter()
+            .map(|(team, points)| LinePrimitive {
+                r#type: line_primitive::Type::LineList as i32,
+                pose: Some(pose(0.0, 0.0, 0.0, 0.0)),
+                thickness: TRAIL_PIXELS,
+                scale_invariant: true,
+                points,
+                color: Some(Color {
+                    a: 0.6,
+                    ..palette::team(team, true)
+                }),
+                ..LinePrimitive::default()
+            })
+            .collect();
+        Some(SceneEntity {
+            lifetime: Some(Duration::saturating_from_secs_f64(trail_s)),
+            lines,
+            ..entity(format!("trail {}", self.pictures), time_ns)
+        })
+    }
+}
+
+/// One frame per robot.
+pub(super) fn transforms(
+    robots: &[RobotInfo],
+    states: &[RobotState],
+    time_ns: u64,
+) -> FrameTransforms {
+    let transforms = states
+        .iter()
+        .filter_map(|state| {
+            let info = robots.get(state.robot as usize)?;
+            Some(FrameTransform {
+                timestamp: Some(timestamp(time_ns)),
+                parent_frame_id: MAP_FRAME.to_owned(),
+                child_frame_id: info.name.clone(),
+                translation: Some(Vector3 {
+                    x: state.x,
+                    y: state.y,
+                    z: 0.0,
+                }),
+                rotation: Some(yaw(state.theta)),
+            })
+        })
+        .collect();
+    FrameTransforms { transforms }
+}

@@ -1,0 +1,89 @@
+//! Events in words.
+
+use foxglove::messages::{Log, log};
+use ipc_types::messages::world::WorldEvent;
+
+use super::super::options::RobotInfo;
+use super::timestamp;
+
+/// An event as a log line.
+pub(super) fn message(event: &WorldEvent, robots: &[RobotInfo], time_ns: u64) -> Log {
+    let level = match WorldEvent::name_of(event.kind) {
+        "invalid_command" | "missing_command" => log::Level::Warning,
+        "contact_begin" | "contact_end" => log::Level::Debug,
+        _ => log::Level::Info,
+    };
+    Log {
+        timestamp: Some(timestamp(time_ns)),
+        level: level as i32,
+        message: sentence(event, robots),
+        name: "world".to_owned(),
+        ..Log::default()
+    }
+}
+
+/// An event as a sentence.
+pub(super) fn sentence(event: &WorldEvent, robots: &[RobotInfo]) -> String {
+    let name = |index: u32| match robots.get(index as usize) {
+        Some(robot) => robot.name.clone(),
+        None if index == WorldEvent::NONE => "an obstacle".to_owned(),
+        None => format!("robot {index}"),
+    };
+    let (robot, other) = (name(event.robot), name(event.other));
+    let has_robot = event.robot != WorldEvent::NONE;
+    match WorldEvent::name_of(event.kind) {
+        "captured" if event.other == WorldEvent::NONE => format!("{robot} was caught"),
+        "captured" => format!("{robot} was caught by {other}"),
+        "escaped" => format!("{robot} escaped"),
+        "timed_out" if has_robot => format!("{robot} ran out of time"),
+        "timed_out" => "time is over".to_owned(),
+        "goal_reached" => format!("{robot} reached its goal"),
+        "contact_begin" => format!("{robot} touches {other}"),
+        "contact_end" => format!("{robot} no longer touches {other}"),
+        "invalid_command" => format!("{robot} got a command that is not valid and stops"),
+        "missing_command" => format!("{robot} got no command and stops"),
+        "obstacle" => format!("obstacle {} changed", event.other),
+        "game_over" => "the game is over".to_owned(),
+        other if has_robot => format!("{robot}: {}", other.replace('_', " ")),
+        other => format!("{} event (code {})", other.replace('_', " "), event.kind),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sentences_name_the_robots() {
+        let robots = ["police_1", "baddie_1"]
+            .map(|name| RobotInfo {
+                name: name.to_owned(),
+                radius: 0.1,
+            })
+            .to_vec();
+        let say = |kind, robot, other| {
+            sentence(
+                &WorldEvent {
+                    kind,
+                    robot,
+                    other,
+                    ..WorldEvent::default()
+                },
+                &robots,
+            )
+        };
+        let none = WorldEvent::NONE;
+        assert_eq!(say(0, 1, 0), "baddie_1 was caught by police_1");
+        assert_eq!(say(1, 1, 0), "baddie_1 escaped");
+        assert_eq!(say(4, 0, none), "police_1 touches an obstacle");
+        assert_eq!(say(4, 0, 1), "police_1 touches baddie_1");
+        assert_eq!(say(8, none, 12), "obstacle 12 changed");
+        assert_eq!(say(77, none, none), "unknown event (code 77)");
+        assert!(
+            WorldEvent::NAMES
+                .iter()
+                .enumerate()
+                .all(|(kind, _)| { !say(kind as u32, 1, 0).contains("unknown") })
+        );
+    }
+}

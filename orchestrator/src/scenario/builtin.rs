@@ -1,0 +1,72 @@
+//! Scenarios and maps that are part of the program, so that it works from any folder.
+
+/// A built-in scenario.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Builtin {
+    /// What `protean run` takes.
+    pub name: &'static str,
+    /// The scenario's text.
+    pub text: &'static str,
+}
+
+/// The scenario that runs when none is named.
+pub const DEFAULT: &str = "chase";
+
+/// All built-in scenarios, the default first.
+pub const SCENARIOS: [Builtin; 5] = [
+    Builtin {
+        name: "chase",
+        text: include_str!("../../../scenarios/chase.toml"),
+    },
+    Builtin {
+        name: "chase_exact",
+        text: include_str!("../../../scenarios/chase_exact.toml"),
+    },
+    Builtin {
+        name: "chase_braitenberg",
+        text: include_str!("../../../scenarios/chase_braitenberg.toml"),
+    },
+    Builtin {
+        name: "chase_popup",
+        text: include_str!("../../../scenarios/chase_popup.toml"),
+    },
+    Builtin {
+        name: "hello",
+        text: include_str!("../../../scenarios/hello.toml"),
+    },
+];
+
+/// Paths as the scenarios write them, and the maps' texts.
+const MAPS: [(&str, &str); 2] = [
+    (
+        "maps/city.toml",
+        include_str!("../../../scenarios/maps/city.toml"),
+    ),
+    (
+        "maps/hello.toml",
+        include_str!("../../../scenarios/maps/hello.toml"),
+    ),
+];
+
+/// The built-in scenario with this name (`chase`, or `chase.toml`).
+pub fn scenario(name: &str) -> Option<Builtin> {
+    let name = name.strip_suffix(".toml").unwrap_or(name);
+    SCENARIOS.into_iter().find(|s| s.name == name)
+}
+
+/// The built-in map at this path (`maps/city.toml`).
+pub fn map(path: &str) -> Option<&'static str> {
+    let path = path.strip_prefix("./").unwrap_or(path);
+    MAPS.iter().find(|m| m.0 == path).map(|m| m.1)
+}
+
+/// The paths of the built-in maps.
+pub fn map_names() -> Vec<&'static str> {
+    MAPS.iter().map(|m| m.0).collect()
+}
+
+/// What `map = "builtin:…"` takes.
+pub fn map_stems() -> Vec<&'static str> {
+    let stem = |path: &'static str| path.strip_prefix("maps/")?.strip_suffix(".toml");
+    MAPS.iter().filter_map(|m| stem(m.0)).collect()
+}

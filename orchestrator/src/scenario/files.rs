@@ -1,0 +1,210 @@
+//! Where the files that a scenario names come from, and which it may not name.
+
+use std::fs;
+use std::path::{Component, Path, PathBuf};
+
+use super::builtin;
+
+/// Where relative paths of a scenario lead.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Base {
+    /// A folder on disk.
+    Folder {
+        /// The folder of the scenario file.
+        folder: PathBuf,
+        /// Whether paths may lead out of it.
+        allow_outside: bool,
+    },
+    /// The files built into the program.
+    Builtin,
+    /// Nowhere: the scenario must be complete in itself (as one stored in a log is).
+    Nothing,
+}
+
+/// A file of a scenario.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Found {
+    /// On disk, checked to exist and to be where it may be.
+    Disk(PathBuf),
+    /// Built in.
+    Text(&'static str),
+}
+
+/// Why a path of a scenario was refused: what is wrong and what was expected.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Refused {
+    /// What is wrong.
+    pub message: String,
+    /// What was expected.
+    pub expected: String,
+}
+
+fn refused<T>(message: impl Into<String>, expected: impl Into<String>) -> Result<T, Refused> {
+    Err(Refused {
+        message: message.into(),
+        expected: expected.into(),
+    })
+}
+
+impl Base {
+    /// The file that a path in the scenario means.
+    ///
+    /// # Errors
+    /// The path leads out of the scenario's folder (by itself or by a symbolic link) although it
+    /// may not, or nothing that can be read as a file is there.
+    pub fn find(&self, path: &str) -> Result<Found, Refused> {
+        let (folder, allow_outside) = match self {
+            Self::Nothing => {
+                return refused(
+                    "this scenario cannot refer to files",
+                    "a map written in the scenario itself",
+                );
+            }
+            Self::Builtin => {
+                return match builtin::map(path) {
+                    Some(text) => Ok(Found::Text(text)),
+                    None => refused(
+                        format!("no map `{path}` is built in"),
+                        super::text::list_choices(&builtin::map_names()),
+                    ),
+                };
+            }
+            Self::Folder {
+                folder,
+                allow_outside,
+            } => (folder, *allow_outside),
+        };
+        if path.is_empty() || path.contains('\0') {
+            return refused("not a path", "the path of a file");
+        }
+        let leaves = |c: Component| !matches!(c, Component::Normal(_) | Component::CurDir);
+        if !allow_outside && Path::new(path).components().any(leaves) {
+            return refused(
+                "path leads out of the scenario's folder",
+                "a relative path without `..`",
+            );
+        }
+        let full = folder.join(path);
+        let real = match full.canonicalize() {
+            Ok(real) => real,
+            Err(e) => return refused(format!("cannot read {}: {e}", full.display()), "a file"),
+        };
+        if !allow_outside {
+            let inside = folder
+                .canonicalize()
+                .is_ok_and(|folder| real.starts_with(folder));
+            if !inside {
+                return refused(
+                    format!(
+                        "path leads out of the scenario's folder, to {}",
+                        real.display()
+                    ),
+                    "a file inside the folder",
+                );
+            }
+        }
+        match fs::metadata(&real) {
+            Ok(data) if data.is_file() => Ok(Found::Disk(real)),
+            Ok(_) => refused(format!("{} is not a file", full.display()), "a file"),
+            Err(e) => refused(format!("cannot read {}: {e}", full.display()), "a file"),
+        }
+    }
+}
+
+/// Reads a text file of at most `max` bytes.
+///
+/// # Errors
+/// It cannot be read, is larger, or is not UTF-8.
+pub fn read_text(path: &Path, max: u64) -> Result<String, Refused> {
+    use std::io::Read;
+    let shown = path.display();
+    let attempt = || -> std::io::Result<Vec<u8>> {
+        let mut bytes = Vec::new();
+        fs::File::open(path)?
+            .take(max + 1)
+            .read_to_end(&mut bytes)?;
+        Ok(bytes)
+    };
+    match attempt() {
+        Err(e) => refused(format!("cannot read {shown}: {e}"), "a text file"),
+        Ok(bytes) if bytes.len() as u64 > max => refused(
+            format!("{shown} is too large"),
+            format!("at most {max} bytes"),
+        ),
+        Ok(bytes) => match String::from_utf8(bytes) {
+            Ok(text) => Ok(text),
+            Err(_) => refused(format!("{shown} is not text"), "UTF-8 text"),
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn folder() -> tempfile::TempDir {
+        let dir = tempfile::tempdir().unwrap();
+        fs::create_dir(dir.path().join("in")).unwrap();
+        fs::write(dir.path().join("in/map.toml"), "x = 1").unwrap();
+        fs::write(dir.path().join("secret"), "s").unwrap();
+        std::os::unix::fs::symlink("../secret", dir.path().join("in/link")).unwrap();
+        dir
+    }
+
+    #[test]
+    fn paths_stay_inside_the_folder_unless_allowed_out() {
+        let dir = folder();
+        let base = |allow_outside| Base::Folder {
+            folder: dir.path().join("in"),
+            allow_outside,
+        };
+        assert!(base(false).find("map.toml").is_ok());
+        assert!(base(false).find("./map.toml").is_ok());
+        let absolute = dir.path().join("secret").display().to_string();
+        for path in ["../secret", "x/../../secret", "link", &absolute] {
+            let e = base(false).find(path).unwrap_err();
+            assert!(
+                e.message.contains("out of the scenario's folder"),
+                "{path}: {e:?}"
+            );
+        }
+        for path in ["../secret", "link", &absolute] {
+            assert!(base(true).find(path).is_ok(), "{path}");
+        }
+    }
+
+    #[test]
+    fn missing_files_and_folders_are_named() {
+        let dir = folder();
+        let base = Base::Folder {
+            folder: dir.path().to_owned(),
+            allow_outside: false,
+        };
+        assert!(
+            base.find("nope.toml")
+                .unwrap_err()
+                .message
+                .contains("nope.toml")
+        );
+        assert!(base.find("in").unwrap_err().message.contains("not a file"));
+        assert!(base.find("").is_err());
+        assert!(base.find("a\0b").is_err());
+        assert!(Base::Nothing.find("in/map.toml").is_err());
+    }
+
+    #[test]
+    fn large_and_binary_files_are_refused() {
+        let dir = folder();
+        let path = dir.path().join("big");
+        fs::write(&path, vec![b'a'; 100]).unwrap();
+        assert!(read_text(&path, 100).is_ok());
+        assert!(
+            read_text(&path, 99)
+                .unwrap_err()
+                .message
+                .contains("too large")
+        );
+        fs::write(&path, [0xff, 0xfe]).unwrap();
+        assert_eq!(read_text(&path, 99).unwrap_err().expected, "UTF-8 text");
+    }
+}

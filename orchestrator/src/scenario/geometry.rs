@@ -1,0 +1,309 @@
+//! Whether the robots can be where they start and go where they shall.
+
+use std::collections::VecDeque;
+
+use nalgebra::Point2;
+use sim_backend::map::{MapSpec, VectorMap, WorldMap};
+use sim_backend::pose::Pose2;
+use sim_backend::spec::{Region, RulesSpec, WorldSpec};
+use sim_backend::team::Team;
+use sim_backend::world::{World, WorldError};
+
+use super::context::Context;
+use super::jitter::{self, MAX_DRAWS, Placement};
+use super::robots::Robot;
+use super::text::{Code, Diagnostic, FieldPath, Step};
+
+/// Checks that every robot stands free, draws the displaced starts, and checks that exits and goals
+/// can be reached; everything wrong is reported. The result are the starts.
+pub fn resolve(
+    ctx: &mut Context<'_>,
+    map: &MapSpec,
+    robots: &[Robot],
+    rules: &RulesSpec,
+    seed: u64,
+) -> Option<Vec<Pose2>> {
+    let ground = match WorldMap::new(map) {
+        Ok(ground) => ground,
+        Err(e) => {
+            let path = FieldPath::key("world").then("map");
+            let origin = ctx.root.origin_along(&path);
+            let problem = ctx.block_problem(origin, &path, Code::Geometry, e.to_string());
+            ctx.problems.push(problem);
+            return None;
+        }
+    };
+    let fine = check_walls(ctx, &ground, robots) & check_overlaps(ctx, robots);
+    if !fine {
+        return None;
+    }
+    let placements: Vec<Placement> = robots
+        .iter()
+        .map(|r| Placement {
+            start: r.spec.start,
+            radius: r.spec.model().radius,
+            jitter: r.jitter,
+        })
+        .collect();
+    let starts = jitter::place(&placements, seed, |p, radius| ground.is_clear(p, radius));
+    let starts = match starts {
+        Ok(starts) => starts,
+        Err(index) => {
+            let robot = robots.get(index)?;
+            let message = format!(
+                "robot `{}` stood free in none of {MAX_DRAWS} drawn starts",
+                robot.spec.name
+            );
+            let problem = ctx
+                .problem(
+                    &robot.node,
+                    &robot.path,
+                    "start_jitter",
+                    Code::Geometry,
+                    message,
+                )
+                .expected("room around the start, or less jitter");
+            ctx.problems.push(problem);
+            return None;
+        }
+    };
+    check_exits(ctx, &ground, robots, rules);
+    check_goals(ctx, &ground, robots);
+    if ctx.problems.is_empty() {
+        check_world(ctx, ground, robots, &starts, rules, seed);
+    }
+    Some(starts)
+}
+
+/// The world has the last word: whatever it would refuse is reported here, before anything starts.
+fn check_world(
+    ctx: &mut Context<'_>,
+    ground: WorldMap,
+    robots: &[Robot],
+    starts: &[Pose2],
+    rules: &RulesSpec,
+    seed: u64,
+) {
+    let displaced = robots.iter().zip(starts).map(|(robot, &start)| {
+        let mut spec = robot.spec.clone();
+        spec.start = start;
+        spec
+    });
+    // The ground is made already; the specification's map is not looked at.
+    let map = MapSpec::Vector(VectorMap::empty([0.0; 2], [1.0; 2], 1.0));
+    let spec = WorldSpec {
+        map,
+        robots: displaced.collect(),
+        rules: rules.clone(),
+        seed,
+    };
+    let Err(e) = World::on_map(ground, spec) else {
+        return;
+    };
+    let concerned = match &e {
+        WorldError::ExitUnreachable { index, .. }
+        | WorldError::GoalUnreachable { index, .. }
+        | WorldError::OutsideMap { index, .. }
+        | WorldError::InWall { index, .. }
+        | WorldError::Robot { index, .. }
+        | WorldError::Overlap { second: index, .. } => robots.get(*index),
+        _ => None,
+    };
+    let problem = match concerned {
+        Some(robot) => ctx.problem(
+            &robot.node,
+            &robot.path,
+            "start",
+            Code::Geometry,
+            e.to_string(),
+        ),
+        None => Diagnostic::new(Code::Geometry, e.to_string()),
+    };
+    ctx.problems.push(problem);
+}
+
+fn check_walls(ctx: &mut Context<'_>, ground: &WorldMap, robots: &[Robot]) -> bool {
+    let mut fine = true;
+    for robot in robots {
+        let at = robot.spec.start.position();
+        let radius = robot.spec.model().radius;
+        if ground.is_clear(at, radius) {
+            continue;
+        }
+        let name = &robot.spec.name;
+        let distance = ground.distance(at);
+        let message = if distance > 0.0 {
+            format!(
+                "robot `{name}` starts in a wall: {distance:.3} m from its centre to the wall, \
+                 {radius} m to its edge"
+            )
+        } else {
+            format!("robot `{name}` starts in a wall or outside the map")
+        };
+        let problem = ctx
+            .problem(&robot.node, &robot.path, "start", Code::Geometry, message)
+            .value(format!("x = {}, y = {} [m]", at.x, at.y))
+            .expected(format!("a place at least {radius} m from every wall"));
+        ctx.problems.push(problem);
+        fine = false;
+    }
+    fine
+}
+
+fn check_overlaps(ctx: &mut Context<'_>, robots: &[Robot]) -> bool {
+    let mut fine = true;
+    for (i, robot) in robots.iter().enumerate() {
+        for other in robots.iter().take(i) {
+            let distance = (robot.spec.start.position() - other.spec.start.position()).norm();
+            let least = robot.spec.model().radius + other.spec.model().radius;
+            if distance > least {
+                continue;
+            }
+            let message = format!(
+                "robots `{}` and `{}` start in one place: {distance:.3} m apart",
+                other.spec.name, robot.spec.name
+            );
+            let at = robot.spec.start;
+            let problem = ctx
+                .problem(&robot.node, &robot.path, "start", Code::Geometry, message)
+                .value(format!("x = {}, y = {} [m]", at.x, at.y))
+                .expected(format!("centres more than {least:.3} m apart"));
+            ctx.problems.push(problem);
+            fine = false;
+        }
+    }
+    fine
+}
+
+/// Every exit can be reached by some evader (if there are any).
+fn check_exits(ctx: &mut Context<'_>, ground: &WorldMap, robots: &[Robot], rules: &RulesSpec) {
+    let evaders: Vec<&Robot> = robots
+        .iter()
+        .filter(|r| r.spec.team == Team::Evader)
+        .collect();
+    let slimmest = evaders
+        .iter()
+        .map(|r| r.spec.model().radius)
+        .fold(f64::INFINITY, f64::min);
+    if evaders.is_empty() {
+        return;
+    }
+    let starts: Vec<_> = evaders.iter().map(|r| r.spec.start.position()).collect();
+    let reached = flood(ground, &starts, slimmest);
+    let of_rules = rules.exits.iter().enumerate().map(|(i, exit)| {
+        (
+            exit,
+            FieldPath::key("rules").then("exits").step(Step::Index(i)),
+        )
+    });
+    let of_map = ground
+        .exits()
+        .iter()
+        .map(|e| (e, FieldPath::key("world").then("map")));
+    let exits: Vec<(Region, FieldPath)> =
+        of_rules.chain(of_map).map(|(e, path)| (*e, path)).collect();
+    for (exit, path) in exits {
+        if is_reached(ground, &reached, &exit) {
+            continue;
+        }
+        let center = exit.center();
+        let origin = ctx.root.origin_along(&path);
+        let problem = ctx
+            .block_problem(
+                origin,
+                &path,
+                Code::Geometry,
+                "no evader can reach this exit",
+            )
+            .value(format!("exit at x = {}, y = {} [m]", center.x, center.y))
+            .expected(format!(
+                "a way for a robot of radius {slimmest} m from the start of an evader"
+            ));
+        ctx.problems.push(problem);
+    }
+}
+
+/// Every robot can reach its goal.
+fn check_goals(ctx: &mut Context<'_>, ground: &WorldMap, robots: &[Robot]) {
+    for robot in robots {
+        let Some(goal) = robot.spec.goal else {
+            continue;
+        };
+        let radius = robot.spec.model().radius;
+        let reached = flood(ground, &[robot.spec.start.position()], radius);
+        if is_reached(ground, &reached, &goal) {
+            continue;
+        }
+        let center = goal.center();
+        let message = format!("robot `{}` cannot reach its goal", robot.spec.name);
+        let problem = ctx
+            .problem(&robot.node, &robot.path, "goal", Code::Geometry, message)
+            .value(format!("goal at x = {}, y = {} [m]", center.x, center.y))
+            .expected(format!(
+                "a way for a robot of radius {radius} m from its start"
+            ));
+        ctx.problems.push(problem);
+    }
+}
+
+/// The cells that a disc of this radius [m] can reach from the starts, moving from cell to cell
+/// (not across corners). A cell within one cell's diagonal of fitting counts as fitting, so that
+/// the grid never closes a gap that is open.
+fn flood(ground: &WorldMap, starts: &[Point2<f64>], radius: f64) -> Vec<bool> {
+    let grid = ground.clearance();
+    let frame = grid.frame;
+    let enough = (radius - frame.resolution * core::f64::consts::FRAC_1_SQRT_2) as f32;
+    let fits = |i: usize| grid.cells.get(i).is_some_and(|&c| c > 0.0 && c >= enough);
+    let mut reached = vec![false; frame.len()];
+    let mut queue = VecDeque::new();
+    let mut visit = |col: usize, row: usize, queue: &mut VecDeque<(usize, usize)>| {
+        let index = frame.index(col, row);
+        if let Some(seen @ false) = reached.get_mut(index) {
+            *seen = true;
+            queue.push_back((col, row));
+        }
+    };
+    for cell in starts.iter().filter_map(|&p| frame.cell_at(p)) {
+        visit(cell.0, cell.1, &mut queue);
+    }
+    while let Some((col, row)) = queue.pop_front() {
+        let mut go = |col: usize, row: usize| {
+            if fits(frame.index(col, row)) {
+                visit(col, row, &mut queue);
+            }
+        };
+        if col > 0 {
+            go(col - 1, row);
+        }
+        if row > 0 {
+            go(col, row - 1);
+        }
+        if col + 1 < frame.width {
+            go(col + 1, row);
+        }
+        if row + 1 < frame.height {
+            go(col, row + 1);
+        }
+    }
+    reached
+}
+
+/// Whether a reached cell lies in the region (or, for a region smaller than a cell, holds its
+/// centre).
+fn is_reached(ground: &WorldMap, reached: &[bool], region: &Region) -> bool {
+    let frame = ground.frame();
+    let center = region.center();
+    if frame.index_at(center).and_then(|i| reached.get(i)) == Some(&true) {
+        return true;
+    }
+    let far = region.bounding_radius();
+    let column = |x: f64| ((x - frame.origin.x) / frame.resolution).floor().max(0.0) as usize;
+    let row = |y: f64| ((y - frame.origin.y) / frame.resolution).floor().max(0.0) as usize;
+    let columns = column(center.x - far)..(column(center.x + far) + 1).min(frame.width);
+    let rows = row(center.y - far)..(row(center.y + far) + 1).min(frame.height);
+    rows.flat_map(|row| columns.clone().map(move |col| (col, row)))
+        .any(|(col, row)| {
+            reached.get(frame.index(col, row)) == Some(&true)
+                && region.contains(frame.center(col, row))
+        })
+}

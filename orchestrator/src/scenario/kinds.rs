@@ -1,0 +1,255 @@
+//! The kinds of processes that a scenario may name, and their parameters.
+
+use evader_braitenberg::BraitenbergParams;
+use evader_potential::EvaderParams;
+use guidance::params::ParamsError;
+use perception::params::PerceptionParams;
+use pursuer::PursuerParams;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde_json::Value as Json;
+use sim_backend::spec::FieldError;
+
+use super::text::{Node, ReadError, read_once};
+
+/// A parameter out of its range, as a process crate reports it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FieldProblem {
+    /// Dotted path of the parameter inside `params`.
+    pub field: String,
+    /// The value found.
+    pub value: String,
+    /// What would have been accepted.
+    pub expected: String,
+}
+
+impl From<perception::params::ParamsError> for FieldProblem {
+    fn from(e: perception::params::ParamsError) -> Self {
+        Self {
+            field: e.field.to_owned(),
+            value: e.value.to_string(),
+            expected: e.expected.to_owned(),
+        }
+    }
+}
+
+impl From<ParamsError> for FieldProblem {
+    fn from(e: ParamsError) -> Self {
+        Self {
+            field: e.field,
+            value: e.value,
+            expected: e.expected.to_owned(),
+        }
+    }
+}
+
+impl From<FieldError> for FieldProblem {
+    fn from(e: FieldError) -> Self {
+        Self {
+            field: e.field,
+            value: e.value,
+            expected: e.expected,
+        }
+    }
+}
+
+/// Why the parameters of a process were refused.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ParamsFault {
+    /// They do not fit their type.
+    Read(ReadError),
+    /// A value is out of its range.
+    Field(FieldProblem),
+    /// They cannot be written as JSON (a number that is not finite, say).
+    Write(String),
+}
+
+/// Something that a process needs and another part of the scenario must provide.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Need {
+    /// Beliefs about the opponents: a `perception` process.
+    Belief,
+    /// A `scan` sensor on every robot that the process drives.
+    Scan,
+}
+
+/// A name and the parameters that it stands for.
+pub type Preset = (&'static str, fn() -> Json);
+
+/// A kind of process.
+pub struct KindInfo {
+    /// The name that scenarios use (`kind = "…"`).
+    pub name: &'static str,
+    /// What it does, in one line.
+    pub summary: &'static str,
+    /// Whether it commands robots (and then must be given some).
+    pub drives_robots: bool,
+    /// Whether it publishes the beliefs that [`Need::Belief`] asks for.
+    pub provides_belief: bool,
+    /// Reads and checks `params`, and gives them back complete: every default filled in.
+    pub check_params: fn(&Node) -> Result<Json, ParamsFault>,
+    /// What it needs, given its complete parameters.
+    pub needs: fn(&Json) -> Vec<Need>,
+    /// Most allowed of the numeric parameters named.
+    pub caps: &'static [(&'static str, f64)],
+    /// Sets of parameters that `params.preset` names; keys beside it change single values.
+    pub presets: &'static [Preset],
+}
+
+/// Reads parameters into `P`, checks them, and writes them back complete; the body of most
+/// [`KindInfo::check_params`]:
+///
+/// ```text
+/// check_params: |node| check_params(node, PursuerParams::validate),
+/// ```
+///
+/// # Errors
+/// What does not fit `P`, or what `validate` refuses.
+pub fn check_params<P, E>(
+    node: &Node,
+    validate: impl FnOnce(&P) -> Result<(), E>,
+) -> Result<Json, ParamsFault>
+where
+    P: DeserializeOwned + Serialize,
+    E: Into<FieldProblem>,
+{
+    let params: P = read_once(node).map_err(ParamsFault::Read)?;
+    validate(&params).map_err(|e| ParamsFault::Field(e.into()))?;
+    serde_json::to_value(&params).map_err(|e| ParamsFault::Write(e.to_string()))
+}
+
+/// The kind with this name.
+pub fn find<'k>(kinds: &'k [KindInfo], name: &str) -> Option<&'k KindInfo> {
+    kinds.iter().find(|k| k.name == name)
+}
+
+/// The kinds of this program, in the order in which they are listed.
+pub static KINDS: &[KindInfo] = &[
+    KindInfo {
+        name: "perception",
+        summary: "what the Police see, and what they believe about what they do not see",
+        drives_robots: false,
+        provides_belief: true,
+        check_params: |node| check_params(node, PerceptionParams::validate),
+        needs: |_| Vec::new(),
+        caps: &[
+            ("filter.particles", super::spec::MAX_PARTICLES as f64),
+            ("filter.adaptive.most", super::spec::MAX_PARTICLES as f64),
+        ],
+        presets: &[("paper", || preset(&PerceptionParams::paper()))],
+    },
+    KindInfo {
+        name: "pursuer",
+        summary: "chases evaders as one of a team",
+        drives_robots: true,
+        provides_belief: false,
+        check_params: |node| check_params(node, PursuerParams::validate),
+        needs: |params| {
+            let by_belief = |at: &str| params.pointer(at).and_then(Json::as_str) == Some("belief");
+            let beliefs = by_belief("/knowledge") || by_belief("/assignment/knowledge");
+            if beliefs {
+                vec![Need::Belief]
+            } else {
+                Vec::new()
+            }
+        },
+        caps: &[],
+        presets: &[("paper", || preset(&PursuerParams::paper()))],
+    },
+    KindInfo {
+        name: "evader_braitenberg",
+        summary: "flees by its range scan alone, away from what is near",
+        drives_robots: true,
+        provides_belief: false,
+        check_params: |node| check_params(node, BraitenbergParams::validate),
+        needs: |_| vec![Need::Scan],
+        caps: &[],
+        presets: &[("paper", || preset(&BraitenbergParams::paper()))],
+    },
+    KindInfo {
+        name: "evader_potential",
+        summary: "flees to the nearest exit on a potential field",
+        drives_robots: true,
+        provides_belief: false,
+        check_params: |node| check_params(node, EvaderParams::validate),
+        needs: |_| Vec::new(),
+        caps: &[],
+        presets: &[("paper", || preset(&EvaderParams::paper()))],
+    },
+];
+
+/// A preset as [`KindInfo::presets`] holds it.
+fn preset(params: &impl Serialize) -> Json {
+    // Parameter structs are plain numbers, words and tables: they always have a JSON form.
+    serde_json::to_value(params).unwrap_or(Json::Null)
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    fn complete(kind: &KindInfo, params: &Json) -> Json {
+        (kind.check_params)(&Node::from_json(params).unwrap()).unwrap()
+    }
+
+    #[test]
+    fn every_kind_has_valid_defaults_and_presets_and_is_found_by_its_name() {
+        for kind in KINDS {
+            assert!(
+                std::ptr::eq(find(KINDS, kind.name).unwrap(), kind),
+                "{}",
+                kind.name
+            );
+            let defaults = complete(kind, &json!({}));
+            assert_eq!(complete(kind, &defaults), defaults, "{}", kind.name);
+            for (name, values) in kind.presets {
+                let preset = complete(kind, &values());
+                assert_ne!(preset, defaults, "{} {name}", kind.name);
+            }
+        }
+    }
+
+    #[test]
+    fn a_pursuer_needs_beliefs_unless_everything_it_knows_is_exact() {
+        let pursuer = find(KINDS, "pursuer").unwrap();
+        let needs = |params: Json| (pursuer.needs)(&complete(pursuer, &params));
+        assert_eq!(needs(json!({})), [Need::Belief]);
+        assert_eq!(needs(json!({ "knowledge": "exact" })), [Need::Belief]);
+        let exact = json!({ "knowledge": "exact", "assignment": { "knowledge": "exact" } });
+        assert_eq!(needs(exact), []);
+    }
+
+    #[test]
+    fn parameters_out_of_range_name_their_field() {
+        for (kind, params, field) in [
+            (
+                "perception",
+                json!({ "filter": { "particles": 0 } }),
+                "filter.particles",
+            ),
+            (
+                "pursuer",
+                json!({ "assignment": { "period_s": 0.0 } }),
+                "assignment.period_s",
+            ),
+            (
+                "evader_potential",
+                json!({ "avoid": { "reach": -1.0 } }),
+                "avoid.reach",
+            ),
+            (
+                "evader_braitenberg",
+                json!({ "turn_gain": -1.0 }),
+                "turn_gain",
+            ),
+        ] {
+            let kind = find(KINDS, kind).unwrap();
+            match (kind.check_params)(&Node::from_json(&params).unwrap()) {
+                Err(ParamsFault::Field(found)) => assert_eq!(found.field, field),
+                other => panic!("{}: {other:?}", kind.name),
+            }
+        }
+    }
+}

@@ -1,0 +1,34 @@
+//! Missions: one TOML file says everything.
+//!
+//! [`load`] turns the path of a scenario, or the name of a built-in one, into a
+//! [`ResolvedScenario`]: teams and defaults inherited, `--set` overrides applied, the map read and
+//! written out, starts drawn, parameters of every process typed and complete, everything checked.
+//! What is wrong comes back as [`Diagnostics`](text::Diagnostics), each with file, line, field,
+//! value and what was expected. [`ResolvedScenario::to_toml`] writes the whole into one text that
+//! loads to the same, which is what a log stores.
+//!
+//! A new kind of process is one entry in [`kinds::KINDS`].
+
+pub mod builtin;
+mod context;
+pub mod events;
+pub mod files;
+mod geometry;
+pub mod jitter;
+pub mod kinds;
+mod load;
+mod overrides;
+mod process_checks;
+mod processes;
+mod resolved;
+mod robots;
+pub mod spec;
+pub mod text;
+mod world;
+
+#[cfg(test)]
+mod tests;
+
+pub use events::EventSpec;
+pub use load::{Listed, Loader, list, load};
+pub use resolved::{ProcessSpec, Program, ResolvedScenario};

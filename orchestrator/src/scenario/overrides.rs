@@ -1,0 +1,450 @@
+//! `--set key=value`: changing values of a scenario from the command line.
+
+use toml_parser::lexer::TokenKind;
+
+use super::text::{
+    Code, Diagnostic, Diagnostics, Entry, FieldPath, Node, Origin, SourceKind, Sources, Step,
+    Table, Value, list_choices, nearest, parse_string, parse_value,
+};
+
+/// Applies one `key=value` to the tree of a scenario.
+///
+/// The key is a dotted path (`run.seed`, `rules.exits[0].circle.radius`); an element of an array of
+/// tables is named by its index or by its `name` (`robots.police_1.limits.v_max`; a process without
+/// a name by its `kind`). The value is TOML; what is not TOML and does not look like it is text, so
+/// that `run.idle=spin` needs no quotes. `label` names the argument in errors (`--set`).
+pub fn apply(
+    root: &mut Node,
+    sources: &mut Sources,
+    label: &str,
+    argument: &str,
+    problems: &mut Diagnostics,
+) {
+    let argument = argument.trim_end();
+    let source = sources.add(SourceKind::Override, label, argument);
+    match read(sources, source, argument) {
+        Err(found) => found.iter().for_each(|p| problems.push(p.clone())),
+        Ok((steps, value)) => {
+            if let Err(problem) = assign(root, sources, &steps, value) {
+                problems.push(*problem);
+            }
+        }
+    }
+}
+
+/// One step of the key with its place in the argument.
+struct KeyStep {
+    step: Step,
+    origin: Origin,
+}
+
+fn read(
+    sources: &Sources,
+    source: usize,
+    argument: &str,
+) -> Result<(Vec<KeyStep>, Node), Diagnostics> {
+    let whole = Origin::Text {
+        source,
+        start: 0,
+        end: argument.len(),
+    };
+    let refuse = |message: &str, expected: &str, origin: Origin| {
+        Diagnostic::new(Code::Override, message)
+            .at(sources.place(origin))
+            .value(format!("{argument:?}"))
+            .expected(expected)
+    };
+    let form = "key=value, for example robots.police_1.limits.v_max=0.5";
+    let Some(equals) = key_end(argument) else {
+        return Err(refuse("override without `=`", form, whole).into());
+    };
+    let steps = key_steps(source, argument.get(..equals).unwrap_or_default()).ok_or_else(|| {
+        let origin = Origin::Text {
+            source,
+            start: 0,
+            end: equals,
+        };
+        refuse("override with a key that cannot be read", form, origin)
+    })?;
+    let text = argument.get(equals + 1..).unwrap_or_default().trim_start();
+    let start = argument.len() - text.len();
+    if text.is_empty() {
+        let origin = Origin::Text {
+            source,
+            start: equals,
+            end: equals + 1,
+        };
+        return Err(refuse(
+            "override without a value",
+            "a value; empty text is \"\"",
+            origin,
+        )
+        .into());
+    }
+    let node = match parse_value(sources, source, start) {
+        Ok(node) => node,
+        Err(found) if is_word(text) && found.iter().all(|p| p.code == Code::Syntax) => Node {
+            value: Value::Str(text.to_owned()),
+            origin: Origin::Text {
+                source,
+                start,
+                end: argument.len(),
+            },
+        },
+        Err(found) => return Err(found),
+    };
+    Ok((steps, node))
+}
+
+/// Text that is meant as text: it starts like no other TOML value and stays on one line.
+fn is_word(text: &str) -> bool {
+    let starts_plain = !text.starts_with(['"', '\'', '[', '{', '#']);
+    starts_plain && !text.contains(['\n', '\r', '"', '#']) && !text.contains(char::is_control)
+}
+
+/// Position of the first `=` outside quotes.
+fn key_end(argument: &str) -> Option<usize> {
+    let mut quote = None;
+    for (i, c) in argument.char_indices() {
+        match (quote, c) {
+            (None, '=') => return Some(i),
+            (None, '"' | '\'') => quote = Some(c),
+            (Some(q), c) if q == c => quote = None,
+            _ => {}
+        }
+    }
+    None
+}
+
+/// The steps of a dotted key with quoted parts and `[index]`es; `None` if it is not one.
+fn key_steps(source: usize, key: &str) -> Option<Vec<KeyStep>> {
+    #[derive(PartialEq)]
+    enum Want {
+        Part,
+        Separator,
+        Index,
+        Close,
+    }
+    let lead = key.len() - key.trim_start().len();
+    let text = key.trim();
+    let mut steps = Vec::new();
+    let mut want = Want::Part;
+    for token in toml_parser::Source::new(text).lex() {
+        let span = token.span();
+        let origin = Origin::Text {
+            source,
+            start: lead + span.start(),
+            end: lead + span.end(),
+        };
+        let part = text.get(span.start()..span.end()).unwrap_or_default();
+        want = match (want, token.kind()) {
+            (w, TokenKind::Eof) => {
+                let complete = w == Want::Separator && !steps.is_empty() && steps.len() <= 16;
+                return complete.then_some(steps);
+            }
+            (Want::Part, TokenKind::Atom) => {
+                steps.push(KeyStep {
+                    step: Step::Key(part.to_owned()),
+                    origin,
+                });
+                Want::Separator
+            }
+            (Want::Part, TokenKind::BasicString | TokenKind::LiteralString) => {
+                steps.push(KeyStep {
+                    step: Step::Key(parse_string(part)?),
+                    origin,
+                });
+                Want::Separator
+            }
+            (Want::Separator, TokenKind::Dot) => Want::Part,
+            (Want::Separator, TokenKind::LeftSquareBracket) if !steps.is_empty() => Want::Index,
+            (Want::Index, TokenKind::Atom) => {
+                steps.push(KeyStep {
+                    step: Step::Index(part.parse().ok()?),
+                    origin,
+                });
+                Want::Close
+            }
+            (Want::Close, TokenKind::RightSquareBracket) => Want::Separator,
+            _ => return None,
+        };
+    }
+    None
+}
+
+fn assign(
+    root: &mut Node,
+    sources: &Sources,
+    steps: &[KeyStep],
+    value: Node,
+) -> Result<(), Box<Diagnostic>> {
+    let mut node = root;
+    let mut path = FieldPath::default();
+    for (i, KeyStep { step, origin }) in steps.iter().enumerate() {
+        let last = i + 1 == steps.len();
+        let problem = |code, message: String, path: &FieldPath| {
+            Diagnostic::new(code, message)
+                .at(sources.place(*origin))
+                .field(path.step(step.clone()))
+        };
+        if !matches!(node.value, Value::Table(_) | Value::Array(_)) {
+            let message = format!(
+                "`{path}` is {}: there is nothing inside it",
+                node.type_name()
+            );
+            let found = node.render_short();
+            return Err(Box::new(
+                problem(Code::Override, message, &path).value(found),
+            ));
+        }
+        node = match (&mut node.value, step) {
+            (Value::Table(table), Step::Key(key)) => {
+                path = path.then(key);
+                if last {
+                    table.set(key, *origin, value);
+                    return Ok(());
+                }
+                child(table, key, *origin)
+            }
+            (Value::Array(list), step) => {
+                let word = step_text(step);
+                let names: Vec<String> = list
+                    .iter()
+                    .filter_map(Node::label)
+                    .map(str::to_owned)
+                    .collect();
+                let count = list.len();
+                let index = element(list, step).filter(|&i| i < count);
+                let Some(element) = index.and_then(|i| list.get_mut(i)) else {
+                    let message = format!("`{path}` has no element `{word}`");
+                    let range = match count {
+                        0 => "nothing: the array is empty".to_owned(),
+                        n => format!("an index from 0 to {}", n - 1),
+                    };
+                    let expected = match names.as_slice() {
+                        [] => range,
+                        names => format!("{}, or {range}", list_choices(names)),
+                    };
+                    let mut p = problem(Code::UnknownName, message, &path).expected(expected);
+                    if let Some(near) = nearest(&word, names.iter().map(String::as_str)) {
+                        p = p.help(format!("did you mean `{near}`?"));
+                    }
+                    return Err(Box::new(p));
+                };
+                path = path.step(element.element_step(index.unwrap_or_default()));
+                if last {
+                    *element = value;
+                    return Ok(());
+                }
+                element
+            }
+            _ => {
+                let message = format!("`{path}` is a table, not an array");
+                return Err(Box::new(
+                    problem(Code::Override, message, &path).expected("a key"),
+                ));
+            }
+        };
+    }
+    Ok(())
+}
+
+fn step_text(step: &Step) -> String {
+    match step {
+        Step::Key(key) | Step::Named(_, key) => key.clone(),
+        Step::Index(index) => index.to_string(),
+    }
+}
+
+/// The table's value of a key, an empty table if there is none.
+fn child<'a>(table: &'a mut Table, key: &str, origin: Origin) -> &'a mut Node {
+    let index = table
+        .entries
+        .iter()
+        .position(|e| e.key == key)
+        .unwrap_or_else(|| {
+            let node = Node::empty_table(origin);
+            table.entries.push(Entry {
+                key: key.to_owned(),
+                origin,
+                node,
+            });
+            table.entries.len() - 1
+        });
+    &mut table.entries[index].node
+}
+
+/// The index of the element that a step means, by name or number.
+fn element(list: &[Node], step: &Step) -> Option<usize> {
+    match step {
+        Step::Index(index) | Step::Named(index, _) => Some(*index),
+        Step::Key(key) => list
+            .iter()
+            .position(|n| n.label() == Some(key))
+            .or_else(|| key.parse().ok()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::super::text::parse_document;
+    use super::*;
+
+    const TEXT: &str = "
+        [run]
+        seed = 1
+        idle = 'block'
+        [[robots]]
+        name = 'police_1'
+        start = { x = 1, y = 2, theta = 0 }
+        [[robots]]
+        name = 'police_2'
+        [[processes]]
+        kind = 'perception'
+        params = { particles = 10 }
+    ";
+
+    fn tree() -> (Node, Sources) {
+        let mut sources = Sources::default();
+        let id = sources.add(SourceKind::File, "t.toml", TEXT);
+        let mut problems = Diagnostics::default();
+        let node = parse_document(&sources, id, &mut problems).unwrap();
+        assert!(problems.is_empty());
+        (node, sources)
+    }
+
+    fn set(argument: &str) -> Result<Node, String> {
+        let (mut node, mut sources) = tree();
+        let mut problems = Diagnostics::default();
+        apply(&mut node, &mut sources, "--set", argument, &mut problems);
+        problems.into_result(node).map_err(|p| p.to_string())
+    }
+
+    fn at(argument: &str, path: &str) -> String {
+        let root = set(argument).unwrap();
+        let mut node = &root;
+        for key in path.split('.') {
+            node = match node.as_array() {
+                Some(list) => &list[key.parse::<usize>().unwrap()],
+                None => node.get(key).unwrap(),
+            };
+        }
+        node.render_short()
+    }
+
+    #[test]
+    fn values_are_set_by_key_index_and_name() {
+        assert_eq!(at("run.seed=7", "run.seed"), "7");
+        assert_eq!(
+            at("robots.police_2.limits.v_max=0.5", "robots.1.limits.v_max"),
+            "0.5"
+        );
+        assert_eq!(at("robots[0].start.x = -3", "robots.0.start.x"), "-3");
+        assert_eq!(at("robots.0.start.x=4", "robots.0.start.x"), "4");
+        assert_eq!(
+            at(
+                "processes.perception.params.particles=99",
+                "processes.0.params.particles"
+            ),
+            "99"
+        );
+        assert_eq!(at("rules.time_limit=60", "rules.time_limit"), "60");
+        assert_eq!(at("run.pin=[1, 2]", "run.pin"), "[1, 2]");
+        assert_eq!(at("run.\"odd key\"=1", "run.odd key"), "1");
+    }
+
+    #[test]
+    fn bare_words_are_text_and_everything_else_is_toml() {
+        assert_eq!(at("run.idle=spin", "run.idle"), "\"spin\"");
+        assert_eq!(at("run.idle=\"spin\"", "run.idle"), "\"spin\"");
+        assert_eq!(
+            at("run.idle=maps/a b.toml", "run.idle"),
+            "\"maps/a b.toml\""
+        );
+        assert_eq!(at("run.idle=true", "run.idle"), "true");
+        assert_eq!(at("run.idle=a=b", "run.idle"), "\"a=b\"");
+    }
+
+    #[test]
+    fn what_cannot_be_set_is_named() {
+        for (argument, wants) in [
+            (
+                "run.seed",
+                &["override without `=`", "--> --set", "key=value"][..],
+            ),
+            ("run.seed=", &["override without a value"]),
+            ("=1", &["key that cannot be read"]),
+            ("run..seed=1", &["key that cannot be read"]),
+            ("run.seed=[1, ", &["not valid TOML", "--> --set"]),
+            ("run.seed=\"a", &["not valid TOML"]),
+            (
+                "robots.police_3.radius=1",
+                &[
+                    "`robots` has no element `police_3`",
+                    "`police_1` or `police_2`, or an index from 0 to 1",
+                    "did you mean `police_",
+                ],
+            ),
+            (
+                "robots[2].radius=1",
+                &["`robots` has no element `2`", "0 to 1"],
+            ),
+            (
+                "run.seed.x=1",
+                &[
+                    "`run.seed` is a whole number: there is nothing inside it",
+                    "value: 1",
+                ],
+            ),
+            ("run[0]=1", &["`run` is a table, not an array"]),
+        ] {
+            let text = set(argument).unwrap_err();
+            for want in wants {
+                assert!(
+                    text.contains(want),
+                    "{argument}: missing {want:?} in:\n{text}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn the_place_of_a_value_is_the_argument() {
+        let (mut node, mut sources) = tree();
+        let mut problems = Diagnostics::default();
+        apply(
+            &mut node,
+            &mut sources,
+            "--set",
+            "run.seed=7",
+            &mut problems,
+        );
+        let origin = node.get("run").and_then(|n| n.get("seed")).unwrap().origin;
+        let place = sources.place(origin).unwrap();
+        assert!(place.is_override);
+        assert_eq!(
+            (place.snippet.as_str(), place.marker, place.length),
+            ("run.seed=7", 9, 1)
+        );
+    }
+
+    proptest! {
+        #[test]
+        fn arbitrary_overrides_never_panic(argument in ".{0,80}") {
+            let _ = set(&argument);
+        }
+
+        #[test]
+        fn overrides_of_numbers_and_text_round_trip(number in any::<i64>(), float in -1e300f64..1e300, text in "[^\\\\\"\\p{C}]{0,20}") {
+            prop_assert_eq!(at(&format!("run.seed={number}"), "run.seed"), number.to_string());
+            let root = set(&format!("run.seed={float:?}")).unwrap();
+            let found = root.get("run").and_then(|n| n.get("seed")).unwrap();
+            prop_assert_eq!(&found.value, &Value::Float(float));
+            let root = set(&format!("run.idle=\"{text}\"")).unwrap();
+            let found = root.get("run").and_then(|n| n.get("idle")).unwrap();
+            prop_assert_eq!(found.as_str(), Some(text.as_str()));
+        }
+    }
+}

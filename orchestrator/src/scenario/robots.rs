@@ -1,0 +1,249 @@
+//! `[[robots]]`, with what they inherit from their team and from the defaults.
+
+use sim_backend::pose::Pose2;
+use sim_backend::spec::RobotSpec;
+use sim_backend::team::Team;
+
+use super::context::Context;
+use super::spec::{Defaults, MAX_BEAMS, MAX_ROBOTS, RobotBlock, StartJitter, Teams};
+use super::text::{Code, FieldPath, Node, Value};
+
+/// A robot as read, before its start is drawn.
+pub struct Robot {
+    /// Everything but the displacement; the start is the nominal one.
+    pub spec: RobotSpec,
+    /// Displacement of the start.
+    pub jitter: Option<StartJitter>,
+    /// What the robot is made of, inheritance applied, with the places of its values.
+    pub node: Node,
+    /// Where the robot stands in the scenario.
+    pub path: FieldPath,
+}
+
+/// Longest name of a robot or process.
+pub const MAX_NAME: usize = 48;
+
+/// Reports a name that is empty, long, or made of other characters than messages, file names and
+/// process tables all take.
+pub fn check_name(ctx: &mut Context<'_>, node: &Node, path: &FieldPath, name: &str) -> bool {
+    let allowed = |b: u8| b.is_ascii_alphanumeric() || b == b'_' || b == b'-';
+    if !name.is_empty() && name.len() <= MAX_NAME && name.bytes().all(allowed) {
+        return true;
+    }
+    let problem = ctx
+        .problem(node, path, "name", Code::OutOfRange, "name not allowed")
+        .value(format!("{name:?}"))
+        .expected(format!(
+            "1 to {MAX_NAME} of the characters a–z, A–Z, 0–9, _ and -"
+        ));
+    ctx.problems.push(problem);
+    false
+}
+
+/// Reads all robots; everything wrong is reported. `None` if some robot could not be read.
+pub fn resolve(ctx: &mut Context<'_>) -> Option<Vec<Robot>> {
+    check_inherited(ctx);
+    let blocks = ctx.blocks("robots");
+    let listed = ctx
+        .root
+        .get("robots")
+        .is_none_or(|n| n.as_array().is_some());
+    if blocks.is_empty() && listed {
+        let path = FieldPath::key("robots");
+        let problem = ctx
+            .block_problem(
+                ctx.root.origin,
+                &path,
+                Code::MissingKey,
+                "the scenario has no robots",
+            )
+            .expected("at least one [[robots]] block");
+        ctx.problems.push(problem);
+        return None;
+    }
+    if blocks.len() > MAX_ROBOTS {
+        let (path, node) = &blocks[MAX_ROBOTS];
+        let problem = ctx
+            .block_problem(node.origin, path, Code::Limit, "too many robots")
+            .value(blocks.len())
+            .expected(format!("at most {MAX_ROBOTS} robots"));
+        ctx.problems.push(problem);
+        return None;
+    }
+    let mut robots: Vec<Robot> = Vec::with_capacity(blocks.len());
+    let mut complete = true;
+    for (path, node) in blocks {
+        let merged = inherit(ctx, &node);
+        match read_robot(ctx, merged, path) {
+            Some(robot) => {
+                complete &= check_unique(ctx, &robots, &robot);
+                robots.push(robot);
+            }
+            None => complete = false,
+        }
+    }
+    complete.then_some(robots)
+}
+
+/// Reports what is wrong in `[defaults]` and `[teams]` themselves, also if no robot inherits it.
+fn check_inherited(ctx: &mut Context<'_>) {
+    let _: Option<Defaults> = ctx.section("defaults");
+    let _: Option<Teams> = ctx.section("teams");
+    for path in [
+        "defaults.robot",
+        "teams.neutral",
+        "teams.police",
+        "teams.evader",
+    ] {
+        let path = FieldPath::parse(path);
+        for key in ["name", "start"] {
+            let table = ctx.root.at(&path).and_then(Node::as_table);
+            let Some(entry) = table.and_then(|t| t.entry(key)) else {
+                continue;
+            };
+            let message = format!("`{key}` cannot be inherited: every robot has its own");
+            let problem = ctx
+                .block_problem(entry.origin, &path.then(key), Code::Requirement, message)
+                .value(entry.node.render_short())
+                .expected(format!("`{key}` in each [[robots]] block"));
+            ctx.problems.push(problem);
+        }
+    }
+}
+
+/// The robot's own keys over its team's over the defaults.
+fn inherit(ctx: &Context<'_>, robot: &Node) -> Node {
+    let defaults = ctx.root.get("defaults").and_then(|n| n.get("robot"));
+    let team = robot
+        .get("team")
+        .or_else(|| defaults.and_then(|d| d.get("team")))
+        .and_then(Node::as_str)
+        .and_then(|team| ctx.root.get("teams").and_then(|teams| teams.get(team)));
+    let mut merged = Node::empty_table(robot.origin);
+    let (Value::Table(table), Some(own)) = (&mut merged.value, robot.as_table()) else {
+        return robot.clone();
+    };
+    for layer in [defaults, team]
+        .into_iter()
+        .flatten()
+        .filter_map(Node::as_table)
+    {
+        table.overlay(layer);
+    }
+    table.overlay(own);
+    merged
+}
+
+fn read_robot(ctx: &mut Context<'_>, node: Node, path: FieldPath) -> Option<Robot> {
+    let block: RobotBlock = ctx.read(&node, &path)?;
+    let missing = |ctx: &mut Context<'_>, key: &str, expected: &str| {
+        let problem = ctx
+            .problem(
+                &node,
+                &path,
+                key,
+                Code::MissingKey,
+                format!("missing key `{key}`"),
+            )
+            .expected(expected);
+        ctx.problems.push(problem);
+    };
+    if block.name.is_none() {
+        missing(ctx, "name", "name = \"…\"");
+    }
+    if block.team.is_none() {
+        missing(ctx, "team", "team = \"police\", \"evader\" or \"neutral\"");
+    }
+    if block.start.is_none() {
+        missing(
+            ctx,
+            "start",
+            "start = { x = 0.0, y = 0.0, theta = 0.0 } [m, m, rad]",
+        );
+    }
+    let (name, team, start): (String, Team, Pose2) = (block.name?, block.team?, block.start?);
+    let name_ok = check_name(ctx, &node, &path, &name);
+    let spec = RobotSpec {
+        name,
+        team,
+        start,
+        preset: block.preset.unwrap_or_default(),
+        radius: block.radius,
+        wheel_separation: block.wheel_separation,
+        limits: block.limits,
+        actuator: block.actuator,
+        scan: block.scan,
+        odometry: block.odometry,
+        goal: block.goal,
+    };
+    if let Err(e) = spec.validate() {
+        ctx.refuse(&node, &path, e);
+        return None;
+    }
+    if let Some(scan) = spec.scan.as_ref().filter(|s| s.beams > MAX_BEAMS) {
+        let problem = ctx
+            .problem(&node, &path, "scan.beams", Code::Limit, "too many beams")
+            .value(scan.beams)
+            .expected(format!("at most {MAX_BEAMS} beams"));
+        ctx.problems.push(problem);
+        return None;
+    }
+    let jitter_ok = check_jitter(ctx, &node, &path, block.start_jitter.as_ref());
+    (name_ok && jitter_ok).then_some(Robot {
+        spec,
+        jitter: block.start_jitter,
+        node,
+        path,
+    })
+}
+
+fn check_jitter(
+    ctx: &mut Context<'_>,
+    node: &Node,
+    path: &FieldPath,
+    jitter: Option<&StartJitter>,
+) -> bool {
+    use core::f64::consts::PI;
+    let Some(jitter) = jitter else { return true };
+    let mut fine = true;
+    for (key, value, max, unit) in [
+        ("x", jitter.x, 100.0, "m"),
+        ("y", jitter.y, 100.0, "m"),
+        ("theta", jitter.theta, PI, "rad"),
+    ] {
+        if !(0.0..=max).contains(&value) {
+            let field = format!("start_jitter.{key}");
+            let message = format!("`{field}` is out of range");
+            let problem = ctx
+                .problem(node, path, &field, Code::OutOfRange, message)
+                .expected(format!("a number from 0 to {max:.4} [{unit}]"));
+            ctx.problems.push(problem);
+            fine = false;
+        }
+    }
+    fine
+}
+
+fn check_unique(ctx: &mut Context<'_>, others: &[Robot], robot: &Robot) -> bool {
+    let Some(other) = others.iter().find(|o| o.spec.name == robot.spec.name) else {
+        return true;
+    };
+    let name = &robot.spec.name;
+    let line = ctx
+        .sources
+        .place(other.node.origin)
+        .map_or(String::new(), |p| {
+            format!(" (the other is at {}:{})", p.file, p.line)
+        });
+    let problem = ctx
+        .problem(
+            &robot.node,
+            &robot.path,
+            "name",
+            Code::Duplicate,
+            format!("two robots are called `{name}`{line}"),
+        )
+        .expected("a name of its own for every robot");
+    ctx.problems.push(problem);
+    false
+}

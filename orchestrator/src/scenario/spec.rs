@@ -1,0 +1,242 @@
+//! What a scenario file may contain, beside the world's own tables (`sim_backend::spec`).
+
+use serde::de::IgnoredAny;
+use serde::{Deserialize, Serialize};
+use sim_backend::pose::Pose2;
+use sim_backend::spec::{ActuatorSpec, LimitsSpec, OdometrySpec, Preset, Region, ScanSpec};
+use sim_backend::team::Team;
+
+/// Most robots in one scenario.
+pub const MAX_ROBOTS: usize = 64;
+/// Most processes in one scenario, the simulator not counted.
+pub const MAX_PROCESSES: usize = 64;
+/// Most beams of one range scan.
+pub const MAX_BEAMS: usize = 4096;
+/// Most particles of one filter.
+pub const MAX_PARTICLES: usize = 1_000_000;
+/// Most cells of the map's grid.
+pub const MAX_CELLS: usize = 25_000_000;
+/// Most events in one scenario.
+pub const MAX_EVENTS: usize = 10_000;
+
+/// The topics that [`LogSpec::leave_out`] may name.
+pub const TOPICS: &[&str] = ipc_types::topics::NAMES;
+
+/// `[run]`: time, chance, and how the processes wait for each other.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct RunSpec {
+    /// Simulated length of one tick [s], 0.0001 to 1.
+    pub dt: f64,
+    /// Seed of everything random: noise, start jitter, planners. `--seed` overrides it.
+    pub seed: u64,
+    /// Who sets the pace.
+    pub mode: Mode,
+    /// In real time: simulated seconds per second, 0.001 to 1000.
+    pub real_time_factor: f64,
+    /// How a process waits for its turn.
+    pub idle: Idle,
+    /// On which cores the processes may run.
+    pub pin: Pin,
+    /// Wall-clock time [s] without an answer after which a process counts as hung, 0.1 to 3600.
+    pub hang_timeout_s: f64,
+    /// In real time: age [s, simulated] beyond which a robot's command is no longer obeyed and the
+    /// robot stops, 0.001 to 60.
+    pub command_deadline_s: f64,
+}
+
+impl Default for RunSpec {
+    fn default() -> Self {
+        Self {
+            dt: 0.05,
+            seed: 1,
+            mode: Mode::LockStep,
+            real_time_factor: 1.0,
+            idle: Idle::Block,
+            pin: Pin::None,
+            hang_timeout_s: 10.0,
+            command_deadline_s: 0.25,
+        }
+    }
+}
+
+/// Who sets the pace of a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Mode {
+    /// Every process answers every tick; the run is as fast as they are, and reproducible.
+    #[default]
+    LockStep,
+    /// The clock; late answers are dropped and counted.
+    RealTime,
+}
+
+/// How a process waits for its turn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Idle {
+    /// Asleep, without using the processor.
+    #[default]
+    Block,
+    /// Asking again and again: faster with a core for each process, very slow otherwise.
+    Spin,
+}
+
+/// On which cores the processes of a run may be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Pin {
+    /// Wherever the system puts them.
+    #[default]
+    None,
+    /// All on one core: the cheapest way to take turns.
+    OneCore,
+}
+
+/// `[log]`: what is recorded and how.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct LogSpec {
+    /// Compression of the chunks.
+    pub compression: Compression,
+    /// Pictures per simulated second for viewers [Hz], 0 to 1000; 0 leaves viewer topics out.
+    pub viewer_rate_hz: f64,
+    /// Topics that are not recorded (`perception/belief`); none by default.
+    pub leave_out: Vec<String>,
+}
+
+impl Default for LogSpec {
+    fn default() -> Self {
+        Self {
+            compression: Compression::Zstd,
+            viewer_rate_hz: 10.0,
+            leave_out: Vec::new(),
+        }
+    }
+}
+
+/// Compression of a log's chunks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Compression {
+    /// Zstandard.
+    #[default]
+    Zstd,
+    /// None: larger, and readable by everything.
+    None,
+}
+
+/// Random displacement of a robot's start, drawn from the run's seed.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct StartJitter {
+    /// Along x: half the range, or the standard deviation [m], 0 to 100.
+    pub x: f64,
+    /// Along y, likewise [m], 0 to 100.
+    pub y: f64,
+    /// Of the heading, likewise [rad], 0 to π.
+    pub theta: f64,
+    /// What the three numbers mean.
+    pub distribution: Distribution,
+}
+
+impl Default for StartJitter {
+    fn default() -> Self {
+        Self {
+            x: 0.0,
+            y: 0.0,
+            theta: 0.0,
+            distribution: Distribution::Uniform,
+        }
+    }
+}
+
+/// Distribution of a [`StartJitter`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Distribution {
+    /// Anything from −value to +value is as likely.
+    #[default]
+    Uniform,
+    /// Normal with the value as standard deviation, cut at three of them.
+    Normal,
+}
+
+/// How the robots of one `[[processes]]` block are shared out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Grouping {
+    /// A process of its own for each robot.
+    #[default]
+    OnePerRobot,
+    /// One process that drives them all.
+    Together,
+}
+
+/// `[[robots]]`, `[teams.…]` and `[defaults.robot]`: all keys optional, since any of the three may
+/// give them.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct RobotBlock {
+    pub name: Option<String>,
+    pub team: Option<Team>,
+    pub start: Option<Pose2>,
+    pub start_jitter: Option<StartJitter>,
+    pub preset: Option<Preset>,
+    pub radius: Option<f64>,
+    pub wheel_separation: Option<f64>,
+    pub limits: LimitsSpec,
+    pub actuator: ActuatorSpec,
+    pub scan: Option<ScanSpec>,
+    pub odometry: Option<OdometrySpec>,
+    pub goal: Option<Region>,
+}
+
+/// `[[processes]]`.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct ProcessBlock {
+    pub name: Option<String>,
+    pub kind: Option<String>,
+    pub command: Option<Vec<String>>,
+    pub robots: Option<Vec<String>>,
+    pub team: Option<Team>,
+    pub grouping: Option<Grouping>,
+    /// Read by the kind.
+    #[serde(rename = "params")]
+    pub _params: Option<IgnoredAny>,
+}
+
+/// The top level of a scenario file.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct TopLevel {
+    pub name: Option<String>,
+    pub title: Option<String>,
+    pub description: Option<String>,
+    pub run: Option<IgnoredAny>,
+    pub world: Option<IgnoredAny>,
+    pub rules: Option<IgnoredAny>,
+    pub defaults: Option<Defaults>,
+    pub teams: Option<Teams>,
+    pub robots: Option<Vec<IgnoredAny>>,
+    pub processes: Option<Vec<IgnoredAny>>,
+    pub events: Option<Vec<IgnoredAny>>,
+    pub log: Option<IgnoredAny>,
+}
+
+/// `[defaults]`.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct Defaults {
+    pub robot: Option<RobotBlock>,
+}
+
+/// `[teams]`.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct Teams {
+    pub neutral: Option<RobotBlock>,
+    pub police: Option<RobotBlock>,
+    pub evader: Option<RobotBlock>,
+}

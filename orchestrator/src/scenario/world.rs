@@ -1,0 +1,319 @@
+//! `[world]`: the map, read from wherever it is and written out.
+
+use std::path::Path;
+
+use serde::de::IgnoredAny;
+use serde::{Deserialize, Serialize};
+use sim_backend::map::{MapSpec, RosMap, UnknownCells, VectorMap, VectorMapError};
+use sim_backend::shape::ShapeError;
+
+use super::builtin;
+use super::context::Context;
+use super::files::{Base, Found, Refused, read_text};
+use super::kinds::FieldProblem;
+use super::spec::MAX_CELLS;
+use super::text::{Code, FieldPath, Node, SourceKind, nearest, parse_document};
+
+/// Largest vector map that is read [bytes].
+const MAX_MAP_FILE: u64 = 64 << 20;
+/// Prefix of the name of a map that is part of the program.
+const BUILTIN: &str = "builtin:";
+
+/// `[world]` but for the map.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct WorldBlock {
+    /// Read by [`MapSpec`].
+    #[serde(rename = "map", skip_serializing)]
+    _map: Option<IgnoredAny>,
+    /// Side of the grid's cells [m], instead of what a vector map says.
+    resolution: Option<f64>,
+    /// Standard deviation of the map's Gaussian blur [m].
+    blur_sigma: f64,
+}
+
+impl Default for WorldBlock {
+    fn default() -> Self {
+        // The chasing game's three cells of 6.3 cm.
+        Self {
+            _map: None,
+            resolution: None,
+            blur_sigma: 0.19,
+        }
+    }
+}
+
+/// What `[world]` says: the map, written out, and the blur's σ [m].
+pub struct Ground {
+    /// Never [`MapSpec::File`].
+    pub map: MapSpec,
+    /// Standard deviation of the map's Gaussian blur [m].
+    pub blur_sigma: f64,
+}
+
+/// Reads `[world]` and the map; everything wrong is reported.
+pub fn resolve(ctx: &mut Context<'_>, base: &Base) -> Option<Ground> {
+    let world = FieldPath::key("world");
+    let Some(node) = ctx.root.get("world").cloned() else {
+        let problem = ctx
+            .block_problem(
+                ctx.root.origin,
+                &world,
+                Code::MissingKey,
+                "missing table `[world]`",
+            )
+            .expected("[world] with map = \"path/of/a/map.toml\"");
+        ctx.problems.push(problem);
+        return None;
+    };
+    let block: WorldBlock = ctx.read(&node, &world)?;
+    ctx.check_range("world.blur_sigma", block.blur_sigma, 0.0, 10.0, "m");
+    let path = world.then("map");
+    let Some(map_node) = node.get("map") else {
+        let problem = ctx
+            .block_problem(node.origin, &path, Code::MissingKey, "missing key `map`")
+            .expected("map = \"path/of/a/map.toml\", or [world.map.vector]");
+        ctx.problems.push(problem);
+        return None;
+    };
+    let spec: MapSpec = ctx.read(map_node, &path)?;
+    let mut map = match spec {
+        MapSpec::File {
+            path: file,
+            unknown,
+        } => load(ctx, base, map_node, &path, &file.to_string_lossy(), unknown)?,
+        MapSpec::Vector(map) => {
+            check_vectors(ctx, map_node.get("vector")?, &path.then("vector"), &map).then_some(())?;
+            MapSpec::Vector(map)
+        }
+        MapSpec::Cells(map) => {
+            if let Err(e) = map.validate() {
+                ctx.refuse(map_node.get("cells")?, &path.then("cells"), e);
+                return None;
+            }
+            MapSpec::Cells(map)
+        }
+    };
+    if let Some(resolution) = block.resolution {
+        let MapSpec::Vector(vectors) = &mut map else {
+            let message = "this map is made of cells and has a resolution of its own";
+            let problem = ctx
+                .problem(&node, &world, "resolution", Code::Requirement, message)
+                .expected("no resolution beside a grid map");
+            ctx.problems.push(problem);
+            return None;
+        };
+        vectors.resolution = resolution;
+        if let Err(e) = vectors.frame() {
+            ctx.refuse(&node, &world, e);
+            return None;
+        }
+    }
+    check_size(ctx, &node, &map)?;
+    Some(Ground {
+        map,
+        blur_sigma: block.blur_sigma,
+    })
+}
+
+/// Refuses a grid of more than [`MAX_CELLS`] cells.
+fn check_size(ctx: &mut Context<'_>, node: &Node, map: &MapSpec) -> Option<()> {
+    let frame = match map {
+        MapSpec::Vector(map) => map.frame().ok()?,
+        MapSpec::Cells(map) => map.frame(),
+        MapSpec::File { .. } => return None,
+    };
+    if frame.len() <= MAX_CELLS {
+        return Some(());
+    }
+    let world = FieldPath::key("world");
+    let problem = ctx
+        .problem(
+            node,
+            &world,
+            "map",
+            Code::Limit,
+            "the map has too many cells",
+        )
+        .value(format!("{} × {} cells", frame.width, frame.height))
+        .expected(format!("at most {MAX_CELLS} cells"))
+        .help("set a coarser world.resolution");
+    ctx.problems.push(problem);
+    None
+}
+
+/// Reads the file that `map = "…"` names.
+fn load(
+    ctx: &mut Context<'_>,
+    base: &Base,
+    node: &Node,
+    path: &FieldPath,
+    file: &str,
+    unknown: UnknownCells,
+) -> Option<MapSpec> {
+    let named = file.strip_prefix(BUILTIN);
+    let found = match named {
+        Some(name) => {
+            let path = format!("maps/{}.toml", name.strip_suffix(".toml").unwrap_or(name));
+            Base::Builtin.find(&path)
+        }
+        None => base.find(file),
+    };
+    let found = match found {
+        Ok(found) => found,
+        Err(e) => {
+            let wanted = named.unwrap_or(file);
+            let stem = Path::new(wanted)
+                .file_stem()
+                .and_then(|s| s.to_str())
+                .unwrap_or_default();
+            let names = builtin::map_stems();
+            let help = match nearest(stem, names.iter().copied()) {
+                Some(near) if *base != Base::Nothing => Some(format!(
+                    "a map `{near}` is built in: map = \"{BUILTIN}{near}\" works from any folder"
+                )),
+                _ => None,
+            };
+            return complain(ctx, node, path, e, help);
+        }
+    };
+    match found {
+        Found::Text(text) => parse_vectors(ctx, file, text),
+        Found::Disk(real) => {
+            let extension = Path::new(file)
+                .extension()
+                .and_then(|e| e.to_str())
+                .unwrap_or("");
+            match extension.to_ascii_lowercase().as_str() {
+                "toml" => match read_text(&real, MAX_MAP_FILE) {
+                    Ok(text) => parse_vectors(ctx, file, &text),
+                    Err(e) => complain(ctx, node, path, e, None),
+                },
+                "yaml" | "yml" => load_ros(ctx, base, node, path, &real, file, unknown),
+                _ => {
+                    let refused = Refused {
+                        message: "unknown kind of map".to_owned(),
+                        expected: "a file ending in .toml (vectors) or .yaml (ROS map_server)"
+                            .to_owned(),
+                    };
+                    complain(ctx, node, path, refused, None)
+                }
+            }
+        }
+    }
+}
+
+fn complain(
+    ctx: &mut Context<'_>,
+    node: &Node,
+    path: &FieldPath,
+    refused: Refused,
+    help: Option<String>,
+) -> Option<MapSpec> {
+    let place = if node.as_table().is_some() {
+        "file.path"
+    } else {
+        ""
+    };
+    let mut problem = ctx
+        .problem(node, path, place, Code::File, refused.message)
+        .value(node.render_short())
+        .expected(refused.expected);
+    if let Some(help) = help {
+        problem = problem.help(help);
+    }
+    ctx.problems.push(problem);
+    None
+}
+
+fn load_ros(
+    ctx: &mut Context<'_>,
+    base: &Base,
+    node: &Node,
+    path: &FieldPath,
+    real: &Path,
+    file: &str,
+    unknown: UnknownCells,
+) -> Option<MapSpec> {
+    let file_error = |e: String| Refused {
+        message: e,
+        expected: "a ROS map".to_owned(),
+    };
+    let ros = match RosMap::read(real) {
+        Ok(ros) => ros,
+        Err(e) => return complain(ctx, node, path, file_error(e.to_string()), None),
+    };
+    // The image stands beside the YAML, and is bound to the scenario's folder like every file.
+    let image = Path::new(file)
+        .parent()
+        .unwrap_or(Path::new(""))
+        .join(&ros.image);
+    if let Err(e) = base.find(&image.to_string_lossy()) {
+        let refused = Refused {
+            message: format!("image of {file}: {}", e.message),
+            ..e
+        };
+        return complain(ctx, node, path, refused, None);
+    }
+    match ros.load(unknown) {
+        Ok(cells) => Some(MapSpec::Cells(cells)),
+        Err(e) => complain(ctx, node, path, file_error(e.to_string()), None),
+    }
+}
+
+/// Reads the text of a vector map; problems point into it.
+fn parse_vectors(ctx: &mut Context<'_>, name: &str, text: &str) -> Option<MapSpec> {
+    let source = ctx.sources.add(SourceKind::File, name, text);
+    let node = parse_document(&ctx.sources, source, &mut ctx.problems)?;
+    let path = FieldPath::default();
+    let map: VectorMap = ctx.read(&node, &path)?;
+    check_vectors(ctx, &node, &path, &map).then_some(MapSpec::Vector(map))
+}
+
+fn check_vectors(ctx: &mut Context<'_>, node: &Node, path: &FieldPath, map: &VectorMap) -> bool {
+    let found = match map.validate() {
+        Ok(()) => return true,
+        Err(e) => e,
+    };
+    match found {
+        VectorMapError::Field(e) => ctx.refuse(node, path, e),
+        VectorMapError::Obstacle { index, source, .. } => {
+            let (field, code) = match source {
+                ShapeError::Field(e) => {
+                    let e = e.within("shape").within(&format!("obstacles[{index}]"));
+                    ctx.refuse(node, path, e);
+                    return false;
+                }
+                _ => (format!("obstacles[{index}].shape"), Code::Geometry),
+            };
+            let problem = ctx.problem(node, path, &field, code, source.to_string());
+            ctx.problems.push(problem);
+        }
+        VectorMapError::DuplicateName {
+            ref name, second, ..
+        } => {
+            let field = format!("obstacles[{second}].name");
+            let problem = ctx
+                .problem(node, path, &field, Code::Duplicate, found.to_string())
+                .value(format!("{name:?}"));
+            ctx.problems.push(problem);
+        }
+    }
+    false
+}
+
+/// A shape's complaint as a field and what was expected.
+pub fn shape_problem(e: ShapeError) -> FieldProblem {
+    match e {
+        ShapeError::Field(e) => e.into(),
+        other => {
+            let text = other.to_string();
+            let (what, expected) = text.split_once(": expected ").unwrap_or((&text, "a shape"));
+            FieldProblem {
+                field: "polygon.vertices".to_owned(),
+                value: what.to_owned(),
+                expected: expected.to_owned(),
+            }
+        }
+    }
+}

@@ -1,0 +1,34 @@
+//! Wires [`Braitenberg`] to its topics: state and scan in, command out.
+
+use guidance::map::PlannerMap;
+use guidance::steering::Steering;
+use guidance::view::View;
+use kit::config::RobotInfo;
+use kit::planner::{Planner, PlannerInputs, limits};
+
+use crate::{Braitenberg, BraitenbergParams};
+
+/// One evader in its process.
+#[derive(Debug)]
+pub struct BraitenbergPlanner(Braitenberg);
+
+impl Planner for BraitenbergPlanner {
+    type Params = BraitenbergParams;
+
+    fn inputs(_: &BraitenbergParams) -> PlannerInputs {
+        PlannerInputs {
+            beliefs: false,
+            scans: true,
+        }
+    }
+
+    fn new(params: &BraitenbergParams, robot: &RobotInfo, seed: u64) -> Result<Self, String> {
+        Braitenberg::new(*params, limits(robot)?, seed)
+            .map(Self)
+            .map_err(|e| e.to_string())
+    }
+
+    fn steer(&mut self, _: &PlannerMap, view: &View<'_>) -> Steering {
+        self.0.command(view)
+    }
+}

@@ -1,0 +1,189 @@
+//! One evader.
+
+use guidance::bearing::{Bearings, GoalField};
+use guidance::feedback_linearisation::command;
+use guidance::limits::Limits;
+use guidance::map::PlannerMap;
+use guidance::navigation::{Threat, Wayfinder};
+use guidance::params::ParamsError;
+use guidance::potential_field::{
+    Body, Goal, Perturbation, Repulsor, attraction, capped, obstacle, repulsion,
+    slide_along_obstacles, slide_around_bodies,
+};
+use guidance::steering::Steering;
+use guidance::view::{RobotView, View};
+use nalgebra::Point2;
+use sim_backend::team::Team;
+
+use crate::params::{EvaderParams, ThreatParams};
+
+/// The way-finder's slot of the cheapest ways past the Police.
+const PAST_POLICE: usize = 0;
+/// The way-finder's slot of the shortest ways.
+const SHORTEST: usize = 1;
+/// Distance within which other robots are measured along the ways [m].
+const MEASURED: f64 = 4.0;
+
+/// Runs for the nearest exit and from the Police by potential fields.
+///
+/// Everything but caches of the map is a function of the view.
+#[derive(Debug, Clone)]
+pub struct Evader {
+    params: EvaderParams,
+    limits: Limits,
+    perturbation: Perturbation,
+    finder: Wayfinder,
+    looked_in: Option<i64>,
+    threats: Vec<Threat>,
+    repulsors: Vec<Repulsor>,
+}
+
+impl Evader {
+    /// An evader for a robot with these limits; the seed sets the phase of its perturbation.
+    ///
+    /// # Errors
+    /// [`ParamsError`] if a parameter is out of range.
+    pub fn new(params: EvaderParams, limits: Limits, seed: u64) -> Result<Self, ParamsError> {
+        params.validate()?;
+        Ok(Self {
+            params,
+            limits,
+            perturbation: Perturbation::new(params.perturbation, seed),
+            finder: Wayfinder::new(params.navigation),
+            looked_in: None,
+            threats: Vec::new(),
+            repulsors: Vec::new(),
+        })
+    }
+
+    /// What the robot `view.me` does in this tick.
+    ///
+    /// It stands still when it is not listed or no longer takes part. Without an exit, or with none
+    /// that can be reached, it only avoids.
+    pub fn command(&mut self, map: &PlannerMap, view: &View<'_>) -> Steering {
+        let Some(own) = view.own().filter(|own| own.active) else {
+            return Steering::stop();
+        };
+        let params = self.params;
+        let here = own.pose.position();
+        let at = params.feedback.field_point_of(&own.pose);
+        let geodesic = GoalField::Geodesic;
+        if params.goal_field == geodesic || params.avoid_field == geodesic {
+            self.finder.prepare(map, own.radius);
+        }
+
+        let (aim, waypoint) = match self.way_out(map, view, here) {
+            Some((exit, waypoint)) => (Some(exit), Some(waypoint)),
+            None => (None, None),
+        };
+        let goal = waypoint.map(|at| Goal { at, weight: 1.0 });
+        let pull = attraction(at, goal, &Bearings::Straight, &params.attraction);
+
+        self.repulsors.clear();
+        self.repulsors.extend(repulsors(view, own.index, &params));
+        let routes = match params.avoid_field {
+            GoalField::Straight => None,
+            GoalField::Geodesic => {
+                // Ways are measured to robots that are near at all; what is further off as the crow
+                // flies is further still along the streets, and hardly counts.
+                let near = |place: &Point2<f64>| (place - here).norm() < MEASURED;
+                let places = self
+                    .repulsors
+                    .iter()
+                    .map(|repulsor| repulsor.at)
+                    .filter(near);
+                self.finder.routes(map, SHORTEST, here, places)
+            }
+        };
+        let bearings = routes.map_or(Bearings::Straight, Bearings::Along);
+        let push = repulsion(at, self.repulsors.iter().copied(), &bearings, &params.avoid);
+
+        let sum =
+            pull + push + obstacle(map, at, &params.obstacle) + self.perturbation.at(view.time_s);
+        let around = slide_around_bodies(
+            map,
+            here,
+            own.radius,
+            sum,
+            in_the_way(view, own),
+            params.body_guard,
+        );
+        let along = slide_along_obstacles(map, at, own.radius, around, params.obstacle.guard);
+        let field = capped(along, params.field_cap);
+        Steering {
+            command: command(field, own.pose.theta, &self.limits, &params.feedback),
+            target: None,
+            aim,
+            waypoint,
+            field,
+        }
+    }
+
+    /// The exit to run for, and where to head first; `None` without an exit.
+    fn way_out(
+        &mut self,
+        map: &PlannerMap,
+        view: &View<'_>,
+        here: Point2<f64>,
+    ) -> Option<(Point2<f64>, Point2<f64>)> {
+        let straight = || {
+            let exits = view.usable_exits().map(|exit| ((exit - here).norm(), exit));
+            exits
+                .min_by(|a, b| a.0.total_cmp(&b.0))
+                .map(|(_, exit)| (exit, exit))
+        };
+        if self.params.goal_field == GoalField::Straight {
+            return straight();
+        }
+        let ThreatParams {
+            gain,
+            reach,
+            period_s,
+        } = self.params.threat;
+        self.threats.clear();
+        if gain > 0.0 {
+            let police = view.active(Team::Police).map(|robot| robot.pose.position());
+            self.threats
+                .extend(police.map(|at| Threat { at, gain, reach }));
+        }
+        // Saturates for absurd times; NaN becomes 0.
+        let look = Some((view.time_s / period_s).floor() as i64);
+        let renew = !self.threats.is_empty() && self.looked_in != look;
+        self.looked_in = look;
+        let exits = view.usable_exits();
+        self.finder
+            .way_out(map, PAST_POLICE, here, exits, &self.threats, renew)
+            .map(|out| (out.exit, out.waypoint))
+            .or_else(straight)
+    }
+}
+
+/// The other robots with the weights of their kinds.
+fn repulsors(view: &View<'_>, own: usize, params: &EvaderParams) -> impl Iterator<Item = Repulsor> {
+    let (police, fellow) = (params.police_weight, params.fellow_weight);
+    let wreck = params.wreck_weight;
+    let police = view.active(Team::Police).map(move |robot| (robot, police));
+    let fellows = view
+        .active(Team::Evader)
+        .filter(move |robot| robot.index != own)
+        .map(move |robot| (robot, fellow));
+    let wrecks = view.wrecks().map(move |robot| (robot, wreck));
+    police
+        .chain(fellows)
+        .chain(wrecks)
+        .map(|(robot, weight)| Repulsor {
+            at: robot.pose.position(),
+            weight,
+        })
+}
+
+/// The bodies of all other robots.
+fn in_the_way(view: &View<'_>, own: &RobotView) -> impl Iterator<Item = Body> {
+    let own = own.index;
+    view.bodies()
+        .filter(move |other| other.index != own)
+        .map(|other| Body {
+            at: other.pose.position(),
+            radius: other.radius,
+        })
+}

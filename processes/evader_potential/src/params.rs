@@ -1,0 +1,198 @@
+//! Parameters of the potential-field evader.
+
+use guidance::bearing::GoalField;
+use guidance::feedback_linearisation::FeedbackParams;
+use guidance::navigation::NavParams;
+use guidance::params::{ParamsError, not_negative, positive};
+use guidance::potential_field::{
+    AttractionParams, ObstacleParams, PerturbationParams, RepulsionParams,
+};
+use serde::{Deserialize, Serialize};
+
+/// How much the Police lengthen the ways that pass them (`goal_field = "geodesic"` only).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ThreatParams {
+    /// Extra metres that a metre of way costs at distance `reach` from a pursuer, rising with the
+    /// inverse square of the distance; ≥ 0, 0 for none.
+    pub gain: f64,
+    /// See `gain` [m], > 0.
+    pub reach: f64,
+    /// Time between two looks for a better way past the Police [s], > 0.
+    pub period_s: f64,
+}
+
+impl Default for ThreatParams {
+    fn default() -> Self {
+        Self {
+            gain: 3.0,
+            reach: 1.5,
+            period_s: 0.5,
+        }
+    }
+}
+
+/// Parameters of an [`Evader`](crate::Evader).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct EvaderParams {
+    /// How the way to the exit is measured.
+    pub goal_field: GoalField,
+    /// How the Police lengthen ways.
+    pub threat: ThreatParams,
+    /// Attraction to the nearest exit.
+    pub attraction: AttractionParams,
+    /// Repulsion from other robots.
+    pub avoid: RepulsionParams,
+    /// How directions and distances to those robots are measured: along the ways, a pursuer behind
+    /// a block is as far off as it must drive, and its push comes from the corner it would turn.
+    pub avoid_field: GoalField,
+    /// Weight of each pursuer, ≥ 0.
+    pub police_weight: f64,
+    /// Weight of each fellow evader, ≥ 0.
+    pub fellow_weight: f64,
+    /// Weight of the body of each robot that no longer takes part but stands in the way, ≥ 0.
+    pub wreck_weight: f64,
+    /// Repulsion from obstacles.
+    pub obstacle: ObstacleParams,
+    /// Gap to another body [m] at which the robot begins to turn aside to pass it, ≥ 0; 0 for
+    /// never (the paper).
+    pub body_guard: f64,
+    /// Push that varies with time.
+    pub perturbation: PerturbationParams,
+    /// Greatest magnitude of the summed field [m/s], > 0.
+    pub field_cap: f64,
+    /// From field to command.
+    pub feedback: FeedbackParams,
+    /// Graph of the ways, for the geodesic measures.
+    pub navigation: NavParams,
+}
+
+impl Default for EvaderParams {
+    fn default() -> Self {
+        Self {
+            goal_field: GoalField::Geodesic,
+            threat: ThreatParams::default(),
+            attraction: AttractionParams::default(),
+            // Above the attraction close by, so that no exit draws an evader into a pursuer's arms.
+            avoid: RepulsionParams {
+                reach: 1.0,
+                speed: 4.0,
+                ..RepulsionParams::default()
+            },
+            avoid_field: GoalField::Geodesic,
+            police_weight: 1.5,
+            fellow_weight: 0.3,
+            wreck_weight: 0.2,
+            obstacle: ObstacleParams::default(),
+            body_guard: 0.3,
+            perturbation: PerturbationParams::default(),
+            field_cap: 2.0,
+            feedback: FeedbackParams::default(),
+            navigation: NavParams::default(),
+        }
+    }
+}
+
+impl EvaderParams {
+    /// The values of the chasing-game paper's experiments.
+    pub fn paper() -> Self {
+        Self {
+            goal_field: GoalField::Straight,
+            threat: ThreatParams {
+                gain: 0.0,
+                ..ThreatParams::default()
+            },
+            attraction: AttractionParams::paper(),
+            avoid: RepulsionParams::paper(),
+            avoid_field: GoalField::Straight,
+            police_weight: 1.5,
+            fellow_weight: 0.8,
+            wreck_weight: 0.0,
+            obstacle: ObstacleParams::paper(),
+            body_guard: 0.0,
+            perturbation: PerturbationParams::paper(),
+            field_cap: 2.0,
+            feedback: FeedbackParams::paper(),
+            navigation: NavParams::default(),
+        }
+    }
+
+    /// Checks every field.
+    ///
+    /// # Errors
+    /// [`ParamsError`] with the path, the value and what was expected, for the first field that is
+    /// out of range.
+    pub fn validate(&self) -> Result<(), ParamsError> {
+        self.threat
+            .validate()
+            .map_err(|error| error.within("threat"))?;
+        self.attraction
+            .validate()
+            .map_err(|error| error.within("attraction"))?;
+        self.avoid
+            .validate()
+            .map_err(|error| error.within("avoid"))?;
+        not_negative("police_weight", self.police_weight)?;
+        not_negative("fellow_weight", self.fellow_weight)?;
+        not_negative("wreck_weight", self.wreck_weight)?;
+        self.obstacle
+            .validate()
+            .map_err(|error| error.within("obstacle"))?;
+        self.perturbation
+            .validate()
+            .map_err(|error| error.within("perturbation"))?;
+        positive("field_cap", self.field_cap)?;
+        self.feedback
+            .validate()
+            .map_err(|error| error.within("feedback"))?;
+        self.navigation
+            .validate()
+            .map_err(|error| error.within("navigation"))
+    }
+}
+
+impl ThreatParams {
+    /// Checks every field.
+    ///
+    /// # Errors
+    /// [`ParamsError`] naming the first field that is out of range.
+    pub fn validate(&self) -> Result<(), ParamsError> {
+        not_negative("gain", self.gain)?;
+        positive("reach", self.reach)?;
+        positive("period_s", self.period_s)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_presets_are_valid_and_differ() {
+        EvaderParams::default().validate().unwrap();
+        EvaderParams::paper().validate().unwrap();
+        assert_ne!(EvaderParams::default(), EvaderParams::paper());
+    }
+
+    #[test]
+    fn errors_carry_the_path_of_the_field() {
+        let mut params = EvaderParams::default();
+        params.avoid.reach = f64::NAN;
+        let error = params.validate().unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "`avoid.reach` is NaN, but must be a finite number above 0"
+        );
+    }
+
+    #[test]
+    fn a_table_may_set_single_values_and_refuses_unknown_keys() {
+        let params: EvaderParams =
+            toml::from_str("police_weight = 2\n[avoid]\nfalloff = 'plateau'\n").unwrap();
+        assert_eq!(params.police_weight, 2.0);
+        assert_eq!(params.fellow_weight, EvaderParams::default().fellow_weight);
+        assert!(toml::from_str::<EvaderParams>("police_wait = 2").is_err());
+        assert!(toml::from_str::<EvaderParams>("[threat]\nrange = 2").is_err());
+    }
+}

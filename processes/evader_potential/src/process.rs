@@ -1,0 +1,31 @@
+//! Wires [`Evader`] to its topics: state and map in, command and plan out.
+
+use guidance::map::PlannerMap;
+use guidance::steering::Steering;
+use guidance::view::View;
+use kit::config::RobotInfo;
+use kit::planner::{Planner, PlannerInputs, limits};
+
+use crate::{Evader, EvaderParams};
+
+/// One evader in its process.
+#[derive(Debug)]
+pub struct PotentialPlanner(Evader);
+
+impl Planner for PotentialPlanner {
+    type Params = EvaderParams;
+
+    fn inputs(_: &EvaderParams) -> PlannerInputs {
+        PlannerInputs::default()
+    }
+
+    fn new(params: &EvaderParams, robot: &RobotInfo, seed: u64) -> Result<Self, String> {
+        Evader::new(*params, limits(robot)?, seed)
+            .map(Self)
+            .map_err(|e| e.to_string())
+    }
+
+    fn steer(&mut self, map: &PlannerMap, view: &View<'_>) -> Steering {
+        self.0.command(map, view)
+    }
+}

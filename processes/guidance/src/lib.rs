@@ -1,0 +1,23 @@
+//! Shared steering algorithms: what a planner sees, potential fields, feedback linearisation, and
+//! the routing that takes potential fields out of their local minima.
+//!
+//! Everything here is pure: values in, values out, the same bits on every machine. The planners
+//! (`pursuer`, `evader_potential`, `evader_braitenberg`) are compositions of these parts:
+//!
+//! 1. a [`view::View`] of one tick and a [`map::PlannerMap`] come in;
+//! 2. [`bearing`] says in which direction something lies, straight or along the streets
+//!    ([`navigation`]);
+//! 3. [`potential_field`] sums attraction, repulsion, obstacles and perturbation;
+//! 4. [`feedback_linearisation`] turns the wanted velocity of a point ahead of the axle into
+//!    forward speed and turning rate, within the robot's [`limits::Limits`];
+//! 5. a [`steering::Steering`] goes out: the command, and what a viewer wants to see.
+
+pub mod bearing;
+pub mod feedback_linearisation;
+pub mod limits;
+pub mod map;
+pub mod navigation;
+pub mod params;
+pub mod potential_field;
+pub mod steering;
+pub mod view;

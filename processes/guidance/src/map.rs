@@ -1,0 +1,220 @@
+//! The map as a planner needs it: how far the walls are, and the blurred free space.
+
+use nalgebra::{Point2, Vector2};
+use sim_backend::blur::BlurredMap;
+use sim_backend::grid::{Grid, GridFrame};
+use thiserror::Error;
+
+/// Clearances beyond this [m] are stored as this: a map without obstacles reports infinity, which
+/// would poison interpolation.
+const FAR: f32 = 1.0e6;
+
+/// Steps after which a line of sight is given up as blocked; a line across a map of 10 000 cells
+/// that grazes a wall all the way needs this many.
+const MAX_SIGHT_STEPS: usize = 20_000;
+
+/// Why a map cannot be used.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum MapError {
+    /// The grid has no cells, or not as many values as its frame says.
+    #[error("the {layer} layer has {values} values for {width} x {height} cells")]
+    Size {
+        /// Which layer of the map.
+        layer: &'static str,
+        /// Values present.
+        values: usize,
+        /// Columns of the frame.
+        width: usize,
+        /// Rows of the frame.
+        height: usize,
+    },
+    /// The grid's resolution or origin is not a usable number.
+    #[error("the {layer} layer has resolution {resolution} m and origin ({x}, {y}) m")]
+    Frame {
+        /// Which layer of the map.
+        layer: &'static str,
+        /// Resolution [m].
+        resolution: f64,
+        /// Origin [m].
+        x: f64,
+        /// Origin [m].
+        y: f64,
+    },
+}
+
+/// What a planner knows of the arena.
+///
+/// Built from the layers of the shared map message; a planner needs no vector geometry.
+#[derive(Debug, Clone)]
+pub struct PlannerMap {
+    blurred: BlurredMap,
+    clearance: Grid<f32>,
+    revision: u64,
+}
+
+impl PlannerMap {
+    /// A map from its blurred free space (value 1 in the open, 0 in obstacles), the distance from
+    /// each cell's centre to the nearest obstacle [m] (≤ 0 inside one) and its revision, which
+    /// changes whenever an obstacle does.
+    ///
+    /// Clearances that are NaN count as blocked.
+    ///
+    /// # Errors
+    /// [`MapError`] if a layer's frame and values do not fit together.
+    pub fn new(
+        blurred: BlurredMap,
+        mut clearance: Grid<f32>,
+        revision: u64,
+    ) -> Result<Self, MapError> {
+        check("clearance", &clearance)?;
+        check("blurred", blurred.grid())?;
+        for value in &mut clearance.cells {
+            *value = if value.is_nan() {
+                0.0
+            } else {
+                value.clamp(-FAR, FAR)
+            };
+        }
+        Ok(Self {
+            blurred,
+            clearance,
+            revision,
+        })
+    }
+
+    /// The blurred free space.
+    pub fn blurred(&self) -> &BlurredMap {
+        &self.blurred
+    }
+
+    /// Distance from each cell's centre to the nearest obstacle [m], finite.
+    pub fn clearance_grid(&self) -> &Grid<f32> {
+        &self.clearance
+    }
+
+    /// The revision the map was built from.
+    pub fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    /// Distance from the centre of the cell at `p` to the nearest obstacle [m]; 0 outside the map
+    /// and for a point that is not finite.
+    pub fn cell_clearance(&self, p: Point2<f64>) -> f64 {
+        self.clearance
+            .frame
+            .index_at(p)
+            .and_then(|index| self.clearance.cells.get(index))
+            .map_or(0.0, |value| f64::from(*value))
+    }
+
+    /// Distance from `p` to the nearest obstacle [m], interpolated between cell centres; 0 outside
+    /// the map and for a point that is not finite.
+    pub fn clearance(&self, p: Point2<f64>) -> f64 {
+        if self.clearance.frame.cell_at(p).is_none() {
+            return 0.0;
+        }
+        let frame = &self.clearance.frame;
+        let x = (p.x - frame.origin.x) / frame.resolution - 0.5;
+        let y = (p.y - frame.origin.y) / frame.resolution - 0.5;
+        let (fx, fy) = (x - x.floor(), y - y.floor());
+        let value = |dx: i64, dy: i64| {
+            cell_of(
+                &self.clearance,
+                x.floor() as i64 + dx,
+                y.floor() as i64 + dy,
+            )
+        };
+        let low = value(0, 0) * (1.0 - fx) + value(1, 0) * fx;
+        let high = value(0, 1) * (1.0 - fx) + value(1, 1) * fx;
+        low * (1.0 - fy) + high * fy
+    }
+
+    /// The unit vector away from the nearest obstacle, by central differences over one cell each
+    /// way; `None` where the clearance has no slope (on a ridge, outside the map).
+    pub fn away_from_obstacles(&self, p: Point2<f64>) -> Option<Vector2<f64>> {
+        let h = self.clearance.frame.resolution;
+        let slope = Vector2::new(
+            self.clearance(Point2::new(p.x + h, p.y)) - self.clearance(Point2::new(p.x - h, p.y)),
+            self.clearance(Point2::new(p.x, p.y + h)) - self.clearance(Point2::new(p.x, p.y - h)),
+        );
+        let norm = slope.norm();
+        // A true distance has slope 1, i.e. a difference of 2h; a tenth of it is a ridge.
+        (norm.is_finite() && norm > 0.2 * h).then(|| slope / norm)
+    }
+
+    /// Whether a disc of this radius [m] can travel straight from `from` to `to` [m].
+    ///
+    /// Marches by the clearance, so that open ground costs few steps; accurate to about a cell.
+    pub fn line_is_clear(&self, from: Point2<f64>, to: Point2<f64>, radius: f64) -> bool {
+        let length = (to - from).norm();
+        self.free_run(from, to, radius) >= length
+    }
+
+    /// How far [m] a disc of this radius [m] gets on the straight line from `from` to `to` [m]
+    /// before it would touch an obstacle; at most the length of the line, 0 for points that are
+    /// not finite.
+    pub fn free_run(&self, from: Point2<f64>, to: Point2<f64>, radius: f64) -> f64 {
+        let line = to - from;
+        let length = line.norm();
+        if !length.is_finite() {
+            return 0.0;
+        }
+        let least_step = self.clearance.frame.resolution;
+        let mut run = 0.0;
+        for _ in 0..MAX_SIGHT_STEPS {
+            let at = if length > 0.0 {
+                from + line * (run / length)
+            } else {
+                from
+            };
+            let spare = self.cell_clearance(at) - radius;
+            // Also stops at NaN radii.
+            if spare.is_nan() || spare < 0.0 {
+                return run;
+            }
+            if run >= length {
+                return length;
+            }
+            run = (run + spare.max(least_step)).min(length);
+        }
+        run
+    }
+}
+
+/// Value of a cell, the nearest one inside the grid for places beyond its edge.
+pub(crate) fn cell_of(grid: &Grid<f32>, col: i64, row: i64) -> f64 {
+    let col = col.clamp(0, grid.frame.width as i64 - 1) as usize;
+    let row = row.clamp(0, grid.frame.height as i64 - 1) as usize;
+    grid.cells
+        .get(grid.frame.index(col, row))
+        .map_or(0.0, |value| f64::from(*value))
+}
+
+fn check(layer: &'static str, grid: &Grid<f32>) -> Result<(), MapError> {
+    let GridFrame {
+        width,
+        height,
+        resolution,
+        origin,
+    } = grid.frame;
+    let cells = width.checked_mul(height);
+    if cells != Some(grid.cells.len()) || cells == Some(0) {
+        return Err(MapError::Size {
+            layer,
+            values: grid.cells.len(),
+            width,
+            height,
+        });
+    }
+    let usable =
+        resolution.is_finite() && resolution > 0.0 && origin.x.is_finite() && origin.y.is_finite();
+    if !usable {
+        return Err(MapError::Frame {
+            layer,
+            resolution,
+            x: origin.x,
+            y: origin.y,
+        });
+    }
+    Ok(())
+}

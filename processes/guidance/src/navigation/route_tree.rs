@@ -1,0 +1,285 @@
+//! The shortest ways from one place to everywhere.
+
+use core::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use nalgebra::Point2;
+
+use super::nav_grid::{NONE, NavGrid};
+use crate::map::PlannerMap;
+
+/// A cost [mm] that means "no way".
+const UNREACHED: u32 = u32::MAX;
+
+/// Largest factor by which a threat may lengthen an edge.
+const MAX_THREAT: f64 = 1000.0;
+
+/// Somewhere one would rather not pass: ways near it count as longer than they are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Threat {
+    /// Where it is [m].
+    pub at: Point2<f64>,
+    /// Extra metres that a metre of way costs at distance `reach` from it; falls off (and rises
+    /// towards it) with the square of the distance.
+    pub gain: f64,
+    /// See `gain` [m].
+    pub reach: f64,
+}
+
+/// The first straight leg of a way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Leg {
+    /// Where the leg ends [m]: the destination if it can be seen, else the last point on the way
+    /// to it that can.
+    pub waypoint: Point2<f64>,
+    /// Length of the way beyond the waypoint [m].
+    pub beyond: f64,
+}
+
+/// Shortest ways between one or several roots and all nodes of a [`NavGrid`].
+///
+/// Besides length and parent, a tree that was planted with gates knows every node's *gate*: the
+/// last node of the way to it up to which all of the way can be seen from the root, looking no
+/// further than [`NavGrid::sight`]. Heading for gates cuts off the corners of the grid's eight
+/// directions.
+///
+/// The tree grows outwards from the root and only as far as it is asked to ([`RouteTree::reach`]);
+/// what lies further is unknown, not unreachable.
+///
+/// Costs are whole millimetres and ties go to the lower index, so the tree is the same on every
+/// machine.
+#[derive(Debug, Clone)]
+pub struct RouteTree {
+    /// What the cheapest way costs [mm]: its length, more where something threatens.
+    cost: Vec<u32>,
+    /// How long the cheapest way is [mm].
+    length: Vec<u32>,
+    parent: Vec<u32>,
+    gate: Vec<u32>,
+    threats: Vec<Threat>,
+    /// Extra cost of a node as a fraction of the length of its edges, in 1/256; [`NONE`] until it
+    /// is needed; empty when nothing threatens.
+    extra: Vec<u32>,
+    /// Nodes on the rim: cost in the upper half, node in the lower.
+    queue: BinaryHeap<Reverse<u64>>,
+    /// Where the gates are seen from; nothing in a tree without gates.
+    origin: Option<Point2<f64>>,
+}
+
+impl Default for RouteTree {
+    /// A tree that has not been planted.
+    fn default() -> Self {
+        Self {
+            cost: Vec::new(),
+            length: Vec::new(),
+            parent: Vec::new(),
+            gate: Vec::new(),
+            threats: Vec::new(),
+            extra: Vec::new(),
+            queue: BinaryHeap::new(),
+            origin: None,
+        }
+    }
+}
+
+impl RouteTree {
+    /// Plants the tree anew at a root node, with gates, in the memory of the old one.
+    pub fn plant(&mut self, grid: &NavGrid, root: usize) {
+        self.plant_without_gates(grid, &[root], &[]);
+        self.origin = grid.point(root);
+    }
+
+    /// Plants the tree anew at several root nodes, without gates.
+    ///
+    /// Ways lead to the cheapest root, and avoid `threats` as far as that is worth the longer way.
+    pub fn plant_without_gates(&mut self, grid: &NavGrid, roots: &[usize], threats: &[Threat]) {
+        let nodes = grid.len();
+        for (values, fill) in [
+            (&mut self.cost, UNREACHED),
+            (&mut self.length, UNREACHED),
+            (&mut self.parent, NONE),
+            (&mut self.gate, NONE),
+        ] {
+            values.clear();
+            values.resize(nodes, fill);
+        }
+        self.threats.clear();
+        self.threats.extend_from_slice(threats);
+        self.extra.clear();
+        if !threats.is_empty() {
+            self.extra.resize(nodes, NONE);
+        }
+        self.queue.clear();
+        self.origin = None;
+        for &root in roots.iter().filter(|&&root| root < nodes) {
+            self.cost[root] = 0;
+            self.length[root] = 0;
+            self.queue.push(Reverse(root as u64));
+        }
+    }
+
+    /// Grows the tree until it reaches a node; whether it does. Must be given the map and graph
+    /// for which the tree was planted.
+    pub fn reach(&mut self, map: &PlannerMap, grid: &NavGrid, node: usize) -> bool {
+        let sight = (grid.sight() * 1000.0) as u32;
+        while !self.knows(node) {
+            let Some(Reverse(next)) = self.queue.pop() else {
+                return false;
+            };
+            let (cost, from) = ((next >> 32) as u32, next as u32 as usize);
+            if cost > self.cost[from] || self.knows(from) {
+                continue;
+            }
+            self.find_gate(map, grid, from, sight);
+            for edge in grid.edges(from) {
+                let to = edge.to as usize;
+                let reached = cost.saturating_add(self.edge_cost(grid, from, to, edge.length));
+                if reached < self.cost[to] {
+                    self.cost[to] = reached;
+                    self.length[to] = self.length[from].saturating_add(edge.length);
+                    self.parent[to] = from as u32;
+                    self.queue
+                        .push(Reverse(u64::from(reached) << 32 | u64::from(edge.to)));
+                }
+            }
+        }
+        true
+    }
+
+    /// Whether the tree has grown as far as a node.
+    pub fn knows(&self, node: usize) -> bool {
+        self.gate.get(node).is_some_and(|&gate| gate != NONE)
+    }
+
+    /// Length of the way to a node [m]; `None` if the tree has not reached it.
+    pub fn length(&self, node: usize) -> Option<f64> {
+        self.knows(node)
+            .then(|| self.length.get(node).map(|&mm| f64::from(mm) / 1000.0))?
+    }
+
+    /// What the way to a node costs [m]: its length, more where something threatens; `None` if
+    /// the tree has not reached it.
+    pub fn cost(&self, node: usize) -> Option<f64> {
+        self.knows(node)
+            .then(|| self.cost.get(node).map(|&mm| f64::from(mm) / 1000.0))?
+    }
+
+    /// The node before this one on the way from the root.
+    pub fn parent(&self, node: usize) -> Option<usize> {
+        self.parent
+            .get(node)
+            .filter(|&&parent| parent != NONE)
+            .map(|&parent| parent as usize)
+    }
+
+    /// The last node on the way to this one that can be seen from the root.
+    pub fn gate(&self, node: usize) -> Option<usize> {
+        self.gate
+            .get(node)
+            .filter(|&&gate| gate != NONE)
+            .map(|&gate| gate as usize)
+    }
+
+    fn find_gate(&mut self, map: &PlannerMap, grid: &NavGrid, node: usize, sight: u32) {
+        let (Some(origin), Some(parent)) = (self.origin, self.parent(node)) else {
+            // A root, or a tree without gates, in which this only marks the node as known.
+            self.gate[node] = node as u32;
+            return;
+        };
+        let inherited = self.gate[parent];
+        // The way is seen as far as this node if it is seen as far as the parent, and this node is.
+        let in_sight = inherited == parent as u32
+            && self.length[parent] < sight
+            && grid
+                .point(node)
+                .is_some_and(|point| map.line_is_clear(origin, point, grid.inflation()));
+        self.gate[node] = if in_sight { node as u32 } else { inherited };
+    }
+
+    fn edge_cost(&mut self, grid: &NavGrid, from: usize, to: usize, length: u32) -> u32 {
+        if self.extra.is_empty() {
+            return length;
+        }
+        let extra = self.extra_of(grid, from).max(self.extra_of(grid, to));
+        let cost = u64::from(length) * (256 + u64::from(extra)) / 256;
+        u32::try_from(cost).unwrap_or(UNREACHED - 1)
+    }
+
+    /// What the threats add to a node.
+    fn extra_of(&mut self, grid: &NavGrid, node: usize) -> u32 {
+        if self.extra[node] == NONE {
+            let point = grid.points()[node];
+            let extra: f64 = self
+                .threats
+                .iter()
+                .map(|threat| {
+                    let near = threat.reach * threat.reach;
+                    threat.gain * near / (point - threat.at).norm_squared().max(1e-6)
+                })
+                .filter(|extra| !extra.is_nan())
+                .sum();
+            self.extra[node] = (extra.clamp(0.0, MAX_THREAT) * 256.0) as u32;
+        }
+        self.extra[node]
+    }
+}
+
+/// A tree together with its graph: shortest ways from a robot to points of the world.
+///
+/// Answers for the points it was asked for (see [`super::Wayfinder::routes`]) and others that are
+/// no further; of the rest it says that no way is known.
+#[derive(Debug, Clone, Copy)]
+pub struct Routes<'a> {
+    /// The graph.
+    pub grid: &'a NavGrid,
+    /// The tree in it.
+    pub tree: &'a RouteTree,
+}
+
+impl Routes<'_> {
+    /// The first leg of the way to a point [m]; `None` if no way is known.
+    pub fn leg_to(&self, to: Point2<f64>) -> Option<Leg> {
+        let node = self.grid.node_at(to)?;
+        let gate = self.tree.gate(node)?;
+        let last = self.grid.point(node)?;
+        if gate == node {
+            return Some(Leg {
+                waypoint: to,
+                beyond: 0.0,
+            });
+        }
+        let beyond = self.tree.length(node)? - self.tree.length(gate)? + (to - last).norm();
+        Some(Leg {
+            waypoint: self.grid.point(gate)?,
+            beyond,
+        })
+    }
+
+    /// Length of the way to a point [m], to the accuracy of the graph's blocks; `None` if no
+    /// way is known.
+    pub fn distance_to(&self, to: Point2<f64>) -> Option<f64> {
+        let node = self.grid.node_at(to)?;
+        Some(self.tree.length(node)? + (to - self.grid.point(node)?).norm())
+    }
+
+    /// What the way to a point costs [m]; `None` if no way is known.
+    pub fn cost_of(&self, to: Point2<f64>) -> Option<f64> {
+        self.tree.cost(self.grid.node_at(to)?)
+    }
+
+    /// Writes the way from the root to a point into `way`, root first, as points [m] with the
+    /// distance travelled to each [m]; leaves it empty if no way is known.
+    pub fn way_to(&self, to: Point2<f64>, way: &mut Vec<(Point2<f64>, f64)>) {
+        way.clear();
+        let mut next = self.grid.node_at(to).filter(|&node| self.tree.knows(node));
+        while let Some(node) = next {
+            let (Some(point), Some(length)) = (self.grid.point(node), self.tree.length(node))
+            else {
+                break;
+            };
+            way.push((point, length));
+            next = self.tree.parent(node);
+        }
+        way.reverse();
+    }
+}

@@ -1,0 +1,127 @@
+//! A field that changes with time, so that no place is a minimum for long.
+
+use core::f64::consts::TAU;
+
+use nalgebra::Vector2;
+use serde::{Deserialize, Serialize};
+use sim_backend::math;
+
+use crate::params::{ParamsError, not_negative, positive};
+
+/// Parameters of the time-variant perturbation (chasing-game paper, §I-C: fields are made
+/// time-variant to get out of local minima; how is not said).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct PerturbationParams {
+    /// Magnitude of the rotating push [m/s]; 0 for none.
+    pub amplitude: f64,
+    /// Time of one turn [s], > 0.
+    pub period: f64,
+}
+
+impl Default for PerturbationParams {
+    fn default() -> Self {
+        Self {
+            amplitude: 0.1,
+            period: 7.0,
+        }
+    }
+}
+
+impl PerturbationParams {
+    /// The experiments of the chasing-game paper: nothing that varies with time was found there.
+    pub fn paper() -> Self {
+        Self {
+            amplitude: 0.0,
+            period: 7.0,
+        }
+    }
+
+    /// Checks every field.
+    ///
+    /// # Errors
+    /// [`ParamsError`] naming the first field that is out of range.
+    pub fn validate(&self) -> Result<(), ParamsError> {
+        not_negative("amplitude", self.amplitude)?;
+        positive("period", self.period)
+    }
+}
+
+/// A slowly rotating push whose phase differs from robot to robot and from seed to seed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Perturbation {
+    params: PerturbationParams,
+    phase: f64,
+}
+
+impl Perturbation {
+    /// A perturbation with a phase derived from a seed; neighbouring seeds get phases far apart
+    /// (the fractional parts of multiples of the golden ratio).
+    pub fn new(params: PerturbationParams, seed: u64) -> Self {
+        let scattered = seed.wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        // The upper 53 bits fit a double exactly.
+        let share = (scattered >> 11) as f64 / (1_u64 << 53) as f64;
+        Self {
+            params,
+            phase: TAU * share,
+        }
+    }
+
+    /// The push at a time [s]: `amplitude` in a direction that turns once per `period`. Zero at a
+    /// time that is not finite.
+    pub fn at(&self, time_s: f64) -> Vector2<f64> {
+        if self.params.amplitude == 0.0 || !time_s.is_finite() {
+            return Vector2::zeros();
+        }
+        let turns = time_s / self.params.period;
+        let (sin, cos) = math::sincos(TAU * (turns - turns.floor()) + self.phase);
+        Vector2::new(cos, sin) * self.params.amplitude
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_push_turns_and_averages_out() {
+        let push = Perturbation::new(
+            PerturbationParams {
+                amplitude: 0.5,
+                period: 4.0,
+            },
+            3,
+        );
+        let mut sum = Vector2::zeros();
+        for quarter in 0..4 {
+            let now = push.at(f64::from(quarter));
+            assert!((now.norm() - 0.5).abs() < 1e-12);
+            sum += now;
+        }
+        assert!(sum.norm() < 1e-12);
+        assert!((push.at(1.0).dot(&push.at(0.0))).abs() < 1e-12);
+    }
+
+    #[test]
+    fn neighbouring_seeds_push_in_different_directions() {
+        let params = PerturbationParams::default();
+        let directions: Vec<_> = (0..4)
+            .map(|s| Perturbation::new(params, s).at(0.0))
+            .collect();
+        for (i, a) in directions.iter().enumerate() {
+            for b in &directions[..i] {
+                assert!((a - b).norm() > 0.05);
+            }
+        }
+    }
+
+    #[test]
+    fn the_paper_has_none_and_nan_times_push_nowhere() {
+        assert_eq!(
+            Perturbation::new(PerturbationParams::paper(), 1).at(2.0),
+            Vector2::zeros()
+        );
+        let ours = Perturbation::new(PerturbationParams::default(), 1);
+        assert_eq!(ours.at(f64::NAN), Vector2::zeros());
+    }
+}

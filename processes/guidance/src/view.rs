@@ -1,0 +1,269 @@
+//! What a planner sees in one tick.
+//!
+//! The process that wires a planner to its topics fills a [`View`] from messages; the planner
+//! reads it as if every sender were hostile: look-ups return `Option`, and robots whose numbers
+//! are not finite are not there.
+
+use nalgebra::Point2;
+use sim_backend::pose::{Pose2, Twist2};
+use sim_backend::team::Team;
+
+/// One robot, as the world's state reports it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RobotView {
+    /// The robot's index in the scenario.
+    pub index: usize,
+    /// The side it plays for.
+    pub team: Team,
+    /// Whether it still takes part (not caught, not escaped).
+    pub active: bool,
+    /// Whether its body stands in the world, in play or not.
+    pub present: bool,
+    /// Where it is, world frame.
+    pub pose: Pose2,
+    /// How it moves, own frame.
+    pub twist: Twist2,
+    /// Radius of its body [m].
+    pub radius: f64,
+    /// Its highest forward speed [m/s].
+    pub v_max: f64,
+}
+
+impl RobotView {
+    /// Whether every number a planner computes with is finite and in its physical range.
+    pub fn is_sane(&self) -> bool {
+        self.pose.is_finite()
+            && self.twist.is_finite()
+            && self.radius.is_finite()
+            && self.radius >= 0.0
+            && self.v_max.is_finite()
+            && self.v_max >= 0.0
+    }
+}
+
+/// One hypothesis of an opponent's pose.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ParticleView {
+    /// Position along x [m].
+    pub x: f32,
+    /// Position along y [m].
+    pub y: f32,
+    /// Heading [rad].
+    pub theta: f32,
+    /// Weight, ≥ 0; need not be normalised.
+    pub weight: f32,
+}
+
+impl ParticleView {
+    /// The hypothesis as a pose and a weight, if all of it can be used (finite, weight > 0).
+    pub fn usable(&self) -> Option<(Pose2, f64)> {
+        let pose = Pose2::new(f64::from(self.x), f64::from(self.y), f64::from(self.theta));
+        let weight = f64::from(self.weight);
+        (pose.is_finite() && weight.is_finite() && weight > 0.0).then_some((pose, weight))
+    }
+}
+
+/// What the team believes about one opponent.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BeliefView<'a> {
+    /// Index of the robot the belief is about.
+    pub robot: usize,
+    /// The hypotheses.
+    pub particles: &'a [ParticleView],
+    /// Mean pose of the hypotheses.
+    pub mean: Pose2,
+    /// Standard deviation of the position around the mean [m].
+    pub position_std: f64,
+    /// Whether anyone of the team sees the opponent in this tick.
+    pub seen: bool,
+}
+
+/// A range scan in the robot's own frame, in the layout of ROS `LaserScan`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ScanView<'a> {
+    /// Direction of the first beam [rad], counter-clockwise from the robot's heading.
+    pub angle_min: f64,
+    /// Angle from one beam to the next [rad]; may be negative.
+    pub angle_increment: f64,
+    /// Shortest range the sensor reports [m].
+    pub range_min: f64,
+    /// Longest range the sensor reports [m].
+    pub range_max: f64,
+    /// The ranges [m], beam by beam; +∞ where nothing was in reach (REP-117).
+    pub ranges: &'a [f32],
+}
+
+/// Everything a planner may look at in one tick.
+#[derive(Debug, Clone, Copy)]
+pub struct View<'a> {
+    /// Simulated time since the start of the run [s].
+    pub time_s: f64,
+    /// Length of a tick [s].
+    pub dt: f64,
+    /// Index of the robot that is being planned for.
+    pub me: usize,
+    /// All robots, in the scenario's order.
+    pub robots: &'a [RobotView],
+    /// The team's beliefs about its opponents; empty when the team has none.
+    pub beliefs: &'a [BeliefView<'a>],
+    /// Centres of the exits [m]; empty when the arena has none.
+    pub exits: &'a [Point2<f64>],
+    /// The robot's own range scan of this tick, if it carries a sensor.
+    pub scan: Option<ScanView<'a>>,
+}
+
+impl<'a> View<'a> {
+    /// The robot with this index, if it is listed with sane numbers (the first of several).
+    pub fn robot(&self, index: usize) -> Option<&'a RobotView> {
+        self.robots
+            .iter()
+            .find(|robot| robot.index == index)
+            .filter(|robot| robot.is_sane())
+    }
+
+    /// The robot that is being planned for.
+    pub fn own(&self) -> Option<&'a RobotView> {
+        self.robot(self.me)
+    }
+
+    /// The robots of a team that still take part and have sane numbers, in the listed order.
+    pub fn active(&self, team: Team) -> impl Iterator<Item = &'a RobotView> + use<'a> {
+        self.robots
+            .iter()
+            .filter(move |robot| robot.team == team && robot.active && robot.is_sane())
+    }
+
+    /// The bodies of robots that no longer take part but still stand in the way, with sane numbers.
+    pub fn wrecks(&self) -> impl Iterator<Item = &'a RobotView> + use<'a> {
+        self.robots
+            .iter()
+            .filter(|robot| !robot.active && robot.present && robot.is_sane())
+    }
+
+    /// All robots whose bodies stand in the world, in play or not, with sane numbers.
+    pub fn bodies(&self) -> impl Iterator<Item = &'a RobotView> + use<'a> {
+        self.robots
+            .iter()
+            .filter(|robot| robot.present && robot.is_sane())
+    }
+
+    /// What the team believes about a robot (the first belief about it).
+    pub fn belief(&self, robot: usize) -> Option<&'a BeliefView<'a>> {
+        self.beliefs.iter().find(|belief| belief.robot == robot)
+    }
+
+    /// The exits whose coordinates are finite [m].
+    pub fn usable_exits(&self) -> impl Iterator<Item = Point2<f64>> + Clone + use<'a> {
+        self.exits
+            .iter()
+            .copied()
+            .filter(|exit| exit.x.is_finite() && exit.y.is_finite())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn robot(index: usize, team: Team, active: bool, x: f64) -> RobotView {
+        RobotView {
+            index,
+            team,
+            active,
+            present: true,
+            pose: Pose2 {
+                x,
+                y: 0.0,
+                theta: 0.0,
+            },
+            twist: Twist2::STOP,
+            radius: 0.1,
+            v_max: 0.3,
+        }
+    }
+
+    #[test]
+    fn robots_are_found_by_their_index_not_their_place() {
+        let robots = [
+            robot(7, Team::Police, true, 1.0),
+            robot(2, Team::Evader, true, 2.0),
+        ];
+        let view = View {
+            time_s: 0.0,
+            dt: 0.05,
+            me: 2,
+            robots: &robots,
+            beliefs: &[],
+            exits: &[],
+            scan: None,
+        };
+        assert_eq!(view.own().unwrap().pose.x, 2.0);
+        assert!(view.robot(0).is_none());
+        assert!(view.belief(2).is_none());
+    }
+
+    #[test]
+    fn robots_with_insane_numbers_and_retired_robots_are_not_there() {
+        let robots = [
+            robot(0, Team::Evader, true, f64::NAN),
+            robot(1, Team::Evader, false, 1.0),
+            robot(2, Team::Evader, true, 2.0),
+        ];
+        let exits = [Point2::new(f64::INFINITY, 0.0), Point2::new(9.0, 0.0)];
+        let view = View {
+            time_s: 0.0,
+            dt: 0.05,
+            me: 0,
+            robots: &robots,
+            beliefs: &[],
+            exits: &exits,
+            scan: None,
+        };
+        assert!(view.own().is_none());
+        assert_eq!(
+            view.active(Team::Evader)
+                .map(|r| r.index)
+                .collect::<Vec<_>>(),
+            [2]
+        );
+        assert_eq!(
+            view.usable_exits().collect::<Vec<_>>(),
+            [Point2::new(9.0, 0.0)]
+        );
+    }
+
+    #[test]
+    fn a_particle_without_weight_or_with_nan_is_not_usable() {
+        let good = ParticleView {
+            x: 1.0,
+            y: 2.0,
+            theta: 0.5,
+            weight: 0.1,
+        };
+        assert!(good.usable().is_some());
+        assert!(
+            ParticleView {
+                weight: 0.0,
+                ..good
+            }
+            .usable()
+            .is_none()
+        );
+        assert!(
+            ParticleView {
+                theta: f32::NAN,
+                ..good
+            }
+            .usable()
+            .is_none()
+        );
+        assert!(
+            ParticleView {
+                weight: f32::INFINITY,
+                ..good
+            }
+            .usable()
+            .is_none()
+        );
+    }
+}

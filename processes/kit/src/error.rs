@@ -1,0 +1,60 @@
+//! What ends a process.
+
+use ipc_types::bus::{BusError, ReceiveError, SendError};
+
+use crate::config::ConfigError;
+use crate::lockstep::PageError;
+
+/// Why a process cannot go on.
+#[derive(Debug, thiserror::Error)]
+pub enum ProcessError {
+    /// Its configuration cannot be used.
+    #[error(transparent)]
+    Config(#[from] ConfigError),
+    /// Its parameters do not fit its kind.
+    #[error("parameters of {process} (kind {kind}): {reason}")]
+    Params {
+        /// Name of the process.
+        process: String,
+        /// Its kind.
+        kind: String,
+        /// What is wrong.
+        reason: String,
+    },
+    /// The bus cannot be opened.
+    #[error(transparent)]
+    Bus(#[from] BusError),
+    /// A message cannot be sent.
+    #[error(transparent)]
+    Send(#[from] SendError),
+    /// A message cannot be received.
+    #[error(transparent)]
+    Receive(#[from] ReceiveError),
+    /// The turn page cannot be used.
+    #[error(transparent)]
+    Page(#[from] PageError),
+    /// A system call failed.
+    #[error("{what}: {source}")]
+    System {
+        /// What was attempted.
+        what: &'static str,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// Another process did not keep to the protocol.
+    #[error("protocol: {0}")]
+    Protocol(String),
+    /// The algorithm cannot go on.
+    #[error("{0}")]
+    Algorithm(String),
+}
+
+impl ProcessError {
+    /// Wraps a failed system call.
+    pub fn system(what: &'static str, source: impl Into<std::io::Error>) -> Self {
+        Self::System {
+            what,
+            source: source.into(),
+        }
+    }
+}

@@ -1,0 +1,42 @@
+//! Ends the process when nobody is left to end it.
+//!
+//! The orchestrator holds the writing end of a pipe to every process's standard input; when the
+//! orchestrator is gone, however it went, the pipe ends. The parent-death signal alone would not
+//! do: it follows the thread that started the process, and it can be lost between `fork` and its
+//! setting.
+
+use std::io::Read as _;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+/// Time that a process has to end by itself once its orchestrator is gone.
+const GRACE: Duration = Duration::from_secs(2);
+
+/// Exit code of a process whose orchestrator disappeared.
+pub const EXIT_ORPHANED: u8 = 4;
+
+/// Watches standard input; at its end sets `stop` and, after two seconds of grace, ends the
+/// process.
+///
+/// # Errors
+/// If the watching thread cannot be started.
+pub fn watch_parent(stop: Arc<AtomicBool>) -> std::io::Result<()> {
+    std::thread::Builder::new()
+        .name("parent-guard".into())
+        .spawn(move || {
+            let mut sink = [0_u8; 64];
+            let mut stdin = std::io::stdin().lock();
+            loop {
+                match stdin.read(&mut sink) {
+                    Ok(0) => break,
+                    Err(e) if e.kind() != std::io::ErrorKind::Interrupted => break,
+                    _ => {}
+                }
+            }
+            stop.store(true, Ordering::SeqCst);
+            std::thread::park_timeout(GRACE);
+            std::process::exit(i32::from(EXIT_ORPHANED));
+        })?;
+    Ok(())
+}

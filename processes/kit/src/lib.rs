@@ -1,0 +1,19 @@
+//! What every Protean process shares: start-up, lock-step and real-time loops, heartbeat, shutdown.
+//!
+//! A process is an algorithm (a pure library) plus a [`Wiring`] that connects it to its topics;
+//! [`life::run`] does the rest.
+
+pub mod config;
+pub mod error;
+pub mod guard;
+pub mod inputs;
+pub mod life;
+pub mod lockstep;
+pub mod obstacle;
+pub mod planner;
+pub mod seed;
+pub mod status;
+
+pub use config::{Clock, Idle, ProcessConfig, RobotInfo, RunConfig};
+pub use error::ProcessError;
+pub use life::{Setup, Wiring, run, run_with};

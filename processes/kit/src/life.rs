@@ -1,0 +1,225 @@
+//! The life of a process: start-up, hand-shake, loop, heartbeat, end.
+
+use std::path::Path;
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use ipc_types::bus::Bus;
+use ipc_types::clock;
+
+use crate::config::{Clock, Idle, ProcessConfig};
+use crate::error::ProcessError;
+use crate::guard;
+use crate::lockstep::{Participant, Phase, SlotState, Turn, TurnPage};
+use crate::status::Heartbeat;
+
+/// A process's algorithm, wired to its topics.
+pub trait Wiring: Sized {
+    /// Opens the ports and sets up the algorithm.
+    ///
+    /// # Errors
+    /// Ends the process before it is ready.
+    fn open(config: &ProcessConfig, bus: &Bus) -> Result<Self, ProcessError>;
+
+    /// Connects every port, now that all processes have opened theirs.
+    ///
+    /// # Errors
+    /// Ends the process.
+    fn connect(&mut self) -> Result<(), ProcessError>;
+
+    /// Does one tick: takes up the inputs, computes, publishes the outputs.
+    ///
+    /// # Errors
+    /// Ends the process.
+    fn step(&mut self, tick: u64) -> Result<(), ProcessError>;
+
+    /// Messages so far that failed the checks.
+    fn rejected(&self) -> u64 {
+        0
+    }
+}
+
+/// What every process sets up first and keeps to its end.
+#[derive(Debug)]
+pub struct Setup {
+    /// Set when the process shall end: by SIGTERM, or because its orchestrator is gone.
+    pub stop: Arc<AtomicBool>,
+    /// The bus of the run.
+    pub bus: Bus,
+    /// The turn page of the run.
+    pub page: Arc<TurnPage>,
+    /// The heartbeat.
+    pub heartbeat: Heartbeat,
+}
+
+impl Setup {
+    /// Handles signals, guards against orphanhood, joins the run.
+    ///
+    /// # Errors
+    /// [`ProcessError`] says what could not be set up.
+    pub fn new(config: &ProcessConfig) -> Result<Self, ProcessError> {
+        let stop = Arc::new(AtomicBool::new(false));
+        signal_hook::flag::register(signal_hook::consts::SIGTERM, Arc::clone(&stop))
+            .map_err(|e| ProcessError::system("cannot handle SIGTERM", e))?;
+        // Ctrl-C in a terminal reaches the whole foreground group; the orchestrator decides then.
+        signal_hook::flag::register(
+            signal_hook::consts::SIGINT,
+            Arc::new(AtomicBool::new(false)),
+        )
+        .map_err(|e| ProcessError::system("cannot handle SIGINT", e))?;
+        guard::watch_parent(Arc::clone(&stop))
+            .map_err(|e| ProcessError::system("cannot start the parent guard", e))?;
+        if let Some(processor) = config.run.processor {
+            let mut set = rustix::thread::CpuSet::new();
+            set.set(processor as usize);
+            rustix::thread::sched_setaffinity(None, &set)
+                .map_err(|e| ProcessError::system("cannot pin to the processor asked for", e))?;
+        }
+        let bus = Bus::join(&config.run.space()?, config.run.bus_options(), &config.name)?;
+        let page = Arc::new(TurnPage::open(&config.run.prefix)?);
+        if config.index as usize >= page.processes() {
+            return Err(ProcessError::Protocol(format!(
+                "process index {} in a run of {} processes",
+                config.index,
+                page.processes()
+            )));
+        }
+        let heartbeat = Heartbeat::open(&bus, config.index, config.run.tick_period_ns)?;
+        Ok(Self {
+            stop,
+            bus,
+            page,
+            heartbeat,
+        })
+    }
+
+    /// The seat of a process in the loop.
+    pub fn participant(&self, config: &ProcessConfig) -> Participant {
+        Participant::new(
+            Arc::clone(&self.page),
+            config.index as usize,
+            config.upstream.iter().map(|&u| u as usize).collect(),
+            config.run.idle == Idle::Spin,
+        )
+    }
+}
+
+/// Runs a process whose configuration lies in a file, to its end; returns its exit code. Errors go
+/// to stderr, to the heartbeat and to the turn page.
+pub fn run<W: Wiring>(config: &Path) -> ExitCode {
+    run_with(config, |config| {
+        let setup = Setup::new(config)?;
+        live::<W>(config, setup)
+    })
+}
+
+/// As [`run`], with a body of one's own (the simulator leads the loop instead of following it).
+pub fn run_with(
+    config: &Path,
+    body: impl FnOnce(&ProcessConfig) -> Result<(), ProcessError>,
+) -> ExitCode {
+    let config = match ProcessConfig::load(config) {
+        Ok(config) => config,
+        Err(error) => {
+            eprintln!("error: {error}");
+            return ExitCode::FAILURE;
+        }
+    };
+    start_logging(&config);
+    name_process(&config.name);
+    match body(&config) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            tracing::error!("{error}");
+            if let Ok(page) = TurnPage::open(&config.run.prefix) {
+                let page = Arc::new(page);
+                let slot = config.index as usize;
+                Participant::new(page, slot, Vec::new(), false).set_state(SlotState::Failed);
+            }
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn start_logging(config: &ProcessConfig) {
+    let filter = tracing_subscriber::EnvFilter::try_from_env("PROTEAN_LOG")
+        .or_else(|_| tracing_subscriber::EnvFilter::try_new(&config.run.log_level))
+        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("info"));
+    // A second call in one process (tests) keeps the first subscriber.
+    let _ = tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_writer(std::io::stderr)
+        .with_ansi(false)
+        .without_time()
+        .with_target(false)
+        .try_init();
+    ipc_types::bus::quiet_transport();
+}
+
+/// Makes `ps` and `top` show which process this is (the kernel keeps 15 bytes).
+fn name_process(name: &str) {
+    if let Ok(name) = std::ffi::CString::new(name.as_bytes()) {
+        let _ = rustix::thread::set_name(&name);
+    }
+}
+
+fn live<W: Wiring>(config: &ProcessConfig, mut setup: Setup) -> Result<(), ProcessError> {
+    let seat = setup.participant(config);
+    let mut wiring = W::open(config, &setup.bus)?;
+    seat.set_state(SlotState::Ready);
+    let keep_going = || !setup.stop.load(Ordering::Relaxed);
+    if !seat.wait_for_phase(Phase::Connect, keep_going) {
+        seat.set_state(SlotState::Stopped);
+        return Ok(());
+    }
+    wiring.connect()?;
+    setup.heartbeat.connect()?;
+    setup.heartbeat.beat(0, 2, None)?;
+    seat.set_state(SlotState::Connected);
+
+    let mut last = None;
+    let mut overruns = 0;
+    loop {
+        if setup.stop.load(Ordering::Relaxed) {
+            break;
+        }
+        let next = last.map_or(0, |tick: u64| tick + 1);
+        let turn = match config.run.clock {
+            Clock::LockStep => seat.wait_turn(next),
+            Clock::RealTime { factor, .. } => {
+                let period = config.run.tick_period() / factor.max(1e-3);
+                seat.wait_newest(last, Duration::from_secs_f64((period * 0.5).min(1.0)))
+            }
+        };
+        match turn {
+            Turn::Stop => break,
+            Turn::Idle => {
+                if setup.heartbeat.is_due() {
+                    setup.heartbeat.beat(next, 3, None)?;
+                }
+            }
+            Turn::Tick(tick) => {
+                overruns += tick - next;
+                let start = Instant::now();
+                if let Err(error) = wiring.step(tick) {
+                    let _ = setup.heartbeat.beat(tick, 5, Some(&error.to_string()));
+                    return Err(error);
+                }
+                setup
+                    .heartbeat
+                    .stepped(clock::elapsed_ns(start), overruns, wiring.rejected());
+                if setup.heartbeat.is_due() {
+                    setup.heartbeat.beat(tick, 3, None)?;
+                }
+                seat.done(tick);
+                last = Some(tick);
+            }
+        }
+    }
+    // The ports close with `wiring` and `setup`, the seat is given up last.
+    drop(wiring);
+    seat.set_state(SlotState::Stopped);
+    Ok(())
+}

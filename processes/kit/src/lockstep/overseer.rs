@@ -1,0 +1,93 @@
+//! The turn as the orchestrator and its recorder see it.
+
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::time::Duration;
+
+use super::page::{MAX_SLOTS, Phase, SlotState, TurnPage, sleep_while, wake_all};
+
+/// The orchestrator's hand on the page; clone it for the recorder's thread.
+#[derive(Debug, Clone)]
+pub struct Overseer {
+    page: Arc<TurnPage>,
+}
+
+impl Overseer {
+    /// Takes the page into hand.
+    pub fn new(page: Arc<TurnPage>) -> Self {
+        Self { page }
+    }
+
+    /// The page, to look at.
+    pub fn page(&self) -> &TurnPage {
+        &self.page
+    }
+
+    /// Gives a slot to a process that is about to start: whether the simulator waits for it at
+    /// every tick, and whether other processes do.
+    pub fn seat(&self, slot: usize, in_loop: bool, watched: bool) {
+        let words = self.page.slot(slot.min(MAX_SLOTS - 1));
+        words.in_loop.store(u32::from(in_loop), Ordering::SeqCst);
+        words.watched.store(u32::from(watched), Ordering::SeqCst);
+        words
+            .state
+            .store(SlotState::Starting as u32, Ordering::SeqCst);
+    }
+
+    /// Moves the run on and wakes everybody.
+    pub fn set_phase(&self, phase: Phase) {
+        let words = self.page.words();
+        words.phase.0.store(phase as u32, Ordering::SeqCst);
+        wake_all(&words.phase.0);
+        if phase == Phase::Stop {
+            self.wake_everybody();
+        }
+    }
+
+    /// Takes a dead process out of the count, so that nobody waits for it.
+    pub fn bury(&self, slot: usize) {
+        self.page
+            .slot(slot)
+            .state
+            .store(SlotState::Dead as u32, Ordering::SeqCst);
+        self.wake_everybody();
+    }
+
+    fn wake_everybody(&self) {
+        let words = self.page.words();
+        for word in [
+            &words.tick,
+            &words.arrived,
+            &words.recorded,
+            &words.record_due,
+        ] {
+            wake_all(&word.0);
+        }
+        for slot in 0..self.page.processes() {
+            wake_all(&self.page.slot(slot).done);
+        }
+    }
+
+    /// Sleeps until the simulator calls for the recorder, at most for `timeout`.
+    pub fn wait_for_records(&self, timeout: Duration) {
+        let words = self.page.words();
+        let due = words.record_due.0.load(Ordering::SeqCst);
+        let pending = words.completed.0.load(Ordering::SeqCst)
+            > words.recorded.0.load(Ordering::SeqCst).saturating_add(31);
+        if !pending {
+            sleep_while(&words.record_due.0, due, timeout);
+        }
+    }
+
+    /// The newest tick of which every message has been sent; `None` before the first.
+    pub fn completed_tick(&self) -> Option<u64> {
+        u64::from(self.page.words().completed.0.load(Ordering::SeqCst)).checked_sub(1)
+    }
+
+    /// Tells the simulator that everything up to `tick` is in the log.
+    pub fn recorded(&self, tick: u64) {
+        let recorded = &self.page.words().recorded.0;
+        recorded.store((tick + 1) as u32, Ordering::SeqCst);
+        wake_all(recorded);
+    }
+}

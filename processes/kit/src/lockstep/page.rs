@@ -1,0 +1,309 @@
+//! The page itself: its words, who writes them, and how it is shared.
+
+use std::fs::{File, OpenOptions};
+use std::os::unix::fs::OpenOptionsExt;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::Duration;
+
+use memmap2::{MmapOptions, MmapRaw};
+use rustix::thread::futex;
+
+/// Most processes of a run, the simulator included.
+pub const MAX_SLOTS: usize = 64;
+
+/// Says that the file is a turn page of this layout.
+const MAGIC: u32 = 0x5052_5431;
+
+/// Why the page cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum PageError {
+    /// The file cannot be created, opened or mapped.
+    #[error("turn page {path}: {source}")]
+    File {
+        /// The file in shared memory.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The file is something else.
+    #[error("turn page {path}: not a turn page of this version ({reason})")]
+    Layout {
+        /// The file in shared memory.
+        path: PathBuf,
+        /// What differs.
+        reason: String,
+    },
+    /// The run has more processes than the page has slots.
+    #[error("{processes} processes, but a run has at most {MAX_SLOTS}")]
+    TooManyProcesses {
+        /// Processes of the run.
+        processes: usize,
+    },
+}
+
+/// What the run does; written by the orchestrator only.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(u32)]
+pub enum Phase {
+    /// Processes open their ports.
+    Start = 0,
+    /// Every port exists: processes connect them.
+    Connect = 1,
+    /// Time runs.
+    Run = 2,
+    /// Everybody ends.
+    Stop = 3,
+}
+
+/// How a process is; written by the process, or by the orchestrator when it found it dead.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u32)]
+pub enum SlotState {
+    /// Nobody has this slot.
+    Empty = 0,
+    /// The process has not yet opened its ports.
+    Starting = 1,
+    /// Its ports are open.
+    Ready = 2,
+    /// Its ports are connected; it takes part in every tick from now on.
+    Connected = 3,
+    /// It ended as asked.
+    Stopped = 4,
+    /// It ended with an error.
+    Failed = 5,
+    /// The orchestrator found it dead; nobody waits for it any more.
+    Dead = 6,
+}
+
+impl SlotState {
+    fn from_word(word: u32) -> Self {
+        match word {
+            1 => Self::Starting,
+            2 => Self::Ready,
+            3 => Self::Connected,
+            4 => Self::Stopped,
+            5 => Self::Failed,
+            6 => Self::Dead,
+            _ => Self::Empty,
+        }
+    }
+
+    /// Whether the process still takes part or may yet.
+    pub fn is_alive(self) -> bool {
+        matches!(self, Self::Starting | Self::Ready | Self::Connected)
+    }
+}
+
+/// The words of one process, on a cache line of their own.
+#[repr(C, align(64))]
+pub(super) struct Slot {
+    /// [`SlotState`].
+    pub state: AtomicU32,
+    /// Ticks done; a futex for those downstream.
+    pub done: AtomicU32,
+    /// 1 if the simulator waits for this process at every tick.
+    pub in_loop: AtomicU32,
+    /// 1 if other processes wait for this one, so that `done` needs a wake-up call.
+    pub watched: AtomicU32,
+}
+
+/// The shared words. All zero is the valid initial state.
+#[repr(C)]
+pub(super) struct Words {
+    pub magic: AtomicU32,
+    pub slots: AtomicU32,
+    /// [`Phase`]; futex of everybody.
+    pub phase: Line,
+    /// Ticks posted by the simulator; futex of the processes without upstream.
+    pub tick: Line,
+    /// Arrivals so far, never reset (a late arrival of the last tick would otherwise be counted
+    /// for this one); futex of the simulator.
+    pub arrived: Line,
+    /// Arrivals at which the simulator is woken.
+    pub target: Line,
+    /// Ticks of which every message has been sent; written by the simulator.
+    pub completed: Line,
+    /// Ticks in the log; futex of a simulator that is held back.
+    pub recorded: Line,
+    /// Bumped when the recorder should look; its futex.
+    pub record_due: Line,
+    /// 1 when the game is over; bumps nothing, the recorder and orchestrator look.
+    pub over: Line,
+    pub slot: [Slot; MAX_SLOTS],
+}
+
+/// A word on its own cache line, so that waiting on one does not slow down another.
+#[repr(C, align(64))]
+pub(super) struct Line(pub AtomicU32);
+
+/// A mapping of the page.
+pub struct TurnPage {
+    map: MmapRaw,
+    path: PathBuf,
+}
+
+impl TurnPage {
+    /// Where the page of a run with this prefix lies.
+    pub fn path_for(prefix: &str) -> PathBuf {
+        Path::new("/dev/shm").join(format!("{prefix}turn"))
+    }
+
+    /// Creates the page for a run (orchestrator only), readable by the current user only.
+    ///
+    /// # Errors
+    /// [`PageError::File`] if it exists or shared memory is not available,
+    /// [`PageError::TooManyProcesses`] if the run does not fit.
+    pub fn create(prefix: &str, processes: usize) -> Result<Self, PageError> {
+        if processes > MAX_SLOTS {
+            return Err(PageError::TooManyProcesses { processes });
+        }
+        let path = Self::path_for(prefix);
+        let failed = |source| PageError::File {
+            path: path.clone(),
+            source,
+        };
+        let file = OpenOptions::new()
+            .read(true)
+            .write(true)
+            .create_new(true)
+            .mode(0o600)
+            .open(&path)
+            .map_err(failed)?;
+        // Allocated now: a full /dev/shm is an error here and not a SIGBUS at the first write.
+        rustix::fs::fallocate(
+            &file,
+            rustix::fs::FallocateFlags::empty(),
+            0,
+            size_of::<Words>() as u64,
+        )
+        .map_err(|e| failed(e.into()))?;
+        let page = Self::map(&file, path)?;
+        page.words()
+            .slots
+            .store(processes as u32, Ordering::Relaxed);
+        page.words().magic.store(MAGIC, Ordering::Release);
+        Ok(page)
+    }
+
+    /// Opens the page of a run.
+    ///
+    /// # Errors
+    /// [`PageError::File`] if it does not exist, [`PageError::Layout`] if it is of another version.
+    pub fn open(prefix: &str) -> Result<Self, PageError> {
+        let path = Self::path_for(prefix);
+        let failed = |source| PageError::File {
+            path: path.clone(),
+            source,
+        };
+        let file = OpenOptions::new()
+            .read(true)
+            .write(true)
+            .open(&path)
+            .map_err(failed)?;
+        let length = file.metadata().map_err(failed)?.len();
+        if length != size_of::<Words>() as u64 {
+            let reason = format!("{length} bytes, expected {}", size_of::<Words>());
+            return Err(PageError::Layout { path, reason });
+        }
+        let page = Self::map(&file, path)?;
+        let magic = page.words().magic.load(Ordering::Acquire);
+        if magic != MAGIC {
+            let reason = format!("magic {magic:#x}, expected {MAGIC:#x}");
+            return Err(PageError::Layout {
+                path: page.path.clone(),
+                reason,
+            });
+        }
+        Ok(page)
+    }
+
+    fn map(file: &File, path: PathBuf) -> Result<Self, PageError> {
+        let map = MmapOptions::new()
+            .len(size_of::<Words>())
+            .map_raw(file)
+            .map_err(|source| PageError::File {
+                path: path.clone(),
+                source,
+            })?;
+        Ok(Self { map, path })
+    }
+
+    /// Number of processes of the run.
+    pub fn processes(&self) -> usize {
+        (self.words().slots.load(Ordering::Relaxed) as usize).min(MAX_SLOTS)
+    }
+
+    // A mapping starts at a page boundary, which is a multiple of every alignment up to 4096.
+    #[allow(clippy::cast_ptr_alignment)]
+    pub(super) fn words(&self) -> &Words {
+        // SAFETY: the mapping is page-aligned (≥ the alignment of `Words`), exactly
+        // `size_of::<Words>()` bytes long and lives as long as `self`. `Words` consists of
+        // `AtomicU32` only, for which every bit pattern is valid and concurrent access from other
+        // processes is defined. The file is never truncated while mapped: only the owner of the run
+        // removes it, by unlinking.
+        unsafe { &*self.map.as_ptr().cast::<Words>() }
+    }
+
+    pub(super) fn slot(&self, index: usize) -> &Slot {
+        // Indices come from the run's configuration, checked against `processes` at start-up; a
+        // wrong one must not read past the page.
+        &self.words().slot[index.min(MAX_SLOTS - 1)]
+    }
+
+    /// How a process is.
+    pub fn state(&self, slot: usize) -> SlotState {
+        SlotState::from_word(self.slot(slot).state.load(Ordering::Acquire))
+    }
+
+    /// Ticks that a process has done.
+    pub fn ticks_done(&self, slot: usize) -> u64 {
+        u64::from(self.slot(slot).done.load(Ordering::Acquire))
+    }
+
+    /// What the run does.
+    pub fn phase(&self) -> Phase {
+        match self.words().phase.0.load(Ordering::Acquire) {
+            0 => Phase::Start,
+            1 => Phase::Connect,
+            2 => Phase::Run,
+            _ => Phase::Stop,
+        }
+    }
+
+    /// Ticks posted so far.
+    pub fn ticks_posted(&self) -> u64 {
+        u64::from(self.words().tick.0.load(Ordering::Acquire))
+    }
+
+    /// Whether the simulator said that the game is over.
+    pub fn is_over(&self) -> bool {
+        self.words().over.0.load(Ordering::Acquire) != 0
+    }
+}
+
+impl core::fmt::Debug for TurnPage {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("TurnPage")
+            .field("path", &self.path)
+            .field("phase", &self.phase())
+            .field("ticks_posted", &self.ticks_posted())
+            .finish_non_exhaustive()
+    }
+}
+
+/// Sleeps while `word` is `seen`, at most for `timeout`. Wakes early without reason now and then.
+pub(super) fn sleep_while(word: &AtomicU32, seen: u32, timeout: Duration) {
+    let timeout = rustix::thread::Timespec {
+        tv_sec: i64::try_from(timeout.as_secs()).unwrap_or(i64::MAX),
+        tv_nsec: i64::from(timeout.subsec_nanos()),
+    };
+    // Not FUTEX_PRIVATE: the word is shared between processes. Every outcome (woken, changed
+    // already, timed out, interrupted by a signal) means: look again.
+    let _ = futex::wait(word, futex::Flags::empty(), seen, Some(&timeout));
+}
+
+/// Wakes everybody who sleeps on `word`.
+pub(super) fn wake_all(word: &AtomicU32) {
+    let _ = futex::wake(word, futex::Flags::empty(), i32::MAX as u32);
+}

@@ -1,0 +1,343 @@
+//! The belief about one opponent: a particle filter on its pose, speed and turning rate
+//! (chasing-game paper, section III.D).
+//!
+//! Per tick every particle is moved by its own velocity hypothesis, weighted by the sighting — in
+//! one of four cases — and resampled:
+//! 1. in an obstacle or outside the map: weight 0;
+//! 2. opponent seen with noise σ: Gaussian likelihood (also of the heading if the sensor has it);
+//! 3. opponent unseen: (1 − V)^(rate·dt), V the best visibility of the particle;
+//! 4. seen with σ below 0.01 m: as case 2 with a width of a fraction of a step, then all particles
+//!    take the measured position.
+//!
+//! If nothing is left (or the mean likelihood is below [`FilterParams::lost_below`]), the belief is
+//! built anew: around the measurement if there is one, else uniformly over unseen free space that
+//! the opponent can have reached since it was last seen, else over all free space.
+//!
+//! Random numbers come from one ChaCha8 stream per filter, and every sum has a fixed order: the same
+//! inputs give the same bits on every machine.
+
+mod adapt;
+mod cloud;
+mod predict;
+mod recover;
+mod resample;
+mod weigh;
+
+use nalgebra::Point2;
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use sim_backend::pose::Pose2;
+
+use self::cloud::Cloud;
+pub use self::predict::MotionLimits;
+use self::predict::{Motion, Teleport};
+use self::weigh::{Seen, Unseen};
+use crate::belief::{Belief, Particle, moments};
+use crate::memo::VisibilityMemo;
+use crate::params::FilterParams;
+use crate::sighting::{Measurement, Sighting};
+use crate::space::Space;
+use crate::watch::Watch;
+
+/// Particles handled together: all their arrays fit the first-level cache.
+const BLOCK: usize = 512;
+
+/// The particle filter of one opponent. See the [module documentation](self).
+#[derive(Debug, Clone)]
+pub struct ParticleFilter {
+    params: FilterParams,
+    limits: MotionLimits,
+    rng: ChaCha8Rng,
+    particles: Cloud,
+    /// Weights with mean 1.
+    weights: Vec<f32>,
+    last_seen: Option<Point2<f64>>,
+    /// Time since then [s].
+    unseen_for: f64,
+    seen: bool,
+    effective: f64,
+    rebuilt: u64,
+    scratch: Scratch,
+}
+
+/// Working memory, kept so that a tick allocates nothing.
+#[derive(Debug, Clone, Default)]
+struct Scratch {
+    resampled: Cloud,
+    starts: Vec<u32>,
+    noise: Vec<u8>,
+    places: Vec<u32>,
+    cells: Vec<u32>,
+    keys: Vec<u64>,
+}
+
+impl ParticleFilter {
+    /// A filter with all particles at the opponent's known pose and velocities drawn from its
+    /// limits, or, without a pose, uniformly over the free space.
+    ///
+    /// `params` must be valid ([`crate::params::PerceptionParams::validate`]).
+    pub fn new(
+        params: &FilterParams,
+        limits: MotionLimits,
+        start: Option<Pose2>,
+        space: &Space,
+        mut rng: ChaCha8Rng,
+    ) -> Self {
+        let mut particles = Cloud::default();
+        particles.resize(params.particles.max(1));
+        let n = particles.len();
+        let mut scratch = Scratch {
+            noise: vec![0; 4 * BLOCK],
+            ..Scratch::default()
+        };
+        scratch.places.resize(BLOCK, 0);
+        let velocities = velocities(params, limits);
+        if let Some(pose) = start {
+            let m = Measurement {
+                position: pose.position(),
+                sigma: 0.0,
+                heading: Some((pose.theta, 0.0)),
+            };
+            recover::around_measurement(&mut particles, space, &m, velocities, &mut rng);
+        } else {
+            let nobody = Watch::new(&crate::params::SensorParams::default());
+            let cells = &mut scratch.cells;
+            recover::over_unseen(
+                &mut particles,
+                space,
+                &nobody,
+                None,
+                velocities,
+                cells,
+                &mut rng,
+            );
+        }
+        Self {
+            params: params.clone(),
+            limits,
+            rng,
+            particles,
+            weights: vec![1.0; n],
+            last_seen: start.map(|pose| pose.position()),
+            unseen_for: if start.is_some() { 0.0 } else { f64::INFINITY },
+            seen: false,
+            effective: n as f64,
+            rebuilt: 0,
+            scratch,
+        }
+    }
+
+    /// Number of particles.
+    pub fn len(&self) -> usize {
+        self.particles.len()
+    }
+
+    /// Whether there are no particles (never).
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// How often the belief had to be built anew.
+    pub fn rebuilt(&self) -> u64 {
+        self.rebuilt
+    }
+
+    /// Advances the belief by `dt` [s] (> 0, finite) and takes in a sighting.
+    ///
+    /// `watch` holds the observers of this tick; `memo`, if given, must have been cleared for this
+    /// tick and is used where the opponent is unseen.
+    pub fn update(
+        &mut self,
+        space: &Space,
+        watch: &Watch,
+        sighting: &Sighting,
+        memo: Option<&mut VisibilityMemo>,
+        dt: f64,
+    ) {
+        self.seen = sighting.is_seen();
+        self.unseen_for = if self.seen { 0.0 } else { self.unseen_for + dt };
+        if let Some(m) = &sighting.measurement {
+            self.last_seen = Some(m.position);
+        }
+        self.predict_and_weigh(space, watch, sighting.measurement.as_ref(), memo, dt);
+
+        let n = self.len();
+        let (sum, squares) = weigh::totals(&self.weights);
+        let mean = sum / n as f64;
+        if mean > 0.0 && mean >= self.params.lost_below {
+            self.effective = sum * sum / squares;
+            self.resample(sum);
+        } else {
+            self.rebuild(space, watch, sighting.measurement.as_ref());
+        }
+        if let Some(m) = &sighting.measurement {
+            self.snap(m);
+        }
+    }
+
+    fn predict_and_weigh(
+        &mut self,
+        space: &Space,
+        watch: &Watch,
+        measurement: Option<&Measurement>,
+        mut memo: Option<&mut VisibilityMemo>,
+        dt: f64,
+    ) {
+        let motion = Motion::new(&self.params, self.limits, dt);
+        let seen = measurement.map(|m| {
+            let wide = |sigma: f64, step: f64| {
+                if sigma < self.params.snap_below {
+                    self.params.snap_width * step
+                } else {
+                    0.0
+                }
+            };
+            let fastest = self.limits.v_max.max(self.limits.v_reverse_max) * dt;
+            let heading_sigma = m.heading.map_or(f64::INFINITY, |(_, sigma)| sigma);
+            let turn = self.limits.omega_max * dt;
+            Seen::new(m, wide(m.sigma, fastest), wide(heading_sigma, turn))
+        });
+        let unseen = Unseen {
+            space,
+            watch,
+            exponent: exponent(self.params.clearing_rate * dt),
+        };
+        let mut teleport = Teleport::new(&self.params, dt, &mut self.rng);
+        let n = self.particles.len();
+        for first in (0..n).step_by(BLOCK) {
+            let range = first..n.min(first + BLOCK);
+            let noise = &mut self.scratch.noise[..4 * range.len()];
+            predict::fill(noise, &mut self.rng);
+            motion.apply(self.particles.stretch(range.clone()), noise);
+            teleport.apply(self.particles.stretch(range.clone()), &mut self.rng);
+            let particles = self.particles.stretch(range.clone());
+            let weights = &mut self.weights[range];
+            if let Some(seen) = &seen {
+                seen.weigh(&particles, weights);
+                weigh::drop_invalid(space, &particles, weights, &mut self.scratch.places);
+            } else {
+                let places = &mut self.scratch.places;
+                unseen.weigh(&particles, weights, memo.as_deref_mut(), places);
+            }
+        }
+    }
+
+    fn resample(&mut self, sum: f64) {
+        let n = self.len();
+        if self.params.resample_below < 1.0
+            && self.effective >= self.params.resample_below * n as f64
+        {
+            let scale = (n as f64 / sum) as f32;
+            for w in &mut self.weights {
+                *w *= scale;
+            }
+            return;
+        }
+        let count = match &self.params.adaptive {
+            // The spread of the belief of the tick before: a step behind, but at no extra cost.
+            Some(_) if self.scratch.keys.is_empty() => n,
+            Some(adaptive) => adapt::sample_size(adaptive, self.scratch.keys.len()),
+            None => n,
+        };
+        // In (0, 1): a zero weight has no descendants even at the first pointer.
+        let offset = (f64::from(self.rng.random::<u32>()) + 0.5) / 4_294_967_296.0;
+        resample::choose(&self.weights, sum, count, offset, &mut self.scratch.starts);
+        resample::copy(
+            &self.particles,
+            &self.scratch.starts,
+            &mut self.scratch.resampled,
+        );
+        core::mem::swap(&mut self.particles, &mut self.scratch.resampled);
+        self.weights.clear();
+        self.weights.resize(count, 1.0);
+        if let Some(adaptive) = &self.params.adaptive {
+            adapt::occupied_bins(adaptive, &self.particles, &mut self.scratch.keys);
+        }
+    }
+
+    fn rebuild(&mut self, space: &Space, watch: &Watch, measurement: Option<&Measurement>) {
+        self.rebuilt += 1;
+        let velocities = velocities(&self.params, self.limits);
+        if let Some(m) = measurement {
+            recover::around_measurement(&mut self.particles, space, m, velocities, &mut self.rng);
+        } else {
+            let fastest = self.limits.v_max.max(self.limits.v_reverse_max);
+            let reach = self.last_seen.map(|centre| {
+                (
+                    centre,
+                    self.params.recovery_margin + fastest * self.unseen_for,
+                )
+            });
+            recover::over_unseen(
+                &mut self.particles,
+                space,
+                watch,
+                reach,
+                velocities,
+                &mut self.scratch.cells,
+                &mut self.rng,
+            );
+        }
+        self.weights.fill(1.0);
+        self.effective = self.len() as f64;
+    }
+
+    /// Sets what was measured practically without noise.
+    fn snap(&mut self, m: &Measurement) {
+        if m.sigma < self.params.snap_below {
+            self.particles.x.fill(m.position.x as f32);
+            self.particles.y.fill(m.position.y as f32);
+        }
+        if let Some((theta, sigma)) = m.heading
+            && sigma < self.params.snap_below
+        {
+            self.particles.heading.fill(crate::fast::wrap(theta as f32));
+        }
+    }
+
+    /// The belief in numbers. One pass over the particles.
+    pub fn belief(&self) -> Belief {
+        let p = &self.particles;
+        let (mean, [xx, xy, yy], spread) = moments(&p.x, &p.y, &p.heading, &self.weights);
+        Belief {
+            mean,
+            covariance_xx: xx,
+            covariance_xy: xy,
+            covariance_yy: yy,
+            heading_spread: spread,
+            effective_sample_size: self.effective,
+            seen: self.seen,
+            unseen_for: self.unseen_for,
+        }
+    }
+
+    /// The hypotheses; their weights sum to 1.
+    pub fn particles(&self) -> impl ExactSizeIterator<Item = Particle> + '_ {
+        let p = &self.particles;
+        let share = (1.0 / weigh::totals(&self.weights).0.max(f64::MIN_POSITIVE)) as f32;
+        (0..p.len()).map(move |i| Particle {
+            x: p.x[i],
+            y: p.y[i],
+            theta: p.heading[i],
+            weight: self.weights[i] * share,
+        })
+    }
+}
+
+fn velocities(params: &FilterParams, limits: MotionLimits) -> recover::Velocities {
+    let motion = Motion::new(params, limits, 0.0);
+    let (low, high) = motion.speeds();
+    (low, high, motion.turn())
+}
+
+/// Rounds away what is left of rate·dt in binary, so that 20 Hz needs no power.
+fn exponent(times: f64) -> f64 {
+    if (times - 1.0).abs() < 1e-9 {
+        1.0
+    } else {
+        times
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,163 @@
+//! Motion of the hypotheses: a unicycle whose speed and turning rate walk randomly within the
+//! opponent's limits, and rare jumps.
+
+use rand::{Rng, RngExt};
+use rand_chacha::ChaCha8Rng;
+use sim_backend::math;
+
+use super::cloud::Stretch;
+use crate::fast;
+use crate::params::FilterParams;
+
+/// What an opponent can do.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MotionLimits {
+    /// Largest speed forwards [m/s], ≥ 0.
+    pub v_max: f64,
+    /// Largest speed backwards [m/s], ≥ 0.
+    pub v_reverse_max: f64,
+    /// Largest turning rate either way [rad/s], ≥ 0.
+    pub omega_max: f64,
+}
+
+/// One tick's motion in single precision.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Motion {
+    dt: f32,
+    /// Half-widths of the uniform steps of v and ω.
+    step_v: f32,
+    step_omega: f32,
+    v_low: f32,
+    v_high: f32,
+    omega_high: f32,
+    /// How much of an overshoot over a limit is taken back: 2 reflects, 1 clamps.
+    rebound: f32,
+}
+
+impl Motion {
+    /// Uniform steps of half-width √(3 dt)·(walk): the variance per second does not depend on dt.
+    pub fn new(params: &FilterParams, limits: MotionLimits, dt: f64) -> Self {
+        let spread = (3.0 * dt).sqrt();
+        let v_high = limits.v_max * params.speed_scale;
+        let v_low = -limits.v_reverse_max * params.speed_scale;
+        let largest = v_high.max(-v_low);
+        Self {
+            dt: dt as f32,
+            step_v: (params.speed_walk * largest * spread) as f32,
+            step_omega: (params.turn_walk * limits.omega_max * spread) as f32,
+            v_low: v_low as f32,
+            v_high: v_high as f32,
+            omega_high: limits.omega_max as f32,
+            rebound: if params.reflect { 2.0 } else { 1.0 },
+        }
+    }
+
+    /// Smallest and largest hypothesised speed [m/s].
+    pub fn speeds(&self) -> (f32, f32) {
+        (self.v_low, self.v_high)
+    }
+
+    /// Largest hypothesised turning rate [rad/s].
+    pub fn turn(&self) -> f32 {
+        self.omega_high
+    }
+
+    /// Moves every particle by one tick. `noise` has four random bytes per particle: 16 bits each
+    /// for v and ω. The step along the arc is taken in the direction of its middle, which is exact
+    /// up to (ω·dt)²/24 of its length.
+    pub fn apply(&self, particles: Stretch<'_>, noise: &[u8]) {
+        let Stretch {
+            x,
+            y,
+            heading,
+            v,
+            omega,
+        } = particles;
+        let n = x.len();
+        let (y, heading, v, omega) = (&mut y[..n], &mut heading[..n], &mut v[..n], &mut omega[..n]);
+        let (words, _) = noise.as_chunks::<4>();
+        let words = &words[..n];
+        let unit = 1.0 / 32_768.0;
+        let (step_v, step_omega) = (self.step_v * unit, self.step_omega * unit);
+        for i in 0..n {
+            let word = u32::from_le_bytes(words[i]);
+            let (low, high) = ((word & 0xffff) as i32, (word >> 16) as i32);
+            // Symmetric about 0: −32767.5 … 32767.5.
+            let a = low as f32 - 32_767.5;
+            let b = high as f32 - 32_767.5;
+            let speed = self.bounded(v[i] + a * step_v, self.v_low, self.v_high);
+            let rate = self.bounded(omega[i] + b * step_omega, -self.omega_high, self.omega_high);
+            let half_turn = 0.5 * self.dt * rate;
+            let middle = heading[i] + half_turn;
+            let (sin, cos) = fast::sincos(middle);
+            let step = speed * self.dt;
+            x[i] += step * cos;
+            y[i] += step * sin;
+            heading[i] = fast::wrap(middle + half_turn);
+            v[i] = speed;
+            omega[i] = rate;
+        }
+    }
+
+    #[inline]
+    fn bounded(&self, value: f32, low: f32, high: f32) -> f32 {
+        let above = (value - high).max(0.0);
+        let below = (low - value).max(0.0);
+        // The clamp is for steps that are longer than the whole range.
+        (value + self.rebound * (below - above)).max(low).min(high)
+    }
+}
+
+/// Rare jumps to nearby poses, which let a collapsed belief recover (chasing-game paper, section
+/// III.D). The gaps between jumping particles are drawn, not a number per particle.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Teleport {
+    /// ln(1 − probability of a jump in this tick); 0 for never.
+    log_stay: f64,
+    distance: f64,
+    turn: f64,
+    /// Particles to skip until the next jump.
+    gap: u64,
+}
+
+impl Teleport {
+    pub fn new(params: &FilterParams, dt: f64, rng: &mut ChaCha8Rng) -> Self {
+        let mut teleport = Self {
+            // The probability is 1 − exp(−rate·dt).
+            log_stay: -params.teleport_rate * dt,
+            distance: params.teleport_distance,
+            turn: params.teleport_turn,
+            gap: 0,
+        };
+        teleport.gap = teleport.draw_gap(rng);
+        teleport
+    }
+
+    fn draw_gap(&self, rng: &mut ChaCha8Rng) -> u64 {
+        if self.log_stay == 0.0 {
+            return u64::MAX;
+        }
+        // Geometric distribution by inversion; `as` saturates.
+        (math::ln(1.0 - rng.random::<f64>()) / self.log_stay) as u64
+    }
+
+    /// Lets the particles of a stretch jump whose turn it is.
+    pub fn apply(&mut self, particles: Stretch<'_>, rng: &mut ChaCha8Rng) {
+        let n = particles.x.len() as u64;
+        let mut i = self.gap;
+        while i < n {
+            let at = i as usize;
+            let mut within = |half: f64| (half * (2.0 * rng.random::<f64>() - 1.0)) as f32;
+            particles.x[at] += within(self.distance);
+            particles.y[at] += within(self.distance);
+            particles.heading[at] = fast::wrap(particles.heading[at] + within(self.turn));
+            i = i.saturating_add(1).saturating_add(self.draw_gap(rng));
+        }
+        self.gap = i - n;
+    }
+}
+
+/// Fills `noise` with random bytes.
+pub(crate) fn fill(noise: &mut [u8], rng: &mut ChaCha8Rng) {
+    rng.fill_bytes(noise);
+}

@@ -1,0 +1,253 @@
+//! Wires [`Perception`] to its topics: state and map in, sightings and beliefs out.
+
+use ipc_types::bus::{Bus, Publisher, PublisherOptions};
+use ipc_types::messages::perception::{BeliefHeader, Particle, Sighting};
+use ipc_types::messages::world::WorldEvent;
+use ipc_types::stamp::{PlainHeader, Stamp};
+use ipc_types::topics::{Belief, Sightings};
+use kit::inputs::{MapInput, StateInput, reply_stamp};
+use kit::planner::{blurred_map, map_grids};
+use kit::{Clock, ProcessConfig, ProcessError, Wiring};
+use sim_backend::pose::Pose2;
+use sim_backend::team::Team;
+
+use crate::params::PerceptionParams;
+use crate::particle_filter::MotionLimits;
+use crate::tracker::{Perception, TargetSetup, TargetTruth, Track};
+
+/// Perception of one team: what its members see together, and what they believe.
+pub struct PerceptionProcess {
+    config: ProcessConfig,
+    params: PerceptionParams,
+    observers: Vec<usize>,
+    targets: Vec<usize>,
+    perception: Option<Perception>,
+    state: StateInput,
+    map: MapInput,
+    sightings: Publisher<Sightings>,
+    beliefs: Publisher<Belief>,
+    last_tick: Option<u64>,
+}
+
+impl Wiring for PerceptionProcess {
+    fn open(config: &ProcessConfig, bus: &Bus) -> Result<Self, ProcessError> {
+        let params: PerceptionParams =
+            serde_json::from_value(config.params.clone()).map_err(|e| ProcessError::Params {
+                process: config.name.clone(),
+                kind: config.kind.clone(),
+                reason: e.to_string(),
+            })?;
+        let robots = &config.run.robots;
+        let of_team = |team: Team| {
+            (0..robots.len())
+                .filter(|&i| robots[i].team == team)
+                .collect::<Vec<_>>()
+        };
+        // Without a list of its own it sees with the eyes of all Police.
+        let observers = if config.robots.is_empty() {
+            of_team(Team::Police)
+        } else {
+            config
+                .robots
+                .iter()
+                .map(|&r| r as usize)
+                .filter(|&r| r < robots.len())
+                .collect()
+        };
+        let side = observers
+            .first()
+            .map_or(Team::Police, |&first| robots[first].team);
+        let targets = of_team(if side == Team::Evader {
+            Team::Police
+        } else {
+            Team::Evader
+        });
+        // KLD sampling may use more particles than the start has.
+        let adaptive = params
+            .filter
+            .adaptive
+            .as_ref()
+            .map_or(0, |adaptive| adaptive.most);
+        let capacity = params.filter.particles.max(adaptive);
+        Ok(Self {
+            state: StateInput::open(bus, robots.len())?,
+            map: MapInput::open(bus)?,
+            sightings: bus.publisher(PublisherOptions::new(config.index, targets.len()))?,
+            beliefs: bus.publisher(PublisherOptions::new(config.index, capacity))?,
+            config: config.clone(),
+            params,
+            observers,
+            targets,
+            perception: None,
+            last_tick: None,
+        })
+    }
+
+    fn connect(&mut self) -> Result<(), ProcessError> {
+        self.state.connect()?;
+        self.map.connect()?;
+        self.sightings.update_connections()?;
+        self.beliefs.update_connections()?;
+        Ok(())
+    }
+
+    fn step(&mut self, tick: u64) -> Result<(), ProcessError> {
+        self.state.update()?;
+        let lock_step = self.config.run.clock == Clock::LockStep;
+        let newest = self.state.header.stamp.tick;
+        if lock_step && newest != tick {
+            return Err(ProcessError::Protocol(format!(
+                "it is the turn of tick {tick}, but the newest world/state is of tick {newest}"
+            )));
+        }
+        if self.map.update()? {
+            self.take_map()?;
+        }
+        let Some(perception) = &mut self.perception else {
+            if lock_step {
+                let text = "it is the turn of a tick, but no sound world/map has come";
+                return Err(ProcessError::Protocol(text.into()));
+            }
+            return Ok(());
+        };
+        // In real time ticks may have been missed: the motion model covers the whole gap.
+        let ticks = self
+            .last_tick
+            .map_or(1, |last| newest.saturating_sub(last).max(1));
+        self.last_tick = Some(newest);
+        let dt = self.config.run.tick_period() * ticks as f64;
+        let active = |&&robot: &&usize| self.state.robots[robot].status == 0;
+        let pose = |&robot: &usize| {
+            let r = &self.state.robots[robot];
+            Pose2::new(r.x, r.y, r.theta)
+        };
+        let observers: Vec<Pose2> = self.observers.iter().filter(active).map(pose).collect();
+        let truths: Vec<TargetTruth> = self
+            .targets
+            .iter()
+            .filter(active)
+            .map(|robot| TargetTruth {
+                robot: *robot,
+                pose: pose(robot),
+            })
+            .collect();
+        // The best view is named by its place among the active observers.
+        let eyes: Vec<u32> = self
+            .observers
+            .iter()
+            .filter(active)
+            .map(|&robot| robot as u32)
+            .collect();
+        let tracks = perception
+            .update(&observers, &truths, dt)
+            .map_err(|e| ProcessError::Algorithm(e.to_string()))?;
+        let stamp = reply_stamp(&self.state.header, self.state.received_ns);
+        let mut active_tracks = tracks.iter().filter(|track| track.is_active());
+        let count = active_tracks.clone().count();
+        self.sightings
+            .send_with(PlainHeader { stamp }, count, |_| {
+                active_tracks
+                    .next()
+                    .map(|track| sighting(track, &eyes))
+                    .unwrap_or_default()
+            })?;
+        for track in tracks.iter().filter(|track| track.is_active()) {
+            let mut particles = track.particles();
+            let count = particles.len();
+            self.beliefs
+                .send_with(belief_header(track, stamp), count, |_| {
+                    particles
+                        .next()
+                        .map_or_else(Particle::default, |p| Particle {
+                            x: p.x,
+                            y: p.y,
+                            theta: p.theta,
+                            weight: p.weight,
+                        })
+                })?;
+        }
+        Ok(())
+    }
+
+    fn rejected(&self) -> u64 {
+        self.state.rejected + self.map.rejected
+    }
+}
+
+impl PerceptionProcess {
+    fn take_map(&mut self) -> Result<(), ProcessError> {
+        let map = blurred_map(&map_grids(&self.map))?;
+        if let Some(perception) = &mut self.perception {
+            perception.set_map(&map);
+            return Ok(());
+        }
+        let setups = self
+            .targets
+            .iter()
+            .map(|&robot| {
+                let info = &self.config.run.robots[robot];
+                TargetSetup {
+                    robot,
+                    limits: MotionLimits {
+                        v_max: info.model.v_max,
+                        v_reverse_max: info.model.v_reverse_max,
+                        omega_max: info.model.omega_max,
+                    },
+                    start: Some(info.start),
+                    rng: kit::seed::stream(
+                        self.config.run.seed,
+                        &self.config.name,
+                        &info.name,
+                        "perception",
+                    ),
+                }
+            })
+            .collect();
+        let perception = Perception::new(&self.params, &map, setups)
+            .map_err(|e| ProcessError::Algorithm(e.to_string()))?;
+        self.perception = Some(perception);
+        Ok(())
+    }
+}
+
+fn sighting(track: &Track, eyes: &[u32]) -> Sighting {
+    let seen = track.sighting();
+    let mut message = Sighting {
+        sigma: f64::INFINITY,
+        visibility: seen.visibility,
+        robot: track.robot() as u32,
+        observer: seen
+            .observer
+            .and_then(|at| eyes.get(at).copied())
+            .unwrap_or(WorldEvent::NONE),
+        ..Sighting::default()
+    };
+    if let Some(measurement) = &seen.measurement {
+        message.x = measurement.position.x;
+        message.y = measurement.position.y;
+        message.sigma = measurement.sigma;
+        message.seen = 1;
+        if let Some((heading, _)) = measurement.heading {
+            message.theta = heading;
+            message.heading_known = 1;
+        }
+    }
+    message
+}
+
+fn belief_header(track: &Track, stamp: Stamp) -> BeliefHeader {
+    let belief = track.belief();
+    BeliefHeader {
+        stamp,
+        mean_x: belief.mean.x,
+        mean_y: belief.mean.y,
+        mean_theta: belief.mean.theta,
+        covariance_xx: belief.covariance_xx,
+        covariance_xy: belief.covariance_xy,
+        covariance_yy: belief.covariance_yy,
+        heading_spread: belief.heading_spread,
+        effective_sample_size: belief.effective_sample_size,
+        robot: track.robot() as u32,
+        seen: u32::from(belief.seen),
+    }
+}

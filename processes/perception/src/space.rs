@@ -1,0 +1,205 @@
+//! The map as the particles see it: where they may be, and what is seen from where.
+
+use nalgebra::Point2;
+use sim_backend::blur::BlurredMap;
+use sim_backend::grid::GridFrame;
+use sim_backend::visibility::VisibilityField;
+
+use crate::fast;
+
+/// A map prepared for the filters; rebuilt when an obstacle changes.
+///
+/// Every free cell is valid space, exits and what lies beyond them included. Occupied cells and
+/// everything outside the grid are not.
+#[derive(Debug, Clone)]
+pub struct Space {
+    field: VisibilityField,
+    frame: GridFrame,
+    /// 1 per free cell, with a border of zeros one cell wide on each side.
+    valid: Vec<u8>,
+    /// Storage indices of the free cells, ascending.
+    free: Vec<u32>,
+    origin: [f32; 2],
+    cells_per_metre: f32,
+}
+
+impl Space {
+    /// Prepares a map.
+    pub fn new(map: &BlurredMap) -> Self {
+        let frame = *map.frame();
+        let stride = frame.width + 2;
+        let mut valid = vec![0; stride * (frame.height + 2)];
+        let mut free = Vec::new();
+        for (i, _) in map
+            .occupied()
+            .cells
+            .iter()
+            .enumerate()
+            .filter(|&(_, &occupied)| !occupied)
+        {
+            valid[(i / frame.width + 1) * stride + i % frame.width + 1] = 1;
+            // A map has at most 2^28 cells.
+            free.push(i as u32);
+        }
+        Self {
+            field: VisibilityField::new(map),
+            frame,
+            valid,
+            free,
+            origin: [frame.origin.x as f32, frame.origin.y as f32],
+            cells_per_metre: (1.0 / frame.resolution) as f32,
+        }
+    }
+
+    /// Where the cells lie.
+    pub fn frame(&self) -> &GridFrame {
+        &self.frame
+    }
+
+    /// Line of sight on this map.
+    pub fn field(&self) -> &VisibilityField {
+        &self.field
+    }
+
+    /// Storage indices of the free cells, ascending.
+    pub fn free_cells(&self) -> &[u32] {
+        &self.free
+    }
+
+    /// Whether a point [m] is valid for a particle.
+    pub fn is_valid(&self, p: Point2<f64>) -> bool {
+        self.field.is_free(p)
+    }
+
+    /// World position of a point in a cell, given by its storage index and two fractions in [0, 1).
+    pub fn point_in(&self, cell: u32, fx: f64, fy: f64) -> Point2<f64> {
+        let (col, row) = (
+            cell as usize % self.frame.width,
+            cell as usize / self.frame.width,
+        );
+        self.place_in((col, row), fx, fy)
+    }
+
+    /// World position of a point in a cell (column, row), given by two fractions.
+    pub(crate) fn place_in(&self, (col, row): (usize, usize), fx: f64, fy: f64) -> Point2<f64> {
+        Point2::new(
+            self.frame.origin.x + (col as f64 + fx) * self.frame.resolution,
+            self.frame.origin.y + (row as f64 + fy) * self.frame.resolution,
+        )
+    }
+
+    /// Looks up many points [m]: writes their places in the table read by [`Self::valid_at`].
+    ///
+    /// Points outside the grid (and NaN) fall on the table's border.
+    #[inline]
+    pub(crate) fn locate(&self, xs: &[f32], ys: &[f32], places: &mut [u32]) {
+        let (right, top) = (self.frame.width as f32, self.frame.height as f32);
+        let stride = (self.frame.width + 2) as u32;
+        let [x0, y0] = self.origin;
+        for ((&x, &y), place) in xs.iter().zip(ys).zip(places) {
+            let col = border_index((x - x0) * self.cells_per_metre, right);
+            let row = border_index((y - y0) * self.cells_per_metre, top);
+            *place = row * stride + col;
+        }
+    }
+
+    /// 1 per free cell, row by row with a border of zeros one cell wide on each side.
+    pub(crate) fn valid(&self) -> &[u8] {
+        &self.valid
+    }
+
+    /// Columns of the bordered table.
+    pub(crate) fn stride(&self) -> usize {
+        self.frame.width + 2
+    }
+
+    /// A point [m] in cells from the grid's corner.
+    #[inline]
+    pub(crate) fn in_cells(&self, x: f32, y: f32) -> (f32, f32) {
+        let [x0, y0] = self.origin;
+        (
+            (x - x0) * self.cells_per_metre,
+            (y - y0) * self.cells_per_metre,
+        )
+    }
+
+    /// 1 if the place found by [`Self::locate`] is valid, else 0.
+    #[inline]
+    pub(crate) fn valid_at(&self, place: u32) -> u8 {
+        self.valid[place as usize]
+    }
+}
+
+/// Index along one axis of the bordered table: 0 below the grid (or NaN), `len + 1` above it.
+#[inline]
+fn border_index(coordinate: f32, len: f32) -> u32 {
+    // `max` first: it turns NaN into −1. The sum has the integer in its low bits.
+    const INTEGER: f32 = 8_388_608.0;
+    let cell = fast::floor(coordinate.max(-1.0).min(len));
+    (cell + 1.0 + INTEGER).to_bits() & 0x007f_ffff
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use sim_backend::grid::Grid;
+
+    use super::*;
+
+    /// An 8 m × 6 m room with a 2 m × 2 m block in the middle and an exit on the right.
+    pub(crate) fn room() -> BlurredMap {
+        let frame = GridFrame {
+            width: 160,
+            height: 120,
+            resolution: 0.05,
+            origin: Point2::new(-4.0, -3.0),
+        };
+        let mut free = Grid::filled(frame, true);
+        for row in 0..frame.height {
+            for col in 0..frame.width {
+                let p = frame.center(col, row);
+                let block = p.x.abs() < 1.0 && p.y.abs() < 1.0;
+                let exit = p.x > 0.0 && p.y.abs() < 0.75;
+                let wall = p.x.abs() > 3.8 || p.y.abs() > 2.8;
+                free.cells[frame.index(col, row)] = !(block || (wall && !exit));
+            }
+        }
+        BlurredMap::new(&free, 0.15).unwrap()
+    }
+
+    #[test]
+    fn the_table_agrees_with_the_grid_everywhere() {
+        let map = room();
+        let space = Space::new(&map);
+        let mut place = [0];
+        for i in -20..200 {
+            for j in -20..160 {
+                let p = Point2::new(-4.0 + 0.0493 * f64::from(i), -3.0 + 0.0477 * f64::from(j));
+                space.locate(&[p.x as f32], &[p.y as f32], &mut place);
+                assert_eq!(space.valid_at(place[0]) == 1, !map.is_blocked(p), "{p}");
+                assert_eq!(space.is_valid(p), !map.is_blocked(p), "{p}");
+            }
+        }
+        for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e30] {
+            space.locate(&[bad], &[0.0], &mut place);
+            assert_eq!(space.valid_at(place[0]), 0, "{bad}");
+            space.locate(&[2.0], &[bad], &mut place);
+            assert_eq!(space.valid_at(place[0]), 0, "{bad}");
+        }
+    }
+
+    #[test]
+    fn the_exit_is_valid_space() {
+        assert!(Space::new(&room()).is_valid(Point2::new(3.95, 0.3)));
+    }
+
+    #[test]
+    fn free_cells_are_listed_once_each() {
+        let map = room();
+        let space = Space::new(&map);
+        let free = map.occupied().cells.iter().filter(|&&o| !o).count();
+        assert_eq!(space.free_cells().len(), free);
+        for &cell in space.free_cells() {
+            assert!(space.is_valid(space.point_in(cell, 0.5, 0.5)));
+        }
+    }
+}

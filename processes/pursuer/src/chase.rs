@@ -1,0 +1,199 @@
+//! One Police robot.
+
+use guidance::bearing::{Bearings, GoalField};
+use guidance::feedback_linearisation::command;
+use guidance::limits::Limits;
+use guidance::map::PlannerMap;
+use guidance::navigation::Wayfinder;
+use guidance::params::ParamsError;
+use guidance::potential_field::{
+    Body, Goal, Perturbation, Repulsor, attraction, capped, obstacle, repulsion,
+    slide_along_obstacles, slide_around_bodies,
+};
+use guidance::steering::Steering;
+use guidance::view::{RobotView, View};
+use nalgebra::{Point2, Vector2};
+use sim_backend::team::Team;
+
+use crate::assignment::Assigner;
+use crate::goals::{Hypothesis, goals, hypotheses};
+use crate::params::PursuerParams;
+
+/// The way-finder's slot of this robot's own ways; those of the assignment come after it.
+const OWN_SLOT: usize = 0;
+
+/// Chases evaders by potential fields (chasing-game paper, §III-B).
+///
+/// Keeps its target between ticks and caches of the map; everything else is a function of the view.
+#[derive(Debug, Clone)]
+pub struct Pursuer {
+    params: PursuerParams,
+    limits: Limits,
+    perturbation: Perturbation,
+    assigner: Assigner,
+    finder: Wayfinder,
+    hypotheses: Vec<Hypothesis>,
+    goals: Vec<Goal>,
+}
+
+impl Pursuer {
+    /// A pursuer for a robot with these limits; the seed sets the phase of its perturbation.
+    ///
+    /// # Errors
+    /// [`ParamsError`] if a parameter is out of range.
+    pub fn new(params: PursuerParams, limits: Limits, seed: u64) -> Result<Self, ParamsError> {
+        params.validate()?;
+        Ok(Self {
+            params,
+            limits,
+            perturbation: Perturbation::new(params.perturbation, seed),
+            assigner: Assigner::new(params.assignment),
+            finder: Wayfinder::new(params.navigation),
+            hypotheses: Vec::new(),
+            goals: Vec::new(),
+        })
+    }
+
+    /// What the robot `view.me` does in this tick.
+    ///
+    /// It stands still when it is not listed, no longer takes part, has no target, or nothing is
+    /// known of its target.
+    pub fn command(&mut self, map: &PlannerMap, view: &View<'_>) -> Steering {
+        let Some(own) = view.own().filter(|own| own.active) else {
+            return Steering::stop();
+        };
+        self.finder.prepare(map, own.radius);
+        let Some(target) = self.assigner.target(map, &mut self.finder, view) else {
+            return Steering::stop();
+        };
+        let stop = Steering {
+            target: Some(target),
+            ..Steering::stop()
+        };
+        hypotheses(
+            view,
+            target,
+            self.params.knowledge,
+            self.params.belief_goals,
+            self.params.max_particles,
+            &mut self.hypotheses,
+        );
+        if self.hypotheses.is_empty() {
+            return stop;
+        }
+        let params = &self.params;
+        let at = params.feedback.field_point_of(&own.pose);
+        let here = own.pose.position();
+        let room = own.radius + params.navigation.margin;
+        {
+            let hypothesised = self.hypotheses.iter().map(|(pose, _)| pose.position());
+            let bearings = bearings(&mut self.finder, params, map, here, hypothesised);
+            let distance_to = |to| bearings.of(at, to).map_or(0.0, |bearing| bearing.distance);
+            goals(
+                map,
+                &self.hypotheses,
+                distance_to,
+                room,
+                &params.look_ahead,
+                &mut self.goals,
+            );
+        }
+        let wanted = self.goals.iter().map(|goal| goal.at);
+        let bearings = bearings(&mut self.finder, params, map, here, wanted);
+        let pull = attraction(
+            at,
+            self.goals.iter().copied(),
+            &bearings,
+            &params.attraction,
+        );
+        let sum = pull
+            + scatter(params, view, own, at)
+            + obstacle(map, at, &params.obstacle)
+            + self.perturbation.at(view.time_s);
+        let around = slide_around_bodies(
+            map,
+            here,
+            own.radius,
+            sum,
+            in_the_way(view, own),
+            params.body_guard,
+        );
+        let along = slide_along_obstacles(map, at, own.radius, around, params.obstacle.guard);
+        let field = capped(along, params.field_cap);
+        Steering {
+            command: command(field, own.pose.theta, &self.limits, &params.feedback),
+            target: Some(target),
+            aim: aim(&self.goals),
+            waypoint: waypoint(&self.goals, at, pull, &bearings),
+            field,
+        }
+    }
+}
+
+/// The measure of bearings to these points that the parameters ask for.
+fn bearings<'a>(
+    finder: &'a mut Wayfinder,
+    params: &PursuerParams,
+    map: &PlannerMap,
+    here: Point2<f64>,
+    targets: impl IntoIterator<Item = Point2<f64>>,
+) -> Bearings<'a> {
+    match params.goal_field {
+        GoalField::Straight => Bearings::Straight,
+        GoalField::Geodesic => finder
+            .routes(map, OWN_SLOT, here, targets)
+            .map_or(Bearings::Straight, Bearings::Along),
+    }
+}
+
+/// The push of the colleagues and of bodies in the way.
+fn scatter(
+    params: &PursuerParams,
+    view: &View<'_>,
+    own: &RobotView,
+    at: Point2<f64>,
+) -> Vector2<f64> {
+    let colleagues = view
+        .active(Team::Police)
+        .filter(|other| params.scatter_from_self || other.index != own.index)
+        .map(|other| (other, params.scatter_weight));
+    let wrecks = view.wrecks().map(|wreck| (wreck, params.wreck_weight));
+    let repulsors = colleagues.chain(wrecks).map(|(robot, weight)| Repulsor {
+        at: robot.pose.position(),
+        weight,
+    });
+    repulsion(at, repulsors, &Bearings::Straight, &params.scatter)
+}
+
+/// The weighted mean of the goals.
+fn aim(goals: &[Goal]) -> Option<Point2<f64>> {
+    let total: f64 = goals.iter().map(|goal| goal.weight).sum();
+    let sum: Vector2<f64> = goals.iter().map(|goal| goal.at.coords * goal.weight).sum();
+    let mean = sum / total;
+    mean.norm().is_finite().then(|| Point2::from(mean))
+}
+
+/// Where one goal leads first; of many, a point 1 m in the direction of their common pull.
+fn waypoint(
+    goals: &[Goal],
+    at: Point2<f64>,
+    pull: Vector2<f64>,
+    bearings: &Bearings<'_>,
+) -> Option<Point2<f64>> {
+    if let [goal] = goals {
+        return bearings.of(at, goal.at).map(|bearing| bearing.waypoint);
+    }
+    let norm = pull.norm();
+    (norm > 0.0).then(|| at + pull / norm)
+}
+
+/// The bodies of all other robots, but not of evaders in play: those are there to be caught.
+fn in_the_way(view: &View<'_>, own: &RobotView) -> impl Iterator<Item = Body> {
+    let own = own.index;
+    view.bodies()
+        .filter(move |other| other.index != own && !(other.active && other.team == Team::Evader))
+        .map(|other| Body {
+            at: other.pose.position(),
+            radius: other.radius,
+        })
+}

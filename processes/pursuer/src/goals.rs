@@ -1,0 +1,230 @@
+//! From what is known of a target to the points that attract its pursuers.
+
+use std::collections::BTreeMap;
+
+use guidance::map::PlannerMap;
+use guidance::potential_field::Goal;
+use guidance::view::{BeliefView, View};
+use nalgebra::Point2;
+use sim_backend::math;
+use sim_backend::pose::Pose2;
+
+use crate::params::{BeliefGoals, Knowledge, LookAheadParams};
+
+/// Side of the squares in which hypotheses are counted to find the heaviest cluster [m].
+const MODE_CELL: f64 = 1.0;
+
+/// A hypothesis of a target's pose with its weight (> 0).
+pub type Hypothesis = (Pose2, f64);
+
+/// Where a target may be, written to `into` (cleared first).
+///
+/// Empty if nothing usable is known of it. At most `max_particles` evenly spaced hypotheses of a
+/// belief are taken.
+pub fn hypotheses(
+    view: &View<'_>,
+    target: usize,
+    knowledge: Knowledge,
+    belief_goals: BeliefGoals,
+    max_particles: usize,
+    into: &mut Vec<Hypothesis>,
+) {
+    into.clear();
+    match knowledge {
+        Knowledge::Exact => into.extend(view.robot(target).map(|robot| (robot.pose, 1.0))),
+        Knowledge::Belief => {
+            let Some(belief) = view.belief(target) else {
+                return;
+            };
+            match belief_goals {
+                BeliefGoals::Particles => {
+                    let stride = belief.particles.len().div_ceil(max_particles.max(1)).max(1);
+                    let taken = belief.particles.iter().step_by(stride);
+                    into.extend(taken.filter_map(guidance::view::ParticleView::usable));
+                    if into.is_empty() {
+                        into.extend(mean(belief));
+                    }
+                }
+                BeliefGoals::Mean => into.extend(mean(belief)),
+                BeliefGoals::Mode => into.extend(mode(belief).or_else(|| mean(belief))),
+            }
+        }
+    }
+}
+
+/// Where a target most probably is, as one pose.
+pub fn estimate(view: &View<'_>, target: usize, knowledge: Knowledge) -> Option<Pose2> {
+    match knowledge {
+        Knowledge::Exact => view.robot(target).map(|robot| robot.pose),
+        Knowledge::Belief => {
+            let belief = view.belief(target)?;
+            mode(belief).or_else(|| mean(belief)).map(|(pose, _)| pose)
+        }
+    }
+}
+
+/// The goal for a hypothesis: a point ahead of it by a share of the distance to it [m].
+pub fn look_ahead(
+    map: &PlannerMap,
+    pose: &Pose2,
+    distance: f64,
+    room: f64,
+    params: &LookAheadParams,
+) -> Point2<f64> {
+    let from = pose.position();
+    let ahead = pose.forward() * (params.ratio * distance).min(params.max);
+    let to = from + ahead;
+    let length = ahead.norm();
+    if !params.stop_at_obstacles || length <= 0.0 {
+        return to;
+    }
+    from + ahead * (map.free_run(from, to, room) / length)
+}
+
+/// The goals of a set of hypotheses, each looked ahead of; written to `into` (cleared first).
+pub fn goals(
+    map: &PlannerMap,
+    hypotheses: &[Hypothesis],
+    distance_to: impl Fn(Point2<f64>) -> f64,
+    room: f64,
+    params: &LookAheadParams,
+    into: &mut Vec<Goal>,
+) {
+    into.clear();
+    into.extend(hypotheses.iter().map(|(pose, weight)| {
+        let distance = distance_to(pose.position());
+        Goal {
+            at: look_ahead(map, pose, distance, room, params),
+            weight: *weight,
+        }
+    }));
+}
+
+fn mean(belief: &BeliefView<'_>) -> Option<Hypothesis> {
+    belief.mean.is_finite().then_some((belief.mean, 1.0))
+}
+
+/// The mean pose of the square metre that holds the most weight; the one with the lowest
+/// coordinates of several.
+fn mode(belief: &BeliefView<'_>) -> Option<Hypothesis> {
+    #[derive(Default)]
+    struct Sums {
+        weight: f64,
+        x: f64,
+        y: f64,
+        sin: f64,
+        cos: f64,
+    }
+    let mut cells: BTreeMap<(i64, i64), Sums> = BTreeMap::new();
+    for (pose, weight) in belief
+        .particles
+        .iter()
+        .filter_map(guidance::view::ParticleView::usable)
+    {
+        let cell = |value: f64| (value / MODE_CELL).floor() as i64;
+        let sums = cells.entry((cell(pose.x), cell(pose.y))).or_default();
+        let (sin, cos) = math::sincos(pose.theta);
+        sums.weight += weight;
+        sums.x += weight * pose.x;
+        sums.y += weight * pose.y;
+        sums.sin += weight * sin;
+        sums.cos += weight * cos;
+    }
+    let mut best: Option<&Sums> = None;
+    for sums in cells.values() {
+        if best.is_none_or(|found| sums.weight > found.weight) {
+            best = Some(sums);
+        }
+    }
+    best.map(|sums| {
+        let theta = math::atan2(sums.sin, sums.cos);
+        (
+            Pose2::new(sums.x / sums.weight, sums.y / sums.weight, theta),
+            1.0,
+        )
+    })
+    .filter(|(pose, _)| pose.is_finite())
+}
+
+#[cfg(test)]
+mod tests {
+    use guidance::view::ParticleView;
+
+    use super::*;
+
+    fn particle(x: f32, y: f32, weight: f32) -> ParticleView {
+        ParticleView {
+            x,
+            y,
+            theta: 0.5,
+            weight,
+        }
+    }
+
+    fn view<'a>(beliefs: &'a [BeliefView<'a>]) -> View<'a> {
+        View {
+            time_s: 0.0,
+            dt: 0.05,
+            me: 0,
+            robots: &[],
+            beliefs,
+            exits: &[],
+            scan: None,
+        }
+    }
+
+    fn belief(particles: &[ParticleView]) -> BeliefView<'_> {
+        let mean = Pose2::new(1.0, 2.0, 0.0);
+        BeliefView {
+            robot: 3,
+            particles,
+            mean,
+            position_std: 1.0,
+            seen: false,
+        }
+    }
+
+    #[test]
+    fn the_mode_lies_in_the_heaviest_cluster_and_the_mean_between_them() {
+        let particles = [
+            particle(5.2, 5.2, 0.3),
+            particle(5.4, 5.4, 0.3),
+            particle(-5.5, -5.5, 0.4),
+        ];
+        let beliefs = [belief(&particles)];
+        let at = estimate(&view(&beliefs), 3, Knowledge::Belief).unwrap();
+        assert!((at.x - 5.3).abs() < 1e-5 && (at.theta - 0.5).abs() < 1e-6);
+        assert!(estimate(&view(&beliefs), 4, Knowledge::Belief).is_none());
+    }
+
+    #[test]
+    fn a_belief_without_usable_particles_falls_back_to_its_mean() {
+        let particles = [particle(f32::NAN, 0.0, 1.0), particle(1.0, 1.0, -1.0)];
+        let beliefs = [belief(&particles)];
+        let mut found = Vec::new();
+        for goals in [BeliefGoals::Particles, BeliefGoals::Mode, BeliefGoals::Mean] {
+            hypotheses(&view(&beliefs), 3, Knowledge::Belief, goals, 10, &mut found);
+            assert_eq!(found, [(Pose2::new(1.0, 2.0, 0.0), 1.0)]);
+        }
+    }
+
+    #[test]
+    fn no_more_particles_are_taken_than_wanted() {
+        let particles: Vec<_> = (0..1000).map(|i| particle(i as f32, 0.0, 0.001)).collect();
+        let beliefs = [belief(&particles)];
+        let mut found = Vec::new();
+        let goals = BeliefGoals::Particles;
+        hypotheses(&view(&beliefs), 3, Knowledge::Belief, goals, 30, &mut found);
+        assert!((25..=30).contains(&found.len()));
+        assert!(found.last().unwrap().0.x > 950.0);
+        hypotheses(
+            &view(&beliefs),
+            3,
+            Knowledge::Belief,
+            goals,
+            usize::MAX,
+            &mut found,
+        );
+        assert_eq!(found.len(), 1000);
+    }
+}

@@ -1,0 +1,34 @@
+//! Wires [`Pursuer`] to its topics: state, map and beliefs in, command and plan out.
+
+use guidance::map::PlannerMap;
+use guidance::steering::Steering;
+use guidance::view::View;
+use kit::config::RobotInfo;
+use kit::planner::{Planner, PlannerInputs, limits};
+
+use crate::{Pursuer, PursuerParams};
+
+/// One Police robot in its process.
+#[derive(Debug)]
+pub struct PursuerPlanner(Pursuer);
+
+impl Planner for PursuerPlanner {
+    type Params = PursuerParams;
+
+    fn inputs(params: &PursuerParams) -> PlannerInputs {
+        PlannerInputs {
+            beliefs: params.needs_beliefs(),
+            scans: false,
+        }
+    }
+
+    fn new(params: &PursuerParams, robot: &RobotInfo, seed: u64) -> Result<Self, String> {
+        Pursuer::new(*params, limits(robot)?, seed)
+            .map(Self)
+            .map_err(|e| e.to_string())
+    }
+
+    fn steer(&mut self, map: &PlannerMap, view: &View<'_>) -> Steering {
+        self.0.command(map, view)
+    }
+}

@@ -1,0 +1,165 @@
+//! Which command holds for which robot: the newest of its driver, and only while it is fresh.
+
+use ipc_types::messages::robot::Command;
+use ipc_types::stamp::Stamp;
+use sim_backend::pose::Twist2;
+
+/// Why a command was not taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Refusal {
+    /// No robot has this index.
+    UnknownRobot,
+    /// The sender does not drive this robot.
+    NotTheDriver,
+    /// It belongs to a tick that has not come yet.
+    FromTheFuture,
+    /// A newer command of the robot was taken before.
+    Outdated,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Held {
+    stamp: Stamp,
+    twist: Twist2,
+}
+
+/// Commands in force.
+#[derive(Debug)]
+pub struct CommandBoard {
+    drivers: Vec<Option<u32>>,
+    held: Vec<Option<Held>>,
+    in_force: Vec<Option<Twist2>>,
+    received_ns: u64,
+}
+
+impl CommandBoard {
+    /// A board for robots with these drivers (process indices).
+    pub fn new(drivers: Vec<Option<u32>>) -> Self {
+        let robots = drivers.len();
+        Self {
+            drivers,
+            held: vec![None; robots],
+            in_force: vec![None; robots],
+            received_ns: 0,
+        }
+    }
+
+    /// Takes up a command that arrived at `now_ns` (monotonic clock) during tick `tick`.
+    ///
+    /// A command that is not finite is kept: the world stops the robot and reports it.
+    ///
+    /// # Errors
+    /// Says why it is refused.
+    pub fn take(
+        &mut self,
+        stamp: &Stamp,
+        command: &Command,
+        tick: u64,
+        now_ns: u64,
+    ) -> Result<(), Refusal> {
+        let robot = command.robot as usize;
+        let driver = self.drivers.get(robot).ok_or(Refusal::UnknownRobot)?;
+        if *driver != Some(stamp.source) {
+            return Err(Refusal::NotTheDriver);
+        }
+        if stamp.tick > tick {
+            return Err(Refusal::FromTheFuture);
+        }
+        let held = &mut self.held[robot];
+        if held.is_some_and(|held| held.stamp.tick > stamp.tick) {
+            return Err(Refusal::Outdated);
+        }
+        *held = Some(Held {
+            stamp: *stamp,
+            twist: Twist2::new(command.v, command.omega),
+        });
+        self.received_ns = now_ns;
+        Ok(())
+    }
+
+    /// The commands that hold at tick `tick`: those not older than `max_age` ticks (0 in
+    /// lock-step: the command must answer to this very state).
+    pub fn in_force(&mut self, tick: u64, max_age: u64) -> &[Option<Twist2>] {
+        for (force, held) in self.in_force.iter_mut().zip(&self.held) {
+            *force = held
+                .filter(|h| h.stamp.tick + max_age >= tick)
+                .map(|h| h.twist);
+        }
+        &self.in_force
+    }
+
+    /// Whether a robot has a driver but, as of the last [`CommandBoard::in_force`], no command.
+    pub fn is_missing(&self, robot: usize) -> bool {
+        self.drivers.get(robot).is_some_and(Option::is_some)
+            && self.in_force.get(robot).is_some_and(Option::is_none)
+    }
+
+    /// Monotonic clock when the last command was taken up [ns].
+    pub fn received_ns(&self) -> u64 {
+        self.received_ns
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn command(robot: u32, v: f64) -> Command {
+        Command {
+            v,
+            robot,
+            ..Command::default()
+        }
+    }
+
+    fn stamp(tick: u64, source: u32) -> Stamp {
+        Stamp {
+            tick,
+            source,
+            ..Stamp::default()
+        }
+    }
+
+    #[test]
+    fn only_the_driver_commands_and_only_for_ticks_that_have_come() {
+        let mut board = CommandBoard::new(vec![Some(3), None]);
+        assert_eq!(
+            board.take(&stamp(5, 4), &command(0, 1.0), 5, 0),
+            Err(Refusal::NotTheDriver)
+        );
+        assert_eq!(
+            board.take(&stamp(5, 3), &command(1, 1.0), 5, 0),
+            Err(Refusal::NotTheDriver)
+        );
+        assert_eq!(
+            board.take(&stamp(5, 3), &command(9, 1.0), 5, 0),
+            Err(Refusal::UnknownRobot)
+        );
+        assert_eq!(
+            board.take(&stamp(6, 3), &command(0, 1.0), 5, 0),
+            Err(Refusal::FromTheFuture)
+        );
+        assert_eq!(board.in_force(5, 0), [None, None]);
+        assert!(board.is_missing(0) && !board.is_missing(1));
+        assert_eq!(board.take(&stamp(5, 3), &command(0, 1.0), 5, 77), Ok(()));
+        assert_eq!(board.in_force(5, 0), [Some(Twist2::new(1.0, 0.0)), None]);
+        assert_eq!(board.received_ns(), 77);
+    }
+
+    #[test]
+    fn commands_expire_and_older_ones_never_come_back() {
+        let mut board = CommandBoard::new(vec![Some(3)]);
+        board.take(&stamp(5, 3), &command(0, 1.0), 5, 0).unwrap();
+        assert_eq!(
+            board.in_force(6, 0),
+            [None],
+            "lock-step: a command for the last tick"
+        );
+        assert!(board.in_force(8, 3)[0].is_some());
+        assert_eq!(board.in_force(9, 3), [None], "older than its deadline");
+        assert_eq!(
+            board.take(&stamp(4, 3), &command(0, 2.0), 9, 0),
+            Err(Refusal::Outdated)
+        );
+    }
+}

@@ -1,0 +1,12 @@
+//! The simulator process: drives `sim_backend::World` and owns the tick.
+//!
+//! * [`process`]: the loop, in lock-step and in real time;
+//! * [`commands`]: which command holds for which robot;
+//! * [`outputs`]: the world as messages.
+
+pub mod commands;
+pub mod outputs;
+pub mod params;
+pub mod process;
+
+pub use params::SimulatorParams;

@@ -1,0 +1,16 @@
+//! What the simulator is told.
+
+use serde::{Deserialize, Serialize};
+use sim_backend::spec::WorldSpec;
+
+/// Parameters of the simulator process.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SimulatorParams {
+    /// The world: map, robots, rules, seed.
+    pub world: WorldSpec,
+    /// Standard deviation of the blur of the published map [m].
+    pub blur_sigma: f64,
+    /// For every robot the index of the process that drives it; `None`: nobody, it stands.
+    pub drivers: Vec<Option<u32>>,
+}

@@ -1,0 +1,357 @@
+//! The loop of the simulator.
+
+use std::path::Path;
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::time::{Duration, Instant};
+
+use ipc_types::bus::{Bus, Publisher, PublisherOptions, Subscriber};
+use ipc_types::clock;
+use ipc_types::messages::robot::ScanHeader;
+use ipc_types::messages::world::{ObstacleEvent, RobotState, WorldEvent, WorldHeader};
+use ipc_types::stamp::{PlainHeader, Stamp};
+use ipc_types::topics::{
+    Commands, ObstacleEvents, Scan, WorldEvents, WorldMap as MapTopic, WorldState,
+};
+use kit::lockstep::{Conductor, Phase, SlotState, TurnEnd};
+use kit::{Clock, Idle, ProcessConfig, ProcessError, Setup, obstacle};
+use sim_backend::robot::Robot;
+use sim_backend::world::World;
+
+use crate::commands::CommandBoard;
+use crate::outputs::{self, Flags};
+use crate::params::SimulatorParams;
+
+/// Most events of one tick that fit into a message.
+const EVENT_CAPACITY: usize = 1024;
+
+/// Runs the simulator with the configuration in a file.
+pub fn run(config: &Path) -> ExitCode {
+    kit::run_with(config, |config| {
+        let mut setup = Setup::new(config)?;
+        let params: SimulatorParams = serde_json::from_value(config.params.clone())
+            .map_err(|e| refused(config, &e.to_string()))?;
+        let mut simulator = Simulator::open(config, &params, &setup.bus)?;
+        let seat = setup.participant(config);
+        seat.set_state(SlotState::Ready);
+        let stop = Arc::clone(&setup.stop);
+        let running = || !stop.load(Ordering::Relaxed);
+        if seat.wait_for_phase(Phase::Connect, running) {
+            simulator.connect()?;
+            setup.heartbeat.connect()?;
+            setup.heartbeat.beat(0, 2, None)?;
+            seat.set_state(SlotState::Connected);
+            if seat.wait_for_phase(Phase::Run, running) {
+                let lag = (config.run.recorder_ticks as usize).saturating_sub(2);
+                let conductor = Conductor::new(
+                    Arc::clone(&setup.page),
+                    config.index as usize,
+                    lag,
+                    config.run.idle == Idle::Spin,
+                );
+                match config.run.clock {
+                    Clock::LockStep => simulator.lock_step(&conductor, &mut setup)?,
+                    Clock::RealTime {
+                        factor,
+                        deadline_ns,
+                    } => {
+                        simulator.real_time(&conductor, &mut setup, factor, deadline_ns)?;
+                    }
+                }
+                conductor.finish();
+            }
+            // The ports stay open until everybody has taken what is in them.
+            seat.wait_for_phase(Phase::Stop, running);
+        }
+        drop(simulator);
+        seat.set_state(SlotState::Stopped);
+        Ok(())
+    })
+}
+
+fn refused(config: &ProcessConfig, reason: &str) -> ProcessError {
+    ProcessError::Params {
+        process: config.name.clone(),
+        kind: config.kind.clone(),
+        reason: reason.to_owned(),
+    }
+}
+
+struct Simulator {
+    world: World,
+    board: CommandBoard,
+    blur_sigma: f64,
+    tick_period: Duration,
+    tick: u64,
+    obstacles: Vec<(u64, ObstacleEvent)>,
+    events: Vec<WorldEvent>,
+    states: Vec<RobotState>,
+    /// Robots that were without a command at the last tick; reported once.
+    missing: Vec<bool>,
+    /// Robots that touched something in the last step.
+    touching: Vec<bool>,
+    ranges: Vec<f32>,
+    map_revision: Option<u32>,
+    refused_commands: u64,
+    state_out: Publisher<WorldState>,
+    map_out: Publisher<MapTopic>,
+    event_out: Publisher<WorldEvents>,
+    scan_out: Publisher<Scan>,
+    commands_in: Subscriber<Commands>,
+    obstacles_in: Subscriber<ObstacleEvents>,
+}
+
+impl Simulator {
+    fn open(
+        config: &ProcessConfig,
+        params: &SimulatorParams,
+        bus: &Bus,
+    ) -> Result<Self, ProcessError> {
+        let world =
+            World::new(params.world.clone()).map_err(|e| refused(config, &e.to_string()))?;
+        let robots = world.robots().len();
+        if params.drivers.len() != robots {
+            let reason = format!("{} drivers for {robots} robots", params.drivers.len());
+            return Err(refused(config, &reason));
+        }
+        let port = |capacity: usize| PublisherOptions::new(config.index, capacity);
+        let beams = config.run.robots.iter().map(|r| r.beams).max().unwrap_or(0);
+        Ok(Self {
+            board: CommandBoard::new(params.drivers.clone()),
+            blur_sigma: params.blur_sigma,
+            tick_period: Duration::from_nanos(config.run.tick_period_ns),
+            tick: 0,
+            obstacles: Vec::new(),
+            events: Vec::new(),
+            states: Vec::with_capacity(robots),
+            missing: vec![false; robots],
+            touching: vec![false; robots],
+            ranges: Vec::new(),
+            map_revision: None,
+            refused_commands: 0,
+            state_out: bus.publisher(port(robots))?,
+            map_out: bus.publisher(port(world.map().frame().len()))?,
+            event_out: bus.publisher(port(EVENT_CAPACITY))?,
+            scan_out: bus.publisher(port(beams as usize))?,
+            commands_in: bus.subscriber()?,
+            obstacles_in: bus.subscriber()?,
+            world,
+        })
+    }
+
+    fn connect(&mut self) -> Result<(), ProcessError> {
+        self.state_out.update_connections()?;
+        self.map_out.update_connections()?;
+        self.event_out.update_connections()?;
+        self.scan_out.update_connections()?;
+        self.commands_in.update_connections()?;
+        self.obstacles_in.update_connections()?;
+        Ok(())
+    }
+
+    fn lock_step(&mut self, conductor: &Conductor, setup: &mut Setup) -> Result<(), ProcessError> {
+        loop {
+            let start = Instant::now();
+            let over = self.publish()?;
+            if over {
+                conductor.complete(self.tick);
+                return Ok(());
+            }
+            conductor.post(self.tick);
+            loop {
+                if setup.stop.load(Ordering::Relaxed) {
+                    return Ok(());
+                }
+                match conductor.wait(self.tick) {
+                    TurnEnd::Complete => break,
+                    TurnEnd::Idle => {
+                        if setup.heartbeat.is_due() {
+                            setup.heartbeat.beat(self.tick, 3, None)?;
+                        }
+                    }
+                    TurnEnd::Stop => return Ok(()),
+                }
+            }
+            self.take_commands()?;
+            setup
+                .heartbeat
+                .stepped(clock::elapsed_ns(start), 0, self.refused_commands);
+            if setup.heartbeat.is_due() {
+                setup.heartbeat.beat(self.tick, 3, None)?;
+            }
+            if !conductor.complete(self.tick) {
+                return Ok(());
+            }
+            self.advance(0);
+        }
+    }
+
+    fn real_time(
+        &mut self,
+        conductor: &Conductor,
+        setup: &mut Setup,
+        factor: f64,
+        deadline_ns: u64,
+    ) -> Result<(), ProcessError> {
+        let period = self.tick_period.div_f64(factor.max(1e-3));
+        let max_age = deadline_ns / self.tick_period.as_nanos().max(1) as u64;
+        let mut due = Instant::now();
+        let mut overruns = 0;
+        loop {
+            let start = Instant::now();
+            let over = self.publish()?;
+            conductor.post_without_waiting(self.tick);
+            if over {
+                conductor.complete_without_waiting(self.tick);
+                return Ok(());
+            }
+            due += period;
+            let left = due.saturating_duration_since(Instant::now());
+            if left.is_zero() {
+                // Late: the schedule shifts, so that the world does not race to catch up.
+                overruns += 1;
+                due = Instant::now();
+            }
+            if !conductor.sleep(left) || setup.stop.load(Ordering::Relaxed) {
+                return Ok(());
+            }
+            self.take_commands()?;
+            setup
+                .heartbeat
+                .stepped(clock::elapsed_ns(start), overruns, self.refused_commands);
+            if setup.heartbeat.is_due() {
+                setup.heartbeat.beat(self.tick, 3, None)?;
+            }
+            conductor.complete_without_waiting(self.tick);
+            self.advance(max_age);
+        }
+    }
+
+    /// Publishes everything about the current tick, the state last; true if the game is over.
+    fn publish(&mut self) -> Result<bool, ProcessError> {
+        self.apply_obstacles()?;
+        let stamp = Stamp {
+            tick: self.tick,
+            time_ns: self.tick.saturating_mul(self.tick_period.as_nanos() as u64),
+            origin_ns: clock::monotonic_ns(),
+            received_ns: self.board.received_ns(),
+            ..Stamp::default()
+        };
+        let revision = outputs::revision(self.world.map());
+        if self.map_revision != Some(revision) {
+            let (header, cells) = outputs::map_message(self.world.map(), self.blur_sigma, stamp)
+                .map_err(|e| ProcessError::Algorithm(e.to_string()))?;
+            self.map_out.send(header, &cells)?;
+            self.map_revision = Some(revision);
+        }
+        for robot in 0..self.world.robots().len() {
+            if let Some(spec) = self.world.scan(robot, &mut self.ranges) {
+                let header = ScanHeader {
+                    stamp,
+                    angle_min: spec.angle_min,
+                    angle_increment: spec.angle_increment,
+                    range_min: spec.range_min,
+                    range_max: spec.range_max,
+                    robot: robot as u32,
+                    reserved: 0,
+                };
+                self.scan_out.send(header, &self.ranges)?;
+            }
+        }
+        if !self.events.is_empty() {
+            self.events.truncate(EVENT_CAPACITY);
+            self.event_out.send(PlainHeader { stamp }, &self.events)?;
+            self.events.clear();
+        }
+        let over = self.world.is_over();
+        self.states.clear();
+        for (index, robot) in self.world.robots().iter().enumerate() {
+            let flags = Flags {
+                in_contact: self.touching[index],
+                fail_safe: self.missing[index],
+                present: self.world.is_present(index),
+            };
+            self.states.push(outputs::robot_state(index, robot, flags));
+        }
+        let header = WorldHeader {
+            stamp,
+            tick_period_ns: self.tick_period.as_nanos() as u64,
+            map_revision: revision,
+            phase: if over {
+                WorldHeader::OVER
+            } else {
+                WorldHeader::RUNNING
+            },
+        };
+        self.state_out.send(header, &self.states)?;
+        Ok(over)
+    }
+
+    /// Applies the obstacle changes whose tick has come.
+    fn apply_obstacles(&mut self) -> Result<(), ProcessError> {
+        while let Some(message) = self.obstacles_in.receive()? {
+            let tick = message.header().stamp.tick;
+            self.obstacles
+                .extend(message.elements().iter().map(|event| (tick, *event)));
+        }
+        while let Some(at) = self
+            .obstacles
+            .iter()
+            .position(|(tick, _)| *tick <= self.tick)
+        {
+            let (_, event) = self.obstacles.remove(at);
+            let change = obstacle::from_message(&event);
+            let applied = match change {
+                Ok(change) => self.world.apply(&change).map_err(|e| e.to_string()),
+                Err(e) => Err(e.to_string()),
+            };
+            if let Err(reason) = applied {
+                tracing::warn!("tick {}: obstacle event refused: {reason}", self.tick);
+            }
+        }
+        Ok(())
+    }
+
+    fn take_commands(&mut self) -> Result<(), ProcessError> {
+        while let Some(message) = self.commands_in.receive()? {
+            let now = clock::monotonic_ns();
+            for command in message.elements() {
+                let taken = self
+                    .board
+                    .take(&message.header().stamp, command, self.tick, now);
+                if let Err(refusal) = taken {
+                    self.refused_commands += 1;
+                    tracing::warn!(
+                        "tick {}: command for robot {} from process {} refused: {refusal:?}",
+                        self.tick,
+                        command.robot,
+                        message.header().stamp.source
+                    );
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Steps the world to the next tick with the commands that hold.
+    fn advance(&mut self, max_age: u64) {
+        let commands = self.board.in_force(self.tick, max_age);
+        let touched = |robot: &Robot| robot.contacts.wall_ticks + robot.contacts.robot_ticks;
+        let before = self.world.robots().iter().map(touched).collect::<Vec<_>>();
+        self.world.step(commands, self.tick_period);
+        let robots = self.world.robots();
+        let happened = self.world.events().iter();
+        self.events
+            .extend(happened.map(|event| outputs::world_event(&event.kind, robots)));
+        for (index, robot) in robots.iter().enumerate() {
+            let missing = robot.status.code() == 0 && self.board.is_missing(index);
+            if missing && !self.missing[index] {
+                self.events.push(outputs::missing_command(index, robots));
+            }
+            self.missing[index] = missing;
+            self.touching[index] = touched(robot) > before[index];
+        }
+        self.tick += 1;
+    }
+}

@@ -1,0 +1,359 @@
+//! The blurred map: a smooth 0…1 picture of how open the world is around a point.
+//!
+//! The free map (1 = free, 0 = occupied) is convolved with a Gaussian. Two users share the result:
+//! the potential-field planners push a robot along its gradient ∇(G∗I) (chasing-game paper,
+//! section III.B), and line of sight multiplies its values along a ray (section III.C, see
+//! [`crate::visibility`]).
+//!
+//! Stored are the *unmasked* blur and the occupancy. [`BlurredMap::value`] is masked (0 in
+//! obstacles, as the paper's "visibility at a point"); [`BlurredMap::gradient`] is that of the
+//! unmasked blur. Masking before differentiating would put a jump of height ≈ 0.5 per cell at every
+//! wall: a push that grows without bound as the map is drawn finer. The unmasked gradient is
+//! bounded by 1/(σ·√(2π)), about 2.1 per metre at σ = 0.19 m, and inside an obstacle it still points
+//! out of it.
+
+use nalgebra::{Point2, Vector2};
+use thiserror::Error;
+
+use crate::grid::{Grid, GridFrame};
+use crate::math;
+
+/// Standard deviation of the blur used by the chasing-game experiments [m]: three cells of 0.0633 m.
+pub const PAPER_SIGMA: f64 = 0.19;
+
+/// Longest side of a map [cells]; keeps the fixed-point arithmetic of line of sight within 64 bits.
+pub const MAX_SIDE: usize = 16_384;
+
+/// Why a blurred map could not be made.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum BlurError {
+    /// The map has no cells, or a side too long.
+    #[error("the map has {width} × {height} cells; each side must have 1 to {MAX_SIDE}")]
+    Size {
+        /// Columns of the offending map.
+        width: usize,
+        /// Rows of the offending map.
+        height: usize,
+    },
+    /// The cell size is not a positive finite length.
+    #[error("the map's resolution is {resolution} m per cell; it must be positive and finite")]
+    Resolution {
+        /// The offending resolution [m].
+        resolution: f64,
+    },
+    /// The number of values does not fit the frame.
+    #[error("the {what} has {found} cells; its frame needs {expected}")]
+    Length {
+        /// Which grid.
+        what: &'static str,
+        /// Values that were given.
+        found: usize,
+        /// Values that the frame needs.
+        expected: usize,
+    },
+    /// The two layers lie on different frames.
+    #[error("the blurred and the occupied layer lie on different grid frames")]
+    FrameMismatch,
+    /// The blur's width is not usable.
+    #[error(
+        "the blur's sigma is {sigma} m; it must be positive and at most the map's longer side, {limit} m"
+    )]
+    Sigma {
+        /// The offending standard deviation [m].
+        sigma: f64,
+        /// The largest accepted one [m].
+        limit: f64,
+    },
+    /// A blurred value is outside 0…1.
+    #[error("the blurred layer holds {value} in cell {cell}; values lie in 0 to 1")]
+    Value {
+        /// The offending value.
+        value: f32,
+        /// Storage index of its cell.
+        cell: usize,
+    },
+}
+
+/// Gaussian blur of a free map together with the occupancy that masks it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BlurredMap {
+    blurred: Grid<f32>,
+    occupied: Grid<bool>,
+}
+
+impl BlurredMap {
+    /// Blurs a free map (`true` = free) with a Gaussian of standard deviation `sigma` [m].
+    ///
+    /// The kernel is sampled at whole cells out to ±4σ (rounded to a cell) and normalised to sum 1;
+    /// beyond its edge the map continues as its mirror image (`d c b a | a b c d | d c b a`), so the
+    /// edge of the grid itself is neither a wall nor a hole. Sums are in f64 in a fixed order.
+    ///
+    /// # Errors
+    /// [`BlurError`] if the map is empty, too large or of the wrong length, or if `sigma` is not in
+    /// (0, longer side of the map].
+    pub fn new(free: &Grid<bool>, sigma: f64) -> Result<Self, BlurError> {
+        check_frame("free map", &free.frame, free.cells.len())?;
+        let frame = free.frame;
+        let limit = frame.width.max(frame.height) as f64 * frame.resolution;
+        if !(sigma > 0.0 && sigma <= limit) {
+            return Err(BlurError::Sigma { sigma, limit });
+        }
+        let kernel = half_kernel(sigma / frame.resolution);
+        let source: Vec<f64> = free.cells.iter().map(|&f| f64::from(u8::from(f))).collect();
+        let across = blur_rows(&source, frame.width, &kernel);
+        let both = blur_columns(&across, frame.width, frame.height, &kernel);
+        // A sum of rounded products may exceed 1 by a few ulp; ln of it would be negative.
+        let cells = both.into_iter().map(|v| v.clamp(0.0, 1.0) as f32).collect();
+        let occupied = Grid {
+            frame,
+            cells: free.cells.iter().map(|&f| !f).collect(),
+        };
+        Ok(Self {
+            blurred: Grid { frame, cells },
+            occupied,
+        })
+    }
+
+    /// Rebuilds the map from its two layers, as they travel in a message: the *unmasked* blur
+    /// (0…1 per cell, also inside obstacles) and the occupancy (`true` = occupied).
+    ///
+    /// # Errors
+    /// [`BlurError`] if the layers are empty, too large, of the wrong length, on different frames,
+    /// or if a blurred value is not in 0…1.
+    pub fn from_parts(blurred: Grid<f32>, occupied: Grid<bool>) -> Result<Self, BlurError> {
+        check_frame("blurred layer", &blurred.frame, blurred.cells.len())?;
+        check_frame("occupied layer", &occupied.frame, occupied.cells.len())?;
+        if blurred.frame != occupied.frame {
+            return Err(BlurError::FrameMismatch);
+        }
+        if let Some(cell) = blurred.cells.iter().position(|v| !(0.0..=1.0).contains(v)) {
+            return Err(BlurError::Value {
+                value: blurred.cells[cell],
+                cell,
+            });
+        }
+        Ok(Self { blurred, occupied })
+    }
+
+    /// Where the cells lie.
+    pub fn frame(&self) -> &GridFrame {
+        &self.blurred.frame
+    }
+
+    /// The unmasked blur, 0…1 per cell: what [`Self::from_parts`] takes back.
+    pub fn grid(&self) -> &Grid<f32> {
+        &self.blurred
+    }
+
+    /// The occupancy (`true` = occupied).
+    pub fn occupied(&self) -> &Grid<bool> {
+        &self.occupied
+    }
+
+    /// Whether the point [m] lies in an occupied cell or outside the grid.
+    pub fn is_blocked(&self, p: Point2<f64>) -> bool {
+        self.occupied.at(p).copied().unwrap_or(true)
+    }
+
+    /// How open the world is at a point [m]: 0…1, bilinear between cell centres (constant over the
+    /// outer half cell of the grid), continuous up to the walls; 0 in obstacles and outside.
+    pub fn value(&self, p: Point2<f64>) -> f64 {
+        if self.is_blocked(p) {
+            return 0.0;
+        }
+        let cells = &self.blurred.cells;
+        self.corners(p)
+            .map_or(0.0, |c| c.mix(|col, row| self.cell(cells, col, row)))
+    }
+
+    /// Gradient of the unmasked blur at a point [1/m], pointing from obstacles to open space.
+    ///
+    /// Bilinear interpolation of the central differences at the cell centres (one-sided in the
+    /// outermost cells), hence continuous. Zero outside the grid.
+    pub fn gradient(&self, p: Point2<f64>) -> Vector2<f64> {
+        let Some(corners) = self.corners(p) else {
+            return Vector2::zeros();
+        };
+        Vector2::new(
+            corners.mix(|col, row| self.difference(col, row, true)),
+            corners.mix(|col, row| self.difference(col, row, false)),
+        )
+    }
+
+    fn cell(&self, cells: &[f32], col: usize, row: usize) -> f64 {
+        f64::from(cells[self.blurred.frame.index(col, row)])
+    }
+
+    /// Central difference along x or y at a cell centre [1/m].
+    fn difference(&self, col: usize, row: usize, along_x: bool) -> f64 {
+        let frame = &self.blurred.frame;
+        let cells = &self.blurred.cells;
+        let (here, last) = if along_x {
+            (col, frame.width - 1)
+        } else {
+            (row, frame.height - 1)
+        };
+        let (before, after) = (here.saturating_sub(1), (here + 1).min(last));
+        if before == after {
+            return 0.0;
+        }
+        let (low, high) = if along_x {
+            (self.cell(cells, before, row), self.cell(cells, after, row))
+        } else {
+            (self.cell(cells, col, before), self.cell(cells, col, after))
+        };
+        (high - low) / ((after - before) as f64 * frame.resolution)
+    }
+
+    /// The four cell centres around a point and its place between them; `None` outside the grid.
+    fn corners(&self, p: Point2<f64>) -> Option<Corners> {
+        let frame = &self.blurred.frame;
+        frame.cell_at(p)?;
+        let (col, fx) = between((p.x - frame.origin.x) / frame.resolution - 0.5, frame.width);
+        let (row, fy) = between(
+            (p.y - frame.origin.y) / frame.resolution - 0.5,
+            frame.height,
+        );
+        let next = (
+            (col + 1).min(frame.width - 1),
+            (row + 1).min(frame.height - 1),
+        );
+        Some(Corners {
+            col,
+            row,
+            next,
+            fx,
+            fy,
+        })
+    }
+}
+
+/// Lower neighbour and fraction for a coordinate counted in cell centres, clamped to the grid.
+fn between(coordinate: f64, len: usize) -> (usize, f64) {
+    let clamped = coordinate.clamp(0.0, (len - 1) as f64);
+    let low = clamped.floor();
+    (low as usize, clamped - low)
+}
+
+struct Corners {
+    col: usize,
+    row: usize,
+    next: (usize, usize),
+    fx: f64,
+    fy: f64,
+}
+
+impl Corners {
+    fn mix(&self, at: impl Fn(usize, usize) -> f64) -> f64 {
+        let low = lerp(at(self.col, self.row), at(self.next.0, self.row), self.fx);
+        let high = lerp(
+            at(self.col, self.next.1),
+            at(self.next.0, self.next.1),
+            self.fx,
+        );
+        lerp(low, high, self.fy)
+    }
+}
+
+fn lerp(a: f64, b: f64, t: f64) -> f64 {
+    a + (b - a) * t
+}
+
+fn check_frame(what: &'static str, frame: &GridFrame, found: usize) -> Result<(), BlurError> {
+    let GridFrame {
+        width,
+        height,
+        resolution,
+        ..
+    } = *frame;
+    if !(1..=MAX_SIDE).contains(&width) || !(1..=MAX_SIDE).contains(&height) {
+        return Err(BlurError::Size { width, height });
+    }
+    if !(resolution > 0.0 && resolution.is_finite()) {
+        return Err(BlurError::Resolution { resolution });
+    }
+    let expected = width * height;
+    if found != expected {
+        return Err(BlurError::Length {
+            what,
+            found,
+            expected,
+        });
+    }
+    Ok(())
+}
+
+/// Normalised Gaussian weights at offsets 0, 1, 2, … cells (the other half is its mirror image).
+fn half_kernel(sigma_cells: f64) -> Vec<f64> {
+    let radius = (4.0 * sigma_cells + 0.5) as usize;
+    let mut half: Vec<f64> = (0..=radius)
+        .map(|i| {
+            let z = i as f64 / sigma_cells;
+            math::exp(-0.5 * z * z)
+        })
+        .collect();
+    let total = half[0] + 2.0 * half[1..].iter().sum::<f64>();
+    for weight in &mut half {
+        *weight /= total;
+    }
+    half
+}
+
+/// Index of the cell that a mirrored border shows at a possibly negative position.
+fn mirror(position: isize, len: usize) -> usize {
+    let period = 2 * len as isize;
+    let folded = position.rem_euclid(period);
+    (if folded < len as isize {
+        folded
+    } else {
+        period - 1 - folded
+    }) as usize
+}
+
+fn blur_rows(source: &[f64], width: usize, kernel: &[f64]) -> Vec<f64> {
+    let radius = kernel.len() - 1;
+    let mut target = vec![0.0; source.len()];
+    let mut padded = vec![0.0; width + 2 * radius];
+    for (row, out) in source
+        .chunks_exact(width)
+        .zip(target.chunks_exact_mut(width))
+    {
+        for (i, slot) in padded.iter_mut().enumerate() {
+            *slot = row[mirror(i as isize - radius as isize, width)];
+        }
+        for (offset, &weight) in kernel.iter().enumerate() {
+            let left = &padded[radius - offset..];
+            let right = &padded[radius + offset..];
+            add_pair(out, left, right, weight, offset == 0);
+        }
+    }
+    target
+}
+
+fn blur_columns(source: &[f64], width: usize, height: usize, kernel: &[f64]) -> Vec<f64> {
+    let mut target = vec![0.0; source.len()];
+    for (row, out) in target.chunks_exact_mut(width).enumerate() {
+        for (offset, &weight) in kernel.iter().enumerate() {
+            let below = mirror(row as isize - offset as isize, height) * width;
+            let above = mirror(row as isize + offset as isize, height) * width;
+            add_pair(out, &source[below..], &source[above..], weight, offset == 0);
+        }
+    }
+    target
+}
+
+/// Adds a kernel weight times the two symmetric neighbours (once, at offset 0) to every output.
+fn add_pair(out: &mut [f64], low: &[f64], high: &[f64], weight: f64, centre: bool) {
+    if centre {
+        for (o, &l) in out.iter_mut().zip(low) {
+            *o += weight * l;
+        }
+    } else {
+        for ((o, &l), &h) in out.iter_mut().zip(low).zip(high) {
+            *o += weight * (l + h);
+        }
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests;

@@ -1,0 +1,16 @@
+//! The world: maps, geometry, robots, sensors and rules behind one pure [`World::step`](world::World::step).
+//!
+//! No IPC, no clock, no files beyond the map loaders; everything is a function of its inputs.
+
+pub mod blur;
+pub mod grid;
+pub mod map;
+pub mod math;
+pub mod pose;
+pub mod random;
+pub mod robot;
+pub mod shape;
+pub mod spec;
+pub mod team;
+pub mod visibility;
+pub mod world;

@@ -1,0 +1,319 @@
+//! Portable graymaps (PGM), plain (P2) and raw (P5).
+
+use std::io::{self, BufRead, Read};
+
+/// Most pixels that an image may have.
+pub const MAX_PIXELS: usize = 1 << 26;
+
+/// A gray image.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Pgm {
+    /// Number of columns.
+    pub width: usize,
+    /// Number of rows.
+    pub height: usize,
+    /// The value of white, in [1, 65535].
+    pub maxval: u16,
+    /// Gray values row by row from the *top*; `pixels.len() == width * height`, none above
+    /// `maxval`.
+    pub pixels: Vec<u16>,
+}
+
+/// Why an image cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum PgmError {
+    /// The file cannot be read.
+    #[error(transparent)]
+    Io(#[from] io::Error),
+    /// The file does not start like a PGM.
+    #[error("magic number is {found}: expected P2 or P5")]
+    BadMagic {
+        /// The first two bytes.
+        found: String,
+    },
+    /// A number of the header is missing or wrong.
+    #[error("header: {field} = {value}: expected {expected}")]
+    BadHeader {
+        /// Which number.
+        field: &'static str,
+        /// What stands there.
+        value: String,
+        /// What should.
+        expected: &'static str,
+    },
+    /// The header promises more pixels than are accepted.
+    #[error("header: {width} × {height} pixels: expected at most {MAX_PIXELS} pixels")]
+    TooLarge {
+        /// Columns promised.
+        width: u64,
+        /// Rows promised.
+        height: u64,
+    },
+    /// The file ends before its last pixel.
+    #[error("truncated: {found} pixels of {width} × {height} = {expected} promised by the header")]
+    Truncated {
+        /// Pixels that are there.
+        found: usize,
+        /// Columns promised.
+        width: usize,
+        /// Rows promised.
+        height: usize,
+        /// Pixels promised.
+        expected: usize,
+    },
+    /// A pixel is not a number, or brighter than white.
+    #[error("pixel {index}: {value}: expected a number in [0, {maxval}]")]
+    BadPixel {
+        /// Index of the pixel, from the top left.
+        index: usize,
+        /// What stands there.
+        value: String,
+        /// The value of white.
+        maxval: u16,
+    },
+}
+
+impl Pgm {
+    /// Reads an image; memory grows with what the file holds, never with what its header claims.
+    ///
+    /// # Errors
+    /// Says which part of the file is wrong, and what was expected.
+    pub fn read(mut input: impl BufRead) -> Result<Self, PgmError> {
+        let mut magic = [0; 2];
+        let got = read_up_to(&mut input, &mut magic)?;
+        let plain = match &magic[..got] {
+            b"P2" => true,
+            b"P5" => false,
+            other => {
+                let found = format!("\"{}\"", other.escape_ascii());
+                return Err(PgmError::BadMagic { found });
+            }
+        };
+        let width = header_number(&mut input, "width", "a number of pixels > 0")?;
+        let height = header_number(&mut input, "height", "a number of pixels > 0")?;
+        if width.saturating_mul(height) > MAX_PIXELS as u64 {
+            return Err(PgmError::TooLarge { width, height });
+        }
+        let maxval = header_number(&mut input, "maxval", "a number in [1, 65535]")?;
+        let maxval = u16::try_from(maxval).map_err(|_| PgmError::BadHeader {
+            field: "maxval",
+            value: maxval.to_string(),
+            expected: "a number in [1, 65535]",
+        })?;
+        let (width, height) = (width as usize, height as usize);
+        let pixels = if plain {
+            plain_pixels(&mut input, width, height, maxval)?
+        } else {
+            raw_pixels(&mut input, width, height, maxval)?
+        };
+        Ok(Self {
+            width,
+            height,
+            maxval,
+            pixels,
+        })
+    }
+}
+
+fn read_up_to(input: &mut impl Read, buffer: &mut [u8]) -> io::Result<usize> {
+    let mut filled = 0;
+    while filled < buffer.len() {
+        match input.read(&mut buffer[filled..])? {
+            0 => break,
+            n => filled += n,
+        }
+    }
+    Ok(filled)
+}
+
+fn next_byte(input: &mut impl BufRead) -> io::Result<Option<u8>> {
+    let byte = input.fill_buf()?.first().copied();
+    if byte.is_some() {
+        input.consume(1);
+    }
+    Ok(byte)
+}
+
+/// The next word, after white space and comments (from `#` to the end of the line); the single
+/// character that ends it is consumed. `None` at the end of the file. Words are cut off after 20
+/// characters: no number is longer.
+fn next_word(input: &mut impl BufRead) -> io::Result<Option<String>> {
+    let mut word = String::new();
+    let mut comment = false;
+    while let Some(byte) = next_byte(input)? {
+        if comment {
+            comment = byte != b'\n' && byte != b'\r';
+        } else if byte == b'#' {
+            // A comment ends a word just as white space does, but for the header's last number,
+            // where exactly one white-space character separates it from raw pixels.
+            comment = true;
+        } else if byte.is_ascii_whitespace() {
+            if !word.is_empty() {
+                break;
+            }
+        } else {
+            word.extend(char::from(byte).escape_default());
+            if word.len() > 20 {
+                break;
+            }
+        }
+    }
+    Ok((!word.is_empty()).then_some(word))
+}
+
+fn header_number(
+    input: &mut impl BufRead,
+    field: &'static str,
+    expected: &'static str,
+) -> Result<u64, PgmError> {
+    let word = next_word(input)?;
+    match word.as_deref().and_then(|w| w.parse().ok()) {
+        Some(number) if number > 0 => Ok(number),
+        _ => {
+            let value = word.unwrap_or_else(|| "the end of the file".to_owned());
+            Err(PgmError::BadHeader {
+                field,
+                value,
+                expected,
+            })
+        }
+    }
+}
+
+fn plain_pixels(
+    input: &mut impl BufRead,
+    width: usize,
+    height: usize,
+    maxval: u16,
+) -> Result<Vec<u16>, PgmError> {
+    let expected = width * height;
+    let mut pixels = Vec::new();
+    while pixels.len() < expected {
+        let Some(word) = next_word(input)? else {
+            return Err(PgmError::Truncated {
+                found: pixels.len(),
+                width,
+                height,
+                expected,
+            });
+        };
+        match word.parse::<u16>() {
+            Ok(value) if value <= maxval => pixels.push(value),
+            _ => {
+                return Err(PgmError::BadPixel {
+                    index: pixels.len(),
+                    value: word,
+                    maxval,
+                });
+            }
+        }
+    }
+    Ok(pixels)
+}
+
+fn raw_pixels(
+    input: &mut impl BufRead,
+    width: usize,
+    height: usize,
+    maxval: u16,
+) -> Result<Vec<u16>, PgmError> {
+    let expected = width * height;
+    let bytes_per_pixel = if maxval < 256 { 1 } else { 2 };
+    let mut bytes = Vec::new();
+    input
+        .take((expected * bytes_per_pixel) as u64)
+        .read_to_end(&mut bytes)?;
+    let found = bytes.len() / bytes_per_pixel;
+    if found < expected {
+        return Err(PgmError::Truncated {
+            found,
+            width,
+            height,
+            expected,
+        });
+    }
+    let pixels: Vec<u16> = if bytes_per_pixel == 1 {
+        bytes.iter().map(|&b| u16::from(b)).collect()
+    } else {
+        bytes
+            .chunks_exact(2)
+            .map(|b| u16::from_be_bytes([b[0], b[1]]))
+            .collect()
+    };
+    match pixels.iter().position(|&value| value > maxval) {
+        None => Ok(pixels),
+        Some(index) => Err(PgmError::BadPixel {
+            index,
+            value: pixels[index].to_string(),
+            maxval,
+        }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(bytes: &[u8]) -> Result<Pgm, PgmError> {
+        Pgm::read(bytes)
+    }
+
+    #[test]
+    fn plain_and_raw_images_read_the_same() {
+        let plain = read(b"P2 # plain\n# a comment\n3 2\n# another\n255\n0 1 2\n253 254 255\n");
+        let mut raw = b"P5\n# made by hand\n3 2\n255\n".to_vec();
+        raw.extend([0, 1, 2, 253, 254, 255]);
+        let (plain, raw) = (plain.unwrap(), read(&raw).unwrap());
+        assert_eq!(plain, raw);
+        assert_eq!((plain.width, plain.height, plain.maxval), (3, 2, 255));
+        assert_eq!(plain.pixels, [0, 1, 2, 253, 254, 255]);
+    }
+
+    #[test]
+    fn sixteen_bit_pixels_are_big_endian() {
+        let mut raw = b"P5 2 1 65535\n".to_vec();
+        raw.extend([0x01, 0x02, 0xff, 0xff]);
+        assert_eq!(read(&raw).unwrap().pixels, [0x0102, 0xffff]);
+    }
+
+    #[test]
+    fn the_first_pixel_may_look_like_white_space_or_a_comment() {
+        let mut raw = b"P5 2 1 255\n".to_vec();
+        raw.extend(*b"\n#");
+        assert_eq!(read(&raw).unwrap().pixels, [10, 35]);
+    }
+
+    #[test]
+    fn broken_images_say_what_is_wrong() {
+        let message = |bytes: &[u8]| read(bytes).unwrap_err().to_string();
+        assert_eq!(
+            message(b"P6\n1 1\n255\n\0"),
+            "magic number is \"P6\": expected P2 or P5"
+        );
+        assert_eq!(message(b""), "magic number is \"\": expected P2 or P5");
+        assert!(message(b"P5\n").starts_with("header: width = the end of the file"));
+        assert!(message(b"P5\n0 3 255\n").starts_with("header: width = 0"));
+        assert!(message(b"P5\n3 -3 255\n").starts_with("header: height = -3"));
+        assert!(message(b"P5\n1 1 65536\n").starts_with("header: maxval = 65536"));
+        assert_eq!(
+            message(b"P5\n2 2 255\nabc"),
+            "truncated: 3 pixels of 2 × 2 = 4 promised by the header"
+        );
+        assert!(message(b"P2\n2 1 9\n1 x").starts_with("pixel 1: x: expected a number in [0, 9]"));
+        assert!(message(b"P2\n2 1 9\n1 10").starts_with("pixel 1: 10"));
+        assert!(message(b"P5\n2 1 9\n\x01\x0a").starts_with("pixel 1: 10"));
+    }
+
+    #[test]
+    fn a_gigantic_header_is_refused_before_anything_is_allocated() {
+        let error = read(b"P5\n100000 10000\n255\n").unwrap_err().to_string();
+        assert!(
+            error.contains("100000 × 10000 pixels") && error.contains("67108864"),
+            "{error}"
+        );
+        let error = read(b"P5\n18446744073709551615 18446744073709551615 255\n").unwrap_err();
+        assert!(matches!(error, PgmError::TooLarge { .. }));
+        let error = read(b"P5\n99999999999999999999999 1 255\n").unwrap_err();
+        assert!(matches!(error, PgmError::BadHeader { .. }));
+    }
+}

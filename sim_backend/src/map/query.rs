@@ -1,0 +1,257 @@
+//! Exact questions to the map.
+
+use nalgebra::{Point2, Vector2};
+use parry2d_f64::math::{Pose, Vector};
+use parry2d_f64::query::{self, Unsupported};
+use parry2d_f64::shape;
+
+use super::WorldMap;
+use crate::shape::{Aabb, Contact};
+
+/// How far beyond the border of a bucket [m] a hit still counts as inside: above the rounding of
+/// the border crossings, below the slack with which pieces are listed.
+const BORDER: f64 = 1e-10;
+
+/// Distance [m] from a point to the edge of the map; negative beyond it, NaN for a NaN point.
+pub(super) fn edge_distance(bounds: &Aabb, p: Point2<f64>) -> f64 {
+    let (low, high) = (p - bounds.min, bounds.max - p);
+    let (x, y) = (low.x.min(high.x), low.y.min(high.y));
+    // `f64::min` would drop a NaN.
+    if y >= x || x.is_nan() { x } else { y }
+}
+
+impl WorldMap {
+    /// Distance [m] from a point to the nearest obstacle or the edge of the map; 0 in an obstacle,
+    /// beyond the edge, and for a point that is not finite.
+    pub fn distance(&self, p: Point2<f64>) -> f64 {
+        let mut distance = edge_distance(&self.bounds, p);
+        if distance > 0.0 {
+            for &i in self.index.nearest(p) {
+                distance = distance.min(self.parts[i as usize].distance(p));
+            }
+            distance
+        } else {
+            0.0
+        }
+    }
+
+    /// A lower bound [m] on [`Self::distance`] from the clearance field alone: one look-up, at
+    /// most √2 cells (plus rounding) below the truth. Below 0 it says nothing.
+    #[inline]
+    pub fn clearance_at_least(&self, p: Point2<f64>) -> f64 {
+        let frame = &self.clearance.frame;
+        let col = (p.x - frame.origin.x) * self.inverse_resolution;
+        let row = (p.y - frame.origin.y) * self.inverse_resolution;
+        // False for NaN, too.
+        let inside =
+            col >= 0.0 && row >= 0.0 && col < frame.width as f64 && row < frame.height as f64;
+        if inside {
+            let cell = row as usize * frame.width + col as usize;
+            f64::from(self.clearance.cells[cell]) - self.clearance_error
+        } else {
+            f64::NEG_INFINITY
+        }
+    }
+
+    /// Whether a disc of this radius [m] about a point touches no obstacle: the field where it
+    /// decides, exact geometry elsewhere.
+    pub fn is_clear(&self, p: Point2<f64>, radius: f64) -> bool {
+        self.clearance_at_least(p) >= radius || self.distance(p) >= radius
+    }
+
+    /// The nearest surface as seen from a point in or outside obstacles; the edge of the map counts
+    /// as one.
+    pub fn nearest_contact(&self, p: Point2<f64>) -> Contact {
+        let mut best = Contact {
+            distance: f64::INFINITY,
+            normal: Vector2::x(),
+        };
+        let mut consider = |contact: Contact| {
+            if contact.distance < best.distance {
+                best = contact;
+            }
+        };
+        self.edge_contacts(p).into_iter().for_each(&mut consider);
+        for &i in self.index.nearest(p) {
+            consider(self.parts[i as usize].contact(p));
+        }
+        best
+    }
+
+    /// The four sides of the map's edge as surfaces.
+    pub(crate) fn edge_contacts(&self, p: Point2<f64>) -> [Contact; 4] {
+        let (low, high) = (p - self.bounds.min, self.bounds.max - p);
+        [
+            Contact {
+                distance: low.x,
+                normal: Vector2::x(),
+            },
+            Contact {
+                distance: high.x,
+                normal: -Vector2::x(),
+            },
+            Contact {
+                distance: low.y,
+                normal: Vector2::y(),
+            },
+            Contact {
+                distance: high.y,
+                normal: -Vector2::y(),
+            },
+        ]
+    }
+
+    /// Collects the pieces within `reach` [m] of a point, and perhaps some beyond; one look-up up
+    /// to [`Self::cheap_reach`].
+    pub(crate) fn parts_within(&self, p: Point2<f64>, reach: f64, found: &mut Vec<u32>) {
+        if reach <= self.index.reach {
+            found.clear();
+            found.extend_from_slice(self.index.within_reach(p));
+        } else {
+            self.parts_in(p, p, reach, found);
+        }
+    }
+
+    /// Collects, in order, the pieces in buckets that the rectangle spanned by two points and
+    /// grown by `reach` [m] overlaps.
+    fn parts_in(&self, a: Point2<f64>, b: Point2<f64>, reach: f64, found: &mut Vec<u32>) {
+        found.clear();
+        let grow = Vector2::new(reach, reach);
+        let (col0, row0) = self.index.bucket_at(a.inf(&b) - grow);
+        let (col1, row1) = self.index.bucket_at(a.sup(&b) + grow);
+        for row in row0..=row1 {
+            for col in col0..=col1 {
+                found.extend_from_slice(self.index.touching(col, row));
+            }
+        }
+        found.sort_unstable();
+        found.dedup();
+    }
+
+    /// Radius [m] within which [`Self::parts_within`] needs a single look-up.
+    pub(crate) fn cheap_reach(&self) -> f64 {
+        self.index.reach
+    }
+
+    /// Distance [m] along a ray from `origin` in the unit direction `dir` to the first obstacle or
+    /// the edge of the map; 0 if the ray starts inside one, `None` if there is none within
+    /// `range` [m].
+    pub fn cast_ray(&self, origin: Point2<f64>, dir: Vector2<f64>, range: f64) -> Option<f64> {
+        if !(edge_distance(&self.bounds, origin) > 0.0 && dir.x.is_finite() && dir.y.is_finite()) {
+            return Some(0.0);
+        }
+        let (_, edge) = self.bounds.ray_interval(origin, dir);
+        let end = edge.min(range);
+        let frame = &self.index.frame;
+        let (mut col, mut row) = self.index.bucket_at(origin);
+        let (mut next_x, step_x) = crossing(origin.x, frame.origin.x, frame.resolution, col, dir.x);
+        let (mut next_y, step_y) = crossing(origin.y, frame.origin.y, frame.resolution, row, dir.y);
+        let mut hit = f64::INFINITY;
+        loop {
+            for &i in self.index.touching(col, row) {
+                if let Some(t) = self.parts[i as usize].ray(origin, dir) {
+                    hit = hit.min(t);
+                }
+            }
+            let leave = next_x.min(next_y);
+            if hit <= leave + BORDER {
+                return (hit <= end).then_some(hit);
+            }
+            if leave >= end {
+                // Nothing before the edge of the map or the end of the range; a piece that was met
+                // lies beyond.
+                return (hit.min(edge) <= range).then(|| hit.min(edge));
+            }
+            if next_x < next_y {
+                col = if dir.x > 0.0 {
+                    col + 1
+                } else {
+                    col.wrapping_sub(1)
+                };
+                next_x += step_x;
+            } else {
+                row = if dir.y > 0.0 {
+                    row + 1
+                } else {
+                    row.wrapping_sub(1)
+                };
+                next_y += step_y;
+            }
+            if col >= frame.width || row >= frame.height {
+                return (hit.min(edge) <= range).then(|| hit.min(edge));
+            }
+        }
+    }
+
+    /// Whether nothing stands between two points; `false` if either is in an obstacle or not
+    /// finite. The same from both sides but for the rounding of a graze.
+    pub fn line_of_sight(&self, from: Point2<f64>, to: Point2<f64>) -> bool {
+        let offset = to - from;
+        let length = offset.norm();
+        if length == 0.0 {
+            return self.distance(from) > 0.0;
+        }
+        self.cast_ray(from, offset / length, length).is_none()
+    }
+
+    /// Distance [m] between a segment and the nearest obstacle or the edge of the map; 0 if they
+    /// touch.
+    pub fn segment_distance(&self, a: Point2<f64>, b: Point2<f64>) -> f64 {
+        let edge = edge_distance(&self.bounds, a)
+            .min(edge_distance(&self.bounds, b))
+            .max(0.0);
+        // The distance of either end bounds the search.
+        let mut distance = edge.min(self.distance(a)).min(self.distance(b));
+        if distance > 0.0 {
+            let mut near = Vec::new();
+            self.parts_in(a, b, distance, &mut near);
+            let segment = shape::Segment::new(Vector::new(a.x, a.y), Vector::new(b.x, b.y));
+            for i in near {
+                let (pose, part) = self.parts[i as usize].to_parry();
+                // parry knows every pair of a segment and a convex shape.
+                if let Ok(d) = query::distance(&Pose::IDENTITY, &segment, &pose, part.as_ref()) {
+                    distance = distance.min(d.distance);
+                }
+            }
+        }
+        distance
+    }
+
+    /// Distance [m] between any parry shape at a pose and the nearest obstacle or the edge of the
+    /// map; 0 if they touch. For shapes that no other query answers: it asks parry about every
+    /// piece of the map.
+    ///
+    /// # Errors
+    /// If parry does not know the distance between this shape and a ball, a cuboid or a convex
+    /// polygon.
+    pub fn shape_distance(
+        &self,
+        pose: &Pose,
+        shape: &dyn shape::Shape,
+    ) -> Result<f64, Unsupported> {
+        let aabb = shape.compute_aabb(pose);
+        let corner = |v: Vector| Point2::new(v.x, v.y);
+        let mut distance = edge_distance(&self.bounds, corner(aabb.mins))
+            .min(edge_distance(&self.bounds, corner(aabb.maxs)))
+            .max(0.0);
+        for part in &self.parts {
+            let (part_pose, part) = part.to_parry();
+            distance =
+                distance.min(query::distance(pose, shape, &part_pose, part.as_ref())?.distance);
+        }
+        Ok(distance)
+    }
+}
+
+/// Distance along the ray to the first border of a bucket along one axis, and from one border to
+/// the next.
+fn crossing(position: f64, origin: f64, side: f64, bucket: usize, dir: f64) -> (f64, f64) {
+    if dir == 0.0 {
+        return (f64::INFINITY, f64::INFINITY);
+    }
+    let border = origin + (bucket + usize::from(dir > 0.0)) as f64 * side;
+    ((border - position) / dir, side / dir.abs())
+}
+
+#[cfg(test)]
+mod tests;

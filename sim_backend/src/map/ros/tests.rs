@@ -1,0 +1,105 @@
+use super::*;
+
+const YAML: &str = "image: ./office.pgm  # beside this file\nresolution: 0.5\n\
+                    origin: [-1.0, 2.0, 0.0]\nnegate: 0\noccupied_thresh: 0.65\n\
+                    free_thresh: 0.196\n";
+
+fn parse(text: &str) -> Result<RosMap, RosMapError> {
+    RosMap::parse(Path::new("maps/office.yaml"), text)
+}
+
+#[test]
+fn the_top_row_of_the_image_has_the_largest_y() {
+    let image = Pgm::read(&b"P2 2 3 255\n 0 255\n 255 255\n 255 205\n"[..]).unwrap();
+    let grid = parse(YAML)
+        .unwrap()
+        .classify(&image, UnknownCells::Occupied)
+        .to_grid()
+        .unwrap();
+    // Black, top left: smallest x, largest y.
+    assert_eq!(grid.at(Point2::new(-0.75, 3.25)), Some(&true));
+    assert_eq!(grid.at(Point2::new(-0.75, 2.25)), Some(&false));
+    // Unknown gray, bottom right.
+    assert_eq!(grid.at(Point2::new(-0.25, 2.25)), Some(&true));
+    let free = parse(YAML)
+        .unwrap()
+        .classify(&image, UnknownCells::Free)
+        .to_grid()
+        .unwrap();
+    assert_eq!(free.at(Point2::new(-0.25, 2.25)), Some(&false));
+    assert_eq!(free.at(Point2::new(-0.75, 3.25)), Some(&true));
+}
+
+#[test]
+fn negated_maps_and_deep_images_are_classified_by_probability() {
+    let yaml = YAML.replace("negate: 0", "negate: 1");
+    let image = Pgm::read(&b"P2 3 1 1000\n 1000 0 400\n"[..]).unwrap();
+    let grid = parse(&yaml)
+        .unwrap()
+        .classify(&image, UnknownCells::Occupied)
+        .to_grid()
+        .unwrap();
+    assert_eq!(grid.cells, [true, false, true]);
+}
+
+#[test]
+fn quotes_and_comments_are_understood() {
+    let map = parse(&YAML.replace("./office.pgm", "\"a # b.pgm\"")).unwrap();
+    assert_eq!(map.image, Path::new("a # b.pgm"));
+    assert_eq!(map.origin, [-1.0, 2.0]);
+}
+
+#[test]
+fn broken_yaml_names_file_line_value_and_expectation() {
+    let message = |from: &str, to: &str| parse(&YAML.replace(from, to)).unwrap_err().to_string();
+    assert_eq!(
+        message("resolution: 0.5", "resolution: -1"),
+        "map maps/office.yaml, line 2: resolution = -1: expected a number > 0 and ≤ 1e5 [m]"
+    );
+    assert!(message("0.0]", "0.3]").contains("line 3: origin = [-1.0, 2.0, 0.3]"));
+    assert!(message("0.0]", "0.3]").contains("yaw = 0"));
+    assert!(message("2.0, 0.0]", "nan, 0.0]").contains("line 3"));
+    assert!(message("negate: 0", "negate: 2").contains("line 4: negate = 2: expected 0 or 1"));
+    assert!(message("0.65", "1.65").contains("line 5: occupied_thresh = 1.65"));
+    assert!(message("0.65", "0.1").contains("free_thresh = 0.196: expected at most"));
+    assert!(message("free_thresh", "freethresh").contains("line 6: key freethresh"));
+    assert!(message("image:", "image =").contains("line 1"));
+    assert!(message("image: ./office.pgm", "# no image").contains("image is missing"));
+    assert!(message("negate: 0", "resolution: 1").contains("line 4: resolution a second time"));
+    assert!(message("negate: 0", "mode: scale").contains("mode = scale: expected trinary"));
+}
+
+#[test]
+fn files_are_read_relative_to_the_yaml_and_errors_name_them() {
+    let directory = std::env::temp_dir().join(format!("protean-ros-{}", std::process::id()));
+    std::fs::create_dir_all(&directory).unwrap();
+    let yaml = directory.join("office.yaml");
+    std::fs::write(&yaml, YAML).unwrap();
+    let error = RosMap::read(&yaml)
+        .unwrap()
+        .load(UnknownCells::Free)
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("office.pgm"), "{error}");
+    std::fs::write(directory.join("office.pgm"), b"P5 2 2 255\n\0\xff\xff").unwrap();
+    let error = RosMap::read(&yaml)
+        .unwrap()
+        .load(UnknownCells::Free)
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("office.pgm") && error.contains("3 pixels of 2 × 2"),
+        "{error}"
+    );
+    std::fs::write(directory.join("office.pgm"), b"P5 2 2 255\n\0\xff\xff\xff").unwrap();
+    let map = RosMap::read(&yaml)
+        .unwrap()
+        .load(UnknownCells::Free)
+        .unwrap();
+    assert_eq!(map.runs, [2, 1, 1]);
+    let error = RosMap::read(&directory.join("none.yaml"))
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("none.yaml"), "{error}");
+    std::fs::remove_dir_all(&directory).unwrap();
+}

@@ -1,0 +1,278 @@
+//! How a scenario names its map.
+
+use core::fmt;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{Deserializer, MapAccess, Visitor};
+use serde::{Deserialize, Serialize};
+
+use super::{CellMap, RosMap, RosMapError, VectorMap, VectorMapError};
+
+/// Largest vector map file that is read [bytes].
+const MAX_VECTOR_FILE: u64 = 64 << 20;
+
+/// The ground of a world.
+///
+/// In TOML either a path, `map = "maps/city.toml"` (vectors) or `map = "maps/office.yaml"` (ROS
+/// `map_server`), or a table: `map = { file = { path = "maps/office.yaml", unknown = "free" } }`,
+/// `map = { vector = { bounds = …, obstacles = [ … ] } }`, or `map = { cells = { … } }`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MapSpec {
+    /// A file, by its extension: `.toml` is a [`VectorMap`], `.yaml` or `.yml` a ROS map.
+    File {
+        /// Path of the file; relative paths are taken from the directory that
+        /// [`MapSpec::load`] is given.
+        path: PathBuf,
+        /// What cells are that the ROS map does not know.
+        unknown: UnknownCells,
+    },
+    /// Vectors, written out.
+    Vector(VectorMap),
+    /// An occupancy grid, written out.
+    Cells(CellMap),
+}
+
+/// What the unknown cells of an occupancy map are taken for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum UnknownCells {
+    /// Obstacles: nobody drives where nobody has looked.
+    #[default]
+    Occupied,
+    /// Free ground.
+    Free,
+}
+
+/// Why a map cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum MapError {
+    /// The file is missing or unreadable.
+    #[error("map {}: {source}", path.display())]
+    Io {
+        /// The map's file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// The file's extension says nothing about its format.
+    #[error("map {}: unknown kind of file: expected .toml (vectors) or .yaml (ROS map_server)", path.display())]
+    UnknownKind {
+        /// The map's file.
+        path: PathBuf,
+    },
+    /// The file is far larger than a map.
+    #[error("map {}: {bytes} bytes: expected at most {MAX_VECTOR_FILE} bytes", path.display())]
+    TooLarge {
+        /// The map's file.
+        path: PathBuf,
+        /// Its size.
+        bytes: u64,
+    },
+    /// The TOML of a vector map is wrong; the message points at the line.
+    #[error("map {}: {source}", path.display())]
+    Toml {
+        /// The map's file.
+        path: PathBuf,
+        /// What and where.
+        source: toml::de::Error,
+    },
+    /// The ROS map is wrong.
+    #[error(transparent)]
+    Ros(#[from] RosMapError),
+    /// The vector map says something impossible.
+    #[error("{}{source}", path.as_ref().map(|p| format!("map {}: ", p.display())).unwrap_or_default())]
+    Vector {
+        /// The map's file, if it came from one.
+        path: Option<PathBuf>,
+        /// What is wrong.
+        source: Box<VectorMapError>,
+    },
+}
+
+impl MapError {
+    pub(super) fn vector(path: Option<&Path>, source: VectorMapError) -> Self {
+        Self::Vector {
+            path: path.map(Path::to_owned),
+            source: Box::new(source),
+        }
+    }
+}
+
+impl MapSpec {
+    /// The map with its file, if it is one, read and written out (never [`MapSpec::File`]), so
+    /// that what is stored is complete in itself.
+    ///
+    /// # Errors
+    /// Names the file, the line or field, the value, and what was expected.
+    pub fn load(&self, base: &Path) -> Result<Self, MapError> {
+        match self {
+            Self::File { path, unknown } => load_file(&base.join(path), *unknown),
+            Self::Vector(map) => {
+                map.validate().map_err(|e| MapError::vector(None, e))?;
+                Ok(self.clone())
+            }
+            Self::Cells(map) => {
+                map.validate()
+                    .map_err(|e| MapError::vector(None, e.into()))?;
+                Ok(self.clone())
+            }
+        }
+    }
+}
+
+fn load_file(path: &Path, unknown: UnknownCells) -> Result<MapSpec, MapError> {
+    let extension = path
+        .extension()
+        .and_then(|e| e.to_str())
+        .unwrap_or_default();
+    match extension.to_ascii_lowercase().as_str() {
+        "toml" => {
+            let io = |source| MapError::Io {
+                path: path.to_owned(),
+                source,
+            };
+            let bytes = fs::metadata(path).map_err(io)?.len();
+            if bytes > MAX_VECTOR_FILE {
+                return Err(MapError::TooLarge {
+                    path: path.to_owned(),
+                    bytes,
+                });
+            }
+            let text = fs::read_to_string(path).map_err(io)?;
+            let map: VectorMap = toml::from_str(&text).map_err(|source| MapError::Toml {
+                path: path.to_owned(),
+                source,
+            })?;
+            map.validate()
+                .map_err(|e| MapError::vector(Some(path), e))?;
+            Ok(MapSpec::Vector(map))
+        }
+        "yaml" | "yml" => Ok(MapSpec::Cells(RosMap::read(path)?.load(unknown)?)),
+        _ => Err(MapError::UnknownKind {
+            path: path.to_owned(),
+        }),
+    }
+}
+
+/// The table forms; [`MapSpec`] adds the plain path.
+#[derive(Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+enum Table {
+    File(FileTable),
+    Vector(VectorMap),
+    Cells(CellMap),
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FileTable {
+    path: PathBuf,
+    #[serde(default)]
+    unknown: UnknownCells,
+}
+
+impl<'de> Deserialize<'de> for MapSpec {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct PathOrTable;
+
+        impl<'de> Visitor<'de> for PathOrTable {
+            type Value = MapSpec;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("the path of a map, or one table `file`, `vector` or `cells`")
+            }
+
+            fn visit_str<E>(self, path: &str) -> Result<MapSpec, E> {
+                Ok(MapSpec::File {
+                    path: path.into(),
+                    unknown: UnknownCells::default(),
+                })
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<MapSpec, A::Error> {
+                Ok(match Table::deserialize(MapAccessDeserializer::new(map))? {
+                    Table::File(FileTable { path, unknown }) => MapSpec::File { path, unknown },
+                    Table::Vector(map) => MapSpec::Vector(map),
+                    Table::Cells(map) => MapSpec::Cells(map),
+                })
+            }
+        }
+
+        deserializer.deserialize_any(PathOrTable)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Deserialize, Serialize)]
+    struct Holder {
+        map: MapSpec,
+    }
+
+    fn parse(text: &str) -> Result<MapSpec, toml::de::Error> {
+        toml::from_str::<Holder>(text).map(|h| h.map)
+    }
+
+    #[test]
+    fn a_map_is_a_path_or_a_table() {
+        let path = parse("map = 'maps/city.toml'").unwrap();
+        assert_eq!(
+            path,
+            MapSpec::File {
+                path: "maps/city.toml".into(),
+                unknown: UnknownCells::Occupied
+            }
+        );
+        let file = parse("map = { file = { path = 'a.yaml', unknown = 'free' } }").unwrap();
+        assert_eq!(
+            file,
+            MapSpec::File {
+                path: "a.yaml".into(),
+                unknown: UnknownCells::Free
+            }
+        );
+        let vector = parse("map = { vector = { bounds = { min = [0,0], max = [1,1] } } }").unwrap();
+        assert!(matches!(vector, MapSpec::Vector(_)));
+        for map in [path, file, vector] {
+            let text = toml::to_string(&Holder { map: map.clone() }).unwrap();
+            assert_eq!(parse(&text).unwrap(), map);
+        }
+    }
+
+    #[test]
+    fn a_wrong_table_says_what_is_known() {
+        let error = parse("map = { files = { path = 'a.yaml' } }")
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.contains("files") && error.contains("vector"),
+            "{error}"
+        );
+        let error = parse("map = 3").unwrap_err().to_string();
+        assert!(error.contains("the path of a map"), "{error}");
+    }
+
+    #[test]
+    fn missing_and_unknown_files_are_named() {
+        let file = |path: &str| MapSpec::File {
+            path: path.into(),
+            unknown: UnknownCells::default(),
+        };
+        let error = file("no/such.toml")
+            .load(Path::new("/nowhere"))
+            .unwrap_err()
+            .to_string();
+        assert!(error.contains("/nowhere/no/such.toml"), "{error}");
+        let error = file("map.bmp").load(Path::new("")).unwrap_err().to_string();
+        assert!(
+            error.contains("map.bmp") && error.contains("expected .toml"),
+            "{error}"
+        );
+    }
+}

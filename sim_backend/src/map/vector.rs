@@ -1,0 +1,256 @@
+//! Maps drawn with vectors.
+
+use nalgebra::Point2;
+use serde::{Deserialize, Serialize};
+
+use crate::grid::GridFrame;
+use crate::shape::{Aabb, Shape, ShapeError};
+use crate::spec::{FieldError, Region, check, coordinate, positive};
+
+/// Most cells that the grid of a map may have, unless the map itself sets a lower limit.
+pub const MAX_CELLS: usize = 1 << 26;
+
+/// A map drawn with vectors. Everything within the bounds is free but the obstacles; the edge of
+/// the bounds is a wall.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct VectorMap {
+    /// What the map is called, for people.
+    #[serde(default)]
+    pub name: String,
+    /// The rectangle that the world occupies.
+    pub bounds: Bounds,
+    /// Side of the grid's cells [m], > 0.
+    #[serde(default = "default_resolution")]
+    pub resolution: f64,
+    /// Most cells that the grid may have, in [1, [`MAX_CELLS`]]; more is an error, not a wait.
+    #[serde(default = "default_max_cells")]
+    pub max_cells: usize,
+    /// What stands in the way.
+    #[serde(default)]
+    pub obstacles: Vec<ObstacleSpec>,
+    /// Where evaders escape.
+    #[serde(default)]
+    pub exits: Vec<Region>,
+}
+
+const fn default_resolution() -> f64 {
+    0.05
+}
+
+const fn default_max_cells() -> usize {
+    16_000_000
+}
+
+/// A rectangle along the axes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Bounds {
+    /// Smallest x and y [m].
+    pub min: [f64; 2],
+    /// Largest x and y [m].
+    pub max: [f64; 2],
+}
+
+/// An obstacle as the scenario describes it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ObstacleSpec {
+    /// What the obstacle is called; events refer to it by this name. May be empty.
+    #[serde(default)]
+    pub name: String,
+    /// Its shape and place.
+    pub shape: Shape,
+}
+
+/// Why a vector map cannot be used.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum VectorMapError {
+    /// A value out of its range.
+    #[error(transparent)]
+    Field(#[from] FieldError),
+    /// The shape of an obstacle is wrong.
+    #[error("obstacles[{index}]{}: {source}", quoted(name))]
+    Obstacle {
+        /// Index of the obstacle in the list.
+        index: usize,
+        /// Its name, if it has one.
+        name: String,
+        /// What is wrong.
+        source: ShapeError,
+    },
+    /// Two obstacles with the same name.
+    #[error(
+        "obstacles[{second}] is called \"{name}\" like obstacles[{first}]: expected unique names"
+    )]
+    DuplicateName {
+        /// The name.
+        name: String,
+        /// Index of the first that has it.
+        first: usize,
+        /// Index of the second that has it.
+        second: usize,
+    },
+}
+
+fn quoted(name: &str) -> String {
+    if name.is_empty() {
+        String::new()
+    } else {
+        format!(" \"{name}\"")
+    }
+}
+
+impl VectorMap {
+    /// An empty map within bounds [m] with cells of this side [m].
+    pub fn empty(min: [f64; 2], max: [f64; 2], resolution: f64) -> Self {
+        Self {
+            name: String::new(),
+            bounds: Bounds { min, max },
+            resolution,
+            max_cells: default_max_cells(),
+            obstacles: Vec::new(),
+            exits: Vec::new(),
+        }
+    }
+
+    /// Checks every field and shape.
+    ///
+    /// # Errors
+    /// Names the field or obstacle, the value, and what was expected.
+    pub fn validate(&self) -> Result<(), VectorMapError> {
+        self.frame()?;
+        for (index, obstacle) in self.obstacles.iter().enumerate() {
+            obstacle
+                .shape
+                .parts()
+                .map_err(|source| VectorMapError::Obstacle {
+                    index,
+                    name: obstacle.name.clone(),
+                    source,
+                })?;
+            let named = |other: &ObstacleSpec| other.name == obstacle.name;
+            if let Some(first) = self.obstacles[..index].iter().position(named)
+                && !obstacle.name.is_empty()
+            {
+                let name = obstacle.name.clone();
+                return Err(VectorMapError::DuplicateName {
+                    name,
+                    first,
+                    second: index,
+                });
+            }
+        }
+        for (i, exit) in self.exits.iter().enumerate() {
+            exit.validate()
+                .map_err(|e| e.within(&format!("exits[{i}]")))?;
+        }
+        Ok(())
+    }
+
+    /// The bounds as a rectangle.
+    pub(super) fn aabb(&self) -> Aabb {
+        let [min, max] = [self.bounds.min, self.bounds.max].map(|p| Point2::new(p[0], p[1]));
+        Aabb { min, max }
+    }
+
+    /// The grid that covers the bounds.
+    ///
+    /// # Errors
+    /// Names the field that is out of its range, or the limit on the number of cells.
+    pub fn frame(&self) -> Result<GridFrame, FieldError> {
+        let Bounds { min, max } = self.bounds;
+        for axis in 0..2 {
+            coordinate(&format!("bounds.min[{axis}]"), min[axis])?;
+            coordinate(&format!("bounds.max[{axis}]"), max[axis])?;
+            check(
+                max[axis] > min[axis],
+                &format!("bounds.max[{axis}]"),
+                max[axis],
+                format!("more than bounds.min[{axis}] = {} [m]", min[axis]),
+            )?;
+        }
+        positive("resolution", self.resolution, "m")?;
+        check(
+            (1..=MAX_CELLS).contains(&self.max_cells),
+            "max_cells",
+            self.max_cells,
+            format!("a number in [1, {MAX_CELLS}]"),
+        )?;
+        // A side that is a whole number of cells but for rounding gets exactly that number.
+        let count = |axis: usize| {
+            let cells = (max[axis] - min[axis]) / self.resolution;
+            (cells - 1e-6).ceil().max(1.0)
+        };
+        let (width, height) = (count(0), count(1));
+        check(
+            width * height <= self.max_cells as f64,
+            "resolution",
+            self.resolution,
+            format!(
+                "cells large enough that the map has at most max_cells = {} of them; it would have \
+                 {width} × {height}",
+                self.max_cells
+            ),
+        )?;
+        Ok(GridFrame {
+            width: width as usize,
+            height: height as usize,
+            resolution: self.resolution,
+            origin: self.aabb().min,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_grid_covers_the_bounds() {
+        let frame = VectorMap::empty([-9.5, -9.5], [9.5, 9.5], 0.05)
+            .frame()
+            .unwrap();
+        assert_eq!((frame.width, frame.height), (380, 380));
+        let frame = VectorMap::empty([0.0, 0.0], [1.0, 0.31], 0.1)
+            .frame()
+            .unwrap();
+        assert_eq!((frame.width, frame.height), (10, 4));
+        let frame = VectorMap::empty([-9.5, -9.5], [9.5, 9.5], 19.0 / 300.0)
+            .frame()
+            .unwrap();
+        assert_eq!((frame.width, frame.height), (300, 300));
+    }
+
+    #[test]
+    fn impossible_maps_name_the_field_or_the_limit() {
+        let message = |map: &VectorMap| map.validate().unwrap_err().to_string();
+        let mut map = VectorMap::empty([0.0, 0.0], [1.0, 0.0], 0.1);
+        assert!(message(&map).starts_with("bounds.max[1] = 0: expected more than"));
+        map.bounds.max = [1e5, 1e5];
+        map.resolution = 0.001;
+        assert!(
+            message(&map).contains("at most max_cells = 16000000"),
+            "{}",
+            message(&map)
+        );
+        map = VectorMap::empty([0.0, 0.0], [1.0, 1.0], 0.1);
+        let circle = |radius| Shape::Circle {
+            center: [0.5, 0.5],
+            radius,
+        };
+        map.obstacles = vec![ObstacleSpec {
+            name: "tower".into(),
+            shape: circle(-1.0),
+        }];
+        assert!(message(&map).starts_with("obstacles[0] \"tower\": circle.radius = -1"));
+        map.obstacles = vec![
+            ObstacleSpec {
+                name: "tower".into(),
+                shape: circle(0.1)
+            };
+            2
+        ];
+        assert!(message(&map).contains("obstacles[1] is called \"tower\" like obstacles[0]"));
+    }
+}

@@ -1,0 +1,70 @@
+//! Where a robot is and how it moves (REP-103: x forward, y left, angles counter-clockwise).
+
+use nalgebra::{Point2, Vector2};
+use serde::{Deserialize, Serialize};
+
+use crate::math;
+
+/// Pose of a robot in the world frame.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Pose2 {
+    /// Position along the world's x axis [m].
+    pub x: f64,
+    /// Position along the world's y axis [m].
+    pub y: f64,
+    /// Heading [rad], counter-clockwise from +x, in (−π, π].
+    pub theta: f64,
+}
+
+impl Pose2 {
+    /// A pose from its three coordinates [m, m, rad]; the heading is wrapped.
+    pub fn new(x: f64, y: f64, theta: f64) -> Self {
+        Self {
+            x,
+            y,
+            theta: math::wrap_angle(theta),
+        }
+    }
+
+    /// The position [m].
+    pub fn position(&self) -> Point2<f64> {
+        Point2::new(self.x, self.y)
+    }
+
+    /// The unit vector along the heading.
+    pub fn forward(&self) -> Vector2<f64> {
+        let (sin, cos) = math::sincos(self.theta);
+        Vector2::new(cos, sin)
+    }
+
+    /// Whether all three coordinates are finite.
+    pub fn is_finite(&self) -> bool {
+        self.x.is_finite() && self.y.is_finite() && self.theta.is_finite()
+    }
+}
+
+/// Velocity of a differential-drive robot in its own frame; also what a planner commands.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Twist2 {
+    /// Forward speed [m/s].
+    pub v: f64,
+    /// Turning rate [rad/s], counter-clockwise positive.
+    pub omega: f64,
+}
+
+impl Twist2 {
+    /// No motion.
+    pub const STOP: Self = Self { v: 0.0, omega: 0.0 };
+
+    /// A twist from forward speed [m/s] and turning rate [rad/s].
+    pub const fn new(v: f64, omega: f64) -> Self {
+        Self { v, omega }
+    }
+
+    /// Whether both components are finite.
+    pub fn is_finite(&self) -> bool {
+        self.v.is_finite() && self.omega.is_finite()
+    }
+}

@@ -1,0 +1,215 @@
+//! Shapes of obstacles: what a person writes, and the convex parts that geometry works on.
+
+mod convex;
+mod polygon;
+
+pub(crate) use convex::ray_disc;
+pub use convex::{Aabb, Contact, Convex};
+
+use nalgebra::Point2;
+use serde::{Deserialize, Serialize};
+
+use crate::math;
+use crate::pose::Pose2;
+use crate::spec::{FieldError, check, coordinate, positive};
+
+/// Most vertices that one polygon may have.
+pub const MAX_VERTICES: usize = 4096;
+
+/// A solid shape in the plane, in world coordinates.
+///
+/// In TOML: `{ circle = { center = [0, 0], radius = 1 } }`,
+/// `{ rectangle = { center = [0, 0], half_extents = [1, 0.5], angle = 0.3 } }` or
+/// `{ polygon = { vertices = [[0, 0], [1, 0], [0, 1]] } }`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Shape {
+    /// A disc.
+    Circle {
+        /// Centre [m].
+        center: [f64; 2],
+        /// Radius [m], > 0.
+        radius: f64,
+    },
+    /// A rectangle.
+    Rectangle {
+        /// Centre [m].
+        center: [f64; 2],
+        /// Half the length of each side, along the rectangle's own x and y [m], > 0.
+        half_extents: [f64; 2],
+        /// Rotation about the centre [rad], counter-clockwise.
+        #[serde(default)]
+        angle: f64,
+    },
+    /// A simple polygon, convex or not, in either orientation; the last vertex joins the first.
+    Polygon {
+        /// Corners in order [m]; at least 3, at most [`MAX_VERTICES`].
+        vertices: Vec<[f64; 2]>,
+    },
+}
+
+/// Why a shape cannot be used.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ShapeError {
+    /// A value out of its range.
+    #[error(transparent)]
+    Field(#[from] FieldError),
+    /// Two edges of a polygon meet where they should not.
+    #[error(
+        "polygon.vertices: edge {first} (from vertex {first}) meets edge {second} (from vertex \
+         {second}): expected a simple polygon, whose edges touch only at shared vertices"
+    )]
+    SelfIntersecting {
+        /// Index of the vertex where the first edge starts.
+        first: usize,
+        /// Index of the vertex where the second edge starts.
+        second: usize,
+    },
+    /// A polygon without an inside.
+    #[error("polygon.vertices: the polygon has no area: expected corners that enclose one")]
+    NoArea,
+    /// A polygon whose corners lie so close to each other's edges that it cannot be cut up.
+    #[error(
+        "polygon.vertices: the polygon cannot be divided into convex parts: expected corners that \
+         are farther than rounding from the other edges"
+    )]
+    NotDivisible,
+}
+
+impl Shape {
+    /// The convex parts whose union is the shape; a convex shape is its own single part.
+    ///
+    /// # Errors
+    /// Names the field that is out of its range, or the edges that cross.
+    pub fn parts(&self) -> Result<Vec<Convex>, ShapeError> {
+        match self {
+            Self::Circle { center, radius } => {
+                coordinate("circle.center[0]", center[0])?;
+                coordinate("circle.center[1]", center[1])?;
+                positive("circle.radius", *radius, "m")?;
+                Ok(vec![Convex::disc(
+                    Point2::new(center[0], center[1]),
+                    *radius,
+                )])
+            }
+            Self::Rectangle {
+                center,
+                half_extents,
+                angle,
+            } => {
+                coordinate("rectangle.center[0]", center[0])?;
+                coordinate("rectangle.center[1]", center[1])?;
+                positive("rectangle.half_extents[0]", half_extents[0], "m")?;
+                positive("rectangle.half_extents[1]", half_extents[1], "m")?;
+                check(
+                    angle.is_finite(),
+                    "rectangle.angle",
+                    angle,
+                    "a finite number [rad]",
+                )?;
+                let center = Point2::new(center[0], center[1]);
+                Ok(vec![Convex::rectangle(center, *half_extents, *angle)])
+            }
+            Self::Polygon { vertices } => polygon::convex_parts(vertices),
+        }
+    }
+
+    /// The shape carried along by a rigid motion: turned by `motion.theta` about `pivot` [m], then
+    /// shifted by (`motion.x`, `motion.y`).
+    #[must_use]
+    pub fn moved(&self, pivot: Point2<f64>, motion: Pose2) -> Self {
+        let (sin, cos) = math::sincos(motion.theta);
+        let carry = |p: &[f64; 2]| {
+            let (dx, dy) = (p[0] - pivot.x, p[1] - pivot.y);
+            [
+                pivot.x + cos * dx - sin * dy + motion.x,
+                pivot.y + sin * dx + cos * dy + motion.y,
+            ]
+        };
+        match self {
+            Self::Circle { center, radius } => Self::Circle {
+                center: carry(center),
+                radius: *radius,
+            },
+            Self::Rectangle {
+                center,
+                half_extents,
+                angle,
+            } => Self::Rectangle {
+                center: carry(center),
+                half_extents: *half_extents,
+                angle: angle + motion.theta,
+            },
+            Self::Polygon { vertices } => Self::Polygon {
+                vertices: vertices.iter().map(carry).collect(),
+            },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shapes_read_and_write_as_toml_tables() {
+        #[derive(Serialize, Deserialize, PartialEq, Debug)]
+        struct File {
+            shapes: Vec<Shape>,
+        }
+        let text = "
+            [[shapes]]
+            circle = { center = [1.0, 2.0], radius = 0.5 }
+            [[shapes]]
+            rectangle = { center = [1.0, 2.0], half_extents = [0.5, 1.0] }
+            [[shapes]]
+            polygon = { vertices = [[0, 0], [1, 0], [0, 1]] }
+        ";
+        let file: File = toml::from_str(text).unwrap();
+        let again: File = toml::from_str(&toml::to_string(&file).unwrap()).unwrap();
+        assert_eq!(again, file);
+        assert!(toml::from_str::<File>("shapes = [{ circle = { centre = [0, 0] } }]").is_err());
+    }
+
+    #[test]
+    fn bad_values_are_named() {
+        let error = Shape::Circle {
+            center: [0.0, f64::NAN],
+            radius: 1.0,
+        }
+        .parts()
+        .unwrap_err();
+        assert!(
+            error.to_string().starts_with("circle.center[1] = NaN"),
+            "{error}"
+        );
+        let error = Shape::Rectangle {
+            center: [0.0; 2],
+            half_extents: [1.0, 0.0],
+            angle: 0.0,
+        }
+        .parts()
+        .unwrap_err();
+        assert!(
+            error
+                .to_string()
+                .starts_with("rectangle.half_extents[1] = 0"),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn a_rigid_motion_turns_about_the_pivot() {
+        let shape = Shape::Rectangle {
+            center: [1.0, 0.0],
+            half_extents: [1.0, 0.1],
+            angle: 0.0,
+        };
+        let quarter = Pose2::new(0.0, 3.0, core::f64::consts::FRAC_PI_2);
+        let Shape::Rectangle { center, angle, .. } = shape.moved(Point2::origin(), quarter) else {
+            panic!("still a rectangle")
+        };
+        assert!((center[0]).abs() < 1e-12 && (center[1] - 4.0).abs() < 1e-12);
+        assert!((angle - core::f64::consts::FRAC_PI_2).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,38 @@
+//! What a world is made of, as a person writes it: every struct here is a table of the scenario.
+//!
+//! Unknown keys are errors, every field names its unit, and `validate` names the field, the value
+//! and what was expected, so that a mistake can be pointed at before anything starts.
+
+mod field;
+mod region;
+mod robot;
+mod rules;
+mod sensor;
+
+pub use field::{FieldError, MAX_COORDINATE};
+pub(crate) use field::{check, coordinate, non_negative, positive};
+pub use region::Region;
+pub use robot::{ActuatorSpec, LimitsSpec, Preset, RobotModel, RobotSpec};
+pub use rules::{Blocked, CaptureSpec, OutOfPlay, RulesSpec};
+pub use sensor::{OdometrySpec, ScanSpec};
+
+use serde::{Deserialize, Serialize};
+
+use crate::map::MapSpec;
+
+/// Everything that [`World::new`](crate::world::World::new) needs.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WorldSpec {
+    /// The ground: a file, vectors, or an occupancy grid.
+    pub map: MapSpec,
+    /// The robots; a robot's index in this list is its index everywhere.
+    pub robots: Vec<RobotSpec>,
+    /// Capture, exits, time-out and contact.
+    #[serde(default)]
+    pub rules: RulesSpec,
+    /// Seed of all noise in the world (actuators, scans, odometry); each robot and sensor draws
+    /// from its own stream of it.
+    #[serde(default)]
+    pub seed: u64,
+}

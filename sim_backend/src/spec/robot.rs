@@ -1,0 +1,338 @@
+//! One robot: body, limits, imperfections, sensors.
+
+use serde::{Deserialize, Serialize};
+
+use super::{
+    FieldError, OdometrySpec, Region, ScanSpec, check, coordinate, non_negative, positive,
+};
+use crate::pose::Pose2;
+use crate::team::Team;
+
+/// A robot as the scenario describes it: a preset body, with any value overridden.
+///
+/// ```toml
+/// [[robots]]
+/// name = "police_1"
+/// team = "police"
+/// start = { x = 7.5, y = 4.5, theta = 3.14159 }
+/// preset = "turtlebot3_burger"
+/// limits = { v_max = 0.3 }
+/// ```
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RobotSpec {
+    /// Unique name, used in messages, logs and the summary.
+    pub name: String,
+    /// The side it plays for.
+    pub team: Team,
+    /// Pose at time 0 [m, m, rad].
+    pub start: Pose2,
+    /// The robot whose body and limits are taken where nothing else is said.
+    #[serde(default)]
+    pub preset: Preset,
+    /// Radius of the disc that the robot occupies [m], > 0; the preset's if absent.
+    #[serde(default)]
+    pub radius: Option<f64>,
+    /// Distance between the wheels' contact points [m], > 0; the preset's if absent.
+    #[serde(default)]
+    pub wheel_separation: Option<f64>,
+    /// Limits that differ from the preset's.
+    #[serde(default)]
+    pub limits: LimitsSpec,
+    /// How the drive departs from what it is told; perfect by default.
+    #[serde(default)]
+    pub actuator: ActuatorSpec,
+    /// Range scanner; none if absent.
+    #[serde(default)]
+    pub scan: Option<ScanSpec>,
+    /// Noise of the wheel odometry; exact if absent.
+    #[serde(default)]
+    pub odometry: Option<OdometrySpec>,
+    /// Where the robot shall arrive; it is done when its centre is inside. (Evaders are also done
+    /// in an exit, which need not be repeated here.)
+    #[serde(default)]
+    pub goal: Option<Region>,
+}
+
+impl RobotSpec {
+    /// A robot with the default preset, perfect drive and no sensors.
+    pub fn new(name: &str, team: Team, start: Pose2) -> Self {
+        Self {
+            name: name.to_owned(),
+            team,
+            start,
+            preset: Preset::default(),
+            radius: None,
+            wheel_separation: None,
+            limits: LimitsSpec::default(),
+            actuator: ActuatorSpec::default(),
+            scan: None,
+            odometry: None,
+            goal: None,
+        }
+    }
+
+    /// The preset with this robot's overrides applied.
+    pub fn model(&self) -> RobotModel {
+        let preset = self.preset.model();
+        RobotModel {
+            radius: self.radius.unwrap_or(preset.radius),
+            wheel_separation: self.wheel_separation.unwrap_or(preset.wheel_separation),
+            v_max: self.limits.v_max.unwrap_or(preset.v_max),
+            v_reverse_max: self.limits.v_reverse_max.unwrap_or(preset.v_reverse_max),
+            omega_max: self.limits.omega_max.unwrap_or(preset.omega_max),
+            acceleration: self.limits.acceleration.or(preset.acceleration),
+            angular_acceleration: self
+                .limits
+                .angular_acceleration
+                .or(preset.angular_acceleration),
+            wheel_speed_max: self.limits.wheel_speed_max.or(preset.wheel_speed_max),
+        }
+    }
+
+    /// Checks every field (not whether the robot fits into its map).
+    ///
+    /// # Errors
+    /// Names the first field that is out of its range.
+    pub fn validate(&self) -> Result<(), FieldError> {
+        check(
+            !self.name.is_empty(),
+            "name",
+            "\"\"",
+            "a name of at least one character",
+        )?;
+        coordinate("start.x", self.start.x)?;
+        coordinate("start.y", self.start.y)?;
+        check(
+            self.start.theta.is_finite(),
+            "start.theta",
+            self.start.theta,
+            "a finite number [rad]",
+        )?;
+        let model = self.model();
+        positive("radius", model.radius, "m")?;
+        positive("wheel_separation", model.wheel_separation, "m")?;
+        let within = |e: FieldError| e.within("limits");
+        positive("v_max", model.v_max, "m/s").map_err(within)?;
+        non_negative("v_reverse_max", model.v_reverse_max, "m/s").map_err(within)?;
+        non_negative("omega_max", model.omega_max, "rad/s").map_err(within)?;
+        if let Some(value) = model.acceleration {
+            positive("acceleration", value, "m/s²").map_err(within)?;
+        }
+        if let Some(value) = model.angular_acceleration {
+            positive("angular_acceleration", value, "rad/s²").map_err(within)?;
+        }
+        if let Some(value) = model.wheel_speed_max {
+            positive("wheel_speed_max", value, "m/s").map_err(within)?;
+        }
+        self.actuator.validate().map_err(|e| e.within("actuator"))?;
+        if let Some(scan) = &self.scan {
+            scan.validate().map_err(|e| e.within("scan"))?;
+        }
+        if let Some(odometry) = &self.odometry {
+            odometry.validate().map_err(|e| e.within("odometry"))?;
+        }
+        if let Some(goal) = &self.goal {
+            goal.validate().map_err(|e| e.within("goal"))?;
+        }
+        Ok(())
+    }
+}
+
+/// Robots that exist.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Preset {
+    /// ROBOTIS `TurtleBot3` Burger.
+    #[default]
+    Turtlebot3Burger,
+    /// LEGO Mindstorms NXT two-wheeler.
+    LegoNxt,
+}
+
+impl Preset {
+    /// Body and limits of the preset.
+    pub const fn model(self) -> RobotModel {
+        match self {
+            Self::Turtlebot3Burger => RobotModel::turtlebot3_burger(),
+            Self::LegoNxt => RobotModel::lego_nxt(),
+        }
+    }
+}
+
+/// Limits that differ from the preset's; absent values are the preset's.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct LimitsSpec {
+    /// Largest forward speed [m/s], > 0.
+    pub v_max: Option<f64>,
+    /// Largest speed backwards [m/s], ≥ 0.
+    pub v_reverse_max: Option<f64>,
+    /// Largest turning rate either way [rad/s], ≥ 0.
+    pub omega_max: Option<f64>,
+    /// Largest change of forward speed [m/s²], > 0; unlimited if neither this nor the preset says.
+    pub acceleration: Option<f64>,
+    /// Largest change of turning rate [rad/s²], > 0; unlimited if neither this nor the preset says.
+    pub angular_acceleration: Option<f64>,
+    /// Largest speed of a wheel's rim, |v| + |ω|·separation/2 [m/s], > 0; unlimited if neither this
+    /// nor the preset says.
+    pub wheel_speed_max: Option<f64>,
+}
+
+/// Body and limits of a robot, presets and overrides resolved.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RobotModel {
+    /// Radius of the disc that the robot occupies [m].
+    pub radius: f64,
+    /// Distance between the wheels' contact points [m].
+    pub wheel_separation: f64,
+    /// Largest forward speed [m/s].
+    pub v_max: f64,
+    /// Largest speed backwards [m/s].
+    pub v_reverse_max: f64,
+    /// Largest turning rate [rad/s].
+    pub omega_max: f64,
+    /// Largest change of forward speed [m/s²]; `None` is unlimited.
+    pub acceleration: Option<f64>,
+    /// Largest change of turning rate [rad/s²]; `None` is unlimited.
+    pub angular_acceleration: Option<f64>,
+    /// Largest |v| + |ω|·separation/2 [m/s]; `None` is unlimited.
+    pub wheel_speed_max: Option<f64>,
+}
+
+impl RobotModel {
+    /// `TurtleBot3` Burger: 0.22 m/s and 2.84 rad/s, wheels 0.160 m apart (ROBOTIS e-manual); a
+    /// disc of 0.105 m covers body and wheels. It has no published acceleration limit: none is
+    /// set.
+    pub const fn turtlebot3_burger() -> Self {
+        Self {
+            radius: 0.105,
+            wheel_separation: 0.160,
+            v_max: 0.22,
+            v_reverse_max: 0.22,
+            omega_max: 2.84,
+            acceleration: None,
+            angular_acceleration: None,
+            wheel_speed_max: None,
+        }
+    }
+
+    /// LEGO Mindstorms NXT two-wheeler as in the local-pursuit experiments: 0.15 m/s measured top
+    /// speed, wheels of the standard base 0.112 m apart, hence 2·0.15/0.112 rad/s when turning on
+    /// the spot (the wheel speed binds, so speed and turning rate share it); a disc of 0.09 m
+    /// covers brick and wheels.
+    pub const fn lego_nxt() -> Self {
+        Self {
+            radius: 0.09,
+            wheel_separation: 0.112,
+            v_max: 0.15,
+            v_reverse_max: 0.15,
+            omega_max: 2.0 * 0.15 / 0.112,
+            acceleration: None,
+            angular_acceleration: None,
+            wheel_speed_max: Some(0.15),
+        }
+    }
+}
+
+/// How the drive departs from what it is told.
+///
+/// Executed speed = commanded · (1 − slip) · (1 + noise·N), with N standard normal, clipped at
+/// ±3 and drawn once per step from the robot's own stream; the result is clamped to the robot's
+/// limits, so that noise never makes a robot faster than it can be.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ActuatorSpec {
+    /// Part of the forward speed lost to slipping wheels, in [0, 1).
+    pub slip: f64,
+    /// Part of the turning rate lost to slipping wheels, in [0, 1).
+    pub angular_slip: f64,
+    /// Standard deviation of the forward speed, as a part of it, ≥ 0.
+    pub noise: f64,
+    /// Standard deviation of the turning rate, as a part of it, ≥ 0.
+    pub angular_noise: f64,
+    /// Standard deviation of the turning rate per forward speed [rad/m], ≥ 0 (a robot told to go
+    /// straight veers).
+    pub veer: f64,
+}
+
+impl ActuatorSpec {
+    /// Whether the drive does exactly what it is told.
+    pub fn is_perfect(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// Checks every field.
+    ///
+    /// # Errors
+    /// Names the first field that is out of its range.
+    pub fn validate(&self) -> Result<(), FieldError> {
+        for (field, value) in [("slip", self.slip), ("angular_slip", self.angular_slip)] {
+            check(
+                (0.0..1.0).contains(&value),
+                field,
+                value,
+                "a number in [0, 1)",
+            )?;
+        }
+        non_negative("noise", self.noise, "1")?;
+        non_negative("angular_noise", self.angular_noise, "1")?;
+        non_negative("veer", self.veer, "rad/m")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_robot_is_its_preset_with_its_own_values_on_top() {
+        let spec: RobotSpec = toml::from_str(
+            r#"
+            name = "police_1"
+            team = "police"
+            start = { x = 7.5, y = 4.5, theta = 3.14159 }
+            preset = "lego_nxt"
+            radius = 0.2
+            limits = { v_max = 0.3 }
+            "#,
+        )
+        .unwrap();
+        let model = spec.model();
+        assert_eq!(model.radius, 0.2);
+        assert_eq!(model.v_max, 0.3);
+        assert_eq!(
+            model.wheel_separation,
+            RobotModel::lego_nxt().wheel_separation
+        );
+        assert!(spec.validate().is_ok());
+        let again: RobotSpec = toml::from_str(&toml::to_string(&spec).unwrap()).unwrap();
+        assert_eq!(again, spec);
+    }
+
+    #[test]
+    fn unknown_keys_and_bad_values_are_named() {
+        let error = toml::from_str::<RobotSpec>(
+            "name = 'a'\nteam = 'police'\nstart = { x = 0, y = 0, theta = 0 }\nlimits = { vmax = 1 }",
+        )
+        .unwrap_err();
+        assert!(error.to_string().contains("vmax"), "{error}");
+        let mut spec = RobotSpec::new("a", Team::Police, Pose2::default());
+        spec.limits.v_max = Some(-1.0);
+        assert!(
+            spec.validate()
+                .unwrap_err()
+                .to_string()
+                .starts_with("limits.v_max = -1")
+        );
+        spec.limits.v_max = None;
+        spec.actuator.slip = 1.0;
+        assert!(
+            spec.validate()
+                .unwrap_err()
+                .to_string()
+                .starts_with("actuator.slip = 1")
+        );
+    }
+}

@@ -1,0 +1,139 @@
+//! The rules of the game.
+
+use serde::{Deserialize, Serialize};
+
+use super::{FieldError, Region, non_negative, positive};
+
+/// Rules of a mission; the defaults are a world without a game: no capture, no exits, no end.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct RulesSpec {
+    /// When Police catch evaders; never if absent.
+    pub capture: Option<CaptureSpec>,
+    /// Where evaders escape; the map's own exits count as well.
+    pub exits: Vec<Region>,
+    /// Simulated time [s] after which evaders and robots with a goal are timed out; never if
+    /// absent.
+    pub time_limit: Option<f64>,
+    /// What a robot does whose way is blocked.
+    pub blocked: Blocked,
+    /// What becomes of a caught evader's body.
+    pub caught: OutOfPlay,
+    /// What becomes of the body of an escaped evader (it left the arena: removed by default).
+    pub escaped: OutOfPlay,
+}
+
+impl Default for RulesSpec {
+    fn default() -> Self {
+        Self {
+            capture: None,
+            exits: Vec::new(),
+            time_limit: None,
+            blocked: Blocked::Slide,
+            caught: OutOfPlay::Stay,
+            escaped: OutOfPlay::Remove,
+        }
+    }
+}
+
+/// When Police catch an evader.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct CaptureSpec {
+    /// A Police centre strictly nearer than this to the evader's centre catches it [m], > 0.
+    pub radius: f64,
+    /// How long some Police robot must have been that near without interruption [s], ≥ 0. At 0 the
+    /// first tick catches.
+    pub dwell: f64,
+}
+
+impl Default for CaptureSpec {
+    /// The chasing game's 0.3 m, at once.
+    fn default() -> Self {
+        Self {
+            radius: 0.3,
+            dwell: 0.0,
+        }
+    }
+}
+
+/// What a robot does that runs into something.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Blocked {
+    /// It keeps the part of its motion along the obstacle.
+    #[default]
+    Slide,
+    /// It stays where it touched until its motion leads away.
+    Stop,
+}
+
+/// What becomes of the body of a robot that is out of the game.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum OutOfPlay {
+    /// It stands where it is, as an obstacle to the others and to their scans.
+    #[default]
+    Stay,
+    /// It is taken away: nothing touches or sees it.
+    Remove,
+}
+
+impl RulesSpec {
+    /// Checks every field.
+    ///
+    /// # Errors
+    /// Names the first field that is out of its range.
+    pub fn validate(&self) -> Result<(), FieldError> {
+        if let Some(capture) = &self.capture {
+            positive("capture.radius", capture.radius, "m")?;
+            non_negative("capture.dwell", capture.dwell, "s")?;
+        }
+        for (i, exit) in self.exits.iter().enumerate() {
+            exit.validate()
+                .map_err(|e| e.within(&format!("exits[{i}]")))?;
+        }
+        if let Some(limit) = self.time_limit {
+            super::check(
+                limit > 0.0 && limit <= 1e9,
+                "time_limit",
+                limit,
+                "a number > 0 and ≤ 1e9 [s]",
+            )?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn absent_rules_are_a_world_without_a_game() {
+        let rules: RulesSpec = toml::from_str("").unwrap();
+        assert_eq!(rules.capture, None);
+        assert_eq!(rules.caught, OutOfPlay::Stay);
+        assert_eq!(rules.escaped, OutOfPlay::Remove);
+        assert_eq!(rules.blocked, Blocked::Slide);
+        let rules: RulesSpec = toml::from_str(
+            "capture = {}\nexits = [{ circle = { center = [9, 0], radius = 0.5 } }]",
+        )
+        .unwrap();
+        assert_eq!(rules.capture.unwrap().radius, 0.3);
+        assert!(rules.validate().is_ok());
+    }
+
+    #[test]
+    fn bad_rules_are_named() {
+        let rules: RulesSpec = toml::from_str("time_limit = -1.0").unwrap();
+        assert!(
+            rules
+                .validate()
+                .unwrap_err()
+                .to_string()
+                .contains("time_limit = -1")
+        );
+        assert!(toml::from_str::<RulesSpec>("capture = { radios = 1 }").is_err());
+    }
+}

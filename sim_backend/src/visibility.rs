@@ -1,0 +1,233 @@
+//! Line of sight that fades: how well one point is seen from another.
+//!
+//! The chasing-game paper (section III.C) multiplies the blurred map's values along the ray, each to
+//! the power of the step. Its limit for small steps is what is computed here,
+//!
+//! > V(a, b) = exp( ∫ ln B ds ) along the segment from a to b, s in metres,
+//!
+//! with B constant in each cell, so the integral is a finite sum of (arc length in the cell) × ln B
+//! and no step size remains. V is 0 if the segment crosses an occupied cell, if an end lies in one,
+//! or if an end lies outside the grid. Near walls B is small: a view around a corner or along a wall
+//! is poor, one down the middle of a street is close to 1.
+//!
+//! # How it is computed
+//! −ln B is stored as a fixed-point number, as prefix sums along the rows and, in a second copy,
+//! along the columns. A segment that is longer in x than in y stays in each row for a run of cells;
+//! a run costs two interpolated look-ups however long it is, and one look-up in a table of "next
+//! occupied cell" decides whether it is free. A ray therefore costs as many steps as it has cells
+//! along its *shorter* extent. Seven points spread over the ray are looked up first: between random
+//! points of a city most rays are blocked, and 97 of 100 blocked ones show it there.
+//!
+//! End points are rounded down to 1/65536 of a cell, and everything up to the final exponential is
+//! integer arithmetic: the result is the same on every machine, and bit for bit symmetric because
+//! the two ends are put in a canonical order first. The error against the same integral in f64 is
+//! below 2e-4 (7e-6 on a city of 384 × 384 cells); a ray that passes an obstacle's corner closer than
+//! about 1/65536 of a cell may fall on either side.
+
+mod lanes;
+
+use nalgebra::Point2;
+
+use self::lanes::{LaneTable, Segment};
+use crate::blur::BlurredMap;
+use crate::grid::GridFrame;
+use crate::math;
+
+/// Fractional bits of an end point, in cells.
+const POINT_BITS: u32 = 16;
+
+/// Largest −ln B per metre that is distinguished; a free cell darker than e⁻¹⁶ counts as this dark.
+const DARKEST: f64 = 16.0;
+
+/// An end point of a line of sight: a position in a free cell, rounded to 1/65536 of a cell.
+///
+/// Made by [`VisibilityField::end`], so that a point that is used for several rays is converted and
+/// checked once.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RayEnd {
+    x: i32,
+    y: i32,
+}
+
+/// Answers line-of-sight queries on one blurred map. See the [module documentation](self).
+#[derive(Debug, Clone)]
+pub struct VisibilityField {
+    frame: GridFrame,
+    /// Fixed-point units per metre, and the grid's size in them.
+    scale: f64,
+    limits: (f64, f64),
+    /// Occupied cells as bits, rows padded to whole words.
+    bits: Vec<u64>,
+    /// Words per row of `bits`.
+    words: usize,
+    /// Runs along x, for rays that are longer in x.
+    rows: LaneTable,
+    /// Runs along y, for rays that are longer in y.
+    columns: LaneTable,
+    /// Metres per cell over fixed-point units per nat: scales an integer sum to nats.
+    nats: f64,
+}
+
+impl VisibilityField {
+    /// Prepares the tables for a map: about 12 bytes per cell, a millisecond for 300 × 300 cells.
+    pub fn new(map: &BlurredMap) -> Self {
+        let frame = *map.frame();
+        let occupied = &map.occupied().cells;
+        let bits = cost_bits(frame.width.max(frame.height));
+        let unit = f64::from(1_u32 << bits);
+        let costs: Vec<u32> = map
+            .grid()
+            .cells
+            .iter()
+            .map(|&b| {
+                let nats = -math::ln(f64::from(b));
+                (nats.clamp(0.0, DARKEST) * unit + 0.5) as u32
+            })
+            .collect();
+        let (w, h) = (frame.width, frame.height);
+        let rows = LaneTable::new(h, w, |row, col| {
+            let i = frame.index(col, row);
+            (!occupied[i]).then_some(costs[i])
+        });
+        let columns = LaneTable::new(w, h, |col, row| {
+            let i = frame.index(col, row);
+            (!occupied[i]).then_some(costs[i])
+        });
+        let words = w.div_ceil(64);
+        let mut bits = vec![0; words * h];
+        for (i, _) in occupied.iter().enumerate().filter(|&(_, &o)| o) {
+            bits[i / w * words + i % w / 64] |= 1 << (i % w % 64);
+        }
+        let point = f64::from(1_u32 << POINT_BITS);
+        let scale = point / frame.resolution;
+        let limits = (w as f64 * point, h as f64 * point);
+        Self {
+            frame,
+            scale,
+            limits,
+            bits,
+            words,
+            rows,
+            columns,
+            nats: frame.resolution / (unit * point),
+        }
+    }
+
+    /// Where the cells lie.
+    pub fn frame(&self) -> &GridFrame {
+        &self.frame
+    }
+
+    /// Whether a point [m] lies in a free cell of the grid.
+    pub fn is_free(&self, p: Point2<f64>) -> bool {
+        self.end(p).is_some()
+    }
+
+    /// The point [m] as an end of lines of sight; `None` in an occupied cell, outside the grid or
+    /// if not finite.
+    pub fn end(&self, p: Point2<f64>) -> Option<RayEnd> {
+        let x = (p.x - self.frame.origin.x) * self.scale;
+        let y = (p.y - self.frame.origin.y) * self.scale;
+        let inside = x >= 0.0 && y >= 0.0 && x < self.limits.0 && y < self.limits.1;
+        if !inside {
+            return None;
+        }
+        // A side has at most 2^14 cells: 30 bits.
+        let end = RayEnd {
+            x: x as i32,
+            y: y as i32,
+        };
+        (self.occupied_bit(i64::from(end.x), i64::from(end.y)) & 1 == 0).then_some(end)
+    }
+
+    /// V(a, b) for two points [m]: 0…1; exactly 0 if the line of sight is blocked.
+    ///
+    /// Symmetric bit for bit; 1 for a = b in a free cell; independent of any step size.
+    pub fn visibility(&self, a: Point2<f64>, b: Point2<f64>) -> f64 {
+        match (self.end(a), self.end(b)) {
+            (Some(a), Some(b)) => self.depth(a, b).map_or(0.0, |nats| math::exp(-nats)),
+            _ => 0.0,
+        }
+    }
+
+    /// Whether no occupied cell lies between two points [m] (false if an end is not free).
+    pub fn is_visible(&self, a: Point2<f64>, b: Point2<f64>) -> bool {
+        match (self.end(a), self.end(b)) {
+            (Some(a), Some(b)) => self.depth(a, b).is_some(),
+            _ => false,
+        }
+    }
+
+    /// V between two prepared ends, in single precision (relative error about 1e-7 of
+    /// [`Self::visibility`]).
+    pub fn between(&self, a: RayEnd, b: RayEnd) -> f32 {
+        self.depth(a, b)
+            .map_or(0.0, |nats| math::expf(-nats as f32))
+    }
+
+    /// V from one observer [m] to many points given as separate coordinates [m].
+    ///
+    /// Fills as many entries of `out` as all three slices have; NaN coordinates give 0.
+    pub fn visibility_many(&self, observer: Point2<f64>, xs: &[f32], ys: &[f32], out: &mut [f32]) {
+        let observer = self.end(observer);
+        for ((&x, &y), v) in xs.iter().zip(ys).zip(out) {
+            let target = self.end(Point2::new(f64::from(x), f64::from(y)));
+            *v = match (observer, target) {
+                (Some(o), Some(t)) => self.between(o, t),
+                _ => 0.0,
+            };
+        }
+    }
+
+    /// Whether one of seven points spread over the ray lies in an obstacle: most blocked rays are
+    /// found here, without a single unpredictable branch.
+    #[inline]
+    fn probe(&self, a: RayEnd, b: RayEnd) -> bool {
+        let mut blocked = 0;
+        for eighth in 1..8 {
+            // At most 30 + 3 bits. The points are the same from either end.
+            let x = (i64::from(a.x) * (8 - eighth) + i64::from(b.x) * eighth) >> 3;
+            let y = (i64::from(a.y) * (8 - eighth) + i64::from(b.y) * eighth) >> 3;
+            blocked |= self.occupied_bit(x, y);
+        }
+        blocked & 1 != 0
+    }
+
+    /// The occupancy of a fixed-point position, in the lowest bit.
+    #[inline]
+    fn occupied_bit(&self, x: i64, y: i64) -> u64 {
+        let word = (y >> POINT_BITS) as usize * self.words + (x >> (POINT_BITS + 6)) as usize;
+        self.bits[word] >> ((x >> POINT_BITS) & 63)
+    }
+
+    /// Optical depth −ln V between two ends [nats], ≥ 0; `None` if blocked.
+    #[inline]
+    fn depth(&self, a: RayEnd, b: RayEnd) -> Option<f64> {
+        if self.probe(a, b) {
+            return None;
+        }
+        let (dx, dy) = ((b.x - a.x).abs(), (b.y - a.y).abs());
+        let (sum, long) = if dx >= dy {
+            (self.rows.sum(Segment::new((a.x, a.y), (b.x, b.y)))?, dx)
+        } else {
+            (self.columns.sum(Segment::new((a.y, a.x), (b.y, b.x)))?, dy)
+        };
+        if long == 0 {
+            return Some(0.0);
+        }
+        // The sum runs over the longer coordinate; the arc is longer by this factor.
+        let (x, y) = (f64::from(dx), f64::from(dy));
+        let stretch = (x * x + y * y).sqrt() / f64::from(long);
+        Some(sum as f64 * (self.nats * stretch))
+    }
+}
+
+/// Fractional bits of a cell's cost such that a whole lane of the darkest cells stays below 2^31.
+fn cost_bits(longest_side: usize) -> u32 {
+    let lane_bits = usize::BITS - longest_side.saturating_sub(1).leading_zeros();
+    // DARKEST needs 4 integer bits and, being reached, a fifth.
+    (31 - 5 - lane_bits).min(20)
+}
+
+#[cfg(test)]
+mod tests;

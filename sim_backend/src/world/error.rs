@@ -1,0 +1,140 @@
+//! Why a world cannot be made.
+
+use crate::map::MapError;
+use crate::spec::FieldError;
+
+/// Why a world cannot be made from its specification.
+#[derive(Debug, thiserror::Error)]
+pub enum WorldError {
+    /// The map cannot be used.
+    #[error(transparent)]
+    Map(#[from] MapError),
+    /// A rule has a value out of its range.
+    #[error("rules.{0}")]
+    Rules(FieldError),
+    /// A robot has a value out of its range.
+    #[error("robots[{index}]{}: {source}", quoted(name))]
+    Robot {
+        /// Index of the robot.
+        index: usize,
+        /// Its name.
+        name: String,
+        /// What is wrong.
+        source: FieldError,
+    },
+    /// There is nobody in the world.
+    #[error("robots: the world has no robots: expected at least one")]
+    NoRobots,
+    /// More robots than are supported.
+    #[error("robots: {0} robots: expected at most {max}", max = super::MAX_ROBOTS)]
+    TooManyRobots(usize),
+    /// Two robots with one name.
+    #[error("robots[{second}] is called \"{name}\" like robots[{first}]: expected unique names")]
+    DuplicateName {
+        /// The name.
+        name: String,
+        /// Index of the first that has it.
+        first: usize,
+        /// Index of the second that has it.
+        second: usize,
+    },
+    /// A robot starts beyond the edge of the map.
+    #[error(
+        "robots[{index}] \"{name}\" starts at ({x}, {y}), outside the map: expected x in \
+         [{}, {}] and y in [{}, {}] [m]", min[0], max[0], min[1], max[1]
+    )]
+    OutsideMap {
+        /// Index of the robot.
+        index: usize,
+        /// Its name.
+        name: String,
+        /// Its start [m].
+        x: f64,
+        /// Its start [m].
+        y: f64,
+        /// Smallest coordinates of the map [m].
+        min: [f64; 2],
+        /// Largest coordinates of the map [m].
+        max: [f64; 2],
+    },
+    /// A robot starts in an obstacle or too near to one.
+    #[error(
+        "robots[{index}] \"{name}\" starts in a wall: at ({x}, {y}) the nearest obstacle is \
+         {clearance:.4} m away: expected at least its radius of {radius} m"
+    )]
+    InWall {
+        /// Index of the robot.
+        index: usize,
+        /// Its name.
+        name: String,
+        /// Its start [m].
+        x: f64,
+        /// Its start [m].
+        y: f64,
+        /// Distance from its centre to the nearest obstacle [m].
+        clearance: f64,
+        /// The clearance that it needs [m].
+        radius: f64,
+    },
+    /// Two robots start in one place.
+    #[error(
+        "robots[{first}] \"{first_name}\" and robots[{second}] \"{second_name}\" overlap at the \
+         start: their centres are {distance:.4} m apart: expected at least {needed:.4} m"
+    )]
+    Overlap {
+        /// Index of the first.
+        first: usize,
+        /// Its name.
+        first_name: String,
+        /// Index of the second.
+        second: usize,
+        /// Its name.
+        second_name: String,
+        /// Distance of their centres [m].
+        distance: f64,
+        /// Sum of their radii [m].
+        needed: f64,
+    },
+    /// There is no way for an evader to any exit.
+    #[error(
+        "robots[{index}] \"{name}\" cannot reach any exit: no way from ({x}, {y}) is wide enough \
+         for its radius of {radius} m"
+    )]
+    ExitUnreachable {
+        /// Index of the evader.
+        index: usize,
+        /// Its name.
+        name: String,
+        /// Its start [m].
+        x: f64,
+        /// Its start [m].
+        y: f64,
+        /// Its radius [m].
+        radius: f64,
+    },
+    /// There is no way for a robot to its goal.
+    #[error(
+        "robots[{index}] \"{name}\" cannot reach its goal: no way from ({x}, {y}) is wide enough \
+         for its radius of {radius} m"
+    )]
+    GoalUnreachable {
+        /// Index of the robot.
+        index: usize,
+        /// Its name.
+        name: String,
+        /// Its start [m].
+        x: f64,
+        /// Its start [m].
+        y: f64,
+        /// Its radius [m].
+        radius: f64,
+    },
+}
+
+fn quoted(name: &str) -> String {
+    if name.is_empty() {
+        String::new()
+    } else {
+        format!(" \"{name}\"")
+    }
+}

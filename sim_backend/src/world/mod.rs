@@ -1,0 +1,345 @@
+//! The world: robots on a map, under rules, one step at a time.
+
+mod error;
+mod event;
+mod impact;
+mod motion;
+mod obstacles;
+mod rules;
+mod sense;
+mod start;
+
+pub use error::WorldError;
+pub use event::{ContactWith, EventKind, GameOver, ObstacleAction, WorldEvent};
+
+use core::time::Duration;
+
+use motion::Motion;
+
+use crate::map::WorldMap;
+use crate::pose::{Pose2, Twist2};
+use crate::random::Stream;
+use crate::robot::{Robot, drive};
+use crate::spec::{ActuatorSpec, OdometrySpec, OutOfPlay, Region, RulesSpec, ScanSpec, WorldSpec};
+
+/// Most robots in one world.
+pub const MAX_ROBOTS: usize = 1024;
+
+/// Robots on a map, under rules.
+///
+/// ```
+/// # use core::time::Duration;
+/// # use sim_backend::map::{MapSpec, VectorMap};
+/// # use sim_backend::pose::{Pose2, Twist2};
+/// # use sim_backend::spec::{RobotSpec, RulesSpec, WorldSpec};
+/// # use sim_backend::team::Team;
+/// # use sim_backend::world::World;
+/// let mut world = World::new(WorldSpec {
+///     map: MapSpec::Vector(VectorMap::empty([0.0, 0.0], [4.0, 3.0], 0.05)),
+///     robots: vec![RobotSpec::new("walle", Team::Neutral, Pose2::new(1.0, 1.5, 0.0))],
+///     rules: RulesSpec::default(),
+///     seed: 1,
+/// })?;
+/// for _ in 0..20 {
+///     world.step(&[Some(Twist2::new(0.2, 0.0))], Duration::from_millis(50));
+/// }
+/// assert!((world.robots()[0].pose.x - 1.2).abs() < 1e-12);
+/// # Ok::<(), sim_backend::world::WorldError>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct World {
+    map: WorldMap,
+    rules: RulesSpec,
+    /// Exits of the map, then of the rules.
+    exits: Vec<Region>,
+    seed: u64,
+    robots: Vec<Robot>,
+    extras: Vec<Extra>,
+    time: Duration,
+    tick: u64,
+    over: Option<GameOver>,
+    events: Vec<WorldEvent>,
+    /// Events from between steps, delivered by the next.
+    pending: Vec<EventKind>,
+    // Memory of one step, kept so that steps do not allocate.
+    motion: Motion,
+    twists: Vec<Twist2>,
+    solid: Vec<bool>,
+    /// Pairs in contact before the step.
+    pairs_before: Vec<(usize, usize)>,
+}
+
+/// What the world keeps of a robot beside its public state.
+#[derive(Debug, Clone)]
+struct Extra {
+    actuator: Option<ActuatorSpec>,
+    scan: Option<ScanSpec>,
+    odometry: Option<OdometrySpec>,
+    /// Pose that its odometry believes in.
+    odometry_pose: Pose2,
+    /// Whether its last command was invalid.
+    invalid_command: bool,
+    /// How long Police have been within the capture radius.
+    held: Duration,
+}
+
+/// Purposes of random streams; a robot's stream is its index times their number, plus this.
+#[derive(Debug, Clone, Copy)]
+enum Purpose {
+    Actuator = 0,
+    Scan = 1,
+    Odometry = 2,
+}
+
+impl World {
+    /// The world that a specification describes, at time 0.
+    ///
+    /// # Errors
+    /// Names what is wrong, its value and what was expected: a map that cannot be read, a value out
+    /// of its range, no robots, robots that overlap, stand in a wall or outside the map, an exit or
+    /// goal without a way to it.
+    pub fn new(spec: WorldSpec) -> Result<Self, WorldError> {
+        let map = WorldMap::new(&spec.map)?;
+        Self::on_map(map, spec)
+    }
+
+    /// The same on a map that was loaded before (`spec.map` is not read).
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn on_map(map: WorldMap, spec: WorldSpec) -> Result<Self, WorldError> {
+        start::check_specs(&spec.robots, &spec.rules)?;
+        let robots: Vec<Robot> = spec.robots.iter().map(Robot::new).collect();
+        let exits: Vec<Region> = map
+            .exits()
+            .iter()
+            .chain(&spec.rules.exits)
+            .copied()
+            .collect();
+        start::check_places(&map, &robots, &exits)?;
+        let extras = spec
+            .robots
+            .iter()
+            .zip(&robots)
+            .map(|(spec, robot)| Extra {
+                actuator: (!spec.actuator.is_perfect()).then_some(spec.actuator),
+                scan: spec.scan,
+                odometry: spec.odometry,
+                odometry_pose: robot.pose,
+                invalid_command: false,
+                held: Duration::ZERO,
+            })
+            .collect();
+        let n = robots.len();
+        Ok(Self {
+            map,
+            rules: spec.rules,
+            exits,
+            seed: spec.seed,
+            robots,
+            extras,
+            time: Duration::ZERO,
+            tick: 0,
+            over: None,
+            events: Vec::with_capacity(4 * n + 4),
+            pending: Vec::new(),
+            motion: Motion::new(n),
+            twists: vec![Twist2::STOP; n],
+            solid: vec![true; n],
+            pairs_before: Vec::with_capacity(n),
+        })
+    }
+
+    /// Lets `dt` pass: robots execute their commands, sensors and rules follow, in a fixed order.
+    ///
+    /// Command *i* is for robot *i*. A missing command stops the robot; one that is not finite
+    /// stops it and is reported; one beyond its limits is clamped. Robots out of the game ignore
+    /// theirs. Captures, exits, goals and the time limit are decided, in this order, on the poses
+    /// at the end of the step.
+    ///
+    /// Returns what happened, in the order in which it is decided. The result is a function of the
+    /// specification and the commands since; a step allocates nothing unless more happens in it than
+    /// ever before.
+    pub fn step(&mut self, commands: &[Option<Twist2>], dt: Duration) -> &[WorldEvent] {
+        self.events.clear();
+        while !self.pending.is_empty() {
+            let kind = self.pending.remove(0);
+            self.emit(kind);
+        }
+        self.tick += 1;
+        self.time = self.time.saturating_add(dt);
+        let seconds = dt.as_secs_f64();
+        if seconds > 0.0 {
+            self.execute_commands(commands, seconds);
+            self.update_solid();
+            core::mem::swap(&mut self.pairs_before, &mut self.motion.pairs);
+            self.motion.advance(
+                &self.map,
+                &mut self.robots,
+                &self.twists,
+                &self.solid,
+                seconds,
+                self.rules.blocked,
+            );
+            self.report_contacts();
+            self.update_odometry(seconds);
+        }
+        self.apply_rules(dt);
+        &self.events
+    }
+
+    /// Decides what each drive does in this step.
+    fn execute_commands(&mut self, commands: &[Option<Twist2>], dt: f64) {
+        for i in 0..self.robots.len() {
+            let (robot, extra) = (&mut self.robots[i], &mut self.extras[i]);
+            if !robot.is_active() {
+                self.twists[i] = Twist2::STOP;
+                continue;
+            }
+            let mut command = commands.get(i).copied().flatten().unwrap_or(Twist2::STOP);
+            let invalid = !command.is_finite();
+            let first_invalid = invalid && !extra.invalid_command;
+            extra.invalid_command = invalid;
+            if invalid {
+                command = Twist2::STOP;
+                robot.invalid_commands += 1;
+            }
+            let mut twist = drive::limit(&robot.model, robot.twist, command, dt);
+            if let Some(actuator) = &extra.actuator {
+                let stream = stream_number(i, Purpose::Actuator);
+                let mut noise = Stream::new(self.seed, stream, self.tick);
+                twist = drive::disturb(&robot.model, actuator, twist, &mut noise);
+            }
+            self.twists[i] = twist;
+            if first_invalid {
+                self.emit(EventKind::InvalidCommand { robot: i });
+            }
+        }
+    }
+
+    fn update_solid(&mut self) {
+        for (solid, robot) in self.solid.iter_mut().zip(&self.robots) {
+            *solid = has_body(robot, &self.rules);
+        }
+    }
+
+    /// Counts contacts and reports those that began or ended.
+    fn report_contacts(&mut self) {
+        for i in 0..self.robots.len() {
+            let (before, now) = (self.robots[i].touches_wall, self.motion.touch[i].wall);
+            let robot = &mut self.robots[i];
+            robot.touches_wall = now;
+            robot.contacts.wall_ticks += u64::from(now);
+            robot.contacts.wall += u32::from(now && !before);
+            if now != before {
+                self.emit_contact(now, i, ContactWith::Wall);
+            }
+        }
+        if self.pairs_before.is_empty() && self.motion.pairs.is_empty() {
+            return;
+        }
+        for k in 0..self.pairs_before.len() {
+            let (a, b) = self.pairs_before[k];
+            if self.motion.pairs.binary_search(&(a, b)).is_err() {
+                self.emit_contact(false, a, ContactWith::Robot(b));
+            }
+        }
+        for k in 0..self.motion.pairs.len() {
+            let (a, b) = self.motion.pairs[k];
+            if self.pairs_before.binary_search(&(a, b)).is_err() {
+                self.robots[a].contacts.robot += 1;
+                self.robots[b].contacts.robot += 1;
+                self.emit_contact(true, a, ContactWith::Robot(b));
+            }
+        }
+        for (i, robot) in self.robots.iter_mut().enumerate() {
+            let touches = self.motion.pairs.iter().any(|&(a, b)| a == i || b == i);
+            robot.contacts.robot_ticks += u64::from(touches);
+        }
+    }
+
+    fn emit_contact(&mut self, began: bool, robot: usize, with: ContactWith) {
+        self.emit(if began {
+            EventKind::ContactBegan { robot, with }
+        } else {
+            EventKind::ContactEnded { robot, with }
+        });
+    }
+
+    fn emit(&mut self, kind: EventKind) {
+        self.events.push(WorldEvent {
+            time: self.time,
+            tick: self.tick,
+            kind,
+        });
+    }
+
+    /// Whether a robot's body stands in the world, in play or not; false for an unknown index.
+    pub fn is_present(&self, robot: usize) -> bool {
+        self.robots
+            .get(robot)
+            .is_some_and(|robot| has_body(robot, &self.rules))
+    }
+
+    /// The robots, in the order of the specification.
+    pub fn robots(&self) -> &[Robot] {
+        &self.robots
+    }
+
+    /// The map as it is now.
+    pub fn map(&self) -> &WorldMap {
+        &self.map
+    }
+
+    /// The rules.
+    pub fn rules(&self) -> &RulesSpec {
+        &self.rules
+    }
+
+    /// Where evaders escape: the map's exits, then those of the rules.
+    pub fn exits(&self) -> &[Region] {
+        &self.exits
+    }
+
+    /// Simulated time since the start, to the nanosecond.
+    pub fn time(&self) -> Duration {
+        self.time
+    }
+
+    /// Number of steps taken.
+    pub fn tick(&self) -> u64 {
+        self.tick
+    }
+
+    /// What happened in the last step.
+    pub fn events(&self) -> &[WorldEvent] {
+        &self.events
+    }
+
+    /// Whether the mission is over. The world can be stepped on; nothing changes that any more.
+    pub fn is_over(&self) -> bool {
+        self.over.is_some()
+    }
+
+    /// Why the mission is over.
+    pub fn game_over(&self) -> Option<GameOver> {
+        self.over
+    }
+}
+
+fn stream_number(robot: usize, purpose: Purpose) -> u64 {
+    robot as u64 * 4 + purpose as u64
+}
+
+/// Whether a robot stands in the way of others.
+fn has_body(robot: &Robot, rules: &RulesSpec) -> bool {
+    use crate::robot::RobotStatus::{Active, Arrived, Caught, Escaped, TimedOut};
+    match robot.status {
+        Active | Arrived | TimedOut => true,
+        Caught => rules.caught == OutOfPlay::Stay,
+        Escaped => rules.escaped == OutOfPlay::Stay,
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,124 @@
+//! Obstacles that change while robots drive.
+
+use nalgebra::{Point2, Vector2};
+
+use super::{EventKind, ObstacleAction, World, has_body};
+use crate::map::{ObstacleChange, ObstacleError};
+use crate::math;
+
+/// How far [m] at most an obstacle pushes a robot aside, beyond the robot's own diameter.
+const PUSH_LIMIT: f64 = 1.0;
+/// Directions in which a free place is looked for.
+const DIRECTIONS: usize = 64;
+/// Room [m] left to the obstacle after a push: more than a contact needs.
+const ROOM: f64 = 1e-6;
+
+impl World {
+    /// Applies an obstacle change between two steps; the map's grids and revision follow at once,
+    /// the events come with the next step.
+    ///
+    /// A robot on which the obstacle comes to stand is pushed to the nearest free place that it can
+    /// be pushed to in a straight line past the other obstacles, at most 1 m and its diameter away.
+    /// If there is none it is *trapped*: it stands in the obstacle and can only turn, until the
+    /// obstacle goes.
+    ///
+    /// # Errors
+    /// If the obstacle's number or shape is wrong; the world is unchanged then.
+    pub fn apply(&mut self, change: &ObstacleChange) -> Result<(), ObstacleError> {
+        self.map.apply(change)?;
+        let action = match change {
+            ObstacleChange::Appear { .. } => ObstacleAction::Appeared,
+            ObstacleChange::Disappear { .. } => ObstacleAction::Disappeared,
+            ObstacleChange::Move { .. } => ObstacleAction::Moved,
+        };
+        let (id, revision) = (change.id(), self.map.revision());
+        self.pending.push(EventKind::ObstacleApplied {
+            id,
+            action,
+            revision,
+        });
+        for i in 0..self.robots.len() {
+            if !has_body(&self.robots[i], &self.rules) {
+                continue;
+            }
+            let (position, radius) = (self.robots[i].pose.position(), self.robots[i].radius());
+            let was_trapped = self.robots[i].trapped;
+            // A robot that just touches keeps its place: contacts leave less than this.
+            if self.map.is_clear(position, radius - 1e-7) {
+                if was_trapped {
+                    self.robots[i].trapped = false;
+                    self.pending.push(EventKind::Released { robot: i });
+                }
+            } else if let Some((place, distance)) = self.free_place(i) {
+                let robot = &mut self.robots[i];
+                robot.pose.x = place.x;
+                robot.pose.y = place.y;
+                robot.trapped = false;
+                self.pending
+                    .push(EventKind::PushedOut { robot: i, distance });
+            } else if !was_trapped {
+                self.robots[i].trapped = true;
+                self.pending.push(EventKind::Trapped { robot: i });
+            }
+        }
+        Ok(())
+    }
+
+    /// The nearest place where a robot stands free, and its distance [m].
+    fn free_place(&self, robot: usize) -> Option<(Point2<f64>, f64)> {
+        let (start, radius) = (
+            self.robots[robot].pose.position(),
+            self.robots[robot].radius(),
+        );
+        let free = |p: Point2<f64>| {
+            self.map.is_clear(p, radius + ROOM)
+                && self.robots.iter().enumerate().all(|(i, other)| {
+                    let needed = radius + other.radius() + ROOM;
+                    i == robot
+                        || !has_body(other, &self.rules)
+                        || (other.pose.position() - p).norm_squared() >= needed * needed
+                })
+        };
+        // What does not overlap the robot now must not be pushed through.
+        let others: Vec<_> = self
+            .map
+            .parts()
+            .iter()
+            .filter(|part| part.distance(start) >= radius - 1e-7)
+            .collect();
+        let step = radius / 4.0;
+        let rings = ((PUSH_LIMIT + 2.0 * radius) / step).ceil() as usize;
+        for ring in 1..=rings {
+            let far = ring as f64 * step;
+            let mut best: Option<(Point2<f64>, f64)> = None;
+            for k in 0..DIRECTIONS {
+                let (sin, cos) =
+                    math::sincos(core::f64::consts::TAU * k as f64 / DIRECTIONS as f64);
+                let dir = Vector2::new(cos, sin);
+                if !free(start + dir * far) {
+                    continue;
+                }
+                // Between the last ring and this one lies the nearest free place this way.
+                let (mut low, mut high) = (far - step, far);
+                for _ in 0..30 {
+                    let middle = 0.5 * (low + high);
+                    if free(start + dir * middle) {
+                        high = middle;
+                    } else {
+                        low = middle;
+                    }
+                }
+                let crosses = others
+                    .iter()
+                    .any(|part| part.ray(start, dir).is_some_and(|t| t < high));
+                if !crosses && best.is_none_or(|(_, least)| high < least) {
+                    best = Some((start + dir * high, high));
+                }
+            }
+            if best.is_some() {
+                return best;
+            }
+        }
+        None
+    }
+}

@@ -1,0 +1,169 @@
+//! Checks of a specification against its map, before time starts.
+
+use super::{MAX_ROBOTS, WorldError};
+use crate::map::WorldMap;
+use crate::robot::Robot;
+use crate::spec::{Region, RobotSpec, RulesSpec};
+use crate::team::Team;
+
+/// Checks robots and rules by themselves.
+pub(super) fn check_specs(robots: &[RobotSpec], rules: &RulesSpec) -> Result<(), WorldError> {
+    rules.validate().map_err(WorldError::Rules)?;
+    if robots.is_empty() {
+        return Err(WorldError::NoRobots);
+    }
+    if robots.len() > MAX_ROBOTS {
+        return Err(WorldError::TooManyRobots(robots.len()));
+    }
+    for (index, robot) in robots.iter().enumerate() {
+        robot.validate().map_err(|source| {
+            let name = robot.name.clone();
+            WorldError::Robot {
+                index,
+                name,
+                source,
+            }
+        })?;
+        if let Some(first) = robots[..index]
+            .iter()
+            .position(|other| other.name == robot.name)
+        {
+            return Err(WorldError::DuplicateName {
+                name: robot.name.clone(),
+                first,
+                second: index,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Checks that every robot stands free and has somewhere to go.
+pub(super) fn check_places(
+    map: &WorldMap,
+    robots: &[Robot],
+    exits: &[Region],
+) -> Result<(), WorldError> {
+    for (index, robot) in robots.iter().enumerate() {
+        let (x, y, radius) = (robot.pose.x, robot.pose.y, robot.radius());
+        let name = || robot.name.clone();
+        let bounds = map.bounds();
+        if !bounds.contains(robot.pose.position()) {
+            let (min, max) = ([bounds.min.x, bounds.min.y], [bounds.max.x, bounds.max.y]);
+            return Err(WorldError::OutsideMap {
+                index,
+                name: name(),
+                x,
+                y,
+                min,
+                max,
+            });
+        }
+        let clearance = map.distance(robot.pose.position());
+        if clearance < radius {
+            return Err(WorldError::InWall {
+                index,
+                name: name(),
+                x,
+                y,
+                clearance,
+                radius,
+            });
+        }
+        for (first, other) in robots[..index].iter().enumerate() {
+            let distance = (other.pose.position() - robot.pose.position()).norm();
+            let needed = other.radius() + radius;
+            if distance < needed {
+                return Err(WorldError::Overlap {
+                    first,
+                    first_name: other.name.clone(),
+                    second: index,
+                    second_name: name(),
+                    distance,
+                    needed,
+                });
+            }
+        }
+    }
+    for (index, robot) in robots.iter().enumerate() {
+        let (x, y, radius) = (robot.pose.x, robot.pose.y, robot.radius());
+        let name = || robot.name.clone();
+        if robot.team == Team::Evader && !exits.is_empty() && !reaches_any(map, robot, exits) {
+            return Err(WorldError::ExitUnreachable {
+                index,
+                name: name(),
+                x,
+                y,
+                radius,
+            });
+        }
+        if let Some(goal) = robot.goal
+            && !reaches_any(map, robot, &[goal])
+        {
+            return Err(WorldError::GoalUnreachable {
+                index,
+                name: name(),
+                x,
+                y,
+                radius,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Whether a robot can come from where it is into any of the regions: flood over the cells that may
+/// hold a point with enough clearance.
+///
+/// It errs on the side of passable, by less than a cell: an answer of no is certain.
+fn reaches_any(map: &WorldMap, robot: &Robot, regions: &[Region]) -> bool {
+    let frame = map.frame();
+    let clearance = &map.clearance().cells;
+    let half_diagonal = frame.resolution * core::f64::consts::FRAC_1_SQRT_2;
+    let needed = robot.radius() - half_diagonal - 1e-6;
+    let passable = |cell: usize| {
+        clearance
+            .get(cell)
+            .is_some_and(|&c| c > 0.0 && f64::from(c) >= needed)
+    };
+    let in_region = |col: usize, row: usize| {
+        let center = frame.center(col, row);
+        regions.iter().any(|region| {
+            region.contains(center) || frame.cell_at(region.center()) == Some((col, row))
+        })
+    };
+    if regions
+        .iter()
+        .any(|region| region.contains(robot.pose.position()))
+    {
+        return true;
+    }
+    let Some((col, row)) = frame.cell_at(robot.pose.position()) else {
+        return false;
+    };
+    let mut seen = vec![false; frame.len()];
+    let mut open = vec![(col, row)];
+    // The start stands free (checked before), whatever its cell's centre does.
+    seen[frame.index(col, row)] = true;
+    while let Some((col, row)) = open.pop() {
+        if in_region(col, row) {
+            return true;
+        }
+        let neighbours = [
+            (col.wrapping_sub(1), row),
+            (col + 1, row),
+            (col, row.wrapping_sub(1)),
+            (col, row + 1),
+        ];
+        for (c, r) in neighbours {
+            if c < frame.width && r < frame.height {
+                let cell = frame.index(c, r);
+                if !seen[cell] && passable(cell) {
+                    seen[cell] = true;
+                    open.push((c, r));
+                }
+            }
+        }
+    }
+    false
+}

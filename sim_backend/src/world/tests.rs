@@ -1,0 +1,62 @@
+mod contact;
+mod game;
+mod history;
+mod obstacles;
+mod sense;
+mod start;
+
+use core::time::Duration;
+
+use super::*;
+use crate::map::{MapSpec, ObstacleSpec, VectorMap};
+use crate::shape::Shape;
+use crate::spec::{LimitsSpec, RobotSpec};
+use crate::team::Team;
+
+const TICK: Duration = Duration::from_millis(50);
+
+/// A room with corners (−5, −5) and (5, 5).
+fn room(obstacles: Vec<Shape>) -> MapSpec {
+    let mut map = VectorMap::empty([-5.0, -5.0], [5.0, 5.0], 0.1);
+    map.obstacles = obstacles
+        .into_iter()
+        .enumerate()
+        .map(|(i, shape)| ObstacleSpec {
+            name: format!("o{i}"),
+            shape,
+        })
+        .collect();
+    MapSpec::Vector(map)
+}
+
+/// A robot of radius 0.1 m that may go 100 m/s and turn 100 rad/s.
+fn racer(name: &str, team: Team, x: f64, y: f64, theta: f64) -> RobotSpec {
+    let mut robot = RobotSpec::new(name, team, Pose2::new(x, y, theta));
+    robot.radius = Some(0.1);
+    robot.limits = LimitsSpec {
+        v_max: Some(100.0),
+        v_reverse_max: Some(100.0),
+        omega_max: Some(100.0),
+        ..LimitsSpec::default()
+    };
+    robot
+}
+
+fn world(map: MapSpec, robots: Vec<RobotSpec>, rules: RulesSpec) -> World {
+    World::new(WorldSpec {
+        map,
+        robots,
+        rules,
+        seed: 5,
+    })
+    .unwrap()
+}
+
+#[expect(clippy::unnecessary_wraps, reason = "a step takes optional commands")]
+fn drive(v: f64, omega: f64) -> Option<Twist2> {
+    Some(Twist2::new(v, omega))
+}
+
+fn kinds(events: &[WorldEvent]) -> Vec<EventKind> {
+    events.iter().map(|e| e.kind).collect()
+}

@@ -1,0 +1,228 @@
+use super::*;
+use crate::robot::RobotStatus;
+use crate::spec::{CaptureSpec, Region};
+
+fn chase(rules: RulesSpec) -> World {
+    let robots = vec![
+        racer("p1", Team::Police, -1.0, 0.0, 0.0),
+        racer("p2", Team::Police, 1.0, 0.0, core::f64::consts::PI),
+        racer("e", Team::Evader, 0.0, 0.0, core::f64::consts::FRAC_PI_2),
+    ];
+    world(room(vec![]), robots, rules)
+}
+
+fn capture(dwell: f64) -> RulesSpec {
+    RulesSpec {
+        capture: Some(CaptureSpec { radius: 0.5, dwell }),
+        ..RulesSpec::default()
+    }
+}
+
+#[test]
+fn two_police_at_once_are_one_capture_by_the_nearer_then_by_the_first() {
+    let mut world = chase(capture(0.0));
+    let events = kinds(world.step(&[drive(11.0, 0.0), drive(12.0, 0.0), None], TICK));
+    let [
+        EventKind::Captured {
+            evader: 2,
+            by: 1,
+            distance,
+        },
+        EventKind::GameOver { reason },
+    ] = events[..]
+    else {
+        panic!("{events:?}")
+    };
+    assert!((distance - 0.4).abs() < 1e-9);
+    assert_eq!(reason, GameOver::Decided);
+    assert_eq!(world.robots()[2].status, RobotStatus::Caught);
+    assert_eq!(world.robots()[2].caught_by, Some(1));
+    assert_eq!(world.robots()[2].finished_at, Some(TICK));
+    assert!(world.is_over());
+    assert!(world.step(&[], TICK).is_empty());
+
+    let mut world = chase(capture(0.0));
+    world.step(&[drive(12.0, 0.0), drive(12.0, 0.0), None], TICK);
+    assert_eq!(world.robots()[2].caught_by, Some(0));
+}
+
+#[test]
+fn the_capture_radius_itself_does_not_catch() {
+    let mut world = chase(capture(0.0));
+    world.step(&[drive(10.0, 0.0), None, None], TICK);
+    assert_eq!(world.robots()[0].pose.x, -0.5);
+    assert!(world.robots()[2].is_active());
+}
+
+#[test]
+fn a_dwell_must_be_uninterrupted() {
+    let mut world = chase(capture(0.15));
+    let near = [drive(12.0, 0.0), None, None];
+    let stay = [None, None, None];
+    let away = [drive(-12.0, 0.0), None, None];
+    for commands in [near, stay, away, near, stay] {
+        world.step(&commands, TICK);
+        assert!(world.robots()[2].is_active());
+    }
+    world.step(&stay, TICK);
+    assert_eq!(world.robots()[2].status, RobotStatus::Caught);
+}
+
+#[test]
+fn a_caught_evader_does_not_escape_in_the_same_tick() {
+    let exit = Region::Circle {
+        center: [0.0, 0.0],
+        radius: 0.2,
+    };
+    for (advance, status) in [(12.0, RobotStatus::Caught), (9.0, RobotStatus::Escaped)] {
+        let mut world = chase(RulesSpec {
+            exits: vec![exit],
+            ..capture(0.0)
+        });
+        world.step(&[drive(advance, 0.0), None, None], TICK);
+        assert_eq!(world.robots()[2].status, status);
+    }
+}
+
+#[test]
+fn escaped_evaders_leave_and_caught_ones_stay_in_the_way_unless_the_rules_say_otherwise() {
+    use crate::spec::OutOfPlay::{Remove, Stay};
+    let exit = Region::Circle {
+        center: [0.0, 0.0],
+        radius: 0.2,
+    };
+    for (escaped, x) in [(Remove, 0.5), (Stay, -0.2)] {
+        let rules = RulesSpec {
+            exits: vec![exit],
+            escaped,
+            ..RulesSpec::default()
+        };
+        let mut world = chase(rules);
+        world.step(&[], TICK);
+        assert_eq!(world.robots()[2].status, RobotStatus::Escaped);
+        world.step(&[drive(30.0, 0.0), None, None], TICK);
+        assert!((world.robots()[0].pose.x - x).abs() < 1e-6, "{escaped:?}");
+    }
+    for (caught, x) in [(Remove, 0.6), (Stay, -0.2)] {
+        let mut world = chase(RulesSpec {
+            caught,
+            ..capture(0.0)
+        });
+        world.step(&[drive(12.0, 0.0), None, None], TICK);
+        assert_eq!(world.robots()[2].status, RobotStatus::Caught);
+        world.step(&[drive(20.0, 0.0), None, drive(5.0, 0.0)], TICK);
+        assert!((world.robots()[0].pose.x - x).abs() < 1e-6, "{caught:?}");
+        assert_eq!(
+            world.robots()[2].pose.y,
+            0.0,
+            "a caught robot ignores its commands"
+        );
+    }
+}
+
+#[test]
+fn time_runs_out_exactly_and_without_drift() {
+    let rules = RulesSpec {
+        time_limit: Some(100.0),
+        ..RulesSpec::default()
+    };
+    let mut world = chase(rules);
+    for _ in 0..999 {
+        world.step(&[], Duration::from_millis(100));
+    }
+    assert!(!world.is_over());
+    let events = kinds(world.step(&[], Duration::from_millis(100)));
+    assert_eq!(
+        events,
+        [
+            EventKind::TimedOut { robot: 2 },
+            EventKind::GameOver {
+                reason: GameOver::TimeLimit
+            }
+        ]
+    );
+    assert_eq!(world.time(), Duration::from_secs(100));
+    assert_eq!(world.robots()[2].status, RobotStatus::TimedOut);
+    assert!(world.robots()[0].is_active());
+}
+
+#[test]
+fn a_neutral_robot_arrives_at_its_goal() {
+    let mut robot = racer("walker", Team::Neutral, 0.0, 0.0, 0.0);
+    robot.goal = Some(Region::Rectangle {
+        center: [2.0, 0.0],
+        half_extents: [0.49, 0.5],
+        angle: 0.0,
+    });
+    let mut world = world(room(vec![]), vec![robot], RulesSpec::default());
+    let mut steps = 0;
+    while !world.is_over() {
+        world.step(&[drive(1.0, 0.0)], TICK);
+        steps += 1;
+    }
+    assert_eq!(world.robots()[0].status, RobotStatus::Arrived);
+    assert_eq!(world.game_over(), Some(GameOver::Decided));
+    assert_eq!(steps, 31);
+}
+
+#[test]
+fn bad_commands_stop_the_robot_and_are_reported_once() {
+    let robot = racer("a", Team::Neutral, 0.0, 0.0, 0.0);
+    let mut world = world(room(vec![]), vec![robot], RulesSpec::default());
+    world.step(&[drive(1.0, 0.0)], TICK);
+    let x = world.robots()[0].pose.x;
+    for (command, reports) in [(drive(f64::NAN, 0.0), 1), (drive(0.0, f64::INFINITY), 0)] {
+        assert_eq!(world.step(&[command], TICK).len(), reports);
+        assert_eq!(world.robots()[0].pose.x, x);
+    }
+    assert_eq!(world.robots()[0].invalid_commands, 2);
+    // Missing stops as well, silently; too much is clamped.
+    assert!(world.step(&[], TICK).is_empty());
+    assert!(world.step(&[None], TICK).is_empty());
+    assert_eq!(world.robots()[0].pose.x, x);
+    world.step(&[drive(1e300, 0.0)], Duration::from_millis(1));
+    assert!((world.robots()[0].pose.x - x - 0.1).abs() < 1e-12);
+    assert_eq!(world.step(&[drive(f64::NAN, 0.0)], TICK).len(), 1);
+}
+
+#[test]
+fn a_step_of_no_length_moves_nothing() {
+    let mut world = chase(RulesSpec::default());
+    let before = world.robots().to_vec();
+    world.step(&[drive(1.0, 1.0); 3], Duration::ZERO);
+    assert_eq!(world.robots(), before);
+    assert_eq!(world.tick(), 1);
+}
+
+#[test]
+fn slip_and_noise_keep_within_the_limits_and_repeat_with_the_seed() {
+    let run = |seed| {
+        let mut robot = racer("a", Team::Neutral, 0.0, 0.0, 0.0);
+        robot.limits.v_max = Some(1.0);
+        robot.limits.omega_max = Some(2.0);
+        robot.actuator = crate::spec::ActuatorSpec {
+            slip: 0.1,
+            noise: 0.3,
+            veer: 0.5,
+            ..Default::default()
+        };
+        let map = room(vec![]);
+        let spec = WorldSpec {
+            map,
+            robots: vec![robot],
+            rules: RulesSpec::default(),
+            seed,
+        };
+        let mut world = World::new(spec).unwrap();
+        for _ in 0..50 {
+            world.step(&[drive(1.0, 0.0)], TICK);
+            let twist = world.robots()[0].twist;
+            assert!(twist.v <= 1.0 && twist.omega.abs() <= 2.0);
+        }
+        world.robots()[0].pose
+    };
+    assert_eq!(run(1), run(1));
+    assert_ne!(run(1), run(2));
+    assert!(run(1).x < 2.4, "it slips: {}", run(1).x);
+    assert_ne!(run(1).y, 0.0, "it veers");
+}

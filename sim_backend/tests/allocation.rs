@@ -1,0 +1,87 @@
+//! A step allocates nothing once its buffers have grown.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
+
+use sim_backend::map::{MapSpec, ObstacleSpec, VectorMap};
+use sim_backend::pose::{Pose2, Twist2};
+use sim_backend::shape::Shape;
+use sim_backend::spec::{CaptureSpec, RobotSpec, RulesSpec, ScanSpec, WorldSpec};
+use sim_backend::team::Team;
+use sim_backend::world::World;
+
+static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
+
+struct Counting;
+
+// SAFETY: hands every request to the system's allocator unchanged; counting has no influence on it.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
+        // SAFETY: the caller keeps the contract of `alloc`.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: the caller keeps the contract of `dealloc`; the pointer came from `System`.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static COUNTING: Counting = Counting;
+
+#[test]
+fn steps_scans_and_views_do_not_allocate() {
+    let mut map = VectorMap::empty([0.0, 0.0], [6.0, 6.0], 0.05);
+    map.obstacles.push(ObstacleSpec {
+        name: String::new(),
+        shape: Shape::Circle {
+            center: [3.0, 3.0],
+            radius: 1.0,
+        },
+    });
+    let places = [
+        (1.0, 1.0),
+        (1.5, 1.0),
+        (5.0, 5.0),
+        (5.0, 1.0),
+        (1.0, 5.0),
+        (3.0, 1.0),
+    ];
+    let robots = places.iter().enumerate().map(|(i, &(x, y))| {
+        let team = if i < 4 { Team::Police } else { Team::Evader };
+        let mut robot = RobotSpec::new(&format!("r{i}"), team, Pose2::new(x, y, i as f64));
+        robot.scan = Some(ScanSpec::default());
+        robot
+    });
+    let mut world = World::new(WorldSpec {
+        map: MapSpec::Vector(map),
+        robots: robots.collect(),
+        rules: RulesSpec {
+            capture: Some(CaptureSpec::default()),
+            ..RulesSpec::default()
+        },
+        seed: 1,
+    })
+    .unwrap();
+    let mut ranges = Vec::new();
+    let mut run = |steps: usize| {
+        let mut events = 0;
+        for k in 0..steps {
+            let turn = if k % 100 < 50 { 0.7 } else { -0.4 };
+            let commands = [Some(Twist2::new(0.2, turn)); 6];
+            events += world.step(&commands, Duration::from_millis(50)).len();
+            world.scan(k % 6, &mut ranges);
+            world.sees(0, 5);
+        }
+        events
+    };
+    // Robots run into walls and each other from the first seconds on.
+    assert!(run(4000) > 10);
+    let before = ALLOCATIONS.load(Ordering::Relaxed);
+    let events = run(4000);
+    assert_eq!(ALLOCATIONS.load(Ordering::Relaxed), before);
+    assert!(events > 10, "contacts go on: {events}");
+}
