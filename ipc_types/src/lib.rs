@@ -12,6 +12,7 @@ pub mod cdr;
 pub mod clock;
 pub mod message;
 pub mod messages;
+pub mod python;
 pub mod schema;
 pub mod stamp;
 pub mod topics;

@@ -27,10 +27,8 @@ pub fn ros2msg<T: Topic>() -> String {
     match T::SHAPE {
         Shape::One => fields(&mut text, &element, &mut nested),
         Shape::Many => {
-            if element.fields.is_empty() {
-                let _ = writeln!(text, "{}[] {}", element.name, T::ELEMENTS);
-            } else {
-                let _ = writeln!(text, "{}[] {}", element.name, T::ELEMENTS);
+            let _ = writeln!(text, "{}[] {}", element.name, T::ELEMENTS);
+            if !element.fields.is_empty() {
                 nested.push(element);
             }
         }

@@ -159,6 +159,13 @@ topics! {
         qos |s| Qos { history: 1, per_tick: 2, publishers: 1, subscribers: s.readers() };
 }
 
+/// Event that tells a process without the turn page that it is its turn; the id is its index.
+pub const TURN_EVENT: &str = "run/turn";
+/// Event with which such a process says that it has done its turn; the id is its index.
+pub const DONE_EVENT: &str = "run/done";
+/// Added to the index in [`TURN_EVENT`]: there will be no more turns.
+pub const END_OF_TURNS: usize = 64;
+
 /// A request–response service: header and slice both ways.
 pub trait Service: Send + Sync + 'static {
     /// Name of the service.

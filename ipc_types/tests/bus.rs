@@ -11,7 +11,10 @@ use ipc_types::topics::{
 };
 
 /// A run space of its own that is wiped when the test ends, also by a panic.
-struct Space(RunSpace, tempfile::TempDir);
+struct Space(
+    RunSpace,
+    #[expect(dead_code, reason = "removed when dropped")] tempfile::TempDir,
+);
 
 impl Space {
     fn new(name: &str) -> Self {

@@ -126,7 +126,7 @@ fn exact(map: &BlurredMap, (a, b): Ray) -> f64 {
     cuts.sort_by(f64::total_cmp);
     let mut sum = 0.0;
     for pair in cuts.windows(2) {
-        let middle = a + (b - a) * ((pair[0] + pair[1]) / 2.0);
+        let middle = a + (b - a) * f64::midpoint(pair[0], pair[1]);
         if map.is_blocked(middle) {
             return 0.0;
         }
@@ -225,10 +225,10 @@ fn benches(c: &mut Criterion) {
     let free = streets();
     let mut group = c.benchmark_group("map");
     group.bench_function("blur 384 x 384", |b| {
-        b.iter(|| BlurredMap::new(&free, BLUR))
+        b.iter(|| BlurredMap::new(&free, BLUR));
     });
     group.bench_function("tables 384 x 384", |b| {
-        b.iter(|| VisibilityField::new(&map))
+        b.iter(|| VisibilityField::new(&map));
     });
     group.finish();
 }

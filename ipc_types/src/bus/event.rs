@@ -12,14 +12,14 @@ pub(super) fn create(
     options: &BusOptions,
     name: &'static str,
 ) -> Result<TopicHolder, BusError> {
-    let processes = options.size.processes + 2 + crate::topics::ONLOOKERS;
+    let processes = options.size.processes + super::OWN_NODES + crate::topics::ONLOOKERS;
     let service = node
         .service_builder(&service_name(name)?)
         .event()
         .max_notifiers(processes)
         .max_listeners(processes)
         .max_nodes(processes)
-        .event_id_max_value(processes.max(64))
+        .event_id_max_value(2 * crate::topics::END_OF_TURNS)
         .create()
         .map_err(|e| BusError::Create {
             topic: name,

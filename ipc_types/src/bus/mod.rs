@@ -38,6 +38,9 @@ pub struct BusOptions {
     pub overflow: bool,
 }
 
+/// Nodes that the orchestrator's own process joins with: itself, its recorder, its bridge.
+const OWN_NODES: usize = 3;
+
 /// Ticks that a process in the loop may have unread without losing or blocking.
 pub const LOOP_TICKS: usize = 4;
 

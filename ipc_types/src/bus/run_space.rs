@@ -25,7 +25,8 @@ impl RunSpace {
     ///
     /// # Errors
     /// [`BusError::Space`] if the root is longer than 60 bytes or not UTF-8, or the prefix is not
-    /// of letters, digits and underscores.
+    /// of letters, digits and underscores with an underscore at its end (which keeps `run_1_` from
+    /// being the beginning of `run_12_`).
     pub fn new(root: impl Into<PathBuf>, prefix: impl Into<String>) -> Result<Self, BusError> {
         let (root, prefix) = (root.into(), prefix.into());
         let problem = if root.as_os_str().len() > MAX_ROOT_BYTES {

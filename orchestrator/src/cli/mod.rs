@@ -1,8 +1,10 @@
 //! What a person types.
 
+mod bench;
 mod check;
 mod clean;
 mod list;
+mod picture;
 mod process;
 mod run;
 
@@ -63,11 +65,44 @@ enum Command {
         #[arg(long, value_name = "NAME")]
         show: Option<String>,
     },
+    /// Draw a log as one picture: the map, everybody's way, who was caught and who got away
+    Picture {
+        /// A log of a run
+        log: PathBuf,
+        /// Write the picture to this file [default: the log's name with .svg]
+        #[arg(long, short, value_name = "FILE")]
+        out: Option<PathBuf>,
+        /// Show the run at this simulated time [s], with what was believed then, not its end
+        #[arg(long, value_name = "T")]
+        at: Option<f64>,
+        /// Overwrite the picture if it exists
+        #[arg(long)]
+        force: bool,
+    },
+    /// Measure this machine: real-time factor, ticks/s, hops, start, memory, beside their baselines
+    #[command(after_long_help = bench::HELP)]
+    Bench {
+        /// What to measure (see the end of --help); everything if nothing is named
+        #[arg(value_name = "ITEM", value_parser = clap::builder::PossibleValuesParser::new(bench::names()))]
+        items: Vec<String>,
+        /// Fewer repetitions: a first impression
+        #[arg(long)]
+        quick: bool,
+        /// Print one JSON object
+        #[arg(long)]
+        json: bool,
+    },
     /// Remove what runs that were killed have left behind
     Clean {
         /// Print one JSON object
         #[arg(long)]
         json: bool,
+    },
+    /// Print the messages for planners in another language
+    Messages {
+        /// As a Python module of ctypes structures, for the iceoryx2 package
+        #[arg(long, required = true)]
+        python: bool,
     },
     /// Print a completion script for a shell
     Completions {
@@ -143,7 +178,18 @@ pub fn main() -> ExitCode {
             json,
         }) => check::check(&scenario, &overrides, print, json),
         Some(Command::List { json, show }) => list::list(json, show.as_deref()),
+        Some(Command::Picture {
+            log,
+            out,
+            at,
+            force,
+        }) => picture::picture(&log, out, at, force),
+        Some(Command::Bench { items, quick, json }) => bench::bench(&items, quick, json),
         Some(Command::Clean { json }) => clean::clean(json),
+        Some(Command::Messages { python: _ }) => {
+            print(ipc_types::python::module().trim_end());
+            ExitCode::SUCCESS
+        }
         Some(Command::Completions { shell }) => {
             clap_complete::generate(
                 shell,

@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use kit::planner::PlannerProcess;
 
 use super::EXIT_INVALID;
+use crate::bench;
 
 /// Runs the process of this kind to its end.
 pub fn run(kind: &str, config: &Path) -> ExitCode {
@@ -19,6 +20,10 @@ pub fn run(kind: &str, config: &Path) -> ExitCode {
         "evader_braitenberg" => {
             kit::run::<PlannerProcess<evader_braitenberg::process::BraitenbergPlanner>>(config)
         }
+        // Of the bench: not in the list of kinds, no scenario can ask for them.
+        "bench-planner" => bench::ticks::planner(config),
+        "raw-planner" => bench::raw_planner(config),
+        "bench-sink" => bench::hop::sink(config),
         other => {
             eprintln!("error: no process of kind {other:?} in this program");
             ExitCode::from(EXIT_INVALID)

@@ -1,6 +1,7 @@
 //! One run, from the resolved scenario to the summary: processes started, supervised, recorded,
 //! ended, and nothing left behind.
 
+mod bridge;
 pub mod children;
 mod error;
 mod gate;

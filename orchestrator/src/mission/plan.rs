@@ -255,7 +255,8 @@ fn launches(scenario: &ResolvedScenario, run: &RunConfig) -> Result<Vec<Launch>,
     }];
     for (position, process) in scenario.processes.iter().enumerate() {
         let kind = kind_of(&process.program);
-        let needs_belief = kind.is_some_and(|k| (k.needs)(&process.params).contains(&Need::Belief));
+        // What a program of the user's reads is not known: it gets its turn when everything is there.
+        let needs_belief = kind.is_none_or(|k| (k.needs)(&process.params).contains(&Need::Belief));
         let (executable, kind_name) = match &process.program {
             Program::Kind(kind) => (Executable::Kind(kind.clone()), kind.clone()),
             Program::Command(words) => (Executable::Command(words.clone()), "external".into()),

@@ -19,6 +19,7 @@ use ipc_types::topics::{
 use kit::config::Clock;
 use kit::lockstep::{Overseer, Phase, SlotState, TurnPage};
 
+use super::bridge::Bridge;
 use super::children::{RunningProcess, end_all, sleep_until_exit};
 use super::error::MissionError;
 use super::gate::PageGate;
@@ -98,8 +99,11 @@ pub fn run(
 
     let bus = Bus::join(space.space(), plan.run.bus_options(), "orchestrator")?;
     let services = create_services(&bus)?;
-    let page = TurnPage::create(space.space().prefix(), plan.launches.len())?;
-    let overseer = Overseer::new(Arc::new(page));
+    let page = Arc::new(TurnPage::create(
+        space.space().prefix(),
+        plan.launches.len(),
+    )?);
+    let overseer = Overseer::new(Arc::clone(&page));
     for (slot, launch) in plan.launches.iter().enumerate() {
         overseer.seat(slot, slot != 0, launch.watched);
     }
@@ -114,6 +118,8 @@ pub fn run(
     let printer = progress.events(robots, options.quiet);
     let recorder = RecorderThread::start(&plan, &overseer, recording, printer)?;
 
+    let bridge = Bridge::start(&plan, &bus, &page)?;
+
     let mut flight = Flight {
         plan: &plan,
         options,
@@ -121,6 +127,7 @@ pub fn run(
         bus,
         processes: Vec::new(),
         recorder,
+        bridge,
         progress,
         hang_timeout: Duration::from_secs_f64(scenario.run.hang_timeout_s),
         start,
@@ -183,7 +190,8 @@ fn create_log(
             })?,
         };
         match Recording::create(&recorder) {
-            Err(LogError::Exists { .. }) if options.out.is_none() => {}
+            // Another run took the name at the same moment: take the next.
+            Err(LogError::Exists { .. } | LogError::InUse { .. }) if options.out.is_none() => {}
             result => return Ok(result?),
         }
     }
@@ -369,6 +377,7 @@ struct Flight<'a> {
     bus: Bus,
     processes: Vec<RunningProcess>,
     recorder: RecorderThread,
+    bridge: Bridge,
     progress: Progress,
     hang_timeout: Duration,
     start: Instant,
@@ -547,6 +556,9 @@ impl Flight<'_> {
         let killed = end_all(&mut self.processes, END_WITHIN);
         for name in killed {
             tracing::warn!("process {name} did not end and was killed");
+        }
+        if let Err(error) = self.bridge.finish() {
+            tracing::warn!("bridge to external processes: {error}");
         }
         self.progress.finish();
         self.recorder.finish()

@@ -252,12 +252,12 @@ fn table(scene: &Scene) {
         };
         let base = rate(&naive, n, 10, |f| f.update(scene, &scene.seen));
         let ours = rate(&filter, n, 100, |f| {
-            f.update(&scene.space, &scene.watch, &scene.seen, None, DT)
+            f.update(&scene.space, &scene.watch, &scene.seen, None, DT);
         });
         line("seen", base, ours);
         let base = rate(&naive, n, 2, |f| f.update(scene, &unseen));
         let ours = rate(&filter, n, 30, |f| {
-            f.update(&scene.space, &scene.watch, &unseen, None, DT)
+            f.update(&scene.space, &scene.watch, &unseen, None, DT);
         });
         line("unseen, exact", base, ours);
         let mut memo = VisibilityMemo::default();

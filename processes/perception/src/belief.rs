@@ -114,7 +114,12 @@ mod tests {
 
     #[test]
     fn opposite_headings_are_unknown_and_no_weight_is_no_mean() {
-        let (_, _, spread) = moments(&[0.0, 0.0], &[0.0, 0.0], &[0.0, 3.141_592_7], &[1.0, 1.0]);
+        let (_, _, spread) = moments(
+            &[0.0, 0.0],
+            &[0.0, 0.0],
+            &[0.0, core::f32::consts::PI],
+            &[1.0, 1.0],
+        );
         assert!(spread > 0.999_999);
         assert_eq!(moments(&[], &[], &[], &[]).0, Pose2::default());
     }

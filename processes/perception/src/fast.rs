@@ -3,7 +3,7 @@
 //! They consist of additions, multiplications, comparisons and bit operations only, so they give the
 //! same bits on every machine and at every vector width. Domains are those of the particle filter.
 
-use core::f32::consts::{FRAC_2_PI, LOG2_E, TAU};
+use core::f32::consts::{FRAC_2_PI, LN_2, LOG2_E, TAU};
 
 /// Adding it to a number of magnitude below 2^22 leaves the nearest integer in the low bits.
 const ROUND: f32 = 12_582_912.0;
@@ -55,8 +55,8 @@ pub fn exp_neg(x: f32) -> f32 {
     let f = exponent - (shifted - ROUND);
     // Taylor series of 2^f on |f| ≤ 1/2.
     let power = 1.0
-        + f * (0.693_147_2
-            + f * (0.240_226_51
+        + f * (LN_2
+            + f * (0.240_226_5
                 + f * (0.055_504_11
                     + f * (9.618_129e-3 + f * (1.333_355_8e-3 + f * 1.540_353e-4)))));
     // The integer part, moved into the exponent field.

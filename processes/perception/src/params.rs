@@ -111,8 +111,13 @@ pub struct FilterParams {
     /// Factor on the speeds that are hypothesised; 1 is the opponent's real range. The original
     /// program multiplied by the speed twice: 0.2 reproduces that.
     pub speed_scale: f64,
-    /// Whether a hypothesis that walks beyond a limit bounces back (true) or stays at it (false).
+    /// Whether a hypothesis that walks beyond the end of its range bounces back (true) or stays there
+    /// (false; how many are at the end then depends on the tick rate).
     pub reflect: bool,
+    /// How far hypotheses walk on beyond the largest speed and the largest turning rates, as a share
+    /// of the range of speeds and of the turning rates to one side, ≥ 0. They move at the limit
+    /// meanwhile: robots often do.
+    pub saturation: f64,
     /// Rate at which a particle jumps to a nearby pose [1/s], ≥ 0.
     pub teleport_rate: f64,
     /// Largest jump in x and in y [m], ≥ 0.
@@ -128,7 +133,9 @@ pub struct FilterParams {
     /// the largest speed (turning rate)], ≥ 0. It keeps the hypotheses that predicted the
     /// measurement, which is how headings are learned; 0 weighs all particles alike.
     pub snap_width: f64,
-    /// Mean likelihood (of at most 1) below which the belief is given up and built anew, in [0, 1).
+    /// Mean likelihood (1 for a perfect fit) below which the belief is given up and built anew, in
+    /// [0, 1). A correct belief falls below it by bad luck with this probability per tick. At 0 it
+    /// is given up only when no particle is possible.
     pub lost_below: f64,
     /// Distance added to what the opponent can have covered unseen when the belief is built anew
     /// around the last place where it was seen [m], ≥ 0.
@@ -150,13 +157,14 @@ impl Default for FilterParams {
             turn_walk: 1.0,
             speed_scale: 1.0,
             reflect: true,
+            saturation: 0.25,
             teleport_rate: 0.25,
             teleport_distance: 1.0,
             teleport_turn: 0.5,
             clearing_rate: 20.0,
             snap_below: 0.01,
             snap_width: 0.15,
-            lost_below: 1e-6,
+            lost_below: 1e-4,
             recovery_margin: 0.5,
             resample_below: 1.0,
             memo: false,
@@ -194,6 +202,7 @@ impl PerceptionParams {
                 speed_walk: 0.25 * 2.581_988_897_471_611,
                 turn_walk: 0.4 * 2.581_988_897_471_611,
                 reflect: false,
+                saturation: 0.0,
                 snap_width: 0.0,
                 lost_below: 0.0,
                 ..FilterParams::default()
@@ -268,6 +277,7 @@ impl FilterParams {
             ("filter.teleport_distance", self.teleport_distance),
             ("filter.teleport_turn", self.teleport_turn),
             ("filter.clearing_rate", self.clearing_rate),
+            ("filter.saturation", self.saturation),
             ("filter.snap_below", self.snap_below),
             ("filter.snap_width", self.snap_width),
             ("filter.recovery_margin", self.recovery_margin),

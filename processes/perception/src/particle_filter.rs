@@ -161,10 +161,8 @@ impl ParticleFilter {
         }
         self.predict_and_weigh(space, watch, sighting.measurement.as_ref(), memo, dt);
 
-        let n = self.len();
         let (sum, squares) = weigh::totals(&self.weights);
-        let mean = sum / n as f64;
-        if mean > 0.0 && mean >= self.params.lost_below {
+        if sum > 0.0 && sum >= self.params.lost_below * self.len() as f64 {
             self.effective = sum * sum / squares;
             self.resample(sum);
         } else {
@@ -209,8 +207,8 @@ impl ParticleFilter {
             let noise = &mut self.scratch.noise[..4 * range.len()];
             predict::fill(noise, &mut self.rng);
             motion.apply(self.particles.stretch(range.clone()), noise);
-            teleport.apply(self.particles.stretch(range.clone()), &mut self.rng);
-            let particles = self.particles.stretch(range.clone());
+            let mut particles = self.particles.stretch(range.clone());
+            teleport.apply(&mut particles, &mut self.rng);
             let weights = &mut self.weights[range];
             if let Some(seen) = &seen {
                 seen.weigh(&particles, weights);
@@ -325,9 +323,7 @@ impl ParticleFilter {
 }
 
 fn velocities(params: &FilterParams, limits: MotionLimits) -> recover::Velocities {
-    let motion = Motion::new(params, limits, 0.0);
-    let (low, high) = motion.speeds();
-    (low, high, motion.turn())
+    Motion::new(params, limits, 0.0).ends()
 }
 
 /// Rounds away what is left of rate·dt in binary, so that 20 Hz needs no power.

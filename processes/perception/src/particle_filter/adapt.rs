@@ -80,7 +80,7 @@ mod tests {
         cloud.resize(6);
         cloud.x = vec![0.1, 0.4, -0.1, 0.1, 0.1, 0.1];
         cloud.y = vec![0.1, 0.4, 0.1, 0.6, 0.1, 0.1];
-        cloud.heading = vec![0.1, 0.2, 0.1, 0.1, 3.14, -3.14];
+        cloud.heading = vec![0.1, 0.2, 0.1, 0.1, 3.1, -3.1];
         // {0, 1}, {2}, {3}, {4: second quadrant}, {5: third quadrant}.
         assert_eq!(occupied_bins(&params, &cloud, &mut Vec::new()), 5);
     }

@@ -11,9 +11,9 @@ pub(crate) struct Cloud {
     pub y: Vec<f32>,
     /// Heading [rad], in [−π, π].
     pub heading: Vec<f32>,
-    /// Forward speed [m/s].
+    /// Forward speed [m/s]; beyond the limit it stands for the limit.
     pub v: Vec<f32>,
-    /// Turning rate [rad/s].
+    /// Turning rate [rad/s]; beyond a limit it stands for the limit.
     pub omega: Vec<f32>,
 }
 

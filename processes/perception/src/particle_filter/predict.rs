@@ -30,6 +30,9 @@ pub(crate) struct Motion {
     v_low: f32,
     v_high: f32,
     omega_high: f32,
+    /// Ends of the walks: beyond `v_high` and `omega_high` the particle moves at the limit.
+    v_top: f32,
+    omega_top: f32,
     /// How much of an overshoot over a limit is taken back: 2 reflects, 1 clamps.
     rebound: f32,
 }
@@ -48,18 +51,15 @@ impl Motion {
             v_low: v_low as f32,
             v_high: v_high as f32,
             omega_high: limits.omega_max as f32,
+            v_top: (v_high + params.saturation * (v_high - v_low)) as f32,
+            omega_top: (limits.omega_max * (1.0 + params.saturation)) as f32,
             rebound: if params.reflect { 2.0 } else { 1.0 },
         }
     }
 
-    /// Smallest and largest hypothesised speed [m/s].
-    pub fn speeds(&self) -> (f32, f32) {
-        (self.v_low, self.v_high)
-    }
-
-    /// Largest hypothesised turning rate [rad/s].
-    pub fn turn(&self) -> f32 {
-        self.omega_high
+    /// Ends of the walks: lowest and highest v [m/s], highest |ω| [rad/s].
+    pub fn ends(&self) -> (f32, f32, f32) {
+        (self.v_low, self.v_top, self.omega_top)
     }
 
     /// Moves every particle by one tick. `noise` has four random bytes per particle: 16 bits each
@@ -85,8 +85,10 @@ impl Motion {
             // Symmetric about 0: −32767.5 … 32767.5.
             let a = low as f32 - 32_767.5;
             let b = high as f32 - 32_767.5;
-            let speed = self.bounded(v[i] + a * step_v, self.v_low, self.v_high);
-            let rate = self.bounded(omega[i] + b * step_omega, -self.omega_high, self.omega_high);
+            v[i] = self.bounded(v[i] + a * step_v, self.v_low, self.v_top);
+            omega[i] = self.bounded(omega[i] + b * step_omega, -self.omega_top, self.omega_top);
+            let speed = v[i].min(self.v_high);
+            let rate = omega[i].max(-self.omega_high).min(self.omega_high);
             let half_turn = 0.5 * self.dt * rate;
             let middle = heading[i] + half_turn;
             let (sin, cos) = fast::sincos(middle);
@@ -94,8 +96,6 @@ impl Motion {
             x[i] += step * cos;
             y[i] += step * sin;
             heading[i] = fast::wrap(middle + half_turn);
-            v[i] = speed;
-            omega[i] = rate;
         }
     }
 
@@ -142,7 +142,7 @@ impl Teleport {
     }
 
     /// Lets the particles of a stretch jump whose turn it is.
-    pub fn apply(&mut self, particles: Stretch<'_>, rng: &mut ChaCha8Rng) {
+    pub fn apply(&mut self, particles: &mut Stretch<'_>, rng: &mut ChaCha8Rng) {
         let n = particles.x.len() as u64;
         let mut i = self.gap;
         while i < n {

@@ -13,7 +13,7 @@ use crate::watch::Watch;
 /// Attempts per particle to find a place that fits before the last one is taken.
 const ATTEMPTS: usize = 16;
 
-/// Ranges from which velocities are drawn: v_low, v_high [m/s], |ω| [rad/s].
+/// Ranges from which velocities are drawn: lowest and highest v [m/s], highest |ω| [rad/s].
 pub(crate) type Velocities = (f32, f32, f32);
 
 /// Draws all headings and velocities uniformly.

@@ -2,8 +2,8 @@
 
 use super::cloud::Cloud;
 
-/// 2^52: adding it to a number below 2^32 leaves the nearest integer in the low bits.
-const INTEGER: f64 = 4_503_599_627_370_496.0;
+/// 1.5·2^52: adding it to a number of magnitude below 2^31 leaves the nearest integer in the low bits.
+const INTEGER: f64 = 6_755_399_441_055_744.0;
 
 /// Chooses which particle each of `count` new ones descends from, with expected numbers of
 /// descendants proportional to the weights and none for a weight of 0.
@@ -25,14 +25,14 @@ pub(crate) fn choose(
     let scale = count as f64 / total;
     // Descendants of the first i particles: the pointers j + offset below the scaled sum, that is
     // floor(sum·scale − offset + 1), computed by rounding to nearest.
-    let shift = 0.5 - offset + INTEGER;
+    let shift = 0.5 - offset;
     let mut sum = 0.0_f64;
     let mut done = 0_usize;
     for (i, &w) in weights.iter().enumerate() {
         // Overwritten by the next particle if this one turns out to have no descendants.
         starts[done] = i as u32;
         sum += f64::from(w);
-        done = ((sum * scale + shift).to_bits() as u32 as usize).min(count);
+        done = ((sum * scale + shift + INTEGER).to_bits() as u32 as usize).min(count);
     }
     // Rounding may leave the last pointer without a particle: it continues the one before. A
     // particle without descendants may have written its number there.

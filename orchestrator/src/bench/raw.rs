@@ -1,0 +1,307 @@
+//! The baseline: what a person would write on iceoryx2 and a futex page without the kit. No checks,
+//! no stamps, no heartbeat, no phases, no supervision.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use iceoryx2::port::publisher::Publisher;
+use iceoryx2::port::subscriber::Subscriber;
+use iceoryx2::prelude::{Node, NodeBuilder, SignalHandlingMode, ZeroCopySend, ipc};
+use ipc_types::bus::RunSpace;
+use ipc_types::messages::robot::Command;
+use ipc_types::messages::world::{RobotState, WorldHeader};
+use ipc_types::stamp::PlainHeader;
+use serde::{Deserialize, Serialize};
+
+use super::BenchError;
+use super::shared::{LINE, SharedWords, sleep_while, store_and_wake, wake};
+
+/// Planners of the exchange.
+pub const PLANNERS: usize = 8;
+
+const STATE_WORDS: usize = (size_of::<WorldHeader>() + PLANNERS * size_of::<RobotState>()) / 8;
+const COMMAND_WORDS: usize = (size_of::<PlainHeader>() + size_of::<Command>()) / 8;
+
+/// As many bytes as `world/state` with its header has for eight robots.
+#[derive(Debug, Clone, Copy, ZeroCopySend)]
+#[repr(C)]
+pub struct RawState {
+    /// The tick, and nothing.
+    pub words: [u64; STATE_WORDS],
+}
+
+/// As many bytes as `robot/command` with its header has.
+#[derive(Debug, Clone, Copy, ZeroCopySend)]
+#[repr(C)]
+pub struct RawCommand {
+    /// The tick, the planner, and nothing.
+    pub words: [u64; COMMAND_WORDS],
+}
+
+/// Ticks posted.
+pub const TICK: usize = 0;
+/// Answers so far.
+pub const ARRIVED: usize = LINE;
+/// Answers at which the conductor is woken.
+pub const TARGET: usize = 2 * LINE;
+/// Planners that have opened their ports.
+pub const READY: usize = 3 * LINE;
+/// 1: the ports of all exist; 2: end.
+pub const STAGE: usize = 4 * LINE;
+
+/// Longest sleep before looking whether to end.
+const LOOK_UP: Duration = Duration::from_millis(100);
+
+/// What a raw process is told.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct RawConfig {
+    /// Root directory.
+    pub root: PathBuf,
+    /// Prefix in shared memory.
+    pub prefix: String,
+    /// Index of the planner.
+    pub index: u32,
+}
+
+impl RawConfig {
+    /// Reads the file that the bench wrote.
+    pub fn load(path: &Path) -> Result<Self, BenchError> {
+        let failed = BenchError::system(format!("{}", path.display()));
+        std::fs::read(path)
+            .and_then(|text| serde_json::from_slice(&text).map_err(Into::into))
+            .map_err(failed)
+    }
+
+    /// Where the exchange lives.
+    pub fn space(&self) -> Result<RunSpace, BenchError> {
+        Ok(RunSpace::new(&self.root, &self.prefix)?)
+    }
+}
+
+/// A node in a run space.
+pub fn node(space: &RunSpace) -> Result<Node<ipc::Service>, BenchError> {
+    NodeBuilder::new()
+        .config(&space.config()?)
+        .signal_handling_mode(SignalHandlingMode::Disabled)
+        .create::<ipc::Service>()
+        .map_err(BenchError::raw("create a node"))
+}
+
+type Service<T> =
+    iceoryx2::service::port_factory::publish_subscribe::PortFactory<ipc::Service, T, ()>;
+
+/// The service of the states, created by whoever comes first.
+pub fn states(node: &Node<ipc::Service>) -> Result<Service<RawState>, BenchError> {
+    node.service_builder(&name("raw/state")?)
+        .publish_subscribe::<RawState>()
+        .max_publishers(1)
+        .max_subscribers(PLANNERS)
+        .subscriber_max_buffer_size(2)
+        .enable_safe_overflow(false)
+        .open_or_create()
+        .map_err(BenchError::raw("open the states"))
+}
+
+/// The service of the commands, created by whoever comes first.
+pub fn commands(node: &Node<ipc::Service>) -> Result<Service<RawCommand>, BenchError> {
+    node.service_builder(&name("raw/command")?)
+        .publish_subscribe::<RawCommand>()
+        .max_publishers(PLANNERS)
+        .max_subscribers(1)
+        .subscriber_max_buffer_size(2)
+        .enable_safe_overflow(false)
+        .open_or_create()
+        .map_err(BenchError::raw("open the commands"))
+}
+
+/// The name of a service.
+pub fn name(text: &str) -> Result<iceoryx2::prelude::ServiceName, BenchError> {
+    text.try_into().map_err(BenchError::raw("name a service"))
+}
+
+/// Runs a raw planner to its end.
+pub fn planner(config: &Path) -> ExitCode {
+    match RawConfig::load(config).and_then(|config| planner_with(&config)) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn planner_with(config: &RawConfig) -> Result<(), BenchError> {
+    let stop = Arc::new(AtomicBool::new(false));
+    kit::guard::watch_parent(Arc::clone(&stop))
+        .map_err(BenchError::system("cannot start the parent guard"))?;
+    let node = node(&config.space()?)?;
+    let (states, commands) = (states(&node)?, commands(&node)?);
+    let state_in = states
+        .subscriber_builder()
+        .create()
+        .map_err(BenchError::raw("subscribe"))?;
+    let command_out = commands
+        .publisher_builder()
+        .create()
+        .map_err(BenchError::raw("publish"))?;
+    let page = SharedWords::open(&config.prefix)?;
+    page.word(READY).fetch_add(1, Ordering::SeqCst);
+    let stage = page.word(STAGE);
+    while stage.load(Ordering::SeqCst) == 0 && !stop.load(Ordering::Relaxed) {
+        sleep_while(stage, 0, LOOK_UP);
+    }
+    connect(&state_in, &command_out)?;
+    page.word(READY).fetch_add(1, Ordering::SeqCst);
+
+    let (tick, arrived, target) = (page.word(TICK), page.word(ARRIVED), page.word(TARGET));
+    let mut done = 0_u32;
+    while stage.load(Ordering::Relaxed) == 1 && !stop.load(Ordering::Relaxed) {
+        let posted = tick.load(Ordering::SeqCst);
+        if posted == done {
+            sleep_while(tick, posted, LOOK_UP);
+            continue;
+        }
+        let state = state_in
+            .receive()
+            .map_err(BenchError::raw("receive"))?
+            .ok_or(BenchError::Lost("raw/state"))?;
+        let mut command = RawCommand {
+            words: [0; COMMAND_WORDS],
+        };
+        command.words[0] = state.words[0];
+        command.words[1] = u64::from(config.index);
+        let sample = command_out
+            .loan_uninit()
+            .map_err(BenchError::raw("loan a command"))?;
+        sample
+            .write_payload(command)
+            .send()
+            .map_err(BenchError::raw("send a command"))?;
+        drop(state);
+        done = done.wrapping_add(1);
+        let count = arrived.fetch_add(1, Ordering::SeqCst).wrapping_add(1);
+        if count == target.load(Ordering::SeqCst) {
+            wake(arrived);
+        }
+    }
+    Ok(())
+}
+
+fn connect(
+    state_in: &Subscriber<ipc::Service, RawState, ()>,
+    command_out: &Publisher<ipc::Service, RawCommand, ()>,
+) -> Result<(), BenchError> {
+    use iceoryx2::port::update_connections::UpdateConnections as _;
+    state_in
+        .update_connections()
+        .map_err(BenchError::raw("connect"))?;
+    command_out
+        .update_connections()
+        .map_err(BenchError::raw("connect"))
+}
+
+/// The raw conductor: publishes states, posts ticks, waits, takes commands.
+#[derive(Debug)]
+pub struct RawConductor {
+    page: SharedWords,
+    state_out: Publisher<ipc::Service, RawState, ()>,
+    commands_in: Subscriber<ipc::Service, RawCommand, ()>,
+    // Lives as long as its ports.
+    _node: Node<ipc::Service>,
+    tick: u32,
+}
+
+impl RawConductor {
+    /// Creates page, services and ports; the planners may start then.
+    pub fn create(space: &RunSpace) -> Result<Self, BenchError> {
+        let node = node(space)?;
+        let page = SharedWords::create(space.prefix())?;
+        let state_out = states(&node)?
+            .publisher_builder()
+            .create()
+            .map_err(BenchError::raw("publish"))?;
+        let commands_in = commands(&node)?
+            .subscriber_builder()
+            .create()
+            .map_err(BenchError::raw("subscribe"))?;
+        Ok(Self {
+            page,
+            state_out,
+            commands_in,
+            _node: node,
+            tick: 0,
+        })
+    }
+
+    /// How many times a planner has said that it is so far: once with open, once with connected
+    /// ports.
+    pub fn said_ready(&self) -> usize {
+        self.page.word(READY).load(Ordering::SeqCst) as usize
+    }
+
+    /// Lets the planners connect their ports, and connects ours.
+    pub fn connect(&self) -> Result<(), BenchError> {
+        use iceoryx2::port::update_connections::UpdateConnections as _;
+        store_and_wake(self.page.word(STAGE), 1);
+        self.state_out
+            .update_connections()
+            .map_err(BenchError::raw("connect"))?;
+        self.commands_in
+            .update_connections()
+            .map_err(BenchError::raw("connect"))
+    }
+
+    /// One tick; `idle` is asked when nothing happens for long.
+    pub fn tick(
+        &mut self,
+        mut idle: impl FnMut() -> Result<(), BenchError>,
+    ) -> Result<(), BenchError> {
+        let mut state = RawState {
+            words: [0; STATE_WORDS],
+        };
+        state.words[0] = u64::from(self.tick);
+        let sample = self
+            .state_out
+            .loan_uninit()
+            .map_err(BenchError::raw("loan a state"))?;
+        sample
+            .write_payload(state)
+            .send()
+            .map_err(BenchError::raw("send a state"))?;
+        let arrived = self.page.word(ARRIVED);
+        let target = (self.tick + 1).wrapping_mul(PLANNERS as u32);
+        self.page.word(TARGET).store(target, Ordering::SeqCst);
+        self.tick += 1;
+        store_and_wake(self.page.word(TICK), self.tick);
+        loop {
+            let seen = arrived.load(Ordering::SeqCst);
+            if seen == target {
+                break;
+            }
+            sleep_while(arrived, seen, LOOK_UP);
+            if arrived.load(Ordering::SeqCst) == seen {
+                idle()?;
+            }
+        }
+        for _ in 0..PLANNERS {
+            let command = self
+                .commands_in
+                .receive()
+                .map_err(BenchError::raw("receive"))?
+                .ok_or(BenchError::Lost("raw/command"))?;
+            if command.words[0] != u64::from(self.tick - 1) {
+                return Err(BenchError::Lost("raw/command"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Tells the planners to end.
+    pub fn stop(&self) {
+        store_and_wake(self.page.word(STAGE), 2);
+        wake(self.page.word(TICK));
+    }
+}

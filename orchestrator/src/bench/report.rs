@@ -1,0 +1,314 @@
+//! The figures, for people (a table) and for programs (JSON).
+
+use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
+use comfy_table::{CellAlignment, Table};
+use serde_json::{Value as Json, json};
+
+use super::stats::Spread;
+use crate::mission::report::machine;
+
+/// What a figure is held against.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Baseline {
+    /// What it is.
+    pub name: String,
+    /// Its value, in the figure's unit.
+    pub value: f64,
+}
+
+/// What a figure should reach.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Goal {
+    /// At least so many times the baseline.
+    RatioAtLeast(f64),
+    /// At most so many times the baseline.
+    RatioAtMost(f64),
+    /// At most this, in the figure's unit.
+    AtMost(f64),
+}
+
+/// One measured figure.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Figure {
+    /// Item of the bench.
+    pub item: &'static str,
+    /// What was measured.
+    pub name: String,
+    /// Median (or the only value) with the extremes of the repetitions.
+    pub value: Spread,
+    /// Unit of the value.
+    pub unit: &'static str,
+    /// What it is held against, measured in the same run.
+    pub baseline: Option<Baseline>,
+    /// Value over baseline: the median over pairs measured back to back where there are pairs.
+    pub ratio: Option<f64>,
+    /// What it should reach.
+    pub goal: Option<Goal>,
+}
+
+impl Figure {
+    /// A figure without a baseline.
+    pub fn new(
+        item: &'static str,
+        name: impl Into<String>,
+        value: Spread,
+        unit: &'static str,
+    ) -> Self {
+        Self {
+            item,
+            name: name.into(),
+            value,
+            unit,
+            baseline: None,
+            ratio: None,
+            goal: None,
+        }
+    }
+
+    /// A figure measured once.
+    pub fn once(
+        item: &'static str,
+        name: impl Into<String>,
+        value: f64,
+        unit: &'static str,
+    ) -> Self {
+        let spread = Spread {
+            median: value,
+            min: value,
+            max: value,
+        };
+        Self::new(item, name, spread, unit)
+    }
+
+    /// With what it is held against; the ratio is that of the medians.
+    #[must_use]
+    pub fn against(mut self, name: impl Into<String>, value: f64) -> Self {
+        self.ratio = (value > 0.0).then(|| self.value.median / value);
+        self.baseline = Some(Baseline {
+            name: name.into(),
+            value,
+        });
+        self
+    }
+
+    /// With a ratio that was taken pair by pair.
+    #[must_use]
+    pub fn with_ratio(mut self, ratio: f64) -> Self {
+        self.ratio = Some(ratio);
+        self
+    }
+
+    /// With what it should reach.
+    #[must_use]
+    pub fn with_goal(mut self, goal: Goal) -> Self {
+        self.goal = Some(goal);
+        self
+    }
+
+    /// Whether the goal is reached; `None` without a goal or a ratio to judge it by.
+    pub fn met(&self) -> Option<bool> {
+        Some(match self.goal? {
+            Goal::RatioAtLeast(least) => self.ratio? >= least,
+            Goal::RatioAtMost(most) => self.ratio? <= most,
+            Goal::AtMost(most) => self.value.median <= most,
+        })
+    }
+
+    fn goal_words(&self) -> String {
+        let words = match self.goal {
+            None => return String::new(),
+            Some(Goal::RatioAtLeast(least)) => format!("≥ {least}×"),
+            Some(Goal::RatioAtMost(most)) => format!("≤ {most}×"),
+            Some(Goal::AtMost(most)) => format!("≤ {most} {}", self.unit),
+        };
+        match self.met() {
+            Some(true) => format!("{words} met"),
+            Some(false) => format!("{words} MISSED"),
+            None => words,
+        }
+    }
+
+    fn json(&self) -> Json {
+        json!({
+            "item": self.item,
+            "name": self.name,
+            "value": self.value.median,
+            "min": self.value.min,
+            "max": self.value.max,
+            "unit": self.unit,
+            "baseline": self.baseline.as_ref().map(|b| json!({ "name": b.name, "value": b.value })),
+            "ratio": self.ratio,
+            "goal": self.goal.map(|goal| match goal {
+                Goal::RatioAtLeast(least) => json!({ "ratio_at_least": least }),
+                Goal::RatioAtMost(most) => json!({ "ratio_at_most": most }),
+                Goal::AtMost(most) => json!({ "at_most": most }),
+            }),
+            "met": self.met(),
+        })
+    }
+}
+
+/// Everything that was measured.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Report {
+    /// The figures, in the order of measuring.
+    pub figures: Vec<Figure>,
+    /// Items that failed, with the reason.
+    pub errors: Vec<(&'static str, String)>,
+    /// Whether it was ended from outside before everything was measured.
+    pub interrupted: bool,
+    /// Load averages over 1, 5 and 15 minutes when the measuring began.
+    pub load: [f64; 3],
+}
+
+impl Report {
+    pub(super) fn new() -> Self {
+        Self {
+            load: load(),
+            ..Self::default()
+        }
+    }
+
+    /// The one JSON object of `protean bench --json`.
+    pub fn json(&self) -> Json {
+        json!({
+            "version": env!("CARGO_PKG_VERSION"),
+            "machine": machine(),
+            "load": self.load,
+            "interrupted": self.interrupted,
+            "figures": self.figures.iter().map(Figure::json).collect::<Vec<_>>(),
+            "errors": self
+                .errors
+                .iter()
+                .map(|(item, error)| json!({ "item": item, "error": error }))
+                .collect::<Vec<_>>(),
+        })
+    }
+
+    /// The table for people.
+    pub fn text(&self) -> String {
+        let mut table = Table::new();
+        table.load_style(UTF8_HORIZONTAL_ONLY).set_header([
+            "item", "figure", "median", "min", "max", "unit", "baseline", "ratio", "goal",
+        ]);
+        for column in [2, 3, 4, 7] {
+            if let Some(column) = table.column_mut(column) {
+                column.set_cell_alignment(CellAlignment::Right);
+            }
+        }
+        for figure in &self.figures {
+            let ends = figure.value.min < figure.value.max;
+            let end = |value: f64| {
+                if ends { amount(value) } else { String::new() }
+            };
+            table.add_row([
+                figure.item.to_owned(),
+                figure.name.clone(),
+                amount(figure.value.median),
+                end(figure.value.min),
+                end(figure.value.max),
+                figure.unit.to_owned(),
+                figure
+                    .baseline
+                    .as_ref()
+                    .map(|b| format!("{}: {}", b.name, amount(b.value)))
+                    .unwrap_or_default(),
+                figure
+                    .ratio
+                    .map(|ratio| format!("{}×", amount(ratio)))
+                    .unwrap_or_default(),
+                figure.goal_words(),
+            ]);
+        }
+        let [one, five, fifteen] = self.load;
+        let mut text = format!(
+            "{}; load {one:.1} {five:.1} {fifteen:.1}\n{table}",
+            machine()
+        );
+        for (item, error) in &self.errors {
+            text += &format!("\n{item}: FAILED: {error}");
+        }
+        if self.interrupted {
+            text += "\ninterrupted: not everything was measured";
+        }
+        text
+    }
+}
+
+/// A number with three or more significant digits.
+fn amount(value: f64) -> String {
+    match value.abs() {
+        v if v >= 100.0 => format!("{value:.0}"),
+        v if v >= 10.0 => format!("{value:.1}"),
+        v if v >= 1.0 || v == 0.0 => format!("{value:.2}"),
+        _ => format!("{value:.4}"),
+    }
+}
+
+fn load() -> [f64; 3] {
+    let text = std::fs::read_to_string("/proc/loadavg").unwrap_or_default();
+    parse_load(&text)
+}
+
+fn parse_load(text: &str) -> [f64; 3] {
+    let mut words = text.split_whitespace();
+    [(); 3].map(|()| words.next().and_then(|w| w.parse().ok()).unwrap_or(0.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn goals_are_judged_by_the_ratio_or_the_value() {
+        let figure = Figure::once("ticks", "kit", 90.0, "1/s").against("raw", 100.0);
+        assert_eq!(figure.met(), None, "no goal, no judgement");
+        let least = figure.clone().with_goal(Goal::RatioAtLeast(0.8));
+        assert_eq!(least.met(), Some(true));
+        assert_eq!(least.with_ratio(0.7).met(), Some(false));
+        let most = figure.with_goal(Goal::RatioAtMost(0.8));
+        assert_eq!(most.met(), Some(false));
+        let start = Figure::once("start", "first tick", 0.4, "s").with_goal(Goal::AtMost(0.5));
+        assert_eq!(start.met(), Some(true));
+    }
+
+    #[test]
+    fn a_figure_against_a_baseline_of_nothing_has_no_ratio() {
+        let figure = Figure::once("hop", "64 B", 1.0, "us").against("raw", 0.0);
+        assert_eq!(figure.ratio, None);
+        assert_eq!(figure.with_goal(Goal::RatioAtMost(1.2)).met(), None);
+    }
+
+    #[test]
+    fn the_table_and_the_json_show_the_same_figures_and_errors() {
+        let report = Report {
+            figures: vec![
+                Figure::once("hop", "64 B p50", 1.25, "us")
+                    .against("raw", 1.0)
+                    .with_goal(Goal::RatioAtMost(1.2)),
+            ],
+            errors: vec![("ticks", "no room".into())],
+            interrupted: true,
+            load: [0.0; 3],
+        };
+        let text = report.text();
+        for part in ["64 B p50", "1.25×", "MISSED", "ticks: FAILED: no room"] {
+            assert!(text.contains(part), "{part}: {text}");
+        }
+        let json = report.json();
+        assert_eq!(json["figures"][0]["ratio"], 1.25);
+        assert_eq!(json["figures"][0]["met"], false);
+        assert_eq!(json["figures"][0]["baseline"]["name"], "raw");
+        assert_eq!(json["errors"][0]["item"], "ticks");
+        assert_eq!(json["interrupted"], true);
+    }
+
+    #[test]
+    fn the_load_is_read_from_the_first_three_words() {
+        assert_eq!(
+            parse_load("0.89 3.23 4.82 1/123 4567\n"),
+            [0.89, 3.23, 4.82]
+        );
+        assert_eq!(parse_load(""), [0.0; 3]);
+    }
+}

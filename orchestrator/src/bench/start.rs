@@ -1,0 +1,172 @@
+//! How long a run takes to begin, and what memory and log it needs.
+
+use std::collections::BTreeMap;
+use std::time::{Duration, Instant};
+
+use kit::lockstep::Phase;
+
+use super::probe;
+use super::report::{Figure, Goal};
+use super::session::{Session, View, number};
+use super::stats::Spread;
+use super::{BenchError, Deadline, Options};
+
+const ITEM: &str = "start";
+/// Real time within which the first tick should come [s].
+const GOAL_S: f64 = 0.5;
+/// How often a starting run is looked at.
+const BEAT: Duration = Duration::from_micros(500);
+/// Tick at which memory is read: maps and caches are built by then.
+const MEMORY_TICK: u64 = 100;
+
+/// Moments of a start, from outside [s after the run's executable was started].
+#[derive(Debug, Clone, Copy, Default)]
+struct Parts {
+    /// All processes have been started and the turn page exists.
+    launched: f64,
+    /// Every process has opened its ports.
+    ready: f64,
+    /// Every port is connected: time runs.
+    running: f64,
+    /// The simulator has posted the first state.
+    first_tick: f64,
+    /// Everybody has answered to it: maps are built.
+    answered: f64,
+}
+
+/// Starts the chase several times, then looks at its memory and log once.
+pub fn measure(options: &Options, say: &mut impl FnMut(&str)) -> Result<Vec<Figure>, BenchError> {
+    let deadline = Deadline::new();
+    let repeats = options.repeats(7, 3);
+    let mut parts = Vec::new();
+    let mut said = Vec::new();
+    for repeat in 1..=repeats {
+        say(&format!("start of the chase, {repeat} of {repeats}"));
+        let (seen, own) = start_once(options, deadline)?;
+        parts.push(seen);
+        said.push(own);
+    }
+    let mut figures = Vec::new();
+    let spread = |part: fn(&Parts) -> f64| Spread::of(parts.iter().map(part));
+    let (mut before, mut before_name) = (0.0, "start");
+    for (name, part) in [
+        ("processes launched", (|p| p.launched) as fn(&Parts) -> f64),
+        ("all ports open", |p| p.ready),
+        ("all ports connected", |p| p.running),
+        ("first tick posted", |p| p.first_tick),
+        ("first tick answered by all", |p| p.answered),
+    ] {
+        let Some(value) = spread(part) else { continue };
+        let mut figure = Figure::new(ITEM, name, value, "s").against(before_name, before);
+        figure.ratio = None;
+        if name == "first tick posted" {
+            figure = figure.with_goal(Goal::AtMost(GOAL_S));
+        }
+        (before, before_name) = (value.median, name);
+        figures.push(figure);
+    }
+    figures.extend(
+        Spread::of(said)
+            .map(|value| Figure::new(ITEM, "first tick, as the run itself says", value, "s")),
+    );
+    say("memory and log of the chase");
+    figures.extend(memory_and_log(options, deadline)?);
+    Ok(figures)
+}
+
+/// Starts a short chase and takes down when what had happened.
+fn start_once(options: &Options, deadline: Deadline) -> Result<(Parts, f64), BenchError> {
+    let arguments = ["--set", "rules.time_limit=0.5"].map(String::from);
+    let session = Session::start("chase", &arguments, deadline)?;
+    let mut parts = Parts::default();
+    let view = loop {
+        if let Some(view) = View::find(session.pid()) {
+            break view;
+        }
+        if session.ended_within(BEAT) {
+            // It failed: its words are the error.
+            session.finish(options, BEAT, |_| {})?;
+            return Err(BenchError::Process {
+                process: "protean run".into(),
+                how: "ended before its processes were seen".into(),
+            });
+        }
+        options.check()?;
+        deadline.check("the start of a run")?;
+    };
+    parts.launched = session.age().as_secs_f64();
+    let take = |part: &mut f64, reached: bool, session: &Session| {
+        if reached && *part == 0.0 {
+            *part = session.age().as_secs_f64();
+        }
+    };
+    let report = session.finish(options, BEAT, |session| {
+        let page = &view.page;
+        take(&mut parts.ready, page.phase() >= Phase::Connect, session);
+        take(&mut parts.running, page.phase() >= Phase::Run, session);
+        take(&mut parts.first_tick, page.ticks_posted() >= 1, session);
+        take(&mut parts.answered, page.ticks_posted() >= 2, session);
+    })?;
+    Ok((parts, number(&report, "/start_up_s")))
+}
+
+/// Memory of every process in the middle of a chase, and the size of the log.
+fn memory_and_log(options: &Options, deadline: Deadline) -> Result<Vec<Figure>, BenchError> {
+    let session = Session::start("chase", &[], deadline)?;
+    let mut view = None;
+    let mut seen: BTreeMap<String, Vec<probe::Memory>> = BTreeMap::new();
+    let begun = Instant::now();
+    let report = session.finish(options, Duration::from_millis(2), |session| {
+        if view.is_none() {
+            view = View::find(session.pid());
+        }
+        let Some(view) = &view else { return };
+        if !seen.is_empty() || view.page.ticks_posted() < MEMORY_TICK {
+            return;
+        }
+        for member in &view.members {
+            seen.entry(member.kind.clone())
+                .or_default()
+                .extend(probe::memory(member.pid));
+        }
+        seen.entry("orchestrator".into())
+            .or_default()
+            .extend(probe::memory(session.pid()));
+    })?;
+    let wall = begun.elapsed().as_secs_f64();
+    let mut figures = Vec::new();
+    let mut total = 0.0;
+    for (kind, memories) in &seen {
+        let mib = |kib: u64| kib as f64 / 1024.0;
+        total += memories.iter().map(|m| mib(m.pss)).sum::<f64>();
+        let name = |what: &str| format!("{what} of {kind} ({} of them)", memories.len());
+        figures.extend(
+            Spread::of(memories.iter().map(|m| mib(m.pss)))
+                .map(|value| Figure::new(ITEM, name("PSS"), value, "MiB")),
+        );
+        figures.extend(
+            Spread::of(memories.iter().map(|m| mib(m.rss)))
+                .map(|value| Figure::new(ITEM, name("RSS"), value, "MiB")),
+        );
+    }
+    if total > 0.0 {
+        figures.push(Figure::once(ITEM, "PSS of the whole run", total, "MiB"));
+    }
+    let simulated = number(&report, "/sim_time_s");
+    if simulated > 0.0 {
+        let bytes = number(&report, "/log_bytes") / simulated;
+        figures.push(Figure::once(
+            ITEM,
+            "log per simulated second",
+            bytes / 1024.0,
+            "KiB/s",
+        ));
+    }
+    figures.push(Figure::once(
+        ITEM,
+        "the whole command, start to end",
+        wall,
+        "s",
+    ));
+    Ok(figures)
+}

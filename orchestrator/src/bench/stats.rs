@@ -1,0 +1,101 @@
+//! Medians and ratios.
+
+/// The middle and the ends of repeated measurements.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spread {
+    /// The median.
+    pub median: f64,
+    /// The smallest.
+    pub min: f64,
+    /// The largest.
+    pub max: f64,
+}
+
+impl Spread {
+    /// Of some values; `None` without any. NaN counts as larger than everything.
+    pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
+        let mut sorted: Vec<f64> = values.into_iter().collect();
+        sorted.sort_by(f64::total_cmp);
+        let (&min, &max) = (sorted.first()?, sorted.last()?);
+        Some(Self {
+            median: middle(&sorted)?,
+            min,
+            max,
+        })
+    }
+}
+
+/// The median of sorted values: the mean of the two in the middle of an even number.
+fn middle(sorted: &[f64]) -> Option<f64> {
+    let upper = *sorted.get(sorted.len() / 2)?;
+    if sorted.len() % 2 == 1 {
+        return Some(upper);
+    }
+    let lower = *sorted.get(sorted.len() / 2 - 1)?;
+    Some(f64::midpoint(lower, upper))
+}
+
+/// The spread of the ratios `ours / baseline`, pair by pair.
+///
+/// Each pair was measured back to back, so that whatever else the machine did at the time is in
+/// both; the median over pairs is then robust against the pairs in which it was not.
+pub fn paired_ratio(ours: &[f64], baseline: &[f64]) -> Option<Spread> {
+    Spread::of(
+        ours.iter()
+            .zip(baseline)
+            .filter(|(_, b)| **b > 0.0)
+            .map(|(a, b)| a / b),
+    )
+}
+
+/// The value below which a share of the values lies (nearest rank); sorts them. `None` without any.
+pub fn percentile(values: &mut [u64], share: f64) -> Option<u64> {
+    values.sort_unstable();
+    let last = values.len().checked_sub(1)?;
+    let rank = (share.clamp(0.0, 1.0) * values.len() as f64).ceil() as usize;
+    values.get(rank.saturating_sub(1).min(last)).copied()
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    #[test]
+    fn the_median_of_an_even_number_lies_between_the_middle_two() {
+        let spread = Spread::of([4.0, 1.0, 3.0, 2.0]).unwrap();
+        assert_eq!((spread.min, spread.median, spread.max), (1.0, 2.5, 4.0));
+        assert_eq!(Spread::of([7.0]).unwrap().median, 7.0);
+        assert_eq!(Spread::of([]), None);
+    }
+
+    #[test]
+    fn ratios_are_taken_pair_by_pair() {
+        // The machine was ten times slower during the second pair: the ratio is not.
+        let ratio = paired_ratio(&[80.0, 8.0, 90.0], &[100.0, 10.0, 100.0]).unwrap();
+        assert!((ratio.median - 0.8).abs() < 1e-12 && (ratio.max - 0.9).abs() < 1e-12);
+        assert_eq!(paired_ratio(&[1.0], &[0.0]), None, "no baseline, no ratio");
+    }
+
+    #[test]
+    fn percentiles_are_by_nearest_rank() {
+        let mut values: Vec<u64> = (1..=100).rev().collect();
+        assert_eq!(percentile(&mut values, 0.5), Some(50));
+        assert_eq!(percentile(&mut values, 0.99), Some(99));
+        assert_eq!(percentile(&mut values, 0.0), Some(1));
+        assert_eq!(percentile(&mut values, 1.0), Some(100));
+        assert_eq!(percentile(&mut [], 0.5), None);
+    }
+
+    proptest! {
+        #[test]
+        fn the_median_has_as_many_below_as_above(values in prop::collection::vec(-1e9..1e9, 1..50)) {
+            let spread = Spread::of(values.iter().copied()).unwrap();
+            let below = values.iter().filter(|v| **v < spread.median).count();
+            let above = values.iter().filter(|v| **v > spread.median).count();
+            prop_assert!(below <= values.len() / 2 && above <= values.len() / 2);
+            prop_assert!(spread.min <= spread.median && spread.median <= spread.max);
+        }
+    }
+}

@@ -1,0 +1,442 @@
+//! Lock-step ticks per second of eight trivial planner processes: the kit against bare iceoryx2 and
+//! a bare futex page.
+//!
+//! Both do the same exchange with messages of the same size: publish the state, post the tick, wait
+//! for all, take eight commands. Both sets of processes are alive all the time and asleep while the
+//! other one runs, so that short blocks can take turns: A B A B.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use ipc_types::bus::{Bus, Publisher, PublisherOptions, Subscriber, TopicHolder};
+use ipc_types::messages::robot::Command;
+use ipc_types::messages::world::{RobotState, WorldHeader};
+use ipc_types::stamp::PlainHeader;
+use ipc_types::topics::{Commands, Status, WorldState};
+use kit::config::{Clock, Idle, ProcessConfig, RobotInfo, RunConfig};
+use kit::inputs::{StateInput, reply_stamp};
+use kit::lockstep::{Conductor, Overseer, Phase, SlotState, TurnEnd, TurnPage};
+use kit::{ProcessError, Wiring};
+use serde::Serialize;
+use sim_backend::pose::Pose2;
+use sim_backend::spec::Preset;
+use sim_backend::team::Team;
+
+use super::raw::{PLANNERS, RawConductor, RawConfig};
+use super::report::{Figure, Goal};
+use super::stats::{Spread, paired_ratio};
+use super::{BenchError, Deadline, Options};
+use crate::mission::children::{Executable, RunningProcess, end_all};
+use crate::mission::spaces::OwnedSpace;
+
+const ITEM: &str = "ticks";
+/// Share of the raw exchange's speed that the kit should keep.
+const GOAL: f64 = 0.8;
+/// Time that processes have to get ready, and to end.
+const READY_WITHIN: Duration = Duration::from_secs(10);
+const END_WITHIN: Duration = Duration::from_secs(3);
+/// Ticks before anything is measured.
+const WARM_UP: u32 = 200;
+/// Ticks between two looks at the clock.
+const BATCH: u32 = 16;
+
+/// Measures on all processors, then with everything pinned to one.
+pub fn measure(options: &Options, say: &mut impl FnMut(&str)) -> Result<Vec<Figure>, BenchError> {
+    let deadline = Deadline::new();
+    let mut figures = Vec::new();
+    for (name, pinned) in [("all processors", false), ("one processor", true)] {
+        say(&format!(
+            "lock-step with {PLANNERS} trivial planners, {name}"
+        ));
+        // The processes inherit the processors of the thread that starts them.
+        let rates = std::thread::scope(|scope| {
+            scope
+                .spawn(|| {
+                    if pinned {
+                        pin_to_first()?;
+                    }
+                    alternate(options, deadline)
+                })
+                .join()
+                .unwrap_or_else(|_| {
+                    Err(BenchError::Process {
+                        process: "the measuring thread".into(),
+                        how: "panicked".into(),
+                    })
+                })
+        })?;
+        let (kit, raw) = rates;
+        let (Some(value), Some(baseline), Some(ratio)) = (
+            Spread::of(kit.iter().copied()),
+            Spread::of(raw.iter().copied()),
+            paired_ratio(&kit, &raw),
+        ) else {
+            continue;
+        };
+        figures.push(
+            Figure::new(
+                ITEM,
+                format!("{PLANNERS} planners, {name}"),
+                value,
+                "ticks/s",
+            )
+            .against("raw iceoryx2 + futex", baseline.median)
+            .with_ratio(ratio.median)
+            .with_goal(Goal::RatioAtLeast(GOAL)),
+        );
+    }
+    Ok(figures)
+}
+
+/// Pins the calling thread, and what it will start, to its first processor.
+fn pin_to_first() -> Result<(), BenchError> {
+    let system = |e: rustix::io::Errno| BenchError::system("cannot pin to a processor")(e.into());
+    let allowed = rustix::thread::sched_getaffinity(None).map_err(system)?;
+    let first = (0..rustix::thread::CpuSet::MAX_CPU)
+        .find(|&cpu| allowed.is_set(cpu))
+        .unwrap_or(0);
+    let mut set = rustix::thread::CpuSet::new();
+    set.set(first);
+    rustix::thread::sched_setaffinity(None, &set).map_err(system)
+}
+
+/// Rates of the blocks of the kit and of the raw exchange [ticks/s], pair by pair.
+fn alternate(options: &Options, deadline: Deadline) -> Result<(Vec<f64>, Vec<f64>), BenchError> {
+    let mut kit = KitExchange::start()?;
+    let mut raw = RawExchange::start()?;
+    let pairs = options.repeats(24, 8);
+    let time = Duration::from_millis(if options.quick { 100 } else { 250 });
+    let (mut ours, mut theirs) = (Vec::new(), Vec::new());
+    let warm_up = Instant::now() + READY_WITHIN;
+    for _ in 0..WARM_UP {
+        kit.tick()?;
+        raw.tick()?;
+        if Instant::now() > warm_up {
+            break;
+        }
+    }
+    for _ in 0..pairs {
+        options.check()?;
+        deadline.check("lock-step")?;
+        ours.push(rate(time, || kit.tick())?);
+        theirs.push(rate(time, || raw.tick())?);
+    }
+    Ok((ours, theirs))
+}
+
+/// Calls per second over at least this time.
+fn rate(
+    time: Duration,
+    mut call: impl FnMut() -> Result<(), BenchError>,
+) -> Result<f64, BenchError> {
+    let start = Instant::now();
+    let mut calls = 0_u32;
+    loop {
+        for _ in 0..BATCH {
+            call()?;
+        }
+        calls += BATCH;
+        let elapsed = start.elapsed();
+        if elapsed >= time {
+            return Ok(f64::from(calls) / elapsed.as_secs_f64());
+        }
+    }
+}
+
+/// Processes that are ended when dropped.
+struct Crew(Vec<RunningProcess>);
+
+impl Crew {
+    fn check(&mut self) -> Result<(), BenchError> {
+        match self.0.iter_mut().find_map(|p| p.check_exit().then_some(p)) {
+            None => Ok(()),
+            Some(process) => Err(BenchError::Process {
+                process: process.name.clone(),
+                how: format!("ended: {}", process.last_words().join(" / ")),
+            }),
+        }
+    }
+
+    /// Waits until `done`; fails when a process ends before, or too late.
+    fn wait(&mut self, what: &str, mut done: impl FnMut() -> bool) -> Result<(), BenchError> {
+        let deadline = Instant::now() + READY_WITHIN;
+        while !done() {
+            self.check()?;
+            if Instant::now() > deadline {
+                return Err(BenchError::TooSlow {
+                    what: what.to_owned(),
+                    limit: READY_WITHIN,
+                });
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        Ok(())
+    }
+}
+
+fn launch(space: &OwnedSpace, kind: &str, configs: &[impl Serialize]) -> Result<Crew, BenchError> {
+    let mut crew = Crew(Vec::new());
+    for (slot, config) in configs.iter().enumerate() {
+        let path = write_config(space.space().root(), slot, config)?;
+        let executable = Executable::Kind(kind.into());
+        let name = format!("{kind}-{slot}");
+        crew.0.push(RunningProcess::start(
+            &name,
+            slot,
+            &executable,
+            &path,
+            true,
+        )?);
+    }
+    space.note_processes(crew.0.iter().map(RunningProcess::pid))?;
+    Ok(crew)
+}
+
+fn write_config(root: &Path, slot: usize, config: &impl Serialize) -> Result<PathBuf, BenchError> {
+    let path = root.join(format!("process-{slot}.json"));
+    let text = serde_json::to_vec(config)
+        .map_err(|e| BenchError::system("cannot write a configuration")(std::io::Error::from(e)))?;
+    std::fs::write(&path, text).map_err(BenchError::system(format!("{}", path.display())))?;
+    Ok(path)
+}
+
+/// The exchange over the kit.
+struct KitExchange {
+    overseer: Overseer,
+    crew: Crew,
+    conductor: Conductor,
+    state_out: Publisher<WorldState>,
+    commands_in: Subscriber<Commands>,
+    states: Vec<RobotState>,
+    tick: u64,
+    _services: Vec<TopicHolder>,
+    _bus: Bus,
+    _space: OwnedSpace,
+}
+
+impl KitExchange {
+    fn start() -> Result<Self, BenchError> {
+        let space = OwnedSpace::create()?;
+        let run = run_config(space.space().root(), space.space().prefix());
+        let bus = Bus::join(space.space(), run.bus_options(), "bench")?;
+        let services = vec![
+            bus.create::<WorldState>()?,
+            bus.create::<Commands>()?,
+            bus.create::<Status>()?,
+        ];
+        let page = Arc::new(TurnPage::create(space.space().prefix(), PLANNERS + 1)?);
+        let overseer = Overseer::new(Arc::clone(&page));
+        for slot in 0..=PLANNERS {
+            overseer.seat(slot, slot != 0, false);
+        }
+        let state_out = bus.publisher(PublisherOptions::new(0, PLANNERS))?;
+        let commands_in = bus.subscriber()?;
+        let configs: Vec<_> = (1..=PLANNERS as u32)
+            .map(|index| ProcessConfig {
+                run: run.clone(),
+                name: format!("bench-{index}"),
+                kind: "bench-planner".into(),
+                index,
+                robots: vec![index - 1],
+                upstream: Vec::new(),
+                params: serde_json::Value::Null,
+            })
+            .collect();
+        let crew = launch(&space, "bench-planner", &configs)?;
+        let mut exchange = Self {
+            overseer,
+            crew,
+            conductor: Conductor::new(page, 0, usize::MAX, false),
+            state_out,
+            commands_in,
+            states: (0..PLANNERS as u32)
+                .map(|robot| RobotState {
+                    robot,
+                    ..RobotState::default()
+                })
+                .collect(),
+            tick: 0,
+            _services: services,
+            _bus: bus,
+            _space: space,
+        };
+        exchange.reach(SlotState::Ready)?;
+        exchange.overseer.set_phase(Phase::Connect);
+        exchange.state_out.update_connections()?;
+        exchange.commands_in.update_connections()?;
+        exchange.reach(SlotState::Connected)?;
+        exchange.state_out.update_connections()?;
+        exchange.commands_in.update_connections()?;
+        exchange.overseer.set_phase(Phase::Run);
+        Ok(exchange)
+    }
+
+    fn reach(&mut self, state: SlotState) -> Result<(), BenchError> {
+        let page = self.overseer.page();
+        self.crew.wait("planners to be ready", || {
+            (1..=PLANNERS).all(|slot| page.state(slot) == state)
+        })
+    }
+
+    fn tick(&mut self) -> Result<(), BenchError> {
+        let mut header = WorldHeader::default();
+        header.stamp.tick = self.tick;
+        self.state_out.send(header, &self.states)?;
+        self.conductor.post(self.tick);
+        loop {
+            match self.conductor.wait(self.tick) {
+                TurnEnd::Complete => break,
+                TurnEnd::Idle => self.crew.check()?,
+                TurnEnd::Stop => return Err(BenchError::Interrupted),
+            }
+        }
+        let mut commands = 0;
+        while let Some(message) = self.commands_in.receive()? {
+            commands += usize::from(message.header().stamp.tick == self.tick);
+        }
+        if commands != PLANNERS {
+            return Err(BenchError::Lost("robot/command"));
+        }
+        self.tick += 1;
+        Ok(())
+    }
+}
+
+impl Drop for KitExchange {
+    fn drop(&mut self) {
+        self.overseer.set_phase(Phase::Stop);
+        end_all(&mut self.crew.0, END_WITHIN);
+    }
+}
+
+fn run_config(root: &Path, prefix: &str) -> RunConfig {
+    RunConfig {
+        root: root.to_owned(),
+        prefix: prefix.to_owned(),
+        seed: 1,
+        tick_period_ns: 50_000_000,
+        clock: Clock::LockStep,
+        idle: Idle::Block,
+        processor: None,
+        processes: PLANNERS as u32 + 1,
+        events: 0,
+        recorder_ticks: 2,
+        map_cells: 1,
+        particles: 1,
+        robots: (0..PLANNERS)
+            .map(|index| RobotInfo {
+                name: format!("robot_{index}"),
+                team: Team::Police,
+                model: Preset::default().model(),
+                beams: 0,
+                start: Pose2::default(),
+            })
+            .collect(),
+        exits: Vec::new(),
+        capture_radius: 0.0,
+        log_level: "warn".into(),
+    }
+}
+
+/// A planner that answers every state with a command, and nothing else.
+pub struct TrivialPlanner {
+    state: StateInput,
+    commands: Publisher<Commands>,
+    robot: u32,
+}
+
+impl Wiring for TrivialPlanner {
+    fn open(config: &ProcessConfig, bus: &Bus) -> Result<Self, ProcessError> {
+        Ok(Self {
+            state: StateInput::open(bus, config.run.robots.len())?,
+            commands: bus.publisher(PublisherOptions::new(config.index, 1))?,
+            robot: config.robots.first().copied().unwrap_or(0),
+        })
+    }
+
+    fn connect(&mut self) -> Result<(), ProcessError> {
+        self.state.connect()?;
+        self.commands.update_connections()?;
+        Ok(())
+    }
+
+    fn step(&mut self, tick: u64) -> Result<(), ProcessError> {
+        self.state.update()?;
+        if self.state.header.stamp.tick != tick {
+            return Err(ProcessError::Protocol(format!(
+                "it is the turn of tick {tick}, but the newest world/state is of tick {}",
+                self.state.header.stamp.tick
+            )));
+        }
+        let stamp = reply_stamp(&self.state.header, self.state.received_ns);
+        let command = Command {
+            v: 0.1,
+            robot: self.robot,
+            ..Command::default()
+        };
+        self.commands.send(PlainHeader { stamp }, &[command])?;
+        Ok(())
+    }
+
+    fn rejected(&self) -> u64 {
+        self.state.rejected
+    }
+}
+
+/// Runs a trivial planner over the kit to its end.
+pub fn planner(config: &Path) -> ExitCode {
+    kit::run::<TrivialPlanner>(config)
+}
+
+/// The exchange over bare iceoryx2 and a bare futex page.
+struct RawExchange {
+    conductor: RawConductor,
+    crew: Crew,
+    _space: OwnedSpace,
+}
+
+impl RawExchange {
+    fn start() -> Result<Self, BenchError> {
+        let space = OwnedSpace::create()?;
+        let conductor = RawConductor::create(space.space())?;
+        let configs: Vec<_> = (0..PLANNERS as u32)
+            .map(|index| RawConfig {
+                root: space.space().root().to_owned(),
+                prefix: space.space().prefix().to_owned(),
+                index,
+            })
+            .collect();
+        let crew = launch(&space, "raw-planner", &configs)?;
+        let mut exchange = Self {
+            conductor,
+            crew,
+            _space: space,
+        };
+        exchange.reach(PLANNERS)?;
+        exchange.conductor.connect()?;
+        exchange.reach(2 * PLANNERS)?;
+        exchange.conductor.connect()?;
+        Ok(exchange)
+    }
+
+    fn reach(&mut self, said: usize) -> Result<(), BenchError> {
+        let conductor = &self.conductor;
+        self.crew.wait("raw planners to be ready", || {
+            conductor.said_ready() >= said
+        })
+    }
+
+    fn tick(&mut self) -> Result<(), BenchError> {
+        let crew = &mut self.crew;
+        self.conductor.tick(|| crew.check())
+    }
+}
+
+impl Drop for RawExchange {
+    fn drop(&mut self) {
+        self.conductor.stop();
+        end_all(&mut self.crew.0, END_WITHIN);
+    }
+}

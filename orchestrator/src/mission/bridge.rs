@@ -1,0 +1,201 @@
+//! Turns for processes that do not know the turn page: executables of the user's, in any language
+//! that iceoryx2 speaks.
+//!
+//! A thread per such process sits at the page in its place and passes the turn on through two
+//! events: [`TURN_EVENT`] with the process's index says "your turn", the process answers each with
+//! [`DONE_EVENT`] and its index. The first answer comes unasked (ports open), the second answers
+//! the turn in which it connects its ports; then there is a turn per tick. [`END_OF_TURNS`] added to
+//! the index says that there are no more.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use ipc_types::bus::{Bus, Listener, Notifier, TopicHolder};
+use ipc_types::topics::{DONE_EVENT, END_OF_TURNS, TURN_EVENT};
+use kit::config::{Clock, ProcessConfig};
+use kit::lockstep::{LOOK_UP, Participant, Phase, SlotState, Turn, TurnPage};
+
+use super::children::Executable;
+use super::error::MissionError;
+use super::plan::Plan;
+
+/// The threads that take turns for others.
+#[derive(Debug)]
+pub struct Bridge {
+    threads: Vec<JoinHandle<Result<(), MissionError>>>,
+    stop: Arc<AtomicBool>,
+    _events: Vec<TopicHolder>,
+}
+
+impl Bridge {
+    /// Takes a seat for every external process of the plan. Call before they are started.
+    ///
+    /// # Errors
+    /// [`MissionError`] if the events cannot be created.
+    pub fn start(plan: &Plan, bus: &Bus, page: &Arc<TurnPage>) -> Result<Self, MissionError> {
+        let stop = Arc::new(AtomicBool::new(false));
+        let external: Vec<&ProcessConfig> = plan
+            .launches
+            .iter()
+            .filter(|launch| matches!(launch.executable, Executable::Command(_)))
+            .map(|launch| &launch.config)
+            .collect();
+        let mut bridge = Self {
+            threads: Vec::new(),
+            stop,
+            _events: Vec::new(),
+        };
+        if external.is_empty() {
+            return Ok(bridge);
+        }
+        bridge._events = vec![bus.create_event(TURN_EVENT)?, bus.create_event(DONE_EVENT)?];
+        let shared = Arc::new(Bus::join(bus.space(), *bus.options(), "bridge")?);
+        for config in external {
+            let (bus, page, stop) = (
+                Arc::clone(&shared),
+                Arc::clone(page),
+                Arc::clone(&bridge.stop),
+            );
+            let config = config.clone();
+            let (tell, opened) = std::sync::mpsc::channel();
+            let thread = std::thread::Builder::new()
+                .name(format!("bridge-{}", config.index))
+                .spawn(move || {
+                    // Ports belong to the thread that opened them.
+                    let seat = Seat::open(&config, &bus, page, stop)?;
+                    let _ = tell.send(());
+                    seat.serve()
+                })
+                .map_err(|source| MissionError::System {
+                    what: "cannot start a bridge's thread".into(),
+                    source,
+                })?;
+            bridge.threads.push(thread);
+            // The listener must stand before its process can notify.
+            let _ = opened.recv();
+        }
+        Ok(bridge)
+    }
+
+    /// Ends all threads; the run has reached [`Phase::Stop`].
+    ///
+    /// # Errors
+    /// The first failure of a thread.
+    pub fn finish(self) -> Result<(), MissionError> {
+        self.stop.store(true, Ordering::SeqCst);
+        let mut first = Ok(());
+        for thread in self.threads {
+            if let Ok(Err(error)) = thread.join()
+                && first.is_ok()
+            {
+                first = Err(error);
+            }
+        }
+        first
+    }
+}
+
+/// One external process's place at the page.
+struct Seat {
+    participant: Participant,
+    page: Arc<TurnPage>,
+    index: usize,
+    turn: Notifier,
+    done: Listener,
+    clock: Clock,
+    tick_period: f64,
+    stop: Arc<AtomicBool>,
+}
+
+impl Seat {
+    fn open(
+        config: &ProcessConfig,
+        bus: &Bus,
+        page: Arc<TurnPage>,
+        stop: Arc<AtomicBool>,
+    ) -> Result<Self, MissionError> {
+        let index = config.index as usize;
+        let upstream = config.upstream.iter().map(|&u| u as usize).collect();
+        Ok(Self {
+            participant: Participant::new(Arc::clone(&page), index, upstream, false),
+            page,
+            index,
+            turn: bus.notifier(TURN_EVENT)?,
+            done: bus.listener(DONE_EVENT)?,
+            clock: config.run.clock,
+            tick_period: config.run.tick_period(),
+            stop,
+        })
+    }
+
+    fn stopping(&self) -> bool {
+        self.stop.load(Ordering::SeqCst) || self.page.phase() == Phase::Stop
+    }
+
+    /// Waits for the process's answer; false if the run stops first.
+    fn answered(&self) -> Result<bool, MissionError> {
+        loop {
+            let mut answered = false;
+            self.done.wait(LOOK_UP, |id| answered |= id == self.index)?;
+            if answered {
+                return Ok(true);
+            }
+            if self.stopping() {
+                return Ok(false);
+            }
+        }
+    }
+
+    fn serve(self) -> Result<(), MissionError> {
+        let result = self.take_turns();
+        // The process may be gone already; then nobody hears it.
+        let _ = self.turn.notify(self.index + END_OF_TURNS);
+        result
+    }
+
+    fn take_turns(&self) -> Result<(), MissionError> {
+        if !self.answered()? {
+            return Ok(());
+        }
+        self.participant.set_state(SlotState::Ready);
+        if !self
+            .participant
+            .wait_for_phase(Phase::Connect, || !self.stopping())
+        {
+            return Ok(());
+        }
+        self.turn.notify(self.index)?;
+        if !self.answered()? {
+            return Ok(());
+        }
+        self.participant.set_state(SlotState::Connected);
+        let mut last = None;
+        loop {
+            let turn = match self.clock {
+                Clock::LockStep => self
+                    .participant
+                    .wait_turn(last.map_or(0, |tick: u64| tick + 1)),
+                Clock::RealTime { factor, .. } => {
+                    let patience = (self.tick_period / factor.max(1e-3) * 0.5).min(1.0);
+                    self.participant
+                        .wait_newest(last, Duration::from_secs_f64(patience))
+                }
+            };
+            match turn {
+                Turn::Stop => return Ok(()),
+                Turn::Idle if self.stopping() => return Ok(()),
+                Turn::Idle => {}
+                Turn::Tick(tick) => {
+                    self.turn.notify(self.index)?;
+                    if !self.answered()? {
+                        return Ok(());
+                    }
+                    self.participant.done(tick);
+                    last = Some(tick);
+                }
+            }
+        }
+    }
+}

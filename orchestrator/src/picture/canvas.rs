@@ -1,0 +1,181 @@
+//! Writing SVG.
+
+use core::fmt::{self, Write as _};
+
+/// Fonts that every system has one of.
+const FONTS: &str = "system-ui,-apple-system,'Segoe UI',Helvetica,Arial,'DejaVu Sans',sans-serif";
+
+/// Width of an average letter at a font size of 1.
+const LETTER: f64 = 0.56;
+
+/// An SVG document being written; all coordinates are in pixels, y down.
+pub(super) struct Canvas {
+    text: String,
+}
+
+/// How a text stands.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Style {
+    /// Font size [px].
+    pub(super) size: f64,
+    /// Colour.
+    pub(super) color: &'static str,
+    /// Whether it is bold.
+    pub(super) bold: bool,
+    /// `start`, `middle` or `end`.
+    pub(super) anchor: &'static str,
+    /// Whether it has a rim in the paper's colour, to be read on anything.
+    pub(super) halo: bool,
+}
+
+impl Canvas {
+    /// A document of this size [px] with a title for those who cannot see it.
+    pub(super) fn new(width: f64, height: f64, title: &str, description: &str) -> Self {
+        let mut canvas = Self {
+            text: String::new(),
+        };
+        let (w, h) = (Num(width), Num(height));
+        canvas.add(format_args!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{w}\" height=\"{h}\" \
+             viewBox=\"0 0 {w} {h}\" role=\"img\" font-family=\"{FONTS}\">\n\
+             <title>{}</title>\n<desc>{}</desc>\n",
+            escape(title),
+            escape(description),
+        ));
+        canvas
+    }
+
+    /// Adds SVG text as it is.
+    pub(super) fn add(&mut self, text: fmt::Arguments<'_>) {
+        // Writing to a String cannot fail.
+        let _ = self.text.write_fmt(text);
+    }
+
+    /// Writes a line of text with its base line at this point [px].
+    pub(super) fn label(&mut self, x: f64, y: f64, style: &Style, text: &str) {
+        let halo = if style.halo {
+            " stroke=\"#ffffff\" stroke-width=\"3.5\" stroke-linejoin=\"round\" \
+             paint-order=\"stroke\""
+        } else {
+            ""
+        };
+        let weight = if style.bold {
+            " font-weight=\"600\""
+        } else {
+            ""
+        };
+        self.add(format_args!(
+            "<text x=\"{}\" y=\"{}\" font-size=\"{}\" fill=\"{}\" text-anchor=\"{}\"{weight}{halo}>\
+             {}</text>\n",
+            Num(x),
+            Num(y),
+            Num(style.size),
+            style.color,
+            style.anchor,
+            escape(text)
+        ));
+    }
+
+    /// Ends the document.
+    pub(super) fn finish(mut self) -> String {
+        self.text.push_str("</svg>\n");
+        self.text
+    }
+}
+
+/// About how wide a text is [px]; exact widths depend on the reader's fonts.
+pub(super) fn text_width(text: &str, size: f64) -> f64 {
+    text.chars().count() as f64 * size * LETTER
+}
+
+/// Breaks a text into lines of at most this width [px] where it has spaces.
+pub(super) fn wrap(text: &str, size: f64, width: f64) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        match lines.last_mut() {
+            Some(line)
+                if text_width(line, size) + text_width(word, size) + size * LETTER <= width =>
+            {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
+}
+
+/// A number with at most one decimal, in as few characters as possible.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Num(pub(super) f64);
+
+impl fmt::Display for Num {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // What is not finite was kept out when the log was read; a zero is still valid SVG.
+        let tenths = if self.0.is_finite() {
+            (self.0 * 10.0).round() as i64
+        } else {
+            0
+        };
+        let sign = if tenths < 0 { "-" } else { "" };
+        let (whole, rest) = (tenths.unsigned_abs() / 10, tenths.unsigned_abs() % 10);
+        if rest == 0 {
+            write!(f, "{sign}{whole}")
+        } else {
+            write!(f, "{sign}{whole}.{rest}")
+        }
+    }
+}
+
+/// Text as XML has it: markup characters escaped, characters that XML cannot hold replaced.
+pub(super) fn escape(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '"' => escaped.push_str("&quot;"),
+            '\t' | '\n' | '\r' => escaped.push(' '),
+            '\u{fffe}' | '\u{ffff}' => escaped.push('\u{fffd}'),
+            c if c.is_control() => escaped.push('\u{fffd}'),
+            c => escaped.push(c),
+        }
+    }
+    escaped
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short_and_have_no_negative_zero() {
+        for (number, text) in [
+            (0.0, "0"),
+            (-0.01, "0"),
+            (1.0, "1"),
+            (-1.26, "-1.3"),
+            (-0.4, "-0.4"),
+            (760.04, "760"),
+            (f64::NAN, "0"),
+        ] {
+            assert_eq!(Num(number).to_string(), text);
+        }
+    }
+
+    #[test]
+    fn markup_and_control_characters_are_harmless() {
+        assert_eq!(
+            escape("a<b>&\"c\"\n\u{1}"),
+            "a&lt;b&gt;&amp;&quot;c&quot; \u{fffd}"
+        );
+    }
+
+    #[test]
+    fn lines_break_at_spaces_and_long_words_stay_whole() {
+        assert_eq!(wrap("one two three", 10.0, 45.0), ["one two", "three"]);
+        assert_eq!(wrap("incomprehensible", 10.0, 20.0), ["incomprehensible"]);
+        assert!(wrap("", 10.0, 20.0).is_empty());
+    }
+}

@@ -1,0 +1,500 @@
+//! The picture.
+
+use std::collections::BTreeMap;
+
+use sim_backend::math;
+use sim_backend::shape::Shape;
+use sim_backend::spec::Region;
+
+use super::canvas::{Canvas, Num, Style, text_width};
+use super::ground::{corners, rectangle};
+use super::labels::{Area, Labels};
+use super::layout::Layout;
+use super::legend::{Legend, scale_bar};
+use super::palette;
+use super::trace::{Mark, MarkKind, RunTrace};
+use super::trail::{TrailPoint, simplify};
+
+/// Smallest radius of a robot on the page [px]: smaller ones are drawn larger.
+const SMALLEST_DISC: f64 = 7.0;
+/// Most points of all trails together.
+const MOST_TRAIL_POINTS: usize = 5000;
+/// Most dots of all beliefs together.
+const MOST_DOTS: usize = 2000;
+/// Font size of names [px].
+const NAME_SIZE: f64 = 14.0;
+/// Half the size of a mark [px].
+const MARK: f64 = 7.0;
+/// A belief whose mean is nearer than this to its robot [px] needs no name of its own.
+const NAMED_BELIEF: f64 = 45.0;
+/// Rim of what lies on trails.
+pub(super) const HALO: &str = "#ffffff";
+
+/// The parts of a trail: until which part of the time they go, their width [px] and opacity.
+const BANDS: [(f64, f64, f64); 3] = [(0.6, 2.0, 0.40), (0.85, 2.6, 0.65), (1.0, 3.4, 1.0)];
+
+/// Draws a run as an SVG document, the same for the same trace.
+///
+/// The document has at most some 200 kB however long the run was: trails, particles and cells are
+/// thinned out to what can be seen.
+pub fn draw(trace: &RunTrace) -> String {
+    let legend = Legend::of(trace);
+    let layout = Layout::new(trace.ground.min, trace.ground.max, legend.height());
+    let (title, caption) = words(trace);
+    let mut canvas = Canvas::new(layout.width, layout.height, &title, &caption);
+    heading(&mut canvas, &layout, &title, &caption);
+    let mut picture = Picture {
+        labels: Labels::new(layout.map),
+        discs: trace
+            .robots
+            .iter()
+            .map(|robot| (robot.radius * layout.scale).max(SMALLEST_DISC))
+            .collect(),
+        trace,
+        layout,
+    };
+    picture.ground(&mut canvas);
+    picture.trails(&mut canvas);
+    picture.beliefs(&mut canvas);
+    picture.robots(&mut canvas);
+    picture.names(&mut canvas);
+    legend.draw(&mut canvas, layout.legend, layout.map.top);
+    let bar = layout.map.top + (layout.map.bottom - layout.map.top).max(legend.height());
+    scale_bar(
+        &mut canvas,
+        layout.legend,
+        bar - 8.0,
+        layout.scale,
+        picture.enlarged(),
+    );
+    canvas.finish()
+}
+
+/// Title and caption.
+fn words(trace: &RunTrace) -> (String, String) {
+    let title = if trace.title.is_empty() {
+        &trace.scenario
+    } else {
+        &trace.title
+    };
+    let seed = if trace.seed.is_empty() {
+        String::new()
+    } else {
+        format!(", seed {}", trace.seed)
+    };
+    let when = if trace.time_s < trace.end_s {
+        format!(
+            "after {:.1} s of {:.1} s simulated",
+            trace.time_s, trace.end_s
+        )
+    } else {
+        format!("at its end, after {:.1} s simulated", trace.end_s)
+    };
+    (
+        title.clone(),
+        format!("scenario {}{seed}: {when}", trace.scenario),
+    )
+}
+
+fn heading(canvas: &mut Canvas, layout: &Layout, title: &str, caption: &str) {
+    canvas.add(format_args!(
+        "<rect x=\"0\" y=\"0\" width=\"{}\" height=\"{}\" rx=\"10\" fill=\"{}\"/>\n",
+        Num(layout.width),
+        Num(layout.height),
+        palette::PAPER
+    ));
+    let [x, y] = layout.title();
+    let style = Style {
+        size: 25.0,
+        color: palette::INK,
+        bold: true,
+        anchor: "start",
+        halo: false,
+    };
+    canvas.label(x, y, &style, title);
+    let style = Style {
+        size: 15.0,
+        color: palette::FAINT_INK,
+        bold: false,
+        ..style
+    };
+    canvas.label(x, y + 25.0, &style, caption);
+}
+
+/// A picture being drawn.
+struct Picture<'a> {
+    trace: &'a RunTrace,
+    layout: Layout,
+    labels: Labels,
+    /// Radius of every robot's disc on the page [px].
+    discs: Vec<f64>,
+}
+
+impl Picture<'_> {
+    /// How many times its size the robot is drawn that is enlarged most.
+    fn enlarged(&self) -> f64 {
+        let factor = |(disc, radius): (&f64, f64)| disc / (radius * self.layout.scale).max(1e-9);
+        let radii = self.trace.robots.iter().map(|robot| robot.radius);
+        self.discs.iter().zip(radii).map(factor).fold(1.0, f64::max)
+    }
+
+    fn ground(&mut self, canvas: &mut Canvas) {
+        let Area {
+            left,
+            top,
+            right,
+            bottom,
+        } = self.layout.map;
+        canvas.add(format_args!(
+            "<clipPath id=\"map\"><rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/></clipPath>\n\
+             <g clip-path=\"url(#map)\">\n",
+            Num(left),
+            Num(top),
+            Num(right - left),
+            Num(bottom - top)
+        ));
+        if let Some(cells) = &self.trace.ground.cells {
+            canvas.add(format_args!("<path fill=\"{}\" d=\"", palette::WALL));
+            for [min, max] in cells.rectangles() {
+                self.outline(canvas, &[min, [max[0], min[1]], max, [min[0], max[1]]]);
+            }
+            canvas.add(format_args!("\"/>\n"));
+        }
+        for (came, fill, edge) in [
+            (false, palette::WALL, palette::EDGE),
+            (true, palette::OBSTACLE, palette::OBSTACLE),
+        ] {
+            let shapes = || {
+                let obstacles = self.trace.ground.obstacles.values();
+                obstacles.filter(move |o| o.came == came).map(|o| &o.shape)
+            };
+            if shapes().next().is_none() {
+                continue;
+            }
+            canvas.add(format_args!(
+                "<g class=\"obstacles\" fill=\"{fill}\" stroke=\"{edge}\" stroke-width=\"1\">\n<path d=\""
+            ));
+            shapes().for_each(|shape| self.outline(canvas, &corners(shape)));
+            canvas.add(format_args!("\"/>\n"));
+            for shape in shapes() {
+                if let Shape::Circle { center, radius } = shape {
+                    self.circle(canvas, *center, *radius, "");
+                }
+            }
+            canvas.add(format_args!("</g>\n"));
+        }
+        canvas.add(format_args!(
+            "<g class=\"exits\" fill=\"{c}\" fill-opacity=\"0.18\" stroke=\"{c}\" stroke-width=\"2\" \
+             stroke-dasharray=\"5 4\">\n",
+            c = palette::EXIT
+        ));
+        for exit in &self.trace.ground.exits {
+            match *exit {
+                Region::Circle { center, radius } => self.circle(canvas, center, radius, ""),
+                Region::Rectangle {
+                    center,
+                    half_extents,
+                    angle,
+                } => {
+                    canvas.add(format_args!("<path d=\""));
+                    self.outline(canvas, &rectangle(center, half_extents, angle));
+                    canvas.add(format_args!("\"/>\n"));
+                }
+            }
+        }
+        canvas.add(format_args!(
+            "</g>\n</g>\n<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"none\" \
+             stroke=\"{}\"/>\n",
+            Num(left),
+            Num(top),
+            Num(right - left),
+            Num(bottom - top),
+            palette::EDGE
+        ));
+    }
+
+    /// The commands of a closed line through these points [m].
+    fn outline(&self, canvas: &mut Canvas, points: &[[f64; 2]]) {
+        for (i, &point) in points.iter().enumerate() {
+            let [x, y] = self.layout.at(point);
+            let command = if i == 0 { 'M' } else { 'L' };
+            canvas.add(format_args!("{command}{} {}", Num(x), Num(y)));
+        }
+        if !points.is_empty() {
+            canvas.add(format_args!("Z"));
+        }
+    }
+
+    fn circle(&self, canvas: &mut Canvas, center: [f64; 2], radius: f64, more: &str) {
+        let [x, y] = self.layout.at(center);
+        canvas.add(format_args!(
+            "<circle cx=\"{}\" cy=\"{}\" r=\"{}\"{more}/>\n",
+            Num(x),
+            Num(y),
+            Num(radius * self.layout.scale)
+        ));
+    }
+
+    fn trails(&mut self, canvas: &mut Canvas) {
+        let trails: Vec<Vec<TrailPoint>> = self
+            .trace
+            .robots
+            .iter()
+            .map(|robot| robot.trail.points())
+            .collect();
+        // A third of a pixel cannot be seen; more than that only if there is too much to draw.
+        let mut tolerance = 0.3 / self.layout.scale;
+        let bands = loop {
+            let bands: Vec<_> = trails.iter().map(|trail| split(trail, tolerance)).collect();
+            let points: usize = bands.iter().flatten().map(Vec::len).sum();
+            if points <= MOST_TRAIL_POINTS {
+                break bands;
+            }
+            tolerance *= 1.5;
+        };
+        canvas.add(format_args!(
+            "<g class=\"trails\" fill=\"none\" stroke-linejoin=\"round\" stroke-linecap=\"butt\">\n"
+        ));
+        for (robot, bands) in self.trace.robots.iter().zip(&bands) {
+            let color = palette::team(robot.team);
+            for (band, (_, width, opacity)) in bands.iter().zip(BANDS) {
+                if band.len() < 2 {
+                    continue;
+                }
+                canvas.add(format_args!("<path d=\""));
+                for (i, point) in band.iter().enumerate() {
+                    let [x, y] = self.layout.at([point.x, point.y]);
+                    let command = if i == 0 { 'M' } else { 'L' };
+                    canvas.add(format_args!("{command}{} {}", Num(x), Num(y)));
+                    self.labels.spare([x, y]);
+                }
+                canvas.add(format_args!(
+                    "\" stroke=\"{color}\" stroke-width=\"{width}\" stroke-opacity=\"{opacity}\"/>\n"
+                ));
+            }
+        }
+        canvas.add(format_args!("</g>\n"));
+        for (robot, trail) in self.trace.robots.iter().zip(&trails) {
+            if let Some(start) = trail.first() {
+                let at = self.layout.at([start.x, start.y]);
+                sign(canvas, Sign::Start, at, palette::team(robot.team));
+            }
+        }
+    }
+
+    fn beliefs(&mut self, canvas: &mut Canvas) {
+        let all: usize = self.trace.beliefs.iter().map(|b| b.particles.len()).sum();
+        let step = all.div_ceil(MOST_DOTS).max(1);
+        canvas.add(format_args!(
+            "<g class=\"beliefs\" fill=\"none\" stroke=\"{}\" stroke-width=\"3.6\" \
+             stroke-opacity=\"0.55\" stroke-linecap=\"round\">\n",
+            palette::BELIEF
+        ));
+        for belief in &self.trace.beliefs {
+            canvas.add(format_args!("<path d=\""));
+            for particle in belief.particles.iter().step_by(step) {
+                let [x, y] = self.layout.at(particle.map(f64::from));
+                canvas.add(format_args!("M{} {}h0", Num(x), Num(y)));
+                self.labels.spare([x, y]);
+            }
+            canvas.add(format_args!("\"/>\n"));
+        }
+        canvas.add(format_args!("</g>\n"));
+    }
+
+    fn robots(&mut self, canvas: &mut Canvas) {
+        for (robot, &radius) in self.trace.robots.iter().zip(&self.discs) {
+            let at = self.layout.at([robot.pose.x, robot.pose.y]);
+            let color = palette::team(robot.team);
+            canvas.add(format_args!("<g class=\"robot\">\n"));
+            disc(canvas, at, radius, robot.pose.theta, color, robot.active);
+            canvas.add(format_args!("</g>\n"));
+            self.labels.keep_off(Area::around(at, radius + 2.0));
+        }
+        for mark in &self.trace.marks {
+            let at = self.layout.at(mark.at);
+            sign(canvas, Sign::Mark(mark.kind), at, HALO);
+            self.labels.keep_off(Area::around(at, MARK + 1.0));
+        }
+    }
+
+    fn names(&mut self, canvas: &mut Canvas) {
+        for exit in &self.trace.ground.exits {
+            let center = exit.center();
+            let at = self.layout.at([center.x, center.y]);
+            let radius = match exit {
+                Region::Circle { radius, .. } => *radius,
+                Region::Rectangle { half_extents, .. } => half_extents[0].min(half_extents[1]),
+            };
+            self.name(
+                canvas,
+                at,
+                radius * self.layout.scale,
+                "exit",
+                palette::EXIT,
+            );
+        }
+        let fates: BTreeMap<usize, &Mark> = self
+            .trace
+            .marks
+            .iter()
+            .map(|mark| (mark.robot, mark))
+            .collect();
+        for (i, robot) in self.trace.robots.iter().enumerate() {
+            let color = palette::team(robot.team);
+            let radius = self.discs.get(i).copied().unwrap_or(SMALLEST_DISC);
+            let (at, text) = match fates.get(&i) {
+                Some(mark) => {
+                    let words = mark.kind.words();
+                    (
+                        mark.at,
+                        format!("{} {words}, {:.1} s", robot.name, mark.time_s),
+                    )
+                }
+                None => ([robot.pose.x, robot.pose.y], robot.name.clone()),
+            };
+            self.name(canvas, self.layout.at(at), radius, &text, color);
+        }
+        for belief in &self.trace.beliefs {
+            let Some(robot) = self.trace.robots.get(belief.robot) else {
+                continue;
+            };
+            let (mean, real) = (
+                self.layout.at(belief.mean),
+                self.layout.at([robot.pose.x, robot.pose.y]),
+            );
+            if math::hypot(mean[0] - real[0], mean[1] - real[1]) >= NAMED_BELIEF {
+                let text = format!("{}?", robot.name);
+                self.name(canvas, mean, 4.0, &text, palette::BELIEF_INK);
+            }
+        }
+    }
+
+    fn name(
+        &mut self,
+        canvas: &mut Canvas,
+        at: [f64; 2],
+        radius: f64,
+        text: &str,
+        color: &'static str,
+    ) {
+        let size = [text_width(text, NAME_SIZE) + 6.0, NAME_SIZE + 4.0];
+        if let Some(area) = self.labels.place(at, radius, size) {
+            let style = Style {
+                size: NAME_SIZE,
+                color,
+                bold: true,
+                anchor: "middle",
+                halo: true,
+            };
+            let middle = f64::midpoint(area.left, area.right);
+            canvas.label(middle, area.bottom - 5.0, &style, text);
+        }
+    }
+}
+
+/// The parts of a trail, each with the points that it needs.
+fn split(trail: &[TrailPoint], tolerance: f64) -> [Vec<TrailPoint>; BANDS.len()] {
+    let (Some(first), Some(last)) = (trail.first(), trail.last()) else {
+        return Default::default();
+    };
+    let mut from = 0;
+    BANDS.map(|(part, _, _)| {
+        let until = first.time_s + part * (last.time_s - first.time_s);
+        let to = trail.partition_point(|p| p.time_s <= until).max(from + 1);
+        let band = trail.get(from..to.min(trail.len())).unwrap_or_default();
+        // The next part begins where this one ends.
+        from = to.min(trail.len()) - 1;
+        simplify(band, tolerance)
+    })
+}
+
+/// A robot: a disc with a nose.
+pub(super) fn disc(
+    canvas: &mut Canvas,
+    at: [f64; 2],
+    radius: f64,
+    theta: f64,
+    color: &str,
+    active: bool,
+) {
+    let (sin, cos) = math::sincos(theta);
+    // The page's y points down.
+    let point = |along: f64, across: f64| {
+        let x = at[0] + radius * (along * cos - across * sin);
+        let y = at[1] - radius * (along * sin + across * cos);
+        (Num(x), Num(y))
+    };
+    let (tip, left, right) = (point(1.9, 0.0), point(0.55, 0.75), point(0.55, -0.75));
+    let opacity = if active { 1.0 } else { 0.45 };
+    canvas.add(format_args!(
+        "<g fill=\"{color}\" fill-opacity=\"{opacity}\" stroke=\"{HALO}\" stroke-width=\"1.5\" \
+         stroke-linejoin=\"round\"><path d=\"M{} {}L{} {}L{} {}Z\"/>\
+         <circle cx=\"{}\" cy=\"{}\" r=\"{}\"/></g>\n",
+        tip.0,
+        tip.1,
+        left.0,
+        left.1,
+        right.0,
+        right.1,
+        Num(at[0]),
+        Num(at[1]),
+        Num(radius)
+    ));
+}
+
+/// A sign on the map.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Sign {
+    /// Where a robot started.
+    Start,
+    /// Where something happened.
+    Mark(MarkKind),
+}
+
+/// Draws a sign; `color` is that of a start and of the rim of a mark.
+pub(super) fn sign(canvas: &mut Canvas, sign: Sign, at: [f64; 2], color: &str) {
+    let [x, y] = at;
+    match sign {
+        Sign::Start => canvas.add(format_args!(
+            "<circle cx=\"{}\" cy=\"{}\" r=\"4.5\" fill=\"{}\" stroke=\"{color}\" \
+             stroke-width=\"2\"/>\n",
+            Num(x),
+            Num(y),
+            palette::PAPER
+        )),
+        Sign::Mark(MarkKind::Captured) => {
+            let (a, b) = (MARK - 1.0, 1.0 - MARK);
+            let lines = format!(
+                "M{} {}L{} {}M{} {}L{} {}",
+                Num(x + b),
+                Num(y + b),
+                Num(x + a),
+                Num(y + a),
+                Num(x + b),
+                Num(y + a),
+                Num(x + a),
+                Num(y + b),
+            );
+            canvas.add(format_args!(
+                "<g fill=\"none\" stroke-linecap=\"round\">\
+                 <path d=\"{lines}\" stroke=\"{color}\" stroke-width=\"6.5\"/>\
+                 <path d=\"{lines}\" stroke=\"{}\" stroke-width=\"3.5\"/></g>\n",
+                palette::INK
+            ));
+        }
+        Sign::Mark(MarkKind::Escaped | MarkKind::GoalReached) => canvas.add(format_args!(
+            "<path d=\"M{} {}L{} {}L{} {}L{} {}Z\" fill=\"{}\" stroke=\"{color}\" \
+             stroke-width=\"2\" stroke-linejoin=\"round\"/>\n",
+            Num(x),
+            Num(y - MARK),
+            Num(x + MARK),
+            Num(y),
+            Num(x),
+            Num(y + MARK),
+            Num(x - MARK),
+            Num(y),
+            palette::EXIT
+        )),
+    }
+}

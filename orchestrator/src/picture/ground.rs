@@ -1,0 +1,333 @@
+//! What does not drive: walls, obstacles, exits.
+
+use std::collections::BTreeMap;
+
+use ipc_types::messages::world::{MapCell, MapHeader};
+use sim_backend::map::{MapSpec, ObstacleChange};
+use sim_backend::math;
+use sim_backend::shape::Shape;
+use sim_backend::spec::Region;
+
+/// Most corners that the obstacles of a vector map may have together to be drawn as vectors.
+const MOST_CORNERS: usize = 2500;
+/// Most cells per side of the grid that is drawn of any other map.
+const MOST_CELLS: usize = 1024;
+/// Most rectangles that such a grid is drawn with.
+const MOST_RECTANGLES: usize = 2500;
+
+/// What does not drive.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Ground {
+    /// Smallest x and y of the world [m].
+    pub min: [f64; 2],
+    /// Largest x and y of the world [m].
+    pub max: [f64; 2],
+    /// Obstacles with a shape, by their number in the world.
+    pub obstacles: BTreeMap<u32, Standing>,
+    /// The occupied cells of a map that is not drawn with vectors.
+    pub cells: Option<Cells>,
+    /// Where evaders get out.
+    pub exits: Vec<Region>,
+}
+
+/// An obstacle with a shape.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Standing {
+    /// Its shape and place.
+    pub shape: Shape,
+    /// Whether it came or was moved during the run.
+    pub came: bool,
+}
+
+/// An occupancy grid.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Cells {
+    /// Outer corner of cell (0, 0), x and y [m].
+    pub origin: [f64; 2],
+    /// Side of a cell [m].
+    pub side: f64,
+    /// Columns.
+    pub width: usize,
+    /// Row by row from the smallest y, columns along +x.
+    pub occupied: Vec<bool>,
+}
+
+impl Ground {
+    /// The ground of a scenario's map as far as it has vectors.
+    pub(super) fn of(map: &MapSpec, exits: &[Region]) -> Self {
+        let map = match map {
+            MapSpec::Vector(map) => map,
+            MapSpec::Cells(map) => {
+                return Self {
+                    exits: map.exits.iter().chain(exits).copied().collect(),
+                    ..Self::default()
+                };
+            }
+            // A log has its map written out.
+            MapSpec::File { .. } => {
+                return Self {
+                    exits: exits.to_vec(),
+                    ..Self::default()
+                };
+            }
+        };
+        let corners: usize = map.obstacles.iter().map(|o| corner_count(&o.shape)).sum();
+        let obstacles = if corners > MOST_CORNERS {
+            BTreeMap::new()
+        } else {
+            // An obstacle's number in the world is its place in the map.
+            let numbered = (0_u32..).zip(&map.obstacles);
+            numbered
+                .map(|(id, obstacle)| {
+                    let shape = obstacle.shape.clone();
+                    (id, Standing { shape, came: false })
+                })
+                .collect()
+        };
+        Self {
+            min: map.bounds.min,
+            max: map.bounds.max,
+            obstacles,
+            cells: None,
+            exits: map.exits.iter().chain(exits).copied().collect(),
+        }
+    }
+
+    /// Whether the walls are there as vectors.
+    pub(super) fn has_vectors(&self) -> bool {
+        !self.obstacles.is_empty()
+    }
+
+    /// Takes up a change of the obstacles.
+    pub(super) fn apply(&mut self, change: ObstacleChange) {
+        match change {
+            ObstacleChange::Appear { id, shape } | ObstacleChange::Move { id, shape } => {
+                self.obstacles.insert(id.0, Standing { shape, came: true });
+            }
+            ObstacleChange::Disappear { id } => {
+                self.obstacles.remove(&id.0);
+            }
+        }
+    }
+
+    /// Takes the walls from a map message; does nothing if its numbers make no map.
+    pub(super) fn use_cells(&mut self, header: &MapHeader, cells: &[MapCell]) {
+        let (width, height) = (header.width as usize, header.height as usize);
+        let sound = width > 0
+            && width.checked_mul(height) == Some(cells.len())
+            && header.resolution > 0.0
+            && header.resolution <= 1e5
+            && header.origin_x.abs() <= 1e7
+            && header.origin_y.abs() <= 1e7;
+        if !sound {
+            return;
+        }
+        let origin = [header.origin_x, header.origin_y];
+        self.min = origin;
+        self.max = [
+            origin[0] + width as f64 * header.resolution,
+            origin[1] + height as f64 * header.resolution,
+        ];
+        let fine = Cells {
+            origin,
+            side: header.resolution,
+            width,
+            occupied: cells.iter().map(|cell| cell.occupied != 0).collect(),
+        };
+        let factor = width.max(height).div_ceil(MOST_CELLS);
+        self.cells = Some(if factor > 1 {
+            fine.coarser(factor)
+        } else {
+            fine
+        });
+    }
+}
+
+impl Cells {
+    /// The grid with `factor` × `factor` cells joined into one, occupied if one of them is.
+    fn coarser(&self, factor: usize) -> Self {
+        let width = self.width.div_ceil(factor);
+        let height = (self.occupied.len() / self.width.max(1)).div_ceil(factor);
+        let mut occupied = vec![false; width * height];
+        for (row, cells) in self.occupied.chunks(self.width.max(1)).enumerate() {
+            for (column, _) in cells.iter().enumerate().filter(|&(_, &cell)| cell) {
+                if let Some(joint) = occupied.get_mut(row / factor * width + column / factor) {
+                    *joint = true;
+                }
+            }
+        }
+        Self {
+            origin: self.origin,
+            side: self.side * factor as f64,
+            width,
+            occupied,
+        }
+    }
+
+    /// Rectangles (smallest and largest corner [m]) that cover the occupied cells; of a grid too
+    /// ragged for a drawing, those of a coarser one.
+    pub(super) fn rectangles(&self) -> Vec<[[f64; 2]; 2]> {
+        let mut rectangles = self.runs();
+        let mut factor = 2;
+        while rectangles.len() > MOST_RECTANGLES {
+            rectangles = self.coarser(factor).runs();
+            factor += 1;
+        }
+        rectangles
+    }
+
+    /// Runs of occupied cells along the rows, equal runs of neighbouring rows joined.
+    fn runs(&self) -> Vec<[[f64; 2]; 2]> {
+        let mut done = Vec::new();
+        // Runs that reach the row before, by their first and last column: the row they began in.
+        let mut open: BTreeMap<(usize, usize), usize> = BTreeMap::new();
+        let rows = self.occupied.chunks(self.width.max(1));
+        let height = rows.len();
+        let mut close = |run: (usize, usize), from: usize, to: usize| {
+            let x = |column: usize| self.origin[0] + column as f64 * self.side;
+            let y = |row: usize| self.origin[1] + row as f64 * self.side;
+            done.push([[x(run.0), y(from)], [x(run.1 + 1), y(to)]]);
+        };
+        for (row, cells) in rows.enumerate() {
+            let mut now = BTreeMap::new();
+            let mut start = None;
+            for column in 0..=cells.len() {
+                let occupied = cells.get(column).copied().unwrap_or(false);
+                match (start, occupied) {
+                    (None, true) => start = Some(column),
+                    (Some(first), false) => {
+                        let run = (first, column - 1);
+                        now.insert(run, open.remove(&run).unwrap_or(row));
+                        start = None;
+                    }
+                    _ => {}
+                }
+            }
+            for (run, from) in core::mem::replace(&mut open, now) {
+                close(run, from, row);
+            }
+        }
+        for (run, from) in open {
+            close(run, from, height);
+        }
+        done
+    }
+}
+
+/// The corners of a shape [m]; none for a circle.
+pub(super) fn corners(shape: &Shape) -> Vec<[f64; 2]> {
+    match shape {
+        Shape::Circle { .. } => Vec::new(),
+        Shape::Polygon { vertices } => vertices.clone(),
+        Shape::Rectangle {
+            center,
+            half_extents,
+            angle,
+        } => rectangle(*center, *half_extents, *angle),
+    }
+}
+
+/// The corners of a rectangle [m].
+pub(super) fn rectangle(center: [f64; 2], half_extents: [f64; 2], angle: f64) -> Vec<[f64; 2]> {
+    let (sin, cos) = math::sincos(angle);
+    [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+        .map(|(sx, sy)| {
+            let (x, y) = (sx * half_extents[0], sy * half_extents[1]);
+            [center[0] + cos * x - sin * y, center[1] + sin * x + cos * y]
+        })
+        .to_vec()
+}
+
+fn corner_count(shape: &Shape) -> usize {
+    match shape {
+        Shape::Polygon { vertices } => vertices.len(),
+        _ => 4,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn covered(rectangles: &[[[f64; 2]; 2]], x: f64, y: f64) -> usize {
+        rectangles
+            .iter()
+            .filter(|[min, max]| x > min[0] && x < max[0] && y > min[1] && y < max[1])
+            .count()
+    }
+
+    proptest! {
+        #[test]
+        fn rectangles_cover_every_occupied_cell_once_and_no_free_one(
+            width in 1_usize..12,
+            bits in prop::collection::vec(any::<bool>(), 1..120),
+        ) {
+            let height = bits.len().div_ceil(width);
+            let mut occupied = bits;
+            occupied.resize(width * height, false);
+            let cells = Cells { origin: [-1.0, 2.0], side: 0.5, width, occupied };
+            let rectangles = cells.rectangles();
+            for (i, &cell) in cells.occupied.iter().enumerate() {
+                let x = -1.0 + 0.5 * ((i % width) as f64 + 0.5);
+                let y = 2.0 + 0.5 * ((i / width) as f64 + 0.5);
+                prop_assert_eq!(covered(&rectangles, x, y), usize::from(cell));
+            }
+        }
+    }
+
+    #[test]
+    fn a_block_is_one_rectangle() {
+        let mut occupied = vec![false; 25];
+        for i in [6, 7, 8, 11, 12, 13] {
+            occupied[i] = true;
+        }
+        let cells = Cells {
+            origin: [0.0; 2],
+            side: 1.0,
+            width: 5,
+            occupied,
+        };
+        assert_eq!(cells.rectangles(), [[[1.0, 1.0], [4.0, 3.0]]]);
+    }
+
+    #[test]
+    fn a_ragged_grid_is_drawn_coarser() {
+        let width = 400;
+        let occupied = (0..width * width)
+            .map(|i| (i / width + i % width) % 2 == 0)
+            .collect();
+        let cells = Cells {
+            origin: [0.0; 2],
+            side: 0.1,
+            width,
+            occupied,
+        };
+        let rectangles = cells.rectangles();
+        assert!(rectangles.len() <= MOST_RECTANGLES);
+        assert_eq!(covered(&rectangles, 20.02, 20.02), 1);
+    }
+
+    #[test]
+    fn a_map_message_that_is_no_map_changes_nothing() {
+        let header = MapHeader {
+            resolution: 0.1,
+            width: 3,
+            height: 2,
+            ..MapHeader::default()
+        };
+        let mut ground = Ground::default();
+        ground.use_cells(&header, &[MapCell::default(); 5]);
+        ground.use_cells(
+            &MapHeader {
+                resolution: f64::NAN,
+                ..header
+            },
+            &[MapCell::default(); 6],
+        );
+        assert_eq!(ground, Ground::default());
+        ground.use_cells(&header, &[MapCell::default(); 6]);
+        assert!((ground.max[0] - 0.3).abs() < 1e-12 && (ground.max[1] - 0.2).abs() < 1e-12);
+    }
+}

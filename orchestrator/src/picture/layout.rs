@@ -1,0 +1,111 @@
+//! Where things stand on the page.
+
+use super::labels::Area;
+
+/// Largest width and height of the map on the page [px].
+const LARGEST: f64 = 760.0;
+/// Smallest of either, so that there is room for something [px].
+const SMALLEST: f64 = 60.0;
+/// Empty border of the page [px].
+const MARGIN: f64 = 28.0;
+/// Height of the title above the map [px].
+const HEADER: f64 = 62.0;
+/// Space between map and legend [px].
+const GUTTER: f64 = 28.0;
+/// Width of the legend [px].
+pub(super) const LEGEND: f64 = 258.0;
+
+/// The page: a title, the map below it, the legend to its right.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Layout {
+    /// Size of the page [px].
+    pub(super) width: f64,
+    /// Size of the page [px].
+    pub(super) height: f64,
+    /// The map's part of it.
+    pub(super) map: Area,
+    /// Left edge of the legend [px].
+    pub(super) legend: f64,
+    /// Pixels per metre.
+    pub(super) scale: f64,
+    min: [f64; 2],
+    max: [f64; 2],
+}
+
+impl Layout {
+    /// The page for a world with these corners [m] and a legend of this height [px].
+    pub(super) fn new(min: [f64; 2], max: [f64; 2], legend_height: f64) -> Self {
+        let min = min.map(|m| if m.is_finite() { m } else { 0.0 });
+        let size = [0, 1].map(|i| {
+            let size = max[i] - min[i];
+            if size > 1e-6 && size.is_finite() {
+                size
+            } else {
+                1.0
+            }
+        });
+        let scale = LARGEST / size[0].max(size[1]);
+        let [w, h] = size.map(|s| (s * scale).max(SMALLEST));
+        let map = Area {
+            left: MARGIN,
+            top: MARGIN + HEADER,
+            right: MARGIN + w,
+            bottom: MARGIN + HEADER + h,
+        };
+        Self {
+            width: map.right + GUTTER + LEGEND + MARGIN,
+            height: map.top + h.max(legend_height) + MARGIN,
+            map,
+            legend: map.right + GUTTER,
+            scale,
+            min,
+            max: [min[0] + size[0], min[1] + size[1]],
+        }
+    }
+
+    /// Left edge of the title, and the base line of its first line [px].
+    pub(super) fn title(&self) -> [f64; 2] {
+        [MARGIN, MARGIN + 22.0]
+    }
+
+    /// A point of the world [m] on the page [px]: y is up in the world and down on the page.
+    /// Points outside the map come to its border.
+    pub(super) fn at(&self, p: [f64; 2]) -> [f64; 2] {
+        let x = p[0].clamp(self.min[0], self.max[0]);
+        let y = p[1].clamp(self.min[1], self.max[1]);
+        [
+            self.map.left + (x - self.min[0]) * self.scale,
+            self.map.top + (self.max[1] - y) * self.scale,
+        ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn y_is_up_and_the_map_keeps_its_proportions() {
+        let layout = Layout::new([-1.0, -2.0], [3.0, 0.0], 100.0);
+        let [left, bottom] = layout.at([-1.0, -2.0]);
+        let [right, top] = layout.at([3.0, 0.0]);
+        assert!(left < right && top < bottom);
+        assert!(((right - left) / (bottom - top) - 2.0).abs() < 1e-9);
+        assert_eq!([left, top], [layout.map.left, layout.map.top]);
+        assert_eq!(layout.at([9.0, 9.0]), [right, top]);
+    }
+
+    #[test]
+    fn a_world_without_extent_still_has_a_page() {
+        for (min, max) in [
+            ([0.0; 2], [0.0; 2]),
+            ([1.0; 2], [0.0; 2]),
+            ([0.0; 2], [f64::NAN; 2]),
+            ([f64::NAN; 2], [1.0; 2]),
+        ] {
+            let layout = Layout::new(min, max, 100.0);
+            assert!(layout.width.is_finite() && layout.height.is_finite());
+            assert!(layout.at([5.0, 5.0]).iter().all(|c| c.is_finite()));
+        }
+    }
+}

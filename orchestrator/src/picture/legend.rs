@@ -1,0 +1,300 @@
+//! What stands beside the map: what the signs mean, how long a metre is.
+
+use sim_backend::team::Team;
+
+use super::canvas::{Canvas, Num, Style, wrap};
+use super::draw::{HALO, Sign, disc, sign};
+use super::layout::LEGEND;
+use super::palette;
+use super::trace::{MarkKind, RunTrace};
+
+/// Font size of the legend [px].
+const SIZE: f64 = 14.5;
+/// Font size of what is said beside [px].
+const SMALL: f64 = 12.5;
+/// Distance of two lines of a row [px].
+const LINE: f64 = 19.0;
+/// Space between two rows [px].
+const BETWEEN: f64 = 11.0;
+/// Space for the sign at the left of a row [px].
+const SIGN: f64 = 34.0;
+/// Space for the scale bar at the end [px].
+const SCALE_BAR: f64 = 64.0;
+/// A team has its members' fates listed up to this many.
+const MOST_FATES: usize = 8;
+
+/// A row of the legend.
+struct Row {
+    sign: RowSign,
+    /// Lines of text, with whether they matter less.
+    lines: Vec<(String, bool)>,
+}
+
+enum RowSign {
+    Robot(Team),
+    Trail,
+    Belief,
+    Exit,
+    Mark(MarkKind),
+    Wall,
+    Obstacle,
+}
+
+impl Row {
+    fn new(sign: RowSign, text: &str) -> Self {
+        let lines = wrap(text, SIZE, LEGEND - SIGN);
+        Self {
+            sign,
+            lines: lines.into_iter().map(|line| (line, false)).collect(),
+        }
+    }
+
+    fn height(&self) -> f64 {
+        self.lines.len() as f64 * LINE + BETWEEN
+    }
+}
+
+/// The legend of one picture.
+pub(super) struct Legend {
+    rows: Vec<Row>,
+}
+
+impl Legend {
+    /// Rows for what there is in the picture.
+    pub(super) fn of(trace: &RunTrace) -> Self {
+        let mut rows = Vec::new();
+        for (team, one, many) in [
+            (Team::Police, "Police robot", "Police robots"),
+            (Team::Evader, "evader", "evaders"),
+            (Team::Neutral, "robot", "robots"),
+        ] {
+            let members = || {
+                trace
+                    .robots
+                    .iter()
+                    .enumerate()
+                    .filter(|(_, r)| r.team == team)
+            };
+            let count = members().count();
+            if count == 0 {
+                continue;
+            }
+            let text = format!("{count} {}", if count == 1 { one } else { many });
+            let mut row = Row::new(RowSign::Robot(team), &text);
+            let fates = trace.marks.iter().filter_map(|mark| {
+                let (_, robot) = members().find(|(i, _)| *i == mark.robot)?;
+                Some(format!(
+                    "{} {}, {:.1} s",
+                    robot.name,
+                    mark.kind.words(),
+                    mark.time_s
+                ))
+            });
+            let fates = fates.take(MOST_FATES);
+            row.lines.extend(fates.map(|fate| (fate, true)));
+            rows.push(row);
+        }
+        rows.push(Row::new(
+            RowSign::Trail,
+            "way so far, from its start; bolder is later",
+        ));
+        if !trace.beliefs.is_empty() {
+            let text = "where the Police think the evaders may be: each dot is one guess of their \
+                        particle filter";
+            rows.push(Row::new(RowSign::Belief, text));
+        }
+        if !trace.ground.exits.is_empty() {
+            rows.push(Row::new(RowSign::Exit, "exit: who gets there is free"));
+        }
+        for (kind, text) in [
+            (MarkKind::Captured, "caught here"),
+            (MarkKind::Escaped, "escaped here"),
+            (MarkKind::GoalReached, "arrived here"),
+        ] {
+            if trace.marks.iter().any(|mark| mark.kind == kind) {
+                rows.push(Row::new(RowSign::Mark(kind), text));
+            }
+        }
+        if trace.ground.has_vectors() || trace.ground.cells.is_some() {
+            rows.push(Row::new(RowSign::Wall, "walls and blocks"));
+        }
+        if trace.ground.obstacles.values().any(|o| o.came) {
+            rows.push(Row::new(RowSign::Obstacle, "put there during the run"));
+        }
+        Self { rows }
+    }
+
+    /// Room that it needs [px].
+    pub(super) fn height(&self) -> f64 {
+        self.rows.iter().map(Row::height).sum::<f64>() + SCALE_BAR
+    }
+
+    /// Draws it with its upper left corner here [px]; the scale bar stands at `bottom`.
+    pub(super) fn draw(&self, canvas: &mut Canvas, left: f64, top: f64) {
+        let style = Style {
+            size: SIZE,
+            color: palette::INK,
+            bold: false,
+            anchor: "start",
+            halo: false,
+        };
+        let mut y = top;
+        for row in &self.rows {
+            let middle = [left + 12.0, y + 11.0];
+            row.sign.draw(canvas, middle);
+            for (i, (line, aside)) in row.lines.iter().enumerate() {
+                let style = if *aside {
+                    Style {
+                        size: SMALL,
+                        color: palette::FAINT_INK,
+                        ..style
+                    }
+                } else {
+                    style
+                };
+                canvas.label(left + SIGN, y + 16.0 + i as f64 * LINE, &style, line);
+            }
+            y += row.height();
+        }
+    }
+}
+
+impl RowSign {
+    fn draw(&self, canvas: &mut Canvas, at: [f64; 2]) {
+        let [x, y] = at;
+        match *self {
+            Self::Robot(team) => disc(canvas, at, 8.0, 0.0, palette::team(team), true),
+            Self::Trail => {
+                let ink = palette::FAINT_INK;
+                for (from, to, width, opacity) in [
+                    (-10.0, -2.0, 2.0, 0.45),
+                    (-2.0, 5.0, 2.6, 0.7),
+                    (5.0, 12.0, 3.4, 1.0),
+                ] {
+                    canvas.add(format_args!(
+                        "<path d=\"M{} {}L{} {}\" stroke=\"{ink}\" stroke-width=\"{width}\" \
+                         stroke-opacity=\"{opacity}\"/>\n",
+                        Num(x + from),
+                        Num(y),
+                        Num(x + to),
+                        Num(y),
+                    ));
+                }
+                sign(canvas, Sign::Start, [x - 10.0, y], ink);
+            }
+            Self::Belief => {
+                canvas.add(format_args!(
+                    "<g fill=\"{}\" fill-opacity=\"0.8\">",
+                    palette::BELIEF
+                ));
+                for (dx, dy) in [
+                    (-7.0, 1.0),
+                    (-2.0, -5.0),
+                    (0.0, 3.0),
+                    (4.0, -1.0),
+                    (8.0, 4.0),
+                    (7.0, -6.0),
+                ] {
+                    canvas.add(format_args!(
+                        "<circle cx=\"{}\" cy=\"{}\" r=\"2\"/>",
+                        Num(x + dx),
+                        Num(y + dy)
+                    ));
+                }
+                canvas.add(format_args!("</g>\n"));
+            }
+            Self::Exit => canvas.add(format_args!(
+                "<circle cx=\"{}\" cy=\"{}\" r=\"9\" fill=\"{c}\" fill-opacity=\"0.18\" \
+                 stroke=\"{c}\" stroke-width=\"2\" stroke-dasharray=\"4 3\"/>\n",
+                Num(x),
+                Num(y),
+                c = palette::EXIT,
+            )),
+            Self::Mark(kind) => sign(canvas, Sign::Mark(kind), at, HALO),
+            Self::Wall => square(canvas, at, palette::WALL, palette::EDGE),
+            Self::Obstacle => square(canvas, at, palette::OBSTACLE, palette::OBSTACLE),
+        }
+    }
+}
+
+fn square(canvas: &mut Canvas, at: [f64; 2], fill: &str, edge: &str) {
+    canvas.add(format_args!(
+        "<rect x=\"{}\" y=\"{}\" width=\"18\" height=\"14\" fill=\"{fill}\" stroke=\"{edge}\"/>\n",
+        Num(at[0] - 9.0),
+        Num(at[1] - 7.0),
+    ));
+}
+
+/// Draws a bar of a round length below the legend, its line at `y` [px]; `enlarged` says how many
+/// times their size the smallest robots are drawn.
+pub(super) fn scale_bar(canvas: &mut Canvas, left: f64, y: f64, scale: f64, enlarged: f64) {
+    let (metres, pixels) = round_length(scale);
+    let (x0, x1) = (Num(left + 2.0), Num(left + 2.0 + pixels));
+    canvas.add(format_args!(
+        "<path d=\"M{x0} {top}L{x0} {bottom}M{x0} {y}L{x1} {y}M{x1} {top}L{x1} {bottom}\" \
+         stroke=\"{}\" stroke-width=\"2\" fill=\"none\"/>\n",
+        palette::INK,
+        top = Num(y - 5.0),
+        bottom = Num(y + 5.0),
+        y = Num(y),
+    ));
+    let style = Style {
+        size: SIZE,
+        color: palette::INK,
+        bold: false,
+        anchor: "start",
+        halo: false,
+    };
+    canvas.label(
+        left + pixels + 12.0,
+        y + 5.0,
+        &style,
+        &format!("{metres} m"),
+    );
+    if enlarged > 1.05 {
+        let style = Style {
+            size: SMALL,
+            color: palette::FAINT_INK,
+            ..style
+        };
+        let text = format!("robots drawn {enlarged:.1} times their size");
+        canvas.label(left, y - 16.0, &style, &text);
+    }
+}
+
+/// A length of 1, 2 or 5 times a power of ten [m] that is 60 to 150 pixels long, and these pixels.
+fn round_length(scale: f64) -> (f64, f64) {
+    let mut metres = 1e-3;
+    for step in [2.0, 2.5, 2.0].into_iter().cycle().take(30) {
+        if metres * scale >= 60.0 {
+            break;
+        }
+        metres *= step;
+    }
+    // 1, 2, 5, 10 … by repeated multiplication: back to the nearest such number.
+    let metres = (metres * 1e3).round() / 1e3;
+    (metres, metres * scale)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scale_bars_have_round_lengths() {
+        for (scale, metres) in [
+            (40.0, 2.0),
+            (760.0, 0.1),
+            (7.6, 10.0),
+            (0.5, 200.0),
+            (13.0, 5.0),
+        ] {
+            let (length, pixels) = round_length(scale);
+            assert_eq!(length, metres, "at {scale} px/m");
+            assert!(
+                (60.0..=160.0).contains(&pixels),
+                "{pixels} px at {scale} px/m"
+            );
+        }
+    }
+}

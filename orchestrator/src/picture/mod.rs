@@ -1,0 +1,30 @@
+//! One picture of a run, drawn from its log: the map, the trails, where everybody is, who was
+//! caught and who got away.
+//!
+//! * [`RunTrace::read`] takes from a log what the picture needs, in bounded memory;
+//! * [`draw`] is the picture, as a pure function;
+//! * [`save`] puts it into a file, whole or not at all.
+
+mod canvas;
+mod draw;
+mod error;
+mod ground;
+mod labels;
+mod layout;
+mod legend;
+mod logged;
+mod palette;
+mod read;
+mod save;
+mod trace;
+mod trail;
+
+#[cfg(test)]
+mod tests;
+
+pub use draw::draw;
+pub use error::PictureError;
+pub use ground::{Cells, Ground, Standing};
+pub use save::save;
+pub use trace::{BeliefTrace, Mark, MarkKind, RobotTrace, RunTrace};
+pub use trail::{Trail, TrailPoint};

@@ -1,0 +1,32 @@
+//! Colours that people with any colour vision tell apart (Okabe and Ito's palette, the one that
+//! the log's viewer topics use), as SVG writes them.
+
+use sim_backend::team::Team;
+
+/// The paper.
+pub(super) const PAPER: &str = "#ffffff";
+/// Walls and blocks: light enough to write on.
+pub(super) const WALL: &str = "#cfd4db";
+/// Outlines of walls, the frame.
+pub(super) const EDGE: &str = "#9aa3ae";
+/// Text.
+pub(super) const INK: &str = "#1f2430";
+/// Text that matters less.
+pub(super) const FAINT_INK: &str = "#5b6472";
+/// Obstacles that came during the run: orange.
+pub(super) const OBSTACLE: &str = "#e69f00";
+/// Exits: bluish green.
+pub(super) const EXIT: &str = "#009e73";
+/// Particles of a belief: reddish purple.
+pub(super) const BELIEF: &str = "#cc79a7";
+/// Names of beliefs: the same, dark enough to read.
+pub(super) const BELIEF_INK: &str = "#8f3d6c";
+
+/// Colour of a team: police blue, evaders vermilion, others bluish green.
+pub(super) fn team(team: Team) -> &'static str {
+    match team {
+        Team::Police => "#0072b2",
+        Team::Evader => "#d55e00",
+        Team::Neutral => "#009e73",
+    }
+}

@@ -1,0 +1,324 @@
+//! What every picture must be.
+
+use roxmltree::{Document, Node};
+use sim_backend::pose::Pose2;
+use sim_backend::shape::Shape;
+use sim_backend::spec::Region;
+use sim_backend::team::Team;
+
+use crate::picture::{
+    BeliefTrace, Cells, Ground, Mark, MarkKind, RobotTrace, RunTrace, Standing, Trail, TrailPoint,
+    draw,
+};
+
+fn robot(name: &str, team: Team, way: impl IntoIterator<Item = (f64, f64)>) -> RobotTrace {
+    let mut trail = Trail::default();
+    let mut pose = Pose2::default();
+    for (i, (x, y)) in way.into_iter().enumerate() {
+        pose = Pose2::new(x, y, 0.5);
+        trail.push(TrailPoint {
+            x,
+            y,
+            time_s: i as f64 * 0.05,
+        });
+    }
+    RobotTrace {
+        name: name.to_owned(),
+        team,
+        radius: 0.1,
+        pose,
+        active: true,
+        trail,
+    }
+}
+
+fn trace() -> RunTrace {
+    let wall = Shape::Rectangle {
+        center: [2.0, 1.5],
+        half_extents: [0.5, 0.5],
+        angle: 0.0,
+    };
+    let pillar = Shape::Circle {
+        center: [3.0, 0.8],
+        radius: 0.2,
+    };
+    RunTrace {
+        title: "Cats & <dogs>".to_owned(),
+        scenario: "test".to_owned(),
+        seed: "7".to_owned(),
+        time_s: 2.0,
+        end_s: 5.0,
+        ground: Ground {
+            min: [0.0, 0.0],
+            max: [4.0, 3.0],
+            obstacles: [(0, wall, false), (1, pillar, true)]
+                .into_iter()
+                .map(|(id, shape, came)| (id, Standing { shape, came }))
+                .collect(),
+            cells: None,
+            exits: vec![Region::Circle {
+                center: [3.5, 2.5],
+                radius: 0.3,
+            }],
+        },
+        robots: vec![
+            robot("police_1", Team::Police, [(0.5, 0.5), (0.6, 0.5)]),
+            robot("evader \"x\"", Team::Evader, [(3.0, 2.5), (3.1, 2.6)]),
+            robot("a<b", Team::Neutral, [(1.0, 2.5)]),
+        ],
+        beliefs: vec![BeliefTrace {
+            robot: 1,
+            mean: [1.0, 1.0],
+            particles: vec![[1.0, 1.0], [1.1, 0.9], [99.0, -99.0]],
+        }],
+        marks: vec![Mark {
+            kind: MarkKind::Captured,
+            robot: 1,
+            at: [3.1, 2.6],
+            time_s: 1.5,
+        }],
+    }
+}
+
+fn class<'a>(document: &'a Document<'a>, name: &str) -> Vec<Node<'a, 'a>> {
+    document
+        .descendants()
+        .filter(|n| n.attribute("class") == Some(name))
+        .collect()
+}
+
+fn texts(document: &Document<'_>) -> Vec<String> {
+    document
+        .descendants()
+        .filter(|n| n.has_tag_name("text"))
+        .filter_map(|n| n.text().map(str::to_owned))
+        .collect()
+}
+
+/// Every coordinate in the document, as (x, y).
+fn coordinates(document: &Document<'_>) -> Vec<(f64, f64)> {
+    let mut found = Vec::new();
+    for node in document.descendants() {
+        let number = |key| node.attribute(key).map(|v: &str| v.parse::<f64>().unwrap());
+        for (x, y) in [("x", "y"), ("cx", "cy")] {
+            if let (Some(x), Some(y)) = (number(x), number(y)) {
+                found.push((x, y));
+                let size = (
+                    number("width").unwrap_or(0.0),
+                    number("height").unwrap_or(0.0),
+                );
+                found.push((x + size.0, y + size.1));
+            }
+        }
+        for piece in node.attribute("d").unwrap_or_default().split(['M', 'L']) {
+            let piece = piece.trim_end_matches('Z').trim_end_matches("h0");
+            if let Some((x, y)) = piece.split_once(' ') {
+                found.push((x.parse().unwrap(), y.parse().unwrap()));
+            }
+        }
+    }
+    found
+}
+
+fn page(document: &Document<'_>) -> (f64, f64) {
+    let number = |key| {
+        document
+            .root_element()
+            .attribute(key)
+            .unwrap()
+            .parse()
+            .unwrap()
+    };
+    (number("width"), number("height"))
+}
+
+fn assert_on_page(svg: &str) {
+    let document = Document::parse(svg).unwrap();
+    let (width, height) = page(&document);
+    let coordinates = coordinates(&document);
+    assert!(coordinates.len() > 10);
+    for (x, y) in coordinates {
+        assert!(
+            (0.0..=width).contains(&x) && (0.0..=height).contains(&y),
+            "{x} {y}"
+        );
+    }
+}
+
+#[test]
+fn a_picture_is_valid_xml_and_names_everybody() {
+    let svg = draw(&trace());
+    let document = Document::parse(&svg).unwrap();
+    assert_eq!(class(&document, "robot").len(), 3);
+    let texts = texts(&document);
+    for name in [
+        "police_1",
+        "evader \"x\" caught, 1.5 s",
+        "a<b",
+        "exit",
+        "Cats & <dogs>",
+    ] {
+        assert!(texts.iter().any(|t| t == name), "{name} in {texts:?}");
+    }
+    assert!(
+        texts
+            .iter()
+            .any(|t| t.contains("seed 7") && t.contains("2.0 s of 5.0 s"))
+    );
+    assert_eq!(draw(&trace()), svg, "the same trace gives the same picture");
+}
+
+#[test]
+fn everything_is_on_the_page_even_what_is_beyond_the_map() {
+    let mut trace = trace();
+    assert_on_page(&draw(&trace));
+    trace.robots[0].pose = Pose2::new(1e6, -1e6, 1.0);
+    trace.marks[0].at = [-50.0, 50.0];
+    assert_on_page(&draw(&trace));
+}
+
+#[test]
+fn y_points_up_and_headings_turn_counter_clockwise() {
+    let mut trace = trace();
+    trace.robots.truncate(2);
+    trace.robots[0].pose = Pose2::new(0.5, 0.5, core::f64::consts::FRAC_PI_2);
+    trace.robots[1].pose = Pose2::new(0.5, 2.5, 0.0);
+    let svg = draw(&trace);
+    let document = Document::parse(&svg).unwrap();
+    let disc = |i: usize| {
+        let robot = class(&document, "robot")[i];
+        let circle = robot
+            .descendants()
+            .find(|n| n.has_tag_name("circle"))
+            .unwrap();
+        let nose = robot
+            .descendants()
+            .find(|n| n.has_tag_name("path"))
+            .unwrap();
+        let tip = nose.attribute("d").unwrap()[1..].split('L').next().unwrap();
+        let (x, y) = tip.split_once(' ').unwrap();
+        let number = |text: &str| text.parse::<f64>().unwrap();
+        let center = ["cx", "cy"].map(|key| number(circle.attribute(key).unwrap()));
+        (center, [number(x), number(y)])
+    };
+    let ((low, up), (high, right)) = (disc(0), disc(1));
+    assert!(
+        low[1] > high[1],
+        "the robot with the larger y stands higher"
+    );
+    assert!(
+        up[1] < low[1] && (up[0] - low[0]).abs() < 0.2,
+        "heading +y points up"
+    );
+    assert!(right[0] > high[0] && (right[1] - high[1]).abs() < 0.2);
+}
+
+#[test]
+fn what_came_during_the_run_has_a_colour_of_its_own() {
+    let svg = draw(&trace());
+    let document = Document::parse(&svg).unwrap();
+    let obstacles = class(&document, "obstacles");
+    assert_eq!(obstacles.len(), 2);
+    assert_ne!(
+        obstacles[0].attribute("fill"),
+        obstacles[1].attribute("fill")
+    );
+    assert!(
+        texts(&document)
+            .iter()
+            .any(|t| t.contains("during the run"))
+    );
+    let mut plain = trace();
+    plain.ground.obstacles.remove(&1);
+    plain.beliefs.clear();
+    let svg = draw(&plain);
+    assert!(!svg.contains("during the run") && !svg.contains("particle filter"));
+}
+
+#[test]
+fn names_of_robots_in_a_heap_do_not_overlap() {
+    let mut trace = trace();
+    trace.robots = (0..6)
+        .map(|i| {
+            robot(
+                &format!("robot_{i}"),
+                Team::Police,
+                [(1.0 + 0.1 * f64::from(i), 0.5)],
+            )
+        })
+        .collect();
+    trace.marks.clear();
+    let svg = draw(&trace);
+    let document = Document::parse(&svg).unwrap();
+    let boxes: Vec<[f64; 4]> = document
+        .descendants()
+        .filter(|n| n.has_tag_name("text") && n.attribute("paint-order").is_some())
+        .map(|n| {
+            let number = |key| n.attribute(key).unwrap().parse::<f64>().unwrap();
+            let half = n.text().unwrap().chars().count() as f64 * 14.0 * 0.56 / 2.0;
+            [
+                number("x") - half,
+                number("y") - 12.0,
+                number("x") + half,
+                number("y") + 3.0,
+            ]
+        })
+        .collect();
+    assert!(boxes.len() >= 7, "six robots and the exit");
+    for (i, a) in boxes.iter().enumerate() {
+        for b in &boxes[..i] {
+            let apart = a[2] <= b[0] || b[2] <= a[0] || a[3] <= b[1] || b[3] <= a[1];
+            assert!(apart, "{a:?} and {b:?}");
+        }
+    }
+}
+
+#[test]
+fn the_largest_run_makes_a_picture_of_at_most_200_kb() {
+    // 64 robots that wriggle for 10 000 ticks, 64 beliefs, a map of noise.
+    let mut trace = trace();
+    trace.robots = (0..64)
+        .map(|r| {
+            let way = (0..10_000).map(|i| {
+                let (sin, cos) = sim_backend::math::sincos(f64::from(i * (r + 3)) * 0.011);
+                (2.0 + 1.9 * sin, 1.5 + 1.4 * cos)
+            });
+            robot(&format!("robot_number_{r}"), Team::Police, way)
+        })
+        .collect();
+    trace.beliefs = (0..64)
+        .map(|robot| BeliefTrace {
+            robot,
+            mean: [1.0, 1.0],
+            particles: vec![[1.234, 2.345]; 1000],
+        })
+        .collect();
+    trace.marks = (0..64)
+        .map(|robot| Mark {
+            kind: MarkKind::Captured,
+            robot,
+            at: [0.05 * robot as f64, 1.0],
+            time_s: 100.0,
+        })
+        .collect();
+    trace.ground.obstacles.clear();
+    trace.ground.cells = Some(Cells {
+        origin: [0.0, 0.0],
+        side: 0.004,
+        width: 1000,
+        occupied: (0..750_000_u32)
+            .map(|i| i.wrapping_mul(2_654_435_761) >> 30 == 0)
+            .collect(),
+    });
+    let svg = draw(&trace);
+    assert!(svg.len() <= 200_000, "{} bytes", svg.len());
+    assert_on_page(&svg);
+}
+
+#[test]
+fn a_run_without_robots_map_or_title_still_makes_a_page() {
+    assert_eq!(
+        page(&Document::parse(&draw(&RunTrace::default())).unwrap()).0 as u32 > 100,
+        true
+    );
+}

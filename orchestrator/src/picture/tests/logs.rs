@@ -1,0 +1,323 @@
+//! Logs, sound and otherwise.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use ipc_types::messages::perception::{BeliefHeader, Particle};
+use ipc_types::messages::world::{
+    MapCell, MapHeader, ObstacleEvent, RobotState, WorldEvent, WorldHeader,
+};
+use ipc_types::stamp::PlainHeader;
+use ipc_types::topics::{Belief, ObstacleEvents, Topic, WorldEvents, WorldMap, WorldState};
+use ipc_types::{cdr, schema};
+use tempfile::TempDir;
+
+use crate::picture::{MarkKind, PictureError, RunTrace};
+use crate::recorder::{ChannelId, ChannelSpec, LogOptions, LogWriter, Manifest, ManifestFile};
+
+const VECTORS: &str = r#"
+title = "A test"
+[world.map.vector]
+bounds = { min = [0.0, 0.0], max = [4.0, 3.0] }
+obstacles = [{ shape = { circle = { center = [2.0, 1.0], radius = 0.5 } } }]
+[rules]
+exits = [{ circle = { center = [3.5, 2.5], radius = 0.3 } }]
+[[robots]]
+name = "cop"
+team = "police"
+start = { x = 0.5, y = 0.5, theta = 0.0 }
+[[robots]]
+name = "robber"
+team = "evader"
+start = { x = 1.0, y = 0.5, theta = 0.0 }
+"#;
+
+struct Log {
+    folder: TempDir,
+    writer: LogWriter,
+}
+
+impl Log {
+    fn new(scenario: &str) -> Self {
+        let manifest = Manifest {
+            entries: [("scenario", "test"), ("seed", "7")]
+                .into_iter()
+                .map(|(k, v)| (k.to_owned(), v.to_owned()))
+                .collect(),
+            attachments: vec![ManifestFile {
+                name: "scenario.toml".to_owned(),
+                media_type: "application/toml".to_owned(),
+                data: scenario.as_bytes().to_vec(),
+            }],
+        };
+        Self::with(&manifest)
+    }
+
+    fn with(manifest: &Manifest) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.mcap");
+        let writer = LogWriter::create(&path, &LogOptions::default(), manifest).unwrap();
+        Self { folder, writer }
+    }
+
+    fn channel<T: Topic>(&mut self, hash: &str) -> ChannelId {
+        let metadata = BTreeMap::from([("schema_hash".to_owned(), hash.to_owned())]);
+        let spec = ChannelSpec {
+            topic: T::NAME,
+            schema_name: &schema::message_name::<T>(),
+            schema_encoding: "ros2msg",
+            schema: schema::ros2msg::<T>().as_bytes(),
+            message_encoding: "cdr",
+            metadata: &metadata,
+        };
+        self.writer.add_channel(&spec).unwrap()
+    }
+
+    fn write<T: Topic>(
+        &mut self,
+        to: ChannelId,
+        time_s: f64,
+        header: &T::Header,
+        of: &[T::Element],
+    ) {
+        let mut bytes = Vec::new();
+        cdr::encode::<T>(header, of, &mut bytes);
+        let time = (time_s * 1e9) as u64;
+        self.writer.write(to, 0, time, time, &bytes).unwrap();
+    }
+
+    /// Ten seconds: the cop drives along x and catches the robber after 5 s.
+    fn run(mut self) -> (TempDir, PathBuf) {
+        let states = self.channel::<WorldState>(&schema::hash::<WorldState>());
+        let beliefs = self.channel::<Belief>(&schema::hash::<Belief>());
+        let events = self.channel::<WorldEvents>(&schema::hash::<WorldEvents>());
+        let obstacles = self.channel::<ObstacleEvents>(&schema::hash::<ObstacleEvents>());
+        let appears = ObstacleEvent {
+            id: 7,
+            x: 1.0,
+            y: 2.0,
+            radius: 0.1,
+            ..ObstacleEvent::default()
+        };
+        for tick in 0..=100_u32 {
+            let time = f64::from(tick) * 0.1;
+            let header = WorldHeader {
+                tick_period_ns: 100_000_000,
+                ..WorldHeader::default()
+            };
+            let cop = RobotState {
+                x: 0.5 + 0.1 * time,
+                y: 0.5,
+                team: 1,
+                ..RobotState::default()
+            };
+            let robber = RobotState {
+                x: 1.0,
+                y: 0.5,
+                robot: 1,
+                team: 2,
+                status: u8::from(tick >= 50),
+                ..RobotState::default()
+            };
+            self.write::<WorldState>(states, time, &header, &[cop, robber]);
+            if tick < 50 {
+                let about = BeliefHeader {
+                    robot: 1,
+                    mean_x: time,
+                    ..BeliefHeader::default()
+                };
+                self.write::<Belief>(beliefs, time, &about, &[Particle::default(); 3]);
+            }
+            if tick == 50 {
+                let caught = WorldEvent {
+                    robot: 1,
+                    other: 0,
+                    x: 1.0,
+                    y: 0.5,
+                    ..WorldEvent::default()
+                };
+                self.write::<WorldEvents>(events, time, &PlainHeader::default(), &[caught]);
+            }
+            if tick == 80 {
+                self.write::<ObstacleEvents>(obstacles, time, &PlainHeader::default(), &[appears]);
+            }
+        }
+        self.finish()
+    }
+
+    fn finish(self) -> (TempDir, PathBuf) {
+        let path = self.writer.path().to_owned();
+        self.writer.finish().unwrap();
+        (self.folder, path)
+    }
+}
+
+fn refused(path: &Path, at: Option<f64>) -> PictureError {
+    RunTrace::read(path, at).unwrap_err()
+}
+
+#[test]
+fn a_picture_of_the_end_has_everything_that_happened() {
+    let (_folder, path) = Log::new(VECTORS).run();
+    let trace = RunTrace::read(&path, None).unwrap();
+    assert_eq!(
+        (trace.title.as_str(), trace.scenario.as_str()),
+        ("A test", "test")
+    );
+    assert_eq!(
+        (trace.time_s, trace.end_s, trace.seed.as_str()),
+        (10.0, 10.0, "7")
+    );
+    let [cop, robber] = &trace.robots[..] else {
+        panic!("{:?}", trace.robots)
+    };
+    assert!((cop.pose.x - 1.5).abs() < 1e-9 && cop.active);
+    assert_eq!((cop.name.as_str(), cop.trail.points().len()), ("cop", 101));
+    assert!(!robber.active);
+    assert_eq!(trace.marks.len(), 1);
+    assert_eq!(
+        (trace.marks[0].kind, trace.marks[0].time_s),
+        (MarkKind::Captured, 5.0)
+    );
+    assert_eq!(trace.ground.obstacles.len(), 2);
+    assert!(trace.ground.obstacles[&7].came && !trace.ground.obstacles[&0].came);
+    assert_eq!(
+        (trace.ground.max, trace.ground.exits.len()),
+        ([4.0, 3.0], 1)
+    );
+    assert!(
+        trace.beliefs.is_empty(),
+        "beliefs are shown of a moment only"
+    );
+}
+
+#[test]
+fn a_picture_of_a_moment_has_nothing_from_later_and_the_belief_of_then() {
+    let (_folder, path) = Log::new(VECTORS).run();
+    let trace = RunTrace::read(&path, Some(3.0)).unwrap();
+    assert_eq!((trace.time_s, trace.end_s), (3.0, 10.0));
+    assert!((trace.robots[0].pose.x - 0.8).abs() < 1e-9);
+    assert!(trace.marks.is_empty() && trace.robots[1].active);
+    assert_eq!(trace.ground.obstacles.len(), 1);
+    assert_eq!(trace.beliefs.len(), 1);
+    assert_eq!(
+        (trace.beliefs[0].robot, trace.beliefs[0].mean),
+        (1, [3.0, 0.0])
+    );
+    // Once the robber is caught nobody wonders where it is.
+    assert!(RunTrace::read(&path, Some(7.0)).unwrap().beliefs.is_empty());
+}
+
+#[test]
+fn a_time_outside_the_run_is_refused() {
+    let (_folder, path) = Log::new(VECTORS).run();
+    for at in [-1.0, 10.1, 1e300, f64::NAN, f64::INFINITY] {
+        let error = refused(&path, Some(at));
+        assert!(matches!(error, PictureError::Time { .. }), "{error}");
+        assert!(error.to_string().contains("10 s"), "{error}");
+    }
+    assert!(RunTrace::read(&path, Some(10.0)).is_ok());
+    assert!(RunTrace::read(&path, Some(0.0)).is_ok());
+}
+
+#[test]
+fn a_map_without_vectors_comes_from_the_messages() {
+    let scenario = VECTORS.replace(
+        "obstacles = [{ shape = { circle = { center = [2.0, 1.0], radius = 0.5 } } }]",
+        "",
+    );
+    let mut log = Log::new(&scenario);
+    let maps = log.channel::<WorldMap>(&schema::hash::<WorldMap>());
+    let header = MapHeader {
+        resolution: 0.5,
+        width: 8,
+        height: 6,
+        ..MapHeader::default()
+    };
+    let mut cells = vec![MapCell::default(); 48];
+    cells[9].occupied = 1;
+    log.write::<WorldMap>(maps, 0.0, &header, &cells);
+    let (_folder, path) = log.run();
+    let trace = RunTrace::read(&path, None).unwrap();
+    assert_eq!(trace.ground.max, [4.0, 3.0]);
+    assert!(trace.ground.cells.unwrap().occupied[9]);
+}
+
+#[test]
+fn what_is_not_a_log_is_refused_with_the_reason() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("missing.mcap");
+    assert!(matches!(refused(&path, None), PictureError::Open { .. }));
+    assert!(matches!(
+        refused(folder.path(), None),
+        PictureError::Open { .. }
+    ));
+    for bytes in [
+        &b""[..],
+        b"\x89MCA",
+        b"not a log, but long enough to be one",
+    ] {
+        fs::write(&path, bytes).unwrap();
+        let error = refused(&path, None);
+        assert!(matches!(error, PictureError::NotMcap { .. }), "{error}");
+    }
+}
+
+#[test]
+fn an_mcap_file_of_somebody_else_is_refused() {
+    let (_folder, path) = Log::with(&Manifest::default()).finish();
+    let error = refused(&path, None);
+    assert!(error.to_string().contains("scenario.toml"), "{error}");
+    let (_folder, path) = Log::new(VECTORS).finish();
+    let error = refused(&path, None);
+    assert!(error.to_string().contains("world/state"), "{error}");
+    let (_folder, path) = Log::new("title = 3").finish();
+    let error = refused(&path, None);
+    assert!(matches!(error, PictureError::Scenario { .. }), "{error}");
+}
+
+#[test]
+fn a_log_of_another_version_is_refused() {
+    let mut log = Log::new(VECTORS);
+    log.channel::<WorldState>("0123456789abcdef");
+    let (_folder, path) = log.finish();
+    let error = refused(&path, None);
+    assert!(matches!(error, PictureError::Layout { .. }), "{error}");
+    assert!(error.to_string().contains("0123456789abcdef"), "{error}");
+}
+
+#[test]
+fn a_log_cut_off_anywhere_is_refused() {
+    let (_folder, path) = Log::new(VECTORS).run();
+    let whole = fs::read(&path).unwrap();
+    let cut = path.with_extension("cut");
+    for length in (8..whole.len())
+        .step_by(whole.len() / 97)
+        .chain([whole.len() - 1])
+    {
+        fs::write(&cut, &whole[..length]).unwrap();
+        let error = refused(&cut, None);
+        assert!(
+            matches!(error, PictureError::Truncated { .. }),
+            "{length}: {error}"
+        );
+    }
+}
+
+#[test]
+fn no_flipped_byte_goes_unnoticed_or_breaks_the_reader() {
+    let (_folder, path) = Log::new(VECTORS).run();
+    let whole = fs::read(&path).unwrap();
+    let sound = RunTrace::read(&path, None).unwrap();
+    let flipped = path.with_extension("flipped");
+    for at in (0..whole.len()).step_by(whole.len() / 211) {
+        let mut bytes = whole.clone();
+        bytes[at] ^= 0x10;
+        fs::write(&flipped, &bytes).unwrap();
+        // The footer's own records have no checksum: what they say is not used.
+        if let Ok(trace) = RunTrace::read(&flipped, None) {
+            assert_eq!(trace, sound, "byte {at}");
+        }
+    }
+}

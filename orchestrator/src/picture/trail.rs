@@ -1,0 +1,187 @@
+//! The way a robot went, in bounded memory and in few points.
+
+use sim_backend::math;
+
+/// Most points that a trail keeps while a log is read.
+const MOST_POINTS: usize = 8192;
+/// A robot that has moved less than this since the last point [m] adds none.
+const LEAST_STEP: f64 = 0.002;
+
+/// A place on a trail.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TrailPoint {
+    /// x [m].
+    pub x: f64,
+    /// y [m].
+    pub y: f64,
+    /// Simulated time [s].
+    pub time_s: f64,
+}
+
+impl TrailPoint {
+    fn distance(&self, other: &Self) -> f64 {
+        math::hypot(self.x - other.x, self.y - other.y)
+    }
+}
+
+/// Where a robot was, oldest first.
+///
+/// However long the run, a trail keeps at most a fixed number of points: when it is full, every
+/// other one is dropped and only every other state is taken from then on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trail {
+    points: Vec<TrailPoint>,
+    /// Every how many states one is taken.
+    stride: u64,
+    seen: u64,
+    last: Option<TrailPoint>,
+}
+
+impl Default for Trail {
+    fn default() -> Self {
+        Self {
+            points: Vec::new(),
+            stride: 1,
+            seen: 0,
+            last: None,
+        }
+    }
+}
+
+impl Trail {
+    /// Goes on to this point.
+    pub fn push(&mut self, point: TrailPoint) {
+        self.last = Some(point);
+        let taken = self.seen.is_multiple_of(self.stride);
+        self.seen += 1;
+        let moved = self
+            .points
+            .last()
+            .is_none_or(|last| last.distance(&point) >= LEAST_STEP);
+        if !taken || !moved {
+            return;
+        }
+        if self.points.len() >= MOST_POINTS {
+            let mut index = 0;
+            self.points.retain(|_| {
+                index += 1;
+                index % 2 == 1
+            });
+            self.stride = self.stride.saturating_mul(2);
+        }
+        self.points.push(point);
+    }
+
+    /// The points, the latest included; none for a robot that was never seen.
+    pub fn points(&self) -> Vec<TrailPoint> {
+        let mut points = self.points.clone();
+        if let Some(last) = self.last
+            && points.last() != Some(&last)
+        {
+            points.push(last);
+        }
+        points
+    }
+}
+
+/// The points of a line that are needed to keep it within `tolerance` [m] of the whole (Douglas
+/// and Peucker's method, without recursion).
+pub(super) fn simplify(points: &[TrailPoint], tolerance: f64) -> Vec<TrailPoint> {
+    let Some(end) = points.len().checked_sub(1) else {
+        return Vec::new();
+    };
+    let mut keep = vec![false; points.len()];
+    keep[0] = true;
+    keep[end] = true;
+    let mut open = vec![(0, end)];
+    while let Some((from, to)) = open.pop() {
+        let farthest = (from + 1..to)
+            .map(|i| (i, off_line(&points[i], &points[from], &points[to])))
+            .max_by(|a, b| a.1.total_cmp(&b.1));
+        if let Some((at, distance)) = farthest
+            && distance > tolerance
+        {
+            keep[at] = true;
+            open.push((from, at));
+            open.push((at, to));
+        }
+    }
+    let kept = points.iter().zip(keep).filter(|&(_, keep)| keep);
+    kept.map(|(&point, _)| point).collect()
+}
+
+/// Distance of a point from the segment between two others [m].
+fn off_line(p: &TrailPoint, a: &TrailPoint, b: &TrailPoint) -> f64 {
+    let (dx, dy) = (b.x - a.x, b.y - a.y);
+    let (px, py) = (p.x - a.x, p.y - a.y);
+    let length = dx * dx + dy * dy;
+    let along = if length > 0.0 {
+        ((px * dx + py * dy) / length).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
+    math::hypot(px - along * dx, py - along * dy)
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn point(x: f64, y: f64) -> TrailPoint {
+        TrailPoint { x, y, time_s: 0.0 }
+    }
+
+    #[test]
+    fn a_trail_of_a_million_states_stays_small_and_keeps_both_ends() {
+        let mut trail = Trail::default();
+        for i in 0..1_000_000 {
+            trail.push(point(f64::from(i), 0.0));
+        }
+        let points = trail.points();
+        assert!(points.len() <= MOST_POINTS + 1, "{}", points.len());
+        assert_eq!(points[0], point(0.0, 0.0));
+        assert_eq!(points[points.len() - 1], point(999_999.0, 0.0));
+    }
+
+    #[test]
+    fn a_robot_that_stands_leaves_its_place_only() {
+        let mut trail = Trail::default();
+        for _ in 0..100 {
+            trail.push(point(1.0, 2.0));
+        }
+        assert_eq!(trail.points(), [point(1.0, 2.0)]);
+        assert!(Trail::default().points().is_empty());
+    }
+
+    #[test]
+    fn corners_stay_and_points_on_a_straight_line_go() {
+        let line: Vec<_> = (0..=10)
+            .map(|i| point(f64::from(i), 0.0))
+            .chain((1..=10).map(|i| point(10.0, f64::from(i))))
+            .collect();
+        let kept = simplify(&line, 0.01);
+        assert_eq!(kept, [point(0.0, 0.0), point(10.0, 0.0), point(10.0, 10.0)]);
+        assert!(simplify(&[], 0.01).is_empty());
+        assert_eq!(simplify(&line[..1], 0.01), line[..1]);
+    }
+
+    proptest! {
+        #[test]
+        fn every_point_stays_within_the_tolerance(
+            line in prop::collection::vec((-5.0..5.0, -5.0..5.0), 2..60),
+            tolerance in 0.01..2.0,
+        ) {
+            let line: Vec<_> = line.into_iter().map(|(x, y)| point(x, y)).collect();
+            let kept = simplify(&line, tolerance);
+            for p in &line {
+                let near = kept
+                    .windows(2)
+                    .map(|w| off_line(p, &w[0], &w[1]))
+                    .fold(f64::INFINITY, f64::min);
+                prop_assert!(near <= tolerance + 1e-9, "{p:?} is {near} away");
+            }
+        }
+    }
+}

@@ -1,0 +1,386 @@
+//! The chase from the command to the log: what is in the log keeps the rules of the game and the
+//! limits of the robots, and follows from scenario and seed alone.
+
+mod support;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use serde_json::Value as Json;
+use support::history::{History, manifest};
+use support::invariants::{Game, standing_obstacles, the_summary_says_what_the_log_holds};
+use support::{Sandbox, python};
+
+/// Path of the log that a summary names.
+fn log_of(sandbox: &Sandbox, summary: &Json) -> PathBuf {
+    sandbox.path().join(summary["log"].as_str().unwrap())
+}
+
+/// A finished run: what it printed and what it logged.
+fn record(sandbox: &Sandbox, words: &[&str]) -> (Json, History, PathBuf) {
+    let words = std::iter::once("run").chain(words.iter().copied());
+    let summary = sandbox.protean(words).arg("--quiet").json();
+    let log = log_of(sandbox, &summary);
+    let history = History::read(&log);
+    (summary, history, log)
+}
+
+/// Python must read the same from the log, decoding by the schemas in it; and viewers must be
+/// shown the robots where they are.
+fn python_reads_the_same(log: &Path, history: &History, names: &[&str]) {
+    let Some(read) = python::read(log) else {
+        return;
+    };
+    assert_eq!(read.history.counts, history.counts);
+    assert_eq!(read.history, *history);
+    let at: BTreeMap<u64, _> = history
+        .of("world/state")
+        .map(|m| m.log_time)
+        .zip(&history.states)
+        .collect();
+    let mut shown = BTreeSet::new();
+    for (log_time, name, x, y) in &read.transforms {
+        let robot = names.iter().position(|n| n == name).unwrap();
+        let robot = &at[log_time].robots[robot];
+        assert_eq!((robot.x, robot.y), (*x, *y), "{name} at {log_time} ns");
+        shown.insert(name.as_str());
+    }
+    assert_eq!(shown, names.iter().copied().collect());
+}
+
+const NAMES: [&str; 6] = [
+    "police_1", "police_2", "police_3", "police_4", "evader_1", "evader_2",
+];
+
+#[test]
+fn a_chase_to_its_natural_end_keeps_every_rule() {
+    let sandbox = Sandbox::new();
+    let (summary, history, log) = record(&sandbox, &["chase", "--seed", "1"]);
+    Game::chase().holds(&history, &summary);
+    assert!(
+        summary["ticks"].as_u64().unwrap() < 4800,
+        "decided before the time limit"
+    );
+    python_reads_the_same(&log, &history, &NAMES);
+    sandbox.assert_nothing_left();
+}
+
+#[test]
+fn other_seeds_keep_every_rule_up_to_their_time_limit() {
+    let sandbox = Sandbox::new();
+    let mut starts = Vec::new();
+    for seed in ["2", "3"] {
+        let words = ["chase", "--seed", seed, "--set", "rules.time_limit=12"];
+        let (summary, history, log) = record(&sandbox, &words);
+        Game::chase().until(12.0).holds(&history, &summary);
+        assert_eq!(summary["ticks"], 240);
+        python_reads_the_same(&log, &history, &NAMES);
+        starts.push(history.states[0].clone());
+    }
+    assert_ne!(starts[0], starts[1], "starts vary with the seed");
+    sandbox.assert_nothing_left();
+}
+
+#[test]
+fn evaders_are_caught_within_the_radius_only() {
+    let sandbox = Sandbox::new();
+    let (summary, history, _) = record(&sandbox, &["chase_braitenberg", "--seed", "1"]);
+    Game::chase().holds(&history, &summary);
+    let captures = history.events.iter().filter(|e| e.kind == 0).count();
+    assert!(
+        captures > 0,
+        "this seed is here for its captures: {summary}"
+    );
+    let scans = history.of("robot/scan").count();
+    let beams: usize = history
+        .states
+        .iter()
+        .map(|s| s.robots.iter().filter(|r| r.team == 2).count())
+        .sum();
+    assert_eq!(scans, beams, "one scan per evader and state");
+    sandbox.assert_nothing_left();
+}
+
+/// Runs the processor hot until dropped.
+struct Load(std::sync::Arc<AtomicBool>, Vec<std::thread::JoinHandle<()>>);
+
+impl Load {
+    fn new(threads: usize) -> Self {
+        let stop = std::sync::Arc::new(AtomicBool::new(false));
+        let burn = |stop: std::sync::Arc<AtomicBool>| {
+            move || {
+                while !stop.load(Ordering::Relaxed) {
+                    std::hint::spin_loop();
+                }
+            }
+        };
+        let threads = (0..threads)
+            .map(|_| std::thread::spawn(burn(std::sync::Arc::clone(&stop))))
+            .collect();
+        Self(stop, threads)
+    }
+}
+
+impl Drop for Load {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Relaxed);
+        for thread in self.1.drain(..) {
+            let _ = thread.join();
+        }
+    }
+}
+
+#[test]
+fn the_digest_follows_from_scenario_and_seed_whatever_the_machine_does() {
+    let sandbox = Sandbox::new();
+    let call = |seed: &'static str| {
+        sandbox.protean([
+            "run",
+            "chase",
+            "--quiet",
+            "--seed",
+            seed,
+            "--set",
+            "rules.time_limit=6",
+        ])
+    };
+    let digest = |summary: Json| {
+        assert_eq!(summary["ticks"], 120);
+        summary["digest"].as_str().unwrap().to_owned()
+    };
+    let summary = call("5").json();
+    let log = log_of(&sandbox, &summary);
+    let reference = digest(summary);
+    assert_eq!(reference.len(), 64);
+    assert_eq!(
+        digest_of_log(&log),
+        reference,
+        "the digest of what is in the log"
+    );
+
+    assert_eq!(digest(call("5").json()), reference, "again");
+    assert_eq!(
+        digest(call("5").set("run.pin=\"one_core\"").json()),
+        reference,
+        "pinned"
+    );
+    assert_eq!(
+        digest(call("5").on_one_core().json()),
+        reference,
+        "with one core"
+    );
+    let call_spinning = call("5").set("run.idle=\"spin\"").set("run.pin=\"none\"");
+    assert_eq!(digest(call_spinning.json()), reference, "spinning");
+    let talkative = call("5")
+        .arg("--log-level")
+        .arg("debug")
+        .set("log.viewer_rate_hz=0");
+    assert_eq!(digest(talkative.json()), reference, "watched");
+    {
+        let _load = Load::new(4);
+        assert_eq!(digest(call("5").json()), reference, "under load");
+    }
+    // Two at once, in one directory.
+    let (first, second) = (
+        call("5").arg("--json").start(),
+        call("5").arg("--json").start(),
+    );
+    assert_eq!(digest(first.finish().json()), reference);
+    assert_eq!(digest(second.finish().json()), reference);
+
+    assert_ne!(digest(call("6").json()), reference, "another seed");
+    sandbox.assert_nothing_left();
+}
+
+/// The digest computed anew from a log: by topic and source the messages in their order, each by
+/// its length, the simulated part of its stamp, and what stands behind the stamp.
+fn digest_of_log(log: &Path) -> String {
+    const STAMP: usize = 56;
+    const SIMULATED: usize = 32;
+    let bytes = std::fs::read(log).unwrap();
+    let mut streams: BTreeMap<(String, u32), (u64, blake3::Hasher)> = BTreeMap::new();
+    for message in mcap::MessageStream::new(&bytes).unwrap() {
+        let message = message.unwrap();
+        let topic = message.channel.topic.clone();
+        if topic.starts_with("/viewer/") || topic == "process/status" || topic == "run/control" {
+            continue;
+        }
+        let source = u32::from_le_bytes(message.data[4 + 24..4 + 28].try_into().unwrap());
+        let (count, hasher) = streams.entry((topic, source)).or_default();
+        *count += 1;
+        hasher.update(&(message.data.len() as u64).to_le_bytes());
+        hasher.update(&message.data[4..4 + SIMULATED]);
+        hasher.update(&message.data[4 + STAMP..]);
+    }
+    let mut all = blake3::Hasher::new();
+    for ((topic, source), (count, hasher)) in streams {
+        all.update(&(topic.len() as u64).to_le_bytes());
+        all.update(topic.as_bytes());
+        all.update(&source.to_le_bytes());
+        all.update(&count.to_le_bytes());
+        all.update(hasher.finalize().as_bytes());
+    }
+    all.finalize().to_hex().to_string()
+}
+
+#[test]
+fn every_built_in_scenario_runs_to_its_end() {
+    let sandbox = Sandbox::new();
+    let listed = sandbox.protean(["list"]).json();
+    let names: Vec<String> = listed["scenarios"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|s| s["name"].as_str().unwrap().to_owned())
+        .collect();
+    for wanted in [
+        "chase",
+        "chase_braitenberg",
+        "chase_exact",
+        "chase_popup",
+        "hello",
+    ] {
+        assert!(
+            names.iter().any(|name| name == wanted),
+            "{wanted} is missing in {names:?}"
+        );
+    }
+    for name in &names {
+        let (summary, history, log) = record(&sandbox, &[name]);
+        the_summary_says_what_the_log_holds(&history, &summary);
+        let last = history.states.last().unwrap();
+        assert!(last.over, "{name}: {summary}");
+        assert_eq!(summary["scenario"], name.as_str());
+        let (metadata, attachments) = manifest(&log);
+        assert_eq!(metadata["scenario"], *name);
+        assert_eq!(metadata["seed"], summary["seed"].to_string());
+        assert!(
+            attachments.iter().any(|a| a == "scenario.toml"),
+            "{name}: {attachments:?}"
+        );
+        match name.as_str() {
+            "hello" => Game::hello().holds(&history, &summary),
+            "chase_exact" => Game {
+                perception: false,
+                ..Game::chase()
+            }
+            .holds(&history, &summary),
+            "chase" | "chase_braitenberg" => Game::chase().holds(&history, &summary),
+            _ => {}
+        }
+    }
+    sandbox.assert_nothing_left();
+}
+
+#[test]
+fn road_works_come_and_go_at_their_times_and_nobody_drives_through_them() {
+    let sandbox = Sandbox::new();
+    let (summary, history, _) = record(&sandbox, &["chase_popup"]);
+    let told: Vec<(u64, u8)> = history
+        .obstacles
+        .iter()
+        .map(|c| (c.tick, c.action))
+        .collect();
+    // Appear at 10 s and 15 s, move at 30 s, disappear at 60 s and 75 s; 20 ticks per second.
+    assert_eq!(told, [(200, 0), (300, 0), (600, 2), (1200, 1), (1500, 1)]);
+    let end = summary["ticks"].as_u64().unwrap();
+    let due: Vec<u64> = told
+        .iter()
+        .map(|t| t.0)
+        .filter(|&tick| tick < end)
+        .collect();
+    assert!(
+        due.len() >= 3,
+        "the game is long enough for the road works: {end} ticks"
+    );
+    let revised: Vec<(u64, u32)> = history.maps.iter().map(|m| (m.tick, m.revision)).collect();
+    let expected: Vec<(u64, u32)> = std::iter::once(0).chain(due.clone()).zip(1..).collect();
+    assert_eq!(
+        revised, expected,
+        "a new map at every change and at no other time"
+    );
+    assert!(history.maps[1].occupied > history.maps[0].occupied);
+    let reported: Vec<u64> = history
+        .events
+        .iter()
+        .filter(|e| e.kind == 8)
+        .map(|e| e.tick)
+        .collect();
+    // The world reports with its next step what happened between two.
+    assert_eq!(
+        reported,
+        due.iter().map(|tick| tick + 1).collect::<Vec<_>>()
+    );
+    for state in &history.states {
+        let changes = due.iter().filter(|&&tick| tick <= state.tick).count();
+        assert_eq!(
+            state.map_revision as usize,
+            1 + changes,
+            "tick {}",
+            state.tick
+        );
+    }
+    assert_eq!(standing_obstacles(&history, 450).len(), 2);
+    Game::chase().holds(&history, &summary);
+    sandbox.assert_nothing_left();
+}
+
+/// One robot, one wall, and a gate across the only way that is shut from 2 s to 20 s.
+const GATE: &str = r#"
+[world]
+map = "builtin:hello"
+[rules]
+exits = [{ circle = { center = [3.5, 0.5], radius = 0.2 } }]
+time_limit = 60.0
+[[robots]]
+name = "robot"
+team = "evader"
+start = { x = 0.5, y = 0.5, theta = 0.0 }
+[[processes]]
+kind = "evader_potential"
+robots = ["robot"]
+[[events]]
+time_s = 2.0
+action = "appear"
+obstacle = "gate"
+shape.rectangle = { center = [2.0, 2.5], half_extents = [0.1, 0.5] }
+[[events]]
+time_s = 20.0
+action = "disappear"
+obstacle = "gate"
+"#;
+
+#[test]
+fn a_shut_gate_is_waited_at_until_it_opens() {
+    let sandbox = Sandbox::new();
+    sandbox.file("gate.toml", GATE);
+    let (summary, history, _) = record(&sandbox, &["gate.toml"]);
+    Game::hello().holds(&history, &summary);
+    for state in &history.states {
+        let behind = state.robots[0].x < 2.0;
+        assert!(
+            behind || state.tick > 400,
+            "tick {}: through the gate",
+            state.tick
+        );
+    }
+    assert_eq!(summary["robots"][0]["outcome"], "escaped", "{summary}");
+    sandbox.assert_nothing_left();
+}
+
+#[test]
+fn by_the_clock_every_tick_is_there_and_nothing_is_lost() {
+    let sandbox = Sandbox::new();
+    let words = ["hello", "--real-time", "10", "--set", "rules.time_limit=10"];
+    let (summary, history, _) = record(&sandbox, &words);
+    let game = Game::hello().until(10.0);
+    the_summary_says_what_the_log_holds(&history, &summary);
+    game.nobody_is_in_a_wall(&history);
+    game.nobody_is_too_fast(&history);
+    let ticks: Vec<u64> = history.states.iter().map(|s| s.tick).collect();
+    assert_eq!(ticks, (0..=200).collect::<Vec<_>>());
+    let wall = summary["wall_time_s"].as_f64().unwrap();
+    assert!(wall >= 0.99, "10 s at ten times real time, in {wall} s");
+    sandbox.assert_nothing_left();
+}

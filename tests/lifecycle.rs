@@ -1,0 +1,293 @@
+//! However a run ends, it ends: in order, with a log that can be read, and with nothing left of it.
+
+mod support;
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use kit::lockstep::TurnPage;
+use rustix::process::Signal;
+use support::call::Running;
+use support::history::History;
+use support::sandbox::signal;
+use support::{SOON, Sandbox, python, until};
+
+/// A chase whose ticks are so short that it goes on until it is told to end.
+const LONG: [&str; 5] = ["run", "chase", "--set", "run.dt=0.0005", "--out"];
+
+/// Starts a chase and waits until this many ticks have been posted; returns the run's name.
+fn in_the_air<'a>(sandbox: &'a Sandbox, more: &[&'a str], ticks: u64) -> (Running<'a>, String) {
+    let known = sandbox.runs();
+    let words = LONG
+        .iter()
+        .copied()
+        .chain(["run.mcap"])
+        .chain(more.iter().copied());
+    let running = sandbox.protean(words).start();
+    let run = sandbox.next_run(&known);
+    wait_for_tick(&run, ticks);
+    (running, run)
+}
+
+fn wait_for_tick(run: &str, ticks: u64) {
+    let page = until("the turn page", SOON, || {
+        TurnPage::open(&Sandbox::prefix(run)).ok()
+    });
+    until("the first ticks", SOON, || {
+        (page.ticks_posted() >= ticks).then_some(())
+    });
+}
+
+fn log(sandbox: &Sandbox) -> PathBuf {
+    sandbox.path().join("run.mcap")
+}
+
+/// A log of a run that did not get to its end: whole, with a state of every tick from the first.
+#[track_caller]
+fn assert_readable(path: &Path, at_least: u64) -> History {
+    let history = History::read(path);
+    for (tick, state) in history.states.iter().enumerate() {
+        assert_eq!((state.tick, state.over), (tick as u64, false));
+    }
+    assert!(
+        history.states.len() as u64 >= at_least,
+        "{} states",
+        history.states.len()
+    );
+    history
+}
+
+#[test]
+fn ctrl_c_ends_a_run_in_order() {
+    let sandbox = Sandbox::new();
+    let (running, _) = in_the_air(&sandbox, &["--json"], 100);
+    running.signal(Signal::INT);
+    let outcome = running.finish();
+    assert_eq!(outcome.code, Some(3), "{outcome}");
+    let summary = outcome.json();
+    assert_eq!(summary["interrupted"], true);
+    let history = assert_readable(&log(&sandbox), 90);
+    assert_eq!(summary["ticks"], history.states.last().unwrap().tick);
+    assert_eq!(
+        summary["topics"]["world/state"]["messages"],
+        history.states.len()
+    );
+    for robot in summary["robots"].as_array().unwrap() {
+        assert_eq!(robot["outcome"], "active", "{robot}");
+    }
+    sandbox.assert_nothing_left();
+    if let Some(read) = python::read(&log(&sandbox)) {
+        assert_eq!(read.history, history);
+    }
+}
+
+#[test]
+fn sigterm_and_people_get_the_same() {
+    let sandbox = Sandbox::new();
+    let (running, _) = in_the_air(&sandbox, &[], 20);
+    running.signal(Signal::TERM);
+    let outcome = running.finish();
+    assert_eq!(outcome.code, Some(3), "{outcome}");
+    for word in ["interrupted", "digest", "run.mcap", "police_1"] {
+        assert!(outcome.stdout.contains(word), "{word}: {outcome}");
+    }
+    assert_readable(&log(&sandbox), 20);
+    sandbox.assert_nothing_left();
+}
+
+#[test]
+fn ctrl_c_before_the_first_tick_ends_a_run_too() {
+    let sandbox = Sandbox::new();
+    let running = sandbox
+        .protean(["run", "chase", "--out", "run.mcap"])
+        .start();
+    // The run directory appears before any process is started.
+    sandbox.next_run(&BTreeSet::new());
+    running.signal(Signal::INT);
+    let outcome = running.finish();
+    assert_eq!(outcome.code, Some(3), "{outcome}");
+    History::read(&log(&sandbox));
+    sandbox.assert_nothing_left();
+}
+
+#[test]
+fn a_run_by_the_clock_ends_by_ctrl_c() {
+    let sandbox = Sandbox::new();
+    let words = ["run", "hello", "--real-time", "--out", "run.mcap", "--json"];
+    let running = sandbox.protean(words).start();
+    let run = sandbox.next_run(&BTreeSet::new());
+    wait_for_tick(&run, 5);
+    running.signal(Signal::INT);
+    let outcome = running.finish();
+    assert_eq!(outcome.code, Some(3), "{outcome}");
+    assert_eq!(outcome.json()["interrupted"], true);
+    assert_readable(&log(&sandbox), 4);
+    sandbox.assert_nothing_left();
+}
+
+/// Kills the orchestrator and waits until none of its processes lives.
+fn kill_the_orchestrator(sandbox: &Sandbox) -> String {
+    let (running, run) = in_the_air(sandbox, &[], 50);
+    assert!(sandbox.processes().len() >= 9, "{:?}", sandbox.processes());
+    running.signal(Signal::KILL);
+    let outcome = running.finish();
+    assert_eq!((outcome.code, &*outcome.stdout), (None, ""), "{outcome}");
+    until("the end of all processes", Duration::from_secs(8), || {
+        sandbox.processes().is_empty().then_some(())
+    });
+    assert_eq!(sandbox.run_directories().len(), 1);
+    assert!(!sandbox.shared_memory().is_empty());
+    run
+}
+
+#[test]
+fn processes_end_with_a_killed_orchestrator_and_clean_removes_the_rest() {
+    let sandbox = Sandbox::new();
+    let run = kill_the_orchestrator(&sandbox);
+    let cleaned = sandbox.protean(["clean"]).json();
+    let root = sandbox.runtime_dir().join("protean").join(&run);
+    assert_eq!(
+        cleaned["runs"][0]["run"],
+        root.to_str().unwrap(),
+        "{cleaned}"
+    );
+    assert_eq!(cleaned["runs"][0]["state"], "removed");
+    sandbox.assert_nothing_left();
+    let again = sandbox.protean(["clean"]).run();
+    assert_eq!(
+        (again.code, again.stdout.trim()),
+        (Some(0), "nothing to clean"),
+        "{again}"
+    );
+}
+
+#[test]
+fn the_next_run_cleans_up_after_a_killed_orchestrator() {
+    let sandbox = Sandbox::new();
+    kill_the_orchestrator(&sandbox);
+    let torn = std::fs::read(log(&sandbox)).unwrap();
+    let outcome = sandbox.protean(["run", "hello", "--quiet"]).run();
+    assert_eq!(outcome.code, Some(0), "{outcome}");
+    assert_eq!(sandbox.runs().len(), 2);
+    sandbox.assert_nothing_left();
+    assert_eq!(
+        std::fs::read(log(&sandbox)).unwrap(),
+        torn,
+        "the log is not cleaned away"
+    );
+    // Without an end, but with everything up to the last flush.
+    let options = mcap::read::Options::IgnoreEndMagic;
+    let messages = mcap::MessageStream::new_with_options(&torn, options.into())
+        .unwrap()
+        .map_while(Result::ok)
+        .filter(|m| m.channel.topic == "world/state")
+        .count();
+    assert!(messages > 0);
+}
+
+#[test]
+fn stopped_processes_of_a_killed_orchestrator_are_killed_by_clean_and_the_living_left_alone() {
+    let sandbox = Sandbox::new();
+    let (alive, alive_run) = in_the_air(&sandbox, &[], 10);
+    let known = sandbox.runs();
+    let before: BTreeSet<_> = sandbox.processes().into_iter().collect();
+    let words = [
+        "run",
+        "chase",
+        "--set",
+        "run.dt=0.0005",
+        "--out",
+        "other.mcap",
+    ];
+    let other = sandbox.protean(words).start();
+    let run = sandbox.next_run(&known);
+    wait_for_tick(&run, 10);
+    // A process that cannot run cannot notice that its orchestrator is gone.
+    let stopped = until("a planner of the other run", SOON, || {
+        let all = sandbox.processes();
+        all.into_iter()
+            .find(|p| !before.contains(p) && p.name == "protean:evader_potential_evader_1")
+    });
+    signal(stopped.pid, Signal::STOP);
+    other.signal(Signal::KILL);
+    other.finish();
+    until("the end of the others", Duration::from_secs(8), || {
+        (sandbox.processes().len() == before.len() + 1).then_some(())
+    });
+    let cleaned = sandbox.protean(["clean"]).json();
+    let runs = cleaned["runs"].as_array().unwrap();
+    let of = |name: &str| {
+        let path = sandbox.runtime_dir().join("protean").join(name);
+        runs.iter()
+            .find(|r| r["run"] == path.to_str().unwrap())
+            .unwrap()
+    };
+    assert_eq!(of(&run)["state"], "removed", "{cleaned}");
+    assert_eq!(
+        of(&run)["killed"],
+        serde_json::json!([stopped.pid]),
+        "{cleaned}"
+    );
+    assert_eq!(of(&alive_run)["state"], "alive", "{cleaned}");
+    until("the end of the stopped one", SOON, || {
+        (sandbox.processes().len() == before.len()).then_some(())
+    });
+    alive.signal(Signal::INT);
+    let outcome = alive.finish();
+    assert_eq!(outcome.code, Some(3), "{outcome}");
+    sandbox.assert_nothing_left();
+}
+
+/// The tick that a message names.
+#[track_caller]
+fn tick_named(text: &str) -> u64 {
+    let at = text.find("at tick ").unwrap_or_else(|| panic!("{text}")) + "at tick ".len();
+    let digits: String = text[at..]
+        .chars()
+        .take_while(char::is_ascii_digit)
+        .collect();
+    digits.parse().unwrap()
+}
+
+#[test]
+fn a_killed_process_ends_the_run_and_is_named() {
+    for name in ["pursuer_police_2", "perception", "simulator"] {
+        let sandbox = Sandbox::new();
+        let (running, _) = in_the_air(&sandbox, &["--json"], 50);
+        signal(sandbox.process(name).pid, Signal::KILL);
+        let outcome = running.finish();
+        let words = format!("error: process {name} was ended by signal 9 at tick ");
+        outcome.refused(1, &[&words]);
+        let tick = tick_named(&outcome.stderr);
+        let history = assert_readable(&log(&sandbox), 50);
+        let last = history.states.last().unwrap().tick;
+        assert!(
+            tick <= last && last <= tick + 1,
+            "{name}: tick {tick} named, {last} logged"
+        );
+        sandbox.assert_nothing_left();
+    }
+}
+
+#[test]
+fn a_process_that_stands_still_is_named_as_hung() {
+    for name in [
+        "pursuer_police_3",
+        "perception",
+        "evader_potential_evader_2",
+    ] {
+        let sandbox = Sandbox::new();
+        let (running, _) = in_the_air(&sandbox, &["--set", "run.hang_timeout_s=1"], 50);
+        let start = Instant::now();
+        signal(sandbox.process(name).pid, Signal::STOP);
+        let outcome = running.finish();
+        let words = format!("error: process {name} did not answer for 1s at tick ");
+        outcome.refused(1, &[&words]);
+        let tick = tick_named(&outcome.stderr);
+        assert!(start.elapsed() >= Duration::from_secs(1));
+        let history = assert_readable(&log(&sandbox), 50);
+        assert_eq!(history.states.last().unwrap().tick, tick, "{name}");
+        sandbox.assert_nothing_left();
+    }
+}

@@ -1,0 +1,36 @@
+//! What the end-to-end tests share: the real program in a sandbox of its own.
+
+// Every test binary uses a part of this.
+#![allow(dead_code)]
+
+pub mod call;
+pub mod geometry;
+pub mod history;
+pub mod invariants;
+pub mod python;
+pub mod rig;
+pub mod sandbox;
+
+use std::time::{Duration, Instant};
+
+#[allow(unused_imports)]
+pub use call::Outcome;
+pub use sandbox::Sandbox;
+
+/// How long anything may take that is not a whole run.
+pub const SOON: Duration = Duration::from_secs(20);
+
+/// Looks every millisecond until `done` has a value.
+///
+/// # Panics
+/// If it has none within `time`.
+pub fn until<T>(what: &str, time: Duration, mut done: impl FnMut() -> Option<T>) -> T {
+    let deadline = Instant::now() + time;
+    loop {
+        if let Some(value) = done() {
+            return value;
+        }
+        assert!(Instant::now() < deadline, "{what}: not within {time:?}");
+        std::thread::park_timeout(Duration::from_millis(1));
+    }
+}

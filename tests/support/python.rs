@@ -1,0 +1,62 @@
+//! The ecosystem's own reader: the Python packages `mcap`, `mcap-ros2-support` and
+//! `mcap-protobuf-support` in an environment that the tests share.
+
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use serde::Deserialize;
+
+use super::history::History;
+
+/// A log as Python reads it.
+#[derive(Debug, Deserialize)]
+pub struct PythonLog {
+    #[serde(flatten)]
+    pub history: History,
+    /// What viewers are told of the robots' places: log time, frame, x, y.
+    pub transforms: Vec<(u64, String, f64, f64)>,
+}
+
+/// The interpreter with the packages, or why there is none. Made at the first call (any test may
+/// come first: a lock keeps them apart) and kept between test runs.
+pub fn interpreter() -> Result<PathBuf, String> {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../ipc_types/tests/python/prepare.py");
+    let output = Command::new("python3")
+        .arg(script)
+        .arg(env!("CARGO_TARGET_TMPDIR"))
+        .output()
+        .map_err(|e| format!("python3: {e}"))?;
+    if output.status.success() {
+        Ok(String::from_utf8_lossy(&output.stdout).trim().into())
+    } else {
+        Err(String::from_utf8_lossy(&output.stderr).trim().to_owned())
+    }
+}
+
+/// Reads a log with Python; `None`, and a note that everybody sees, if this machine cannot.
+pub fn read(log: &Path) -> Option<PythonLog> {
+    let python = match interpreter() {
+        Ok(python) => python,
+        Err(reason) => {
+            // Past the test harness, which swallows what tests print.
+            let note = format!(
+                "\nSKIPPED: reading {} with Python: {reason}\n",
+                log.display()
+            );
+            std::io::stderr().write_all(note.as_bytes()).unwrap();
+            return None;
+        }
+    };
+    let output = Command::new(python)
+        .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/python/read_log.py"))
+        .arg(log)
+        .output()
+        .unwrap();
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    Some(serde_json::from_slice(&output.stdout).unwrap())
+}

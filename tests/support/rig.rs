@@ -1,0 +1,1 @@
+//! One real process with the test in the place of everybody else.

@@ -1,0 +1,215 @@
+//! A place on this machine where runs of the real program cannot meet those of other tests.
+
+use std::collections::BTreeSet;
+use std::mem::MaybeUninit;
+use std::os::fd::OwnedFd;
+use std::os::unix::fs::DirBuilderExt as _;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+
+use rustix::fs::inotify;
+use rustix::process::{Pid, Signal};
+
+use super::call::Call;
+use super::{SOON, until};
+
+/// A working directory and a runtime directory. Whatever runs leave behind there goes when the
+/// sandbox is dropped, also by a failing test.
+pub struct Sandbox {
+    directory: tempfile::TempDir,
+    /// Tells of every run directory that ever appeared.
+    watch: OwnedFd,
+    runs: Mutex<BTreeSet<String>>,
+}
+
+/// A process that lives in a sandbox.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Process {
+    pub pid: u32,
+    /// First word of its command line, e.g. `protean:pursuer_police_1`.
+    pub name: String,
+}
+
+impl Sandbox {
+    pub fn new() -> Self {
+        // Short: names of Unix sockets below it are limited to 107 bytes.
+        let directory = tempfile::Builder::new()
+            .prefix("pt")
+            .rand_bytes(6)
+            .tempdir_in("/tmp")
+            .unwrap();
+        let base = directory.path().join("rt/protean");
+        std::fs::DirBuilder::new()
+            .recursive(true)
+            .mode(0o700)
+            .create(&base)
+            .unwrap();
+        let watch =
+            inotify::init(inotify::CreateFlags::NONBLOCK | inotify::CreateFlags::CLOEXEC).unwrap();
+        let wanted = inotify::WatchFlags::CREATE | inotify::WatchFlags::ONLYDIR;
+        inotify::add_watch(&watch, &base, wanted).unwrap();
+        Self {
+            directory,
+            watch,
+            runs: Mutex::default(),
+        }
+    }
+
+    /// The working directory of what is called here.
+    pub fn path(&self) -> &Path {
+        self.directory.path()
+    }
+
+    pub fn runtime_dir(&self) -> PathBuf {
+        self.path().join("rt")
+    }
+
+    /// Writes a file, with the folders above it.
+    pub fn file(&self, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
+        let path = self.path().join(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(&path, content).unwrap();
+        path
+    }
+
+    /// Every file and folder below the working directory, but for the runtime directory.
+    pub fn files(&self) -> Vec<PathBuf> {
+        fn gather(folder: &Path, found: &mut Vec<PathBuf>) {
+            for entry in std::fs::read_dir(folder).unwrap() {
+                let path = entry.unwrap().path();
+                if path.is_dir() {
+                    gather(&path, found);
+                }
+                found.push(path);
+            }
+        }
+        let mut found = Vec::new();
+        gather(self.path(), &mut found);
+        found.retain(|path| !path.starts_with(self.runtime_dir()));
+        found.sort();
+        found
+    }
+
+    /// A call of the program.
+    pub fn protean<'a>(&'a self, words: impl IntoIterator<Item = &'a str>) -> Call<'a> {
+        Call::new(self, words)
+    }
+
+    /// Names of all runs so far.
+    pub fn runs(&self) -> BTreeSet<String> {
+        let mut runs = self.runs.lock().unwrap();
+        let mut buffer = [MaybeUninit::uninit(); 4096];
+        let mut reader = inotify::Reader::new(&self.watch, &mut buffer);
+        while let Ok(event) = reader.next() {
+            if let Some(name) = event.file_name()
+                && event.events().contains(inotify::ReadFlags::ISDIR)
+            {
+                runs.insert(name.to_string_lossy().into_owned());
+            }
+        }
+        runs.clone()
+    }
+
+    /// Waits for the first run, or the one that comes after those known; returns its name.
+    pub fn next_run(&self, known: &BTreeSet<String>) -> String {
+        until("a run directory", SOON, || {
+            self.runs().difference(known).next().cloned()
+        })
+    }
+
+    /// The prefix in shared memory of the run with this name.
+    pub fn prefix(run: &str) -> String {
+        format!("protean_{run}_")
+    }
+
+    /// The run directories that are there now.
+    pub fn run_directories(&self) -> Vec<PathBuf> {
+        std::fs::read_dir(self.runtime_dir().join("protean"))
+            .unwrap()
+            .map(|entry| entry.unwrap().path())
+            .filter(|path| path.is_dir())
+            .collect()
+    }
+
+    /// What the runs of this sandbox have in shared memory now.
+    pub fn shared_memory(&self) -> Vec<PathBuf> {
+        let runs = self.runs();
+        std::fs::read_dir("/dev/shm")
+            .unwrap()
+            .flatten()
+            .map(|entry| entry.path())
+            .filter(|path| {
+                let name = path.file_name().unwrap().to_string_lossy().into_owned();
+                runs.iter().any(|run| name.contains(run))
+            })
+            .collect()
+    }
+
+    /// The processes that live in this sandbox.
+    pub fn processes(&self) -> Vec<Process> {
+        let wanted = format!("XDG_RUNTIME_DIR={}\0", self.runtime_dir().display()).into_bytes();
+        let mut found: Vec<Process> = std::fs::read_dir("/proc")
+            .unwrap()
+            .flatten()
+            .filter_map(|entry| {
+                let pid: u32 = entry.file_name().to_str()?.parse().ok()?;
+                // Empty for a process that has ended and waits for its parent to look.
+                let environment = std::fs::read(entry.path().join("environ")).ok()?;
+                environment
+                    .windows(wanted.len())
+                    .any(|part| part == wanted)
+                    .then_some(())?;
+                let line = std::fs::read(entry.path().join("cmdline")).ok()?;
+                let word = line.split(|&b| b == 0).next()?;
+                let name = String::from_utf8_lossy(word).into_owned();
+                Some(Process { pid, name })
+            })
+            .collect();
+        found.sort();
+        found
+    }
+
+    /// The process of a run with this name in the scenario, once it is there.
+    pub fn process(&self, name: &str) -> Process {
+        let wanted = format!("protean:{name}");
+        until(&wanted, SOON, || {
+            self.processes().into_iter().find(|p| p.name == wanted)
+        })
+    }
+
+    /// Asserts that nothing but logs is left of the runs, of which there was at least one.
+    #[track_caller]
+    pub fn assert_nothing_left(&self) {
+        assert!(!self.runs().is_empty(), "no run was ever started here");
+        assert_eq!(self.processes(), [], "processes");
+        assert_eq!(
+            self.run_directories(),
+            [] as [PathBuf; 0],
+            "run directories"
+        );
+        assert_eq!(self.shared_memory(), [] as [PathBuf; 0], "shared memory");
+    }
+
+    /// Kills every process that lives in this sandbox.
+    pub fn kill_all(&self) {
+        for process in self.processes() {
+            signal(process.pid, Signal::KILL);
+        }
+    }
+}
+
+impl Drop for Sandbox {
+    fn drop(&mut self) {
+        self.kill_all();
+        for path in self.shared_memory() {
+            let _ = std::fs::remove_file(path);
+        }
+    }
+}
+
+/// Sends a signal to a process, which may have ended.
+pub fn signal(pid: u32, signal: Signal) {
+    if let Some(pid) = i32::try_from(pid).ok().and_then(Pid::from_raw) {
+        let _ = rustix::process::kill_process(pid, signal);
+    }
+}
