@@ -186,53 +186,72 @@ fn the_next_run_cleans_up_after_a_killed_orchestrator() {
     assert!(messages > 0);
 }
 
+/// A scenario with a program that never answers and does not notice that its orchestrator is gone.
+const STUBBORN: &str = r#"
+[world]
+map = "builtin:hello"
+[rules]
+time_limit = 5.0
+[[robots]]
+name = "robot"
+team = "neutral"
+start = { x = 0.5, y = 0.5, theta = 0.0 }
+[[processes]]
+name = "stubborn"
+command = ["/bin/sleep", "1000"]
+robots = ["robot"]
+"#;
+
 #[test]
-fn stopped_processes_of_a_killed_orchestrator_are_killed_by_clean_and_the_living_left_alone() {
+fn clean_kills_what_outlived_its_orchestrator_and_leaves_living_runs_alone() {
     let sandbox = Sandbox::new();
     let (alive, alive_run) = in_the_air(&sandbox, &[], 10);
-    let known = sandbox.runs();
-    let before: BTreeSet<_> = sandbox.processes().into_iter().collect();
+    let (before, known) = (sandbox.processes(), sandbox.runs());
+    sandbox.file("stubborn.toml", STUBBORN);
     let words = [
         "run",
-        "chase",
-        "--set",
-        "run.dt=0.0005",
+        "stubborn.toml",
+        "--allow-external",
         "--out",
         "other.mcap",
     ];
     let other = sandbox.protean(words).start();
     let run = sandbox.next_run(&known);
-    wait_for_tick(&run, 10);
-    // A process that cannot run cannot notice that its orchestrator is gone.
-    let stopped = until("a planner of the other run", SOON, || {
-        let all = sandbox.processes();
-        all.into_iter()
-            .find(|p| !before.contains(p) && p.name == "protean:evader_potential_evader_1")
+    let root = |run: &str| sandbox.runtime_dir().join("protean").join(run);
+    until("the list of its processes", SOON, || {
+        let list = std::fs::read_to_string(root(&run).join("pids")).ok()?;
+        (list.lines().count() == 2).then_some(())
     });
-    signal(stopped.pid, Signal::STOP);
     other.signal(Signal::KILL);
     other.finish();
-    until("the end of the others", Duration::from_secs(8), || {
-        (sandbox.processes().len() == before.len() + 1).then_some(())
+    let stubborn = until("the end of the others", Duration::from_secs(8), || {
+        let mut rest = sandbox.processes();
+        rest.retain(|p| !before.contains(p));
+        if let [only] = &rest[..] {
+            Some(only.clone())
+        } else {
+            None
+        }
     });
+    assert_eq!(stubborn.name, "/bin/sleep");
     let cleaned = sandbox.protean(["clean"]).json();
-    let runs = cleaned["runs"].as_array().unwrap();
-    let of = |name: &str| {
-        let path = sandbox.runtime_dir().join("protean").join(name);
+    let of = |run: &str| {
+        let runs = cleaned["runs"].as_array().unwrap();
         runs.iter()
-            .find(|r| r["run"] == path.to_str().unwrap())
+            .find(|r| r["run"] == root(run).to_str().unwrap())
             .unwrap()
     };
     assert_eq!(of(&run)["state"], "removed", "{cleaned}");
     assert_eq!(
         of(&run)["killed"],
-        serde_json::json!([stopped.pid]),
+        serde_json::json!([stubborn.pid]),
         "{cleaned}"
     );
     assert_eq!(of(&alive_run)["state"], "alive", "{cleaned}");
-    until("the end of the stopped one", SOON, || {
-        (sandbox.processes().len() == before.len()).then_some(())
+    until("the end of the stubborn one", SOON, || {
+        (!sandbox.processes().contains(&stubborn)).then_some(())
     });
+    assert_eq!(sandbox.processes(), before);
     alive.signal(Signal::INT);
     let outcome = alive.finish();
     assert_eq!(outcome.code, Some(3), "{outcome}");

@@ -51,6 +51,11 @@ message! {
     }
 }
 
+impl RunControl {
+    /// `command` with which time starts.
+    pub const START: u32 = 1;
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

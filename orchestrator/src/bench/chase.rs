@@ -42,7 +42,7 @@ pub fn measure(options: &Options, say: &mut impl FnMut(&str)) -> Result<Vec<Figu
     let seeds = options.repeats(5, 2) as u64;
     let mut reports: [Vec<Json>; 2] = [Vec::new(), Vec::new()];
     for seed in 1..=seeds {
-        for (pin, reports) in [("none", &mut reports[0]), ("one_core", &mut reports[1])] {
+        for (pin, reports) in ["none", "one_core"].iter().zip(&mut reports) {
             say(&format!("chase, seed {seed} of {seeds}, pin = {pin}"));
             let session = Session::start("chase", &arguments(seed, pin), deadline)?;
             reports.push(session.finish(options, Duration::from_millis(100), |_| {})?);

@@ -11,20 +11,16 @@ use crate::scenario::{builtin, list as scenarios};
 /// Lists what there is, or shows one built-in scenario.
 pub fn list(as_json: bool, show: Option<&str>) -> ExitCode {
     if let Some(name) = show {
-        return match builtin::scenario(name) {
-            Some(scenario) => {
-                print(scenario.text.trim_end());
-                ExitCode::SUCCESS
-            }
-            None => {
-                let names: Vec<_> = scenarios().into_iter().map(|s| s.name).collect();
-                eprintln!(
-                    "error: no built-in scenario {name:?}: expected one of {}",
-                    names.join(", ")
-                );
-                ExitCode::from(EXIT_INVALID)
-            }
-        };
+        if let Some(scenario) = builtin::scenario(name) {
+            print(scenario.text.trim_end());
+            return ExitCode::SUCCESS;
+        }
+        let names: Vec<_> = scenarios().into_iter().map(|s| s.name).collect();
+        eprintln!(
+            "error: no built-in scenario {name:?}: expected one of {}",
+            names.join(", ")
+        );
+        return ExitCode::from(EXIT_INVALID);
     }
     let scenarios = scenarios();
     if as_json {

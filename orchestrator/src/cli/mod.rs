@@ -129,7 +129,7 @@ struct OverrideArgs {
     /// Seed of everything random, in place of the scenario's
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
-    /// Override a value of the scenario, e.g. rules.time_limit=60 or robots.police_1.limits.v_max=0.5
+    /// Override a value of the scenario, e.g. `rules.time_limit=60` or `robots.police_1.limits.v_max=0.5`
     #[arg(long = "set", value_name = "KEY=VALUE")]
     set: Vec<String>,
     /// Let the scenario use files outside its folder
@@ -139,6 +139,10 @@ struct OverrideArgs {
 
 /// How to run.
 #[derive(Debug, Clone, Default, clap::Args)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "one per switch of the command line"
+)]
 struct RunArgs {
     #[command(flatten)]
     overrides: OverrideArgs,

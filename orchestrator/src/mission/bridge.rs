@@ -26,7 +26,8 @@ use super::plan::Plan;
 pub struct Bridge {
     threads: Vec<JoinHandle<Result<(), MissionError>>>,
     stop: Arc<AtomicBool>,
-    _events: Vec<TopicHolder>,
+    /// Held while the bridge stands.
+    events: Vec<TopicHolder>,
 }
 
 impl Bridge {
@@ -45,12 +46,12 @@ impl Bridge {
         let mut bridge = Self {
             threads: Vec::new(),
             stop,
-            _events: Vec::new(),
+            events: Vec::new(),
         };
         if external.is_empty() {
             return Ok(bridge);
         }
-        bridge._events = vec![bus.create_event(TURN_EVENT)?, bus.create_event(DONE_EVENT)?];
+        bridge.events = vec![bus.create_event(TURN_EVENT)?, bus.create_event(DONE_EVENT)?];
         let shared = Arc::new(Bus::join(bus.space(), *bus.options(), "bridge")?);
         for config in external {
             let (bus, page, stop) = (
@@ -93,6 +94,7 @@ impl Bridge {
                 first = Err(error);
             }
         }
+        drop(self.events);
         first
     }
 }

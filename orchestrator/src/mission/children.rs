@@ -13,6 +13,9 @@ use std::time::{Duration, Instant};
 use rustix::event::{PollFd, PollFlags};
 use rustix::process::{Pid, PidfdFlags, Signal};
 
+/// Environment variable that tells every process of a run where its configuration lies.
+pub const CONFIG_VARIABLE: &str = "PROTEAN_CONFIG";
+
 /// Lines of its stderr that are kept of every process, to be shown if it fails.
 const KEPT_LINES: usize = 20;
 
@@ -91,7 +94,7 @@ impl RunningProcess {
             }
         };
         command
-            .env("PROTEAN_CONFIG", config)
+            .env(CONFIG_VARIABLE, config)
             .stdin(Stdio::piped())
             .stdout(Stdio::null())
             .stderr(Stdio::piped())

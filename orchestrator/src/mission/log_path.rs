@@ -11,11 +11,11 @@ const DIRECTORY: &str = "logs";
 /// and the loser asks again.
 ///
 /// # Errors
-/// If the directory cannot be made.
+/// If the directory cannot be made, or holds a million logs of this name.
 pub fn free_path(scenario: &str, seed: u64) -> std::io::Result<PathBuf> {
     std::fs::create_dir_all(DIRECTORY)?;
     let stem = format!("{scenario}-{seed}");
-    Ok((1_u32..)
+    (1..1_000_000_u32)
         .map(|n| {
             let name = if n == 1 {
                 format!("{stem}.mcap")
@@ -25,5 +25,5 @@ pub fn free_path(scenario: &str, seed: u64) -> std::io::Result<PathBuf> {
             Path::new(DIRECTORY).join(name)
         })
         .find(|path| !path.exists())
-        .unwrap_or_else(|| Path::new(DIRECTORY).join(format!("{stem}.mcap"))))
+        .ok_or_else(|| std::io::ErrorKind::AlreadyExists.into())
 }

@@ -135,18 +135,19 @@ pub fn run(
         interrupted: false,
     };
     let flown = flight.fly(&space);
-    let wall_time_s = flight
-        .first_tick
-        .map_or(0.0, |first| first.elapsed().as_secs_f64());
-    let start_up_s = flight
-        .first_tick
-        .map_or(0.0, |first| (first - start).as_secs_f64());
+    let first_tick = flight.first_tick;
+    let wall_time_s = first_tick.map_or(0.0, |first| first.elapsed().as_secs_f64());
+    let start_up_s = first_tick.map_or(0.0, |first| (first - start).as_secs_f64());
     let interrupted = flight.interrupted;
     let recorded = flight.land();
     drop(services);
     drop(space);
     // A failed recorder is the cause rather than the consequence of anything else.
     let summary = recorded?;
+    if first_tick.is_none() {
+        // Nothing happened: a log without a tick would only look like a run.
+        let _ = std::fs::remove_file(&summary.log);
+    }
     flown?;
     Ok(MissionReport {
         summary,
@@ -418,10 +419,9 @@ impl Flight<'_> {
             Clock::LockStep => 0.0,
             Clock::RealTime { factor, .. } => factor,
         };
-        const START: u32 = 1;
         let order = RunControl {
             rate,
-            command: START,
+            command: RunControl::START,
             ..RunControl::default()
         };
         control.send(PlainHeader::default(), &[order])?;
@@ -451,7 +451,7 @@ impl Flight<'_> {
                 }
             });
             let behind = behind.map(|p| (p.name.clone(), p.last_words()));
-            self.check_exits("before it was ready")?;
+            self.check_exits()?;
             let Some((name, last_words)) = behind else {
                 return Ok(true);
             };
@@ -487,7 +487,7 @@ impl Flight<'_> {
                 // Why is in the thread's result.
                 return Ok(());
             }
-            self.check_exits(&format!("at tick {}", ticks.saturating_sub(1)))?;
+            self.check_exits()?;
             if self.check_interrupt() {
                 return Ok(());
             }
@@ -500,9 +500,15 @@ impl Flight<'_> {
         }
     }
 
-    fn check_exits(&mut self, when: &str) -> Result<(), MissionError> {
+    fn check_exits(&mut self) -> Result<(), MissionError> {
         for process in &mut self.processes {
             if process.check_exit() {
+                // Asked only now, when the process is known to be dead, and before it is buried: in
+                // between nobody gets past the tick that it owes.
+                let when = match (self.first_tick, self.overseer.page().ticks_posted()) {
+                    (None, _) => "before it was ready".to_owned(),
+                    (Some(_), ticks) => format!("at tick {}", ticks.saturating_sub(1)),
+                };
                 self.overseer.bury(process.slot);
                 self.bus.clean_up_dead();
                 return Err(MissionError::Exited {
@@ -510,7 +516,7 @@ impl Flight<'_> {
                     how: process
                         .exit
                         .map_or_else(|| "ended".into(), report::exit_words),
-                    when: when.to_owned(),
+                    when,
                     last_words: process.last_words(),
                 });
             }

@@ -13,6 +13,8 @@ use ipc_types::bus::{BusError, RunSpace};
 use rustix::fs::{FlockOperation, flock};
 use rustix::process::{Pid, Signal};
 
+use super::children::CONFIG_VARIABLE;
+
 /// File that the orchestrator of a run keeps locked.
 const LOCK: &str = "lock";
 /// File that lists the process ids of a run, one per line.
@@ -135,7 +137,10 @@ impl OwnedSpace {
     /// [`SpaceError`] if the file cannot be written.
     pub fn note_processes(&self, pids: impl Iterator<Item = u32>) -> Result<(), SpaceError> {
         let path = self.space.root().join(PIDS);
-        let text: String = pids.map(|pid| format!("{pid}\n")).collect();
+        let text = pids
+            .map(|pid| pid.to_string())
+            .collect::<Vec<_>>()
+            .join("\n");
         std::fs::write(&path, text).map_err(io(&path))
     }
 }
@@ -208,17 +213,23 @@ fn clean_one(root: PathBuf) -> Found {
     }
 }
 
-/// Kills the listed processes that still live and are of this run (ids are reused: the command line
-/// must name the run's directory).
+/// Kills the listed processes that still live and are of this run (ids are reused: the process must
+/// have been given its configuration in the run's directory).
 fn kill_leftovers(root: &Path) -> Vec<u32> {
     let listed = std::fs::read_to_string(root.join(PIDS)).unwrap_or_default();
-    let needle = root.as_os_str().as_encoded_bytes();
+    // The command line would not do: programs of the user's own are told by their environment only.
+    let mut needle = format!("{CONFIG_VARIABLE}=").into_bytes();
+    needle.extend_from_slice(root.as_os_str().as_encoded_bytes());
+    needle.push(b'/');
     listed
         .lines()
         .filter_map(|line| line.trim().parse::<u32>().ok())
         .filter(|pid| {
-            std::fs::read(format!("/proc/{pid}/cmdline"))
-                .is_ok_and(|line| line.windows(needle.len()).any(|part| part == needle))
+            std::fs::read(format!("/proc/{pid}/environ")).is_ok_and(|environment| {
+                environment
+                    .split(|&byte| byte == 0)
+                    .any(|entry| entry.starts_with(&needle))
+            })
         })
         .filter(|&pid| {
             i32::try_from(pid)

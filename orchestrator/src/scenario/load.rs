@@ -12,7 +12,7 @@ use super::resolved::ResolvedScenario;
 use super::spec::{LogSpec, RunSpec, TopLevel};
 use super::text::{
     Code, Diagnostic, Diagnostics, FieldPath, Node, SourceKind, Sources, list_choices, nearest,
-    parse_document, problem_at, suggest,
+    parse_document,
 };
 use super::{builtin, events, geometry, overrides, processes, robots, world};
 
@@ -229,15 +229,6 @@ fn read_run(ctx: &mut Context<'_>) -> Option<RunSpec> {
 fn read_log(ctx: &mut Context<'_>) -> Option<LogSpec> {
     let log: LogSpec = ctx.section("log")?;
     ctx.check_range("log.viewer_rate_hz", log.viewer_rate_hz, 0.0, 1e3, "Hz");
-    for (i, topic) in log.leave_out.iter().enumerate() {
-        if !super::spec::TOPICS.contains(&topic.as_str()) {
-            let path = FieldPath::parse(&format!("log.leave_out[{i}]"));
-            let message = format!("no topic is called `{topic}`");
-            let blank = problem_at(&ctx.sources, &ctx.root, &path, Code::UnknownName, message);
-            ctx.problems
-                .push(suggest(blank, topic, super::spec::TOPICS, ""));
-        }
-    }
     Some(log)
 }
 

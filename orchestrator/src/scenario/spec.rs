@@ -19,9 +19,6 @@ pub const MAX_CELLS: usize = 25_000_000;
 /// Most events in one scenario.
 pub const MAX_EVENTS: usize = 10_000;
 
-/// The topics that [`LogSpec::leave_out`] may name.
-pub const TOPICS: &[&str] = ipc_types::topics::NAMES;
-
 /// `[run]`: time, chance, and how the processes wait for each other.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -101,8 +98,6 @@ pub struct LogSpec {
     pub compression: Compression,
     /// Pictures per simulated second for viewers [Hz], 0 to 1000; 0 leaves viewer topics out.
     pub viewer_rate_hz: f64,
-    /// Topics that are not recorded (`perception/belief`); none by default.
-    pub leave_out: Vec<String>,
 }
 
 impl Default for LogSpec {
@@ -110,7 +105,6 @@ impl Default for LogSpec {
         Self {
             compression: Compression::Zstd,
             viewer_rate_hz: 10.0,
-            leave_out: Vec::new(),
         }
     }
 }

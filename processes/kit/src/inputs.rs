@@ -5,7 +5,7 @@ use ipc_types::clock;
 use ipc_types::messages::perception::{BeliefHeader, Particle};
 use ipc_types::messages::robot::ScanHeader;
 use ipc_types::messages::world::{MapCell, MapHeader, RobotState, WorldHeader};
-use ipc_types::topics::{Belief, Scan, WorldMap, WorldState};
+use ipc_types::topics::{Belief, Scan, Topic, WorldMap, WorldState};
 
 /// The newest state of the world.
 #[derive(Debug)]
@@ -141,44 +141,88 @@ impl MapInput {
     }
 }
 
-/// One robot's belief as last received.
-#[derive(Debug, Clone, Default)]
-pub struct BeliefState {
-    /// Moments.
-    pub header: BeliefHeader,
-    /// Particles.
-    pub particles: Vec<Particle>,
+/// A topic with messages per robot, and what makes one of them sound.
+pub trait PerRobot: Topic {
+    /// The robot that a message is about.
+    fn robot(header: &Self::Header) -> u32;
+
+    /// Whether a planner can compute with the message.
+    fn is_sound(header: &Self::Header, elements: &[Self::Element]) -> bool;
 }
 
-/// The newest belief about every opponent.
+impl PerRobot for Belief {
+    fn robot(header: &BeliefHeader) -> u32 {
+        header.robot
+    }
+
+    fn is_sound(header: &BeliefHeader, particles: &[Particle]) -> bool {
+        [header.mean_x, header.mean_y, header.mean_theta]
+            .iter()
+            .all(|v| v.is_finite())
+            && particles.iter().all(|p| {
+                [p.x, p.y, p.theta, p.weight].iter().all(|v| v.is_finite()) && p.weight >= 0.0
+            })
+    }
+}
+
+impl PerRobot for Scan {
+    fn robot(header: &ScanHeader) -> u32 {
+        header.robot
+    }
+
+    fn is_sound(header: &ScanHeader, ranges: &[f32]) -> bool {
+        [header.angle_min, header.angle_increment, header.range_max]
+            .iter()
+            .all(|v| v.is_finite())
+            && header.range_max > 0.0
+            && ranges.iter().all(|range| !range.is_nan())
+    }
+}
+
+/// The last message about one robot.
+#[derive(Debug, Clone)]
+pub struct Latest<T: Topic> {
+    /// Its header.
+    pub header: T::Header,
+    /// Its elements.
+    pub elements: Vec<T::Element>,
+}
+
+/// The newest message about every robot.
 #[derive(Debug)]
-pub struct BeliefInput {
-    subscriber: Subscriber<Belief>,
+pub struct RobotInput<T: Topic> {
+    subscriber: Subscriber<T>,
     robots: usize,
-    /// Newest beliefs, sorted by the robot they are about.
-    pub beliefs: Vec<BeliefState>,
-    /// Monotonic clock when the newest belief was taken up [ns].
+    /// The newest messages, sorted by the robot they are about.
+    pub latest: Vec<Latest<T>>,
+    /// Monotonic clock when the newest message was taken up [ns].
     pub received_ns: u64,
-    /// Beliefs that failed the checks.
+    /// Messages that failed the checks.
     pub rejected: u64,
 }
 
-impl BeliefInput {
-    /// Opens `perception/belief` of a run with this many robots.
+/// Beliefs about the opponents.
+pub type BeliefInput = RobotInput<Belief>;
+/// Range scans; ranges [m] are +∞ where nothing was hit, −∞ where it was too near (REP-117).
+pub type ScanInput = RobotInput<Scan>;
+
+impl<T: PerRobot> RobotInput<T> {
+    /// Opens the topic in a run with this many robots.
     ///
     /// # Errors
     /// As [`Bus::subscriber`].
     pub fn open(bus: &Bus, robots: usize) -> Result<Self, BusError> {
+        let subscriber = bus.subscriber()?;
         Ok(Self {
-            subscriber: bus.subscriber()?,
+            subscriber,
             robots,
-            beliefs: Vec::new(),
+            latest: Vec::new(),
             received_ns: 0,
             rejected: 0,
         })
     }
 
-    /// Connects to perception.
+    /// Connects to the publishers.
     ///
     /// # Errors
     /// [`ReceiveError`] if the transport fails.
@@ -192,128 +236,42 @@ impl BeliefInput {
     /// [`ReceiveError`] if the transport fails.
     pub fn update(&mut self) -> Result<(), ReceiveError> {
         while let Some(message) = self.subscriber.receive()? {
-            let header = message.header();
-            let sound = (header.robot as usize) < self.robots
-                && [header.mean_x, header.mean_y, header.mean_theta]
-                    .iter()
-                    .all(|v| v.is_finite())
-                && message.elements().iter().all(|p| {
-                    p.x.is_finite()
-                        && p.y.is_finite()
-                        && p.theta.is_finite()
-                        && p.weight.is_finite()
-                        && p.weight >= 0.0
-                });
-            if !sound {
+            let (header, elements) = (message.header(), message.elements());
+            let robot = T::robot(header);
+            if robot as usize >= self.robots || !T::is_sound(header, elements) {
                 self.rejected += 1;
                 continue;
             }
             self.received_ns = clock::monotonic_ns();
-            let at = self
-                .beliefs
-                .binary_search_by_key(&header.robot, |b| b.header.robot);
-            let belief = match at {
-                Ok(i) => &mut self.beliefs[i],
-                Err(i) => {
-                    self.beliefs.insert(i, BeliefState::default());
-                    &mut self.beliefs[i]
+            match self
+                .latest
+                .binary_search_by_key(&robot, |latest| T::robot(&latest.header))
+            {
+                Ok(at) => {
+                    let latest = &mut self.latest[at];
+                    latest.header = *header;
+                    latest.elements.clear();
+                    latest.elements.extend_from_slice(elements);
                 }
-            };
-            belief.header = *header;
-            belief.particles.clear();
-            belief.particles.extend_from_slice(message.elements());
-        }
-        Ok(())
-    }
-}
-
-/// One robot's scan as last received.
-#[derive(Debug, Clone, Default)]
-pub struct ScanState {
-    /// Geometry of the scan.
-    pub header: ScanHeader,
-    /// Ranges [m]: +∞ where nothing was hit, −∞ where it was too near (REP-117); never NaN.
-    pub ranges: Vec<f32>,
-}
-
-/// The newest scan of every robot that has a sensor.
-#[derive(Debug)]
-pub struct ScanInput {
-    subscriber: Subscriber<Scan>,
-    robots: usize,
-    /// Newest scans, sorted by robot.
-    pub scans: Vec<ScanState>,
-    /// Monotonic clock when the newest scan was taken up [ns].
-    pub received_ns: u64,
-    /// Scans that failed the checks.
-    pub rejected: u64,
-}
-
-impl ScanInput {
-    /// Opens `robot/scan` of a run with this many robots.
-    ///
-    /// # Errors
-    /// As [`Bus::subscriber`].
-    pub fn open(bus: &Bus, robots: usize) -> Result<Self, BusError> {
-        Ok(Self {
-            subscriber: bus.subscriber()?,
-            robots,
-            scans: Vec::new(),
-            received_ns: 0,
-            rejected: 0,
-        })
-    }
-
-    /// Connects to the simulator.
-    ///
-    /// # Errors
-    /// [`ReceiveError`] if the transport fails.
-    pub fn connect(&self) -> Result<(), ReceiveError> {
-        self.subscriber.update_connections()
-    }
-
-    /// Takes up everything that came.
-    ///
-    /// # Errors
-    /// [`ReceiveError`] if the transport fails.
-    pub fn update(&mut self) -> Result<(), ReceiveError> {
-        while let Some(message) = self.subscriber.receive()? {
-            let header = message.header();
-            let sound = (header.robot as usize) < self.robots
-                && header.angle_min.is_finite()
-                && header.angle_increment.is_finite()
-                && header.range_max.is_finite()
-                && header.range_max > 0.0
-                && message.elements().iter().all(|r| !r.is_nan());
-            if !sound {
-                self.rejected += 1;
-                continue;
+                Err(at) => {
+                    let latest = Latest {
+                        header: *header,
+                        elements: elements.to_vec(),
+                    };
+                    self.latest.insert(at, latest);
+                }
             }
-            self.received_ns = clock::monotonic_ns();
-            let at = self
-                .scans
-                .binary_search_by_key(&header.robot, |s| s.header.robot);
-            let scan = match at {
-                Ok(i) => &mut self.scans[i],
-                Err(i) => {
-                    self.scans.insert(i, ScanState::default());
-                    &mut self.scans[i]
-                }
-            };
-            scan.header = *header;
-            scan.ranges.clear();
-            scan.ranges.extend_from_slice(message.elements());
         }
         Ok(())
     }
 
-    /// The newest scan of a robot.
-    pub fn of(&self, robot: u32) -> Option<&ScanState> {
+    /// The newest message about a robot.
+    pub fn of(&self, robot: u32) -> Option<&Latest<T>> {
         let at = self
-            .scans
-            .binary_search_by_key(&robot, |s| s.header.robot)
+            .latest
+            .binary_search_by_key(&robot, |latest| T::robot(&latest.header))
             .ok()?;
-        self.scans.get(at)
+        self.latest.get(at)
     }
 }
 

@@ -8,8 +8,8 @@ use guidance::view::{BeliefView, ParticleView, RobotView, ScanView, View};
 use ipc_types::bus::{Bus, Publisher, PublisherOptions};
 use ipc_types::messages::robot::{Command, PlanHeader, PlanPoint};
 use ipc_types::messages::world::{RobotState, WorldEvent};
-use ipc_types::stamp::PlainHeader;
-use ipc_types::topics::{Commands, Plan};
+use ipc_types::stamp::{PlainHeader, Stamp};
+use ipc_types::topics::{Commands, Plan, Scan};
 use nalgebra::Point2;
 use serde::de::DeserializeOwned;
 use sim_backend::blur::BlurredMap;
@@ -19,7 +19,7 @@ use sim_backend::team::Team;
 
 use crate::config::{Clock, ProcessConfig, RobotInfo};
 use crate::error::ProcessError;
-use crate::inputs::{BeliefInput, MapInput, ScanInput, StateInput, reply_stamp};
+use crate::inputs::{BeliefInput, Latest, MapInput, ScanInput, StateInput, reply_stamp};
 use crate::life::Wiring;
 
 /// Which topics beside state and map a planner reads.
@@ -172,10 +172,10 @@ impl<P: Planner> Wiring for PlannerProcess<P> {
         );
         // Particles of all beliefs side by side; the views point into them.
         self.particles.clear();
-        let beliefs = self.beliefs.as_ref().map_or(&[][..], |b| &b.beliefs);
+        let beliefs = self.beliefs.as_ref().map_or(&[][..], |b| &b.latest);
         for belief in beliefs {
             self.particles
-                .extend(belief.particles.iter().map(|p| ParticleView {
+                .extend(belief.elements.iter().map(|p| ParticleView {
                     x: p.x,
                     y: p.y,
                     theta: p.theta,
@@ -186,7 +186,7 @@ impl<P: Planner> Wiring for PlannerProcess<P> {
         let belief_views: Vec<BeliefView<'_>> = beliefs
             .iter()
             .map(|belief| {
-                let (particles, behind) = rest.split_at(belief.particles.len());
+                let (particles, behind) = rest.split_at(belief.elements.len());
                 rest = behind;
                 let h = &belief.header;
                 BeliefView {
@@ -199,6 +199,11 @@ impl<P: Planner> Wiring for PlannerProcess<P> {
             })
             .collect();
         let stamp = reply_stamp(&self.state.header, received_ns);
+        let outputs = Outputs {
+            commands: &self.commands,
+            plans: &self.plans,
+            stamp,
+        };
         for driven in &mut self.driven {
             let scan = self.scans.as_ref().and_then(|scans| scans.of(driven.robot));
             let view = View {
@@ -208,38 +213,9 @@ impl<P: Planner> Wiring for PlannerProcess<P> {
                 robots: &self.views,
                 beliefs: &belief_views,
                 exits: &self.exits,
-                scan: scan.map(|s| ScanView {
-                    angle_min: s.header.angle_min,
-                    angle_increment: s.header.angle_increment,
-                    range_min: s.header.range_min,
-                    range_max: s.header.range_max,
-                    ranges: &s.ranges,
-                }),
+                scan: scan.map(scan_view),
             };
-            let steering = driven.planner.steer(map, &view);
-            let command = Command {
-                v: steering.command.v,
-                omega: steering.command.omega,
-                robot: driven.robot,
-                reserved: 0,
-            };
-            self.commands.send(PlainHeader { stamp }, &[command])?;
-            let header = PlanHeader {
-                stamp,
-                robot: driven.robot,
-                target: steering.target.map_or(WorldEvent::NONE, |t| t as u32),
-            };
-            let points = [steering.waypoint, steering.aim];
-            let count = points.iter().flatten().count();
-            let mut points = points.into_iter().flatten();
-            self.plans.send_with(header, count, |_| {
-                let p = points.next().unwrap_or_default();
-                PlanPoint {
-                    x: p.x,
-                    y: p.y,
-                    ..PlanPoint::default()
-                }
-            })?;
+            outputs.send(driven.robot, &driven.planner.steer(map, &view))?;
         }
         Ok(())
     }
@@ -249,6 +225,60 @@ impl<P: Planner> Wiring for PlannerProcess<P> {
             + self.map_input.rejected
             + self.beliefs.as_ref().map_or(0, |b| b.rejected)
             + self.scans.as_ref().map_or(0, |s| s.rejected)
+    }
+}
+
+/// Where a tick's results go.
+struct Outputs<'a> {
+    commands: &'a Publisher<Commands>,
+    plans: &'a Publisher<Plan>,
+    stamp: Stamp,
+}
+
+impl Outputs<'_> {
+    fn send(&self, robot: u32, steering: &Steering) -> Result<(), ProcessError> {
+        let stamp = self.stamp;
+        let Twist2 { v, omega } = steering.command;
+        let command = Command {
+            v,
+            omega,
+            robot,
+            reserved: 0,
+        };
+        self.commands.send(PlainHeader { stamp }, &[command])?;
+        let target = steering
+            .target
+            .map_or(WorldEvent::NONE, |target| target as u32);
+        let points = [steering.waypoint, steering.aim];
+        let count = points.iter().flatten().count();
+        let mut points = points.into_iter().flatten();
+        self.plans.send_with(
+            PlanHeader {
+                stamp,
+                robot,
+                target,
+            },
+            count,
+            |_| {
+                let p = points.next().unwrap_or_default();
+                PlanPoint {
+                    x: p.x,
+                    y: p.y,
+                    ..PlanPoint::default()
+                }
+            },
+        )?;
+        Ok(())
+    }
+}
+
+fn scan_view(scan: &Latest<Scan>) -> ScanView<'_> {
+    ScanView {
+        angle_min: scan.header.angle_min,
+        angle_increment: scan.header.angle_increment,
+        range_min: scan.header.range_min,
+        range_max: scan.header.range_max,
+        ranges: &scan.elements,
     }
 }
 

@@ -208,15 +208,6 @@ fn events_must_be_possible() {
 fn logs_and_ends_are_checked() {
     refused(
         "[run]",
-        "[log]\nleave_out = [\"perception/beliefs\"]\n[run]",
-        &[
-            "no topic is called `perception/beliefs`",
-            "(log.leave_out[0])",
-            "did you mean `perception/belief`?",
-        ],
-    );
-    refused(
-        "[run]",
         "[log]\ncompression = \"zip\"\n[run]",
         &["`zip` is not one of the choices", "`zstd` or `none`"],
     );
