@@ -326,18 +326,26 @@ fn stamp<T: Topic>(bytes: &[u8]) -> Result<Stamp, String> {
     decode::<T>(bytes).map(|(header, _)| *header.stamp())
 }
 
-/// The metadata record and the attachments' names of a log.
-pub fn manifest(path: &Path) -> (BTreeMap<String, String>, Vec<String>) {
+/// What stands in a log beside the messages: the metadata record, and the attachments by name.
+pub fn manifest(path: &Path) -> (BTreeMap<String, String>, BTreeMap<String, String>) {
     let bytes = std::fs::read(path).unwrap();
-    let (mut metadata, mut attachments) = (BTreeMap::new(), Vec::new());
+    let (mut metadata, mut attachments) = (BTreeMap::new(), BTreeMap::new());
     for record in mcap::read::LinearReader::new(&bytes).unwrap() {
         match record.unwrap() {
             mcap::records::Record::Metadata(record) if record.name == "protean" => {
                 metadata = record.metadata;
             }
-            mcap::records::Record::Attachment { header, .. } => attachments.push(header.name),
+            mcap::records::Record::Attachment { header, data, .. } => {
+                let text = String::from_utf8_lossy(&data).into_owned();
+                attachments.insert(header.name, text);
+            }
             _ => {}
         }
     }
     (metadata, attachments)
+}
+
+/// The scenario that a log holds, with everything filled in.
+pub fn scenario(path: &Path) -> toml::Table {
+    manifest(path).1["scenario.toml"].parse().unwrap()
 }

@@ -1,12 +1,13 @@
 //! What must hold in every log of a chase, whatever the seed.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
 
 use ipc_types::messages::world::WorldEvent;
 use serde_json::Value as Json;
 
 use super::geometry::{Obstacle, Walls, between};
-use super::history::{Event, History, Message, Robot, State};
+use super::history::{Event, History, Message, Robot, State, scenario};
 
 /// Slack of comparisons of lengths and speeds, far below anything that is driven.
 const EPSILON: f64 = 1e-9;
@@ -30,13 +31,14 @@ const STATUS: [&str; 6] = [
     "disabled",
 ];
 
-/// The game, written down once more for the test.
+/// The game: the map as this test reads it, and from the scenario in the log the numbers that may
+/// be tuned.
 pub struct Game {
     pub period_ns: u64,
     pub walls: Walls,
     pub radius: f64,
-    /// Largest speed of Police and of evaders [m/s].
-    pub v_max: [f64; 2],
+    /// Largest speed of every robot [m/s].
+    pub v_max: Vec<f64>,
     pub omega_max: f64,
     /// Centre-to-centre distance below which Police catch [m]; 0 if they do not.
     pub capture: f64,
@@ -48,37 +50,48 @@ pub struct Game {
 }
 
 impl Game {
-    /// The game of `chase.toml`.
-    pub fn chase() -> Self {
+    /// The game of a log that plays in the city.
+    pub fn in_city(log: &Path) -> Self {
+        Self::new(log, Walls::city(), vec![([9.0, 0.0], 0.5)])
+    }
+
+    /// The game of a log that plays in the room of `hello.toml`.
+    pub fn in_room(log: &Path) -> Self {
+        Self::new(log, Walls::hello(), vec![([3.5, 0.5], 0.2)])
+    }
+
+    fn new(log: &Path, walls: Walls, exits: Vec<([f64; 2], f64)>) -> Self {
+        let scenario = scenario(log);
+        let number = |value: Option<&toml::Value>, or: f64| {
+            value.map_or(or, |v| {
+                v.as_float()
+                    .unwrap_or_else(|| v.as_integer().unwrap() as f64)
+            })
+        };
+        let robots = scenario["robots"].as_array().unwrap();
+        for robot in robots {
+            assert_eq!(robot["preset"].as_str(), Some("turtlebot3_burger"));
+        }
+        let rules = &scenario["rules"];
+        let dt = number(scenario["run"].get("dt"), 0.0);
         Self {
-            period_ns: 50_000_000,
-            walls: Walls::city(),
+            period_ns: (dt * 1e9).round() as u64,
+            walls,
             radius: 0.105,
-            v_max: [0.3, 0.5],
+            v_max: robots
+                .iter()
+                .map(|r| number(r["limits"].get("v_max"), 0.22))
+                .collect(),
             omega_max: 2.84,
-            capture: 0.3,
-            exits: vec![([9.0, 0.0], 0.5)],
-            time_limit_s: 240.0,
-            perception: true,
+            capture: number(rules.get("capture").and_then(|c| c.get("radius")), 0.0),
+            exits,
+            time_limit_s: number(rules.get("time_limit"), f64::INFINITY),
+            perception: scenario["processes"]
+                .as_array()
+                .unwrap()
+                .iter()
+                .any(|p| p["kind"].as_str() == Some("perception")),
         }
-    }
-
-    /// The game of `hello.toml`.
-    pub fn hello() -> Self {
-        Self {
-            walls: Walls::hello(),
-            v_max: [0.22; 2],
-            capture: 0.0,
-            exits: vec![([3.5, 0.5], 0.2)],
-            time_limit_s: 60.0,
-            perception: false,
-            ..Self::chase()
-        }
-    }
-
-    pub fn until(mut self, time_limit_s: f64) -> Self {
-        self.time_limit_s = time_limit_s;
-        self
     }
 
     fn dt(&self) -> f64 {
@@ -86,7 +99,7 @@ impl Game {
     }
 
     fn v_max_of(&self, robot: &Robot) -> f64 {
-        self.v_max[usize::from(robot.team == EVADER)]
+        self.v_max[robot.robot as usize]
     }
 
     fn in_exit(&self, p: [f64; 2]) -> bool {
@@ -235,11 +248,9 @@ impl Game {
     #[track_caller]
     pub fn nobody_is_too_fast(&self, history: &History) {
         let within = |value: f64, most: f64| value.is_finite() && value.abs() <= most + EPSILON;
-        let mut teams = BTreeMap::new();
         let mut before: Option<&State> = None;
         for state in &history.states {
             for (i, r) in state.robots.iter().enumerate() {
-                teams.insert(r.robot, self.v_max_of(r));
                 let tick = state.tick;
                 assert!(within(r.v, self.v_max_of(r)), "tick {tick}: {r:?}");
                 assert!(within(r.omega, self.omega_max), "tick {tick}: {r:?}");
@@ -271,7 +282,7 @@ impl Game {
         }
         for c in &history.commands {
             assert!(
-                within(c.v, teams[&c.robot]) && within(c.omega, self.omega_max),
+                within(c.v, self.v_max[c.robot as usize]) && within(c.omega, self.omega_max),
                 "{c:?}"
             );
         }

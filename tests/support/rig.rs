@@ -1,1 +1,355 @@
-//! One real process with the test in the place of everybody else.
+//! One real process, with the test in the place of everybody else: it creates the services and the
+//! turn page as the orchestrator does, and says what the others would.
+
+use std::io::Read as _;
+use std::os::fd::OwnedFd;
+use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::Instant;
+
+use ipc_types::bus::{
+    Bus, BusError, Publisher, PublisherOptions, RunSpace, Subscriber, TopicHolder,
+};
+use ipc_types::messages::process::ProcessStatus;
+use ipc_types::messages::world::{RobotState, WorldHeader};
+use ipc_types::stamp::Stamp;
+use ipc_types::topics::{Status, Topic, TopicVisitor, WorldMap, WorldState, for_each_topic};
+use kit::lockstep::{Conductor, Overseer, Phase, SlotState, TurnEnd, TurnPage};
+use orchestrator::mission::plan::Plan;
+use orchestrator::scenario::{self, ResolvedScenario};
+use rustix::process::{Pid, PidfdFlags, Signal};
+
+use super::call::wait;
+use super::sandbox::signal;
+use super::{SOON, until};
+
+/// The bus, the page and one process; everything goes when it is dropped.
+pub struct Rig {
+    pub scenario: ResolvedScenario,
+    pub plan: Plan,
+    pub overseer: Overseer,
+    pub bus: Bus,
+    pub process: Process,
+    status: Subscriber<Status>,
+    newest: std::cell::Cell<ProcessStatus>,
+    slot: usize,
+    _services: Vec<TopicHolder>,
+    space: RunSpace,
+    // Dropped last: the run's root lies in it.
+    _directory: tempfile::TempDir,
+}
+
+/// A process of the real program.
+pub struct Process {
+    child: Child,
+    pidfd: OwnedFd,
+    /// While it is open, the process has a parent.
+    pub stdin: Option<ChildStdin>,
+}
+
+struct Create<'a>(&'a Bus, Vec<TopicHolder>);
+
+impl TopicVisitor for Create<'_> {
+    type Error = BusError;
+    fn visit<T: Topic>(&mut self) -> Result<(), BusError> {
+        self.1.push(self.0.create::<T>()?);
+        Ok(())
+    }
+}
+
+impl Rig {
+    /// Starts the process with this name of a scenario (`simulator` for the simulator).
+    pub fn new(text: &str, name: &str) -> Self {
+        static RUNS: AtomicU32 = AtomicU32::new(0);
+        let directory = tempfile::Builder::new()
+            .prefix("pt")
+            .tempdir_in("/tmp")
+            .unwrap();
+        let file = directory.path().join("scenario.toml");
+        std::fs::write(&file, text).unwrap();
+        let scenario = match scenario::load(file.to_str().unwrap(), &[], None) {
+            Ok(scenario) => scenario,
+            Err(problems) => panic!("{problems}"),
+        };
+        let run = RUNS.fetch_add(1, Ordering::Relaxed);
+        let prefix = format!("protean_test_{}_{run}_", std::process::id());
+        let space = RunSpace::new(directory.path().join("r"), prefix).unwrap();
+        space.create_root().unwrap();
+        let plan = Plan::new(&scenario, space.root(), space.prefix(), "warn").unwrap();
+        let bus = Bus::join(&space, plan.run.bus_options(), "test").unwrap();
+        let mut create = Create(&bus, Vec::new());
+        for_each_topic(&mut create).unwrap();
+        let services = create.1;
+        let page = TurnPage::create(space.prefix(), plan.launches.len()).unwrap();
+        let overseer = Overseer::new(Arc::new(page));
+        let slot = plan
+            .launches
+            .iter()
+            .position(|l| l.config.name == name)
+            .unwrap();
+        overseer.seat(slot, slot != 0, plan.launches[slot].watched);
+        let config = space.root().join("process.json");
+        let launch = &plan.launches[slot].config;
+        std::fs::write(&config, serde_json::to_vec(launch).unwrap()).unwrap();
+        let mut child = Command::new(env!("CARGO_BIN_EXE_protean"))
+            .args(["process", &launch.kind, "--config"])
+            .arg(&config)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let pidfd =
+            rustix::process::pidfd_open(Pid::from_child(&child), PidfdFlags::empty()).unwrap();
+        let stdin = child.stdin.take();
+        let status = bus.subscriber().unwrap();
+        Self {
+            process: Process {
+                child,
+                pidfd,
+                stdin,
+            },
+            scenario,
+            plan,
+            overseer,
+            bus,
+            status,
+            newest: std::cell::Cell::new(ProcessStatus::default()),
+            slot,
+            _services: services,
+            space,
+            _directory: directory,
+        }
+    }
+
+    /// A port on which the test speaks as the process with this index.
+    pub fn publisher<T: Topic>(&self, source: u32, capacity: usize) -> Publisher<T> {
+        self.bus
+            .publisher(PublisherOptions::new(source, capacity))
+            .unwrap()
+    }
+
+    pub fn subscriber<T: Topic>(&self) -> Subscriber<T> {
+        self.bus.subscriber().unwrap()
+    }
+
+    pub fn page(&self) -> &TurnPage {
+        self.overseer.page()
+    }
+
+    /// A mapping of the page of one's own.
+    pub fn open_page(&self) -> Arc<TurnPage> {
+        Arc::new(TurnPage::open(self.space.prefix()).unwrap())
+    }
+
+    /// Waits until the process is this far.
+    #[track_caller]
+    pub fn wait_for(&mut self, state: SlotState) {
+        let deadline = Instant::now() + SOON;
+        while self.page().state(self.slot) != state {
+            if let Some(status) = self.process.child.try_wait().unwrap() {
+                panic!("{status}: {}", self.process.words());
+            }
+            assert!(
+                Instant::now() < deadline,
+                "{:?}",
+                self.page().state(self.slot)
+            );
+            std::thread::park_timeout(std::time::Duration::from_millis(1));
+        }
+    }
+
+    /// The hand-shake up to the map. All ports of the test must be open.
+    #[track_caller]
+    pub fn take_off(&mut self) {
+        self.wait_for(SlotState::Ready);
+        self.overseer.set_phase(Phase::Connect);
+        self.wait_for(SlotState::Connected);
+        self.status.update_connections().unwrap();
+    }
+
+    /// The hand-shake from the map to the first tick.
+    #[track_caller]
+    pub fn prepare(&mut self) {
+        self.overseer.set_phase(Phase::Prepare);
+        self.wait_for(SlotState::Prepared);
+    }
+
+    /// The newest heartbeat.
+    pub fn status(&self) -> ProcessStatus {
+        while let Some(message) = self.status.receive().unwrap() {
+            self.newest.set(message.elements()[0]);
+        }
+        self.newest.get()
+    }
+
+    /// Waits until the process says that it has rejected this many messages, and no more.
+    #[track_caller]
+    pub fn rejected(&self, messages: u64) {
+        let told = until("the count of rejected messages", SOON, || {
+            let told = self.status().rejected;
+            (told >= messages).then_some(told)
+        });
+        assert_eq!(told, messages);
+    }
+
+    /// How the process stands at its end, once that comes.
+    pub fn state(&self) -> SlotState {
+        self.page().state(self.slot)
+    }
+}
+
+impl Drop for Rig {
+    fn drop(&mut self) {
+        self.process.kill();
+        self.space.wipe().unwrap();
+    }
+}
+
+impl Process {
+    pub fn signal(&self, signal: Signal) {
+        rustix::process::pidfd_send_signal(&self.pidfd, signal).unwrap();
+    }
+
+    pub fn is_alive(&mut self) -> bool {
+        self.child.try_wait().unwrap().is_none()
+    }
+
+    /// Waits for its end; returns how it ended and what it wrote to stderr.
+    #[track_caller]
+    pub fn end(&mut self) -> (ExitStatus, String) {
+        assert!(wait(&self.pidfd, Instant::now() + SOON), "it does not end");
+        let status = self.child.wait().unwrap();
+        (status, self.words())
+    }
+
+    fn words(&mut self) -> String {
+        let mut text = String::new();
+        if let Some(mut stderr) = self.child.stderr.take() {
+            let _ = stderr.read_to_string(&mut text);
+        }
+        text
+    }
+
+    fn kill(&mut self) {
+        signal(self.child.id(), Signal::KILL);
+        let _ = self.child.wait();
+    }
+}
+
+/// The test in the place of the simulator.
+pub struct World {
+    pub states: Publisher<WorldState>,
+    pub maps: Publisher<WorldMap>,
+    conductor: Conductor,
+    /// The robots as the next state says.
+    pub robots: Vec<RobotState>,
+    period_ns: u64,
+    cells: usize,
+}
+
+impl World {
+    /// Its ports; to be opened before [`Rig::take_off`].
+    pub fn open(rig: &Rig) -> Self {
+        let robots: Vec<RobotState> = rig
+            .plan
+            .run
+            .robots
+            .iter()
+            .enumerate()
+            .map(|(index, robot)| RobotState {
+                x: robot.start.x,
+                y: robot.start.y,
+                theta: robot.start.theta,
+                robot: index as u32,
+                team: robot.team.code(),
+                present: 1,
+                ..RobotState::default()
+            })
+            .collect();
+        let cells = rig.plan.run.map_cells as usize;
+        Self {
+            // Room for one robot too many.
+            states: rig.publisher(0, robots.len() + 1),
+            maps: rig.publisher(0, cells),
+            conductor: Conductor::new(rig.open_page(), 0, 1 << 20, false),
+            robots,
+            period_ns: rig.plan.run.tick_period_ns,
+            cells,
+        }
+    }
+
+    /// Connects, has `maps` sent, and lets time begin.
+    #[track_caller]
+    pub fn begin(&self, rig: &mut Rig, maps: impl FnOnce(&Self, &Rig)) {
+        self.states.update_connections().unwrap();
+        self.maps.update_connections().unwrap();
+        maps(self, rig);
+        rig.prepare();
+        rig.overseer.set_phase(Phase::Run);
+    }
+
+    pub fn header(&self, tick: u64) -> WorldHeader {
+        WorldHeader {
+            stamp: self.stamp(tick),
+            tick_period_ns: self.period_ns,
+            map_revision: 1,
+            phase: WorldHeader::RUNNING,
+        }
+    }
+
+    pub fn stamp(&self, tick: u64) -> Stamp {
+        Stamp {
+            tick,
+            time_ns: tick * self.period_ns,
+            origin_ns: ipc_types::clock::monotonic_ns(),
+            ..Stamp::default()
+        }
+    }
+
+    /// Publishes the map of the scenario, changed by `change` at will.
+    pub fn send_map(
+        &self,
+        rig: &Rig,
+        change: impl FnOnce(
+            &mut ipc_types::messages::world::MapHeader,
+            &mut Vec<ipc_types::messages::world::MapCell>,
+        ),
+    ) {
+        let map = sim_backend::map::WorldMap::new(&rig.scenario.world.map).unwrap();
+        let sigma = rig.scenario.blur_sigma;
+        let (mut header, mut cells) =
+            simulator::outputs::map_message(&map, sigma, self.stamp(0)).unwrap();
+        assert_eq!(cells.len(), self.cells);
+        change(&mut header, &mut cells);
+        self.maps.send(header, &cells).unwrap();
+    }
+
+    /// Publishes these robots as the state of a tick.
+    pub fn send(&self, tick: u64, robots: &[RobotState]) {
+        self.states.send(self.header(tick), robots).unwrap();
+    }
+
+    /// Gives everybody the turn and waits until they have taken it; false if somebody died instead.
+    #[track_caller]
+    pub fn turn(&self, rig: &Rig, tick: u64) -> bool {
+        self.conductor.post(tick);
+        let deadline = Instant::now() + SOON;
+        loop {
+            match self.conductor.wait(tick) {
+                TurnEnd::Complete => return true,
+                TurnEnd::Idle if !rig.state().is_alive() => return false,
+                TurnEnd::Stop => panic!("nobody stops this run"),
+                TurnEnd::Idle => assert!(Instant::now() < deadline, "no answer to tick {tick}"),
+            }
+        }
+    }
+
+    /// One ordinary tick: the state, and the turn.
+    #[track_caller]
+    pub fn tick(&self, rig: &Rig, tick: u64) {
+        self.send(tick, &self.robots);
+        assert!(self.turn(rig, tick), "the process ended in tick {tick}");
+    }
+}

@@ -104,11 +104,34 @@ fn pin_to_first() -> Result<(), BenchError> {
 
 /// Rates of the blocks of the kit and of the raw exchange [ticks/s], pair by pair.
 fn alternate(options: &Options, deadline: Deadline) -> Result<(Vec<f64>, Vec<f64>), BenchError> {
-    let mut kit = KitExchange::start()?;
-    let mut raw = RawExchange::start()?;
-    let pairs = options.repeats(24, 8);
-    let time = Duration::from_millis(if options.quick { 100 } else { 250 });
     let (mut ours, mut theirs) = (Vec::new(), Vec::new());
+    // Where the scheduler puts sixteen processes decides a lot, and it seldom changes its mind: the
+    // median is over several sets of processes.
+    for set in 0..options.repeats(5, 3) {
+        // Who starts first may be at an advantage.
+        alternate_set(options, deadline, set % 2 == 0, &mut ours, &mut theirs)?;
+    }
+    Ok((ours, theirs))
+}
+
+/// As [`alternate`], with one set of processes each.
+fn alternate_set(
+    options: &Options,
+    deadline: Deadline,
+    ours_first: bool,
+    ours: &mut Vec<f64>,
+    theirs: &mut Vec<f64>,
+) -> Result<(), BenchError> {
+    let (mut kit, mut raw);
+    if ours_first {
+        kit = KitExchange::start()?;
+        raw = RawExchange::start()?;
+    } else {
+        raw = RawExchange::start()?;
+        kit = KitExchange::start()?;
+    }
+    let pairs = options.repeats(5, 3);
+    let time = Duration::from_millis(if options.quick { 100 } else { 200 });
     let warm_up = Instant::now() + READY_WITHIN;
     for _ in 0..WARM_UP {
         kit.tick()?;
@@ -123,7 +146,7 @@ fn alternate(options: &Options, deadline: Deadline) -> Result<(Vec<f64>, Vec<f64
         ours.push(rate(time, || kit.tick())?);
         theirs.push(rate(time, || raw.tick())?);
     }
-    Ok((ours, theirs))
+    Ok(())
 }
 
 /// Calls per second over at least this time.
@@ -363,7 +386,7 @@ impl Wiring for TrivialPlanner {
     }
 
     fn step(&mut self, tick: u64) -> Result<(), ProcessError> {
-        self.state.update()?;
+        self.state.update_to(tick)?;
         if self.state.header.stamp.tick != tick {
             return Err(ProcessError::Protocol(format!(
                 "it is the turn of tick {tick}, but the newest world/state is of tick {}",

@@ -173,6 +173,13 @@ impl Seat {
             return Ok(());
         }
         self.participant.set_state(SlotState::Connected);
+        // Whatever the process does with the map, it does in its first turn.
+        if self
+            .participant
+            .wait_for_phase(Phase::Prepare, || !self.stopping())
+        {
+            self.participant.set_state(SlotState::Prepared);
+        }
         let mut last = None;
         loop {
             let turn = match self.clock {

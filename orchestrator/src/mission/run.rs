@@ -415,6 +415,10 @@ impl Flight<'_> {
             header.stamp.time_ns = replay.tick * self.plan.run.tick_period_ns;
             obstacles.send(header, &[replay.event])?;
         }
+        self.overseer.set_phase(Phase::Prepare);
+        if !self.wait_until(SlotState::Prepared)? {
+            return Ok(());
+        }
         let rate = match self.plan.run.clock {
             Clock::LockStep => 0.0,
             Clock::RealTime { factor, .. } => factor,
@@ -447,7 +451,8 @@ impl Flight<'_> {
                 let state = page.state(process.slot);
                 match wanted {
                     SlotState::Ready => state == SlotState::Starting,
-                    _ => matches!(state, SlotState::Starting | SlotState::Ready),
+                    SlotState::Connected => matches!(state, SlotState::Starting | SlotState::Ready),
+                    _ => state.is_alive() && state != SlotState::Prepared,
                 }
             });
             let behind = behind.map(|p| (p.name.clone(), p.last_words()));
@@ -509,6 +514,8 @@ impl Flight<'_> {
                     (None, _) => "before it was ready".to_owned(),
                     (Some(_), ticks) => format!("at tick {}", ticks.saturating_sub(1)),
                 };
+                // Stopped first: nobody waits for the buried, and the world must not go on without.
+                self.overseer.set_phase(Phase::Stop);
                 self.overseer.bury(process.slot);
                 self.bus.clean_up_dead();
                 return Err(MissionError::Exited {
@@ -535,7 +542,7 @@ impl Flight<'_> {
         let owing = self
             .processes
             .iter()
-            .filter(|p| p.slot != 0 && page.state(p.slot) == SlotState::Connected)
+            .filter(|p| p.slot != 0 && page.state(p.slot).takes_part())
             .find(|p| page.ticks_done(p.slot) <= tick && !self.waits_for_another(p.slot, tick))
             .or(self.processes.first());
         MissionError::Hung {

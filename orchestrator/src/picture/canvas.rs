@@ -5,8 +5,10 @@ use core::fmt::{self, Write as _};
 /// Fonts that every system has one of.
 const FONTS: &str = "system-ui,-apple-system,'Segoe UI',Helvetica,Arial,'DejaVu Sans',sans-serif";
 
-/// Width of an average letter at a font size of 1.
-const LETTER: f64 = 0.56;
+/// Width of an average letter at a font size of 1, in the wider of these fonts.
+const LETTER: f64 = 0.58;
+/// The same in bold.
+const BOLD_LETTER: f64 = 0.66;
 
 /// An SVG document being written; all coordinates are in pixels, y down.
 pub(super) struct Canvas {
@@ -86,6 +88,11 @@ impl Canvas {
 /// About how wide a text is [px]; exact widths depend on the reader's fonts.
 pub(super) fn text_width(text: &str, size: f64) -> f64 {
     text.chars().count() as f64 * size * LETTER
+}
+
+/// The same of a bold text.
+pub(super) fn bold_width(text: &str, size: f64) -> f64 {
+    text.chars().count() as f64 * size * BOLD_LETTER
 }
 
 /// Breaks a text into lines of at most this width [px] where it has spaces.
@@ -174,7 +181,7 @@ mod tests {
 
     #[test]
     fn lines_break_at_spaces_and_long_words_stay_whole() {
-        assert_eq!(wrap("one two three", 10.0, 45.0), ["one two", "three"]);
+        assert_eq!(wrap("one two three", 10.0, 48.0), ["one two", "three"]);
         assert_eq!(wrap("incomprehensible", 10.0, 20.0), ["incomprehensible"]);
         assert!(wrap("", 10.0, 20.0).is_empty());
     }

@@ -6,7 +6,7 @@ use sim_backend::math;
 use sim_backend::shape::Shape;
 use sim_backend::spec::Region;
 
-use super::canvas::{Canvas, Num, Style, text_width};
+use super::canvas::{Canvas, Num, Style, bold_width};
 use super::ground::{corners, rectangle};
 use super::labels::{Area, Labels};
 use super::layout::Layout;
@@ -16,7 +16,7 @@ use super::trace::{Mark, MarkKind, RunTrace};
 use super::trail::{TrailPoint, simplify};
 
 /// Smallest radius of a robot on the page [px]: smaller ones are drawn larger.
-const SMALLEST_DISC: f64 = 7.0;
+const SMALLEST_DISC: f64 = 8.0;
 /// Most points of all trails together.
 const MOST_TRAIL_POINTS: usize = 5000;
 /// Most dots of all beliefs together.
@@ -103,7 +103,7 @@ fn heading(canvas: &mut Canvas, layout: &Layout, title: &str, caption: &str) {
         Num(layout.height),
         palette::PAPER
     ));
-    let [x, y] = layout.title();
+    let [x, y] = Layout::title();
     let style = Style {
         size: 25.0,
         color: palette::INK,
@@ -171,17 +171,23 @@ impl Picture<'_> {
             if shapes().next().is_none() {
                 continue;
             }
-            canvas.add(format_args!(
-                "<g class=\"obstacles\" fill=\"{fill}\" stroke=\"{edge}\" stroke-width=\"1\">\n<path d=\""
-            ));
-            shapes().for_each(|shape| self.outline(canvas, &corners(shape)));
-            canvas.add(format_args!("\"/>\n"));
-            for shape in shapes() {
-                if let Shape::Circle { center, radius } = shape {
-                    self.circle(canvas, *center, *radius, "");
+            // All edges first, so that obstacles that overlap look like one.
+            for paint in [
+                format!(
+                    "class=\"obstacle-edges\" fill=\"none\" stroke=\"{edge}\" stroke-width=\"2\""
+                ),
+                format!("class=\"obstacles\" fill=\"{fill}\""),
+            ] {
+                canvas.add(format_args!("<g {paint}>\n<path d=\""));
+                shapes().for_each(|shape| self.outline(canvas, &corners(shape)));
+                canvas.add(format_args!("\"/>\n"));
+                for shape in shapes() {
+                    if let Shape::Circle { center, radius } = shape {
+                        self.circle(canvas, *center, *radius);
+                    }
                 }
+                canvas.add(format_args!("</g>\n"));
             }
-            canvas.add(format_args!("</g>\n"));
         }
         canvas.add(format_args!(
             "<g class=\"exits\" fill=\"{c}\" fill-opacity=\"0.18\" stroke=\"{c}\" stroke-width=\"2\" \
@@ -190,7 +196,7 @@ impl Picture<'_> {
         ));
         for exit in &self.trace.ground.exits {
             match *exit {
-                Region::Circle { center, radius } => self.circle(canvas, center, radius, ""),
+                Region::Circle { center, radius } => self.circle(canvas, center, radius),
                 Region::Rectangle {
                     center,
                     half_extents,
@@ -225,10 +231,10 @@ impl Picture<'_> {
         }
     }
 
-    fn circle(&self, canvas: &mut Canvas, center: [f64; 2], radius: f64, more: &str) {
+    fn circle(&self, canvas: &mut Canvas, center: [f64; 2], radius: f64) {
         let [x, y] = self.layout.at(center);
         canvas.add(format_args!(
-            "<circle cx=\"{}\" cy=\"{}\" r=\"{}\"{more}/>\n",
+            "<circle cx=\"{}\" cy=\"{}\" r=\"{}\"/>\n",
             Num(x),
             Num(y),
             Num(radius * self.layout.scale)
@@ -286,8 +292,8 @@ impl Picture<'_> {
         let all: usize = self.trace.beliefs.iter().map(|b| b.particles.len()).sum();
         let step = all.div_ceil(MOST_DOTS).max(1);
         canvas.add(format_args!(
-            "<g class=\"beliefs\" fill=\"none\" stroke=\"{}\" stroke-width=\"3.6\" \
-             stroke-opacity=\"0.55\" stroke-linecap=\"round\">\n",
+            "<g class=\"beliefs\" fill=\"none\" stroke=\"{}\" stroke-width=\"4.4\" \
+             stroke-opacity=\"0.75\" stroke-linecap=\"round\">\n",
             palette::BELIEF
         ));
         for belief in &self.trace.beliefs {
@@ -378,7 +384,7 @@ impl Picture<'_> {
         text: &str,
         color: &'static str,
     ) {
-        let size = [text_width(text, NAME_SIZE) + 6.0, NAME_SIZE + 4.0];
+        let size = [bold_width(text, NAME_SIZE) + 6.0, NAME_SIZE + 4.0];
         if let Some(area) = self.labels.place(at, radius, size) {
             let style = Style {
                 size: NAME_SIZE,
@@ -425,12 +431,9 @@ pub(super) fn disc(
         let y = at[1] - radius * (along * sin + across * cos);
         (Num(x), Num(y))
     };
-    let (tip, left, right) = (point(1.9, 0.0), point(0.55, 0.75), point(0.55, -0.75));
-    let opacity = if active { 1.0 } else { 0.45 };
-    canvas.add(format_args!(
-        "<g fill=\"{color}\" fill-opacity=\"{opacity}\" stroke=\"{HALO}\" stroke-width=\"1.5\" \
-         stroke-linejoin=\"round\"><path d=\"M{} {}L{} {}L{} {}Z\"/>\
-         <circle cx=\"{}\" cy=\"{}\" r=\"{}\"/></g>\n",
+    let (tip, left, right) = (point(2.0, 0.0), point(0.3, 0.9), point(0.3, -0.9));
+    let shape = format!(
+        "<path d=\"M{} {}L{} {}L{} {}Z\"/><circle cx=\"{}\" cy=\"{}\" r=\"{}\"/>",
         tip.0,
         tip.1,
         left.0,
@@ -440,6 +443,12 @@ pub(super) fn disc(
         Num(at[0]),
         Num(at[1]),
         Num(radius)
+    );
+    // A rim around both, and over it both in one colour.
+    canvas.add(format_args!(
+        "<g fill=\"{HALO}\" stroke=\"{HALO}\" stroke-width=\"3.5\" stroke-linejoin=\"round\">{shape}</g>\n\
+         <g fill=\"{}\">{shape}</g>\n",
+        if active { color } else { palette::out_of_play(color) },
     ));
 }
 

@@ -214,11 +214,24 @@ impl Cells {
     }
 }
 
-/// The corners of a shape [m]; none for a circle.
+/// The corners of a shape [m], counter-clockwise (where shapes of both turns overlap, SVG would
+/// leave a hole); none for a circle.
 pub(super) fn corners(shape: &Shape) -> Vec<[f64; 2]> {
     match shape {
         Shape::Circle { .. } => Vec::new(),
-        Shape::Polygon { vertices } => vertices.clone(),
+        Shape::Polygon { vertices } => {
+            let next = vertices.iter().cycle().skip(1);
+            let area: f64 = vertices
+                .iter()
+                .zip(next)
+                .map(|(a, b)| a[0] * b[1] - b[0] * a[1])
+                .sum();
+            let mut corners = vertices.clone();
+            if area < 0.0 {
+                corners.reverse();
+            }
+            corners
+        }
         Shape::Rectangle {
             center,
             half_extents,
@@ -307,6 +320,20 @@ mod tests {
         let rectangles = cells.rectangles();
         assert!(rectangles.len() <= MOST_RECTANGLES);
         assert_eq!(covered(&rectangles, 20.02, 20.02), 1);
+    }
+
+    #[test]
+    fn all_polygons_turn_the_same_way() {
+        let one_way = vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
+        let vertices = one_way.iter().rev().copied().collect();
+        let other_way = corners(&Shape::Polygon { vertices });
+        assert_eq!(other_way, one_way);
+        assert_eq!(
+            corners(&Shape::Polygon {
+                vertices: one_way.clone()
+            }),
+            one_way
+        );
     }
 
     #[test]

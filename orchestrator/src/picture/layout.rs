@@ -64,7 +64,7 @@ impl Layout {
     }
 
     /// Left edge of the title, and the base line of its first line [px].
-    pub(super) fn title(&self) -> [f64; 2] {
+    pub(super) const fn title() -> [f64; 2] {
         [MARGIN, MARGIN + 22.0]
     }
 

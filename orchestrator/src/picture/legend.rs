@@ -12,6 +12,10 @@ use super::trace::{MarkKind, RunTrace};
 const SIZE: f64 = 14.5;
 /// Font size of what is said beside [px].
 const SMALL: f64 = 12.5;
+/// Font size of the story [px].
+const STORY: f64 = 13.5;
+/// Most lines of the story.
+const MOST_LINES: usize = 14;
 /// Distance of two lines of a row [px].
 const LINE: f64 = 19.0;
 /// Space between two rows [px].
@@ -56,6 +60,8 @@ impl Row {
 
 /// The legend of one picture.
 pub(super) struct Legend {
+    /// What is going on, in lines.
+    story: Vec<String>,
     rows: Vec<Row>,
 }
 
@@ -121,12 +127,28 @@ impl Legend {
         if trace.ground.obstacles.values().any(|o| o.came) {
             rows.push(Row::new(RowSign::Obstacle, "put there during the run"));
         }
-        Self { rows }
+        // A long story is told in the scenario.
+        let mut story = wrap(&trace.description, STORY, LEGEND);
+        if story.len() > MOST_LINES {
+            story.truncate(MOST_LINES);
+            if let Some(last) = story.last_mut() {
+                last.push_str(" …");
+            }
+        }
+        Self { story, rows }
+    }
+
+    fn story_height(&self) -> f64 {
+        if self.story.is_empty() {
+            0.0
+        } else {
+            self.story.len() as f64 * LINE + 2.0 * BETWEEN
+        }
     }
 
     /// Room that it needs [px].
     pub(super) fn height(&self) -> f64 {
-        self.rows.iter().map(Row::height).sum::<f64>() + SCALE_BAR
+        self.story_height() + self.rows.iter().map(Row::height).sum::<f64>() + SCALE_BAR
     }
 
     /// Draws it with its upper left corner here [px]; the scale bar stands at `bottom`.
@@ -138,7 +160,15 @@ impl Legend {
             anchor: "start",
             halo: false,
         };
-        let mut y = top;
+        let told = Style {
+            size: STORY,
+            color: palette::FAINT_INK,
+            ..style
+        };
+        for (i, line) in self.story.iter().enumerate() {
+            canvas.label(left, top + 13.0 + i as f64 * LINE, &told, line);
+        }
+        let mut y = top + self.story_height();
         for row in &self.rows {
             let middle = [left + 12.0, y + 11.0];
             row.sign.draw(canvas, middle);
@@ -163,7 +193,7 @@ impl RowSign {
     fn draw(&self, canvas: &mut Canvas, at: [f64; 2]) {
         let [x, y] = at;
         match *self {
-            Self::Robot(team) => disc(canvas, at, 8.0, 0.0, palette::team(team), true),
+            Self::Robot(team) => disc(canvas, at, 7.5, 0.0, palette::team(team), true),
             Self::Trail => {
                 let ink = palette::FAINT_INK;
                 for (from, to, width, opacity) in [

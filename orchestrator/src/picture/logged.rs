@@ -10,6 +10,8 @@ use sim_backend::spec::{RobotSpec, RulesSpec};
 pub(super) struct LoggedScenario {
     #[serde(default)]
     pub(super) title: String,
+    #[serde(default)]
+    pub(super) description: String,
     pub(super) world: LoggedWorld,
     #[serde(default)]
     pub(super) rules: RulesSpec,

@@ -17,16 +17,28 @@ pub(super) const FAINT_INK: &str = "#5b6472";
 pub(super) const OBSTACLE: &str = "#e69f00";
 /// Exits: bluish green.
 pub(super) const EXIT: &str = "#009e73";
+const POLICE: &str = "#0072b2";
+const EVADER: &str = "#d55e00";
+const NEUTRAL: &str = "#009e73";
 /// Particles of a belief: reddish purple.
 pub(super) const BELIEF: &str = "#cc79a7";
 /// Names of beliefs: the same, dark enough to read.
 pub(super) const BELIEF_INK: &str = "#8f3d6c";
 
+/// The colour of a team's robot that is out of the game: paler.
+pub(super) fn out_of_play(team: &str) -> &'static str {
+    match team {
+        POLICE => "#80b8d8",
+        EVADER => "#eaaf80",
+        _ => "#80cfb9",
+    }
+}
+
 /// Colour of a team: police blue, evaders vermilion, others bluish green.
 pub(super) fn team(team: Team) -> &'static str {
     match team {
-        Team::Police => "#0072b2",
-        Team::Evader => "#d55e00",
-        Team::Neutral => "#009e73",
+        Team::Police => POLICE,
+        Team::Evader => EVADER,
+        Team::Neutral => NEUTRAL,
     }
 }

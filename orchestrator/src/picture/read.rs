@@ -57,19 +57,20 @@ impl RunTrace {
             .with_validate_summary_section_crc(true)
             .with_record_length_limit(LONGEST_RECORD);
         let mut reader = LinearReader::new_with_options(options);
-        let mut begun = false;
+        let mut bytes_read = 0;
         while let Some(event) = reader.next_event() {
             match event {
                 Ok(LinearReadEvent::ReadRequest(bytes)) => {
                     let read = read_some(&mut file, reader.insert(bytes)).map_err(open)?;
                     reader.notify_read(read);
+                    bytes_read += read;
                 }
                 Ok(LinearReadEvent::Record { opcode, data }) => {
-                    begun = true;
-                    let record = parse_record(opcode, data).map_err(|e| log.damaged(e, begun))?;
+                    let record =
+                        parse_record(opcode, data).map_err(|e| log.damaged(e, bytes_read))?;
                     log.record(record)?;
                 }
-                Err(error) => return Err(log.damaged(error, begun)),
+                Err(error) => return Err(log.damaged(error, bytes_read)),
             }
         }
         log.finish(at)
@@ -89,6 +90,8 @@ enum Role {
 /// What is known of a log so far.
 struct Reading<'a> {
     path: &'a Path,
+    /// Whether there has been a record.
+    begun: bool,
     /// Messages after this time [ns] only tell when the run ended.
     until_ns: u64,
     /// Whether beliefs are wanted.
@@ -115,13 +118,14 @@ struct Seen {
     trail: Trail,
     pose: Pose2,
     active: bool,
-    seen: bool,
+    present: bool,
 }
 
 impl<'a> Reading<'a> {
     fn new(path: &'a Path, at: Option<f64>) -> Self {
         Self {
             path,
+            begun: false,
             // A tick's time is rounded to a nanosecond: half a microsecond more reaches it.
             until_ns: at.map_or(u64::MAX, |at| (at * 1e9 + 500.0) as u64),
             beliefs_wanted: at.is_some(),
@@ -139,20 +143,23 @@ impl<'a> Reading<'a> {
         }
     }
 
-    fn damaged(&self, source: McapError, begun: bool) -> PictureError {
+    /// What an error of the reader means, after this many bytes of the file.
+    fn damaged(&self, source: McapError, bytes_read: usize) -> PictureError {
         let path = self.path.to_owned();
+        // The reader looks at the magic number as soon as it has it.
+        let has_magic = bytes_read >= mcap::MAGIC.len();
         match source {
-            McapError::UnexpectedEof | McapError::UnexpectedEoc if begun => {
+            McapError::UnexpectedEof | McapError::UnexpectedEoc if has_magic => {
                 PictureError::Truncated { path }
             }
-            McapError::BadMagic | McapError::UnexpectedEof if !begun => {
-                PictureError::NotMcap { path }
-            }
+            McapError::UnexpectedEof => PictureError::NotMcap { path },
+            McapError::BadMagic if !self.begun => PictureError::NotMcap { path },
             source => PictureError::Damaged { path, source },
         }
     }
 
     fn record(&mut self, record: Record<'_>) -> Result<(), PictureError> {
+        self.begun = true;
         match record {
             Record::Metadata(metadata) if metadata.name == "protean" => {
                 self.manifest = Some(metadata.metadata);
@@ -227,7 +234,9 @@ impl<'a> Reading<'a> {
                 let (header, robots) = cdr::decode::<WorldState>(data)?;
                 self.now_ns = Some(time_ns);
                 self.period_ns = header.tick_period_ns;
-                robots.iter().for_each(|state| self.state(time_ns, state));
+                for state in &robots {
+                    self.state(time_ns, state);
+                }
             }
             Role::Map => {
                 let (header, cells) = cdr::decode::<WorldMap>(data)?;
@@ -235,7 +244,9 @@ impl<'a> Reading<'a> {
             }
             Role::Event => {
                 let (_, events) = cdr::decode::<WorldEvents>(data)?;
-                events.iter().for_each(|event| self.event(time_ns, event));
+                for event in &events {
+                    self.event(time_ns, event);
+                }
             }
             Role::Obstacle => {
                 let (_, events) = cdr::decode::<ObstacleEvents>(data)?;
@@ -270,7 +281,7 @@ impl<'a> Reading<'a> {
         let Some(seen) = self.robots.get_mut(robot) else {
             return;
         };
-        seen.seen = true;
+        seen.present = true;
         seen.active = state.status == 0;
         seen.pose = Pose2::new(state.x, state.y, state.theta);
         seen.trail.push(TrailPoint {
@@ -358,14 +369,15 @@ impl<'a> Reading<'a> {
                 radius: spec.model().radius,
                 name: spec.name,
                 team: spec.team,
-                pose: if seen.seen { seen.pose } else { spec.start },
-                active: seen.active || !seen.seen,
+                pose: if seen.present { seen.pose } else { spec.start },
+                active: seen.active || !seen.present,
                 trail: seen.trail,
             })
             .collect();
         let entry = |key| manifest.get(key).cloned().unwrap_or_default();
         Ok(RunTrace {
             title: scenario.title,
+            description: scenario.description,
             scenario: entry("scenario"),
             seed: entry("seed"),
             time_s: at.unwrap_or_else(|| seconds(now_ns)),

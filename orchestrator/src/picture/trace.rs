@@ -11,6 +11,8 @@ use super::trail::Trail;
 pub struct RunTrace {
     /// The scenario's title.
     pub title: String,
+    /// What the scenario says it is.
+    pub description: String,
     /// The scenario's name.
     pub scenario: String,
     /// The seed, as the log has it.

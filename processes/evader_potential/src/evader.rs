@@ -56,6 +56,15 @@ impl Evader {
         })
     }
 
+    /// Lays the ways through a new map for a robot of this radius [m]. [`Evader::command`] does it
+    /// too if it has not been done; here it does not cost time in a tick.
+    pub fn prepare(&mut self, map: &PlannerMap, radius: f64) {
+        let geodesic = GoalField::Geodesic;
+        if self.params.goal_field == geodesic || self.params.avoid_field == geodesic {
+            self.finder.prepare(map, radius);
+        }
+    }
+
     /// What the robot `view.me` does in this tick.
     ///
     /// It stands still when it is not listed or no longer takes part. Without an exit, or with none
@@ -67,10 +76,7 @@ impl Evader {
         let params = self.params;
         let here = own.pose.position();
         let at = params.feedback.field_point_of(&own.pose);
-        let geodesic = GoalField::Geodesic;
-        if params.goal_field == geodesic || params.avoid_field == geodesic {
-            self.finder.prepare(map, own.radius);
-        }
+        self.prepare(map, own.radius);
 
         let (aim, waypoint) = match self.way_out(map, view, here) {
             Some((exit, waypoint)) => (Some(exit), Some(waypoint)),

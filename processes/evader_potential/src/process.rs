@@ -25,6 +25,10 @@ impl Planner for PotentialPlanner {
             .map_err(|e| e.to_string())
     }
 
+    fn prepare(&mut self, map: &PlannerMap, robot: &RobotInfo) {
+        self.0.prepare(map, robot.model.radius);
+    }
+
     fn steer(&mut self, map: &PlannerMap, view: &View<'_>) -> Steering {
         self.0.command(map, view)
     }

@@ -7,7 +7,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use ipc_types::bus::Bus;
-use ipc_types::clock;
 
 use crate::config::{Clock, Idle, ProcessConfig};
 use crate::error::ProcessError;
@@ -28,6 +27,15 @@ pub trait Wiring: Sized {
     /// # Errors
     /// Ends the process.
     fn connect(&mut self) -> Result<(), ProcessError>;
+
+    /// Builds what the algorithm needs of the map, which has been sent by now, so that the first
+    /// tick does not have to.
+    ///
+    /// # Errors
+    /// Ends the process.
+    fn prepare(&mut self) -> Result<(), ProcessError> {
+        Ok(())
+    }
 
     /// Does one tick: takes up the inputs, computes, publishes the outputs.
     ///
@@ -178,6 +186,10 @@ fn live<W: Wiring>(config: &ProcessConfig, mut setup: Setup) -> Result<(), Proce
     setup.heartbeat.connect()?;
     setup.heartbeat.beat(0, 2, None)?;
     seat.set_state(SlotState::Connected);
+    if seat.wait_for_phase(Phase::Prepare, keep_going) {
+        wiring.prepare()?;
+        seat.set_state(SlotState::Prepared);
+    }
 
     let mut last = None;
     let mut overruns = 0;
@@ -207,10 +219,10 @@ fn live<W: Wiring>(config: &ProcessConfig, mut setup: Setup) -> Result<(), Proce
                     let _ = setup.heartbeat.beat(tick, 5, Some(&error.to_string()));
                     return Err(error);
                 }
-                setup
-                    .heartbeat
-                    .stepped(clock::elapsed_ns(start), overruns, wiring.rejected());
-                if setup.heartbeat.is_due() {
+                let end = Instant::now();
+                let took = u64::try_from((end - start).as_nanos()).unwrap_or(u64::MAX);
+                setup.heartbeat.stepped(took, overruns, wiring.rejected());
+                if setup.heartbeat.is_due_at(end) {
                     setup.heartbeat.beat(tick, 3, None)?;
                 }
                 seat.done(tick);

@@ -45,6 +45,11 @@ pub trait Planner: Sized {
     /// A text that names the parameter that does not do.
     fn new(params: &Self::Params, robot: &RobotInfo, seed: u64) -> Result<Self, String>;
 
+    /// Builds what it needs of a new map, if it wants to do that before the next tick.
+    fn prepare(&mut self, map: &PlannerMap, robot: &RobotInfo) {
+        let _ = (map, robot);
+    }
+
     /// What the robot does in this tick.
     fn steer(&mut self, map: &PlannerMap, view: &View<'_>) -> Steering;
 }
@@ -133,15 +138,25 @@ impl<P: Planner> Wiring for PlannerProcess<P> {
         Ok(())
     }
 
+    fn prepare(&mut self) -> Result<(), ProcessError> {
+        self.take_map()
+    }
+
     fn step(&mut self, tick: u64) -> Result<(), ProcessError> {
-        self.state.update()?;
+        if self.config.run.clock == Clock::LockStep {
+            self.state.update_to(tick)?;
+        } else {
+            self.state.update()?;
+        }
         if self.config.run.clock == Clock::LockStep && self.state.header.stamp.tick != tick {
             return Err(ProcessError::Protocol(format!(
                 "it is the turn of tick {tick}, but the newest world/state is of tick {}",
                 self.state.header.stamp.tick
             )));
         }
-        if self.map_input.update()? {
+        // The state says which map holds: without another revision there is nothing to look for.
+        let has_changed = self.state.header.map_revision != self.map_input.header.revision;
+        if has_changed && self.map_input.update()? {
             self.map = Some(planner_map(&self.map_input)?);
         }
         let mut received_ns = self.state.received_ns;
@@ -225,6 +240,21 @@ impl<P: Planner> Wiring for PlannerProcess<P> {
             + self.map_input.rejected
             + self.beliefs.as_ref().map_or(0, |b| b.rejected)
             + self.scans.as_ref().map_or(0, |s| s.rejected)
+    }
+}
+
+impl<P: Planner> PlannerProcess<P> {
+    fn take_map(&mut self) -> Result<(), ProcessError> {
+        if self.map_input.update()? {
+            let map = planner_map(&self.map_input)?;
+            for driven in &mut self.driven {
+                if let Some(robot) = self.config.run.robots.get(driven.robot as usize) {
+                    driven.planner.prepare(&map, robot);
+                }
+            }
+            self.map = Some(map);
+        }
+        Ok(())
     }
 }
 

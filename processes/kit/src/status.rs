@@ -56,7 +56,13 @@ impl Heartbeat {
 
     /// Whether a heartbeat is due. Looks at the clock, so it is asked between steps only.
     pub fn is_due(&self) -> bool {
-        self.last.is_none_or(|last| last.elapsed() >= BEAT)
+        self.is_due_at(Instant::now())
+    }
+
+    /// Whether a heartbeat is due at a moment that is known already.
+    pub fn is_due_at(&self, now: Instant) -> bool {
+        self.last
+            .is_none_or(|last| now.saturating_duration_since(last) >= BEAT)
     }
 
     /// Sends a heartbeat that belongs to tick `tick` (the one being done, or the next one).

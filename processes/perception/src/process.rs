@@ -91,6 +91,13 @@ impl Wiring for PerceptionProcess {
         Ok(())
     }
 
+    fn prepare(&mut self) -> Result<(), ProcessError> {
+        if self.map.update()? {
+            self.take_map()?;
+        }
+        Ok(())
+    }
+
     fn step(&mut self, tick: u64) -> Result<(), ProcessError> {
         self.state.update()?;
         let lock_step = self.config.run.clock == Clock::LockStep;
@@ -100,9 +107,7 @@ impl Wiring for PerceptionProcess {
                 "it is the turn of tick {tick}, but the newest world/state is of tick {newest}"
             )));
         }
-        if self.map.update()? {
-            self.take_map()?;
-        }
+        self.prepare()?;
         let Some(perception) = &mut self.perception else {
             if lock_step {
                 let text = "it is the turn of a tick, but no sound world/map has come";

@@ -54,6 +54,12 @@ impl Pursuer {
         })
     }
 
+    /// Lays the ways through a new map for a robot of this radius [m]. [`Pursuer::command`] does it
+    /// too if it has not been done; here it does not cost time in a tick.
+    pub fn prepare(&mut self, map: &PlannerMap, radius: f64) {
+        self.finder.prepare(map, radius);
+    }
+
     /// What the robot `view.me` does in this tick.
     ///
     /// It stands still when it is not listed, no longer takes part, has no target, or nothing is

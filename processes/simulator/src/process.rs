@@ -42,6 +42,9 @@ pub fn run(config: &Path) -> ExitCode {
             setup.heartbeat.connect()?;
             setup.heartbeat.beat(0, 2, None)?;
             seat.set_state(SlotState::Connected);
+            if seat.wait_for_phase(Phase::Prepare, running) {
+                seat.set_state(SlotState::Prepared);
+            }
             if seat.wait_for_phase(Phase::Run, running) {
                 let lag = (config.run.recorder_ticks as usize).saturating_sub(2);
                 let conductor = Conductor::new(
@@ -147,6 +150,23 @@ impl Simulator {
         self.scan_out.update_connections()?;
         self.commands_in.update_connections()?;
         self.obstacles_in.update_connections()?;
+        // Everybody builds what it needs of the map before time starts.
+        let first = Stamp {
+            origin_ns: clock::monotonic_ns(),
+            ..Stamp::default()
+        };
+        self.publish_map(first)
+    }
+
+    /// Publishes the map if it has changed since the last time.
+    fn publish_map(&mut self, stamp: Stamp) -> Result<(), ProcessError> {
+        let revision = outputs::revision(self.world.map());
+        if self.map_revision != Some(revision) {
+            let (header, cells) = outputs::map_message(self.world.map(), self.blur_sigma, stamp)
+                .map_err(|e| ProcessError::Algorithm(e.to_string()))?;
+            self.map_out.send(header, &cells)?;
+            self.map_revision = Some(revision);
+        }
         Ok(())
     }
 
@@ -238,13 +258,7 @@ impl Simulator {
             received_ns: self.board.received_ns(),
             ..Stamp::default()
         };
-        let revision = outputs::revision(self.world.map());
-        if self.map_revision != Some(revision) {
-            let (header, cells) = outputs::map_message(self.world.map(), self.blur_sigma, stamp)
-                .map_err(|e| ProcessError::Algorithm(e.to_string()))?;
-            self.map_out.send(header, &cells)?;
-            self.map_revision = Some(revision);
-        }
+        self.publish_map(stamp)?;
         for robot in 0..self.world.robots().len() {
             if let Some(spec) = self.world.scan(robot, &mut self.ranges) {
                 let header = ScanHeader {
@@ -277,7 +291,7 @@ impl Simulator {
         let header = WorldHeader {
             stamp,
             tick_period_ns: self.tick_period.as_nanos() as u64,
-            map_revision: revision,
+            map_revision: outputs::revision(self.world.map()),
             phase: if over {
                 WorldHeader::OVER
             } else {

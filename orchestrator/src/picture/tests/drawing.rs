@@ -44,6 +44,7 @@ fn trace() -> RunTrace {
     };
     RunTrace {
         title: "Cats & <dogs>".to_owned(),
+        description: "One chases the other.\n".repeat(30),
         scenario: "test".to_owned(),
         seed: "7".to_owned(),
         time_s: 2.0,
@@ -255,7 +256,7 @@ fn names_of_robots_in_a_heap_do_not_overlap() {
         .filter(|n| n.has_tag_name("text") && n.attribute("paint-order").is_some())
         .map(|n| {
             let number = |key| n.attribute(key).unwrap().parse::<f64>().unwrap();
-            let half = n.text().unwrap().chars().count() as f64 * 14.0 * 0.56 / 2.0;
+            let half = n.text().unwrap().chars().count() as f64 * 14.0 * 0.66 / 2.0;
             [
                 number("x") - half,
                 number("y") - 12.0,

@@ -62,12 +62,13 @@ impl Log {
     }
 
     fn channel<T: Topic>(&mut self, hash: &str) -> ChannelId {
+        let text = schema::ros2msg::<T>();
         let metadata = BTreeMap::from([("schema_hash".to_owned(), hash.to_owned())]);
         let spec = ChannelSpec {
             topic: T::NAME,
             schema_name: &schema::message_name::<T>(),
             schema_encoding: "ros2msg",
-            schema: schema::ros2msg::<T>().as_bytes(),
+            schema: text.as_bytes(),
             message_encoding: "cdr",
             metadata: &metadata,
         };

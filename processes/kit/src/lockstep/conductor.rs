@@ -49,10 +49,14 @@ impl Conductor {
         })
     }
 
+    /// How many members have not done this many ticks. A member that has ended counts until the
+    /// orchestrator has buried it or stopped the run: otherwise the world would go on without it for
+    /// as long as that takes, a different time in every run.
     fn waiting_for(&self, wanted: u32) -> u32 {
         self.members()
             .filter(|&slot| {
-                self.page.state(slot) == SlotState::Connected
+                let state = self.page.state(slot);
+                (state.takes_part() || matches!(state, SlotState::Stopped | SlotState::Failed))
                     && self.page.slot(slot).done.load(Ordering::SeqCst) < wanted
             })
             .count() as u32
@@ -90,11 +94,14 @@ impl Conductor {
         let mut slept = false;
         loop {
             let seen = words.arrived.0.load(Ordering::SeqCst);
-            if self.waiting_for(wanted) == 0 {
-                return TurnEnd::Complete;
-            }
+            let missing = self.waiting_for(wanted);
+            // Asked last: when a run stops its members leave, and that nobody is missing any more
+            // does not mean that the tick was done.
             if self.page.phase() == Phase::Stop {
                 return TurnEnd::Stop;
+            }
+            if missing == 0 {
+                return TurnEnd::Complete;
             }
             if self.spin {
                 std::thread::yield_now();

@@ -50,10 +50,12 @@ pub enum Phase {
     Start = 0,
     /// Every port exists: processes connect them.
     Connect = 1,
+    /// The map has been sent: processes build what they need of it.
+    Prepare = 2,
     /// Time runs.
-    Run = 2,
+    Run = 3,
     /// Everybody ends.
-    Stop = 3,
+    Stop = 4,
 }
 
 /// How a process is; written by the process, or by the orchestrator when it found it dead.
@@ -74,6 +76,8 @@ pub enum SlotState {
     Failed = 5,
     /// The orchestrator found it dead; nobody waits for it any more.
     Dead = 6,
+    /// It has built what it needs of the map and waits for the first tick.
+    Prepared = 7,
 }
 
 impl SlotState {
@@ -85,13 +89,19 @@ impl SlotState {
             4 => Self::Stopped,
             5 => Self::Failed,
             6 => Self::Dead,
+            7 => Self::Prepared,
             _ => Self::Empty,
         }
     }
 
+    /// Whether ticks wait for the process.
+    pub fn takes_part(self) -> bool {
+        matches!(self, Self::Connected | Self::Prepared)
+    }
+
     /// Whether the process still takes part or may yet.
     pub fn is_alive(self) -> bool {
-        matches!(self, Self::Starting | Self::Ready | Self::Connected)
+        matches!(self, Self::Starting | Self::Ready) || self.takes_part()
     }
 }
 
@@ -266,7 +276,8 @@ impl TurnPage {
         match self.words().phase.0.load(Ordering::Acquire) {
             0 => Phase::Start,
             1 => Phase::Connect,
-            2 => Phase::Run,
+            2 => Phase::Prepare,
+            3 => Phase::Run,
             _ => Phase::Stop,
         }
     }
