@@ -6,12 +6,11 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use kit::lockstep::TurnPage;
 use rustix::process::Signal;
 use support::call::Running;
 use support::history::History;
 use support::sandbox::signal;
-use support::{SOON, Sandbox, python, until};
+use support::{SOON, Sandbox, python, until, wait_for_tick};
 
 /// A chase whose ticks are so short that it goes on until it is told to end.
 const LONG: [&str; 5] = ["run", "chase", "--set", "run.dt=0.0005", "--out"];
@@ -30,15 +29,6 @@ fn in_the_air<'a>(sandbox: &'a Sandbox, more: &[&'a str], ticks: u64) -> (Runnin
     (running, run)
 }
 
-fn wait_for_tick(run: &str, ticks: u64) {
-    let page = until("the turn page", SOON, || {
-        TurnPage::open(&Sandbox::prefix(run)).ok()
-    });
-    until("the first ticks", SOON, || {
-        (page.ticks_posted() >= ticks).then_some(())
-    });
-}
-
 fn log(sandbox: &Sandbox) -> PathBuf {
     sandbox.path().join("run.mcap")
 }
@@ -49,6 +39,11 @@ fn assert_readable(path: &Path, at_least: u64) -> History {
     let history = History::read(path);
     for (tick, state) in history.states.iter().enumerate() {
         assert_eq!((state.tick, state.over), (tick as u64, false));
+        let driven = state.robots.iter().all(|robot| !robot.fail_safe);
+        assert!(
+            driven,
+            "tick {tick}: the world went on without its planners: {state:?}"
+        );
     }
     assert!(
         history.states.len() as u64 >= at_least,
@@ -107,7 +102,10 @@ fn ctrl_c_before_the_first_tick_ends_a_run_too() {
     running.signal(Signal::INT);
     let outcome = running.finish();
     assert_eq!(outcome.code, Some(3), "{outcome}");
-    History::read(&log(&sandbox));
+    assert!(
+        !log(&sandbox).exists(),
+        "a run that never began leaves no log"
+    );
     sandbox.assert_nothing_left();
 }
 

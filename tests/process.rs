@@ -41,6 +41,7 @@ params = { filter = { particles = 100 } }
 kind = "pursuer"
 name = "cop"
 team = "police"
+params = { assignment = { delay_s = 0.0 } }
 [[processes]]
 kind = "evader_potential"
 name = "thief"

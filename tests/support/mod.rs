@@ -13,8 +13,8 @@ pub mod sandbox;
 
 use std::time::{Duration, Instant};
 
-#[allow(unused_imports)]
-pub use call::Outcome;
+use kit::lockstep::TurnPage;
+
 pub use sandbox::Sandbox;
 
 /// How long anything may take that is not a whole run.
@@ -33,4 +33,14 @@ pub fn until<T>(what: &str, time: Duration, mut done: impl FnMut() -> Option<T>)
         assert!(Instant::now() < deadline, "{what}: not within {time:?}");
         std::thread::park_timeout(Duration::from_millis(1));
     }
+}
+
+/// Waits until a run in a sandbox has posted this many ticks.
+#[track_caller]
+pub fn wait_for_tick(run: &str, ticks: u64) {
+    let prefix = Sandbox::prefix(run);
+    let page = until("the turn page", SOON, || TurnPage::open(&prefix).ok());
+    until("the first ticks", SOON, || {
+        (page.ticks_posted() >= ticks).then_some(())
+    });
 }

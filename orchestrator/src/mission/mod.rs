@@ -8,6 +8,7 @@ mod gate;
 mod log_path;
 pub mod plan;
 mod progress;
+mod recording;
 pub mod report;
 mod run;
 pub mod spaces;

@@ -281,3 +281,75 @@ fn launches(scenario: &ResolvedScenario, run: &RunConfig) -> Result<Vec<Launch>,
     }
     Ok(launches)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::load;
+
+    fn plan(name: &str, overrides: &[&str]) -> Plan {
+        let overrides: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();
+        let scenario = load(name, &overrides, None).unwrap();
+        Plan::new(&scenario, Path::new("/tmp/x"), "p_", "warn").unwrap()
+    }
+
+    #[test]
+    fn the_simulator_comes_first_and_knows_who_drives_whom() {
+        let plan = plan("chase", &[]);
+        assert_eq!(plan.launches[0].config.kind, "simulator");
+        let params: SimulatorParams =
+            serde_json::from_value(plan.launches[0].config.params.clone()).unwrap();
+        assert_eq!(params.drivers.len(), 6);
+        for (robot, driver) in params.drivers.iter().enumerate() {
+            let launch = &plan.launches[driver.unwrap() as usize];
+            assert_eq!(launch.config.robots, [robot as u32]);
+        }
+        for (index, launch) in plan.launches.iter().enumerate() {
+            assert_eq!(launch.config.index as usize, index);
+        }
+    }
+
+    #[test]
+    fn pursuers_that_go_by_beliefs_wait_for_perception_and_others_do_not() {
+        let by_belief = plan("chase", &[]);
+        for launch in &by_belief.launches {
+            let waits = launch.config.kind == "pursuer";
+            assert_eq!(
+                !launch.config.upstream.is_empty(),
+                waits,
+                "{}",
+                launch.config.name
+            );
+            assert_eq!(launch.watched, launch.config.kind == "perception");
+            for &up in &launch.config.upstream {
+                assert_eq!(by_belief.launches[up as usize].config.kind, "perception");
+            }
+        }
+        let exact = plan("chase_exact", &[]);
+        assert!(exact.launches.iter().all(|l| l.config.upstream.is_empty()));
+    }
+
+    #[test]
+    fn events_come_at_the_first_tick_at_or_after_their_time() {
+        let ticks = |dt: &str| -> Vec<u64> {
+            let dt = format!("run.dt={dt}");
+            plan("chase_popup", &[&dt])
+                .replays
+                .iter()
+                .map(|r| r.tick)
+                .collect()
+        };
+        assert_eq!(ticks("0.05"), [200, 300, 600, 1200, 1500]);
+        assert_eq!(ticks("0.3"), [34, 50, 100, 200, 250]);
+    }
+
+    #[test]
+    fn many_particles_shorten_the_recorders_lag_instead_of_filling_memory() {
+        let ticks = |n: u32| {
+            let set = format!("processes.perception.params.filter.particles={n}");
+            plan("chase", &[&set]).run.recorder_ticks
+        };
+        assert_eq!(ticks(400), RECORDER_TICKS as u32);
+        assert_eq!(ticks(1_000_000), 8);
+    }
+}

@@ -3,9 +3,9 @@
 use sim_backend::team::Team;
 
 use super::canvas::{Canvas, Num, Style, wrap};
-use super::draw::{HALO, Sign, disc, sign};
 use super::layout::LEGEND;
 use super::palette;
+use super::signs::{HALO, Sign, disc, sign};
 use super::trace::{MarkKind, RunTrace};
 
 /// Font size of the legend [px].

@@ -16,6 +16,7 @@ mod logged;
 mod palette;
 mod read;
 mod save;
+mod signs;
 mod trace;
 mod trail;
 
