@@ -26,11 +26,13 @@ struct Parts {
     launched: f64,
     /// Every process has opened its ports.
     ready: f64,
-    /// Every port is connected: time runs.
+    /// Every port is connected: the map goes out.
+    connected: f64,
+    /// Everybody has built what they need of the map: time runs.
     running: f64,
     /// The simulator has posted the first state.
     first_tick: f64,
-    /// Everybody has answered to it: maps are built.
+    /// Everybody has answered to it.
     answered: f64,
 }
 
@@ -52,7 +54,8 @@ pub fn measure(options: &Options, say: &mut impl FnMut(&str)) -> Result<Vec<Figu
     for (name, part) in [
         ("processes launched", (|p| p.launched) as fn(&Parts) -> f64),
         ("all ports open", |p| p.ready),
-        ("all ports connected", |p| p.running),
+        ("all ports connected", |p| p.connected),
+        ("all maps built", |p| p.running),
         ("first tick posted", |p| p.first_tick),
         ("first tick answered by all", |p| p.answered),
     ] {
@@ -103,6 +106,11 @@ fn start_once(options: &Options, deadline: Deadline) -> Result<(Parts, f64), Ben
     let report = session.finish(options, BEAT, |session| {
         let page = &view.page;
         take(&mut parts.ready, page.phase() >= Phase::Connect, session);
+        take(
+            &mut parts.connected,
+            page.phase() >= Phase::Prepare,
+            session,
+        );
         take(&mut parts.running, page.phase() >= Phase::Run, session);
         take(&mut parts.first_tick, page.ticks_posted() >= 1, session);
         take(&mut parts.answered, page.ticks_posted() >= 2, session);

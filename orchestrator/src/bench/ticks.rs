@@ -292,6 +292,8 @@ impl KitExchange {
         exchange.reach(SlotState::Connected)?;
         exchange.state_out.update_connections()?;
         exchange.commands_in.update_connections()?;
+        exchange.overseer.set_phase(Phase::Prepare);
+        exchange.reach(SlotState::Prepared)?;
         exchange.overseer.set_phase(Phase::Run);
         Ok(exchange)
     }
