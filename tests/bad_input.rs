@@ -3,13 +3,11 @@
 
 mod support;
 
-use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+#[path = "bad_input/failing_runs.rs"]
+mod failing_runs;
 
-use rustix::process::Signal;
-use support::history::History;
+use support::Sandbox;
 use support::call::Outcome;
-use support::{Sandbox, wait_for_tick};
 
 /// The smallest scenario with two sides; `cop` is driven by a program of the user's own.
 const GOOD: &str = r#"[run]
@@ -54,10 +52,8 @@ fn driven_by(command: &str) -> String {
         "kind = \"pursuer\"",
         &format!("name = \"liar\"\ncommand = {command}"),
     );
-    text.lines()
-        .filter(|l| !l.starts_with("params"))
-        .map(|l| format!("{l}\n"))
-        .collect()
+    let params = text.find("params").unwrap();
+    text[..params].to_owned()
 }
 
 /// Calls `run` (and `check`, which must agree) on a scenario that must be refused with these words,
@@ -380,158 +376,4 @@ fn programs_of_the_scenarios_own_need_permission() {
         "liar: /bin/touch was_here",
     ];
     refused_by_run(&sandbox, &["own.toml"], &words);
-}
-
-/// Asserts that nothing is left, not even a log: a run that never began has none.
-#[track_caller]
-fn assert_no_log(sandbox: &Sandbox) {
-    let logs: Vec<PathBuf> = sandbox
-        .files()
-        .into_iter()
-        .filter(|path| path.extension().is_some_and(|e| e == "mcap"))
-        .collect();
-    assert_eq!(logs, [] as [PathBuf; 0]);
-    sandbox.assert_nothing_left();
-}
-
-#[test]
-fn a_process_that_ends_at_once_is_named() {
-    let sandbox = Sandbox::new();
-    sandbox.file("own.toml", driven_by("[\"/bin/false\"]"));
-    let outcome = sandbox
-        .protean(["run", "own.toml", "--allow-external", "--json"])
-        .run();
-    outcome.refused(
-        1,
-        &["error: process liar ended with exit code 1 before it was ready"],
-    );
-    assert_no_log(&sandbox);
-
-    let talkative = "[\"/bin/sh\", \"-c\", \"echo no such planner >&2; exit 7\"]";
-    sandbox.file("own.toml", driven_by(talkative));
-    let words = ["run", "own.toml", "--allow-external", "--out", "own.mcap"];
-    let outcome = sandbox.protean(words).run();
-    outcome.refused(
-        1,
-        &[
-            "process liar ended with exit code 7",
-            "said last",
-            "no such planner",
-        ],
-    );
-    assert_no_log(&sandbox);
-}
-
-#[test]
-fn a_program_that_does_not_exist_is_named() {
-    let sandbox = Sandbox::new();
-    sandbox.file("own.toml", driven_by("[\"./no_such_planner\"]"));
-    let outcome = sandbox
-        .protean(["run", "own.toml", "--allow-external"])
-        .run();
-    outcome.refused(1, &["error: process liar: cannot be started: No such file"]);
-    assert_no_log(&sandbox);
-}
-
-#[test]
-fn logs_that_cannot_be_written() {
-    let sandbox = Sandbox::new();
-    let out = |path: &str| sandbox.protean(["run", "hello", "--out"]).arg(path).run();
-    let before = sandbox.files();
-    out("no/such/x.mcap").refused(1, &["cannot create the log no/such/x.mcap: No such file"]);
-    assert_eq!(sandbox.files(), before);
-    let folder = sandbox.path().join("folder.mcap");
-    std::fs::create_dir(&folder).unwrap();
-    out("folder.mcap").refused(1, &["folder.mcap is not a regular file"]);
-    out("/dev/null").refused(1, &["/dev/null is not a regular file"]);
-
-    let precious = sandbox.file("precious.mcap", "not to be lost");
-    out("precious.mcap").refused(1, &["precious.mcap exists already", "overwritten"]);
-    assert_eq!(std::fs::read(&precious).unwrap(), b"not to be lost");
-    let forced = sandbox
-        .protean(["run", "hello", "--out", "precious.mcap", "--force"])
-        .run();
-    assert_eq!(forced.code, Some(0), "{forced}");
-    assert!(!History::read(&precious).states.is_empty());
-    sandbox.assert_nothing_left();
-}
-
-#[test]
-fn a_runtime_directory_that_is_not_there_is_named() {
-    let sandbox = Sandbox::new();
-    let missing = sandbox.path().join("none");
-    let outcome = sandbox
-        .protean(["run", "hello"])
-        .runtime_dir(&missing)
-        .run();
-    outcome.refused(
-        1,
-        &["run directory: ", missing.to_str().unwrap(), "No such file"],
-    );
-    assert!(!sandbox.path().join("logs").exists());
-}
-
-#[test]
-fn a_log_that_another_run_is_writing_is_left_alone() {
-    let sandbox = Sandbox::new();
-    // Some 100 000 ticks: long enough to be in the air until it is told to land.
-    let words = [
-        "run",
-        "hello",
-        "--set",
-        "run.dt=0.0002",
-        "--out",
-        "shared.mcap",
-    ];
-    let mut first = sandbox.protean(words).start();
-    let path = sandbox.path().join("shared.mcap");
-    wait_for_tick(&sandbox.next_run(&BTreeSet::new()), 5);
-    let second = ["run", "hello", "--out", "shared.mcap"];
-    let in_use = ["shared.mcap is being written by another run"];
-    sandbox.protean(second).run().refused(1, &in_use);
-    sandbox
-        .protean(second)
-        .arg("--force")
-        .run()
-        .refused(1, &in_use);
-    assert!(first.is_alive());
-    first.signal(Signal::INT);
-    let outcome = first.finish();
-    assert_eq!(outcome.code, Some(3), "{outcome}");
-    History::read(&path);
-    sandbox.assert_nothing_left();
-}
-
-#[test]
-fn two_orchestrators_in_one_directory_do_not_disturb_each_other() {
-    let sandbox = Sandbox::new();
-    let call = || {
-        sandbox
-            .protean(["run", "hello", "--json", "--quiet"])
-            .start()
-    };
-    let runs = [call(), call(), call()];
-    let summaries = runs.map(|run| {
-        let outcome = run.finish();
-        assert_eq!(outcome.code, Some(0), "{outcome}");
-        outcome.json()
-    });
-    let mut logs: Vec<&str> = summaries
-        .iter()
-        .map(|s| s["log"].as_str().unwrap())
-        .collect();
-    logs.sort_unstable();
-    assert_eq!(
-        logs,
-        [
-            "logs/hello-1-2.mcap",
-            "logs/hello-1-3.mcap",
-            "logs/hello-1.mcap"
-        ]
-    );
-    let states = |log: &str| History::read(&sandbox.path().join(Path::new(log))).states;
-    assert_eq!(states(logs[0]), states(logs[1]));
-    assert_eq!(states(logs[1]), states(logs[2]));
-    assert_eq!(sandbox.runs().len(), 3);
-    sandbox.assert_nothing_left();
 }

@@ -28,14 +28,24 @@ fn a_planner_in_python_drives_its_robot_and_the_history_is_the_same_every_time()
     let messages = sandbox.protean(["messages", "--python"]).run();
     assert_eq!(messages.code, Some(0), "{messages}");
     sandbox.file("planners/protean_messages.py", messages.stdout.clone());
-    let planner = sandbox.file("planners/planner.py", file("scenarios/planners/to_the_exit.py"));
+    let planner = sandbox.file(
+        "planners/planner.py",
+        file("scenarios/planners/to_the_exit.py"),
+    );
     sandbox.file("maps/hello.toml", file("scenarios/maps/hello.toml"));
     let command = format!("command = [{:?}, {:?}]", python.to_str().unwrap(), planner);
     let scenario = file("scenarios/hello_python.toml");
-    let theirs = scenario.lines().find(|line| line.starts_with("command = ")).unwrap();
+    let theirs = scenario
+        .lines()
+        .find(|line| line.starts_with("command = "))
+        .unwrap();
     sandbox.file("hello_python.toml", scenario.replace(theirs, &command));
 
-    let run = || sandbox.protean(["run", "hello_python.toml", "--allow-external"]).json();
+    let run = || {
+        sandbox
+            .protean(["run", "hello_python.toml", "--allow-external"])
+            .json()
+    };
     let (first, second) = (run(), run());
     assert_eq!(first["robots"][0]["outcome"], "escaped", "{first}");
     assert!(first["robots"][0]["distance_m"].as_f64().unwrap() > 2.5);

@@ -54,6 +54,7 @@ pub struct State {
 }
 
 #[derive(Debug, Clone, PartialEq, Deserialize)]
+#[allow(clippy::struct_field_names, reason = "named as in the message")]
 pub struct Robot {
     pub robot: u32,
     pub x: f64,

@@ -108,7 +108,8 @@ impl<T: Topic> Publisher<T> {
     /// [`SendError::Capacity`] if it has too many elements, [`SendError::Blocked`] if a receiver
     /// did not make room within the publisher's patience, [`SendError::Transport`] otherwise.
     pub fn send(&self, header: T::Header, elements: &[T::Element]) -> Result<usize, SendError> {
-        self.send_with(header, elements.len(), |i| elements[i])
+        let sample = self.loan(header, elements.len())?;
+        self.finish(sample.write_from_slice(elements))
     }
 
     /// Sends a message whose elements are made in place, in shared memory.
@@ -117,10 +118,16 @@ impl<T: Topic> Publisher<T> {
     /// As [`Publisher::send`].
     pub fn send_with(
         &self,
-        mut header: T::Header,
+        header: T::Header,
         count: usize,
         element: impl FnMut(usize) -> T::Element,
     ) -> Result<usize, SendError> {
+        let sample = self.loan(header, count)?;
+        self.finish(sample.write_from_fn(element))
+    }
+
+    /// Memory for a message, its header filled in.
+    fn loan(&self, mut header: T::Header, count: usize) -> Result<Loan<T>, SendError> {
         if count > self.options.capacity {
             return Err(SendError::Capacity {
                 topic: T::NAME,
@@ -141,7 +148,11 @@ impl<T: Topic> Publisher<T> {
         stamp.reserved = 0;
         stamp.sent_ns = clock::monotonic_ns();
         *sample.user_header_mut() = header;
-        let sent = sample.write_from_fn(element).send().map_err(|e| match e {
+        Ok(sample)
+    }
+
+    fn finish(&self, sample: Filled<T>) -> Result<usize, SendError> {
+        let sent = sample.send().map_err(|e| match e {
             iceoryx2::port::SendError::UnableToDeliver => SendError::Blocked {
                 topic: T::NAME,
                 waited: self.options.patience,
@@ -155,6 +166,17 @@ impl<T: Topic> Publisher<T> {
         Ok(sent)
     }
 }
+
+/// Shared memory that has not been written yet.
+type Loan<T> = iceoryx2::sample_mut_uninit::SampleMutUninit<
+    ipc::Service,
+    [core::mem::MaybeUninit<<T as Topic>::Element>],
+    <T as Topic>::Header,
+>;
+
+/// Shared memory that holds a message.
+type Filled<T> =
+    iceoryx2::sample_mut::SampleMut<ipc::Service, [<T as Topic>::Element], <T as Topic>::Header>;
 
 impl<T: Topic> core::fmt::Debug for Publisher<T> {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {

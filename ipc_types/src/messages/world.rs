@@ -87,8 +87,9 @@ message! {
 }
 
 message! {
-    /// Something that happened in the world, in `world/event`.
-    pub struct WorldEvent = "protean/WorldEvent" {
+    /// Something that happened in the world, in `world/event`. (Its schema name differs: the logged
+    /// message of the topic is `protean/WorldEvent` already.)
+    pub struct WorldEvent = "protean/Event" {
         x: f64 = "where, x [m]",
         y: f64 = "where, y [m]",
         value: f64 = "by kind: 0 when it has none",

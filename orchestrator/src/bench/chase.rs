@@ -37,6 +37,9 @@ const HOPS: [&str; 9] = [
 ];
 
 /// Runs the chase with several seeds, on all processors and pinned to one in turn.
+///
+/// # Errors
+/// [`BenchError`] says what could not be measured.
 pub fn measure(options: &Options, say: &mut impl FnMut(&str)) -> Result<Vec<Figure>, BenchError> {
     let deadline = Deadline::new();
     let seeds = options.repeats(5, 2) as u64;
@@ -139,19 +142,16 @@ fn cpu(options: &Options, deadline: Deadline) -> Result<Vec<Figure>, BenchError>
         }
     })?;
     let mut figures = Vec::new();
-    if let (Some(first), Some(warm)) = (&first, &warm) {
-        let name = format!(
-            "CPU of start and the first {} ticks, all together",
-            warm.tick
+    let until = |m: &Moment| m.cpu.values().sum::<u64>() as f64 * 1e-6;
+    for (name, moment) in [
+        ("CPU before the first tick, all processes", &first),
+        ("CPU until caches are warm, all processes", &warm),
+    ] {
+        figures.extend(
+            moment
+                .as_ref()
+                .map(|m| Figure::once(ITEM, name, until(m), "ms")),
         );
-        let until = |m: &Moment| m.cpu.values().sum::<u64>() as f64 * 1e-6;
-        figures.push(Figure::once(
-            ITEM,
-            "CPU before the first tick, all together",
-            until(first),
-            "ms",
-        ));
-        figures.push(Figure::once(ITEM, name, until(warm), "ms"));
     }
     if let (Some(warm), Some(last)) = (warm, last) {
         figures.extend(per_tick(&warm, &last));

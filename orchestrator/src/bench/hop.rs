@@ -94,6 +94,9 @@ fn raw_service(node: &Node<ipc::Service>) -> Result<RawService, BenchError> {
 }
 
 /// Measures every size.
+///
+/// # Errors
+/// [`BenchError`] says what could not be measured.
 pub fn measure(options: &Options, say: &mut impl FnMut(&str)) -> Result<Vec<Figure>, BenchError> {
     let deadline = Deadline::new();
     let mut sender = Sender::start()?;

@@ -9,6 +9,7 @@
 //! machine's other work shows in the figures; ratios are taken between neighbours in time.
 
 pub mod chase;
+mod crew;
 mod error;
 pub mod hop;
 mod probe;

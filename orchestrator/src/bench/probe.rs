@@ -76,9 +76,9 @@ fn thread_cpu_ns(task: &Path) -> u64 {
 /// Memory of a process.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Memory {
-    /// Resident [KiB].
+    /// Resident [1024 bytes].
     pub rss: u64,
-    /// Resident, shared pages divided by their users [KiB].
+    /// Resident, shared pages divided by their users [1024 bytes].
     pub pss: u64,
 }
 

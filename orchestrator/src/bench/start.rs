@@ -37,6 +37,9 @@ struct Parts {
 }
 
 /// Starts the chase several times, then looks at its memory and log once.
+///
+/// # Errors
+/// [`BenchError`] says what could not be measured.
 pub fn measure(options: &Options, say: &mut impl FnMut(&str)) -> Result<Vec<Figure>, BenchError> {
     let deadline = Deadline::new();
     let repeats = options.repeats(7, 3);

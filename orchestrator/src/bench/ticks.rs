@@ -5,7 +5,7 @@
 //! for all, take eight commands. Both sets of processes are alive all the time and asleep while the
 //! other one runs, so that short blocks can take turns: A B A B.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -19,30 +19,31 @@ use kit::config::{Clock, Idle, ProcessConfig, RobotInfo, RunConfig};
 use kit::inputs::{StateInput, reply_stamp};
 use kit::lockstep::{Conductor, Overseer, Phase, SlotState, TurnEnd, TurnPage};
 use kit::{ProcessError, Wiring};
-use serde::Serialize;
 use sim_backend::pose::Pose2;
 use sim_backend::spec::Preset;
 use sim_backend::team::Team;
 
+use super::crew::{Crew, launch};
 use super::raw::{PLANNERS, RawConductor, RawConfig};
 use super::report::{Figure, Goal};
 use super::stats::{Spread, paired_ratio};
 use super::{BenchError, Deadline, Options};
-use crate::mission::children::{Executable, RunningProcess, end_all};
 use crate::mission::spaces::OwnedSpace;
 
 const ITEM: &str = "ticks";
 /// Share of the raw exchange's speed that the kit should keep.
 const GOAL: f64 = 0.8;
-/// Time that processes have to get ready, and to end.
-const READY_WITHIN: Duration = Duration::from_secs(10);
-const END_WITHIN: Duration = Duration::from_secs(3);
+/// Longest time for the ticks before anything is measured.
+const WARM_UP_WITHIN: Duration = Duration::from_secs(10);
 /// Ticks before anything is measured.
 const WARM_UP: u32 = 200;
 /// Ticks between two looks at the clock.
 const BATCH: u32 = 16;
 
 /// Measures on all processors, then with everything pinned to one.
+///
+/// # Errors
+/// [`BenchError`] says what could not be measured.
 pub fn measure(options: &Options, say: &mut impl FnMut(&str)) -> Result<Vec<Figure>, BenchError> {
     let deadline = Deadline::new();
     let mut figures = Vec::new();
@@ -132,7 +133,7 @@ fn alternate_set(
     }
     let pairs = options.repeats(5, 3);
     let time = Duration::from_millis(if options.quick { 100 } else { 200 });
-    let warm_up = Instant::now() + READY_WITHIN;
+    let warm_up = Instant::now() + WARM_UP_WITHIN;
     for _ in 0..WARM_UP {
         kit.tick()?;
         raw.tick()?;
@@ -166,63 +167,6 @@ fn rate(
             return Ok(f64::from(calls) / elapsed.as_secs_f64());
         }
     }
-}
-
-/// Processes that are ended when dropped.
-struct Crew(Vec<RunningProcess>);
-
-impl Crew {
-    fn check(&mut self) -> Result<(), BenchError> {
-        match self.0.iter_mut().find_map(|p| p.check_exit().then_some(p)) {
-            None => Ok(()),
-            Some(process) => Err(BenchError::Process {
-                process: process.name.clone(),
-                how: format!("ended: {}", process.last_words().join(" / ")),
-            }),
-        }
-    }
-
-    /// Waits until `done`; fails when a process ends before, or too late.
-    fn wait(&mut self, what: &str, mut done: impl FnMut() -> bool) -> Result<(), BenchError> {
-        let deadline = Instant::now() + READY_WITHIN;
-        while !done() {
-            self.check()?;
-            if Instant::now() > deadline {
-                return Err(BenchError::TooSlow {
-                    what: what.to_owned(),
-                    limit: READY_WITHIN,
-                });
-            }
-            std::thread::sleep(Duration::from_millis(1));
-        }
-        Ok(())
-    }
-}
-
-fn launch(space: &OwnedSpace, kind: &str, configs: &[impl Serialize]) -> Result<Crew, BenchError> {
-    let mut crew = Crew(Vec::new());
-    for (slot, config) in configs.iter().enumerate() {
-        let path = write_config(space.space().root(), slot, config)?;
-        let executable = Executable::Kind(kind.into());
-        let name = format!("{kind}-{slot}");
-        crew.0.push(RunningProcess::start(
-            &name,
-            slot,
-            &executable,
-            &path,
-            true,
-        )?);
-    }
-    space.note_processes(crew.0.iter().map(RunningProcess::pid))?;
-    Ok(crew)
-}
-
-fn write_config(root: &Path, slot: usize, config: &impl Serialize) -> Result<PathBuf, BenchError> {
-    let path = root.join(format!("process-{slot}.json"));
-    let text = serde_json::to_vec(config)
-        .map_err(|e| BenchError::system("cannot write a configuration")(std::io::Error::from(e)))?;
-    std::fs::write(&path, text).map_err(BenchError::system(format!("{}", path.display())))?;
-    Ok(path)
 }
 
 /// The exchange over the kit.
@@ -332,7 +276,6 @@ impl KitExchange {
 impl Drop for KitExchange {
     fn drop(&mut self) {
         self.overseer.set_phase(Phase::Stop);
-        end_all(&mut self.crew.0, END_WITHIN);
     }
 }
 
@@ -417,8 +360,9 @@ pub fn planner(config: &Path) -> ExitCode {
 
 /// The exchange over bare iceoryx2 and a bare futex page.
 struct RawExchange {
-    conductor: RawConductor,
+    // Ended before the ports of the conductor close.
     crew: Crew,
+    conductor: RawConductor,
     _space: OwnedSpace,
 }
 
@@ -462,6 +406,5 @@ impl RawExchange {
 impl Drop for RawExchange {
     fn drop(&mut self) {
         self.conductor.stop();
-        end_all(&mut self.crew.0, END_WITHIN);
     }
 }

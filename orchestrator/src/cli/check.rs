@@ -31,10 +31,10 @@ pub fn check(target: &str, overrides: &OverrideArgs, show: bool, as_json: bool) 
         }
         Ok(scenario) => {
             let mut text = format!(
-                "{target}: ok: {} robots, {} processes and the simulator, {} events",
-                scenario.world.robots.len(),
-                scenario.processes.len(),
-                scenario.events.len()
+                "{target}: ok: {}, {} and the simulator, {}",
+                counted(scenario.world.robots.len(), "robot", "robots"),
+                counted(scenario.processes.len(), "process", "processes"),
+                counted(scenario.events.len(), "event", "events")
             );
             for process in scenario.external_commands() {
                 if let Program::Command(words) = &process.program {
@@ -57,4 +57,9 @@ pub fn check(target: &str, overrides: &OverrideArgs, show: bool, as_json: bool) 
             ExitCode::from(EXIT_INVALID)
         }
     }
+}
+
+/// `1 robot`, `2 robots`.
+fn counted(n: usize, one: &str, many: &str) -> String {
+    format!("{n} {}", if n == 1 { one } else { many })
 }

@@ -142,10 +142,11 @@ pub fn text(scenario: &ResolvedScenario, report: &MissionReport) -> String {
         text += &format!(", {rejected} rejected");
     }
     text += &format!("\ndigest    {}\n", s.digest);
-    text += &format!(
-        "log       {} ({:.1} MB)",
-        s.log.display(),
-        s.log_bytes as f64 * 1e-6
-    );
+    if s.log.as_os_str().is_empty() {
+        text += "log       none: it ended before the first tick";
+    } else {
+        let megabytes = s.log_bytes as f64 * 1e-6;
+        text += &format!("log       {} ({megabytes:.1} MB)", s.log.display());
+    }
     text
 }

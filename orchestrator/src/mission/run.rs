@@ -136,10 +136,11 @@ pub fn run(
     drop(services);
     drop(space);
     // A failed recorder is the cause rather than the consequence of anything else.
-    let summary = recorded?;
+    let mut summary = recorded?;
     if first_tick.is_none() {
         // Nothing happened: a log without a tick would only look like a run.
         let _ = std::fs::remove_file(&summary.log);
+        summary.log = PathBuf::new();
     }
     flown?;
     Ok(MissionReport {

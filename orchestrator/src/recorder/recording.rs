@@ -79,7 +79,9 @@ impl Recording {
         let stamp = &entry.stamp;
         let known = self.sources.contains(&stamp.source);
         let source = if known { stamp.source } else { STRANGER };
-        let plausible = stamp.tick <= self.newest.saturating_add(FARTHEST_AHEAD);
+        // Obstacle events are announced: all of them come before the first tick.
+        let plausible = topic.info.role == Role::Obstacle
+            || stamp.tick <= self.newest.saturating_add(FARTHEST_AHEAD);
         let holds = known
             && plausible
             && (!topic.info.simulated || on_time(stamp, self.tick_period_ns))

@@ -55,7 +55,7 @@ impl StateInput {
     }
 
     /// Takes up what came until the newest state is that of tick `tick`. In lock-step nothing comes
-    /// after it, and not asking for more saves a tenth of what a trivial step takes.
+    /// after it, so that the look which finds nothing is saved.
     ///
     /// # Errors
     /// [`ReceiveError`] if the transport fails.

@@ -155,6 +155,34 @@ fn a_process_that_dies_in_the_middle_of_a_tick_is_taken_out_of_the_count() {
 }
 
 #[test]
+fn the_world_waits_for_a_process_that_ended_until_the_orchestrator_has_decided() {
+    let (page, overseer) = Page::new("ended", 3);
+    for slot in 1..3 {
+        overseer.seat(slot, true, false);
+    }
+    let seats = [1, 2].map(|slot| Participant::new(page.open(), slot, Vec::new(), false));
+    for seat in &seats {
+        seat.set_state(SlotState::Connected);
+    }
+    overseer.set_phase(Phase::Run);
+    let conductor = Conductor::new(page.open(), 0, 1_000_000, false);
+    for (tick, ended) in (0..).zip([SlotState::Failed, SlotState::Stopped]) {
+        conductor.post(tick);
+        seats[1].done(tick);
+        seats[0].set_state(ended);
+        assert_eq!(conductor.wait(tick), TurnEnd::Idle, "{ended:?}");
+        overseer.bury(1);
+        assert_eq!(conductor.wait(tick), TurnEnd::Complete);
+    }
+    // At the end of a run everybody leaves: the tick that they leave open is not complete.
+    conductor.post(2);
+    overseer.set_phase(Phase::Stop);
+    seats[1].set_state(SlotState::Stopped);
+    overseer.bury(2);
+    assert_eq!(conductor.wait(2), TurnEnd::Stop);
+}
+
+#[test]
 fn the_simulator_waits_for_a_recorder_that_lags_and_never_runs_further_ahead() {
     const LAG: usize = 8;
     let (page, overseer) = Page::new("lag", 1);

@@ -108,6 +108,17 @@ pub struct FilterParams {
     pub speed_walk: f64,
     /// Random walk of the turning-rate hypothesis [largest turning rate per √s], ≥ 0.
     pub turn_walk: f64,
+    /// Rate at which the speed hypothesis returns to `cruise_speed` [1/s], ≥ 0; 0 for a pure random
+    /// walk, as the paper's. Who flees, or chases, does not stroll.
+    pub cruise_rate: f64,
+    /// Speed to which hypotheses return [largest speed], in [0, 1].
+    pub cruise_speed: f64,
+    /// Rate at which the turning-rate hypothesis returns to 0 [1/s], ≥ 0; 0 for a pure random walk,
+    /// as the paper's, which lets hypotheses circle in place while the opponent drives on.
+    pub straighten_rate: f64,
+    /// Whether an unseen hypothesis that would drive into an obstacle turns away from it (true) or is
+    /// ruled out (false, as in the paper: then those that hardly move outlive the others).
+    pub turn_at_walls: bool,
     /// Factor on the speeds that are hypothesised; 1 is the opponent's real range. The original
     /// program multiplied by the speed twice: 0.2 reproduces that.
     pub speed_scale: f64,
@@ -155,6 +166,10 @@ impl Default for FilterParams {
             adaptive: None,
             speed_walk: 0.65,
             turn_walk: 1.0,
+            cruise_rate: 0.5,
+            cruise_speed: 1.0,
+            straighten_rate: 8.0,
+            turn_at_walls: true,
             speed_scale: 1.0,
             reflect: true,
             saturation: 0.25,
@@ -198,6 +213,9 @@ impl PerceptionParams {
             },
             filter: FilterParams {
                 particles: 30,
+                cruise_rate: 0.0,
+                straighten_rate: 0.0,
+                turn_at_walls: false,
                 // Half-widths of uniform steps at 20 Hz: √(20/3) times as much per √s.
                 speed_walk: 0.25 * 2.581_988_897_471_611,
                 turn_walk: 0.4 * 2.581_988_897_471_611,
@@ -272,6 +290,8 @@ impl FilterParams {
         for (field, value) in [
             ("filter.speed_walk", self.speed_walk),
             ("filter.turn_walk", self.turn_walk),
+            ("filter.cruise_rate", self.cruise_rate),
+            ("filter.straighten_rate", self.straighten_rate),
             ("filter.speed_scale", self.speed_scale),
             ("filter.teleport_rate", self.teleport_rate),
             ("filter.teleport_distance", self.teleport_distance),

@@ -208,6 +208,10 @@ impl ParticleFilter {
             predict::fill(noise, &mut self.rng);
             motion.apply(self.particles.stretch(range.clone()), noise);
             let mut particles = self.particles.stretch(range.clone());
+            if seen.is_none() && self.params.turn_at_walls {
+                let places = &mut self.scratch.places;
+                motion.turn_at_walls(space, &mut particles, places, &mut self.rng);
+            }
             teleport.apply(&mut particles, &mut self.rng);
             let weights = &mut self.weights[range];
             if let Some(seen) = &seen {

@@ -8,6 +8,7 @@ use sim_backend::math;
 use super::cloud::Stretch;
 use crate::fast;
 use crate::params::FilterParams;
+use crate::space::Space;
 
 /// What an opponent can do.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,6 +34,11 @@ pub(crate) struct Motion {
     /// Ends of the walks: beyond `v_high` and `omega_high` the particle moves at the limit.
     v_top: f32,
     omega_top: f32,
+    /// Part of the distance to the cruising speed that is left after a tick, and what that adds.
+    v_keep: f32,
+    v_pull: f32,
+    /// Part of the turning rate that is left after a tick.
+    omega_keep: f32,
     /// How much of an overshoot over a limit is taken back: 2 reflects, 1 clamps.
     rebound: f32,
 }
@@ -44,6 +50,7 @@ impl Motion {
         let v_high = limits.v_max * params.speed_scale;
         let v_low = -limits.v_reverse_max * params.speed_scale;
         let largest = v_high.max(-v_low);
+        let v_keep = math::exp(-params.cruise_rate * dt);
         Self {
             dt: dt as f32,
             step_v: (params.speed_walk * largest * spread) as f32,
@@ -53,6 +60,9 @@ impl Motion {
             omega_high: limits.omega_max as f32,
             v_top: (v_high + params.saturation * (v_high - v_low)) as f32,
             omega_top: (limits.omega_max * (1.0 + params.saturation)) as f32,
+            v_keep: v_keep as f32,
+            v_pull: ((1.0 - v_keep) * params.cruise_speed * v_high) as f32,
+            omega_keep: math::exp(-params.straighten_rate * dt) as f32,
             rebound: if params.reflect { 2.0 } else { 1.0 },
         }
     }
@@ -85,8 +95,10 @@ impl Motion {
             // Symmetric about 0: −32767.5 … 32767.5.
             let a = low as f32 - 32_767.5;
             let b = high as f32 - 32_767.5;
-            v[i] = self.bounded(v[i] + a * step_v, self.v_low, self.v_top);
-            omega[i] = self.bounded(omega[i] + b * step_omega, -self.omega_top, self.omega_top);
+            let drawn_v = v[i] * self.v_keep + self.v_pull + a * step_v;
+            v[i] = self.bounded(drawn_v, self.v_low, self.v_top);
+            let drawn_omega = omega[i] * self.omega_keep + b * step_omega;
+            omega[i] = self.bounded(drawn_omega, -self.omega_top, self.omega_top);
             let speed = v[i].min(self.v_high);
             let rate = omega[i].max(-self.omega_high).min(self.omega_high);
             let half_turn = 0.5 * self.dt * rate;
@@ -105,6 +117,37 @@ impl Motion {
         let below = (low - value).max(0.0);
         // The clamp is for steps that are longer than the whole range.
         (value + self.rebound * (below - above)).max(low).min(high)
+    }
+}
+
+/// Largest change of the heading of a hypothesis that turns away from an obstacle [rad]: it may turn
+/// back, but rarely.
+const TURN_AWAY: f64 = 2.2;
+
+impl Motion {
+    /// Lets the particles that the last motion brought into an obstacle step back and turn by chance.
+    /// `places` is scratch of at least their number.
+    pub fn turn_at_walls(
+        &self,
+        space: &Space,
+        particles: &mut Stretch<'_>,
+        places: &mut [u32],
+        rng: &mut ChaCha8Rng,
+    ) {
+        let places = &mut places[..particles.x.len()];
+        space.locate(particles.x, particles.y, places);
+        for (i, &place) in places.iter().enumerate() {
+            if space.valid_at(place) != 0 {
+                continue;
+            }
+            let (sin, cos) = fast::sincos(particles.heading[i]);
+            let back = particles.v[i].min(self.v_high) * self.dt;
+            particles.x[i] -= back * cos;
+            particles.y[i] -= back * sin;
+            let turn = TURN_AWAY * (2.0 * rng.random::<f64>() - 1.0);
+            particles.heading[i] = fast::wrap(particles.heading[i] + turn as f32);
+            particles.omega[i] = 0.0;
+        }
     }
 }
 

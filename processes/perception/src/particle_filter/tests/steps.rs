@@ -2,8 +2,11 @@
 
 use sim_backend::math;
 
+use sim_backend::blur::BlurredMap;
+use sim_backend::grid::{Grid, GridFrame};
+
 use super::super::*;
-use super::{DT, LIMITS, distance, rng, seen_at, watch_from};
+use super::{DT, LIMITS, distance, drive, rng, seen_at, watch_from};
 use crate::params::AdaptiveSize;
 use crate::space::tests::room;
 
@@ -225,4 +228,74 @@ fn weights_persist_until_the_effective_sample_size_is_low() {
     }
     assert!(kept > 20 && resampled > 3, "{kept} {resampled}");
     assert!(distance(&filter.belief(), truth) < 0.1);
+}
+
+/// A street of 12 m × 1 m along x with its left end at x = 0.
+fn street() -> Space {
+    let frame = GridFrame {
+        width: 280,
+        height: 60,
+        resolution: 0.05,
+        origin: nalgebra::Point2::new(-1.0, -1.5),
+    };
+    let mut free = Grid::filled(frame, false);
+    for row in 0..frame.height {
+        for col in 0..frame.width {
+            let p = frame.center(col, row);
+            free.cells[frame.index(col, row)] = p.y.abs() < 0.5 && (0.0..12.0).contains(&p.x);
+        }
+    }
+    Space::new(&BlurredMap::new(&free, 0.1).unwrap())
+}
+
+#[test]
+fn an_opponent_that_drives_on_unseen_stays_within_the_belief() {
+    let space = street();
+    let watch = watch_from(&space, &[]);
+    // A robot that can turn on the spot: turning rates that walk freely would circle in place.
+    let agile = MotionLimits {
+        v_max: 0.45,
+        v_reverse_max: 0.22,
+        omega_max: 2.84,
+    };
+    // Mean error, deviation and distance of the nearest hypothesis after ten seconds.
+    let lose = |params: &FilterParams, seed| {
+        let start = Pose2::new(1.0, 0.0, 0.0);
+        let mut filter = ParticleFilter::new(params, agile, Some(start), &space, rng(seed));
+        let mut truth = start;
+        for tick in 0..240 {
+            truth = drive(truth, 0.45, 0.0, DT);
+            let sighting = if tick < 40 {
+                seen_at(truth, 0.02)
+            } else {
+                Sighting::default()
+            };
+            filter.update(&space, &watch, &sighting, None, DT);
+        }
+        let belief = filter.belief();
+        let nearest = filter
+            .particles()
+            .map(|p| math::hypot(f64::from(p.x) - truth.x, f64::from(p.y) - truth.y))
+            .fold(f64::INFINITY, f64::min);
+        (distance(&belief, truth), belief.position_std(), nearest)
+    };
+    let free_walk = FilterParams {
+        cruise_rate: 0.0,
+        straighten_rate: 0.0,
+        turn_at_walls: false,
+        ..FilterParams::default()
+    };
+    for seed in 0..4 {
+        let (error, deviation, nearest) = lose(&FilterParams::default(), seed);
+        assert!(
+            error < 3.0 * deviation,
+            "{seed}: {error} against {deviation}"
+        );
+        assert!(nearest < 0.75, "{seed}: {nearest}");
+        let (error_free, ..) = lose(&free_walk, seed);
+        assert!(
+            error < 0.8 * error_free,
+            "{seed}: {error} against {error_free}"
+        );
+    }
 }
