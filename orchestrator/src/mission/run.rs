@@ -33,7 +33,7 @@ const READY_WITHIN: Duration = Duration::from_secs(20);
 const END_WITHIN: Duration = Duration::from_secs(3);
 /// Beat of the supervisor: progress is shown and silence noticed this often. The end of a process
 /// wakes it at once.
-const BEAT: Duration = Duration::from_millis(50);
+const BEAT: Duration = Duration::from_millis(10);
 
 /// How a run is done.
 #[derive(Debug, Clone, Default)]

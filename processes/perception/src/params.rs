@@ -307,6 +307,9 @@ impl FilterParams {
                 v >= 0.0 && v.is_finite()
             })?;
         }
+        check("filter.cruise_speed", self.cruise_speed, "0 to 1", |v| {
+            (0.0..=1.0).contains(&v)
+        })?;
         check(
             "filter.lost_below",
             self.lost_below,

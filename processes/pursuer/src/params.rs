@@ -148,7 +148,7 @@ impl Default for PursuerParams {
         Self {
             knowledge: Knowledge::Belief,
             belief_goals: BeliefGoals::Particles,
-            max_particles: 50,
+            max_particles: 30,
             assignment: AssignmentParams::default(),
             look_ahead: LookAheadParams::default(),
             goal_field: GoalField::Geodesic,
