@@ -73,7 +73,7 @@ fn the_chase_is_the_papers_set_up() {
     assert_eq!(s.run.seed, 9);
     assert_eq!(s.run.dt, 0.05);
     let speeds: Vec<f64> = s.world.robots.iter().map(|r| r.model().v_max).collect();
-    assert_eq!(speeds, [0.3, 0.3, 0.3, 0.3, 0.5, 0.5]);
+    assert_eq!(speeds, [0.3, 0.3, 0.3, 0.3, 0.45, 0.45]);
     assert_eq!(s.rules().capture.unwrap().radius, 0.3);
     // One process per robot, and one that perceives.
     assert_eq!(s.processes.len(), 7);
