@@ -39,12 +39,36 @@ pub fn encode<T: Topic>(header: &T::Header, elements: &[T::Element], out: &mut V
     use zerocopy::IntoBytes;
     out.extend_from_slice(&ENCAPSULATION);
     out.extend_from_slice(header.as_bytes());
-    if T::SHAPE == Shape::Many {
-        // A slice in shared memory is far below 2^32 elements (`Bus` caps it).
-        out.extend_from_slice(&(elements.len() as u32).to_le_bytes());
-        out.resize(out.len() + sequence_gap::<T>(), 0);
-    }
+    out.extend_from_slice(SequenceHead::of::<T>(elements.len()).as_bytes());
     out.extend_from_slice(elements.as_bytes());
+}
+
+/// What stands between user header and elements in the CDR form: of a sequence, how many elements
+/// there are and the gap behind that; else nothing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SequenceHead {
+    bytes: [u8; 8],
+    len: usize,
+}
+
+impl SequenceHead {
+    /// For a message of the topic with this many elements.
+    pub fn of<T: Topic>(elements: usize) -> Self {
+        // A slice in shared memory is far below 2^32 elements (`Bus` caps it).
+        let [a, b, c, d] = (elements as u32).to_le_bytes();
+        Self {
+            bytes: [a, b, c, d, 0, 0, 0, 0],
+            len: match T::SHAPE {
+                Shape::Many => 4 + sequence_gap::<T>(),
+                Shape::One => 0,
+            },
+        }
+    }
+
+    /// The bytes.
+    pub fn as_bytes(&self) -> &[u8] {
+        self.bytes.get(..self.len).unwrap_or_default()
+    }
 }
 
 /// Reads a message back from its CDR form.

@@ -5,9 +5,11 @@ use crate::message::Message;
 use crate::messages::optimiser::{PlanRequest, PlanResponse, RequestObstacle, TrajectorySample};
 use crate::messages::perception::{BeliefHeader, Particle, Sighting};
 use crate::messages::process::{ProcessStatus, RunControl};
+use crate::messages::referee::{DominanceCell, DominanceHeader, Verdict};
 use crate::messages::robot::{Command, PlanHeader, PlanPoint, ScanHeader, TreeEdge, TreeHeader};
 use crate::messages::world::{
-    MapCell, MapHeader, ObstacleEvent, RobotState, WorldEvent, WorldHeader,
+    CoverageState, MapCell, MapHeader, ObstacleEvent, RobotState, ShapePoint, ShapesHeader,
+    WorldEvent, WorldHeader,
 };
 use crate::stamp::{Header, PlainHeader};
 
@@ -127,9 +129,16 @@ topics! {
     /// The map, whole, at every revision; late joiners get the last: simulator → all.
     WorldMap = "world/map": Many, "cells", MapHeader, MapCell, simulated true,
         qos |s| Qos { history: 1, per_tick: 1, publishers: 1, subscribers: s.readers() };
+    /// The exact pieces of the map, whole, at every revision, after the map; late joiners get the
+    /// last: simulator → planners that search for paths.
+    WorldShapes = "world/shapes": Many, "points", ShapesHeader, ShapePoint, simulated true,
+        qos |s| Qos { history: 1, per_tick: 1, publishers: 1, subscribers: s.readers() };
     /// What happened at a tick: captures, escapes, contacts…: simulator → all.
     WorldEvents = "world/event": Many, "events", PlainHeader, WorldEvent, simulated true,
         qos |s| Qos { history: 0, per_tick: 1, publishers: 1, subscribers: s.readers() };
+    /// The area visited so far, now and then, if the rules account for it: simulator → all.
+    Coverage = "world/coverage": One, "coverage", PlainHeader, CoverageState, simulated true,
+        qos |s| Qos { history: 1, per_tick: 1, publishers: 1, subscribers: s.readers() };
     /// An obstacle appears, disappears or moves: orchestrator → simulator, recorder.
     ObstacleEvents = "world/obstacle_event": One, "event", PlainHeader, ObstacleEvent, simulated true,
         qos |s| Qos { history: 0, per_tick: s.events.max(1), publishers: 1, subscribers: 2 + ONLOOKERS };
@@ -151,6 +160,12 @@ topics! {
     /// Search tree of one robot: planners → viewers.
     Tree = "robot/tree": Many, "edges", TreeHeader, TreeEdge, simulated true,
         qos |s| Qos { history: 0, per_tick: s.robots, publishers: s.processes, subscribers: 1 + ONLOOKERS };
+    /// Who can still escape: referee → all.
+    Verdicts = "world/verdict": Many, "verdicts", PlainHeader, Verdict, simulated true,
+        qos |s| Qos { history: 1, per_tick: 1, publishers: s.processes, subscribers: s.readers() };
+    /// Who reaches every place first: referee → viewers.
+    Dominance = "world/dominance": Many, "cells", DominanceHeader, DominanceCell, simulated true,
+        qos |s| Qos { history: 1, per_tick: 1, publishers: s.processes, subscribers: s.readers() };
     /// Heartbeats: all → orchestrator.
     Status = "process/status": One, "status", PlainHeader, ProcessStatus, simulated false,
         qos |s| Qos { history: 1, per_tick: 1, publishers: s.processes, subscribers: 2 + ONLOOKERS };

@@ -58,6 +58,14 @@ pub enum BusError {
         /// What iceoryx2 said.
         reason: String,
     },
+    /// A run in one process has no such thing.
+    #[error("{name}: a bus in memory has no {what}, only a run of several processes has")]
+    NeedsProcesses {
+        /// The service or event.
+        name: &'static str,
+        /// `request–response` or `events`.
+        what: &'static str,
+    },
 }
 
 /// Why a message was not sent.

@@ -12,7 +12,7 @@ pub(super) fn create(
     options: &BusOptions,
     name: &'static str,
 ) -> Result<TopicHolder, BusError> {
-    let processes = options.size.processes + super::OWN_NODES + crate::topics::ONLOOKERS;
+    let processes = super::nodes(&options.size);
     let service = node
         .service_builder(&service_name(name)?)
         .event()

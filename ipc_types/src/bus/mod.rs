@@ -4,9 +4,12 @@
 //! only *opens* (a process killed inside service creation would leave a wreck that nobody can
 //! open; open-only processes can die at any moment). A run has its own iceoryx2 prefix and root
 //! path: services of two runs do not see each other.
+//!
+//! A run in one thread has a bus in memory with the same ports ([`Bus::local`]).
 
 mod error;
 mod event;
+mod local;
 mod publisher;
 mod request_response;
 mod run_space;
@@ -21,9 +24,15 @@ pub use run_space::RunSpace;
 pub use service::TopicHolder;
 pub use subscriber::{Received, Subscriber};
 
+use core::any::Any;
+use std::rc::Rc;
+use std::sync::Arc;
+
 use iceoryx2::prelude::{Config, Node, NodeBuilder, NodeName, SignalHandlingMode, ipc};
 
+use crate::clock::StampClock;
 use crate::topics::{RunSize, Service, Topic};
+use local::Hub;
 
 /// How the buffers of a run are laid out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,18 +47,29 @@ pub struct BusOptions {
     pub overflow: bool,
 }
 
-/// Nodes that the orchestrator's own process joins with: itself, its recorder, its bridge.
-const OWN_NODES: usize = 3;
+/// Nodes that a run of this many processes needs: theirs, the bridge's for those that are not our
+/// own, the orchestrator's, its recorder's, and the onlookers'.
+fn nodes(size: &RunSize) -> usize {
+    2 * size.processes + 2 + crate::topics::ONLOOKERS
+}
 
 /// Ticks that a process in the loop may have unread without losing or blocking.
 pub const LOOP_TICKS: usize = 4;
 
-/// A process's connection to the services of one run.
+/// A process's connection to the topics of one run.
 #[derive(Debug)]
 pub struct Bus {
-    node: Node<ipc::Service>,
-    space: RunSpace,
+    backend: Backend,
     options: BusOptions,
+}
+
+#[derive(Debug)]
+enum Backend {
+    Ipc {
+        node: Node<ipc::Service>,
+        space: RunSpace,
+    },
+    Local(Rc<Hub>),
 }
 
 impl Bus {
@@ -71,15 +91,53 @@ impl Bus {
             .create::<ipc::Service>()
             .map_err(|e| failed(format!("{e:?}")))?;
         Ok(Self {
-            node,
-            space: space.clone(),
+            backend: Backend::Ipc {
+                node,
+                space: space.clone(),
+            },
             options,
         })
     }
 
-    /// Where the run lives.
-    pub fn space(&self) -> &RunSpace {
-        &self.space
+    /// The bus of a run whose processes all live in this thread. It reads no clock: the clocks in
+    /// the stamps of its messages are 0.
+    ///
+    /// `commons` is what they share besides messages, for [`Bus::commons`].
+    pub fn local(options: BusOptions, commons: Option<Arc<dyn Any + Send + Sync>>) -> Self {
+        Self {
+            backend: Backend::Local(Rc::new(Hub::new(commons))),
+            options,
+        }
+    }
+
+    /// Whether the run lives in one thread ([`Bus::local`]).
+    pub fn is_local(&self) -> bool {
+        matches!(self.backend, Backend::Local(_))
+    }
+
+    /// The clock for the stamps of this run's messages.
+    pub fn clock(&self) -> StampClock {
+        match self.backend {
+            Backend::Ipc { .. } => StampClock::MONOTONIC,
+            Backend::Local(_) => StampClock::STANDING,
+        }
+    }
+
+    /// What the processes of a run in one thread share besides messages; `None` for anything else
+    /// than what [`Bus::local`] was given.
+    pub fn commons<S: Any + Send + Sync>(&self) -> Option<Arc<S>> {
+        match &self.backend {
+            Backend::Ipc { .. } => None,
+            Backend::Local(hub) => Arc::clone(hub.commons.as_ref()?).downcast().ok(),
+        }
+    }
+
+    /// Where the run lives; `None` for one in memory.
+    pub fn space(&self) -> Option<&RunSpace> {
+        match &self.backend {
+            Backend::Ipc { space, .. } => Some(space),
+            Backend::Local(_) => None,
+        }
     }
 
     /// How its buffers are laid out.
@@ -92,7 +150,22 @@ impl Bus {
     /// Needed at once when a process died: a sender with a full buffer towards a dead receiver
     /// waits until then.
     pub fn clean_up_dead(&self) -> u64 {
-        self.node.try_cleanup_dead_nodes().cleanups
+        match &self.backend {
+            Backend::Ipc { node, .. } => node.try_cleanup_dead_nodes().cleanups,
+            Backend::Local(_) => 0,
+        }
+    }
+
+    /// The node of a bus between processes, for what only such a bus has.
+    fn node(
+        &self,
+        name: &'static str,
+        what: &'static str,
+    ) -> Result<&Node<ipc::Service>, BusError> {
+        match &self.backend {
+            Backend::Ipc { node, .. } => Ok(node),
+            Backend::Local(_) => Err(BusError::NeedsProcesses { name, what }),
+        }
     }
 
     /// Creates the service of a topic and holds it (orchestrator only).
@@ -100,23 +173,33 @@ impl Bus {
     /// # Errors
     /// [`BusError::Create`] names the topic and the reason.
     pub fn create<T: Topic>(&self) -> Result<TopicHolder, BusError> {
-        service::create::<T>(&self.node, &self.options)
+        match &self.backend {
+            Backend::Ipc { node, .. } => service::create::<T>(node, &self.options),
+            // The hub holds it already.
+            Backend::Local(hub) => {
+                hub.channel::<T>(&self.options)?;
+                Ok(TopicHolder::new(T::NAME, ()))
+            }
+        }
     }
 
     /// Creates a request–response service and holds it (orchestrator only).
     ///
     /// # Errors
-    /// [`BusError::Create`] names the service and the reason.
+    /// [`BusError::Create`] names the service and the reason; [`BusError::NeedsProcesses`] on a bus
+    /// in memory.
     pub fn create_service<S: Service>(&self) -> Result<TopicHolder, BusError> {
-        request_response::create::<S>(&self.node, &self.options)
+        let node = self.node(S::NAME, "request–response")?;
+        request_response::create::<S>(node, &self.options)
     }
 
     /// Creates a wake-up event and holds it (orchestrator only).
     ///
     /// # Errors
-    /// [`BusError::Create`] names the event and the reason.
+    /// [`BusError::Create`] names the event and the reason; [`BusError::NeedsProcesses`] on a bus in
+    /// memory.
     pub fn create_event(&self, name: &'static str) -> Result<TopicHolder, BusError> {
-        event::create(&self.node, &self.options, name)
+        event::create(self.node(name, "events")?, &self.options, name)
     }
 
     /// Opens a topic for publishing.
@@ -126,7 +209,10 @@ impl Bus {
     /// service's creator disagree on its type (names both), [`BusError::Port`] if it has no free
     /// publisher.
     pub fn publisher<T: Topic>(&self, options: PublisherOptions) -> Result<Publisher<T>, BusError> {
-        Publisher::open(&self.node, &self.options, options)
+        match &self.backend {
+            Backend::Ipc { node, .. } => Publisher::open(node, &self.options, options),
+            Backend::Local(hub) => Publisher::open_local(hub, &self.options, options),
+        }
     }
 
     /// Opens a topic for reading with the buffer of a process in the loop.
@@ -134,7 +220,7 @@ impl Bus {
     /// # Errors
     /// As [`Bus::publisher`].
     pub fn subscriber<T: Topic>(&self) -> Result<Subscriber<T>, BusError> {
-        Subscriber::open(&self.node, &self.options, LOOP_TICKS)
+        self.subscribe(LOOP_TICKS)
     }
 
     /// Opens a topic for reading with the deep buffer of the recorder.
@@ -142,39 +228,46 @@ impl Bus {
     /// # Errors
     /// As [`Bus::publisher`].
     pub fn recorder<T: Topic>(&self) -> Result<Subscriber<T>, BusError> {
-        Subscriber::open(&self.node, &self.options, self.options.recorder_ticks)
+        self.subscribe(self.options.recorder_ticks)
+    }
+
+    fn subscribe<T: Topic>(&self, ticks: usize) -> Result<Subscriber<T>, BusError> {
+        match &self.backend {
+            Backend::Ipc { node, .. } => Subscriber::open(node, &self.options, ticks),
+            Backend::Local(hub) => Subscriber::open_local(hub, &self.options, ticks),
+        }
     }
 
     /// Opens the asking side of a request–response service.
     ///
     /// # Errors
-    /// As [`Bus::publisher`].
+    /// As [`Bus::publisher`]; [`BusError::NeedsProcesses`] on a bus in memory.
     pub fn client<S: Service>(&self, capacity: usize) -> Result<Client<S>, BusError> {
-        Client::open(&self.node, capacity)
+        Client::open(self.node(S::NAME, "request–response")?, capacity)
     }
 
     /// Opens the answering side of a request–response service.
     ///
     /// # Errors
-    /// As [`Bus::publisher`].
+    /// As [`Bus::publisher`]; [`BusError::NeedsProcesses`] on a bus in memory.
     pub fn server<S: Service>(&self, capacity: usize) -> Result<Server<S>, BusError> {
-        Server::open(&self.node, capacity)
+        Server::open(self.node(S::NAME, "request–response")?, capacity)
     }
 
     /// Opens the waking side of an event.
     ///
     /// # Errors
-    /// As [`Bus::publisher`].
+    /// As [`Bus::publisher`]; [`BusError::NeedsProcesses`] on a bus in memory.
     pub fn notifier(&self, name: &'static str) -> Result<Notifier, BusError> {
-        Notifier::open(&self.node, name)
+        Notifier::open(self.node(name, "events")?, name)
     }
 
     /// Opens the waiting side of an event.
     ///
     /// # Errors
-    /// As [`Bus::publisher`].
+    /// As [`Bus::publisher`]; [`BusError::NeedsProcesses`] on a bus in memory.
     pub fn listener(&self, name: &'static str) -> Result<Listener, BusError> {
-        Listener::open(&self.node, name)
+        Listener::open(self.node(name, "events")?, name)
     }
 }
 

@@ -1,14 +1,15 @@
 //! The sending side of a topic.
 
 use core::cell::Cell;
+use std::sync::Arc;
 use std::time::Duration;
 
 use iceoryx2::port::LoanError;
 use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::prelude::{AllocationStrategy, BackpressureStrategy, Node, ipc};
 
-use super::{BusError, BusOptions, SendError, service};
-use crate::clock;
+use super::{BusError, BusOptions, Hub, SendError, local, service};
+use crate::clock::StampClock;
 use crate::stamp::Header;
 use crate::topics::Topic;
 
@@ -36,9 +37,15 @@ impl PublisherOptions {
 
 /// Sends messages of one topic.
 pub struct Publisher<T: Topic> {
-    port: iceoryx2::port::publisher::Publisher<ipc::Service, [T::Element], T::Header>,
+    port: Port<T>,
     options: PublisherOptions,
     sequence: Cell<u64>,
+}
+
+/// A publisher of one of the buses.
+enum Port<T: Topic> {
+    Ipc(iceoryx2::port::publisher::Publisher<ipc::Service, [T::Element], T::Header>),
+    Local(local::Sender<T>),
 }
 
 impl<T: Topic> Publisher<T> {
@@ -76,7 +83,19 @@ impl<T: Topic> Publisher<T> {
             reason: format!("{e:?}"),
         })?;
         Ok(Self {
-            port,
+            port: Port::Ipc(port),
+            options,
+            sequence: Cell::new(0),
+        })
+    }
+
+    pub(super) fn open_local(
+        hub: &Hub,
+        bus: &BusOptions,
+        options: PublisherOptions,
+    ) -> Result<Self, BusError> {
+        Ok(Self {
+            port: Port::Local(local::Sender::open(hub.channel(bus)?)?),
             options,
             sequence: Cell::new(0),
         })
@@ -93,26 +112,37 @@ impl<T: Topic> Publisher<T> {
     /// # Errors
     /// [`SendError::Transport`] if iceoryx2 cannot connect.
     pub fn update_connections(&self) -> Result<(), SendError> {
-        self.port
-            .update_connections()
-            .map_err(|e| SendError::Transport {
+        match &self.port {
+            Port::Ipc(port) => port.update_connections().map_err(|e| SendError::Transport {
                 topic: T::NAME,
                 reason: format!("{e:?}"),
-            })
+            }),
+            // Whoever opens a port there is connected.
+            Port::Local(_) => Ok(()),
+        }
     }
 
-    /// Sends a message whose elements are copied into shared memory; returns how many subscribers
-    /// got it. The stamp's sequence, source and sending clock are filled in.
+    /// Sends a message whose elements are copied; returns how many subscribers got it. The stamp's
+    /// sequence, source and sending clock (0 on a bus in memory) are filled in.
     ///
     /// # Errors
     /// [`SendError::Capacity`] if it has too many elements, [`SendError::Blocked`] if a receiver
-    /// did not make room within the publisher's patience, [`SendError::Transport`] otherwise.
+    /// did not make room within the publisher's patience (on a bus in memory: had no room),
+    /// [`SendError::Transport`] otherwise.
     pub fn send(&self, header: T::Header, elements: &[T::Element]) -> Result<usize, SendError> {
-        let sample = self.loan(header, elements.len())?;
-        self.finish(sample.write_from_slice(elements))
+        let header = self.stamped(header, elements.len())?;
+        match &self.port {
+            Port::Ipc(port) => {
+                let sample = loan::<T>(port, header, elements.len())?;
+                self.finish(sample.write_from_slice(elements))
+            }
+            Port::Local(port) => self.sent(port.send(|message| {
+                message.fill(header, |own| own.extend_from_slice(elements));
+            })),
+        }
     }
 
-    /// Sends a message whose elements are made in place, in shared memory.
+    /// Sends a message whose elements are made in place, in the memory of the message.
     ///
     /// # Errors
     /// As [`Publisher::send`].
@@ -122,12 +152,39 @@ impl<T: Topic> Publisher<T> {
         count: usize,
         element: impl FnMut(usize) -> T::Element,
     ) -> Result<usize, SendError> {
-        let sample = self.loan(header, count)?;
-        self.finish(sample.write_from_fn(element))
+        let header = self.stamped(header, count)?;
+        match &self.port {
+            Port::Ipc(port) => {
+                let sample = loan::<T>(port, header, count)?;
+                self.finish(sample.write_from_fn(element))
+            }
+            Port::Local(port) => self.sent(port.send(|message| {
+                message.fill(header, |own| own.extend((0..count).map(element)));
+            })),
+        }
     }
 
-    /// Memory for a message, its header filled in.
-    fn loan(&self, mut header: T::Header, count: usize) -> Result<Loan<T>, SendError> {
+    /// Sends a message whose elements receivers in the same process may share with the sender; to
+    /// other processes they are copied.
+    ///
+    /// # Errors
+    /// As [`Publisher::send`].
+    pub fn send_shared(
+        &self,
+        header: T::Header,
+        elements: &Arc<[T::Element]>,
+    ) -> Result<usize, SendError> {
+        match &self.port {
+            Port::Ipc(_) => self.send(header, elements),
+            Port::Local(port) => {
+                let header = self.stamped(header, elements.len())?;
+                self.sent(port.send(|message| message.share(header, elements)))
+            }
+        }
+    }
+
+    /// The header with the publisher's part of the stamp filled in; the message must fit.
+    fn stamped(&self, mut header: T::Header, count: usize) -> Result<T::Header, SendError> {
         if count > self.options.capacity {
             return Err(SendError::Capacity {
                 topic: T::NAME,
@@ -135,20 +192,16 @@ impl<T: Topic> Publisher<T> {
                 capacity: self.options.capacity,
             });
         }
-        let mut sample =
-            self.port
-                .loan_slice_uninit(count)
-                .map_err(|e: LoanError| SendError::Transport {
-                    topic: T::NAME,
-                    reason: format!("cannot loan memory: {e:?}"),
-                })?;
         let stamp = header.stamp_mut();
         stamp.sequence = self.sequence.get();
         stamp.source = self.options.source;
         stamp.reserved = 0;
-        stamp.sent_ns = clock::monotonic_ns();
-        *sample.user_header_mut() = header;
-        Ok(sample)
+        stamp.sent_ns = match self.port {
+            Port::Ipc(_) => StampClock::MONOTONIC,
+            Port::Local(_) => StampClock::STANDING,
+        }
+        .now_ns();
+        Ok(header)
     }
 
     fn finish(&self, sample: Filled<T>) -> Result<usize, SendError> {
@@ -165,6 +218,32 @@ impl<T: Topic> Publisher<T> {
         self.sequence.set(self.sequence.get() + 1);
         Ok(sent)
     }
+
+    /// What [`Publisher::finish`] is for iceoryx2, for a bus in memory.
+    fn sent(&self, delivered: Option<usize>) -> Result<usize, SendError> {
+        let sent = delivered.ok_or(SendError::Blocked {
+            topic: T::NAME,
+            waited: Duration::ZERO,
+        })?;
+        self.sequence.set(self.sequence.get() + 1);
+        Ok(sent)
+    }
+}
+
+/// Memory for a message, its header filled in.
+fn loan<T: Topic>(
+    port: &iceoryx2::port::publisher::Publisher<ipc::Service, [T::Element], T::Header>,
+    header: T::Header,
+    count: usize,
+) -> Result<Loan<T>, SendError> {
+    let mut sample =
+        port.loan_slice_uninit(count)
+            .map_err(|e: LoanError| SendError::Transport {
+                topic: T::NAME,
+                reason: format!("cannot loan memory: {e:?}"),
+            })?;
+    *sample.user_header_mut() = header;
+    Ok(sample)
 }
 
 /// Shared memory that has not been written yet.

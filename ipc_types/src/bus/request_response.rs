@@ -98,7 +98,7 @@ pub(super) fn create<S: Service>(
         .max_active_requests_per_client(OPEN_REQUESTS)
         .max_servers(1)
         .max_clients(options.size.processes + 1)
-        .max_nodes(options.size.processes + super::OWN_NODES + crate::topics::ONLOOKERS)
+        .max_nodes(super::nodes(&options.size))
         .create_with_attributes(&attributes)
         .map_err(|e| failed(format!("{e:?}")))?;
     Ok(TopicHolder::new(S::NAME, service))

@@ -89,7 +89,7 @@ pub(super) fn create<T: Topic>(
         .subscriber_max_borrowed_samples(2)
         .max_publishers(qos.publishers)
         .max_subscribers(qos.subscribers)
-        .max_nodes(options.size.processes + super::OWN_NODES + crate::topics::ONLOOKERS)
+        .max_nodes(super::nodes(&options.size))
         .enable_safe_overflow(options.overflow)
         .create_with_attributes(&attributes)
         .map_err(|e| failed(format!("{e:?}")))?;

@@ -1,15 +1,24 @@
 //! The receiving side of a topic.
 
+use std::rc::Rc;
+use std::sync::Arc;
+
 use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::prelude::{Node, ipc};
 use iceoryx2::sample::Sample;
 
-use super::{BusError, BusOptions, ReceiveError, service};
+use super::{BusError, BusOptions, Hub, ReceiveError, local, service};
 use crate::topics::Topic;
 
 /// Receives messages of one topic, oldest first per publisher.
 pub struct Subscriber<T: Topic> {
-    port: iceoryx2::port::subscriber::Subscriber<ipc::Service, [T::Element], T::Header>,
+    port: Port<T>,
+}
+
+/// A subscriber of one of the buses.
+enum Port<T: Topic> {
+    Ipc(iceoryx2::port::subscriber::Subscriber<ipc::Service, [T::Element], T::Header>),
+    Local(local::Receiver<T>),
 }
 
 impl<T: Topic> Subscriber<T> {
@@ -27,7 +36,20 @@ impl<T: Topic> Subscriber<T> {
                 port: "subscriber",
                 reason: format!("{e:?}"),
             })?;
-        Ok(Self { port })
+        Ok(Self {
+            port: Port::Ipc(port),
+        })
+    }
+
+    pub(super) fn open_local(
+        hub: &Hub,
+        options: &BusOptions,
+        ticks: usize,
+    ) -> Result<Self, BusError> {
+        let receiver = local::Receiver::open(hub.channel(options)?, ticks)?;
+        Ok(Self {
+            port: Port::Local(receiver),
+        })
     }
 
     /// Connects to publishers that came since the last call or reception.
@@ -35,26 +57,34 @@ impl<T: Topic> Subscriber<T> {
     /// # Errors
     /// [`ReceiveError::Transport`] if iceoryx2 cannot connect.
     pub fn update_connections(&self) -> Result<(), ReceiveError> {
-        self.port
-            .update_connections()
-            .map_err(|e| ReceiveError::Transport {
-                topic: T::NAME,
-                reason: format!("{e:?}"),
-            })
+        match &self.port {
+            Port::Ipc(port) => port
+                .update_connections()
+                .map_err(|e| ReceiveError::Transport {
+                    topic: T::NAME,
+                    reason: format!("{e:?}"),
+                }),
+            Port::Local(_) => Ok(()),
+        }
     }
 
-    /// The next unread message, if any; its bytes stay in shared memory, mapped read-only.
+    /// The next unread message, if any; its bytes stay where they are (in shared memory, mapped
+    /// read-only).
     ///
     /// # Errors
     /// [`ReceiveError::Transport`] if iceoryx2 fails.
     pub fn receive(&self) -> Result<Option<Received<T>>, ReceiveError> {
-        self.port
-            .receive()
-            .map(|sample| sample.map(|sample| Received { sample }))
-            .map_err(|e| ReceiveError::Transport {
-                topic: T::NAME,
-                reason: format!("{e:?}"),
-            })
+        let held = match &self.port {
+            Port::Ipc(port) => port
+                .receive()
+                .map_err(|e| ReceiveError::Transport {
+                    topic: T::NAME,
+                    reason: format!("{e:?}"),
+                })?
+                .map(Held::Ipc),
+            Port::Local(port) => port.receive().map(Held::Local),
+        };
+        Ok(held.map(|held| Received { held }))
     }
 }
 
@@ -66,20 +96,49 @@ impl<T: Topic> core::fmt::Debug for Subscriber<T> {
     }
 }
 
-/// A message in shared memory, freed on drop. Hold at most two per subscriber.
+/// A message where its sender wrote it, freed on drop. Hold at most two per subscriber.
 pub struct Received<T: Topic> {
-    sample: Sample<ipc::Service, [T::Element], T::Header>,
+    held: Held<T>,
+}
+
+/// A message of one of the buses.
+enum Held<T: Topic> {
+    Ipc(Sample<ipc::Service, [T::Element], T::Header>),
+    Local(Rc<local::Message<T>>),
 }
 
 impl<T: Topic> Received<T> {
     /// The user header.
     pub fn header(&self) -> &T::Header {
-        self.sample.user_header()
+        match &self.held {
+            Held::Ipc(sample) => sample.user_header(),
+            Held::Local(message) => &message.header,
+        }
     }
 
     /// The elements.
     pub fn elements(&self) -> &[T::Element] {
-        self.sample.payload()
+        match &self.held {
+            Held::Ipc(sample) => sample.payload(),
+            Held::Local(message) => message.elements(),
+        }
+    }
+
+    /// The elements that a sender in the same process shares; `None` if they are the message's own.
+    pub fn shared(&self) -> Option<&Arc<[T::Element]>> {
+        match &self.held {
+            Held::Ipc(_) => None,
+            Held::Local(message) => message.shared(),
+        }
+    }
+
+    /// The elements to keep: a copy, unless a sender in the same process shares them
+    /// ([`Publisher::send_shared`](super::Publisher::send_shared)).
+    pub fn shared_elements(&self) -> Arc<[T::Element]> {
+        match &self.held {
+            Held::Ipc(sample) => Arc::from(sample.payload()),
+            Held::Local(message) => message.shared_elements(),
+        }
     }
 }
 

@@ -1,8 +1,9 @@
-//! The messages, by who speaks: the world, robots and their planners, perception, the optimiser,
-//! the processes themselves.
+//! The messages, by who speaks: the world, robots and their planners, perception, the referee, the
+//! optimiser, the processes themselves.
 
 pub mod optimiser;
 pub mod perception;
 pub mod process;
+pub mod referee;
 pub mod robot;
 pub mod world;

@@ -69,6 +69,33 @@ message! {
 }
 
 message! {
+    /// Header of `world/shapes`.
+    pub struct ShapesHeader = "protean/ShapesHeader" {
+        stamp: Stamp = "since when the shapes stand",
+        min_x: f64 = "smallest x of the world [m]; everything beyond the bounds is solid",
+        min_y: f64 = "smallest y of the world [m]",
+        max_x: f64 = "largest x of the world [m]",
+        max_y: f64 = "largest y of the world [m]",
+        revision: u32 = "revision of the map that the shapes make up",
+        shapes: u32 = "number of shapes",
+        complete: u32 = "1; or 0 with no shapes at all if the map has more than fit into a message",
+        reserved: u32 = "always 0",
+    }
+}
+
+message! {
+    /// One point of a shape in `world/shapes`. A shape is the convex hull of its points, grown by
+    /// their radius: a disc is one point, a polygon its corners, consecutive and counter-clockwise.
+    pub struct ShapePoint = "protean/ShapePoint" {
+        x: f64 = "x of the point [m]",
+        y: f64 = "y of the point [m]",
+        radius: f64 = "how far the shape reaches beyond the hull of its points [m], the same for all of them",
+        shape: u32 = "index of the shape that the point belongs to, from 0, ascending",
+        reserved: u32 = "always 0",
+    }
+}
+
+message! {
     /// One change of the obstacles in `world/obstacle_event`; applied at the start of the stamp's tick.
     pub struct ObstacleEvent = "protean/ObstacleEvent" {
         x: f64 = "reference point of the shape, x [m]",
@@ -126,4 +153,21 @@ impl WorldEvent {
     }
 }
 
-headers!(WorldHeader, MapHeader);
+message! {
+    /// How much of the area has been visited so far, in `world/coverage`.
+    pub struct CoverageState = "protean/CoverageState" {
+        fraction: f64 = "visited part of the free cells, 0..1",
+        coverable_fraction: f64 = "visited part of the cells that the robots can visit at all, 0..1",
+        cell_area: f64 = "area of a cell [m^2]",
+        mean_idleness: f64 = "mean time since the last visit over the coverable cells, since the start for cells not visited yet [s]",
+        max_idleness: f64 = "largest of these times [s]",
+        worst_idleness: f64 = "longest that any coverable cell has waited for a visit so far [s]",
+        visits: u64 = "visits of all cells; a stay without interruption counts once",
+        free: u32 = "free cells",
+        visited: u32 = "free cells that have been visited",
+        coverable: u32 = "free cells that the robots can visit at all",
+        covered: u32 = "coverable cells that have been visited",
+    }
+}
+
+headers!(WorldHeader, MapHeader, ShapesHeader);

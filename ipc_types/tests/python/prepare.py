@@ -25,12 +25,15 @@ with open(directory / "python-mcap.lock", "w") as lock:
     fcntl.flock(lock, fcntl.LOCK_EX)
     if not done.exists() or done.read_text() != wanted:
         shutil.rmtree(environment, ignore_errors=True)
-        venv.create(environment, with_pip=True)
-        subprocess.run(
-            [environment / "bin/python", "-m", "pip", "install", "--quiet",
-             "--disable-pip-version-check", "--requirement", requirements],
-            check=True,
-            stdout=sys.stderr,
-        )
+        install = ["install", "--quiet", "--disable-pip-version-check",
+                   "--requirement", requirements]
+        # The pip that is here, if it can: unpacking one into the environment takes longer than all
+        # packages.
+        venv.create(environment, with_pip=False)
+        outside = [sys.executable, "-m", "pip", "--python", environment / "bin/python"]
+        if subprocess.run(outside + install, stdout=sys.stderr).returncode != 0:
+            venv.create(environment, with_pip=True)
+            inside = [environment / "bin/python", "-m", "pip"]
+            subprocess.run(inside + install, check=True, stdout=sys.stderr)
         done.write_text(wanted)
 print(environment / "bin/python")

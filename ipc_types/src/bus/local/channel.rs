@@ -1,0 +1,115 @@
+//! One topic: its publishers' histories and its subscribers' queues.
+
+use core::cell::{Cell, RefCell};
+use std::collections::VecDeque;
+use std::rc::Rc;
+
+use super::Message;
+use crate::bus::{BusError, BusOptions, service};
+use crate::topics::{Qos, Topic};
+
+/// The unread messages of one subscriber, oldest first.
+pub(super) struct Queue<T: Topic> {
+    pub(super) messages: RefCell<VecDeque<Rc<Message<T>>>>,
+    capacity: usize,
+}
+
+/// Messages of one publisher that late joiners get, oldest first.
+type History<T> = VecDeque<Rc<Message<T>>>;
+
+/// A topic in memory.
+pub(in crate::bus) struct Channel<T: Topic> {
+    qos: Qos,
+    overflow: bool,
+    queues: RefCell<Vec<Rc<Queue<T>>>>,
+    /// Per publisher that lives, its number and the messages that late joiners get.
+    histories: RefCell<Vec<(usize, History<T>)>>,
+    /// Number of the next publisher.
+    next: Cell<usize>,
+}
+
+impl<T: Topic> Channel<T> {
+    pub(super) fn new(options: &BusOptions) -> Self {
+        Self {
+            qos: T::qos(&options.size),
+            overflow: options.overflow,
+            queues: RefCell::default(),
+            histories: RefCell::default(),
+            next: Cell::new(0),
+        }
+    }
+
+    /// Makes room for a publisher; returns its number.
+    pub(super) fn add_publisher(&self) -> Result<usize, BusError> {
+        let mut histories = self.histories.borrow_mut();
+        check_seats::<T>("publisher", histories.len(), self.qos.publishers)?;
+        let number = self.next.replace(self.next.get() + 1);
+        histories.push((number, VecDeque::with_capacity(self.qos.history + 1)));
+        Ok(number)
+    }
+
+    /// Takes a publisher out; what it sent stays with those who have it.
+    pub(super) fn remove_publisher(&self, number: usize) {
+        self.histories.borrow_mut().retain(|(n, _)| *n != number);
+    }
+
+    /// Makes a queue that holds `ticks` ticks of every publisher, with their histories in it.
+    pub(super) fn add_subscriber(&self, ticks: usize) -> Result<Rc<Queue<T>>, BusError> {
+        let mut queues = self.queues.borrow_mut();
+        check_seats::<T>("subscriber", queues.len(), self.qos.subscribers)?;
+        let per_publisher = service::buffer(&self.qos, ticks);
+        let histories = self.histories.borrow();
+        let messages = histories.iter().flat_map(|(_, sent)| sent).cloned();
+        let queue = Rc::new(Queue {
+            messages: RefCell::new(messages.collect()),
+            // iceoryx2 has a buffer per publisher; one for all of them keeps the order.
+            capacity: per_publisher.saturating_mul(self.qos.publishers),
+        });
+        queues.push(Rc::clone(&queue));
+        Ok(queue)
+    }
+
+    pub(super) fn remove_subscriber(&self, queue: &Rc<Queue<T>>) {
+        self.queues
+            .borrow_mut()
+            .retain(|other| !Rc::ptr_eq(other, queue));
+    }
+
+    /// Hands a message of a publisher to all subscribers; returns how many they are, `None` if one
+    /// of them has no room for it (then nobody gets it).
+    pub(super) fn deliver(&self, publisher: usize, message: &Rc<Message<T>>) -> Option<usize> {
+        let queues = self.queues.borrow();
+        let is_full = |queue: &Rc<Queue<T>>| queue.messages.borrow().len() >= queue.capacity;
+        if !self.overflow && queues.iter().any(is_full) {
+            return None;
+        }
+        for queue in queues.iter() {
+            let mut messages = queue.messages.borrow_mut();
+            if messages.len() >= queue.capacity {
+                messages.pop_front();
+            }
+            messages.push_back(Rc::clone(message));
+        }
+        if self.qos.history > 0 {
+            let mut histories = self.histories.borrow_mut();
+            if let Some((_, sent)) = histories.iter_mut().find(|(n, _)| *n == publisher) {
+                sent.push_back(Rc::clone(message));
+                if sent.len() > self.qos.history {
+                    sent.pop_front();
+                }
+            }
+        }
+        Some(queues.len())
+    }
+}
+
+fn check_seats<T: Topic>(port: &'static str, taken: usize, seats: usize) -> Result<(), BusError> {
+    if taken < seats {
+        return Ok(());
+    }
+    Err(BusError::Port {
+        topic: T::NAME,
+        port,
+        reason: format!("all {seats} are taken"),
+    })
+}

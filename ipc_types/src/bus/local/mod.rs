@@ -1,0 +1,68 @@
+//! The bus of a run in one thread of one process: typed queues in ordinary memory.
+//!
+//! What processes can tell apart from iceoryx2 is kept: the order of every publisher, histories
+//! for those who join late, the capacity of a publisher, the depth of a subscriber's buffer, the
+//! number of ports. What has no meaning in one thread is not there: nobody can make room while a
+//! sender waits, so that a full buffer fails at once; and no clock is read, so that the clocks of
+//! the stamps stay 0.
+
+mod channel;
+mod message;
+mod ports;
+
+use core::any::Any;
+use core::cell::RefCell;
+use std::collections::BTreeMap;
+use std::rc::Rc;
+use std::sync::Arc;
+
+use channel::Channel;
+pub(super) use message::Message;
+pub(super) use ports::{Receiver, Sender};
+
+use super::{BusError, BusOptions};
+use crate::schema;
+use crate::topics::Topic;
+
+/// The topics of one run in memory.
+pub(super) struct Hub {
+    /// Every topic's [`Channel`], by its name.
+    channels: RefCell<BTreeMap<&'static str, Rc<dyn Any>>>,
+    /// What the processes share besides messages.
+    pub(super) commons: Option<Arc<dyn Any + Send + Sync>>,
+}
+
+impl Hub {
+    pub(super) fn new(commons: Option<Arc<dyn Any + Send + Sync>>) -> Self {
+        Self {
+            channels: RefCell::default(),
+            commons,
+        }
+    }
+
+    /// The channel of a topic, made when it is first asked for.
+    pub(super) fn channel<T: Topic>(
+        &self,
+        options: &BusOptions,
+    ) -> Result<Rc<Channel<T>>, BusError> {
+        let channel = Rc::clone(
+            self.channels
+                .borrow_mut()
+                .entry(T::NAME)
+                .or_insert_with(|| Rc::new(Channel::<T>::new(options))),
+        );
+        channel.downcast().map_err(|_| BusError::Mismatch {
+            topic: T::NAME,
+            ours: format!("schema {}", schema::hash::<T>()),
+            theirs: "another type of the same name".into(),
+        })
+    }
+}
+
+impl core::fmt::Debug for Hub {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Hub")
+            .field("topics", &self.channels.borrow().len())
+            .finish_non_exhaustive()
+    }
+}

@@ -1,0 +1,71 @@
+//! Both ends of a topic in memory.
+
+use core::cell::RefCell;
+use std::collections::VecDeque;
+use std::rc::Rc;
+
+use super::Message;
+use super::channel::{Channel, Queue};
+use crate::bus::{BusError, LOOP_TICKS};
+use crate::topics::Topic;
+
+/// The sending end.
+pub(in crate::bus) struct Sender<T: Topic> {
+    channel: Rc<Channel<T>>,
+    number: usize,
+    /// Messages sent before, the oldest first: the one nobody looks at any more is written again.
+    sent: RefCell<VecDeque<Rc<Message<T>>>>,
+}
+
+impl<T: Topic> Sender<T> {
+    pub(in crate::bus) fn open(channel: Rc<Channel<T>>) -> Result<Self, BusError> {
+        let number = channel.add_publisher()?;
+        Ok(Self {
+            channel,
+            number,
+            sent: RefCell::new(VecDeque::with_capacity(LOOP_TICKS)),
+        })
+    }
+
+    /// Sends what `write` makes of a message; how many got it, `None` if one of them had no room.
+    pub(in crate::bus) fn send(&self, write: impl FnOnce(&mut Message<T>)) -> Option<usize> {
+        let mut sent = self.sent.borrow_mut();
+        let free = sent.iter().position(|old| Rc::strong_count(old) == 1);
+        let mut message = free.and_then(|at| sent.remove(at)).unwrap_or_default();
+        if let Some(unshared) = Rc::get_mut(&mut message) {
+            write(unshared);
+        }
+        let delivered = self.channel.deliver(self.number, &message);
+        sent.push_back(message);
+        delivered
+    }
+}
+
+impl<T: Topic> Drop for Sender<T> {
+    fn drop(&mut self) {
+        self.channel.remove_publisher(self.number);
+    }
+}
+
+/// The receiving end.
+pub(in crate::bus) struct Receiver<T: Topic> {
+    channel: Rc<Channel<T>>,
+    queue: Rc<Queue<T>>,
+}
+
+impl<T: Topic> Receiver<T> {
+    pub(in crate::bus) fn open(channel: Rc<Channel<T>>, ticks: usize) -> Result<Self, BusError> {
+        let queue = channel.add_subscriber(ticks)?;
+        Ok(Self { channel, queue })
+    }
+
+    pub(in crate::bus) fn receive(&self) -> Option<Rc<Message<T>>> {
+        self.queue.messages.borrow_mut().pop_front()
+    }
+}
+
+impl<T: Topic> Drop for Receiver<T> {
+    fn drop(&mut self) {
+        self.channel.remove_subscriber(&self.queue);
+    }
+}

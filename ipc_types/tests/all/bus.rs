@@ -1,0 +1,170 @@
+//! The bus between processes, as two nodes of one: what it does not share with the bus in memory.
+
+use std::time::Duration;
+
+use ipc_types::bus::{Bus, PublisherOptions};
+use ipc_types::messages::world::{RobotState, WorldHeader};
+use ipc_types::topics::{self, Commands, OptimiserPlan, Topic, TopicVisitor, WorldState};
+
+use crate::support::{OtherCommands, Space, options};
+
+#[test]
+fn messages_carry_the_clock_of_their_sending() {
+    let space = Space::new("clocks");
+    space.0.create_root().unwrap();
+    let holder = Bus::join(&space.0, options(false), "holder").unwrap();
+    let _service = holder.create::<WorldState>().unwrap();
+    let bus = Bus::join(&space.0, options(false), "process").unwrap();
+    let publisher = bus
+        .publisher::<WorldState>(PublisherOptions::new(7, 2))
+        .unwrap();
+    let subscriber = bus.subscriber::<WorldState>().unwrap();
+    publisher.update_connections().unwrap();
+    let mut last = ipc_types::clock::monotonic_ns();
+    for _ in 0..3 {
+        let robots = [RobotState::default(); 2];
+        publisher.send(WorldHeader::default(), &robots).unwrap();
+        let message = subscriber.receive().unwrap().expect("one per sending");
+        let sent = message.header().stamp.sent_ns;
+        assert!(sent > last && sent <= ipc_types::clock::monotonic_ns());
+        last = sent;
+    }
+}
+
+#[test]
+fn runs_do_not_see_each_other() {
+    let (a, b) = (Space::new("a"), Space::new("b"));
+    a.0.create_root().unwrap();
+    b.0.create_root().unwrap();
+    let bus_a = Bus::join(&a.0, options(false), "a").unwrap();
+    let _service = bus_a.create::<Commands>().unwrap();
+    let bus_b = Bus::join(&b.0, options(false), "b").unwrap();
+    let error = bus_b.subscriber::<Commands>().unwrap_err().to_string();
+    assert!(
+        error.contains("robot/command") && error.contains("no such service"),
+        "{error}"
+    );
+    assert!(
+        error.contains(b.0.prefix()),
+        "names the run that was searched: {error}"
+    );
+}
+
+#[test]
+fn every_topic_can_be_created_and_opened_and_its_schema_is_its_own() {
+    struct Visit<'a>(&'a Bus, Vec<String>, Vec<Box<dyn core::any::Any>>);
+    impl TopicVisitor for Visit<'_> {
+        type Error = ipc_types::bus::BusError;
+        fn visit<T: Topic>(&mut self) -> Result<(), Self::Error> {
+            self.2.push(Box::new(self.0.create::<T>()?));
+            self.2.push(Box::new(
+                self.0.publisher::<T>(PublisherOptions::new(0, 4))?,
+            ));
+            self.2.push(Box::new(self.0.subscriber::<T>()?));
+            self.2.push(Box::new(self.0.recorder::<T>()?));
+            self.1.push(ipc_types::schema::hash::<T>());
+            Ok(())
+        }
+    }
+    let space = Space::new("all");
+    space.0.create_root().unwrap();
+    let bus = Bus::join(&space.0, options(false), "process").unwrap();
+    let mut visit = Visit(&bus, Vec::new(), Vec::new());
+    topics::for_each_topic(&mut visit).unwrap();
+    let mut hashes = visit.1.clone();
+    hashes.sort();
+    hashes.dedup();
+    assert_eq!(hashes.len(), topics::NAMES.len());
+}
+
+#[test]
+fn a_mismatch_names_both_sides() {
+    let space = Space::new("mismatch");
+    space.0.create_root().unwrap();
+    let bus = Bus::join(&space.0, options(false), "process").unwrap();
+    let _service = bus.create::<Commands>().unwrap();
+    let error = bus.subscriber::<OtherCommands>().unwrap_err().to_string();
+    for part in [
+        "robot/command",
+        "protean/RobotState",
+        "protean/Command",
+        "schema",
+    ] {
+        assert!(error.contains(part), "{part} missing in: {error}");
+    }
+}
+
+#[test]
+fn requests_are_answered_and_ended() {
+    use ipc_types::messages::optimiser::{
+        PlanRequest, PlanResponse, RequestObstacle, TrajectorySample,
+    };
+    let space = Space::new("request");
+    space.0.create_root().unwrap();
+    let bus = Bus::join(&space.0, options(false), "process").unwrap();
+    let _service = bus.create_service::<OptimiserPlan>().unwrap();
+    let server = bus.server::<OptimiserPlan>(16).unwrap();
+    let client = bus.client::<OptimiserPlan>(8).unwrap();
+    let request = PlanRequest {
+        robot: 3,
+        ..PlanRequest::default()
+    };
+    let pending = client
+        .ask(request, &[RequestObstacle::default(); 2])
+        .unwrap();
+    assert!(pending.poll().unwrap().is_none());
+    let active = server.receive().unwrap().expect("the request");
+    assert!(active.is_wanted());
+    assert_eq!((active.header().robot, active.elements().len()), (3, 2));
+    let answer = PlanResponse {
+        final_time: 1.5,
+        ..PlanResponse::default()
+    };
+    active
+        .answer(answer, &[TrajectorySample::default(); 5])
+        .unwrap();
+    let (header, samples) = pending.poll().unwrap().expect("the answer");
+    assert_eq!((header.final_time, samples.len()), (1.5, 5));
+    drop(active);
+    assert!(!pending.is_open());
+}
+
+#[test]
+fn events_wake_with_their_ids_coalesced() {
+    let space = Space::new("event");
+    space.0.create_root().unwrap();
+    let bus = Bus::join(&space.0, options(false), "process").unwrap();
+    let _service = bus.create_event("run/wake").unwrap();
+    let listener = bus.listener("run/wake").unwrap();
+    let notifier = bus.notifier("run/wake").unwrap();
+    for id in [3, 3, 5] {
+        assert_eq!(notifier.notify(id).unwrap(), 1);
+    }
+    let mut ids = Vec::new();
+    listener
+        .wait(Duration::from_secs(5), |id| ids.push(id))
+        .unwrap();
+    ids.sort_unstable();
+    assert_eq!(ids, [3, 5]);
+}
+
+#[test]
+fn a_wiped_space_leaves_nothing() {
+    let space = Space::new("wipe");
+    space.0.create_root().unwrap();
+    let bus = Bus::join(&space.0, options(false), "process").unwrap();
+    let service = bus.create::<WorldState>().unwrap();
+    let publisher = bus
+        .publisher::<WorldState>(PublisherOptions::new(0, 2))
+        .unwrap();
+    drop((publisher, service, bus));
+    space.0.wipe().unwrap();
+    assert!(!space.0.root().exists());
+    let left: Vec<_> = std::fs::read_dir("/dev/shm")
+        .unwrap()
+        .flatten()
+        .map(|e| e.file_name().to_string_lossy().into_owned())
+        .filter(|name| name.starts_with(space.0.prefix()))
+        .collect();
+    assert!(left.is_empty(), "{left:?}");
+}

@@ -1,0 +1,84 @@
+//! What the tests of the bus share.
+
+use std::time::Duration;
+
+use ipc_types::bus::{Bus, BusOptions, PublisherOptions, RunSpace};
+use ipc_types::messages::world::{RobotState, WorldHeader};
+use ipc_types::stamp::PlainHeader;
+use ipc_types::topics::{self, Commands, RunSize, Topic};
+
+/// A run space of its own that is wiped when the test ends, also by a panic.
+pub struct Space(
+    pub RunSpace,
+    #[expect(dead_code, reason = "removed when dropped")] tempfile::TempDir,
+);
+
+impl Space {
+    /// Named, but not yet made; no two tests of the program may use the same name.
+    pub fn new(name: &str) -> Self {
+        let directory = tempfile::Builder::new()
+            .prefix("pt")
+            .tempdir_in("/tmp")
+            .unwrap();
+        let prefix = format!("pt_{}_{name}_", std::process::id());
+        Self(
+            RunSpace::new(directory.path().join("r"), prefix).unwrap(),
+            directory,
+        )
+    }
+}
+
+impl Drop for Space {
+    fn drop(&mut self) {
+        let _ = self.0.wipe();
+    }
+}
+
+/// A bus for two robots and three processes.
+pub fn options(overflow: bool) -> BusOptions {
+    BusOptions {
+        size: RunSize {
+            robots: 2,
+            processes: 3,
+            events: 1,
+        },
+        recorder_ticks: 8,
+        overflow,
+    }
+}
+
+/// A bus in memory.
+pub fn local(overflow: bool) -> Bus {
+    Bus::local(options(overflow), None)
+}
+
+/// How to open a port whose sender does not wait long.
+pub fn port(source: u32, capacity: usize) -> PublisherOptions {
+    PublisherOptions {
+        patience: Duration::from_millis(20),
+        ..PublisherOptions::new(source, capacity)
+    }
+}
+
+/// The header of the state of a tick.
+pub fn state(tick: u64) -> WorldHeader {
+    let mut header = WorldHeader::default();
+    header.stamp.tick = tick;
+    header
+}
+
+/// The topic of commands with another element: what a process of another build would open.
+#[derive(Debug)]
+pub struct OtherCommands;
+
+impl Topic for OtherCommands {
+    const NAME: &'static str = Commands::NAME;
+    const SHAPE: topics::Shape = topics::Shape::One;
+    const ELEMENTS: &'static str = "command";
+    const SIMULATED: bool = true;
+    type Header = PlainHeader;
+    type Element = RobotState;
+    fn qos(size: &RunSize) -> topics::Qos {
+        Commands::qos(size)
+    }
+}
