@@ -9,6 +9,7 @@ use core::f64::consts::{PI, TAU};
 
 pub use libm::{acos, asin, atan, atan2, cos, exp, hypot, log as ln, pow, sin, sincos, tan, tanh};
 pub use libm::{cosf, expf, logf as lnf, sincosf, sinf, tanhf};
+pub use libm::{erfc, lgamma as ln_gamma};
 
 /// Wraps an angle [rad] into (−π, π].
 ///

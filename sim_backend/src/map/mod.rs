@@ -3,16 +3,25 @@
 mod cells;
 mod field;
 mod index;
+mod passage;
 mod pgm;
 mod query;
+mod recent;
 mod ros;
+mod segment;
+mod shape_map;
 mod spec;
 mod vector;
 mod world_map;
+mod world_queries;
 
 pub use cells::CellMap;
+pub use passage::{Passages, Reach};
 pub use pgm::{MAX_PIXELS, Pgm, PgmError};
+pub use query::Hit;
 pub use ros::{RosMap, RosMapError};
+pub use segment::TOUCHING;
+pub use shape_map::ShapeMap;
 pub use spec::{MapError, MapSpec, UnknownCells};
 pub use vector::{Bounds, MAX_CELLS, ObstacleSpec, VectorMap, VectorMapError};
 pub use world_map::{Obstacle, ObstacleChange, ObstacleError, ObstacleId, WorldMap};

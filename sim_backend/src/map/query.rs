@@ -1,16 +1,22 @@
 //! Exact questions to the map.
 
 use nalgebra::{Point2, Vector2};
-use parry2d_f64::math::{Pose, Vector};
-use parry2d_f64::query::{self, Unsupported};
-use parry2d_f64::shape;
 
-use super::WorldMap;
+use super::ShapeMap;
 use crate::shape::{Aabb, Contact};
 
 /// How far beyond the border of a bucket [m] a hit still counts as inside: above the rounding of
 /// the border crossings, below the slack with which pieces are listed.
 const BORDER: f64 = 1e-10;
+
+/// What a ray meets first.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hit {
+    /// Distance along the ray [m].
+    pub distance: f64,
+    /// Index of the piece; `None` for the edge of the map.
+    pub part: Option<u32>,
+}
 
 /// Distance [m] from a point to the edge of the map; negative beyond it, NaN for a NaN point.
 pub(super) fn edge_distance(bounds: &Aabb, p: Point2<f64>) -> f64 {
@@ -20,7 +26,7 @@ pub(super) fn edge_distance(bounds: &Aabb, p: Point2<f64>) -> f64 {
     if y >= x || x.is_nan() { x } else { y }
 }
 
-impl WorldMap {
+impl ShapeMap {
     /// Distance [m] from a point to the nearest obstacle or the edge of the map; 0 in an obstacle,
     /// beyond the edge, and for a point that is not finite.
     pub fn distance(&self, p: Point2<f64>) -> f64 {
@@ -103,7 +109,7 @@ impl WorldMap {
 
     /// Collects the pieces within `reach` [m] of a point, and perhaps some beyond; one look-up up
     /// to [`Self::cheap_reach`].
-    pub(crate) fn parts_within(&self, p: Point2<f64>, reach: f64, found: &mut Vec<u32>) {
+    pub fn parts_within(&self, p: Point2<f64>, reach: f64, found: &mut Vec<u32>) {
         if reach <= self.index.reach {
             found.clear();
             found.extend_from_slice(self.index.within_reach(p));
@@ -114,7 +120,13 @@ impl WorldMap {
 
     /// Collects, in order, the pieces in buckets that the rectangle spanned by two points and
     /// grown by `reach` [m] overlaps.
-    fn parts_in(&self, a: Point2<f64>, b: Point2<f64>, reach: f64, found: &mut Vec<u32>) {
+    pub(super) fn parts_in(
+        &self,
+        a: Point2<f64>,
+        b: Point2<f64>,
+        reach: f64,
+        found: &mut Vec<u32>,
+    ) {
         found.clear();
         let grow = Vector2::new(reach, reach);
         let (col0, row0) = self.index.bucket_at(a.inf(&b) - grow);
@@ -129,7 +141,7 @@ impl WorldMap {
     }
 
     /// Radius [m] within which [`Self::parts_within`] needs a single look-up.
-    pub(crate) fn cheap_reach(&self) -> f64 {
+    pub fn cheap_reach(&self) -> f64 {
         self.index.reach
     }
 
@@ -137,8 +149,17 @@ impl WorldMap {
     /// the edge of the map; 0 if the ray starts inside one, `None` if there is none within
     /// `range` [m].
     pub fn cast_ray(&self, origin: Point2<f64>, dir: Vector2<f64>, range: f64) -> Option<f64> {
+        self.first_hit(origin, dir, range).map(|hit| hit.distance)
+    }
+
+    /// As [`Self::cast_ray`], with what is hit.
+    pub fn first_hit(&self, origin: Point2<f64>, dir: Vector2<f64>, range: f64) -> Option<Hit> {
+        let at_edge = |distance: f64| Hit {
+            distance,
+            part: None,
+        };
         if !(edge_distance(&self.bounds, origin) > 0.0 && dir.x.is_finite() && dir.y.is_finite()) {
-            return Some(0.0);
+            return Some(at_edge(0.0));
         }
         let (_, edge) = self.bounds.ray_interval(origin, dir);
         let end = edge.min(range);
@@ -146,21 +167,34 @@ impl WorldMap {
         let (mut col, mut row) = self.index.bucket_at(origin);
         let (mut next_x, step_x) = crossing(origin.x, frame.origin.x, frame.resolution, col, dir.x);
         let (mut next_y, step_y) = crossing(origin.y, frame.origin.y, frame.resolution, row, dir.y);
-        let mut hit = f64::INFINITY;
+        let mut hit = at_edge(f64::INFINITY);
+        // The nearer of what was met and the edge of the map.
+        let nearest = |hit: Hit| {
+            if hit.distance <= edge {
+                hit
+            } else {
+                at_edge(edge)
+            }
+        };
         loop {
             for &i in self.index.touching(col, row) {
-                if let Some(t) = self.parts[i as usize].ray(origin, dir) {
-                    hit = hit.min(t);
+                if let Some(t) = self.parts[i as usize].ray(origin, dir)
+                    && t < hit.distance
+                {
+                    hit = Hit {
+                        distance: t,
+                        part: Some(i),
+                    };
                 }
             }
             let leave = next_x.min(next_y);
-            if hit <= leave + BORDER {
-                return (hit <= end).then_some(hit);
+            if hit.distance <= leave + BORDER {
+                return (hit.distance <= end).then_some(hit);
             }
             if leave >= end {
                 // Nothing before the edge of the map or the end of the range; a piece that was met
                 // lies beyond.
-                return (hit.min(edge) <= range).then(|| hit.min(edge));
+                return Some(nearest(hit)).filter(|hit| hit.distance <= range);
             }
             if next_x < next_y {
                 col = if dir.x > 0.0 {
@@ -178,7 +212,7 @@ impl WorldMap {
                 next_y += step_y;
             }
             if col >= frame.width || row >= frame.height {
-                return (hit.min(edge) <= range).then(|| hit.min(edge));
+                return Some(nearest(hit)).filter(|hit| hit.distance <= range);
             }
         }
     }
@@ -192,54 +226,6 @@ impl WorldMap {
             return self.distance(from) > 0.0;
         }
         self.cast_ray(from, offset / length, length).is_none()
-    }
-
-    /// Distance [m] between a segment and the nearest obstacle or the edge of the map; 0 if they
-    /// touch.
-    pub fn segment_distance(&self, a: Point2<f64>, b: Point2<f64>) -> f64 {
-        let edge = edge_distance(&self.bounds, a)
-            .min(edge_distance(&self.bounds, b))
-            .max(0.0);
-        // The distance of either end bounds the search.
-        let mut distance = edge.min(self.distance(a)).min(self.distance(b));
-        if distance > 0.0 {
-            let mut near = Vec::new();
-            self.parts_in(a, b, distance, &mut near);
-            let segment = shape::Segment::new(Vector::new(a.x, a.y), Vector::new(b.x, b.y));
-            for i in near {
-                let (pose, part) = self.parts[i as usize].to_parry();
-                // parry knows every pair of a segment and a convex shape.
-                if let Ok(d) = query::distance(&Pose::IDENTITY, &segment, &pose, part.as_ref()) {
-                    distance = distance.min(d.distance);
-                }
-            }
-        }
-        distance
-    }
-
-    /// Distance [m] between any parry shape at a pose and the nearest obstacle or the edge of the
-    /// map; 0 if they touch. For shapes that no other query answers: it asks parry about every
-    /// piece of the map.
-    ///
-    /// # Errors
-    /// If parry does not know the distance between this shape and a ball, a cuboid or a convex
-    /// polygon.
-    pub fn shape_distance(
-        &self,
-        pose: &Pose,
-        shape: &dyn shape::Shape,
-    ) -> Result<f64, Unsupported> {
-        let aabb = shape.compute_aabb(pose);
-        let corner = |v: Vector| Point2::new(v.x, v.y);
-        let mut distance = edge_distance(&self.bounds, corner(aabb.mins))
-            .min(edge_distance(&self.bounds, corner(aabb.maxs)))
-            .max(0.0);
-        for part in &self.parts {
-            let (part_pose, part) = part.to_parry();
-            distance =
-                distance.min(query::distance(pose, shape, &part_pose, part.as_ref())?.distance);
-        }
-        Ok(distance)
     }
 }
 

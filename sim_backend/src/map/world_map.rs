@@ -1,9 +1,9 @@
 //! The ground of a world: obstacles, their exact geometry, and the grids made from them.
 
 use std::path::Path;
+use std::sync::Arc;
 
-use super::index::ShapeIndex;
-use super::{CellMap, MapError, MapSpec, VectorMap, cells, field};
+use super::{CellMap, MapError, MapSpec, ShapeMap, VectorMap, cells};
 use crate::grid::{Grid, GridFrame};
 use crate::shape::{Aabb, Convex, Shape, ShapeError};
 use crate::spec::{FieldError, Region};
@@ -86,20 +86,13 @@ pub enum ObstacleError {
 /// map is a wall: everything beyond the bounds is solid.
 #[derive(Debug, Clone)]
 pub struct WorldMap {
-    pub(super) bounds: Aabb,
     exits: Vec<Region>,
     /// Rectangles of an occupancy grid; they never change.
     ground: Vec<Convex>,
     obstacles: Vec<Obstacle>,
     revision: u64,
-    /// The pieces of ground and obstacles, in this order.
-    pub(super) parts: Vec<Convex>,
-    pub(super) index: ShapeIndex,
-    occupancy: Grid<bool>,
-    pub(super) clearance: Grid<f32>,
-    pub(super) inverse_resolution: f64,
-    /// How much nearer [m] an obstacle may be to a point than the clearance of its cell says.
-    pub(super) clearance_error: f64,
+    /// The pieces of ground and obstacles, in this order; clones share them until they change.
+    shapes: Arc<ShapeMap>,
 }
 
 impl WorldMap {
@@ -184,39 +177,31 @@ impl WorldMap {
         obstacles: Vec<Obstacle>,
     ) -> Self {
         let mut map = Self {
-            bounds,
             exits,
             ground,
             obstacles,
             revision: 0,
-            parts: Vec::new(),
-            index: ShapeIndex::new(frame, bounds, &[]),
-            occupancy: Grid::filled(frame, false),
-            clearance: Grid::filled(frame, 0.0),
-            inverse_resolution: 1.0 / frame.resolution,
-            clearance_error: 0.0,
+            shapes: Arc::new(ShapeMap::new(
+                Vec::new(),
+                bounds,
+                GridFrame {
+                    width: 1,
+                    height: 1,
+                    ..frame
+                },
+            )),
         };
-        map.rebuild();
+        map.rebuild(bounds, frame);
         map
     }
 
     /// Recomputes everything that follows from ground and obstacles.
-    fn rebuild(&mut self) {
-        let frame = self.occupancy.frame;
-        self.parts.clear();
-        self.parts.extend_from_slice(&self.ground);
+    fn rebuild(&mut self, bounds: Aabb, frame: GridFrame) {
+        let mut parts = self.ground.clone();
         for obstacle in &self.obstacles {
-            self.parts.extend_from_slice(&obstacle.parts);
+            parts.extend_from_slice(&obstacle.parts);
         }
-        self.index = ShapeIndex::new(frame, self.bounds, &self.parts);
-        (self.occupancy, self.clearance) =
-            field::grids(frame, self.bounds, &self.parts, &self.index);
-        // A point is at most half a diagonal from its cell's centre and distance changes by at
-        // most the way moved; to that comes the rounding of f32, relative to the largest value.
-        let largest = self.clearance.cells.iter().copied().fold(0.0, f32::max);
-        self.clearance_error = frame.resolution * core::f64::consts::FRAC_1_SQRT_2 * (1.0 + 1e-9)
-            + f64::from(largest * f32::EPSILON)
-            + 1e-9;
+        self.shapes = Arc::new(ShapeMap::new(parts, bounds, frame));
     }
 
     /// Applies a change; grids, exact geometry and revision follow at once.
@@ -254,23 +239,23 @@ impl WorldMap {
             }
         }
         self.revision += 1;
-        self.rebuild();
+        self.rebuild(*self.bounds(), *self.frame());
         Ok(())
     }
 
     /// Where the grids' cells lie.
     pub fn frame(&self) -> &GridFrame {
-        &self.occupancy.frame
+        self.shapes.frame()
     }
 
     /// Per cell whether its centre lies in an obstacle.
     pub fn occupancy(&self) -> &Grid<bool> {
-        &self.occupancy
+        self.shapes.occupancy()
     }
 
     /// Per cell the distance [m] from its centre to the nearest obstacle; 0 inside one.
     pub fn clearance(&self) -> &Grid<f32> {
-        &self.clearance
+        self.shapes.clearance()
     }
 
     /// Number of changes applied so far.
@@ -280,7 +265,7 @@ impl WorldMap {
 
     /// The rectangle that the world occupies.
     pub fn bounds(&self) -> &Aabb {
-        &self.bounds
+        self.shapes.bounds()
     }
 
     /// Where evaders escape, as the map says (the rules may add more).
@@ -303,7 +288,12 @@ impl WorldMap {
 
     /// The convex pieces of everything that stands on the map.
     pub fn parts(&self) -> &[Convex] {
-        &self.parts
+        self.shapes.parts()
+    }
+
+    /// The pieces with everything that can be asked of them.
+    pub fn shapes(&self) -> &ShapeMap {
+        &self.shapes
     }
 }
 

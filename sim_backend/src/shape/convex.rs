@@ -40,16 +40,16 @@ pub struct Aabb {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Edge {
     /// Where the side starts [m].
-    start: Point2<f64>,
+    pub(super) start: Point2<f64>,
     /// Unit vector along the side.
-    along: Vector2<f64>,
+    pub(super) along: Vector2<f64>,
     /// Length of the side [m].
-    length: f64,
+    pub(super) length: f64,
 }
 
 impl Edge {
     /// Unit vector out of the polygon.
-    fn outward(&self) -> Vector2<f64> {
+    pub(super) fn outward(&self) -> Vector2<f64> {
         Vector2::new(self.along.y, -self.along.x)
     }
 }
@@ -385,4 +385,4 @@ fn polygon_contact(edges: &[Edge], p: Point2<f64>) -> Contact {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

@@ -2,9 +2,11 @@
 
 mod convex;
 mod polygon;
+mod travel;
 
 pub(crate) use convex::ray_disc;
 pub use convex::{Aabb, Contact, Convex};
+pub use travel::ShortArc;
 
 use nalgebra::Point2;
 use serde::{Deserialize, Serialize};

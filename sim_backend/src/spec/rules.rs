@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{FieldError, Region, non_negative, positive};
+use super::{CoverageSpec, FieldError, Region, non_negative, positive};
 
 /// Rules of a mission; the defaults are a world without a game: no capture, no exits, no end.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -15,6 +15,9 @@ pub struct RulesSpec {
     /// Simulated time [s] after which evaders and robots with a goal are timed out; never if
     /// absent.
     pub time_limit: Option<f64>,
+    /// Which area counts as visited; nothing is accounted for if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub coverage: Option<CoverageSpec>,
     /// What a robot does whose way is blocked.
     pub blocked: Blocked,
     /// What becomes of a caught evader's body.
@@ -29,6 +32,7 @@ impl Default for RulesSpec {
             capture: None,
             exits: Vec::new(),
             time_limit: None,
+            coverage: None,
             blocked: Blocked::Slide,
             caught: OutOfPlay::Stay,
             escaped: OutOfPlay::Remove,
@@ -100,6 +104,9 @@ impl RulesSpec {
                 limit,
                 "a number > 0 and ≤ 1e9 [s]",
             )?;
+        }
+        if let Some(coverage) = &self.coverage {
+            coverage.validate().map_err(|e| e.within("coverage"))?;
         }
         Ok(())
     }

@@ -1,5 +1,6 @@
 //! The world: robots on a map, under rules, one step at a time.
 
+mod coverage;
 mod error;
 mod event;
 mod impact;
@@ -9,6 +10,7 @@ mod rules;
 mod sense;
 mod start;
 
+pub use coverage::{Coverage, CoverageFigures};
 pub use error::WorldError;
 pub use event::{ContactWith, EventKind, GameOver, ObstacleAction, WorldEvent};
 
@@ -58,8 +60,9 @@ pub struct World {
     time: Duration,
     tick: u64,
     over: Option<GameOver>,
+    coverage: Option<Box<Coverage>>,
     events: Vec<WorldEvent>,
-    /// Events from between steps, delivered by the next.
+    /// Events from between steps, delivered by the next unless they are taken before.
     pending: Vec<EventKind>,
     // Memory of one step, kept so that steps do not allocate.
     motion: Motion,
@@ -99,8 +102,8 @@ impl World {
     /// of its range, no robots, robots that overlap, stand in a wall or outside the map, an exit or
     /// goal without a way to it.
     pub fn new(spec: WorldSpec) -> Result<Self, WorldError> {
-        let map = WorldMap::new(&spec.map)?;
-        Self::on_map(map, spec)
+        let map = WorldMap::recent(&spec.map)?;
+        Self::on_map(WorldMap::clone(&map), spec)
     }
 
     /// The same on a map that was loaded before (`spec.map` is not read).
@@ -130,6 +133,10 @@ impl World {
                 held: Duration::ZERO,
             })
             .collect();
+        let coverage = match &spec.rules.coverage {
+            Some(rule) => Some(Coverage::new(rule, &map, &robots).map_err(WorldError::Rules)?),
+            None => None,
+        };
         let n = robots.len();
         Ok(Self {
             map,
@@ -141,9 +148,10 @@ impl World {
             time: Duration::ZERO,
             tick: 0,
             over: None,
+            motion: Motion::new(n, coverage.is_some()),
+            coverage: coverage.map(Box::new),
             events: Vec::with_capacity(4 * n + 4),
             pending: Vec::new(),
-            motion: Motion::new(n),
             twists: vec![Twist2::STOP; n],
             solid: vec![true; n],
             pairs_before: Vec::with_capacity(n),
@@ -172,6 +180,9 @@ impl World {
         if seconds > 0.0 {
             self.execute_commands(commands, seconds);
             self.update_solid();
+            if let Some(coverage) = &mut self.coverage {
+                coverage.begin(&self.robots);
+            }
             core::mem::swap(&mut self.pairs_before, &mut self.motion.pairs);
             self.motion.advance(
                 &self.map,
@@ -181,11 +192,20 @@ impl World {
                 seconds,
                 self.rules.blocked,
             );
+            if let Some(coverage) = &mut self.coverage {
+                coverage.end(&self.robots, &self.motion, seconds, self.tick, self.time);
+            }
             self.report_contacts();
             self.update_odometry(seconds);
         }
         self.apply_rules(dt);
         &self.events
+    }
+
+    /// Takes what happened since the last step (obstacles that changed, robots that they pushed),
+    /// for who wants to tell of it before the next; that step does not deliver it again.
+    pub fn take_pending(&mut self) -> impl Iterator<Item = EventKind> + '_ {
+        self.pending.drain(..)
     }
 
     /// Decides what each drive does in this step.
@@ -294,6 +314,11 @@ impl World {
     /// The rules.
     pub fn rules(&self) -> &RulesSpec {
         &self.rules
+    }
+
+    /// The area that robots have visited, if the rules have it accounted for.
+    pub fn coverage(&self) -> Option<&Coverage> {
+        self.coverage.as_deref()
     }
 
     /// Where evaders escape: the map's exits, then those of the rules.

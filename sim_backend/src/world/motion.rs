@@ -10,7 +10,7 @@
 //! Two robots that meet are each blocked by their own motion toward the other only: who stands, or
 //! drives away, is not pushed.
 
-use nalgebra::Vector2;
+use nalgebra::{Point2, Vector2};
 
 use super::impact::{Mover, TOUCH, leads_away, slide, sweep, time_to_impact};
 use crate::map::WorldMap;
@@ -48,11 +48,17 @@ pub(super) struct Motion {
     movers: Vec<Mover>,
     parts: Vec<u32>,
     normals: Vec<Vector2<f64>>,
+    /// Whether `trace` is wanted.
+    traced: bool,
+    /// The pieces of the ways that contact bent, in order: robot and end of the piece.
+    pub trace: Vec<(usize, Point2<f64>)>,
 }
 
 impl Motion {
-    pub fn new(robots: usize) -> Self {
+    pub fn new(robots: usize, traced: bool) -> Self {
         Self {
+            traced,
+            trace: Vec::new(),
             touch: vec![Touch::default(); robots],
             pairs: Vec::with_capacity(robots),
             involved: vec![false; robots],
@@ -75,6 +81,7 @@ impl Motion {
         self.find_involved(map, robots, twists, solid, dt);
         self.pairs.clear();
         self.movers.clear();
+        self.trace.clear();
         for (i, (robot, &twist)) in robots.iter_mut().zip(twists).enumerate() {
             self.touch[i] = Touch::default();
             if self.involved[i] {
@@ -213,6 +220,9 @@ impl Motion {
             for mover in &mut self.movers {
                 mover.position += mover.velocity * time;
                 mover.path += mover.velocity.norm() * time;
+                if self.traced && mover.velocity != Vector2::zeros() {
+                    self.trace.push((mover.robot, mover.position));
+                }
             }
             left -= time;
             if left <= 0.0 {

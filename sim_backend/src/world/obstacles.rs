@@ -15,7 +15,7 @@ const ROOM: f64 = 1e-6;
 
 impl World {
     /// Applies an obstacle change between two steps; the map's grids and revision follow at once,
-    /// the events come with the next step.
+    /// the events come with the next step, or from [`Self::take_pending`].
     ///
     /// A robot on which the obstacle comes to stand is pushed to the nearest free place that it can
     /// be pushed to in a straight line past the other obstacles, at most 1 m and its diameter away.
@@ -60,6 +60,9 @@ impl World {
                 self.robots[i].trapped = true;
                 self.pending.push(EventKind::Trapped { robot: i });
             }
+        }
+        if let Some(coverage) = &mut self.coverage {
+            coverage.follow_map(&self.map, &self.robots);
         }
         Ok(())
     }

@@ -112,58 +112,18 @@ pub(super) fn check_places(
     Ok(())
 }
 
-/// Whether a robot can come from where it is into any of the regions: flood over the cells that may
-/// hold a point with enough clearance.
+/// Whether a robot can come from where it is into any of the regions, over cells that may hold a
+/// point with enough clearance.
 ///
 /// It errs on the side of passable, by less than a cell: an answer of no is certain.
 fn reaches_any(map: &WorldMap, robot: &Robot, regions: &[Region]) -> bool {
-    let frame = map.frame();
-    let clearance = &map.clearance().cells;
-    let half_diagonal = frame.resolution * core::f64::consts::FRAC_1_SQRT_2;
-    let needed = robot.radius() - half_diagonal - 1e-6;
-    let passable = |cell: usize| {
-        clearance
-            .get(cell)
-            .is_some_and(|&c| c > 0.0 && f64::from(c) >= needed)
-    };
-    let in_region = |col: usize, row: usize| {
-        let center = frame.center(col, row);
-        regions.iter().any(|region| {
-            region.contains(center) || frame.cell_at(region.center()) == Some((col, row))
-        })
-    };
-    if regions
-        .iter()
-        .any(|region| region.contains(robot.pose.position()))
-    {
+    let position = robot.pose.position();
+    if regions.iter().any(|region| region.contains(position)) {
         return true;
     }
-    let Some((col, row)) = frame.cell_at(robot.pose.position()) else {
-        return false;
-    };
-    let mut seen = vec![false; frame.len()];
-    let mut open = vec![(col, row)];
+    let half_diagonal = map.frame().resolution * core::f64::consts::FRAC_1_SQRT_2;
+    let passages = map.shapes().passages(robot.radius() - half_diagonal - 1e-6);
     // The start stands free (checked before), whatever its cell's centre does.
-    seen[frame.index(col, row)] = true;
-    while let Some((col, row)) = open.pop() {
-        if in_region(col, row) {
-            return true;
-        }
-        let neighbours = [
-            (col.wrapping_sub(1), row),
-            (col + 1, row),
-            (col, row.wrapping_sub(1)),
-            (col, row + 1),
-        ];
-        for (c, r) in neighbours {
-            if c < frame.width && r < frame.height {
-                let cell = frame.index(c, r);
-                if !seen[cell] && passable(cell) {
-                    seen[cell] = true;
-                    open.push((c, r));
-                }
-            }
-        }
-    }
-    false
+    let reach = passages.reach([position]);
+    regions.iter().any(|region| reach.meets(region))
 }

@@ -4,7 +4,7 @@ use proptest::prelude::*;
 
 use super::*;
 
-fn any_convex() -> impl Strategy<Value = Convex> {
+pub(in crate::shape) fn any_convex() -> impl Strategy<Value = Convex> {
     let center = || (-3.0..3.0f64, -3.0..3.0f64).prop_map(|(x, y)| Point2::new(x, y));
     let disc = (center(), 0.05..2.0f64).prop_map(|(c, r)| Convex::disc(c, r));
     let rectangle = (

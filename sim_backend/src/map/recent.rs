@@ -1,0 +1,66 @@
+//! Maps that were made lately.
+//!
+//! Checking a scenario, planning its run and simulating it all need its map, and a sweep needs the
+//! same one thousands of times. A map is a function of its specification, so that it does not
+//! matter who made it.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use super::{MapError, MapSpec, WorldMap};
+
+/// Most maps that are kept.
+const MOST: usize = 8;
+/// Most cells of a map that is kept: about 10 MB each.
+const MOST_CELLS: usize = 1 << 20;
+
+/// The newest stands last.
+static RECENT: Mutex<Vec<(MapSpec, Arc<WorldMap>)>> = Mutex::new(Vec::new());
+
+impl WorldMap {
+    /// As [`WorldMap::new`]; a map that was made lately is not made again. Files are read every
+    /// time: they may have changed.
+    ///
+    /// # Errors
+    /// As [`WorldMap::new`].
+    pub fn recent(spec: &MapSpec) -> Result<Arc<Self>, MapError> {
+        if let MapSpec::File { .. } = spec {
+            return Self::new(spec).map(Arc::new);
+        }
+        if let Some((_, map)) = lock().iter().find(|(known, _)| known == spec) {
+            return Ok(Arc::clone(map));
+        }
+        // Not under the lock: others need other maps meanwhile.
+        let map = Arc::new(Self::new(spec)?);
+        if map.frame().len() <= MOST_CELLS {
+            let mut recent = lock();
+            if recent.len() >= MOST {
+                recent.remove(0);
+            }
+            recent.push((spec.clone(), Arc::clone(&map)));
+        }
+        Ok(map)
+    }
+}
+
+fn lock() -> std::sync::MutexGuard<'static, Vec<(MapSpec, Arc<WorldMap>)>> {
+    // What a panic left behind is whole: entries are made before the lock is taken.
+    RECENT.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::map::VectorMap;
+
+    #[test]
+    fn the_same_specification_gives_the_same_map_and_another_another() {
+        let spec = |width: f64| MapSpec::Vector(VectorMap::empty([0.0; 2], [width, 3.17], 0.1));
+        let first = WorldMap::recent(&spec(4.0)).unwrap();
+        let again = WorldMap::recent(&spec(4.0)).unwrap();
+        assert!(Arc::ptr_eq(&first, &again));
+        let other = WorldMap::recent(&spec(5.0)).unwrap();
+        assert_ne!(other.frame().width, first.frame().width);
+        let bad = MapSpec::Vector(VectorMap::empty([0.0; 2], [f64::NAN, 1.0], 0.1));
+        assert!(WorldMap::recent(&bad).is_err());
+    }
+}

@@ -1,0 +1,76 @@
+//! What a world map is asked, answered by its pieces ([`ShapeMap`](super::ShapeMap)).
+
+use nalgebra::{Point2, Vector2};
+use parry2d_f64::math::Pose;
+use parry2d_f64::query::Unsupported;
+use parry2d_f64::shape;
+
+use super::WorldMap;
+use crate::shape::Contact;
+
+impl WorldMap {
+    /// Distance [m] from a point to the nearest obstacle or the edge of the map; 0 in an obstacle,
+    /// beyond the edge, and for a point that is not finite.
+    pub fn distance(&self, p: Point2<f64>) -> f64 {
+        self.shapes().distance(p)
+    }
+
+    /// As [`ShapeMap::clearance_at_least`](super::ShapeMap::clearance_at_least).
+    #[inline]
+    pub fn clearance_at_least(&self, p: Point2<f64>) -> f64 {
+        self.shapes().clearance_at_least(p)
+    }
+
+    /// Whether a disc of this radius [m] about a point touches no obstacle.
+    pub fn is_clear(&self, p: Point2<f64>, radius: f64) -> bool {
+        self.shapes().is_clear(p, radius)
+    }
+
+    /// As [`ShapeMap::nearest_contact`](super::ShapeMap::nearest_contact).
+    pub fn nearest_contact(&self, p: Point2<f64>) -> Contact {
+        self.shapes().nearest_contact(p)
+    }
+
+    /// As [`ShapeMap::cast_ray`](super::ShapeMap::cast_ray).
+    pub fn cast_ray(&self, origin: Point2<f64>, dir: Vector2<f64>, range: f64) -> Option<f64> {
+        self.shapes().cast_ray(origin, dir, range)
+    }
+
+    /// As [`ShapeMap::line_of_sight`](super::ShapeMap::line_of_sight).
+    pub fn line_of_sight(&self, from: Point2<f64>, to: Point2<f64>) -> bool {
+        self.shapes().line_of_sight(from, to)
+    }
+
+    /// As [`ShapeMap::segment_distance`](super::ShapeMap::segment_distance).
+    pub fn segment_distance(&self, a: Point2<f64>, b: Point2<f64>) -> f64 {
+        self.shapes().segment_distance(a, b)
+    }
+
+    /// As [`ShapeMap::shape_distance`](super::ShapeMap::shape_distance).
+    ///
+    /// # Errors
+    /// If parry does not know the distance between this shape and a ball, a cuboid or a convex
+    /// polygon.
+    pub fn shape_distance(
+        &self,
+        pose: &Pose,
+        shape: &dyn shape::Shape,
+    ) -> Result<f64, Unsupported> {
+        self.shapes().shape_distance(pose, shape)
+    }
+
+    /// As [`ShapeMap::edge_contacts`](super::ShapeMap::edge_contacts).
+    pub(crate) fn edge_contacts(&self, p: Point2<f64>) -> [Contact; 4] {
+        self.shapes().edge_contacts(p)
+    }
+
+    /// As [`ShapeMap::parts_within`](super::ShapeMap::parts_within).
+    pub(crate) fn parts_within(&self, p: Point2<f64>, reach: f64, found: &mut Vec<u32>) {
+        self.shapes().parts_within(p, reach, found);
+    }
+
+    /// Radius [m] within which [`Self::parts_within`] needs a single look-up.
+    pub(crate) fn cheap_reach(&self) -> f64 {
+        self.shapes().cheap_reach()
+    }
+}
