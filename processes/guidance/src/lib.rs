@@ -1,5 +1,6 @@
 //! Shared steering algorithms: what a planner sees, potential fields, feedback linearisation, and
-//! the routing that takes potential fields out of their local minima.
+//! the routing that takes potential fields out of their local minima; exact free space and shortest
+//! paths for planners that search.
 //!
 //! Everything here is pure: values in, values out, the same bits on every machine. The planners
 //! (`pursuer`, `evader_potential`, `evader_braitenberg`) are compositions of these parts:
@@ -13,11 +14,17 @@
 //! 5. a [`steering::Steering`] goes out: the command, and what a viewer wants to see.
 
 pub mod bearing;
+pub mod derived;
+pub mod dominance;
 pub mod feedback_linearisation;
+pub mod free_space;
 pub mod limits;
 pub mod map;
 pub mod navigation;
 pub mod params;
+pub mod path_tracking;
 pub mod potential_field;
 pub mod steering;
+pub mod tangent_graph;
 pub mod view;
+pub mod wavefront;

@@ -1,9 +1,14 @@
 //! The map as a planner needs it: how far the walls are, and the blurred free space.
 
+use std::sync::Arc;
+
 use nalgebra::{Point2, Vector2};
 use sim_backend::blur::BlurredMap;
 use sim_backend::grid::{Grid, GridFrame};
 use thiserror::Error;
+
+use crate::derived::Derived;
+use crate::free_space::FreeSpace;
 
 /// Clearances beyond this [m] are stored as this: a map without obstacles reports infinity, which
 /// would poison interpolation.
@@ -44,12 +49,16 @@ pub enum MapError {
 
 /// What a planner knows of the arena.
 ///
-/// Built from the layers of the shared map message; a planner needs no vector geometry.
+/// Built from the layers of the shared map message; a planner that steers by them needs no vector
+/// geometry. One that searches for paths gets the exact pieces beside them ([`Self::space`]).
 #[derive(Debug, Clone)]
 pub struct PlannerMap {
     blurred: BlurredMap,
     clearance: Grid<f32>,
     revision: u64,
+    space: Option<Arc<FreeSpace>>,
+    derived: Derived,
+    shared: bool,
 }
 
 impl PlannerMap {
@@ -79,7 +88,46 @@ impl PlannerMap {
             blurred,
             clearance,
             revision,
+            space: None,
+            derived: Derived::default(),
+            shared: false,
         })
+    }
+
+    /// The map with the exact geometry of the same revision.
+    #[must_use]
+    pub fn with_space(self, space: Arc<FreeSpace>) -> Self {
+        Self {
+            space: Some(space),
+            ..self
+        }
+    }
+
+    /// The map as one that several planners look at: they then keep for each other also what costs
+    /// more to keep than to make again for one planner alone. Results do not depend on it.
+    #[must_use]
+    pub fn shared(self) -> Self {
+        Self {
+            shared: true,
+            ..self
+        }
+    }
+
+    /// The exact geometry; `None` when only the grids are known: the planner did not ask for it,
+    /// or the map has more pieces than fit into a message.
+    pub fn space(&self) -> Option<&Arc<FreeSpace>> {
+        self.space.as_ref()
+    }
+
+    /// Whether several planners look at the map ([`PlannerMap::shared`]).
+    pub fn is_shared(&self) -> bool {
+        self.shared
+    }
+
+    /// What planners have made of this map: a graph of ways, say, is made by the first planner that
+    /// needs it and used by all that share the map.
+    pub fn derived(&self) -> &Derived {
+        &self.derived
     }
 
     /// The blurred free space.

@@ -11,12 +11,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 /// Time that a process has to end by itself once its orchestrator is gone.
-const GRACE: Duration = Duration::from_secs(2);
+const GRACE: Duration = Duration::from_secs(5);
 
 /// Exit code of a process whose orchestrator disappeared.
 pub const EXIT_ORPHANED: u8 = 4;
 
-/// Watches standard input; at its end sets `stop` and, after two seconds of grace, ends the
+/// Watches standard input; at its end sets `stop` and, after five seconds of grace, ends the
 /// process.
 ///
 /// # Errors

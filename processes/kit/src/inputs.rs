@@ -1,16 +1,24 @@
 //! The last messages of the topics that planners read, checked as if their senders were hostile.
 
-use ipc_types::bus::{Bus, BusError, ReceiveError, Subscriber};
-use ipc_types::clock;
+use std::sync::Arc;
+
+use guidance::map::PlannerMap;
+use ipc_types::bus::{Bus, BusError, ReceiveError, Received, Subscriber};
+use ipc_types::clock::StampClock;
 use ipc_types::messages::perception::{BeliefHeader, Particle};
 use ipc_types::messages::robot::ScanHeader;
-use ipc_types::messages::world::{MapCell, MapHeader, RobotState, WorldHeader};
-use ipc_types::topics::{Belief, Scan, Topic, WorldMap, WorldState};
+use ipc_types::messages::world::{MapCell, MapHeader, RobotState, ShapesHeader, WorldHeader};
+use ipc_types::topics::{Belief, Scan, Topic, WorldMap, WorldShapes, WorldState};
+use sim_backend::shape::{Aabb, Convex};
+
+use crate::maps::Maps;
+use crate::shapes;
 
 /// The newest state of the world.
 #[derive(Debug)]
 pub struct StateInput {
     subscriber: Subscriber<WorldState>,
+    clock: StampClock,
     robots_expected: usize,
     /// Header of the newest state.
     pub header: WorldHeader,
@@ -30,6 +38,7 @@ impl StateInput {
     pub fn open(bus: &Bus, robots_expected: usize) -> Result<Self, BusError> {
         Ok(Self {
             subscriber: bus.subscriber()?,
+            clock: bus.clock(),
             robots_expected,
             header: WorldHeader::default(),
             robots: Vec::with_capacity(robots_expected),
@@ -78,7 +87,7 @@ impl StateInput {
                 self.header = *message.header();
                 self.robots.clear();
                 self.robots.extend_from_slice(robots);
-                self.received_ns = clock::monotonic_ns();
+                self.received_ns = self.clock.now_ns();
                 newer = true;
                 if enough(self.header.stamp.tick) {
                     break;
@@ -98,7 +107,8 @@ pub struct MapInput {
     /// Header of the newest map.
     pub header: MapHeader,
     /// Cells of the newest map.
-    pub cells: Vec<MapCell>,
+    pub cells: Arc<[MapCell]>,
+    maps: Option<Arc<Maps>>,
     /// Maps that failed the checks.
     pub rejected: u64,
 }
@@ -112,7 +122,8 @@ impl MapInput {
         Ok(Self {
             subscriber: bus.subscriber()?,
             header: MapHeader::default(),
-            cells: Vec::new(),
+            cells: Arc::from([]),
+            maps: bus.commons(),
             rejected: 0,
         })
     }
@@ -123,6 +134,37 @@ impl MapInput {
     /// [`ReceiveError`] if the transport fails.
     pub fn connect(&self) -> Result<(), ReceiveError> {
         self.subscriber.update_connections()
+    }
+
+    /// The planners' map of the newest message, made by `make` unless another process of the same
+    /// thread has made it; `exact`: with the exact pieces of `world/shapes`.
+    ///
+    /// # Errors
+    /// Those of `make`.
+    pub fn planner_map<E>(
+        &self,
+        exact: bool,
+        make: impl FnOnce(&Self) -> Result<PlannerMap, E>,
+    ) -> Result<Arc<PlannerMap>, E> {
+        let Some(maps) = &self.maps else {
+            return make(self).map(Arc::new);
+        };
+        if let Some(map) = maps.known(&self.cells, exact) {
+            return Ok(map);
+        }
+        let map = make(self).map(Arc::new)?;
+        Ok(maps.keep(&self.cells, exact, map))
+    }
+
+    /// Whether another process of this thread has checked these cells and made a map of them.
+    fn is_known(&self, message: &Received<WorldMap>) -> bool {
+        let maps = self.maps.as_ref();
+        maps.is_some_and(|maps| message.shared().is_some_and(|cells| maps.has(cells)))
+    }
+
+    /// Whether processes of this thread share their maps.
+    pub fn is_shared(&self) -> bool {
+        self.maps.is_some()
     }
 
     /// Takes up everything that came; true if there is a newer map than before.
@@ -141,16 +183,77 @@ impl MapInput {
                 && header.origin_x.is_finite()
                 && header.origin_y.is_finite()
                 && header.revision > self.header.revision
-                && cells
-                    .iter()
-                    .all(|c| c.clearance.is_finite() && c.blurred.is_finite());
+                && (self.is_known(&message)
+                    || cells
+                        .iter()
+                        .all(|c| c.clearance.is_finite() && c.blurred.is_finite()));
             if sound {
                 self.header = *header;
-                self.cells.clear();
-                self.cells.extend_from_slice(cells);
+                self.cells = message.shared_elements();
                 newer = true;
             } else {
                 self.rejected += 1;
+            }
+        }
+        Ok(newer)
+    }
+}
+
+/// The exact pieces of the newest map.
+#[derive(Debug)]
+pub struct ShapesInput {
+    subscriber: Subscriber<WorldShapes>,
+    /// Header of the newest shapes.
+    pub header: ShapesHeader,
+    /// Bounds of the world and its pieces; `None` before the first message, and if the map has more
+    /// pieces than fit into one.
+    pub pieces: Option<(Aabb, Vec<Convex>)>,
+    /// Messages that failed the checks.
+    pub rejected: u64,
+}
+
+impl ShapesInput {
+    /// Opens `world/shapes`.
+    ///
+    /// # Errors
+    /// As [`Bus::subscriber`].
+    pub fn open(bus: &Bus) -> Result<Self, BusError> {
+        Ok(Self {
+            subscriber: bus.subscriber()?,
+            header: ShapesHeader::default(),
+            pieces: None,
+            rejected: 0,
+        })
+    }
+
+    /// Connects to the simulator.
+    ///
+    /// # Errors
+    /// [`ReceiveError`] if the transport fails.
+    pub fn connect(&self) -> Result<(), ReceiveError> {
+        self.subscriber.update_connections()
+    }
+
+    /// Takes up everything that came; true if there are newer shapes than before.
+    ///
+    /// # Errors
+    /// [`ReceiveError`] if the transport fails.
+    pub fn update(&mut self) -> Result<bool, ReceiveError> {
+        let mut newer = false;
+        while let Some(message) = self.subscriber.receive()? {
+            let header = message.header();
+            let pieces = shapes::from_message(header, message.elements());
+            match pieces {
+                Ok(pieces) if header.revision > self.header.revision => {
+                    self.header = *header;
+                    self.pieces = (header.complete == 1).then_some(pieces);
+                    newer = true;
+                }
+                Ok(_) => self.rejected += 1,
+                Err(error) => {
+                    tracing::warn!("world/shapes refused: {error}");
+                    self.rejected += 1;
+                }
             }
         }
         Ok(newer)
@@ -208,6 +311,7 @@ pub struct Latest<T: Topic> {
 #[derive(Debug)]
 pub struct RobotInput<T: Topic> {
     subscriber: Subscriber<T>,
+    clock: StampClock,
     robots: usize,
     /// The newest messages, sorted by the robot they are about.
     pub latest: Vec<Latest<T>>,
@@ -231,6 +335,7 @@ impl<T: PerRobot> RobotInput<T> {
         let subscriber = bus.subscriber()?;
         Ok(Self {
             subscriber,
+            clock: bus.clock(),
             robots,
             latest: Vec::new(),
             received_ns: 0,
@@ -258,7 +363,7 @@ impl<T: PerRobot> RobotInput<T> {
                 self.rejected += 1;
                 continue;
             }
-            self.received_ns = clock::monotonic_ns();
+            self.received_ns = self.clock.now_ns();
             match self
                 .latest
                 .binary_search_by_key(&robot, |latest| T::robot(&latest.header))

@@ -9,9 +9,12 @@ pub mod guard;
 pub mod inputs;
 pub mod life;
 pub mod lockstep;
+pub mod logging;
+pub mod maps;
 pub mod obstacle;
 pub mod planner;
 pub mod seed;
+pub mod shapes;
 pub mod status;
 
 pub use config::{Clock, Idle, ProcessConfig, RobotInfo, RunConfig};

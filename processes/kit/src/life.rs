@@ -12,6 +12,7 @@ use crate::config::{Clock, Idle, ProcessConfig};
 use crate::error::ProcessError;
 use crate::guard;
 use crate::lockstep::{Participant, Phase, SlotState, Turn, TurnPage};
+use crate::logging;
 use crate::status::Heartbeat;
 
 /// A process's algorithm, wired to its topics.
@@ -135,7 +136,7 @@ pub fn run_with(
             return ExitCode::FAILURE;
         }
     };
-    start_logging(&config);
+    logging::start(&config.run.log_level);
     name_process(&config.name);
     match body(&config) {
         Ok(()) => ExitCode::SUCCESS,
@@ -149,21 +150,6 @@ pub fn run_with(
             ExitCode::FAILURE
         }
     }
-}
-
-fn start_logging(config: &ProcessConfig) {
-    let filter = tracing_subscriber::EnvFilter::try_from_env("PROTEAN_LOG")
-        .or_else(|_| tracing_subscriber::EnvFilter::try_new(&config.run.log_level))
-        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("info"));
-    // A second call in one process (tests) keeps the first subscriber.
-    let _ = tracing_subscriber::fmt()
-        .with_env_filter(filter)
-        .with_writer(std::io::stderr)
-        .with_ansi(false)
-        .without_time()
-        .with_target(false)
-        .try_init();
-    ipc_types::bus::quiet_transport();
 }
 
 /// Makes `ps` and `top` show which process this is (the kernel keeps 15 bytes).

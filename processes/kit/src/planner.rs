@@ -1,26 +1,37 @@
 //! The wiring that all steering planners share: state, map, beliefs and scans in; a command and a
 //! plan per robot out.
 
+use std::sync::Arc;
+
+use guidance::free_space::FreeSpace;
 use guidance::limits::Limits;
 use guidance::map::PlannerMap;
 use guidance::steering::Steering;
 use guidance::view::{BeliefView, ParticleView, RobotView, ScanView, View};
 use ipc_types::bus::{Bus, Publisher, PublisherOptions};
-use ipc_types::messages::robot::{Command, PlanHeader, PlanPoint};
-use ipc_types::messages::world::{RobotState, WorldEvent};
-use ipc_types::stamp::{PlainHeader, Stamp};
-use ipc_types::topics::{Commands, Plan, Scan};
+use ipc_types::messages::robot::TreeEdge;
+use ipc_types::messages::world::RobotState;
+use ipc_types::topics::{Commands, Plan, Scan, Tree};
 use nalgebra::Point2;
 use serde::de::DeserializeOwned;
-use sim_backend::blur::BlurredMap;
-use sim_backend::grid::{Grid, GridFrame};
 use sim_backend::pose::{Pose2, Twist2};
+use sim_backend::spec::Region;
 use sim_backend::team::Team;
 
 use crate::config::{Clock, ProcessConfig, RobotInfo};
 use crate::error::ProcessError;
-use crate::inputs::{BeliefInput, Latest, MapInput, ScanInput, StateInput, reply_stamp};
+use crate::inputs::{
+    BeliefInput, Latest, MapInput, ScanInput, ShapesInput, StateInput, reply_stamp,
+};
 use crate::life::Wiring;
+
+mod grids;
+mod outputs;
+
+use outputs::Outputs;
+
+pub use grids::{MapGrids, blurred_map, map_grids, planner_map};
+pub use outputs::{MAX_PLAN_POINTS, PlannedPoint, headed_for};
 
 /// Which topics beside state and map a planner reads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -29,12 +40,17 @@ pub struct PlannerInputs {
     pub beliefs: bool,
     /// Range scans of its robots.
     pub scans: bool,
+    /// The exact pieces of the map ([`PlannerMap::space`]).
+    pub shapes: bool,
 }
 
 /// A steering algorithm for one robot.
 pub trait Planner: Sized {
     /// Its parameters.
     type Params: DeserializeOwned;
+
+    /// Most edges of a tree that it publishes; 0 for a planner without trees.
+    const TREE_EDGES: usize = 0;
 
     /// Which topics it reads, given its parameters.
     fn inputs(params: &Self::Params) -> PlannerInputs;
@@ -45,6 +61,16 @@ pub trait Planner: Sized {
     /// A text that names the parameter that does not do.
     fn new(params: &Self::Params, robot: &RobotInfo, seed: u64) -> Result<Self, String>;
 
+    /// Takes note of the rules: where evaders get away, and the distance below which Police catch
+    /// them [m] (0 if they do not). Called once, before everything else.
+    fn rules(&mut self, exits: &[Region], capture_radius: f64) {
+        let _ = (exits, capture_radius);
+    }
+
+    /// Called once if the run is in real time, where a planner may look at the clock. In lock-step
+    /// it must not: the history would depend on the machine.
+    fn in_real_time(&mut self) {}
+
     /// Builds what it needs of a new map, if it wants to do that before the next tick.
     fn prepare(&mut self, map: &PlannerMap, robot: &RobotInfo) {
         let _ = (map, robot);
@@ -52,6 +78,18 @@ pub trait Planner: Sized {
 
     /// What the robot does in this tick.
     fn steer(&mut self, map: &PlannerMap, view: &View<'_>) -> Steering;
+
+    /// Writes the plan behind the steering of this tick into `out`, the nearest point first; `out`
+    /// is empty. By default the point headed for and the one to reach in the end.
+    fn plan(&self, steering: &Steering, out: &mut Vec<PlannedPoint>) {
+        headed_for(steering, out);
+    }
+
+    /// The search tree behind the plan, each tree once: `None` while there is no new one. Edges
+    /// beyond [`Self::TREE_EDGES`] are not sent.
+    fn tree(&mut self) -> Option<&[TreeEdge]> {
+        None
+    }
 }
 
 struct Driven<P> {
@@ -63,16 +101,19 @@ struct Driven<P> {
 pub struct PlannerProcess<P: Planner> {
     state: StateInput,
     map_input: MapInput,
+    shapes: Option<ShapesInput>,
     beliefs: Option<BeliefInput>,
     scans: Option<ScanInput>,
     commands: Publisher<Commands>,
     plans: Publisher<Plan>,
+    trees: Option<Publisher<Tree>>,
     config: ProcessConfig,
-    map: Option<PlannerMap>,
+    map: Option<Arc<PlannerMap>>,
     exits: Vec<Point2<f64>>,
     driven: Vec<Driven<P>>,
     views: Vec<RobotView>,
     particles: Vec<ParticleView>,
+    planned: Vec<PlannedPoint>,
 }
 
 impl<P: Planner> Wiring for PlannerProcess<P> {
@@ -93,13 +134,20 @@ impl<P: Planner> Wiring for PlannerProcess<P> {
                 let seed =
                     crate::seed::stream(config.run.seed, &config.kind, &info.name, "planner")
                         .next_u64();
-                P::new(&params, info, seed).map(|planner| Driven { robot, planner })
+                P::new(&params, info, seed).map(|mut planner| {
+                    planner.rules(&config.run.exits, config.run.capture_radius);
+                    if config.run.clock != Clock::LockStep {
+                        planner.in_real_time();
+                    }
+                    Driven { robot, planner }
+                })
             })
             .collect::<Result<Vec<_>, _>>()
             .map_err(refused)?;
         Ok(Self {
             state: StateInput::open(bus, robots)?,
             map_input: MapInput::open(bus)?,
+            shapes: inputs.shapes.then(|| ShapesInput::open(bus)).transpose()?,
             beliefs: inputs
                 .beliefs
                 .then(|| BeliefInput::open(bus, robots))
@@ -109,24 +157,26 @@ impl<P: Planner> Wiring for PlannerProcess<P> {
                 .then(|| ScanInput::open(bus, robots))
                 .transpose()?,
             commands: bus.publisher(PublisherOptions::new(config.index, 1))?,
-            plans: bus.publisher(PublisherOptions::new(config.index, 2))?,
+            plans: bus.publisher(PublisherOptions::new(config.index, MAX_PLAN_POINTS))?,
+            trees: (P::TREE_EDGES > 0)
+                .then(|| bus.publisher(PublisherOptions::new(config.index, P::TREE_EDGES)))
+                .transpose()?,
             config: config.clone(),
             map: None,
-            exits: config
-                .run
-                .exits
-                .iter()
-                .map(sim_backend::spec::Region::center)
-                .collect(),
+            exits: config.run.exits.iter().map(Region::center).collect(),
             driven,
             views: Vec::with_capacity(robots),
             particles: Vec::new(),
+            planned: Vec::with_capacity(MAX_PLAN_POINTS),
         })
     }
 
     fn connect(&mut self) -> Result<(), ProcessError> {
         self.state.connect()?;
         self.map_input.connect()?;
+        if let Some(shapes) = &self.shapes {
+            shapes.connect()?;
+        }
         if let Some(beliefs) = &self.beliefs {
             beliefs.connect()?;
         }
@@ -135,11 +185,23 @@ impl<P: Planner> Wiring for PlannerProcess<P> {
         }
         self.commands.update_connections()?;
         self.plans.update_connections()?;
+        if let Some(trees) = &self.trees {
+            trees.update_connections()?;
+        }
         Ok(())
     }
 
     fn prepare(&mut self) -> Result<(), ProcessError> {
-        self.take_map()
+        if self.take_map()?
+            && let Some(map) = &self.map
+        {
+            for driven in &mut self.driven {
+                if let Some(robot) = self.config.run.robots.get(driven.robot as usize) {
+                    driven.planner.prepare(map, robot);
+                }
+            }
+        }
+        Ok(())
     }
 
     fn step(&mut self, tick: u64) -> Result<(), ProcessError> {
@@ -155,9 +217,9 @@ impl<P: Planner> Wiring for PlannerProcess<P> {
             )));
         }
         // The state says which map holds: without another revision there is nothing to look for.
-        let has_changed = self.state.header.map_revision != self.map_input.header.revision;
-        if has_changed && self.map_input.update()? {
-            self.map = Some(planner_map(&self.map_input)?);
+        let known = self.map.as_ref().map_or(0, |map| map.revision());
+        if u64::from(self.state.header.map_revision) != known {
+            self.take_map()?;
         }
         let mut received_ns = self.state.received_ns;
         if let Some(beliefs) = &mut self.beliefs {
@@ -170,7 +232,8 @@ impl<P: Planner> Wiring for PlannerProcess<P> {
         }
         let Some(map) = &self.map else {
             if self.config.run.clock == Clock::LockStep {
-                let text = "it is the turn of a tick, but no sound world/map has come";
+                let text = "it is the turn of a tick, but no sound world/map has come (with its \
+                            world/shapes, if the planner needs them)";
                 return Err(ProcessError::Protocol(text.into()));
             }
             // In real time a state may come before the map. No command: the robot stands.
@@ -217,6 +280,7 @@ impl<P: Planner> Wiring for PlannerProcess<P> {
         let outputs = Outputs {
             commands: &self.commands,
             plans: &self.plans,
+            trees: self.trees.as_ref(),
             stamp,
         };
         for driven in &mut self.driven {
@@ -230,7 +294,13 @@ impl<P: Planner> Wiring for PlannerProcess<P> {
                 exits: &self.exits,
                 scan: scan.map(scan_view),
             };
-            outputs.send(driven.robot, &driven.planner.steer(map, &view))?;
+            let steering = driven.planner.steer(map, &view);
+            self.planned.clear();
+            driven.planner.plan(&steering, &mut self.planned);
+            outputs.send(driven.robot, &steering, &self.planned)?;
+            if let Some(edges) = driven.planner.tree() {
+                outputs.send_tree(driven.robot, edges, P::TREE_EDGES)?;
+            }
         }
         Ok(())
     }
@@ -238,67 +308,54 @@ impl<P: Planner> Wiring for PlannerProcess<P> {
     fn rejected(&self) -> u64 {
         self.state.rejected
             + self.map_input.rejected
+            + self.shapes.as_ref().map_or(0, |s| s.rejected)
             + self.beliefs.as_ref().map_or(0, |b| b.rejected)
             + self.scans.as_ref().map_or(0, |s| s.rejected)
     }
 }
 
 impl<P: Planner> PlannerProcess<P> {
-    fn take_map(&mut self) -> Result<(), ProcessError> {
-        if self.map_input.update()? {
-            let map = planner_map(&self.map_input)?;
-            for driven in &mut self.driven {
-                if let Some(robot) = self.config.run.robots.get(driven.robot as usize) {
-                    driven.planner.prepare(&map, robot);
-                }
-            }
-            self.map = Some(map);
+    /// Takes up a new map, once all of it is there; true if there is one.
+    fn take_map(&mut self) -> Result<bool, ProcessError> {
+        self.map_input.update()?;
+        let revision = self.map_input.header.revision;
+        let known = self.map.as_ref().map_or(0, |map| map.revision());
+        if u64::from(revision) == known {
+            return Ok(false);
         }
-        Ok(())
+        if let Some(shapes) = &mut self.shapes {
+            shapes.update()?;
+            if shapes.header.revision != revision {
+                // Sent right after the map, so that this is a matter of a moment in real time.
+                return Ok(false);
+            }
+        }
+        self.map = Some(self.make_map()?);
+        Ok(true)
     }
-}
 
-/// Where a tick's results go.
-struct Outputs<'a> {
-    commands: &'a Publisher<Commands>,
-    plans: &'a Publisher<Plan>,
-    stamp: Stamp,
-}
-
-impl Outputs<'_> {
-    fn send(&self, robot: u32, steering: &Steering) -> Result<(), ProcessError> {
-        let stamp = self.stamp;
-        let Twist2 { v, omega } = steering.command;
-        let command = Command {
-            v,
-            omega,
-            robot,
-            reserved: 0,
-        };
-        self.commands.send(PlainHeader { stamp }, &[command])?;
-        let target = steering
-            .target
-            .map_or(WorldEvent::NONE, |target| target as u32);
-        let points = [steering.waypoint, steering.aim];
-        let count = points.iter().flatten().count();
-        let mut points = points.into_iter().flatten();
-        self.plans.send_with(
-            PlanHeader {
-                stamp,
-                robot,
-                target,
-            },
-            count,
-            |_| {
-                let p = points.next().unwrap_or_default();
-                PlanPoint {
-                    x: p.x,
-                    y: p.y,
-                    ..PlanPoint::default()
+    /// The map that has come. Processes of one thread make it once.
+    fn make_map(&self) -> Result<Arc<PlannerMap>, ProcessError> {
+        let is_shared = self.driven.len() > 1 || self.map_input.is_shared();
+        let exact = self.shapes.is_some();
+        self.map_input.planner_map(exact, |input| {
+            let map = planner_map(input)?;
+            let map = if is_shared { map.shared() } else { map };
+            Ok(match self.shapes.as_ref().map(|s| &s.pieces) {
+                None => map,
+                Some(Some((bounds, parts))) => {
+                    let space = FreeSpace::new(parts.clone(), *bounds, input.header.resolution)
+                        .map_err(|e| ProcessError::Protocol(format!("world/shapes: {e}")))?;
+                    map.with_space(Arc::new(space))
                 }
-            },
-        )?;
-        Ok(())
+                Some(None) => {
+                    tracing::warn!(
+                        "the map has too many pieces for world/shapes: planning goes by the grid"
+                    );
+                    map
+                }
+            })
+        })
     }
 }
 
@@ -312,7 +369,8 @@ fn scan_view(scan: &Latest<Scan>) -> ScanView<'_> {
     }
 }
 
-fn robot_view(index: usize, state: &RobotState, info: &RobotInfo) -> RobotView {
+/// A robot as planners see it, from the world's state.
+pub fn robot_view(index: usize, state: &RobotState, info: &RobotInfo) -> RobotView {
     RobotView {
         index,
         team: Team::from_code(state.team).unwrap_or(info.team),
@@ -323,56 +381,6 @@ fn robot_view(index: usize, state: &RobotState, info: &RobotInfo) -> RobotView {
         radius: info.model.radius,
         v_max: info.model.v_max,
     }
-}
-
-/// Lays a map message out as grids.
-pub struct MapGrids {
-    /// Gaussian blur of the free map, not masked.
-    pub blurred: Grid<f32>,
-    /// Cells whose centre is in an obstacle.
-    pub occupied: Grid<bool>,
-    /// Distance from the cell's centre to the nearest obstacle [m].
-    pub clearance: Grid<f32>,
-}
-
-/// The grids of the newest map.
-pub fn map_grids(map: &MapInput) -> MapGrids {
-    let frame = GridFrame {
-        width: map.header.width as usize,
-        height: map.header.height as usize,
-        resolution: map.header.resolution,
-        origin: Point2::new(map.header.origin_x, map.header.origin_y),
-    };
-    MapGrids {
-        blurred: Grid {
-            frame,
-            cells: map.cells.iter().map(|c| c.blurred).collect(),
-        },
-        occupied: Grid {
-            frame,
-            cells: map.cells.iter().map(|c| c.occupied != 0).collect(),
-        },
-        clearance: Grid {
-            frame,
-            cells: map.cells.iter().map(|c| c.clearance).collect(),
-        },
-    }
-}
-
-/// The blurred map of the newest map message.
-///
-/// # Errors
-/// [`ProcessError::Protocol`] if the message makes no map.
-pub fn blurred_map(grids: &MapGrids) -> Result<BlurredMap, ProcessError> {
-    BlurredMap::from_parts(grids.blurred.clone(), grids.occupied.clone())
-        .map_err(|e| ProcessError::Protocol(format!("world/map: {e}")))
-}
-
-fn planner_map(input: &MapInput) -> Result<PlannerMap, ProcessError> {
-    let grids = map_grids(input);
-    let blurred = blurred_map(&grids)?;
-    PlannerMap::new(blurred, grids.clearance, u64::from(input.header.revision))
-        .map_err(|e| ProcessError::Protocol(format!("world/map: {e}")))
 }
 
 /// The limits of a robot as its planner sees them.

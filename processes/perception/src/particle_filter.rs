@@ -207,20 +207,25 @@ impl ParticleFilter {
             let noise = &mut self.scratch.noise[..4 * range.len()];
             predict::fill(noise, &mut self.rng);
             motion.apply(self.particles.stretch(range.clone()), noise);
+            let places = &mut self.scratch.places[..range.len()];
             let mut particles = self.particles.stretch(range.clone());
-            if seen.is_none() && self.params.turn_at_walls {
-                let places = &mut self.scratch.places;
-                motion.turn_at_walls(space, &mut particles, places, &mut self.rng);
-            }
-            teleport.apply(&mut particles, &mut self.rng);
             let weights = &mut self.weights[range];
             if let Some(seen) = &seen {
+                teleport.apply(&mut particles, &mut self.rng, |_, _, _| ());
                 seen.weigh(&particles, weights);
-                weigh::drop_invalid(space, &particles, weights, &mut self.scratch.places);
-            } else {
-                let places = &mut self.scratch.places;
-                unseen.weigh(&particles, weights, memo.as_deref_mut(), places);
+                weigh::drop_invalid(space, &particles, weights, places);
+                continue;
             }
+            // Each particle is looked up once, and again only if it turned or jumped.
+            if self.params.turn_at_walls {
+                motion.turn_at_walls(space, &mut particles, places, &mut self.rng);
+            } else {
+                space.locate(particles.x, particles.y, places);
+            }
+            teleport.apply(&mut particles, &mut self.rng, |i, x, y| {
+                places[i] = space.place_of(x, y);
+            });
+            unseen.weigh(&particles, weights, memo.as_deref_mut(), places);
         }
     }
 

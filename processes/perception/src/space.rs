@@ -93,14 +93,18 @@ impl Space {
     /// Points outside the grid (and NaN) fall on the table's border.
     #[inline]
     pub(crate) fn locate(&self, xs: &[f32], ys: &[f32], places: &mut [u32]) {
+        for ((&x, &y), place) in xs.iter().zip(ys).zip(places) {
+            *place = self.place_of(x, y);
+        }
+    }
+
+    /// As [`Self::locate`], for one point [m].
+    #[inline]
+    pub(crate) fn place_of(&self, x: f32, y: f32) -> u32 {
         let (right, top) = (self.frame.width as f32, self.frame.height as f32);
         let stride = (self.frame.width + 2) as u32;
-        let [x0, y0] = self.origin;
-        for ((&x, &y), place) in xs.iter().zip(ys).zip(places) {
-            let col = border_index((x - x0) * self.cells_per_metre, right);
-            let row = border_index((y - y0) * self.cells_per_metre, top);
-            *place = row * stride + col;
-        }
+        let (u, w) = self.in_cells(x, y);
+        border_index(w, top) * stride + border_index(u, right)
     }
 
     /// 1 per free cell, row by row with a border of zeros one cell wide on each side.

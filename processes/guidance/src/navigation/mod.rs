@@ -8,6 +8,7 @@
 mod nav_grid;
 mod route_tree;
 mod wayfinder;
+mod ways;
 
 pub use nav_grid::{Edge, NavGrid, NavParams};
 pub use route_tree::{Leg, RouteTree, Routes, Threat};

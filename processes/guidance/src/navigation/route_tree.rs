@@ -56,6 +56,10 @@ pub struct RouteTree {
     length: Vec<u32>,
     parent: Vec<u32>,
     gate: Vec<u32>,
+    /// Per node, how many were reached before it; [`NONE`] until it is reached.
+    rank: Vec<u32>,
+    /// How many nodes have been reached.
+    settled: u32,
     threats: Vec<Threat>,
     /// Extra cost of a node as a fraction of the length of its edges, in 1/256; [`NONE`] until it
     /// is needed; empty when nothing threatens.
@@ -74,6 +78,8 @@ impl Default for RouteTree {
             length: Vec::new(),
             parent: Vec::new(),
             gate: Vec::new(),
+            rank: Vec::new(),
+            settled: 0,
             threats: Vec::new(),
             extra: Vec::new(),
             queue: BinaryHeap::new(),
@@ -99,10 +105,12 @@ impl RouteTree {
             (&mut self.length, UNREACHED),
             (&mut self.parent, NONE),
             (&mut self.gate, NONE),
+            (&mut self.rank, NONE),
         ] {
             values.clear();
             values.resize(nodes, fill);
         }
+        self.settled = 0;
         self.threats.clear();
         self.threats.extend_from_slice(threats);
         self.extra.clear();
@@ -121,16 +129,30 @@ impl RouteTree {
     /// Grows the tree until it reaches a node; whether it does. Must be given the map and graph
     /// for which the tree was planted.
     pub fn reach(&mut self, map: &PlannerMap, grid: &NavGrid, node: usize) -> bool {
-        let sight = (grid.sight() * 1000.0) as u32;
         while !self.knows(node) {
-            let Some(Reverse(next)) = self.queue.pop() else {
+            if !self.settle_next(map, grid) {
                 return false;
-            };
+            }
+        }
+        true
+    }
+
+    /// Grows the tree until it has reached this many nodes, or all that can be reached. Like
+    /// [`RouteTree::reach`].
+    pub fn settle(&mut self, map: &PlannerMap, grid: &NavGrid, nodes: u32) {
+        while self.settled < nodes && self.settle_next(map, grid) {}
+    }
+
+    /// Reaches one more node; false if there is none.
+    fn settle_next(&mut self, map: &PlannerMap, grid: &NavGrid) -> bool {
+        while let Some(Reverse(next)) = self.queue.pop() {
             let (cost, from) = ((next >> 32) as u32, next as u32 as usize);
             if cost > self.cost[from] || self.knows(from) {
                 continue;
             }
-            self.find_gate(map, grid, from, sight);
+            self.find_gate(map, grid, from);
+            self.rank[from] = self.settled;
+            self.settled += 1;
             for edge in grid.edges(from) {
                 let to = edge.to as usize;
                 let reached = cost.saturating_add(self.edge_cost(grid, from, to, edge.length));
@@ -142,13 +164,30 @@ impl RouteTree {
                         .push(Reverse(u64::from(reached) << 32 | u64::from(edge.to)));
                 }
             }
+            return true;
         }
-        true
+        false
     }
 
     /// Whether the tree has grown as far as a node.
     pub fn knows(&self, node: usize) -> bool {
-        self.gate.get(node).is_some_and(|&gate| gate != NONE)
+        self.rank(node).is_some()
+    }
+
+    /// How many nodes the tree had reached when it reached this one. A tree reaches nodes in the
+    /// same order however far it is grown at a time.
+    pub fn rank(&self, node: usize) -> Option<u32> {
+        self.rank.get(node).copied().filter(|&rank| rank != NONE)
+    }
+
+    /// How many nodes the tree has reached.
+    pub fn settled(&self) -> u32 {
+        self.settled
+    }
+
+    /// Whether the tree has reached all that can be reached.
+    pub fn is_complete(&self) -> bool {
+        self.queue.is_empty()
     }
 
     /// Length of the way to a node [m]; `None` if the tree has not reached it.
@@ -180,12 +219,13 @@ impl RouteTree {
             .map(|&gate| gate as usize)
     }
 
-    fn find_gate(&mut self, map: &PlannerMap, grid: &NavGrid, node: usize, sight: u32) {
+    fn find_gate(&mut self, map: &PlannerMap, grid: &NavGrid, node: usize) {
         let (Some(origin), Some(parent)) = (self.origin, self.parent(node)) else {
-            // A root, or a tree without gates, in which this only marks the node as known.
+            // A root, or a tree without gates.
             self.gate[node] = node as u32;
             return;
         };
+        let sight = (grid.sight() * 1000.0) as u32;
         let inherited = self.gate[parent];
         // The way is seen as far as this node if it is seen as far as the parent, and this node is.
         let in_sight = inherited == parent as u32
@@ -231,15 +271,23 @@ impl RouteTree {
 #[derive(Debug, Clone, Copy)]
 pub struct Routes<'a> {
     /// The graph.
-    pub grid: &'a NavGrid,
-    /// The tree in it.
-    pub tree: &'a RouteTree,
+    pub(super) grid: &'a NavGrid,
+    /// The tree in it; others may have grown it further than was asked for here.
+    pub(super) tree: &'a RouteTree,
+    /// Number of nodes that the tree would have reached if it were used here alone.
+    pub(super) horizon: u32,
 }
 
 impl Routes<'_> {
+    /// The node at a point, if a way to it is known.
+    fn known(&self, to: Point2<f64>) -> Option<usize> {
+        let node = self.grid.node_at(to)?;
+        (self.tree.rank(node)? < self.horizon).then_some(node)
+    }
+
     /// The first leg of the way to a point [m]; `None` if no way is known.
     pub fn leg_to(&self, to: Point2<f64>) -> Option<Leg> {
-        let node = self.grid.node_at(to)?;
+        let node = self.known(to)?;
         let gate = self.tree.gate(node)?;
         let last = self.grid.point(node)?;
         if gate == node {
@@ -258,20 +306,20 @@ impl Routes<'_> {
     /// Length of the way to a point [m], to the accuracy of the graph's blocks; `None` if no
     /// way is known.
     pub fn distance_to(&self, to: Point2<f64>) -> Option<f64> {
-        let node = self.grid.node_at(to)?;
+        let node = self.known(to)?;
         Some(self.tree.length(node)? + (to - self.grid.point(node)?).norm())
     }
 
     /// What the way to a point costs [m]; `None` if no way is known.
     pub fn cost_of(&self, to: Point2<f64>) -> Option<f64> {
-        self.tree.cost(self.grid.node_at(to)?)
+        self.tree.cost(self.known(to)?)
     }
 
     /// Writes the way from the root to a point into `way`, root first, as points [m] with the
     /// distance travelled to each [m]; leaves it empty if no way is known.
     pub fn way_to(&self, to: Point2<f64>, way: &mut Vec<(Point2<f64>, f64)>) {
         way.clear();
-        let mut next = self.grid.node_at(to).filter(|&node| self.tree.knows(node));
+        let mut next = self.known(to);
         while let Some(node) = next {
             let (Some(point), Some(length)) = (self.grid.point(node), self.tree.length(node))
             else {

@@ -1,9 +1,12 @@
 //! Route trees that are kept between ticks.
 
+use std::sync::Arc;
+
 use nalgebra::Point2;
 
 use super::nav_grid::{NavGrid, NavParams};
 use super::route_tree::{RouteTree, Routes, Threat};
+use super::ways::{Seed, Ways};
 use crate::map::PlannerMap;
 
 /// Most trees that are kept; a slot beyond it shares the last one.
@@ -12,20 +15,28 @@ const MAX_SLOTS: usize = 256;
 /// Radii above this [m] are taken as this; no arena holds such a robot, a broken message may.
 const MAX_RADIUS: f64 = 10.0;
 
-/// Keeps a [`NavGrid`] of the current map and one [`RouteTree`] per slot, and plants a tree anew
+/// Keeps the graph of the current map (one for all planners that share the map) and one
+/// [`RouteTree`] per slot, and plants a tree anew
 /// only when its root has come to another node, or the map or the robot's radius has changed.
 #[derive(Debug, Clone)]
 pub struct Wayfinder {
     params: NavParams,
     built_for: Option<(u64, f64)>,
-    grid: Option<NavGrid>,
+    ways: Option<Arc<Ways>>,
+    /// Whether other planners use the same trees.
+    shares: bool,
     slots: Vec<Slot>,
 }
 
 #[derive(Debug, Clone, Default)]
 struct Slot {
     planted: Planted,
-    tree: RouteTree,
+    /// What the tree grew from, if others use it too.
+    seed: Option<Seed>,
+    tree: Arc<RouteTree>,
+    /// How far the tree would have grown if it were used here alone [nodes]: answers must not
+    /// depend on others.
+    horizon: u32,
 }
 
 /// What a slot's tree was planted for.
@@ -58,7 +69,8 @@ impl Wayfinder {
         Self {
             params,
             built_for: None,
-            grid: None,
+            ways: None,
+            shares: false,
             slots: Vec::new(),
         }
     }
@@ -72,12 +84,20 @@ impl Wayfinder {
         };
         let wanted = Some((map.revision(), radius));
         if self.built_for != wanted {
-            self.grid = Some(NavGrid::new(map, &self.params, radius));
+            let params = self.params;
+            let lay = || Ways::new(NavGrid::new(map, &params, radius));
+            self.ways = Some(map.derived().get((params, radius), lay));
+            self.shares = map.is_shared();
             self.built_for = wanted;
             for slot in &mut self.slots {
                 slot.planted = Planted::Nothing;
             }
         }
+    }
+
+    /// The graph of the map that was [prepared](Self::prepare) last.
+    pub fn grid(&self) -> Option<&NavGrid> {
+        self.ways.as_ref().map(|ways| &ways.grid)
     }
 
     /// The shortest ways from `root` to `targets` [m], with their first legs, kept under a slot
@@ -117,7 +137,8 @@ impl Wayfinder {
         targets: impl IntoIterator<Item = Point2<f64>>,
         gates: bool,
     ) -> Option<Routes<'_>> {
-        let grid = self.grid.as_ref()?;
+        let ways = self.ways.as_ref()?;
+        let grid = &ways.grid;
         let node = grid.node_at(root)?;
         let kept = slot_of(&mut self.slots, slot)?;
         let planted = if gates {
@@ -126,22 +147,29 @@ impl Wayfinder {
             Planted::Lengths(node)
         };
         if kept.planted != planted {
-            if gates {
-                kept.tree.plant(grid, node);
-            } else {
-                kept.tree.plant_without_gates(grid, &[node], &[]);
-            }
+            let seed = self.shares.then_some(match planted {
+                Planted::From(node) => Seed::From(node),
+                _ => Seed::Lengths(node),
+            });
+            kept.plant(ways, seed, |tree| {
+                if gates {
+                    tree.plant(grid, node);
+                } else {
+                    tree.plant_without_gates(grid, &[node], &[]);
+                }
+            });
             kept.planted = planted;
         }
         for target in targets
             .into_iter()
             .filter_map(|target| grid.node_at(target))
         {
-            kept.tree.reach(map, grid, target);
+            kept.reach(map, ways, target);
         }
         Some(Routes {
             grid,
             tree: &kept.tree,
+            horizon: kept.horizon,
         })
     }
 
@@ -160,25 +188,79 @@ impl Wayfinder {
         threats: &[Threat],
         renew: bool,
     ) -> Option<WayOut> {
-        let grid = self.grid.as_ref()?;
+        let ways = self.ways.as_ref()?;
+        let grid = &ways.grid;
         let node = grid.node_at(from)?;
         let kept = slot_of(&mut self.slots, slot)?;
-        let roots = exits
-            .clone()
-            .into_iter()
-            .filter_map(|exit| grid.node_at(exit))
-            .collect();
-        let planted = Planted::Out(roots);
-        if let Planted::Out(roots) = &planted
-            && (renew || kept.planted != planted)
-        {
-            kept.tree.plant_without_gates(grid, roots, threats);
-            kept.planted = planted;
+        let nodes = || {
+            let exits = exits.clone().into_iter();
+            exits.filter_map(move |exit| grid.node_at(exit))
+        };
+        let is_planted = !renew
+            && match &kept.planted {
+                Planted::Out(roots) => roots.iter().copied().eq(nodes()),
+                _ => false,
+            };
+        if !is_planted {
+            let roots: Vec<usize> = nodes().collect();
+            let seed = self.shares.then(|| Seed::out(&roots, threats));
+            kept.plant(ways, seed, |tree| {
+                tree.plant_without_gates(grid, &roots, threats);
+            });
+            kept.planted = Planted::Out(roots);
         }
-        if !kept.tree.reach(map, grid, node) {
+        if !kept.reach(map, ways, node) {
             return None;
         }
         descend(map, grid, &kept.tree, from, node, exits)
+    }
+}
+
+impl Slot {
+    /// Takes another tree: the one that others have grown from this seed, or a new one, which
+    /// `plant` plants.
+    fn plant(&mut self, ways: &Ways, seed: Option<Seed>, plant: impl FnOnce(&mut RouteTree)) {
+        self.horizon = 0;
+        match seed.as_ref().map(|seed| ways.tree(seed)) {
+            Some(Some(known)) => self.tree = known,
+            Some(None) => {
+                let mut tree = RouteTree::default();
+                plant(&mut tree);
+                self.tree = Arc::new(tree);
+            }
+            // In the memory of the old one, which nobody else has.
+            None => plant(Arc::make_mut(&mut self.tree)),
+        }
+        self.seed = seed;
+    }
+
+    /// Grows the tree until it reaches a node; whether it does.
+    fn reach(&mut self, map: &PlannerMap, ways: &Ways, node: usize) -> bool {
+        loop {
+            if let Some(rank) = self.tree.rank(node) {
+                self.horizon = self.horizon.max(rank + 1);
+                return true;
+            }
+            if self.tree.is_complete() {
+                self.horizon = self.tree.settled();
+                return false;
+            }
+            let Some(seed) = &self.seed else {
+                Arc::make_mut(&mut self.tree).reach(map, &ways.grid, node);
+                continue;
+            };
+            let known = ways.tree(seed);
+            if let Some(further) = known.filter(|known| known.settled() > self.tree.settled()) {
+                self.tree = further;
+                continue;
+            }
+            // A copy, if others look at it; so that copies are rare, it grows further than needed.
+            let tree = Arc::make_mut(&mut self.tree);
+            let before = tree.settled();
+            tree.reach(map, &ways.grid, node);
+            tree.settle(map, &ways.grid, before.saturating_mul(2));
+            ways.keep(seed, &self.tree);
+        }
     }
 }
 

@@ -126,7 +126,8 @@ const TURN_AWAY: f64 = 2.2;
 
 impl Motion {
     /// Lets the particles that the last motion brought into an obstacle step back and turn by chance.
-    /// `places` is scratch of at least their number.
+    ///
+    /// Looks all of them up in passing: writes their `places`, as [`Space::locate`] does.
     pub fn turn_at_walls(
         &self,
         space: &Space,
@@ -134,10 +135,9 @@ impl Motion {
         places: &mut [u32],
         rng: &mut ChaCha8Rng,
     ) {
-        let places = &mut places[..particles.x.len()];
         space.locate(particles.x, particles.y, places);
-        for (i, &place) in places.iter().enumerate() {
-            if space.valid_at(place) != 0 {
+        for (i, place) in places.iter_mut().enumerate() {
+            if space.valid_at(*place) != 0 {
                 continue;
             }
             let (sin, cos) = fast::sincos(particles.heading[i]);
@@ -147,6 +147,7 @@ impl Motion {
             let turn = TURN_AWAY * (2.0 * rng.random::<f64>() - 1.0);
             particles.heading[i] = fast::wrap(particles.heading[i] + turn as f32);
             particles.omega[i] = 0.0;
+            *place = space.place_of(particles.x[i], particles.y[i]);
         }
     }
 }
@@ -184,8 +185,13 @@ impl Teleport {
         (math::ln(1.0 - rng.random::<f64>()) / self.log_stay) as u64
     }
 
-    /// Lets the particles of a stretch jump whose turn it is.
-    pub fn apply(&mut self, particles: &mut Stretch<'_>, rng: &mut ChaCha8Rng) {
+    /// Lets the particles of a stretch jump whose turn it is; `moved` is told which.
+    pub fn apply(
+        &mut self,
+        particles: &mut Stretch<'_>,
+        rng: &mut ChaCha8Rng,
+        mut moved: impl FnMut(usize, f32, f32),
+    ) {
         let n = particles.x.len() as u64;
         let mut i = self.gap;
         while i < n {
@@ -194,6 +200,7 @@ impl Teleport {
             particles.x[at] += within(self.distance);
             particles.y[at] += within(self.distance);
             particles.heading[at] = fast::wrap(particles.heading[at] + within(self.turn));
+            moved(at, particles.x[at], particles.y[at]);
             i = i.saturating_add(1).saturating_add(self.draw_gap(rng));
         }
         self.gap = i - n;

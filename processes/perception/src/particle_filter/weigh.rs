@@ -75,18 +75,17 @@ pub(crate) struct Unseen<'a> {
 }
 
 impl Unseen<'_> {
-    /// Multiplies the weights by the likelihood, 0 for invalid particles. Exact without a memo.
+    /// Multiplies the weights by the likelihood, 0 for invalid particles. Exact without a memo;
+    /// with one, `places` says where the particles are ([`Space::locate`]).
     pub fn weigh(
         &self,
         particles: &Stretch<'_>,
         weights: &mut [f32],
         memo: Option<&mut VisibilityMemo>,
-        places: &mut [u32],
+        places: &[u32],
     ) {
         let points = particles.x.iter().zip(particles.y.iter());
         if let Some(memo) = memo {
-            let places = &mut places[..weights.len()];
-            self.space.locate(particles.x, particles.y, places);
             for (((&x, &y), w), &place) in points.zip(weights).zip(places.iter()) {
                 let visibility = memo.look_up(self.space, self.watch, x, y, place as usize);
                 *w *= visibility.map_or(0.0, |v| self.hidden(v));

@@ -141,13 +141,8 @@ fn unseen_weights_are_one_minus_the_best_visibility() {
         watch: &watch,
         exponent: 1.0,
     };
-    let mut places = vec![0; n];
-    unseen.weigh(
-        &filter.particles.stretch(0..n),
-        &mut weights,
-        None,
-        &mut places,
-    );
+    let places = vec![0; n];
+    unseen.weigh(&filter.particles.stretch(0..n), &mut weights, None, &places);
     assert_eq!(weights[..3], [0.0; 3]);
     for (p, &w) in filter.particles().zip(&weights) {
         let at = Point2::new(f64::from(p.x), f64::from(p.y));

@@ -1,14 +1,13 @@
 //! Ways through the paper's city.
 
-mod support;
-
+use crate::support::{Arena, EXIT, RADIUS};
 use guidance::bearing::Bearings;
 use guidance::map::PlannerMap;
 use guidance::navigation::{NavParams, Threat, Wayfinder};
 use nalgebra::Point2;
+use proptest::prelude::*;
 use sim_backend::blur::BlurredMap;
 use sim_backend::grid::{Grid, GridFrame};
-use support::{Arena, EXIT, RADIUS};
 
 fn wayfinder(map: &PlannerMap) -> Wayfinder {
     let mut finder = Wayfinder::new(NavParams::default());
@@ -23,7 +22,7 @@ fn the_way_to_the_exit_has_the_length_of_the_street_grid() {
     let start = Point2::new(-4.5, 7.5);
     let routes = finder.routes(&map, 0, start, [EXIT]).unwrap();
     let length = routes.distance_to(EXIT).unwrap();
-    // The shortest way for a disc of this radius is 17.14 m; along the middles of the streets it is
+    // The shortest way for a disc of this radius is 16.99 m; along the middles of the streets it is
     // at most 13.5 + 7.5 m.
     assert!((17.0..21.0).contains(&length), "{length}");
 }
@@ -248,4 +247,81 @@ fn ways_that_were_not_asked_for_are_unknown_until_they_are() {
         .distance_to(EXIT)
         .unwrap();
     assert_eq!(later, at_once);
+}
+
+/// One question to a way-finder: the slot, where from, whether with first legs, where to.
+type Question = (usize, (f64, f64), bool, Vec<(f64, f64)>);
+
+fn place() -> impl Strategy<Value = (f64, f64)> {
+    (-8.5..9.5_f64, -8.5..8.5_f64)
+}
+
+fn question() -> impl Strategy<Value = Question> {
+    let targets = prop::collection::vec(place(), 0..4);
+    (0..3_usize, place(), any::<bool>(), targets)
+}
+
+/// Everything that a way-finder says to a question, also about places it was not asked for.
+fn answer(
+    map: &PlannerMap,
+    finder: &mut Wayfinder,
+    question: &Question,
+    elsewhere: &[Point2<f64>],
+) -> String {
+    let point = |&(x, y): &(f64, f64)| Point2::new(x, y);
+    let (slot, root, gates, targets) = question;
+    let targets = targets.iter().map(point);
+    let routes = if *gates {
+        finder.routes(map, *slot, point(root), targets.clone())
+    } else {
+        finder.lengths(map, *slot, point(root), targets.clone())
+    };
+    let routes = routes.unwrap();
+    let mut way = Vec::new();
+    let mut text = String::new();
+    for to in targets.chain(elsewhere.iter().copied()) {
+        routes.way_to(to, &mut way);
+        text += &format!(
+            "{:?} {:?} {:?} {way:?}\n",
+            routes.leg_to(to),
+            routes.distance_to(to),
+            routes.cost_of(to)
+        );
+    }
+    text
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    #[test]
+    fn planners_that_share_their_trees_get_the_answers_of_those_that_do_not(
+        questions in prop::collection::vec((0..3_usize, question()), 1..25),
+        elsewhere in prop::collection::vec(place(), 6),
+        threat in place(),
+    ) {
+        let alone = Arena::city().map();
+        let shared = Arena::city().map().shared();
+        let mut others: Vec<_> = (0..3).map(|_| wayfinder(&shared)).collect();
+        let mut own: Vec<_> = (0..3).map(|_| wayfinder(&alone)).collect();
+        let elsewhere: Vec<_> = elsewhere.iter().map(|&(x, y)| Point2::new(x, y)).collect();
+        for (who, question) in &questions {
+            prop_assert_eq!(
+                answer(&alone, &mut own[*who], question, &elsewhere),
+                answer(&shared, &mut others[*who], question, &elsewhere)
+            );
+            let from = Point2::new(question.1.0, question.1.1);
+            let threats = [Threat {
+                at: Point2::new(threat.0, threat.1),
+                gain: 3.0,
+                reach: 1.5,
+            }];
+            let threats = &threats[..usize::from(question.2)];
+            let exits = [EXIT, Point2::new(-4.5, 7.5)];
+            prop_assert_eq!(
+                own[*who].way_out(&alone, 7, from, exits, threats, true),
+                others[*who].way_out(&shared, 7, from, exits, threats, true)
+            );
+        }
+    }
 }

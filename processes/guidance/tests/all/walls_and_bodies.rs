@@ -1,16 +1,14 @@
 //! Sliding along walls and round bodies, and maps that cannot be used.
 
-mod support;
-
 use std::sync::LazyLock;
 
+use crate::support::{Arena, RADIUS};
 use guidance::map::{MapError, PlannerMap};
 use guidance::potential_field::{Body, slide_along_obstacles, slide_around_bodies};
 use nalgebra::{Point2, Vector2};
 use proptest::prelude::*;
 use sim_backend::blur::BlurredMap;
 use sim_backend::grid::{Grid, GridFrame};
-use support::{Arena, RADIUS};
 
 static CITY: LazyLock<PlannerMap> = LazyLock::new(|| Arena::city().map());
 

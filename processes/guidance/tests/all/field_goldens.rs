@@ -1,10 +1,9 @@
 //! Potential-field values of the chasing-game paper's published code, reproduced by the `paper()`
 //! presets on the map as that code registered it.
 
-mod support;
-
 use core::f64::consts::PI;
 
+use crate::support::Arena;
 use guidance::bearing::Bearings;
 use guidance::feedback_linearisation::{FeedbackParams, command};
 use guidance::limits::Limits;
@@ -14,7 +13,6 @@ use guidance::potential_field::{
 };
 use nalgebra::{Point2, Vector2};
 use sim_backend::pose::Pose2;
-use support::Arena;
 
 const POLICE: [(f64, f64); 4] = [(7.5, 4.5), (7.5, 1.5), (7.5, -1.5), (7.5, -4.5)];
 

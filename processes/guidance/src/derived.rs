@@ -1,0 +1,92 @@
+//! What is made of a map once and used by all planners that look at it.
+
+use core::any::Any;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+/// Things made of one map, each under a key: the first who asks makes it, the others get the same.
+///
+/// A clone shares the things. They must be functions of the map and the key alone, so that it does
+/// not matter who makes them and when.
+#[derive(Clone, Default)]
+pub struct Derived {
+    things: Arc<Mutex<Vec<Box<dyn Any + Send>>>>,
+}
+
+/// One thing and its key.
+struct Entry<K, V> {
+    key: K,
+    thing: Arc<OnceLock<Arc<V>>>,
+}
+
+impl Derived {
+    /// The thing under this key and of this type; `make` makes it if it is not there.
+    ///
+    /// Others wait meanwhile if they want the same thing, and only then. `make` must not ask for
+    /// the thing that it makes.
+    pub fn get<K, V>(&self, key: K, make: impl FnOnce() -> V) -> Arc<V>
+    where
+        K: PartialEq + Send + 'static,
+        V: Send + Sync + 'static,
+    {
+        let thing = {
+            // What a panic left behind is whole: only an entry is pushed under the lock.
+            let mut things = self.things.lock().unwrap_or_else(PoisonError::into_inner);
+            let known = things
+                .iter()
+                .filter_map(|entry| entry.downcast_ref::<Entry<K, V>>())
+                .find(|entry| entry.key == key)
+                .map(|entry| Arc::clone(&entry.thing));
+            known.unwrap_or_else(|| {
+                let thing = Arc::new(OnceLock::new());
+                things.push(Box::new(Entry {
+                    key,
+                    thing: Arc::clone(&thing),
+                }));
+                thing
+            })
+        };
+        Arc::clone(thing.get_or_init(|| Arc::new(make())))
+    }
+}
+
+impl core::fmt::Debug for Derived {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Derived").finish_non_exhaustive()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_thing_is_made_once_per_key_and_type_and_clones_share_it() {
+        let derived = Derived::default();
+        let first = derived.get(1, || "one".to_owned());
+        let again = derived.clone().get(1, || "never".to_owned());
+        assert!(Arc::ptr_eq(&first, &again));
+        assert_eq!(*derived.get(2, || "two".to_owned()), "two");
+        // Another type under the same key is another thing, another type of key too.
+        assert_eq!(*derived.get(1, || 1.5), 1.5);
+        assert_eq!(*derived.get((1, 2.0), || "pair".to_owned()), "pair");
+    }
+
+    #[test]
+    fn one_thing_may_be_made_of_another() {
+        let derived = Derived::default();
+        let sum = derived.get("sum", || *derived.get("part", || 20) + 1);
+        assert_eq!(*sum, 21);
+    }
+
+    #[test]
+    fn threads_get_the_same_thing() {
+        let derived = Derived::default();
+        let things: Vec<Arc<u64>> = std::thread::scope(|scope| {
+            let threads: Vec<_> = (0..4)
+                .map(|_| scope.spawn(|| derived.get("key", || 7_u64)))
+                .collect();
+            threads.into_iter().map(|t| t.join().unwrap()).collect()
+        });
+        assert!(things.iter().all(|thing| Arc::ptr_eq(thing, &things[0])));
+    }
+}

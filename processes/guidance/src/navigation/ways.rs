@@ -1,0 +1,99 @@
+//! The graph of a map with the trees that its planners share.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use super::nav_grid::NavGrid;
+use super::route_tree::{RouteTree, Threat};
+
+/// Most nodes of all trees that are kept; a node takes about 20 bytes.
+const MAX_NODES: usize = 4_000_000;
+
+/// How many trees are kept whose threats will hardly be the same ever again.
+const MAX_PASSING: usize = 16;
+
+/// What a tree is a function of, besides its graph.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Seed {
+    /// Ways with gates from a node.
+    From(usize),
+    /// Lengths from a node.
+    Lengths(usize),
+    /// Ways to the cheapest of these nodes past these threats (their numbers' bits).
+    Out(Vec<usize>, Vec<[u64; 4]>),
+}
+
+impl Seed {
+    pub(super) fn out(roots: &[usize], threats: &[Threat]) -> Self {
+        let bits = |threat: &Threat| {
+            [threat.at.x, threat.at.y, threat.gain, threat.reach].map(f64::to_bits)
+        };
+        Self::Out(roots.to_vec(), threats.iter().map(bits).collect())
+    }
+
+    /// Whether it belongs to one moment of one run.
+    fn is_passing(&self) -> bool {
+        matches!(self, Self::Out(_, threats) if !threats.is_empty())
+    }
+}
+
+/// A graph, and the trees in it that were grown so far.
+#[derive(Debug)]
+pub(super) struct Ways {
+    pub(super) grid: NavGrid,
+    kept: Mutex<Kept>,
+}
+
+#[derive(Debug, Default)]
+struct Kept {
+    trees: BTreeMap<Seed, Arc<RouteTree>>,
+    passing: VecDeque<(Seed, Arc<RouteTree>)>,
+}
+
+impl Ways {
+    pub(super) fn new(grid: NavGrid) -> Self {
+        Self {
+            grid,
+            kept: Mutex::default(),
+        }
+    }
+
+    /// The tree of this seed as far as anybody has grown it.
+    pub(super) fn tree(&self, seed: &Seed) -> Option<Arc<RouteTree>> {
+        let kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        if seed.is_passing() {
+            let known = kept.passing.iter().find(|(known, _)| known == seed);
+            return known.map(|(_, tree)| Arc::clone(tree));
+        }
+        kept.trees.get(seed).cloned()
+    }
+
+    /// Keeps a tree for others, unless one that has grown further is there.
+    pub(super) fn keep(&self, seed: &Seed, tree: &Arc<RouteTree>) {
+        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        let Kept { trees, passing } = &mut *kept;
+        let is_new = |known: &Arc<RouteTree>| known.settled() < tree.settled();
+        if seed.is_passing() {
+            match passing.iter_mut().find(|(known, _)| known == seed) {
+                Some((_, known)) if is_new(known) => *known = Arc::clone(tree),
+                Some(_) => {}
+                None => {
+                    if passing.len() >= MAX_PASSING {
+                        passing.pop_front();
+                    }
+                    passing.push_back((seed.clone(), Arc::clone(tree)));
+                }
+            }
+            return;
+        }
+        let is_full = trees.len() * self.grid.len() >= MAX_NODES;
+        match trees.get_mut(seed) {
+            Some(known) if is_new(known) => *known = Arc::clone(tree),
+            Some(_) => {}
+            None if is_full => {}
+            None => {
+                trees.insert(seed.clone(), Arc::clone(tree));
+            }
+        }
+    }
+}

@@ -1,0 +1,24 @@
+//! When a disc robot can be where: arrival times over the whole arena.
+//!
+//! The arrival time `T` of a wave that starts at some robots and travels at their speed `v` solves
+//! the eikonal equation |∇T| = 1/v on the free space. [`Lattice`] is the free space of a robot of
+//! one radius, sampled at a pitch; [`Wave`] solves the equation on it by fast marching (J. A.
+//! Sethian, *A fast marching level set method for monotonically advancing fronts*, PNAS 93(4),
+//! 1996), with upwind differences of second order (*Level Set Methods and Fast Marching Methods*,
+//! 1999, §8.3) and exact times near the sources and the corners that the wave turns round, where
+//! differences are worst.
+//!
+//! Robots are points that move freely at their top speed here: turning takes no time. Distances in
+//! the open are exact up to [`WaveParams::exact_radius`]; the errors beyond it and in the city are
+//! asserted in `tests/wavefront.rs`.
+
+mod bends;
+mod lattice;
+mod march;
+mod queue;
+mod seed;
+mod way;
+
+pub use lattice::Lattice;
+pub use march::{Wave, WaveParams};
+pub use seed::Source;

@@ -1,0 +1,69 @@
+//! The way that a wave took.
+
+use super::lattice::Lattice;
+use super::march::Wave;
+
+/// The eight steps to the cells around one.
+const STEPS: [(i64, i64); 8] = [
+    (1, 0),
+    (0, 1),
+    (-1, 0),
+    (0, -1),
+    (1, 1),
+    (-1, 1),
+    (-1, -1),
+    (1, -1),
+];
+
+impl Wave {
+    /// The nodes on the way from a source of the wave to a node, the node included, cell by cell;
+    /// `way` is emptied first, and stays empty if the wave does not reach the node.
+    ///
+    /// From every cell it goes back to the neighbour that the wave left earliest for the distance
+    /// between them (the lowest number of several): steepest descent of the arrival times, which
+    /// have no minima but the sources.
+    pub fn way_to(&self, lattice: &Lattice, node: usize, way: &mut Vec<usize>) {
+        way.clear();
+        let mut at = node;
+        let mut time = self.time(at);
+        while time.is_finite() {
+            way.push(at);
+            let mut best: Option<(f32, usize, f32)> = None;
+            for (dx, dy) in STEPS {
+                let reached = |dx: i64, dy: i64| {
+                    let beside = lattice.beside(at, dx, dy)?;
+                    let time = self.time(beside);
+                    time.is_finite().then_some((beside, time))
+                };
+                let Some((next, earlier)) = reached(dx, dy) else {
+                    continue;
+                };
+                let diagonal = dx != 0 && dy != 0;
+                // Not across the corner of an obstacle.
+                if earlier >= time
+                    || (diagonal && (reached(dx, 0).is_none() || reached(0, dy).is_none()))
+                {
+                    continue;
+                }
+                let length = if diagonal {
+                    core::f32::consts::SQRT_2
+                } else {
+                    1.0
+                };
+                let slope = (time - earlier) / length;
+                let steeper = best.is_none_or(|(steepest, other, _)| {
+                    slope > steepest || (slope == steepest && next < other)
+                });
+                if steeper {
+                    best = Some((slope, next, earlier));
+                }
+            }
+            let Some((_, next, earlier)) = best else {
+                break;
+            };
+            at = next;
+            time = earlier;
+        }
+        way.reverse();
+    }
+}

@@ -1,0 +1,63 @@
+//! The map message as what algorithms compute on.
+
+use guidance::map::PlannerMap;
+use nalgebra::Point2;
+use sim_backend::blur::BlurredMap;
+use sim_backend::grid::{Grid, GridFrame};
+
+use crate::error::ProcessError;
+use crate::inputs::MapInput;
+
+/// Lays a map message out as grids.
+pub struct MapGrids {
+    /// Gaussian blur of the free map, not masked.
+    pub blurred: Grid<f32>,
+    /// Cells whose centre is in an obstacle.
+    pub occupied: Grid<bool>,
+    /// Distance from the cell's centre to the nearest obstacle [m].
+    pub clearance: Grid<f32>,
+}
+
+/// The grids of the newest map.
+pub fn map_grids(map: &MapInput) -> MapGrids {
+    let frame = GridFrame {
+        width: map.header.width as usize,
+        height: map.header.height as usize,
+        resolution: map.header.resolution,
+        origin: Point2::new(map.header.origin_x, map.header.origin_y),
+    };
+    MapGrids {
+        blurred: Grid {
+            frame,
+            cells: map.cells.iter().map(|c| c.blurred).collect(),
+        },
+        occupied: Grid {
+            frame,
+            cells: map.cells.iter().map(|c| c.occupied != 0).collect(),
+        },
+        clearance: Grid {
+            frame,
+            cells: map.cells.iter().map(|c| c.clearance).collect(),
+        },
+    }
+}
+
+/// The blurred map of the newest map message.
+///
+/// # Errors
+/// [`ProcessError::Protocol`] if the message makes no map.
+pub fn blurred_map(grids: &MapGrids) -> Result<BlurredMap, ProcessError> {
+    BlurredMap::from_parts(grids.blurred.clone(), grids.occupied.clone())
+        .map_err(|e| ProcessError::Protocol(format!("world/map: {e}")))
+}
+
+/// What a planner gets of the newest map.
+///
+/// # Errors
+/// [`ProcessError::Protocol`] if the message makes no map.
+pub fn planner_map(input: &MapInput) -> Result<PlannerMap, ProcessError> {
+    let grids = map_grids(input);
+    let blurred = blurred_map(&grids)?;
+    PlannerMap::new(blurred, grids.clearance, u64::from(input.header.revision))
+        .map_err(|e| ProcessError::Protocol(format!("world/map: {e}")))
+}

@@ -1,0 +1,109 @@
+//! What planners send: a command and a plan per robot and tick, a tree now and then.
+
+use guidance::steering::Steering;
+use ipc_types::bus::Publisher;
+use ipc_types::messages::robot::{Command, PlanHeader, PlanPoint, TreeEdge, TreeHeader};
+use ipc_types::messages::world::WorldEvent;
+use ipc_types::stamp::{PlainHeader, Stamp};
+use ipc_types::topics::{Commands, Plan, Tree};
+use nalgebra::Point2;
+use sim_backend::pose::Twist2;
+
+use crate::error::ProcessError;
+
+/// Most points of a plan that are sent; of a longer one the first.
+pub const MAX_PLAN_POINTS: usize = 128;
+
+/// A point of a plan.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct PlannedPoint {
+    /// Where [m].
+    pub at: Point2<f64>,
+    /// Heading there [rad].
+    pub theta: f64,
+    /// Time from now until the robot is there [s]; 0 where the plan has no timing.
+    pub time_s: f64,
+    /// Forward speed there [m/s]; 0 where the plan has no timing.
+    pub v: f64,
+}
+
+/// The plan of who has nothing but a steering: the point headed for, and the one to reach in the
+/// end.
+pub fn headed_for(steering: &Steering, out: &mut Vec<PlannedPoint>) {
+    let points = [steering.waypoint, steering.aim];
+    out.extend(points.into_iter().flatten().map(|at| PlannedPoint {
+        at,
+        ..PlannedPoint::default()
+    }));
+}
+
+/// Where a tick's results go.
+pub(super) struct Outputs<'a> {
+    pub(super) commands: &'a Publisher<Commands>,
+    pub(super) plans: &'a Publisher<Plan>,
+    pub(super) trees: Option<&'a Publisher<Tree>>,
+    pub(super) stamp: Stamp,
+}
+
+impl Outputs<'_> {
+    pub(super) fn send(
+        &self,
+        robot: u32,
+        steering: &Steering,
+        planned: &[PlannedPoint],
+    ) -> Result<(), ProcessError> {
+        let stamp = self.stamp;
+        let Twist2 { v, omega } = steering.command;
+        let command = Command {
+            v,
+            omega,
+            robot,
+            reserved: 0,
+        };
+        self.commands.send(PlainHeader { stamp }, &[command])?;
+        let target = steering
+            .target
+            .map_or(WorldEvent::NONE, |target| target as u32);
+        let mut points = planned.iter().take(MAX_PLAN_POINTS);
+        let count = points.len();
+        self.plans.send_with(
+            PlanHeader {
+                stamp,
+                robot,
+                target,
+            },
+            count,
+            |_| {
+                let point = points.next().copied().unwrap_or_default();
+                PlanPoint {
+                    time_s: point.time_s,
+                    x: point.at.x,
+                    y: point.at.y,
+                    theta: point.theta,
+                    v: point.v,
+                    ..PlanPoint::default()
+                }
+            },
+        )?;
+        Ok(())
+    }
+
+    /// Sends at most `most` edges of a tree.
+    pub(super) fn send_tree(
+        &self,
+        robot: u32,
+        edges: &[TreeEdge],
+        most: usize,
+    ) -> Result<(), ProcessError> {
+        let Some(trees) = self.trees else {
+            return Ok(());
+        };
+        let header = TreeHeader {
+            stamp: self.stamp,
+            robot,
+            reserved: 0,
+        };
+        trees.send(header, edges.get(..most).unwrap_or(edges))?;
+        Ok(())
+    }
+}

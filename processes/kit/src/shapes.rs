@@ -1,0 +1,343 @@
+//! The exact pieces of the map as a message, and back.
+
+use core::f64::consts::TAU;
+
+use ipc_types::messages::world::{ShapePoint, ShapesHeader};
+use ipc_types::stamp::Stamp;
+use nalgebra::Point2;
+use sim_backend::map::ShapeMap;
+use sim_backend::math;
+use sim_backend::shape::{Aabb, Convex};
+
+/// Most points of a message (8 megabytes; 65 536 rectangles of an occupancy grid). A map with more
+/// says in the header that it does not fit; planners then go by the grids alone.
+pub const MAX_POINTS: usize = 1 << 18;
+
+/// Most points that one obstacle event can add: a polygon of [`crate::obstacle::MAX_VERTICES`]
+/// corners in as many triangles as it can be cut into.
+pub const POINTS_PER_EVENT: usize = 3 * (crate::obstacle::MAX_VERTICES - 2);
+
+/// Largest coordinate and radius [m] that a receiver believes.
+const MAX_COORDINATE: f64 = 1e6;
+
+/// Why a message makes no pieces.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ShapesMessageError {
+    /// The bounds are empty, reversed or not finite.
+    #[error(
+        "bounds from ({min_x}, {min_y}) to ({max_x}, {max_y}), expected finite ones with an inside"
+    )]
+    Bounds {
+        /// Smallest x [m].
+        min_x: f64,
+        /// Smallest y [m].
+        min_y: f64,
+        /// Largest x [m].
+        max_x: f64,
+        /// Largest y [m].
+        max_y: f64,
+    },
+    /// The points are not of as many shapes as announced, one after the other.
+    #[error("point {point} is of shape {shape}, expected {announced} shapes one after the other")]
+    Order {
+        /// Index of the point.
+        point: usize,
+        /// The shape it names.
+        shape: u32,
+        /// Shapes that the header announces.
+        announced: u32,
+    },
+    /// A coordinate or radius is out of its range.
+    #[error(
+        "shape {shape}: ({x}, {y}) with radius {radius}, expected numbers within ±{MAX_COORDINATE} \
+         and a radius that is not negative"
+    )]
+    Number {
+        /// Index of the shape.
+        shape: u32,
+        /// x [m].
+        x: f64,
+        /// y [m].
+        y: f64,
+        /// Radius [m].
+        radius: f64,
+    },
+    /// The points of a shape are neither a disc nor a convex polygon.
+    #[error(
+        "shape {shape}: {points} points, expected one with a radius > 0, or the corners of a convex \
+         polygon, counter-clockwise and with radius 0"
+    )]
+    Shape {
+        /// Index of the shape.
+        shape: u32,
+        /// Its points.
+        points: usize,
+    },
+}
+
+/// The points of pieces, in their order.
+pub fn points(parts: &[Convex]) -> Vec<ShapePoint> {
+    let mut points = Vec::new();
+    for (shape, part) in parts.iter().enumerate() {
+        let radius = match part {
+            Convex::Disc { radius, .. } => *radius,
+            _ => 0.0,
+        };
+        points.extend(part.corners().iter().map(|p| ShapePoint {
+            x: p.x,
+            y: p.y,
+            radius,
+            shape: shape as u32,
+            reserved: 0,
+        }));
+    }
+    points
+}
+
+/// `world/shapes` for pieces, if they fit into `capacity` points; says so if they do not.
+pub fn to_message(
+    shapes: &ShapeMap,
+    revision: u32,
+    stamp: Stamp,
+    capacity: usize,
+) -> (ShapesHeader, Vec<ShapePoint>) {
+    let (bounds, mut points) = (shapes.bounds(), points(shapes.parts()));
+    let complete = points.len() <= capacity;
+    if !complete {
+        points.clear();
+    }
+    let header = ShapesHeader {
+        stamp,
+        min_x: bounds.min.x,
+        min_y: bounds.min.y,
+        max_x: bounds.max.x,
+        max_y: bounds.max.y,
+        revision,
+        shapes: if complete {
+            shapes.parts().len() as u32
+        } else {
+            0
+        },
+        complete: u32::from(complete),
+        reserved: 0,
+    };
+    (header, points)
+}
+
+/// The bounds and pieces that a message tells: those that were sent, bit for bit.
+///
+/// # Errors
+/// [`ShapesMessageError`] if it makes none.
+pub fn from_message(
+    header: &ShapesHeader,
+    points: &[ShapePoint],
+) -> Result<(Aabb, Vec<Convex>), ShapesMessageError> {
+    let &ShapesHeader {
+        min_x,
+        min_y,
+        max_x,
+        max_y,
+        shapes: announced,
+        ..
+    } = header;
+    let in_range = |v: f64| v.abs() <= MAX_COORDINATE;
+    let sound = [min_x, min_y, max_x, max_y].into_iter().all(in_range);
+    if !(sound && max_x > min_x && max_y > min_y) {
+        return Err(ShapesMessageError::Bounds {
+            min_x,
+            min_y,
+            max_x,
+            max_y,
+        });
+    }
+    let mut parts = Vec::new();
+    let mut at = 0;
+    for group in points.chunk_by(|a, b| a.shape == b.shape) {
+        let shape = group.first().map_or(0, |p| p.shape);
+        if shape as usize != parts.len() || shape >= announced {
+            return Err(ShapesMessageError::Order {
+                point: at,
+                shape,
+                announced,
+            });
+        }
+        parts.push(part(shape, group)?);
+        at += group.len();
+    }
+    if parts.len() != announced as usize {
+        let shape = parts.len() as u32;
+        return Err(ShapesMessageError::Order {
+            point: at,
+            shape,
+            announced,
+        });
+    }
+    let bounds = Aabb {
+        min: Point2::new(min_x, min_y),
+        max: Point2::new(max_x, max_y),
+    };
+    Ok((bounds, parts))
+}
+
+fn part(shape: u32, group: &[ShapePoint]) -> Result<Convex, ShapesMessageError> {
+    for &ShapePoint { x, y, radius, .. } in group {
+        let sound = [x, y].iter().all(|v| v.abs() <= MAX_COORDINATE);
+        if !(sound && (0.0..=MAX_COORDINATE).contains(&radius)) {
+            return Err(ShapesMessageError::Number {
+                shape,
+                x,
+                y,
+                radius,
+            });
+        }
+    }
+    let refused = ShapesMessageError::Shape {
+        shape,
+        points: group.len(),
+    };
+    if let [disc] = group {
+        let center = Point2::new(disc.x, disc.y);
+        return if disc.radius > 0.0 {
+            Ok(Convex::disc(center, disc.radius))
+        } else {
+            Err(refused)
+        };
+    }
+    let corners: Vec<Point2<f64>> = group.iter().map(|p| Point2::new(p.x, p.y)).collect();
+    if group.iter().any(|p| p.radius != 0.0) || !is_convex(&corners) {
+        return Err(refused);
+    }
+    Ok(rectangle(&corners).unwrap_or_else(|| Convex::polygon(&corners)))
+}
+
+/// The rectangle along the axes that these corners make, from the lower left on.
+fn rectangle(corners: &[Point2<f64>]) -> Option<Convex> {
+    let &[a, b, c, d] = corners else { return None };
+    let upright = a.y == b.y && b.x == c.x && c.y == d.y && d.x == a.x && a.x < c.x && a.y < c.y;
+    upright.then_some(Convex::Box(Aabb { min: a, max: c }))
+}
+
+/// Whether corners go once around a convex inside, counter-clockwise.
+fn is_convex(corners: &[Point2<f64>]) -> bool {
+    let n = corners.len();
+    let (mut bends, mut turned) = (true, 0.0);
+    for (i, &a) in corners.iter().enumerate() {
+        let (b, c) = (corners[(i + 1) % n], corners[(i + 2) % n]);
+        let (side, next) = (b - a, c - b);
+        let turn = math::atan2(side.perp(&next), side.dot(&next));
+        // Parts of a cut polygon may be bent inwards by rounding.
+        bends &= turn >= -1e-6;
+        turned += turn;
+    }
+    // Once around is one full turn in all.
+    n >= 3 && bends && (turned - TAU).abs() < 0.1
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+    use sim_backend::shape::Shape;
+
+    use super::*;
+
+    fn map(parts: Vec<Convex>) -> ShapeMap {
+        let bounds = Aabb {
+            min: Point2::new(-9.0, -8.0),
+            max: Point2::new(9.0, 8.03),
+        };
+        let frame = sim_backend::grid::GridFrame {
+            width: 18,
+            height: 17,
+            resolution: 1.0,
+            origin: bounds.min,
+        };
+        ShapeMap::new(parts, bounds, frame)
+    }
+
+    fn any_part() -> impl Strategy<Value = Vec<Convex>> {
+        let at = || (-5.0..5.0f64, -5.0..5.0f64).prop_map(|(x, y)| [x, y]);
+        prop_oneof![
+            (at(), 0.01..2.0f64).prop_map(|(center, radius)| Shape::Circle { center, radius }),
+            (at(), 0.01..2.0f64, prop_oneof![Just(0.0), -3.0..3.0f64]).prop_map(
+                |(center, half, angle)| Shape::Rectangle {
+                    center,
+                    half_extents: [half, 0.3],
+                    angle
+                }
+            ),
+            // A star: concave, so that it is cut.
+            (at(), proptest::collection::vec(0.2..1.5f64, 3..16)).prop_map(|(center, radii)| {
+                let turn = core::f64::consts::TAU / radii.len() as f64;
+                let corner = |(i, r): (usize, &f64)| {
+                    let (sin, cos) = sim_backend::math::sincos(turn * i as f64);
+                    [center[0] + r * cos, center[1] + r * sin]
+                };
+                Shape::Polygon {
+                    vertices: radii.iter().enumerate().map(corner).collect(),
+                }
+            }),
+        ]
+        .prop_map(|shape| shape.parts().unwrap())
+    }
+
+    proptest! {
+        #[test]
+        fn pieces_arrive_as_they_were_sent(
+            parts in proptest::collection::vec(any_part(), 0..8),
+        ) {
+            for part in &parts {
+                prop_assert!(points(part).len() <= POINTS_PER_EVENT);
+            }
+            let shapes = map(parts.concat());
+            let (header, points) = to_message(&shapes, 3, Stamp::default(), MAX_POINTS);
+            prop_assert_eq!((header.complete, header.revision), (1, 3));
+            let (bounds, arrived) = from_message(&header, &points).unwrap();
+            prop_assert_eq!(&bounds, shapes.bounds());
+            prop_assert_eq!(&arrived[..], shapes.parts());
+        }
+    }
+
+    #[test]
+    fn a_map_that_does_not_fit_says_so() {
+        let shapes = map(vec![
+            Convex::rectangle(Point2::origin(), [1.0, 1.0], 0.0);
+            3
+        ]);
+        let (header, points) = to_message(&shapes, 1, Stamp::default(), 11);
+        assert_eq!((header.complete, header.shapes, points.len()), (0, 0, 0));
+        let (header, points) = to_message(&shapes, 1, Stamp::default(), 12);
+        assert_eq!((header.complete, header.shapes, points.len()), (1, 3, 12));
+    }
+
+    #[test]
+    fn nonsense_is_refused_by_what_is_wrong_with_it() {
+        let parts = vec![
+            Convex::rectangle(Point2::origin(), [1.0, 1.0], 0.3),
+            Convex::disc(Point2::new(3.0, 0.0), 0.5),
+        ];
+        let (header, sound) = to_message(&map(parts), 1, Stamp::default(), MAX_POINTS);
+        let refused = |change: &dyn Fn(&mut ShapesHeader, &mut Vec<ShapePoint>)| {
+            let (mut header, mut points) = (header, sound.clone());
+            change(&mut header, &mut points);
+            from_message(&header, &points).unwrap_err().to_string()
+        };
+        assert!(refused(&|h, _| h.max_x = f64::NAN).starts_with("bounds"));
+        assert!(refused(&|h, _| h.max_y = h.min_y).starts_with("bounds"));
+        assert!(refused(&|h, _| h.shapes = 3).contains("expected 3 shapes"));
+        assert!(refused(&|h, _| h.shapes = 1).contains("shape 1"));
+        assert!(refused(&|_, p| p[0].shape = 7).contains("point 0 is of shape 7"));
+        assert!(refused(&|_, p| p[1].x = f64::INFINITY).starts_with("shape 0: (inf"));
+        assert!(refused(&|_, p| p[4].radius = -1.0).starts_with("shape 1"));
+        assert!(refused(&|_, p| p[4].radius = 0.0).contains("1 points"));
+        assert!(refused(&|_, p| p[2].radius = 0.1).contains("4 points"));
+        assert!(refused(&|_, p| p[..4].reverse()).contains("counter-clockwise"));
+        assert!(refused(&|_, p| p.swap(1, 2)).contains("convex"));
+        assert!(refused(&|_, p| drop(p.drain(..2))).contains("2 points"));
+        // Twice around is not once.
+        let twice = |_: &mut ShapesHeader, p: &mut Vec<ShapePoint>| {
+            let square: Vec<_> = p[..4].to_vec();
+            p.splice(0..0, square);
+        };
+        assert!(refused(&twice).contains("8 points"));
+    }
+}
