@@ -19,6 +19,7 @@ impl Planner for BraitenbergPlanner {
         PlannerInputs {
             beliefs: false,
             scans: true,
+            ..PlannerInputs::default()
         }
     }
 

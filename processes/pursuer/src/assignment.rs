@@ -10,25 +10,26 @@ use guidance::map::PlannerMap;
 use guidance::navigation::Wayfinder;
 use guidance::view::{RobotView, View};
 use nalgebra::Point2;
-use pathfinding::kuhn_munkres::kuhn_munkres_min;
-use pathfinding::matrix::Matrix;
 use sim_backend::team::Team;
 
+use crate::cut_off::{Blocker, CutSearch, Fugitive, allot};
+use crate::exit_guard::ExitGuards;
 use crate::goals::estimate;
+use crate::matching::{balanced, milliseconds};
 use crate::params::{AssignmentMethod, AssignmentParams};
-
-/// The cost of the impossible [ms], about three hours.
-const NEVER_MS: i64 = 10_000_000;
-
-/// Added to the cost of a place beyond an evader's fair share [ms], so that all fair shares are
-/// filled first; above any sum of interception times of a full team.
-const SURPLUS_MS: i64 = NEVER_MS * 1024;
+use crate::slots;
 
 /// Most pursuers and evaders that are matched with each other; more take the nearest.
 const MAX_MATCHED: usize = 256;
 
-/// First slot of the way-finder that the assignment may use (below are the pursuer's own).
-pub const FIRST_SLOT: usize = 1;
+/// What a pursuer shall do.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Order {
+    /// The robot it chases.
+    pub target: usize,
+    /// The place it takes to cut that robot off [m]; absent: it drives at the robot.
+    pub place: Option<Point2<f64>>,
+}
 
 /// Keeps the targets between ticks.
 #[derive(Debug, Clone)]
@@ -36,9 +37,12 @@ pub struct Assigner {
     params: AssignmentParams,
     /// Target of each pursuer at the last assignment, as (pursuer, evader), in view order.
     targets: Vec<(usize, usize)>,
+    /// Places of the pursuers that chase the same evader as this one.
+    places: Vec<(usize, Option<Point2<f64>>)>,
     /// Who took part in the last assignment, and in which period it was.
     solved_for: Option<(Vec<usize>, Vec<usize>, i64)>,
     way: Vec<(Point2<f64>, f64)>,
+    cuts: CutSearch,
 }
 
 impl Assigner {
@@ -47,30 +51,45 @@ impl Assigner {
         Self {
             params,
             targets: Vec::new(),
+            places: Vec::new(),
             solved_for: None,
             way: Vec::new(),
+            cuts: CutSearch::default(),
         }
     }
 
-    /// The robot that `view.me` chases in this tick, if any.
+    /// Whether it is time for targets. A time of NaN is not.
+    pub fn has_begun(&self, time_s: f64) -> bool {
+        time_s >= self.params.delay_s
+    }
+
+    /// What `view.me`, not one of the guards, shall do in this tick, if anything.
     ///
     /// `finder` must have been prepared for the map.
-    pub fn target(
+    pub fn order(
         &mut self,
         map: &PlannerMap,
         finder: &mut Wayfinder,
         view: &View<'_>,
-    ) -> Option<usize> {
-        // A time of NaN gives no targets either.
-        if view.time_s.is_nan() || view.time_s < self.params.delay_s {
+        guards: &ExitGuards,
+    ) -> Option<Order> {
+        if !self.has_begun(view.time_s) {
             self.targets.clear();
+            self.places.clear();
             self.solved_for = None;
             return None;
         }
-        match self.params.method {
+        let target = match self.params.method {
             AssignmentMethod::NearestSticky => self.nearest_sticky(view),
-            AssignmentMethod::Interception => self.interception(map, finder, view),
-        }
+            AssignmentMethod::Interception | AssignmentMethod::CutOff => {
+                self.matched(map, finder, view, guards)
+            }
+        }?;
+        let place = self.places.iter().find(|(who, _)| *who == view.me);
+        Some(Order {
+            target,
+            place: place.and_then(|(_, place)| *place),
+        })
     }
 
     fn nearest_sticky(&mut self, view: &View<'_>) -> Option<usize> {
@@ -100,13 +119,18 @@ impl Assigner {
         best.map(|(_, index)| index)
     }
 
-    fn interception(
+    fn matched(
         &mut self,
         map: &PlannerMap,
         finder: &mut Wayfinder,
         view: &View<'_>,
+        guards: &ExitGuards,
     ) -> Option<usize> {
-        let pursuers: Vec<&RobotView> = view.active(Team::Police).take(MAX_MATCHED).collect();
+        let pursuers: Vec<&RobotView> = view
+            .active(Team::Police)
+            .filter(|pursuer| !guards.is_guard(pursuer.index))
+            .take(MAX_MATCHED)
+            .collect();
         let evaders: Vec<(&RobotView, Point2<f64>)> = view
             .active(Team::Evader)
             .filter_map(|evader| {
@@ -131,8 +155,61 @@ impl Assigner {
                 .map(|(row, column)| (teams.0[row], teams.1[column]))
                 .collect();
             self.solved_for = Some(teams);
+            if self.params.method == AssignmentMethod::CutOff {
+                let guarded = !guards.guards().is_empty();
+                self.cut_off(
+                    map,
+                    finder,
+                    view,
+                    (pursuers.as_slice(), evaders.as_slice()),
+                    guarded,
+                );
+            }
         }
         self.kept(view.me)
+    }
+
+    /// Finds the places of all who chase the same evader as `view.me`.
+    fn cut_off(
+        &mut self,
+        map: &PlannerMap,
+        finder: &mut Wayfinder,
+        view: &View<'_>,
+        (pursuers, evaders): (&[&RobotView], &[(&RobotView, Point2<f64>)]),
+        guarded: bool,
+    ) {
+        self.places.clear();
+        let Some(target) = self.kept(view.me) else {
+            return;
+        };
+        let Some(&(evader, at)) = evaders.iter().find(|(robot, _)| robot.index == target) else {
+            return;
+        };
+        let (who, blockers): (Vec<usize>, Vec<Blocker>) = pursuers
+            .iter()
+            .enumerate()
+            .filter(|(_, pursuer)| self.kept(pursuer.index) == Some(target))
+            .map(|(row, pursuer)| {
+                let blocker = Blocker {
+                    at: pursuer.pose.position(),
+                    v_max: pursuer.v_max,
+                    slot: slots::ASSIGNMENT + row,
+                };
+                (pursuer.index, blocker)
+            })
+            .unzip();
+        let radius = self.params.block_radius;
+        let fugitive = Fugitive {
+            at,
+            v_max: evader.v_max,
+            guarded,
+        };
+        let exits = view.usable_exits();
+        let cut = self
+            .cuts
+            .cut(map, finder, exits, &fugitive, &blockers, radius);
+        let places = allot(map, finder, &blockers, &cut, at);
+        self.places = who.into_iter().zip(places).collect();
     }
 
     fn kept(&self, pursuer: usize) -> Option<usize> {
@@ -153,7 +230,7 @@ impl Assigner {
     ) -> Vec<i64> {
         let mut ways = Vec::with_capacity(evaders.len());
         for (column, (evader, at)) in evaders.iter().enumerate() {
-            let slot = FIRST_SLOT + pursuers.len() + column;
+            let slot = slots::ASSIGNMENT + pursuers.len() + column;
             self.way.clear();
             if let Some(routes) = finder.lengths(map, slot, *at, view.usable_exits()) {
                 let nearest = view
@@ -170,7 +247,7 @@ impl Assigner {
         for (row, pursuer) in pursuers.iter().enumerate() {
             let here = pursuer.pose.position();
             let places = ways.iter().flatten().map(|&(place, _)| place);
-            let routes = finder.lengths(map, FIRST_SLOT + row, here, places);
+            let routes = finder.lengths(map, slots::ASSIGNMENT + row, here, places);
             let time_to = |to: Point2<f64>| {
                 let distance = routes
                     .and_then(|routes| routes.distance_to(to))
@@ -213,93 +290,9 @@ fn interception_time(escape: &[(Point2<f64>, f64)], time_to: impl Fn(Point2<f64>
     arrival
 }
 
-fn milliseconds(seconds: f64) -> i64 {
-    let ms = (seconds * 1000.0).round();
-    // NaN and infinity: never.
-    if ms >= 0.0 && ms < NEVER_MS as f64 {
-        ms as i64
-    } else {
-        NEVER_MS
-    }
-}
-
-/// Matches every row (pursuer) with a column (evader) at the least sum of costs [ms].
-///
-/// With n rows and m columns every column gets at least ⌊n/m⌋ rows and at most one more; with fewer
-/// rows than columns, every row its own column. `costs` holds n · m values in 0 ..= 10⁷, row by
-/// row. Integer costs and a fixed order make the solution the same everywhere; of several optimal
-/// solutions one is picked by the algorithm's fixed order.
-pub fn balanced(costs: &[i64], rows: usize, columns: usize) -> Vec<(usize, usize)> {
-    if rows == 0 || columns == 0 || costs.len() != rows * columns {
-        return Vec::new();
-    }
-    let share = rows / columns;
-    let surplus = usize::from(!rows.is_multiple_of(columns));
-    let seats = columns * (share + surplus);
-    let mut weights = Vec::with_capacity(rows * seats);
-    for row in costs.chunks_exact(columns) {
-        // Seat number s is the (s / columns)-th place at evader s % columns.
-        weights.extend((0..seats).map(|seat| {
-            let beyond = share > 0 && seat / columns >= share;
-            row[seat % columns] + if beyond { SURPLUS_MS } else { 0 }
-        }));
-    }
-    let Ok(weights) = Matrix::from_vec(rows, seats, weights) else {
-        return Vec::new();
-    };
-    let (_, chosen) = kuhn_munkres_min(&weights);
-    chosen
-        .into_iter()
-        .enumerate()
-        .map(|(row, seat)| (row, seat % columns))
-        .collect()
-}
-
 #[cfg(test)]
 mod tests {
-    use proptest::prelude::*;
-
     use super::*;
-
-    fn load(matches: &[(usize, usize)], columns: usize) -> Vec<usize> {
-        (0..columns)
-            .map(|c| matches.iter().filter(|(_, to)| *to == c).count())
-            .collect()
-    }
-
-    #[test]
-    fn everybody_nearest_to_one_evader_is_still_split_fairly() {
-        let costs = [10, 500, 20, 500, 30, 500, 40, 500];
-        let matches = balanced(&costs, 4, 2);
-        assert_eq!(load(&matches, 2), [2, 2]);
-        // Ties: all pay the same for evader 1, so the two cheapest on evader 0 stay there.
-        assert_eq!(matches, [(0, 0), (1, 0), (2, 1), (3, 1)]);
-    }
-
-    #[test]
-    fn the_odd_one_out_goes_where_it_costs_least() {
-        let costs = [10, 900, 10, 900, 10, 900];
-        assert_eq!(load(&balanced(&costs, 3, 2), 2), [2, 1]);
-    }
-
-    #[test]
-    fn fewer_pursuers_than_evaders_take_one_each() {
-        let costs = [5, 1, 9, 4, 1, 9];
-        let matches = balanced(&costs, 2, 3);
-        assert_eq!(matches.len(), 2);
-        assert_ne!(matches[0].1, matches[1].1);
-        assert_eq!(
-            matches.iter().map(|&(r, c)| costs[r * 3 + c]).sum::<i64>(),
-            5
-        );
-    }
-
-    #[test]
-    fn nobody_and_nothing_to_chase_gives_nothing() {
-        assert!(balanced(&[], 0, 2).is_empty());
-        assert!(balanced(&[], 2, 0).is_empty());
-        assert!(balanced(&[1, 2, 3], 2, 2).is_empty());
-    }
 
     #[test]
     fn interception_is_where_the_pursuer_is_first_in_time() {
@@ -312,35 +305,5 @@ mod tests {
         // Too slow to be anywhere in time: when it would be at the exit.
         let time = interception_time(&escape, |p| 100.0 + p.x);
         assert_eq!(time, 110.0);
-    }
-
-    #[test]
-    fn impossible_times_are_never() {
-        assert_eq!(milliseconds(f64::NAN), NEVER_MS);
-        assert_eq!(milliseconds(f64::INFINITY), NEVER_MS);
-        assert_eq!(milliseconds(1.2345), 1235);
-    }
-
-    proptest! {
-        #[test]
-        fn shares_are_fair_and_no_exchange_of_two_is_cheaper(
-            rows in 1_usize..7,
-            columns in 1_usize..5,
-            seed in prop::collection::vec(0_i64..=NEVER_MS, 35),
-        ) {
-            let costs: Vec<_> = (0..rows * columns).map(|i| seed[i % seed.len()]).collect();
-            let matches = balanced(&costs, rows, columns);
-            prop_assert_eq!(matches.len(), rows);
-            prop_assert_eq!(&matches, &balanced(&costs, rows, columns));
-            for count in load(&matches, columns) {
-                prop_assert!(count >= rows / columns && count <= rows.div_ceil(columns));
-            }
-            let cost = |row: usize, column: usize| costs[row * columns + column];
-            for &(a, ca) in &matches {
-                for &(b, cb) in &matches {
-                    prop_assert!(cost(a, ca) + cost(b, cb) <= cost(a, cb) + cost(b, ca));
-                }
-            }
-        }
     }
 }

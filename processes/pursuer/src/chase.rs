@@ -7,7 +7,7 @@ use guidance::map::PlannerMap;
 use guidance::navigation::Wayfinder;
 use guidance::params::ParamsError;
 use guidance::potential_field::{
-    Body, Goal, Perturbation, Repulsor, attraction, capped, obstacle, repulsion,
+    AttractionParams, Body, Goal, Perturbation, Repulsor, attraction, capped, obstacle, repulsion,
     slide_along_obstacles, slide_around_bodies,
 };
 use guidance::steering::Steering;
@@ -15,12 +15,16 @@ use guidance::view::{RobotView, View};
 use nalgebra::{Point2, Vector2};
 use sim_backend::team::Team;
 
-use crate::assignment::Assigner;
-use crate::goals::{Hypothesis, goals, hypotheses};
-use crate::params::PursuerParams;
+use crate::assignment::{Assigner, Order};
+use crate::exit_guard::{Duty, ExitGuards};
+use crate::goals::{Hypothesis, estimate, goals, hypotheses};
+use crate::interception::Interceptor;
+use crate::params::{GoalMethod, PursuerParams};
+use crate::slots;
+use crate::targets::supposed;
 
-/// The way-finder's slot of this robot's own ways; those of the assignment come after it.
-const OWN_SLOT: usize = 0;
+/// How near a target must be, in sight, for a pursuer that cuts it off to drive at it [m].
+const CLOSE: f64 = 1.0;
 
 /// Chases evaders by potential fields (chasing-game paper, §III-B).
 ///
@@ -31,6 +35,8 @@ pub struct Pursuer {
     limits: Limits,
     perturbation: Perturbation,
     assigner: Assigner,
+    guards: ExitGuards,
+    interceptor: Interceptor,
     finder: Wayfinder,
     hypotheses: Vec<Hypothesis>,
     goals: Vec<Goal>,
@@ -48,6 +54,8 @@ impl Pursuer {
             limits,
             perturbation: Perturbation::new(params.perturbation, seed),
             assigner: Assigner::new(params.assignment),
+            guards: ExitGuards::new(params.roles),
+            interceptor: Interceptor::new(params.goals.reach),
             finder: Wayfinder::new(params.navigation),
             hypotheses: Vec::new(),
             goals: Vec::new(),
@@ -69,13 +77,55 @@ impl Pursuer {
             return Steering::stop();
         };
         self.finder.prepare(map, own.radius);
-        let Some(target) = self.assigner.target(map, &mut self.finder, view) else {
-            return Steering::stop();
-        };
-        let stop = Steering {
-            target: Some(target),
-            ..Steering::stop()
-        };
+        if self.assigner.has_begun(view.time_s) {
+            self.guards.choose(map, &mut self.finder, view);
+            let (finder, interceptor) = (&mut self.finder, &mut self.interceptor);
+            match self
+                .guards
+                .duty(map, finder, interceptor, view, &self.params)
+            {
+                Some(Duty::Post(post)) => return self.stand(map, view, own, post),
+                Some(Duty::Capture(target)) => {
+                    return self.pursue(map, view, own, target, GoalMethod::Interception);
+                }
+                None => {}
+            }
+        }
+        let order = self
+            .assigner
+            .order(map, &mut self.finder, view, &self.guards);
+        match order {
+            None => Steering::stop(),
+            Some(Order {
+                target,
+                place: Some(place),
+            }) if !self.is_close(map, view, own, target) => {
+                self.cut_off(map, view, own, target, place)
+            }
+            Some(Order { target, .. }) => {
+                self.pursue(map, view, own, target, self.params.goals.method)
+            }
+        }
+    }
+
+    /// Whether a target can be driven at straight away.
+    fn is_close(&self, map: &PlannerMap, view: &View<'_>, own: &RobotView, target: usize) -> bool {
+        let here = own.pose.position();
+        estimate(view, target, self.params.knowledge).is_some_and(|pose| {
+            let there = pose.position();
+            (there - here).norm() <= CLOSE && map.line_is_clear(here, there, 0.0)
+        })
+    }
+
+    /// Drives at a target.
+    fn pursue(
+        &mut self,
+        map: &PlannerMap,
+        view: &View<'_>,
+        own: &RobotView,
+        target: usize,
+        method: GoalMethod,
+    ) -> Steering {
         hypotheses(
             view,
             target,
@@ -85,7 +135,10 @@ impl Pursuer {
             &mut self.hypotheses,
         );
         if self.hypotheses.is_empty() {
-            return stop;
+            return Steering {
+                target: Some(target),
+                ..Steering::stop()
+            };
         }
         let params = &self.params;
         let at = params.feedback.field_point_of(&own.pose);
@@ -104,6 +157,62 @@ impl Pursuer {
                 &mut self.goals,
             );
         }
+        if method == GoalMethod::Interception {
+            self.meet(map, view, own, target);
+        }
+        Steering {
+            target: Some(target),
+            ..self.steer(map, view, own, at)
+        }
+    }
+
+    /// Moves the goals of the hypotheses to where they can be met first; those that can be met
+    /// nowhere stay.
+    fn meet(&mut self, map: &PlannerMap, view: &View<'_>, own: &RobotView, target: usize) {
+        let Some(robot) = view.robot(target) else {
+            return;
+        };
+        for ((pose, _), goal) in self.hypotheses.iter().zip(&mut self.goals) {
+            let supposed = supposed(robot, pose, self.params.knowledge);
+            let exits = view.usable_exits();
+            let finder = &mut self.finder;
+            if let Some(meeting) = self.interceptor.meeting(map, finder, own, exits, &supposed) {
+                goal.at = meeting.at;
+            }
+        }
+    }
+
+    /// Drives to a place that cuts a target off.
+    fn cut_off(
+        &mut self,
+        map: &PlannerMap,
+        view: &View<'_>,
+        own: &RobotView,
+        target: usize,
+        place: Point2<f64>,
+    ) -> Steering {
+        self.goals.clear();
+        self.goals.push(Goal {
+            at: place,
+            weight: 1.0,
+        });
+        let at = self.params.feedback.field_point_of(&own.pose);
+        Steering {
+            target: Some(target),
+            ..self.steer(map, view, own, at)
+        }
+    }
+
+    /// Drives by the field at a point towards the goals.
+    fn steer(
+        &mut self,
+        map: &PlannerMap,
+        view: &View<'_>,
+        own: &RobotView,
+        at: Point2<f64>,
+    ) -> Steering {
+        let params = &self.params;
+        let here = own.pose.position();
         let wanted = self.goals.iter().map(|goal| goal.at);
         let bearings = bearings(&mut self.finder, params, map, here, wanted);
         let pull = attraction(
@@ -116,24 +225,71 @@ impl Pursuer {
             + scatter(params, view, own, at)
             + obstacle(map, at, &params.obstacle)
             + self.perturbation.at(view.time_s);
-        let around = slide_around_bodies(
-            map,
-            here,
-            own.radius,
-            sum,
-            in_the_way(view, own),
-            params.body_guard,
-        );
-        let along = slide_along_obstacles(map, at, own.radius, around, params.obstacle.guard);
-        let field = capped(along, params.field_cap);
+        let field = in_bounds(params, map, view, own, at, sum);
         Steering {
             command: command(field, own.pose.theta, &self.limits, &params.feedback),
-            target: Some(target),
+            target: None,
             aim: aim(&self.goals),
             waypoint: waypoint(&self.goals, at, pull, &bearings),
             field,
         }
     }
+
+    /// Drives to a post and stands there.
+    ///
+    /// With its centre, not the point ahead of it, and without what would push it off: colleagues
+    /// (who have posts of their own) and perturbation.
+    fn stand(
+        &mut self,
+        map: &PlannerMap,
+        view: &View<'_>,
+        own: &RobotView,
+        post: Point2<f64>,
+    ) -> Steering {
+        let params = &self.params;
+        let here = own.pose.position();
+        let goal = Goal {
+            at: post,
+            weight: 1.0,
+        };
+        let bearings = bearings(&mut self.finder, params, map, here, [post]);
+        let slowing = AttractionParams {
+            slow_at_goal: true,
+            ..params.attraction
+        };
+        let pull = attraction(here, [goal], &bearings, &slowing);
+        let sum = pull + obstacle(map, here, &params.obstacle);
+        let field = in_bounds(params, map, view, own, here, sum);
+        Steering {
+            command: command(field, own.pose.theta, &self.limits, &params.feedback),
+            target: None,
+            aim: Some(post),
+            waypoint: waypoint(&[goal], here, pull, &bearings),
+            field,
+        }
+    }
+}
+
+/// A field at a point without the parts that would drive the robot into bodies and obstacles, and
+/// no larger than allowed.
+fn in_bounds(
+    params: &PursuerParams,
+    map: &PlannerMap,
+    view: &View<'_>,
+    own: &RobotView,
+    at: Point2<f64>,
+    sum: Vector2<f64>,
+) -> Vector2<f64> {
+    let around = slide_around_bodies(
+        map,
+        own.pose.position(),
+        own.radius,
+        sum,
+        in_the_way(view, own),
+        params.body_guard,
+    );
+    let along = slide_along_obstacles(map, at, own.radius, around, params.obstacle.guard);
+    capped(along, params.field_cap)
 }
 
 /// The measure of bearings to these points that the parameters ask for.
@@ -147,7 +303,7 @@ fn bearings<'a>(
     match params.goal_field {
         GoalField::Straight => Bearings::Straight,
         GoalField::Geodesic => finder
-            .routes(map, OWN_SLOT, here, targets)
+            .routes(map, slots::OWN, here, targets)
             .map_or(Bearings::Straight, Bearings::Along),
     }
 }

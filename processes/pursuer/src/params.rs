@@ -9,6 +9,10 @@ use guidance::potential_field::{
 };
 use serde::{Deserialize, Serialize};
 
+mod tactics;
+
+pub use tactics::{GoalMethod, GoalParams, MAX_POST_RADIUS, RoleParams};
+
 /// Where knowledge of the opponents comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -46,6 +50,10 @@ pub enum AssignmentMethod {
     /// least, with the pursuers spread evenly over the evaders; renewed every
     /// [`AssignmentParams::period_s`].
     Interception,
+    /// Matched with the evaders as by `Interception`; then those on one evader are matched, at the
+    /// least sum of driving times, with places that cut its ways to the exits off, and those for whom
+    /// no place is left (one at least) drive at it. See [`crate::cut_off`].
+    CutOff,
 }
 
 /// Parameters of the assignment.
@@ -58,11 +66,13 @@ pub struct AssignmentParams {
     pub knowledge: Knowledge,
     /// Simulated time at which the first targets are taken [s], ≥ 0.
     pub delay_s: f64,
-    /// Time between two assignments of the interception method [s], > 0.
+    /// Time between two assignments of the interception and cut-off methods [s], > 0.
     pub period_s: f64,
-    /// Interception time that a change of target must gain [s], ≥ 0 (interception method); keeps
-    /// two pursuers from swapping to and fro.
+    /// Interception time that a change of target must gain [s], ≥ 0 (interception and cut-off
+    /// methods); keeps two pursuers from swapping to and fro.
     pub switch_cost_s: f64,
+    /// How far around itself a pursuer blocks a street [m], > 0 (cut-off method).
+    pub block_radius: f64,
 }
 
 impl Default for AssignmentParams {
@@ -73,6 +83,7 @@ impl Default for AssignmentParams {
             delay_s: 1.0,
             period_s: 1.0,
             switch_cost_s: 2.0,
+            block_radius: 0.75,
         }
     }
 }
@@ -112,6 +123,10 @@ pub struct PursuerParams {
     pub max_particles: usize,
     /// Who chases whom.
     pub assignment: AssignmentParams,
+    /// Who does something else.
+    pub roles: RoleParams,
+    /// How hypotheses become goals.
+    pub goals: GoalParams,
     /// How far ahead of a target the goal lies.
     pub look_ahead: LookAheadParams,
     /// How directions to goals are measured.
@@ -139,7 +154,8 @@ pub struct PursuerParams {
     pub field_cap: f64,
     /// From field to command.
     pub feedback: FeedbackParams,
-    /// Graph of the ways, for `goal_field = "geodesic"` and the interception method.
+    /// Graph of the ways, for `goal_field = "geodesic"`, the assignment's methods that predict, and
+    /// the tactics.
     pub navigation: NavParams,
 }
 
@@ -150,6 +166,8 @@ impl Default for PursuerParams {
             belief_goals: BeliefGoals::Particles,
             max_particles: 30,
             assignment: AssignmentParams::default(),
+            roles: RoleParams::default(),
+            goals: GoalParams::default(),
             look_ahead: LookAheadParams::default(),
             goal_field: GoalField::Geodesic,
             attraction: AttractionParams::default(),
@@ -186,6 +204,8 @@ impl PursuerParams {
                 knowledge: Knowledge::Exact,
                 ..AssignmentParams::default()
             },
+            roles: RoleParams::default(),
+            goals: GoalParams::default(),
             look_ahead: LookAheadParams {
                 stop_at_obstacles: false,
                 ..LookAheadParams::default()
@@ -220,6 +240,12 @@ impl PursuerParams {
         self.assignment
             .validate()
             .map_err(|error| error.within("assignment"))?;
+        self.roles
+            .validate()
+            .map_err(|error| error.within("roles"))?;
+        self.goals
+            .validate()
+            .map_err(|error| error.within("goals"))?;
         self.look_ahead
             .validate()
             .map_err(|error| error.within("look_ahead"))?;
@@ -255,7 +281,8 @@ impl AssignmentParams {
     pub fn validate(&self) -> Result<(), ParamsError> {
         not_negative("delay_s", self.delay_s)?;
         positive("period_s", self.period_s)?;
-        not_negative("switch_cost_s", self.switch_cost_s)
+        not_negative("switch_cost_s", self.switch_cost_s)?;
+        positive("block_radius", self.block_radius)
     }
 }
 
@@ -301,11 +328,16 @@ mod tests {
     #[test]
     fn a_table_names_options_in_snake_case_and_refuses_unknown_keys() {
         let text = "knowledge = 'exact'\ngoal_field = 'straight'\n\
-                    [assignment]\nmethod = 'interception'\nperiod_s = 0.5\n";
+                    [assignment]\nmethod = 'interception'\nperiod_s = 0.5\n\
+                    [goals]\nmethod = 'interception'\n[roles]\nexit_guard = 2\n";
         let params: PursuerParams = toml::from_str(text).unwrap();
         assert_eq!(params.knowledge, Knowledge::Exact);
         assert_eq!(params.assignment.method, AssignmentMethod::Interception);
         assert_eq!(params.assignment.delay_s, 1.0);
+        assert_eq!(params.goals.method, GoalMethod::Interception);
+        assert_eq!(params.roles.exit_guard, 2);
+        let cut_off: AssignmentParams = toml::from_str("method = 'cut_off'").unwrap();
+        assert_eq!(cut_off.method, AssignmentMethod::CutOff);
         assert!(toml::from_str::<PursuerParams>("knowlege = 'exact'").is_err());
         assert!(toml::from_str::<PursuerParams>("[look_ahead]\nration = 1.0").is_err());
     }

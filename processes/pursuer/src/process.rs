@@ -18,7 +18,7 @@ impl Planner for PursuerPlanner {
     fn inputs(params: &PursuerParams) -> PlannerInputs {
         PlannerInputs {
             beliefs: params.needs_beliefs(),
-            scans: false,
+            ..PlannerInputs::default()
         }
     }
 

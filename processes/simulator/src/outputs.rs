@@ -1,12 +1,14 @@
 //! The world as messages.
 
-use ipc_types::messages::world::{MapCell, MapHeader, RobotState, WorldEvent};
+use core::time::Duration;
+
+use ipc_types::messages::world::{CoverageState, MapCell, MapHeader, RobotState, WorldEvent};
 use ipc_types::stamp::Stamp;
 use sim_backend::blur::{BlurError, BlurredMap};
 use sim_backend::grid::Grid;
 use sim_backend::map::WorldMap;
 use sim_backend::robot::{Robot, RobotStatus};
-use sim_backend::world::{ContactWith, EventKind};
+use sim_backend::world::{ContactWith, Coverage, EventKind};
 
 /// Codes of [`WorldEvent::NAMES`].
 mod code {
@@ -45,6 +47,26 @@ pub struct Flags {
     pub fail_safe: bool,
     /// Its body stands in the world.
     pub present: bool,
+}
+
+/// The message of `world/coverage` at the time `now` of the world.
+pub fn coverage_state(coverage: &Coverage, now: Duration) -> CoverageState {
+    let figures = coverage.figures(now);
+    let resolution = coverage.frame().resolution;
+    // Grids have far fewer than 2^32 cells.
+    CoverageState {
+        fraction: figures.fraction(),
+        coverable_fraction: figures.coverable_fraction(),
+        cell_area: resolution * resolution,
+        mean_idleness: figures.mean_idleness,
+        max_idleness: figures.max_idleness,
+        worst_idleness: figures.worst_idleness,
+        visits: figures.visits,
+        free: figures.free as u32,
+        visited: figures.visited as u32,
+        coverable: figures.coverable as u32,
+        covered: figures.covered as u32,
+    }
 }
 
 /// One robot of `world/state`.

@@ -7,15 +7,18 @@ use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use ipc_types::bus::{Bus, Publisher, PublisherOptions, Subscriber};
-use ipc_types::clock;
+use ipc_types::clock::{self, StampClock};
 use ipc_types::messages::robot::ScanHeader;
-use ipc_types::messages::world::{ObstacleEvent, RobotState, WorldEvent, WorldHeader};
+use ipc_types::messages::world::{MapHeader, ObstacleEvent, RobotState, WorldEvent, WorldHeader};
 use ipc_types::stamp::{PlainHeader, Stamp};
 use ipc_types::topics::{
-    Commands, ObstacleEvents, Scan, WorldEvents, WorldMap as MapTopic, WorldState,
+    Commands, Coverage, ObstacleEvents, Scan, WorldEvents, WorldMap as MapTopic, WorldShapes,
+    WorldState,
 };
 use kit::lockstep::{Conductor, Phase, SlotState, TurnEnd};
-use kit::{Clock, Idle, ProcessConfig, ProcessError, Setup, obstacle};
+use kit::maps::{Ground, Maps};
+use kit::{Clock, Idle, ProcessConfig, ProcessError, Setup, obstacle, shapes};
+use sim_backend::blur::BlurError;
 use sim_backend::robot::Robot;
 use sim_backend::world::World;
 
@@ -81,8 +84,20 @@ fn refused(config: &ProcessConfig, reason: &str) -> ProcessError {
     }
 }
 
-struct Simulator {
+/// Points that `world/shapes` may need: those of the map as it stands, and what the announced
+/// events can add to it.
+fn shapes_capacity(world: &World, config: &ProcessConfig) -> usize {
+    let standing = shapes::points(world.map().parts()).len();
+    let events = (config.run.events as usize).saturating_mul(shapes::POINTS_PER_EVENT);
+    standing.saturating_add(events).clamp(1, shapes::MAX_POINTS)
+}
+
+/// The world with its topics: what is sent and done in a tick, in which order. Who drives it (the
+/// loops here, or a run in one thread) calls [`publish`](Self::publish), waits until everybody has
+/// answered, then [`take_commands`](Self::take_commands) and [`advance`](Self::advance).
+pub struct Simulator {
     world: World,
+    clock: StampClock,
     board: CommandBoard,
     blur_sigma: f64,
     tick_period: Duration,
@@ -94,25 +109,44 @@ struct Simulator {
     missing: Vec<bool>,
     /// Robots that touched something in the last step.
     touching: Vec<bool>,
+    /// How often each robot had touched something before the step; scratch.
+    touched_before: Vec<u64>,
     ranges: Vec<f32>,
     map_revision: Option<u32>,
+    /// What the map is made of, where maps are shared.
+    shared: Option<(Arc<Maps>, Ground)>,
     refused_commands: u64,
     state_out: Publisher<WorldState>,
     map_out: Publisher<MapTopic>,
+    shapes_out: Publisher<WorldShapes>,
     event_out: Publisher<WorldEvents>,
     scan_out: Publisher<Scan>,
+    coverage_out: Publisher<Coverage>,
     commands_in: Subscriber<Commands>,
     obstacles_in: Subscriber<ObstacleEvents>,
 }
 
 impl Simulator {
-    fn open(
+    /// Builds the world and opens its topics.
+    ///
+    /// # Errors
+    /// [`ProcessError`] if the parameters make no world, or a topic cannot be opened.
+    pub fn open(
         config: &ProcessConfig,
         params: &SimulatorParams,
         bus: &Bus,
     ) -> Result<Self, ProcessError> {
         let world =
             World::new(params.world.clone()).map_err(|e| refused(config, &e.to_string()))?;
+        let maps: Option<Arc<Maps>> = bus.commons();
+        let shared = maps.map(|maps| {
+            let ground = Ground {
+                spec: params.world.map.clone(),
+                changes: Vec::new(),
+                blur_sigma: params.blur_sigma,
+            };
+            (maps, ground)
+        });
         let robots = world.robots().len();
         if params.drivers.len() != robots {
             let reason = format!("{} drivers for {robots} robots", params.drivers.len());
@@ -121,6 +155,7 @@ impl Simulator {
         let port = |capacity: usize| PublisherOptions::new(config.index, capacity);
         let beams = config.run.robots.iter().map(|r| r.beams).max().unwrap_or(0);
         Ok(Self {
+            clock: bus.clock(),
             board: CommandBoard::new(params.drivers.clone()),
             blur_sigma: params.blur_sigma,
             tick_period: Duration::from_nanos(config.run.tick_period_ns),
@@ -130,29 +165,39 @@ impl Simulator {
             states: Vec::with_capacity(robots),
             missing: vec![false; robots],
             touching: vec![false; robots],
+            touched_before: Vec::with_capacity(robots),
             ranges: Vec::new(),
             map_revision: None,
+            shared,
             refused_commands: 0,
             state_out: bus.publisher(port(robots))?,
             map_out: bus.publisher(port(world.map().frame().len()))?,
+            shapes_out: bus.publisher(port(shapes_capacity(&world, config)))?,
             event_out: bus.publisher(port(EVENT_CAPACITY))?,
             scan_out: bus.publisher(port(beams as usize))?,
+            coverage_out: bus.publisher(port(1))?,
             commands_in: bus.subscriber()?,
             obstacles_in: bus.subscriber()?,
             world,
         })
     }
 
-    fn connect(&mut self) -> Result<(), ProcessError> {
+    /// Connects every port and sends the map.
+    ///
+    /// # Errors
+    /// [`ProcessError`] if the transport fails.
+    pub fn connect(&mut self) -> Result<(), ProcessError> {
         self.state_out.update_connections()?;
         self.map_out.update_connections()?;
+        self.shapes_out.update_connections()?;
         self.event_out.update_connections()?;
         self.scan_out.update_connections()?;
+        self.coverage_out.update_connections()?;
         self.commands_in.update_connections()?;
         self.obstacles_in.update_connections()?;
         // Everybody builds what it needs of the map before time starts.
         let first = Stamp {
-            origin_ns: clock::monotonic_ns(),
+            origin_ns: self.clock.now_ns(),
             ..Stamp::default()
         };
         self.publish_map(first)
@@ -162,11 +207,36 @@ impl Simulator {
     fn publish_map(&mut self, stamp: Stamp) -> Result<(), ProcessError> {
         let revision = outputs::revision(self.world.map());
         if self.map_revision != Some(revision) {
-            let (header, cells) = outputs::map_message(self.world.map(), self.blur_sigma, stamp)
-                .map_err(|e| ProcessError::Algorithm(e.to_string()))?;
-            self.map_out.send(header, &cells)?;
+            let draw = || outputs::map_message(self.world.map(), self.blur_sigma, stamp);
+            let failed = |e: BlurError| ProcessError::Algorithm(e.to_string());
+            if let Some((maps, ground)) = &self.shared {
+                let (header, cells) = maps.message(ground, draw).map_err(failed)?;
+                self.map_out
+                    .send_shared(MapHeader { stamp, ..header }, &cells)?;
+            } else {
+                let (header, cells) = draw().map_err(failed)?;
+                self.map_out.send(header, &cells)?;
+            }
+            self.publish_shapes(stamp)?;
             self.map_revision = Some(revision);
         }
+        Ok(())
+    }
+
+    fn publish_shapes(&self, stamp: Stamp) -> Result<(), ProcessError> {
+        let map = self.world.map();
+        let capacity = self.shapes_out.capacity();
+        let (header, points) =
+            shapes::to_message(map.shapes(), outputs::revision(map), stamp, capacity);
+        if header.complete == 0 {
+            tracing::warn!(
+                "tick {}: the map has {} pieces, more than the {capacity} points of world/shapes \
+                 hold: planners that search for paths go by the grid",
+                self.tick,
+                map.parts().len()
+            );
+        }
+        self.shapes_out.send(header, &points)?;
         Ok(())
     }
 
@@ -248,13 +318,21 @@ impl Simulator {
         }
     }
 
+    /// The current tick.
+    pub fn tick(&self) -> u64 {
+        self.tick
+    }
+
     /// Publishes everything about the current tick, the state last; true if the game is over.
-    fn publish(&mut self) -> Result<bool, ProcessError> {
+    ///
+    /// # Errors
+    /// [`ProcessError`] if the transport fails.
+    pub fn publish(&mut self) -> Result<bool, ProcessError> {
         self.apply_obstacles()?;
         let stamp = Stamp {
             tick: self.tick,
             time_ns: self.tick.saturating_mul(self.tick_period.as_nanos() as u64),
-            origin_ns: clock::monotonic_ns(),
+            origin_ns: self.clock.now_ns(),
             received_ns: self.board.received_ns(),
             ..Stamp::default()
         };
@@ -279,6 +357,7 @@ impl Simulator {
             self.events.clear();
         }
         let over = self.world.is_over();
+        self.publish_coverage(stamp, over)?;
         self.states.clear();
         for (index, robot) in self.world.robots().iter().enumerate() {
             let flags = Flags {
@@ -302,6 +381,19 @@ impl Simulator {
         Ok(over)
     }
 
+    /// Reports the visited area once per period, and at the end.
+    fn publish_coverage(&mut self, stamp: Stamp, over: bool) -> Result<(), ProcessError> {
+        let Some(coverage) = self.world.coverage() else {
+            return Ok(());
+        };
+        let ticks = coverage.spec().period / self.tick_period.as_secs_f64();
+        if over || self.tick.is_multiple_of((ticks.round() as u64).max(1)) {
+            let state = outputs::coverage_state(coverage, self.world.time());
+            self.coverage_out.send(PlainHeader { stamp }, &[state])?;
+        }
+        Ok(())
+    }
+
     /// Applies the obstacle changes whose tick has come.
     fn apply_obstacles(&mut self) -> Result<(), ProcessError> {
         while let Some(message) = self.obstacles_in.receive()? {
@@ -317,19 +409,36 @@ impl Simulator {
             let (_, event) = self.obstacles.remove(at);
             let change = obstacle::from_message(&event);
             let applied = match change {
-                Ok(change) => self.world.apply(&change).map_err(|e| e.to_string()),
+                Ok(change) => {
+                    let applied = self.world.apply(&change).map_err(|e| e.to_string());
+                    if let (Ok(()), Some((_, ground))) = (&applied, &mut self.shared) {
+                        ground.changes.push(change);
+                    }
+                    applied
+                }
                 Err(e) => Err(e.to_string()),
             };
             if let Err(reason) = applied {
                 tracing::warn!("tick {}: obstacle event refused: {reason}", self.tick);
             }
         }
+        // They hold from this tick on, and are told with it.
+        let changes: Vec<_> = self.world.take_pending().collect();
+        let robots = self.world.robots();
+        let told = changes
+            .iter()
+            .map(|kind| outputs::world_event(kind, robots));
+        self.events.extend(told);
         Ok(())
     }
 
-    fn take_commands(&mut self) -> Result<(), ProcessError> {
+    /// Takes up the commands that came; those that do not hold are counted and logged.
+    ///
+    /// # Errors
+    /// [`ProcessError`] if the transport fails.
+    pub fn take_commands(&mut self) -> Result<(), ProcessError> {
         while let Some(message) = self.commands_in.receive()? {
-            let now = clock::monotonic_ns();
+            let now = self.clock.now_ns();
             for command in message.elements() {
                 let taken = self
                     .board
@@ -348,11 +457,14 @@ impl Simulator {
         Ok(())
     }
 
-    /// Steps the world to the next tick with the commands that hold.
-    fn advance(&mut self, max_age: u64) {
+    /// Steps the world to the next tick with the commands that hold: those that are at most
+    /// `max_age` ticks old (0 in lock-step).
+    pub fn advance(&mut self, max_age: u64) {
         let commands = self.board.in_force(self.tick, max_age);
         let touched = |robot: &Robot| robot.contacts.wall_ticks + robot.contacts.robot_ticks;
-        let before = self.world.robots().iter().map(touched).collect::<Vec<_>>();
+        self.touched_before.clear();
+        self.touched_before
+            .extend(self.world.robots().iter().map(touched));
         self.world.step(commands, self.tick_period);
         let robots = self.world.robots();
         let happened = self.world.events().iter();
@@ -364,7 +476,8 @@ impl Simulator {
                 self.events.push(outputs::missing_command(index, robots));
             }
             self.missing[index] = missing;
-            self.touching[index] = touched(robot) > before[index];
+            let before = self.touched_before.get(index).copied();
+            self.touching[index] = before.is_some_and(|before| touched(robot) > before);
         }
         self.tick += 1;
     }

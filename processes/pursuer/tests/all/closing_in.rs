@@ -1,21 +1,18 @@
 //! Pursuers in the paper's city, in a kinematic mini-simulation.
 
-#[path = "../../guidance/tests/support/mod.rs"]
-mod support;
-
 use std::sync::LazyLock;
 
+use crate::support::{Arena, EXIT, Kinematic, RADIUS, street_starts};
 use guidance::bearing::GoalField;
 use guidance::limits::Limits;
 use guidance::map::PlannerMap;
 use guidance::view::{BeliefView, ParticleView, RobotView, View};
 use nalgebra::Point2;
 use proptest::prelude::*;
-use pursuer::params::{AssignmentMethod, BeliefGoals, Knowledge};
+use pursuer::params::{AssignmentMethod, BeliefGoals, GoalMethod, Knowledge};
 use pursuer::{Pursuer, PursuerParams};
 use sim_backend::pose::{Pose2, Twist2};
 use sim_backend::team::Team;
-use support::{Arena, EXIT, Kinematic, RADIUS, street_starts};
 
 const DT: f64 = 0.05;
 const CATCH: f64 = 0.3;
@@ -337,7 +334,7 @@ proptest! {
         tame in prop::collection::vec(-20.0_f64..20.0, 32),
         particles in prop::collection::vec(prop::array::uniform4(prop::num::f32::ANY), 0..20),
         wild in any::<u32>(),
-        options in any::<[bool; 4]>(),
+        options in any::<[bool; 7]>(),
     ) {
         let (_, map) = &*CITY;
         let mut params = if options[0] { PursuerParams::paper() } else { PursuerParams::default() };
@@ -346,6 +343,13 @@ proptest! {
         if options[2] {
             params.assignment.method = AssignmentMethod::Interception;
         }
+        if options[4] {
+            params.assignment.method = AssignmentMethod::CutOff;
+        }
+        if options[5] {
+            params.goals.method = GoalMethod::Interception;
+        }
+        params.roles.exit_guard = usize::from(options[6]);
         params.belief_goals = if options[3] { BeliefGoals::Particles } else { BeliefGoals::Mode };
         let mut pursuer = Pursuer::new(params, limits(), 1).unwrap();
         let pick = |i: usize| if wild >> i & 1 == 1 { numbers[i] } else { tame[i] };

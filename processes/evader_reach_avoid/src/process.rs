@@ -1,0 +1,40 @@
+//! Wires [`Evader`] to its topics: state and map in, command and plan out.
+
+use guidance::map::PlannerMap;
+use guidance::steering::Steering;
+use guidance::view::View;
+use kit::config::RobotInfo;
+use kit::planner::{Planner, PlannerInputs, limits};
+use sim_backend::spec::Region;
+
+use crate::{Evader, ReachAvoidParams};
+
+/// One evader in its process.
+#[derive(Debug)]
+pub struct ReachAvoidPlanner(Evader);
+
+impl Planner for ReachAvoidPlanner {
+    type Params = ReachAvoidParams;
+
+    fn inputs(_: &ReachAvoidParams) -> PlannerInputs {
+        PlannerInputs::default()
+    }
+
+    fn new(params: &ReachAvoidParams, robot: &RobotInfo, _seed: u64) -> Result<Self, String> {
+        Evader::new(*params, limits(robot)?)
+            .map(Self)
+            .map_err(|e| e.to_string())
+    }
+
+    fn rules(&mut self, exits: &[Region], capture_radius: f64) {
+        self.0.rules(exits, capture_radius);
+    }
+
+    fn prepare(&mut self, map: &PlannerMap, robot: &RobotInfo) {
+        self.0.prepare(map, robot.model.radius);
+    }
+
+    fn steer(&mut self, map: &PlannerMap, view: &View<'_>) -> Steering {
+        self.0.command(map, view)
+    }
+}

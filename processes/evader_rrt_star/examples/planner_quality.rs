@@ -1,0 +1,93 @@
+//! How fast the search comes near the shortest ways: `planner_quality [SEEDS [BUDGET_MS]]`.
+//!
+//! One line per improvement, `planner,query,seed,cpu_ms,cost`, as `benchmarks/ompl_baseline` writes
+//! them too, after the exact optima as `optimum,query,,,cost`.
+
+#[path = "../tests/support/mod.rs"]
+mod support;
+
+use std::sync::Arc;
+
+use evader_rrt_star::bound::Bound;
+use evader_rrt_star::cost::{CostModel, CostParams};
+use evader_rrt_star::ground::Ground;
+use evader_rrt_star::motion::Straight;
+use evader_rrt_star::params::SearchParams;
+use evader_rrt_star::search::{Scene, Search};
+use guidance::tangent_graph::{TangentGraph, Towards};
+use nalgebra::Point2;
+use rustix::time::{ClockId, clock_gettime};
+use sim_backend::pose::Pose2;
+use support::RADIUS;
+
+/// From (x, y) to (x, y) [m].
+const QUERIES: [[f64; 4]; 3] = [
+    [-4.5, 7.5, 9.0, 0.0],
+    [-7.5, -7.3, 7.3, 7.5],
+    [1.5, -6.0, -6.0, 4.5],
+];
+
+/// Iterations between two looks at the clock.
+const BETWEEN_LOOKS: u32 = 20;
+
+/// CPU time of the process [ms].
+fn cpu_ms() -> f64 {
+    let time = clock_gettime(ClockId::ProcessCPUTime);
+    time.tv_sec as f64 * 1e3 + time.tv_nsec as f64 * 1e-6
+}
+
+fn main() {
+    let mut words = std::env::args().skip(1);
+    let seeds = words.next().and_then(|w| w.parse().ok()).unwrap_or(21_u64);
+    let budget_ms = words.next().and_then(|w| w.parse().ok()).unwrap_or(120.0);
+
+    let mut ground = Ground::new(&support::city(), RADIUS, 1);
+    let cost = CostModel::new(CostParams::length(), 0.45);
+    let Ok(graph) = TangentGraph::new(&ground.space, RADIUS) else {
+        eprintln!("the city has no tangent graph");
+        return;
+    };
+    println!("planner,query,seed,cpu_ms,cost");
+    for (query, [x0, y0, x1, y1]) in QUERIES.into_iter().enumerate() {
+        let (from, to) = (Point2::new(x0, y0), Point2::new(x1, y1));
+        if let Some(optimum) = graph.distance(from, to) {
+            println!("optimum,{query},,,{optimum:.9}");
+        }
+    }
+    for (query, [x0, y0, x1, y1]) in QUERIES.into_iter().enumerate() {
+        let goal = Point2::new(x1, y1);
+        let towards: Vec<Arc<Towards>> = ground.towards(&[goal]);
+        let scene = Scene {
+            space: &ground.space,
+            sampler: &ground.sampler,
+            radius: RADIUS,
+            cost: &cost,
+            bodies: &[],
+        };
+        let root = Pose2::new(x0, y0, 0.0);
+        for planner in ["ours", "ours_straight"] {
+            for seed in 0..seeds {
+                let mut search = Search::new(SearchParams::default(), Straight, seed);
+                let bound = if planner == "ours" {
+                    Bound::along_streets(root.position(), &towards)
+                } else {
+                    Bound::straight(root.position(), &[goal])
+                };
+                let begin = cpu_ms();
+                search.plant(&scene, root, &[goal], bound);
+                let mut best = f64::INFINITY;
+                loop {
+                    search.run(&scene, BETWEEN_LOOKS, &mut || false);
+                    let (ms, found) = (cpu_ms() - begin, search.progress().best);
+                    if found < best {
+                        best = found;
+                        println!("{planner},{query},{seed},{ms:.4},{best:.9}");
+                    }
+                    if ms > budget_ms {
+                        break;
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,326 @@
+//! What an edge of the tree costs.
+
+use nalgebra::Point2;
+use serde::{Deserialize, Serialize};
+
+use guidance::params::{ParamsError, fraction, not_negative, positive};
+
+use crate::motion::{Leg, Link};
+
+/// Most places at which the time-aware cost looks along one edge.
+const MAX_LOOKS: f64 = 32.0;
+
+/// Which formula makes the cost of an edge.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CostKind {
+    /// The edge's length [m]: shortest ways, whoever lies in wait.
+    Length,
+    /// The chasing-game paper's: length + (scale / d)³ with the distance d from the edge to the
+    /// nearest pursuer *where it is now*. Per edge, so that a way of many short edges past a
+    /// pursuer costs more than the same way in one.
+    Paper,
+    /// Length + the integral along the edge of weight · (scale / m)³, where m is how far off the
+    /// nearest pursuer can still be *when the evader gets there*:
+    ///
+    /// ```text
+    /// m = max(distance − reach · v_pursuer · min(t, horizon), closest),   t = way so far / v_own
+    /// ```
+    ///
+    /// An integral: cutting an edge in two changes nothing.
+    #[default]
+    TimeAware,
+}
+
+/// Parameters of the cost.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct CostParams {
+    /// Which formula.
+    pub kind: CostKind,
+    /// Distance of a pursuer [m] at which the danger is 1, > 0.
+    pub scale: f64,
+    /// Pursuers nearer than this [m] count as this far, > 0: bounds the danger.
+    pub closest: f64,
+    /// Extra metres per metre of way where the danger is 1 (`time_aware` only), ≥ 0.
+    pub weight: f64,
+    /// Share of a pursuer's speed with which it is taken to come nearer (`time_aware` only), in
+    /// [0, 1]: 1 for a pursuer that drives straight for the place at once, 0 for one that stays.
+    pub reach: f64,
+    /// Time after which a pursuer is not taken to come any nearer [s] (`time_aware` only), ≥ 0.
+    pub horizon_s: f64,
+    /// Distance between two looks along an edge [m] (`time_aware` only), > 0.
+    pub step: f64,
+}
+
+impl Default for CostParams {
+    fn default() -> Self {
+        Self {
+            kind: CostKind::TimeAware,
+            scale: 4.0,
+            closest: 0.5,
+            weight: 1.0,
+            reach: 0.5,
+            horizon_s: 5.0,
+            step: 0.5,
+        }
+    }
+}
+
+impl CostParams {
+    /// The values of the chasing-game paper's experiments.
+    pub fn paper() -> Self {
+        Self {
+            kind: CostKind::Paper,
+            closest: 1e-3,
+            ..Self::default()
+        }
+    }
+
+    /// The length alone.
+    pub fn length() -> Self {
+        Self {
+            kind: CostKind::Length,
+            ..Self::default()
+        }
+    }
+
+    /// Checks every field.
+    ///
+    /// # Errors
+    /// [`ParamsError`] naming the first field that is out of range.
+    pub fn validate(&self) -> Result<(), ParamsError> {
+        positive("scale", self.scale)?;
+        positive("closest", self.closest)?;
+        not_negative("weight", self.weight)?;
+        fraction("reach", self.reach)?;
+        not_negative("horizon_s", self.horizon_s)?;
+        positive("step", self.step)
+    }
+}
+
+/// A pursuer as the cost sees it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pursuer {
+    /// Where it is [m].
+    pub at: Point2<f64>,
+    /// Its highest speed [m/s].
+    pub v_max: f64,
+}
+
+/// The cost of edges in one situation.
+///
+/// Every edge costs at least its length, which makes the way's remaining length an admissible
+/// heuristic.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CostModel {
+    params: CostParams,
+    /// Speed of the evader [m/s].
+    own_speed: f64,
+    pursuers: Vec<Pursuer>,
+}
+
+impl CostModel {
+    /// The costs for an evader of this speed [m/s] among no pursuers.
+    pub fn new(params: CostParams, own_speed: f64) -> Self {
+        Self {
+            params,
+            own_speed: own_speed.max(1e-3),
+            pursuers: Vec::new(),
+        }
+    }
+
+    /// Sets the pursuers; those that are not finite are left out.
+    pub fn set_pursuers(&mut self, pursuers: impl Iterator<Item = Pursuer>) {
+        self.pursuers.clear();
+        if self.params.kind != CostKind::Length {
+            self.pursuers.extend(pursuers.filter(|p| {
+                p.at.x.is_finite() && p.at.y.is_finite() && p.v_max.is_finite() && p.v_max >= 0.0
+            }));
+        }
+    }
+
+    /// Whether an edge's cost depends on nothing but the edge.
+    pub fn is_static(&self) -> bool {
+        self.params.kind != CostKind::TimeAware || self.pursuers.is_empty()
+    }
+
+    /// Whether edges cost their length and nothing else.
+    pub fn is_length(&self) -> bool {
+        self.pursuers.is_empty()
+    }
+
+    /// What it costs [m] to go from one point to another by this link, after a way of length
+    /// `before` [m]. At least the link's length.
+    pub fn edge(&self, from: Point2<f64>, to: Point2<f64>, link: &Link, before: f64) -> f64 {
+        if self.pursuers.is_empty() {
+            return link.length;
+        }
+        match self.params.kind {
+            CostKind::Length => link.length,
+            CostKind::Paper => {
+                let nearest = self
+                    .pursuers
+                    .iter()
+                    .map(|p| link.distance_to(from, to, p.at))
+                    .fold(f64::INFINITY, f64::min);
+                link.length + self.danger(nearest)
+            }
+            CostKind::TimeAware => link.length + self.danger_along(from, to, link, before),
+        }
+    }
+
+    fn danger(&self, margin: f64) -> f64 {
+        let ratio = self.params.scale / margin.max(self.params.closest);
+        ratio * ratio * ratio
+    }
+
+    fn danger_along(&self, from: Point2<f64>, to: Point2<f64>, link: &Link, before: f64) -> f64 {
+        let looks = (link.length / self.params.step)
+            .ceil()
+            .clamp(1.0, MAX_LOOKS);
+        let share = 1.0 / looks;
+        let (chord, bulge) = (to - from, bulge(from, to, link));
+        let mut sum = 0.0;
+        for look in 0..looks as u32 {
+            // The midpoint rule.
+            let t = (f64::from(look) + 0.5) * share;
+            let at = from + chord * t + bulge * (4.0 * t * (1.0 - t));
+            let seconds = ((before + t * link.length) / self.own_speed).min(self.params.horizon_s);
+            let reach = self.params.reach * seconds;
+            let margin = self
+                .pursuers
+                .iter()
+                .map(|p| (at - p.at).norm() - reach * p.v_max)
+                .fold(f64::INFINITY, f64::min);
+            sum += self.danger(margin);
+        }
+        self.params.weight * sum * share * link.length
+    }
+}
+
+/// From the middle of the chord to the middle of the way; an arc is near enough to the parabola
+/// through its middle for a danger that varies over metres.
+fn bulge(from: Point2<f64>, to: Point2<f64>, link: &Link) -> nalgebra::Vector2<f64> {
+    match &link.leg {
+        Leg::Line => nalgebra::Vector2::zeros(),
+        Leg::Arc(arc) => {
+            let (sin, cos) = sim_backend::math::sincos(arc.start + 0.5 * arc.sweep);
+            let middle = arc.center + nalgebra::Vector2::new(cos, sin) * arc.radius;
+            middle - nalgebra::center(&from, &to)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn model(params: CostParams, pursuers: &[(f64, f64)]) -> CostModel {
+        let mut model = CostModel::new(params, 0.45);
+        model.set_pursuers(pursuers.iter().map(|&(x, y)| Pursuer {
+            at: Point2::new(x, y),
+            v_max: 0.3,
+        }));
+        model
+    }
+
+    fn line(model: &CostModel, from: Point2<f64>, to: Point2<f64>, before: f64) -> f64 {
+        model.edge(from, to, &Link::line((to - from).norm()), before)
+    }
+
+    #[test]
+    fn the_papers_cost_has_the_papers_values() {
+        let (from, to) = (Point2::new(4.5, 1.5), Point2::new(7.5, 0.5));
+        for (pursuers, cost) in [
+            (&[(7.5, 1.5)][..], 78.120),
+            (&[(4.5, 4.5)], 5.5326),
+            (&[(4.5, 4.5), (7.5, 1.5)], 78.120),
+            (&[], 3.1623),
+        ] {
+            let found = line(&model(CostParams::paper(), pursuers), from, to, 0.0);
+            assert!((found - cost).abs() < 6e-4, "{pursuers:?}: {found}");
+        }
+    }
+
+    #[test]
+    fn the_time_aware_cost_rises_with_the_time_of_arrival_up_to_the_horizon() {
+        let model = model(CostParams::default(), &[(4.0, 0.0)]);
+        let at = |before| line(&model, Point2::new(0.0, 0.0), Point2::new(0.0, 0.2), before);
+        assert!(
+            at(0.0) < at(0.5) && at(0.5) < at(2.0),
+            "{} {}",
+            at(0.0),
+            at(0.5)
+        );
+        assert_eq!(at(100.0), at(200.0));
+    }
+
+    #[test]
+    fn a_pursuer_that_stays_makes_the_same_danger_at_all_times() {
+        let params = CostParams {
+            reach: 0.0,
+            ..CostParams::default()
+        };
+        let model = model(params, &[(4.0, 0.0)]);
+        let cost = line(&model, Point2::new(0.0, 0.0), Point2::new(0.0, 1e-3), 7.0);
+        // Danger 1 at 4 m: a metre of way costs a metre more.
+        assert!((cost - 2e-3).abs() < 1e-8, "{cost}");
+    }
+
+    #[test]
+    fn pursuers_that_are_no_numbers_are_not_there() {
+        let model = model(
+            CostParams::paper(),
+            &[(f64::NAN, 0.0), (f64::INFINITY, 1.0)],
+        );
+        assert!(model.is_length());
+    }
+
+    #[test]
+    fn errors_name_the_field() {
+        let bad = CostParams {
+            reach: 1.5,
+            ..CostParams::default()
+        };
+        assert_eq!(
+            bad.validate().unwrap_err().to_string(),
+            "`reach` is 1.5, but must be a number between 0 and 1"
+        );
+        CostParams::paper().validate().unwrap();
+    }
+
+    proptest! {
+        #[test]
+        fn an_edge_costs_at_least_its_length_and_a_finite_number(
+            a in (-9.0..9.0, -9.0..9.0),
+            b in (-9.0..9.0, -9.0..9.0),
+            pursuers in prop::collection::vec((-9.0..9.0, -9.0..9.0), 0..5),
+            before in 0.0..40.0,
+            paper in any::<bool>(),
+        ) {
+            let params = if paper { CostParams::paper() } else { CostParams::default() };
+            let (from, to) = (Point2::new(a.0, a.1), Point2::new(b.0, b.1));
+            let cost = line(&model(params, &pursuers), from, to, before);
+            prop_assert!(cost.is_finite() && cost >= (to - from).norm());
+        }
+
+        #[test]
+        fn cutting_an_edge_changes_its_time_aware_cost_by_the_quadrature_alone(
+            b in (-3.0..3.0, -3.0..3.0),
+            cut in 0.1..0.9,
+            pursuer in (-9.0..9.0, 4.5..9.0),
+        ) {
+            let params = CostParams { step: 0.02, ..CostParams::default() };
+            let model = model(params, &[pursuer]);
+            let (from, to) = (Point2::origin(), Point2::new(b.0, b.1));
+            let middle = from + (to - from) * cut;
+            let whole = line(&model, from, to, 1.0);
+            let parts = line(&model, from, middle, 1.0)
+                + line(&model, middle, to, 1.0 + (middle - from).norm());
+            prop_assert!((whole - parts).abs() < 2e-2 * whole, "{} {}", whole, parts);
+        }
+    }
+}

@@ -1,0 +1,481 @@
+//! One evader: when it plans, what it does meanwhile, and how it follows its plans.
+
+use evader_potential::Evader;
+use guidance::free_space::FreeSpace;
+use guidance::limits::Limits;
+use guidance::map::PlannerMap;
+use guidance::params::ParamsError;
+use guidance::path_tracking::PathTracker;
+use guidance::steering::Steering;
+use guidance::view::{RobotView, View};
+use nalgebra::Point2;
+use sim_backend::pose::Pose2;
+use sim_backend::team::Team;
+
+use crate::cost::{CostModel, Pursuer};
+use crate::follow;
+use crate::ground::{Body, Ground};
+use crate::params::{Follower, ReplanRule, RrtStarParams};
+use crate::planning::{Planning, Task};
+use crate::replan::{is_threatened, papers_safety};
+use crate::route::Route;
+use crate::tree::NONE;
+
+/// Distance by which a start that touches an obstacle may be moved to be free [m].
+const MOST_PUSH: f64 = 1.0;
+
+/// Times nearer than this are the same [s].
+const SAME_TIME: f64 = 1e-9;
+
+/// How far the straight pieces by which arcs are drawn may lie beside them [m].
+const CHORD: f64 = 0.003;
+
+/// A robot slower than this stands in the way [m/s].
+const STANDING: f64 = 0.02;
+
+/// An edge of a tree, drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ShownEdge {
+    /// The parent [m].
+    pub from: Point2<f64>,
+    /// The child [m].
+    pub to: Point2<f64>,
+    /// Cost from the root to the child [m].
+    pub cost: f64,
+    /// Whether it belongs to the way that was chosen.
+    pub on_path: bool,
+}
+
+/// A plan that has been made, but is not known to the robot yet.
+#[derive(Debug, Clone)]
+struct Pending {
+    due_s: f64,
+    route: Option<Route>,
+    tree: Vec<ShownEdge>,
+}
+
+/// An evader that plans with RRT*.
+#[derive(Debug)]
+pub struct RrtStarEvader {
+    params: RrtStarParams,
+    limits: Limits,
+    planning: Planning,
+    cost: CostModel,
+    pursuers: Vec<Pursuer>,
+    bodies: Vec<Body>,
+    flight: Evader,
+    /// The map with the margin, and without.
+    grounds: [Option<Ground>; 2],
+    /// Whether the last plan found no way with the margin.
+    is_tight: bool,
+    /// What the last plan was made for: revision of the map, and the bodies.
+    planned_for: (u64, Vec<Body>),
+    /// What the route was last found free for.
+    route_checked: (u64, Vec<Body>),
+    route: Option<Route>,
+    tracker: PathTracker,
+    /// Next point of the route, for the potential field.
+    next: usize,
+    pending: Option<Pending>,
+    /// When the last plan was begun, and when the paper's rule last looked [s].
+    begun_s: Option<f64>,
+    looked_s: f64,
+    off_path: f64,
+    tree: Vec<ShownEdge>,
+    tree_is_new: bool,
+}
+
+impl RrtStarEvader {
+    /// An evader for a robot with these limits; everything random follows from the seed.
+    ///
+    /// # Errors
+    /// [`ParamsError`] if a parameter is out of range.
+    pub fn new(params: RrtStarParams, limits: Limits, seed: u64) -> Result<Self, ParamsError> {
+        params.validate()?;
+        Ok(Self {
+            params,
+            limits,
+            planning: Planning::new(&params, &limits, seed),
+            cost: CostModel::new(params.cost, limits.v_max()),
+            pursuers: Vec::new(),
+            bodies: Vec::new(),
+            flight: Evader::new(params.field, limits, seed).map_err(|e| e.within("field"))?,
+            grounds: [None, None],
+            is_tight: false,
+            planned_for: (u64::MAX, Vec::new()),
+            route_checked: (u64::MAX, Vec::new()),
+            route: None,
+            tracker: PathTracker::default(),
+            next: 0,
+            pending: None,
+            begun_s: None,
+            looked_s: f64::NEG_INFINITY,
+            off_path: 0.0,
+            tree: Vec::new(),
+            tree_is_new: false,
+        })
+    }
+
+    /// Prepares a new map for a robot of this radius [m]. [`Self::command`] does it too if it has
+    /// not been done; here it does not cost time in a tick.
+    pub fn prepare(&mut self, map: &PlannerMap, radius: f64) {
+        self.flight.prepare(map, radius);
+        if let Some(space) = map.space() {
+            self.learn(space, radius, map.revision());
+        }
+    }
+
+    /// The route it follows now.
+    pub fn route(&self) -> Option<&Route> {
+        self.route.as_ref()
+    }
+
+    /// How far along the route it is [m].
+    pub fn progress(&self) -> f64 {
+        self.tracker.progress()
+    }
+
+    /// The tree of the plan that it follows, each tree once; `None` if there is no new one.
+    pub fn take_tree(&mut self) -> Option<&[ShownEdge]> {
+        core::mem::take(&mut self.tree_is_new).then_some(&self.tree[..])
+    }
+
+    /// What the robot `view.me` does in this tick. `stop` is asked now and then, while it plans,
+    /// whether to be content with what it has.
+    ///
+    /// It stands still when it is not listed or no longer takes part. Without a way to an exit it
+    /// goes as far towards one as it found a way, and otherwise flees by its potential field; so it
+    /// does where the map's exact geometry is not known.
+    pub fn command(
+        &mut self,
+        map: &PlannerMap,
+        view: &View<'_>,
+        stop: &mut dyn FnMut() -> bool,
+    ) -> Steering {
+        let Some(own) = view.own().filter(|own| own.active) else {
+            self.route = None;
+            return Steering::stop();
+        };
+        let Some(space) = map.space() else {
+            return self.flight.command(map, view);
+        };
+        self.look_round(view, own);
+        self.learn(space, own.radius, map.revision());
+        let goals = self.goals(view);
+        self.take_up(view.time_s);
+        self.drop_blocked(own, map.revision());
+        if self.wants_plan(view.time_s, own, &goals) {
+            self.begin(view.time_s, own, &goals, map.revision(), stop);
+            self.take_up(view.time_s);
+        }
+        let steering = self.follow(map, view, own);
+        steering.unwrap_or_else(|| self.flight.command(map, view))
+    }
+
+    fn look_round(&mut self, view: &View<'_>, own: &RobotView) {
+        self.pursuers.clear();
+        let police = view.active(Team::Police);
+        self.pursuers.extend(police.map(|robot| Pursuer {
+            at: robot.pose.position(),
+            v_max: robot.v_max,
+        }));
+        self.bodies.clear();
+        let standing = view.bodies().filter(|robot| {
+            let pursues = robot.active && robot.team == Team::Police;
+            robot.index != own.index && !pursues && robot.twist.v.abs() < STANDING
+        });
+        self.bodies.extend(standing.map(|robot| Body {
+            at: robot.pose.position(),
+            reach: robot.radius + own.radius,
+        }));
+    }
+
+    fn learn(&mut self, space: &FreeSpace, radius: f64, revision: u64) {
+        let margin = if self.is_tight {
+            0.0
+        } else {
+            self.params.margin
+        };
+        let radius = radius + margin;
+        let [wide, tight] = &mut self.grounds;
+        let ground = if self.is_tight { tight } else { wide };
+        if !ground
+            .as_ref()
+            .is_some_and(|ground| ground.is_of(radius, revision))
+        {
+            *ground = Some(Ground::new(space, radius, revision));
+        }
+    }
+
+    /// The map as the next plan takes it.
+    fn ground(&self) -> Option<&Ground> {
+        let [wide, tight] = &self.grounds;
+        let ground = if self.is_tight { tight } else { wide };
+        ground.as_ref()
+    }
+
+    /// The exits, each moved to where the robot can be; those that cannot be are left out.
+    fn goals(&self, view: &View<'_>) -> Vec<Point2<f64>> {
+        let Some(ground) = self.ground() else {
+            return Vec::new();
+        };
+        view.usable_exits()
+            .filter_map(|exit| ground.free_place(exit, self.params.goal_tolerance))
+            .collect()
+    }
+
+    /// Takes up the plan that is due.
+    fn take_up(&mut self, time_s: f64) {
+        let is_due = |pending: &Pending| pending.due_s <= time_s + SAME_TIME;
+        let Some(pending) = self.pending.take_if(|pending| is_due(pending)) else {
+            return;
+        };
+        self.tree = pending.tree;
+        self.tree_is_new = self.params.tree_edges > 0;
+        let complete_before = self.route.as_ref().is_some_and(|route| route.is_complete);
+        let Some(route) = pending.route else {
+            return;
+        };
+        // A way that ends somewhere is no match for one that leads out.
+        if route.is_complete || !complete_before {
+            self.tracker.set_path(route.path.clone());
+            self.next = 1;
+            self.off_path = 0.0;
+            self.route = Some(route);
+            self.route_checked = self.planned_for.clone();
+        }
+    }
+
+    /// Drops a route that obstacles have come onto.
+    fn drop_blocked(&mut self, own: &RobotView, revision: u64) {
+        let (Some(route), Some(ground)) = (&self.route, self.ground()) else {
+            return;
+        };
+        let now = (revision, &self.bodies);
+        if (self.route_checked.0, &self.route_checked.1) == now {
+            return;
+        }
+        let progress = self.tracker.progress();
+        let ahead = route
+            .path
+            .points()
+            .windows(2)
+            .zip(route.path.along().windows(2));
+        // The robot's own radius: the margin is for plans.
+        let is_free = ahead
+            .filter(|(_, along)| along.last().is_some_and(|&end| end > progress))
+            .all(|(points, _)| match points {
+                &[a, b] => ground.is_free_line(a, b, own.radius - CHORD, &self.bodies),
+                _ => true,
+            });
+        if is_free {
+            self.route_checked = (revision, self.bodies.clone());
+        } else {
+            self.route = None;
+        }
+    }
+
+    fn wants_plan(&mut self, time_s: f64, own: &RobotView, goals: &[Point2<f64>]) -> bool {
+        if self.pending.is_some() || goals.is_empty() {
+            return false;
+        }
+        let rule = self.params.replan;
+        let since = self.begun_s.map_or(f64::INFINITY, |begun| time_s - begun);
+        if since + SAME_TIME < rule.least_s {
+            return false;
+        }
+        let Some(route) = &self.route else {
+            return true;
+        };
+        if self.off_path > rule.off_path {
+            return true;
+        }
+        let here = own.pose.position();
+        match rule.rule {
+            ReplanRule::Periodic => {
+                since + SAME_TIME >= rule.period_s || {
+                    let progress = self.tracker.progress();
+                    let length = route.path.length();
+                    is_threatened(
+                        |ahead| {
+                            let along = progress + ahead;
+                            (along <= length).then(|| route.path.at(along)).flatten()
+                        },
+                        self.limits.v_max(),
+                        &self.pursuers,
+                        rule.threat_distance,
+                        rule.threat_horizon_s,
+                    )
+                }
+            }
+            ReplanRule::Paper => {
+                if goals
+                    .iter()
+                    .any(|goal| (goal - here).norm() < rule.paper_near_exit)
+                {
+                    return true;
+                }
+                if time_s - self.looked_s + SAME_TIME < rule.period_s {
+                    return false;
+                }
+                self.looked_s = time_s;
+                let ahead: Vec<_> = route
+                    .waypoints
+                    .iter()
+                    .skip(self.next)
+                    .map(|waypoint| waypoint.pose.position())
+                    .collect();
+                papers_safety(&ahead, &self.pursuers) < rule.paper_threshold
+            }
+        }
+    }
+
+    fn begin(
+        &mut self,
+        time_s: f64,
+        own: &RobotView,
+        goals: &[Point2<f64>],
+        revision: u64,
+        stop: &mut dyn FnMut() -> bool,
+    ) {
+        self.begun_s = Some(time_s);
+        self.looked_s = time_s;
+        let timing = self.params.timing;
+        let iterations = self.params.search.iterations;
+        let takes_s = if timing.pause {
+            0.0
+        } else {
+            f64::from(iterations) * timing.time_per_iteration_s
+        };
+        let start = self.pose_in(takes_s, own);
+        let [wide, tight] = &mut self.grounds;
+        let Some(ground) = (if self.is_tight { tight } else { wide }) else {
+            return;
+        };
+        let Some(place) = ground.free_place(start.position(), MOST_PUSH) else {
+            return;
+        };
+        let mut towards = ground.towards(goals);
+        let mut goals = goals.to_vec();
+        if !towards.is_empty() {
+            // What cannot be reached at all is not searched for.
+            towards.retain(|goal| goal.distance(place).is_some());
+            goals = towards.iter().map(|goal| goal.goal()).collect();
+        }
+        self.cost.set_pursuers(self.pursuers.iter().copied());
+        let now = (revision, self.bodies.clone());
+        let task = Task {
+            ground,
+            bodies: &self.bodies,
+            cost: &self.cost,
+            start: Pose2::new(place.x, place.y, start.theta),
+            goals: &goals,
+            towards: &towards,
+            map_changed: self.planned_for != now,
+            iterations,
+        };
+        let route = if goals.is_empty() {
+            None
+        } else {
+            self.planning.plan(&task, stop)
+        };
+        self.planned_for = now;
+        // With the margin some gap may be too narrow: the next plan goes without, and the one
+        // after that with it again.
+        let is_complete = route.as_ref().is_some_and(|route| route.is_complete);
+        self.is_tight = !is_complete && !self.is_tight && self.params.margin > 0.0;
+        self.pending = Some(Pending {
+            due_s: time_s + takes_s,
+            route,
+            tree: if goals.is_empty() {
+                Vec::new()
+            } else {
+                self.shown_tree()
+            },
+        });
+    }
+
+    /// Where the robot will be after some seconds [s], if it follows its route.
+    fn pose_in(&self, seconds: f64, own: &RobotView) -> Pose2 {
+        let route = self.route.as_ref().filter(|_| seconds > 0.0);
+        let is_followed = self.params.follower == Follower::PurePursuit
+            && self.off_path <= self.params.replan.off_path;
+        let along = self.tracker.progress() + seconds * self.limits.v_max();
+        route
+            .filter(|_| is_followed)
+            .and_then(|route| route.pose_at(along))
+            .unwrap_or(own.pose)
+    }
+
+    /// The edges of the tree that are cheapest to reach, and those of the way.
+    fn shown_tree(&self) -> Vec<ShownEdge> {
+        let most = self.params.tree_edges as usize;
+        if most == 0 {
+            return Vec::new();
+        }
+        let tree = self.planning.tree();
+        let mut edges: Vec<ShownEdge> = (0..tree.len() as u32)
+            .filter(|&node| tree.node(node).parent != NONE)
+            .map(|node| {
+                let child = tree.node(node);
+                ShownEdge {
+                    from: tree.node(child.parent).at(),
+                    to: child.at(),
+                    cost: child.cost,
+                    on_path: self.planning.is_on_way(node),
+                }
+            })
+            .collect();
+        // A parent is cheaper than its children: what is left is a tree.
+        edges.sort_by(|a, b| b.on_path.cmp(&a.on_path).then(a.cost.total_cmp(&b.cost)));
+        edges.truncate(most);
+        edges
+    }
+
+    /// Follows the route; `None` without one and at its end, where it is dropped.
+    fn follow(&mut self, map: &PlannerMap, view: &View<'_>, own: &RobotView) -> Option<Steering> {
+        let aim = self.route.as_ref()?.path.points().last().copied();
+        let steering = match self.params.follower {
+            Follower::PurePursuit => self.pursue(map, own),
+            Follower::PotentialField => self.float(map, view, own),
+        };
+        if steering.is_none() {
+            self.route = None;
+        }
+        steering.map(|steering| Steering { aim, ..steering })
+    }
+
+    fn pursue(&mut self, map: &PlannerMap, own: &RobotView) -> Option<Steering> {
+        let tracking = follow::pursue(
+            &mut self.tracker,
+            &own.pose,
+            &self.limits,
+            &self.params.tracking,
+            map.space()?,
+            own.radius,
+        )?;
+        self.off_path = tracking.off_path;
+        (!tracking.arrived).then(|| Steering {
+            command: tracking.command,
+            waypoint: Some(tracking.target),
+            ..Steering::stop()
+        })
+    }
+
+    fn float(&mut self, map: &PlannerMap, view: &View<'_>, own: &RobotView) -> Option<Steering> {
+        let waypoints = &self.route.as_ref()?.waypoints;
+        let control = own.pose.position() + own.pose.forward() * self.params.field.feedback.epsilon;
+        let to = waypoints.get(self.next)?.pose.position();
+        if (control - to).norm() < self.params.waypoint_reached {
+            self.next += 1;
+        }
+        let to = waypoints.get(self.next)?.pose.position();
+        let (command, field) = follow::by_field(map, view, own, to, &self.limits, &self.params);
+        Some(Steering {
+            command,
+            waypoint: Some(to),
+            field,
+            ..Steering::stop()
+        })
+    }
+}

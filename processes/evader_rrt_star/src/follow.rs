@@ -1,0 +1,88 @@
+//! Following a route.
+
+use guidance::bearing::Bearings;
+use guidance::feedback_linearisation::command;
+use guidance::free_space::FreeSpace;
+use guidance::limits::Limits;
+use guidance::map::PlannerMap;
+use guidance::path_tracking::{PathTracker, Tracking, TrackingParams};
+use guidance::potential_field::{
+    Goal, Repulsor, attraction, capped, obstacle, repulsion, slide_along_obstacles,
+};
+use guidance::view::{RobotView, View};
+use nalgebra::{Point2, Vector2};
+use sim_backend::math;
+use sim_backend::pose::{Pose2, Twist2};
+use sim_backend::team::Team;
+
+use crate::motion::{Arcs, Motion as _};
+use crate::params::RrtStarParams;
+
+/// Pure pursuit that does not cut corners where the short cut is not free for a robot of this
+/// radius [m].
+pub fn pursue(
+    tracker: &mut PathTracker,
+    pose: &Pose2,
+    limits: &Limits,
+    params: &TrackingParams,
+    space: &FreeSpace,
+    radius: f64,
+) -> Option<Tracking> {
+    // Where the robot has come nearer to a wall than it should, it may go on as near.
+    let radius = radius.min(space.distance(pose.position())).max(0.0);
+    let arcs = Arcs {
+        min_radius: 1e-6,
+        max_bearing: core::f64::consts::FRAC_PI_2,
+        free_start: false,
+    };
+    tracker.track(pose, limits, params, |pose, to| {
+        let from = pose.position();
+        let distance = (to - from).norm();
+        let offset = to - from;
+        let forward = pose.forward();
+        let bearing = math::atan2(forward.perp(&offset), forward.dot(&offset));
+        if bearing.abs() > params.turn_on_spot {
+            // It will turn first, and then drive about straight.
+            return space.segment_is_free(from, to, radius);
+        }
+        distance == 0.0
+            || arcs
+                .link(pose, to, distance)
+                .is_some_and(|link| link.is_free(space, from, to, radius))
+    })
+}
+
+/// The paper's follower: the field at the control point towards one point of the path, with
+/// obstacles and fellow evaders, but not the Police, in it.
+pub fn by_field(
+    map: &PlannerMap,
+    view: &View<'_>,
+    own: &RobotView,
+    to: Point2<f64>,
+    limits: &Limits,
+    params: &RrtStarParams,
+) -> (Twist2, Vector2<f64>) {
+    let field = &params.field;
+    // Here the paper has its control point at ε, unlike in its other robots.
+    let at = own.pose.position() + own.pose.forward() * field.feedback.epsilon;
+    let goal = Some(Goal {
+        at: to,
+        weight: 1.0,
+    });
+    let pull = attraction(at, goal, &Bearings::Straight, &field.attraction);
+    let fellows = view
+        .active(Team::Evader)
+        .filter(|robot| robot.index != own.index)
+        .map(|robot| Repulsor {
+            at: robot.pose.position(),
+            weight: field.fellow_weight,
+        });
+    let push = repulsion(at, fellows, &Bearings::Straight, &field.avoid);
+    let sum = pull + push + obstacle(map, at, &field.obstacle);
+    let along = slide_along_obstacles(map, at, own.radius, sum, field.obstacle.guard);
+    let wanted = capped(along, field.field_cap);
+    (
+        command(wanted, own.pose.theta, limits, &field.feedback),
+        wanted,
+    )
+}

@@ -1,0 +1,26 @@
+//! Evader that plans its way to an exit with RRT*.
+//!
+//! [`search`] grows the tree; [`motion`] has its two primitives, [`cost`] what edges cost,
+//! [`bound`] and [`sampler`] where samples are worth drawing, [`index`] who is near. [`evader`]
+//! decides when to plan, waits for its plans as long as they take in simulated time, and follows
+//! them. The chasing-game paper's planner (§III-G) is [`RrtStarParams::paper`]; everything that is
+//! done otherwise here is a named parameter.
+
+pub mod bound;
+pub mod cost;
+pub mod evader;
+pub mod follow;
+pub mod ground;
+pub mod index;
+pub mod motion;
+pub mod params;
+pub mod planning;
+pub mod process;
+pub mod replan;
+pub mod route;
+pub mod sampler;
+pub mod search;
+pub mod tree;
+
+pub use evader::RrtStarEvader;
+pub use params::RrtStarParams;

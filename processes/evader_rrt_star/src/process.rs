@@ -1,0 +1,99 @@
+//! Wires [`RrtStarEvader`] to its topics: state, map and exact shapes in; command, plan and tree
+//! out.
+
+use std::time::{Duration, Instant};
+
+use guidance::map::PlannerMap;
+use guidance::steering::Steering;
+use guidance::view::View;
+use ipc_types::messages::robot::TreeEdge;
+use kit::config::RobotInfo;
+use kit::planner::{PlannedPoint, Planner, PlannerInputs, headed_for, limits};
+
+use crate::params::MAX_TREE_EDGES;
+use crate::{RrtStarEvader, RrtStarParams};
+
+/// One evader in its process.
+#[derive(Debug)]
+pub struct RrtStarPlanner {
+    evader: RrtStarEvader,
+    /// Its highest speed [m/s].
+    v_max: f64,
+    /// Wall-clock time of a plan, in real-time runs.
+    budget: Option<Duration>,
+    /// The same while the run is not known to be in real time.
+    real_time_budget: Option<Duration>,
+    tree: Vec<TreeEdge>,
+}
+
+impl Planner for RrtStarPlanner {
+    type Params = RrtStarParams;
+
+    const TREE_EDGES: usize = MAX_TREE_EDGES as usize;
+
+    fn inputs(_: &RrtStarParams) -> PlannerInputs {
+        PlannerInputs {
+            shapes: true,
+            ..PlannerInputs::default()
+        }
+    }
+
+    fn new(params: &RrtStarParams, robot: &RobotInfo, seed: u64) -> Result<Self, String> {
+        let limits = limits(robot)?;
+        let evader = RrtStarEvader::new(*params, limits, seed).map_err(|e| e.to_string())?;
+        let real_time_budget = params
+            .timing
+            .real_time_budget_s
+            .and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
+        Ok(Self {
+            evader,
+            v_max: limits.v_max(),
+            budget: None,
+            real_time_budget,
+            tree: Vec::new(),
+        })
+    }
+
+    fn in_real_time(&mut self) {
+        self.budget = self.real_time_budget;
+    }
+
+    fn prepare(&mut self, map: &PlannerMap, robot: &RobotInfo) {
+        self.evader.prepare(map, robot.model.radius);
+    }
+
+    fn steer(&mut self, map: &PlannerMap, view: &View<'_>) -> Steering {
+        let deadline = self.budget.map(|budget| Instant::now() + budget);
+        let mut stop = || deadline.is_some_and(|deadline| Instant::now() >= deadline);
+        self.evader.command(map, view, &mut stop)
+    }
+
+    fn plan(&self, steering: &Steering, out: &mut Vec<PlannedPoint>) {
+        let Some(route) = self.evader.route() else {
+            return headed_for(steering, out);
+        };
+        let progress = self.evader.progress();
+        let points = route.path.points().iter().zip(route.path.along());
+        let ahead = points.filter(|&(_, &along)| along > progress);
+        out.extend(ahead.map(|(&at, &along)| PlannedPoint {
+            at,
+            theta: route.path.direction(along).unwrap_or(0.0),
+            time_s: (along - progress) / self.v_max,
+            v: self.v_max,
+        }));
+    }
+
+    fn tree(&mut self) -> Option<&[TreeEdge]> {
+        let edges = self.evader.take_tree()?;
+        self.tree.clear();
+        self.tree.extend(edges.iter().map(|edge| TreeEdge {
+            from_x: edge.from.x as f32,
+            from_y: edge.from.y as f32,
+            to_x: edge.to.x as f32,
+            to_y: edge.to.y as f32,
+            cost: edge.cost as f32,
+            on_path: u32::from(edge.on_path),
+        }));
+        Some(&self.tree)
+    }
+}

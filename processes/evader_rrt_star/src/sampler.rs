@@ -1,0 +1,87 @@
+//! Points uniform over the places where the robot fits.
+
+use guidance::free_space::FreeSpace;
+use nalgebra::{Point2, Vector2};
+use rand::Rng;
+
+/// Cells along the longer side.
+const CELLS: f64 = 192.0;
+
+/// Most draws for one point.
+const MAX_DRAWS: u32 = 1000;
+
+/// A number uniform in [0, 1).
+pub fn uniform(rng: &mut impl Rng) -> f64 {
+    // 53 bits: every multiple of 2⁻⁵³ is a double.
+    (rng.next_u64() >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
+}
+
+/// The cells of a grid in which a robot of some radius fits somewhere.
+///
+/// Most of them lie whole in free space, so that most points need no check.
+#[derive(Debug, Clone)]
+pub struct FreeSampler {
+    radius: f64,
+    size: f64,
+    /// Lower left corners of cells that are free everywhere, then of the others.
+    corners: Vec<Point2<f64>>,
+    whole: usize,
+}
+
+impl FreeSampler {
+    /// The cells for a robot of this radius [m].
+    pub fn new(space: &FreeSpace, radius: f64) -> Self {
+        let bounds = space.bounds();
+        let extent = bounds.max - bounds.min;
+        let size = extent.x.max(extent.y) / CELLS;
+        let half_diagonal = size * core::f64::consts::FRAC_1_SQRT_2;
+        let (mut whole, mut parts) = (Vec::new(), Vec::new());
+        for row in 0..(extent.y / size).ceil() as u32 {
+            for column in 0..(extent.x / size).ceil() as u32 {
+                let corner = bounds.min + Vector2::new(f64::from(column), f64::from(row)) * size;
+                let spare = space.distance(corner + Vector2::new(0.5, 0.5) * size) - radius;
+                // A hair of slack for rounding.
+                if spare > half_diagonal * (1.0 + 1e-9) {
+                    whole.push(corner);
+                } else if spare >= -half_diagonal {
+                    parts.push(corner);
+                }
+            }
+        }
+        let count = whole.len();
+        whole.extend(parts);
+        Self {
+            radius,
+            size,
+            corners: whole,
+            whole: count,
+        }
+    }
+
+    /// About how large the free space is [m²].
+    pub fn area(&self) -> f64 {
+        let parts = self.corners.len() - self.whole;
+        (self.whole as f64 + 0.5 * parts as f64) * self.size * self.size
+    }
+
+    /// Whether there is no place for the robot.
+    pub fn is_empty(&self) -> bool {
+        self.corners.is_empty()
+    }
+
+    /// A point uniform over free space; `None` if none was found in many draws.
+    pub fn draw(&self, space: &FreeSpace, rng: &mut impl Rng) -> Option<Point2<f64>> {
+        if self.corners.is_empty() {
+            return None;
+        }
+        for _ in 0..MAX_DRAWS {
+            let cell = (uniform(rng) * self.corners.len() as f64) as usize;
+            let corner = self.corners.get(cell)?;
+            let p = corner + Vector2::new(uniform(rng), uniform(rng)) * self.size;
+            if cell < self.whole || space.is_free(p, self.radius) {
+                return Some(p);
+            }
+        }
+        None
+    }
+}

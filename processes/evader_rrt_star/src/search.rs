@@ -1,0 +1,294 @@
+//! RRT*: a tree of ways from the robot, rewired as it grows.
+
+mod grow;
+mod join;
+mod kept;
+mod refine;
+
+use guidance::free_space::FreeSpace;
+use nalgebra::Point2;
+use rand::SeedableRng as _;
+use rand_chacha::ChaCha8Rng;
+use sim_backend::pose::Pose2;
+use sim_backend::shape::Aabb;
+
+use crate::bound::Bound;
+use crate::cost::CostModel;
+use crate::ground::Body;
+use crate::index::{BucketIndex, Near};
+use crate::motion::{Leg, Link, Motion};
+use crate::params::SearchParams;
+use crate::sampler::FreeSampler;
+use crate::tree::{NONE, ROOT, Tree};
+
+/// Iterations between two looks at the clock, where one is looked at.
+const BETWEEN_LOOKS: u32 = 32;
+
+/// What a search works in. All of it must be of the same map and the same robot.
+#[derive(Debug, Clone, Copy)]
+pub struct Scene<'a> {
+    /// The free space.
+    pub space: &'a FreeSpace,
+    /// Where samples are drawn from.
+    pub sampler: &'a FreeSampler,
+    /// Radius of the robot, with the margin that is to be kept [m].
+    pub radius: f64,
+    /// What edges cost.
+    pub cost: &'a CostModel,
+    /// Robots that stand in the way.
+    pub bodies: &'a [Body],
+}
+
+impl Scene<'_> {
+    /// Whether the robot can go from one point to another by this link.
+    fn is_free(&self, link: &Link, from: Point2<f64>, to: Point2<f64>) -> bool {
+        link.is_free(self.space, from, to, self.radius)
+            && self
+                .bodies
+                .iter()
+                .all(|body| body.lets_pass(from, link.distance_to(from, to, body.at)))
+    }
+}
+
+/// How far a search has come.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Progress {
+    /// Iterations since the root was planted.
+    pub iterations: u32,
+    /// Nodes of the tree, goals included.
+    pub nodes: usize,
+    /// Cost of the best way to a goal [m]; infinite without one.
+    pub best: f64,
+    /// Iteration at which the first way was found.
+    pub first_found: Option<u32>,
+}
+
+/// A point of a way that was found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Waypoint {
+    /// Where, and the heading there (0 for primitives without one).
+    pub pose: Pose2,
+    /// How one gets there from the point before.
+    pub leg: Leg,
+    /// Length of the way so far [m].
+    pub length: f64,
+    /// Cost of the way so far [m].
+    pub cost: f64,
+}
+
+/// A search for the cheapest way from a pose to the nearest of some goals.
+///
+/// RRT* (Karaman and Frazzoli 2011) with, each of them a parameter,
+/// * parents also among the ancestors of near nodes (Quick-RRT*, Jeong et al. 2019),
+/// * samples only where they can shorten the way (Informed RRT*, Gammell et al. 2014; here with
+///   lower bounds along the streets if they are known),
+/// * refinement of the best way's own points (in the spirit of RRT*-Smart, Nasir et al. 2013),
+/// * pruning of nodes that can no longer matter.
+///
+/// Everything follows from the seed, the scene and the numbers of iterations.
+#[derive(Debug, Clone)]
+pub struct Search<M> {
+    params: SearchParams,
+    motion: M,
+    rng: ChaCha8Rng,
+    tree: Tree,
+    index: BucketIndex,
+    /// Numbers of the goals' nodes: from 1 on.
+    goals: u32,
+    bound: Bound,
+    /// Cheapest goal and its cost.
+    best: (f64, u32),
+    /// Nodes on the best way, root first.
+    way: Vec<u32>,
+    iterations: u32,
+    first_found: Option<u32>,
+    /// γ of the shrinking radius for the whole free space [m].
+    gamma: f64,
+    /// Running share of free space in which samples are still of use.
+    useful: f64,
+    /// Tree size and cost at the last pruning.
+    pruned: (usize, f64),
+    near: Vec<Near>,
+    seen: Vec<u32>,
+    candidates: Vec<join::Candidate>,
+    moved: Vec<join::Moved>,
+}
+
+impl<M: Motion> Search<M> {
+    /// A search that has not begun.
+    pub fn new(params: SearchParams, motion: M, seed: u64) -> Self {
+        let nowhere = Aabb {
+            min: Point2::origin(),
+            max: Point2::new(1.0, 1.0),
+        };
+        Self {
+            params,
+            motion,
+            rng: ChaCha8Rng::seed_from_u64(seed),
+            tree: Tree::default(),
+            index: BucketIndex::new(nowhere),
+            goals: 0,
+            bound: Bound::default(),
+            best: (f64::INFINITY, NONE),
+            way: Vec::new(),
+            iterations: 0,
+            first_found: None,
+            gamma: 0.0,
+            useful: 1.0,
+            pruned: (0, f64::INFINITY),
+            near: Vec::new(),
+            seen: Vec::new(),
+            candidates: Vec::new(),
+            moved: Vec::new(),
+        }
+    }
+
+    /// The parameters.
+    pub fn params(&self) -> &SearchParams {
+        &self.params
+    }
+
+    /// Begins anew: nothing but the root and the goals [m].
+    pub fn plant(&mut self, scene: &Scene<'_>, root: Pose2, goals: &[Point2<f64>], bound: Bound) {
+        self.begin(scene, root, goals, bound);
+    }
+
+    fn begin(&mut self, scene: &Scene<'_>, root: Pose2, goals: &[Point2<f64>], bound: Bound) {
+        self.tree.plant(root);
+        self.index = BucketIndex::new(*scene.space.bounds());
+        self.index.insert(root.position());
+        for goal in goals {
+            self.tree.push(Pose2::new(goal.x, goal.y, 0.0));
+            // Goals keep their numbers, but no one shall find them: nothing leads on from there.
+            self.index.insert(Point2::new(f64::NAN, f64::NAN));
+        }
+        self.goals = goals.len() as u32;
+        self.bound = bound;
+        self.best = (f64::INFINITY, NONE);
+        self.way.clear();
+        self.iterations = 0;
+        self.first_found = None;
+        self.useful = 1.0;
+        self.pruned = (0, f64::INFINITY);
+        // Karaman and Frazzoli 2011, theorem 38, in the plane: γ* = 2 √(1 + 1/2) √(area / π).
+        let area = scene.sampler.area();
+        self.gamma = self.params.radius_factor * 2.0 * (1.5 * area / core::f64::consts::PI).sqrt();
+        // The goals may be in sight.
+        for goal in 1..=self.goals {
+            self.join_goal(scene, goal);
+        }
+        self.note_best(scene);
+    }
+
+    /// Goes on for this many iterations, or until `stop` says so (asked now and then).
+    pub fn run(&mut self, scene: &Scene<'_>, iterations: u32, stop: &mut dyn FnMut() -> bool) {
+        if self.tree.is_empty() {
+            return;
+        }
+        for i in 1..=iterations {
+            self.iterate(scene);
+            if i % BETWEEN_LOOKS == 0 && stop() {
+                break;
+            }
+        }
+    }
+
+    /// How far it has come.
+    pub fn progress(&self) -> Progress {
+        Progress {
+            iterations: self.iterations,
+            nodes: self.tree.len(),
+            best: self.best.0,
+            first_found: self.first_found,
+        }
+    }
+
+    /// The tree.
+    pub fn tree(&self) -> &Tree {
+        &self.tree
+    }
+
+    /// Whether a node is on the best way.
+    pub fn is_on_way(&self, node: u32) -> bool {
+        self.way.contains(&node)
+    }
+
+    /// The best way from the root to a goal, root first; empty without one.
+    pub fn way(&self) -> Vec<Waypoint> {
+        self.waypoints(&self.way)
+    }
+
+    /// The way to the node from which a goal seems nearest: what there is to follow while no goal
+    /// has been reached. Empty if that is the root itself.
+    pub fn partial_way(&self) -> Vec<Waypoint> {
+        let nearest = self
+            .tree
+            .nodes()
+            .iter()
+            .enumerate()
+            .filter(|(_, node)| node.cost.is_finite())
+            .map(|(i, node)| (self.bound.to_goal(node.at()), i as u32))
+            .min_by(|a, b| a.0.total_cmp(&b.0));
+        let mut way = Vec::new();
+        if let Some((_, node)) = nearest.filter(|&(_, node)| node != ROOT) {
+            self.tree.way_to(node, &mut way);
+        }
+        self.waypoints(&way)
+    }
+
+    fn waypoints(&self, way: &[u32]) -> Vec<Waypoint> {
+        let mut before: Option<u32> = None;
+        way.iter()
+            .map(|&number| {
+                let node = self.tree.node(number);
+                let leg = before
+                    .and_then(|before| self.link(before, node.at()))
+                    .map_or(Leg::Line, |link| link.leg);
+                before = Some(number);
+                Waypoint {
+                    pose: node.pose,
+                    leg,
+                    length: node.length,
+                    cost: node.cost,
+                }
+            })
+            .collect()
+    }
+
+    /// The radius within which nodes are joined now [m].
+    fn radius(&self) -> f64 {
+        if !self.params.shrinking_radius {
+            return self.params.max_edge;
+        }
+        let n = (self.tree.len() as f64).max(2.0);
+        // γ is of the area in which there still are samples.
+        let gamma = self.gamma * self.useful.sqrt();
+        (gamma * (sim_backend::math::ln(n) / n).sqrt()).min(self.params.max_edge)
+    }
+
+    /// Takes notice of a cheaper way to a goal.
+    fn note_best(&mut self, scene: &Scene<'_>) {
+        let goals = 1..=self.goals;
+        let cheapest = goals
+            .map(|goal| (self.tree.node(goal).cost, goal))
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+            .filter(|cheapest| cheapest.0.is_finite());
+        let Some(cheapest) = cheapest else {
+            return;
+        };
+        if cheapest == self.best && !self.way.is_empty() {
+            return;
+        }
+        self.best = cheapest;
+        self.tree.way_to(cheapest.1, &mut self.way);
+        if self.first_found.is_none() {
+            self.first_found = Some(self.iterations);
+        }
+        if self.params.straighten {
+            self.straighten(scene);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,104 @@
+//! One iteration: a sample, its parent, and whom it serves.
+
+use nalgebra::{Point2, Vector2};
+
+use super::{Scene, Search};
+use crate::motion::Motion;
+use crate::sampler::uniform;
+use crate::tree::NONE;
+
+/// Samples drawn for one that can shorten the way.
+const MAX_DRAWS: u32 = 24;
+
+/// Weight of a draw in the running share of useful samples.
+const MEMORY: f64 = 1.0 / 256.0;
+
+/// Least share of free space for which a radius is made.
+const LEAST_USEFUL: f64 = 1e-4;
+
+impl<M: Motion> Search<M> {
+    pub(super) fn iterate(&mut self, scene: &Scene<'_>) {
+        self.iterations += 1;
+        let dice = uniform(&mut self.rng);
+        let has_way = self.best.1 != NONE;
+        if dice < self.params.goal_bias {
+            self.strive(scene);
+        } else if has_way && dice < self.params.goal_bias + self.params.refine_share {
+            self.refine(scene);
+        } else if let Some(sample) = self.sample(scene) {
+            self.extend(scene, sample);
+        } else if has_way && self.params.refine_share > 0.0 {
+            self.refine(scene);
+        }
+        self.prune();
+    }
+
+    /// A place over which a way can still become cheaper than the best; `None` if none was drawn.
+    fn sample(&mut self, scene: &Scene<'_>) -> Option<Point2<f64>> {
+        if !self.params.informed || !self.best.0.is_finite() {
+            return scene.sampler.draw(scene.space, &mut self.rng);
+        }
+        for _ in 0..MAX_DRAWS {
+            let p = scene.sampler.draw(scene.space, &mut self.rng)?;
+            let is_useful = self.bound.can_beat(p, self.best.0);
+            let hit = f64::from(u8::from(is_useful));
+            self.useful = (self.useful + (hit - self.useful) * MEMORY).max(LEAST_USEFUL);
+            if is_useful {
+                return Some(p);
+            }
+        }
+        None
+    }
+
+    /// Tries to reach a goal: from the nodes about it or, while it is out of reach, by a step
+    /// towards it from the nearest node.
+    fn strive(&mut self, scene: &Scene<'_>) {
+        if self.goals == 0 {
+            return;
+        }
+        let goal = 1 + (uniform(&mut self.rng) * f64::from(self.goals)) as u32;
+        let goal = goal.min(self.goals);
+        self.join_goal(scene, goal);
+        self.note_best(scene);
+        if self.params.steer && !self.tree.node(goal).cost.is_finite() {
+            let at = self.tree.node(goal).at();
+            self.extend(scene, at);
+        }
+    }
+
+    /// Adds a node at (or, where no node is near, towards) a sample.
+    fn extend(&mut self, scene: &Scene<'_>, sample: Point2<f64>) {
+        let mut at = sample;
+        let mut near = core::mem::take(&mut self.near);
+        self.index.near(at, self.radius(), &mut near);
+        if near.is_empty()
+            && self.params.steer
+            && let Some(nearest) = self.index.nearest(at)
+        {
+            let from = self.tree.node(nearest.node).at();
+            let step: Vector2<f64> = at - from;
+            if nearest.distance > self.params.max_edge {
+                at = from + step * (self.params.max_edge / nearest.distance);
+            }
+            near.push(crate::index::Near {
+                node: nearest.node,
+                distance: (at - from).norm(),
+            });
+        }
+        self.near = near;
+        let most = if self.params.prune {
+            self.best.0 - self.bound.to_goal(at)
+        } else {
+            f64::INFINITY
+        };
+        let Some(chosen) = self.choose_parent(scene, at, most) else {
+            return;
+        };
+        let node = self.add(at, &chosen);
+        if self.params.rewire {
+            self.rewire(scene, node);
+        }
+        self.offer_to_goals(scene, node);
+        self.note_best(scene);
+    }
+}

@@ -1,0 +1,327 @@
+//! Joining nodes: the choice of a parent, and rewiring with everything that follows from it.
+
+use nalgebra::Point2;
+use sim_backend::pose::Pose2;
+
+use super::{Scene, Search};
+use crate::motion::{Link, Motion};
+use crate::tree::{NONE, ROOT};
+
+/// Nodes behind a node beyond which primitives with a heading do not rewire it: every way behind
+/// it would have to be laid and checked anew.
+const MOST_MOVED: usize = 64;
+
+/// A possible parent.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Candidate {
+    node: u32,
+    link: Link,
+    edge: f64,
+    /// Cost of the child by this parent.
+    cost: f64,
+}
+
+/// New values of a node behind a rewired one.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Moved {
+    node: u32,
+    heading: f64,
+    edge: f64,
+    cost: f64,
+    length: f64,
+}
+
+/// A parent that was chosen.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Chosen {
+    pub parent: u32,
+    pub link: Link,
+    pub edge: f64,
+    pub cost: f64,
+}
+
+impl<M: Motion> Search<M> {
+    /// The way from a node to a point.
+    pub(super) fn link(&self, from: u32, to: Point2<f64>) -> Option<Link> {
+        let node = self.tree.node(from);
+        self.link_at(from, to, (to - node.at()).norm())
+    }
+
+    fn link_at(&self, from: u32, to: Point2<f64>, distance: f64) -> Option<Link> {
+        let pose = &self.tree.node(from).pose;
+        if from == ROOT {
+            self.motion.link_from_start(pose, to, distance)
+        } else {
+            self.motion.link(pose, to, distance)
+        }
+    }
+
+    /// Cost of the edge from a node by a link.
+    pub(super) fn edge(&self, scene: &Scene<'_>, from: u32, to: Point2<f64>, link: &Link) -> f64 {
+        let node = self.tree.node(from);
+        scene.cost.edge(node.at(), to, link, node.length)
+    }
+
+    fn consider(
+        &mut self,
+        scene: &Scene<'_>,
+        node: u32,
+        to: Point2<f64>,
+        distance: f64,
+        most: f64,
+    ) {
+        let from = self.tree.node(node);
+        // Too dear even if nobody threatens.
+        if distance <= self.params.min_edge || from.cost + distance >= most {
+            return;
+        }
+        let Some(link) = self.link_at(node, to, distance) else {
+            return;
+        };
+        let edge = self.edge(scene, node, to, &link);
+        let cost = from.cost + edge;
+        if cost < most {
+            self.candidates.push(Candidate {
+                node,
+                link,
+                edge,
+                cost,
+            });
+        }
+    }
+
+    /// The cheapest parent for a point among `self.near` (and their ancestors) from which the way
+    /// to it is free, if it costs less than `most`.
+    pub(super) fn choose_parent(
+        &mut self,
+        scene: &Scene<'_>,
+        to: Point2<f64>,
+        most: f64,
+    ) -> Option<Chosen> {
+        self.candidates.clear();
+        let near = core::mem::take(&mut self.near);
+        for near in &near {
+            self.consider(scene, near.node, to, near.distance, most);
+        }
+        if self.params.ancestors > 0 {
+            self.consider_ancestors(scene, &near, to, most);
+        }
+        self.near = near;
+        // The cheapest first; a check for collisions costs more than a look through the list.
+        loop {
+            let (place, best) = self
+                .candidates
+                .iter()
+                .enumerate()
+                .min_by(|a, b| a.1.cost.total_cmp(&b.1.cost))
+                .map(|(place, best)| (place, *best))?;
+            let from = self.tree.node(best.node).at();
+            if scene.is_free(&best.link, from, to) {
+                return Some(Chosen {
+                    parent: best.node,
+                    link: best.link,
+                    edge: best.edge,
+                    cost: best.cost,
+                });
+            }
+            if !self.params.next_best_parent {
+                return None;
+            }
+            self.candidates.swap_remove(place);
+        }
+    }
+
+    fn consider_ancestors(
+        &mut self,
+        scene: &Scene<'_>,
+        near: &[crate::index::Near],
+        to: Point2<f64>,
+        most: f64,
+    ) {
+        // Siblings share their parent: each is considered once.
+        let mut seen = core::mem::take(&mut self.seen);
+        seen.clear();
+        for near in near {
+            let mut node = near.node;
+            for _ in 0..self.params.ancestors {
+                node = self.tree.node(node).parent;
+                if node == NONE {
+                    break;
+                }
+                if !seen.contains(&node) {
+                    seen.push(node);
+                    let distance = (to - self.tree.node(node).at()).norm();
+                    self.consider(scene, node, to, distance, most);
+                }
+            }
+        }
+        self.seen = seen;
+    }
+
+    /// Adds a node under a parent; gives back its number.
+    pub(super) fn add(&mut self, at: Point2<f64>, chosen: &Chosen) -> u32 {
+        let node = self.tree.push(Pose2::new(at.x, at.y, chosen.link.heading));
+        self.index.insert(at);
+        self.hang(node, chosen);
+        node
+    }
+
+    pub(super) fn hang(&mut self, node: u32, chosen: &Chosen) {
+        let length = self.tree.node(chosen.parent).length + chosen.link.length;
+        self.tree.attach(node, chosen.parent);
+        let values = self.tree.node_mut(node);
+        values.pose.theta = chosen.link.heading;
+        values.edge = chosen.edge;
+        values.cost = chosen.cost;
+        values.length = length;
+    }
+
+    /// Gives a goal a better parent, if there is one in reach.
+    pub(super) fn join_goal(&mut self, scene: &Scene<'_>, goal: u32) {
+        let at = self.tree.node(goal).at();
+        let mut near = core::mem::take(&mut self.near);
+        self.index.near(at, self.radius(), &mut near);
+        self.near = near;
+        let most = self.tree.node(goal).cost;
+        if let Some(chosen) = self.choose_parent(scene, at, most) {
+            self.hang(goal, &chosen);
+        }
+    }
+
+    /// Offers a new node to the goals within the longest edge.
+    pub(super) fn offer_to_goals(&mut self, scene: &Scene<'_>, parent: u32) {
+        for goal in 1..=self.goals {
+            let distance = (self.tree.node(goal).at() - self.tree.node(parent).at()).norm();
+            if distance <= self.params.max_edge {
+                self.offer(scene, goal, parent, distance);
+            }
+        }
+    }
+
+    /// Gives the nodes of `self.near` the new node as their parent where that is cheaper.
+    pub(super) fn rewire(&mut self, scene: &Scene<'_>, parent: u32) {
+        let near = core::mem::take(&mut self.near);
+        for near in &near {
+            if near.distance > self.params.min_edge {
+                self.offer(scene, near.node, parent, near.distance);
+            }
+        }
+        self.near = near;
+    }
+
+    /// Hangs `child` under `parent` if that makes it cheaper and the way is free.
+    pub(super) fn offer(
+        &mut self,
+        scene: &Scene<'_>,
+        child: u32,
+        parent: u32,
+        distance: f64,
+    ) -> bool {
+        let (from, to) = (*self.tree.node(parent), *self.tree.node(child));
+        if child == ROOT || from.cost + distance >= to.cost {
+            return false;
+        }
+        let Some(link) = self.link_at(parent, to.at(), distance) else {
+            return false;
+        };
+        let edge = self.edge(scene, parent, to.at(), &link);
+        let cost = from.cost + edge;
+        if cost >= to.cost || !scene.is_free(&link, from.at(), to.at()) {
+            return false;
+        }
+        let chosen = Chosen {
+            parent,
+            link,
+            edge,
+            cost,
+        };
+        self.relink(scene, child, &chosen)
+    }
+
+    /// Hangs a node under another parent, with all that follows for the nodes behind it; false,
+    /// and nothing is changed, if one of them could not follow.
+    pub(super) fn relink(&mut self, scene: &Scene<'_>, child: u32, chosen: &Chosen) -> bool {
+        if !self.follow_up(scene, child, chosen) {
+            return false;
+        }
+        self.hang(child, chosen);
+        for moved in &self.moved {
+            let node = self.tree.node_mut(moved.node);
+            node.pose.theta = moved.heading;
+            node.edge = moved.edge;
+            node.cost = moved.cost;
+            node.length = moved.length;
+        }
+        true
+    }
+
+    /// Works out, into `self.moved`, what becomes of everything behind a node with a new parent;
+    /// false if some way behind it would no longer do.
+    fn follow_up(&mut self, scene: &Scene<'_>, child: u32, chosen: &Chosen) -> bool {
+        let mut moved = core::mem::take(&mut self.moved);
+        moved.clear();
+        moved.push(Moved {
+            node: child,
+            heading: chosen.link.heading,
+            edge: chosen.edge,
+            cost: chosen.cost,
+            length: self.tree.node(chosen.parent).length + chosen.link.length,
+        });
+        let mut next = 0;
+        let mut sound = true;
+        while let Some(&above) = moved.get(next).filter(|_| sound) {
+            next += 1;
+            for node in self.tree.children(above.node) {
+                let Some(values) = self.moved_child(scene, &above, node) else {
+                    sound = false;
+                    break;
+                };
+                moved.push(values);
+                if M::HAS_HEADING && moved.len() > MOST_MOVED {
+                    sound = false;
+                    break;
+                }
+            }
+        }
+        self.moved = moved;
+        sound
+    }
+
+    fn moved_child(&self, scene: &Scene<'_>, above: &Moved, node: u32) -> Option<Moved> {
+        let (parent, child) = (self.tree.node(above.node), self.tree.node(node));
+        if !M::HAS_HEADING {
+            let length = above.length + (child.length - parent.length);
+            let edge = if scene.cost.is_static() {
+                child.edge
+            } else {
+                let link = Link::line(child.length - parent.length);
+                scene
+                    .cost
+                    .edge(parent.at(), child.at(), &link, above.length)
+            };
+            return Some(Moved {
+                node,
+                heading: child.pose.theta,
+                edge,
+                cost: above.cost + edge,
+                length,
+            });
+        }
+        let from = Pose2::new(parent.pose.x, parent.pose.y, above.heading);
+        let to = child.at();
+        let link = self.motion.link(&from, to, (to - parent.at()).norm())?;
+        if !scene.is_free(&link, parent.at(), to) {
+            return None;
+        }
+        let edge = scene.cost.edge(parent.at(), to, &link, above.length);
+        let cost = above.cost + edge;
+        // Whoever is behind must gain as well.
+        (cost <= child.cost).then_some(Moved {
+            node,
+            heading: link.heading,
+            edge,
+            cost,
+            length: above.length + link.length,
+        })
+    }
+}

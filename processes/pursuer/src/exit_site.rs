@@ -1,0 +1,331 @@
+//! An exit as something to be guarded: where targets get through, and where a guard may stand.
+//!
+//! A target is through when it comes within a radius of the exit's centre, so it has to pass one of
+//! the *entries* on that circle. A guard is in time for an entry e if it has e in its reach before
+//! the target can be there; the *lateness* of a guard at q is the worst over all entries,
+//!
+//! ```text
+//! J(q) = max over e of  (|q − e| − ρ) / s − T(e)
+//! ```
+//!
+//! with its reach ρ, its speed s, and T(e) the time that the targets need to e at least. What an
+//! entry lies inside the reach counts as time in hand, so that the guard does not stand at the rim
+//! of what it can hold. J(q) < 0 says that e lies in the guard's own part of a Voronoi diagram of arrival times, whichever entry
+//! the targets make for. The best post has the least J: between the threat and the exit when the
+//! targets are near, in the middle of the entries when they are far.
+
+use core::f64::consts::TAU;
+
+use guidance::map::PlannerMap;
+use nalgebra::{Point2, Vector2};
+use sim_backend::math;
+
+/// Points on the circle that stand for the ways in.
+const ENTRIES: u32 = 24;
+
+/// Distance between two posts that a guard chooses from [m].
+const POST_PITCH: f64 = 0.1;
+
+/// Gap between the bodies of two guards at their posts [m].
+const POST_GAP: f64 = 0.2;
+
+/// A time that stands for "never" [s], small enough that differences of a nanosecond remain.
+pub const NEVER_S: f64 = 1.0e6;
+
+/// The surroundings of one exit.
+#[derive(Debug, Clone)]
+pub struct ExitSite {
+    slot: usize,
+    exit: Point2<f64>,
+    radius: f64,
+    robot_radius: f64,
+    entries: Vec<Point2<f64>>,
+    /// Directions of the entries from the exit's centre [rad].
+    bearings: Vec<f64>,
+    posts: Vec<Point2<f64>>,
+}
+
+impl ExitSite {
+    /// The surroundings of an exit [m] that one is through within `exit_radius` [m] of, for guards
+    /// of `robot_radius` [m] that stand no further than `post_radius` [m] from it. `slot` is where
+    /// the guards' way-finders keep the ways to it.
+    ///
+    /// Entries and posts are places from which the exit can be reached straight.
+    pub fn new(
+        map: &PlannerMap,
+        slot: usize,
+        exit: Point2<f64>,
+        robot_radius: f64,
+        exit_radius: f64,
+        post_radius: f64,
+    ) -> Self {
+        let open = |place: &Point2<f64>| map.line_is_clear(exit, *place, robot_radius);
+        let mut entries: Vec<_> = (0..ENTRIES)
+            .map(|number| {
+                let (sin, cos) = math::sincos(f64::from(number) * (TAU / f64::from(ENTRIES)));
+                exit + Vector2::new(cos, sin) * exit_radius
+            })
+            .filter(open)
+            .collect();
+        if entries.is_empty() {
+            entries.push(exit);
+        }
+        let steps = (post_radius / POST_PITCH).floor() as i32;
+        let mut posts: Vec<_> = (-steps..=steps)
+            .flat_map(|row| (-steps..=steps).map(move |col| (col, row)))
+            .map(|(col, row)| Vector2::new(f64::from(col), f64::from(row)) * POST_PITCH)
+            .filter(|offset| offset.norm() <= post_radius)
+            .map(|offset| exit + offset)
+            .filter(open)
+            .collect();
+        if posts.is_empty() {
+            posts.push(exit);
+        }
+        let bearings = entries.iter().map(|entry| bearing(entry - exit)).collect();
+        Self {
+            slot,
+            exit,
+            radius: exit_radius,
+            robot_radius,
+            entries,
+            bearings,
+            posts,
+        }
+    }
+
+    /// Where a way-finder keeps the ways to the exit.
+    pub fn slot(&self) -> usize {
+        self.slot
+    }
+
+    /// The exit's centre [m].
+    pub fn exit(&self) -> Point2<f64> {
+        self.exit
+    }
+
+    /// The places where targets get through [m], never empty.
+    pub fn entries(&self) -> &[Point2<f64>] {
+        &self.entries
+    }
+
+    /// The places where a guard may stand [m], never empty.
+    pub fn posts(&self) -> &[Point2<f64>] {
+        &self.posts
+    }
+
+    /// Lengths of the shortest ways from `from` [m] to each entry that come through no other [m],
+    /// in the open: straight, or by a tangent to the circle of the entries and along it; 0 inside
+    /// the circle.
+    pub fn approaches(&self, from: Point2<f64>) -> impl Iterator<Item = f64> {
+        let line = from - self.exit;
+        let far = line.norm();
+        let direction = bearing(line);
+        let seen = math::acos((self.radius / far).min(1.0));
+        let tangent = (far * far - self.radius * self.radius).max(0.0).sqrt();
+        let entries = self.entries.iter().zip(&self.bearings);
+        entries.map(move |(entry, &ray)| {
+            let turn = math::angle_difference(ray, direction).abs();
+            if far <= self.radius {
+                0.0
+            } else if turn <= seen {
+                (from - entry).norm()
+            } else {
+                tangent + self.radius * (turn - seen)
+            }
+        })
+    }
+
+    /// How late one who is at each entry at these times is at worst [s], negative for being early;
+    /// `times` and `deadlines` [s] follow the entries.
+    pub fn lateness(times: &[f64], deadlines: &[f64]) -> f64 {
+        times
+            .iter()
+            .zip(deadlines)
+            .map(|(time, deadline)| time - deadline)
+            .fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// The post with the least lateness for a guard of this speed [m/s] and reach [m], given for
+    /// each entry when targets may be there [s] and when other guards can (`covered` [s]), and
+    /// where those stand.
+    ///
+    /// Of equal posts the one where the guard alone is less late, then the one nearer to the exit,
+    /// then the first.
+    pub fn best_post(
+        &self,
+        speed: f64,
+        reach: f64,
+        deadlines: &[f64],
+        covered: &[f64],
+        others: &[Point2<f64>],
+    ) -> Point2<f64> {
+        let room = 2.0 * self.robot_radius + POST_GAP;
+        let mut best = (self.exit, [f64::INFINITY; 3]);
+        for &post in &self.posts {
+            if others.iter().any(|other| (post - other).norm() < room) {
+                continue;
+            }
+            let (mut alone, mut together) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
+            for ((&entry, &deadline), &covered) in self.entries.iter().zip(deadlines).zip(covered) {
+                let time = straight_time(post, entry, speed, reach);
+                alone = alone.max(time - deadline);
+                together = together.max(time.min(covered) - deadline);
+            }
+            let value = [together, alone, (post - self.exit).norm()];
+            if value.partial_cmp(&best.1) == Some(core::cmp::Ordering::Less) {
+                best = (post, value);
+            }
+        }
+        best.0
+    }
+}
+
+/// When a guard has a place in its reach [s], driving straight; negative for one that lies inside
+/// it, [`NEVER_S`] at most.
+pub fn straight_time(from: Point2<f64>, to: Point2<f64>, speed: f64, reach: f64) -> f64 {
+    guard_time((to - from).norm(), speed, reach)
+}
+
+/// When a guard has a place at this distance [m] in its reach [s], see [`straight_time`].
+pub fn guard_time(distance: f64, speed: f64, reach: f64) -> f64 {
+    let time = (distance - reach) / speed;
+    if speed > 0.0 && !time.is_nan() {
+        time.clamp(-NEVER_S, NEVER_S)
+    } else {
+        NEVER_S
+    }
+}
+
+/// Direction of a vector [rad].
+fn bearing(of: Vector2<f64>) -> f64 {
+    math::atan2(of.y, of.x)
+}
+
+#[cfg(test)]
+mod tests {
+    use core::f64::consts::PI;
+
+    use super::*;
+
+    /// An exit of radius 0.5 m in the open, with entries in these directions.
+    fn site_with(directions: &[f64]) -> ExitSite {
+        let exit = Point2::new(9.0, 0.0);
+        let entries: Vec<_> = directions
+            .iter()
+            .map(|&direction| {
+                let (sin, cos) = math::sincos(direction);
+                exit + Vector2::new(cos, sin) * 0.5
+            })
+            .collect();
+        let posts = (-10..=10)
+            .flat_map(|i| (-10..=10).map(move |j| (i, j)))
+            .map(|(i, j)| exit + Vector2::new(f64::from(i), f64::from(j)) * 0.1)
+            .collect();
+        ExitSite {
+            slot: 0,
+            exit,
+            radius: 0.5,
+            robot_radius: 0.1,
+            bearings: entries.iter().map(|entry| bearing(entry - exit)).collect(),
+            entries,
+            posts,
+        }
+    }
+
+    fn site() -> ExitSite {
+        let directions: Vec<_> = (0..24).map(|i| f64::from(i) * TAU / 24.0).collect();
+        site_with(&directions)
+    }
+
+    fn deadlines(site: &ExitSite, from: Point2<f64>, speed: f64) -> Vec<f64> {
+        site.approaches(from).map(|length| length / speed).collect()
+    }
+
+    #[test]
+    fn a_way_to_the_far_side_goes_round_the_circle() {
+        let from = Point2::new(7.0, 0.0);
+        let seen = math::acos(0.25);
+        let site = site_with(&[PI, 0.0, PI - seen + 1e-9, PI - seen - 1e-9]);
+        let lengths: Vec<_> = site.approaches(from).collect();
+        assert!((lengths[0] - 1.5).abs() < 1e-12);
+        let expected = (4.0_f64 - 0.25).sqrt() + 0.5 * (PI - seen);
+        assert!((lengths[1] - expected).abs() < 1e-12);
+        // No jump where the entry goes out of sight.
+        assert!((lengths[2] - lengths[3]).abs() < 1e-6);
+        let inside = site.approaches(Point2::new(9.2, 0.1));
+        assert_eq!(inside.collect::<Vec<_>>(), [0.0; 4]);
+    }
+
+    #[test]
+    fn the_post_lies_between_a_near_threat_and_the_exit_and_in_the_middle_for_a_far_one() {
+        let site = site();
+        let never = [NEVER_S; 24];
+        for angle in [0.3, 1.8, 2.9, 4.0, 5.5] {
+            let (sin, cos) = math::sincos(angle);
+            let direction = Vector2::new(cos, sin);
+            let from = site.exit() + direction * 1.2;
+            let near = deadlines(&site, from, 0.45);
+            let post = site.best_post(0.3, 0.3, &near, &never, &[]);
+            let off = post - site.exit();
+            assert!(off.dot(&direction) > 0.1, "{post} for {from}");
+            assert!(off.dot(&direction) < 1.2);
+            let across = off - direction * off.dot(&direction);
+            assert!(across.norm() < 0.15, "{post} for {from}");
+        }
+        let far = [40.0; 24];
+        let post = site.best_post(0.3, 0.3, &far, &never, &[]);
+        assert!((post - site.exit()).norm() < 0.05, "{post}");
+    }
+
+    #[test]
+    fn no_post_is_less_late_than_the_best() {
+        let site = site();
+        let never = [NEVER_S; 24];
+        let deadlines = deadlines(&site, Point2::new(7.6, 0.9), 0.6);
+        let lateness = |post: Point2<f64>| {
+            let times: Vec<_> = site
+                .entries()
+                .iter()
+                .map(|&entry| straight_time(post, entry, 0.3, 0.3))
+                .collect();
+            ExitSite::lateness(&times, &deadlines)
+        };
+        let best = lateness(site.best_post(0.3, 0.3, &deadlines, &never, &[]));
+        for post in site.posts() {
+            assert!(lateness(*post) >= best - 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_second_guard_stands_apart_and_helps() {
+        let site = site();
+        let never = [NEVER_S; 24];
+        let far = [20.0; 24];
+        let first = site.best_post(0.3, 0.1, &far, &never, &[]);
+        let times = |post| {
+            let entries = site.entries().iter();
+            entries
+                .map(|e| straight_time(post, *e, 0.3, 0.1))
+                .collect::<Vec<_>>()
+        };
+        let covered = times(first);
+        let second = site.best_post(0.3, 0.1, &far, &covered, &[first]);
+        assert!((second - first).norm() >= 0.4);
+        let both: Vec<_> = covered
+            .iter()
+            .zip(times(second))
+            .map(|(a, b)| a.min(b))
+            .collect();
+        assert!(ExitSite::lateness(&both, &far) <= ExitSite::lateness(&covered, &far));
+    }
+
+    #[test]
+    fn a_guard_without_speed_still_has_a_post() {
+        let site = site();
+        let never = [NEVER_S; 24];
+        for speed in [0.0, f64::NAN] {
+            let post = site.best_post(speed, 0.3, &[1.0; 24], &never, &[]);
+            assert!(post.x.is_finite());
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! Parameters of how a team plays: where it aims, who guards the exits.
+
+use guidance::params::{ParamsError, not_negative, positive, require};
+use serde::{Deserialize, Serialize};
+
+/// Furthest that a post may lie from its exit [m]; the work per tick grows with its square.
+pub const MAX_POST_RADIUS: f64 = 5.0;
+
+/// Where the goal for a hypothesis of a target lies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum GoalMethod {
+    /// Somewhat ahead of the target, see [`LookAheadParams`](super::LookAheadParams) (the paper's).
+    #[default]
+    LookAhead,
+    /// At the earliest place where this pursuer can meet the target: in its line of sight on the
+    /// target's straight course (the Apollonius circle), else on the target's shortest way to the
+    /// nearest exit, driven at its highest speed. See [`crate::interception`]. A target that it can
+    /// meet nowhere is looked ahead of.
+    Interception,
+}
+
+/// How hypotheses of a target become goals.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct GoalParams {
+    /// Where the goal for a hypothesis lies.
+    pub method: GoalMethod,
+    /// Distance at which a target counts as met [m], ≥ 0: the capture radius of the rules, or less.
+    /// Used by everything that predicts interceptions for goals and guards.
+    pub reach: f64,
+}
+
+impl Default for GoalParams {
+    fn default() -> Self {
+        Self {
+            method: GoalMethod::LookAhead,
+            reach: 0.3,
+        }
+    }
+}
+
+impl GoalParams {
+    /// Checks every field.
+    ///
+    /// # Errors
+    /// [`ParamsError`] naming the first field that is out of range.
+    pub fn validate(&self) -> Result<(), ParamsError> {
+        not_negative("reach", self.reach)
+    }
+}
+
+/// Who does something else than to chase.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct RoleParams {
+    /// How many pursuers guard the exits instead of chasing; 0 for none. More than there are
+    /// pursuers means all of them. See [`crate::exit_guard`].
+    pub exit_guard: usize,
+    /// How near to an exit's centre a target is through [m], ≥ 0.
+    pub exit_radius: f64,
+    /// How far from its exit's centre a guard may stand [m], > 0, ≤ [`MAX_POST_RADIUS`].
+    pub post_radius: f64,
+    /// Time that a guard must have to spare, at its post and for every target, to leave it for a
+    /// capture [s], ≥ 0.
+    pub margin_s: f64,
+}
+
+impl Default for RoleParams {
+    fn default() -> Self {
+        Self {
+            exit_guard: 0,
+            exit_radius: 0.5,
+            post_radius: 1.0,
+            margin_s: 2.0,
+        }
+    }
+}
+
+impl RoleParams {
+    /// Checks every field.
+    ///
+    /// # Errors
+    /// [`ParamsError`] naming the first field that is out of range.
+    pub fn validate(&self) -> Result<(), ParamsError> {
+        not_negative("exit_radius", self.exit_radius)?;
+        positive("post_radius", self.post_radius)?;
+        require(
+            self.post_radius <= MAX_POST_RADIUS,
+            "post_radius",
+            &self.post_radius,
+            "at most 5",
+        )?;
+        not_negative("margin_s", self.margin_s)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn posts_that_are_too_far_and_negative_distances_are_refused() {
+        let mut roles = RoleParams::default();
+        roles.validate().unwrap();
+        roles.post_radius = 5.5;
+        assert_eq!(roles.validate().unwrap_err().field, "post_radius");
+        let goals = GoalParams {
+            reach: -0.1,
+            ..GoalParams::default()
+        };
+        assert_eq!(goals.validate().unwrap_err().field, "reach");
+    }
+}

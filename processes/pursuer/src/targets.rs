@@ -1,0 +1,29 @@
+//! What predictions suppose of a target's motion.
+
+use guidance::view::{RobotView, View};
+use sim_backend::pose::Pose2;
+
+use crate::goals::estimate;
+use crate::interception::Target;
+use crate::params::Knowledge;
+
+/// A target as it most probably is; `None` if nothing is known of it.
+pub fn target(view: &View<'_>, index: usize, knowledge: Knowledge) -> Option<Target> {
+    let robot = view.robot(index)?;
+    let pose = estimate(view, index, knowledge)?;
+    Some(supposed(robot, &pose, knowledge))
+}
+
+/// A target at a hypothesis of its pose: with exact knowledge it moves as it does, with a belief
+/// (which knows no speeds) at full speed along its heading.
+pub fn supposed(robot: &RobotView, pose: &Pose2, knowledge: Knowledge) -> Target {
+    let speed = match knowledge {
+        Knowledge::Exact => robot.twist.v,
+        Knowledge::Belief => robot.v_max,
+    };
+    Target {
+        at: pose.position(),
+        velocity: pose.forward() * speed,
+        v_max: robot.v_max,
+    }
+}

@@ -1,0 +1,7 @@
+//! The Police against evaders that move by the book; one program, to be linked once.
+
+#[path = "../../../guidance/tests/support/mod.rs"]
+mod support;
+
+mod closing_in;
+mod tactics;

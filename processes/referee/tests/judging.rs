@@ -1,0 +1,116 @@
+//! The referee in the paper's city.
+
+#[path = "../../guidance/tests/support/mod.rs"]
+mod support;
+
+use guidance::dominance::Owner;
+use guidance::view::RobotView;
+use proptest::prelude::*;
+use referee::{Referee, RefereeParams};
+use sim_backend::pose::{Pose2, Twist2};
+use sim_backend::spec::Region;
+use sim_backend::team::Team;
+use support::{Arena, EXIT, RADIUS};
+
+fn robot(index: usize, team: Team, x: f64, y: f64) -> RobotView {
+    RobotView {
+        index,
+        team,
+        active: true,
+        present: true,
+        pose: Pose2::new(x, y, 0.0),
+        twist: Twist2::STOP,
+        radius: RADIUS,
+        v_max: if team == Team::Evader { 0.45 } else { 0.3 },
+    }
+}
+
+fn referee() -> Referee {
+    let exit = Region::Circle {
+        center: [EXIT.x, EXIT.y],
+        radius: 0.5,
+    };
+    Referee::new(RefereeParams::default(), vec![exit], 0.3)
+}
+
+#[test]
+fn only_evaders_that_play_are_judged_and_only_police_that_play_count() {
+    let map = Arena::city().map();
+    let mut robots = [
+        robot(0, Team::Police, 8.5, 0.0),
+        robot(1, Team::Evader, 4.5, 0.0),
+        robot(2, Team::Evader, 4.5, 4.5),
+    ];
+    robots[2].active = false;
+    let mut referee = referee();
+    let judged = referee.judge(&map, &robots).to_vec();
+    assert_eq!(judged.len(), 1);
+    assert_eq!(judged[0].robot, 1);
+    assert!(!judged[0].verdict.escape_possible);
+    let (arena, cells) = referee.cells(&map).unwrap();
+    let at_exit = arena.lattice().frame().index_at(EXIT).unwrap();
+    assert_eq!(
+        (cells[at_exit].owner, cells[at_exit].first),
+        (Owner::Police, 0)
+    );
+    let at_evader = arena
+        .lattice()
+        .frame()
+        .index_at(robots[1].pose.position())
+        .unwrap();
+    assert_eq!(
+        (cells[at_evader].owner, cells[at_evader].first),
+        (Owner::Evader, 1)
+    );
+    robots[0].active = false;
+    assert!(referee.judge(&map, &robots)[0].verdict.escape_possible);
+}
+
+#[test]
+fn a_new_map_changes_the_verdict() {
+    let mut arena = Arena::city();
+    let map = arena.map();
+    let robots = [
+        robot(0, Team::Police, 7.5, 6.0),
+        robot(1, Team::Evader, 4.5, 0.0),
+    ];
+    let mut referee = referee();
+    assert!(referee.judge(&map, &robots)[0].verdict.escape_possible);
+    arena.rectangles.push((8.0, 9.0, -1.25, 1.25));
+    let blocked = arena.map();
+    let blocked = guidance::map::PlannerMap::new(
+        blocked.blurred().clone(),
+        blocked.clearance_grid().clone(),
+        map.revision() + 1,
+    )
+    .unwrap();
+    let verdict = referee.judge(&blocked, &robots)[0].verdict;
+    assert!(
+        !verdict.escape_possible && verdict.margin == f64::NEG_INFINITY,
+        "{verdict:?}"
+    );
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 24, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn whatever_it_is_shown_it_says_numbers(numbers in prop::collection::vec(prop::num::f64::ANY, 20)) {
+        let map = Arena::city().map();
+        let robots: Vec<RobotView> = (0..4)
+            .map(|i| RobotView {
+                radius: numbers[5 * i + 3],
+                v_max: numbers[5 * i + 4],
+                ..robot(i, [Team::Police, Team::Evader][i % 2], numbers[5 * i], numbers[5 * i + 1])
+            })
+            .chain([robot(9, Team::Evader, 1.5, 1.5)])
+            .collect();
+        let mut referee = referee();
+        let judged = referee.judge(&map, &robots).to_vec();
+        prop_assert!(judged.iter().any(|judgement| judgement.robot == 9));
+        for judgement in judged {
+            prop_assert!(!judgement.verdict.margin.is_nan());
+            prop_assert!((0.0..=1.0).contains(&judgement.verdict.area_share));
+        }
+    }
+}
