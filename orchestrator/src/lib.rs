@@ -1,8 +1,14 @@
 //! The protean command: runs, supervises and records missions of real processes.
 
 pub mod bench;
+pub mod chase_page;
 pub mod cli;
+pub mod figures;
+pub mod in_process;
 pub mod mission;
 pub mod picture;
 pub mod recorder;
 pub mod scenario;
+pub mod statistics;
+pub mod sweep;
+pub mod wirings;

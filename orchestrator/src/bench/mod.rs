@@ -3,7 +3,8 @@
 //! * [`chase`]: how much faster than reality the whole chase runs, and which process takes what;
 //! * [`start`]: how long a run takes to begin, what memory and log it needs;
 //! * [`ticks`]: lock-step ticks per second against the same exchange on bare iceoryx2 and futexes;
-//! * [`hop`]: one message from one process to another against bare iceoryx2.
+//! * [`hop`]: one message from one process to another against bare iceoryx2;
+//! * [`in_process`]: games per second of runs in one process against runs with processes.
 //!
 //! Everything is real: processes of this very program, shared memory, the kernel's scheduler. The
 //! machine's other work shows in the figures; ratios are taken between neighbours in time.
@@ -12,6 +13,7 @@ pub mod chase;
 mod crew;
 mod error;
 pub mod hop;
+pub mod in_process;
 mod probe;
 mod raw;
 mod report;
@@ -41,11 +43,19 @@ pub enum Item {
     Ticks,
     /// One message between two processes.
     Hop,
+    /// Games per second of runs in one process.
+    InProcess,
 }
 
 impl Item {
     /// Every item, in the order in which they are measured.
-    pub const ALL: [Self; 4] = [Self::Chase, Self::Start, Self::Ticks, Self::Hop];
+    pub const ALL: [Self; 5] = [
+        Self::Chase,
+        Self::Start,
+        Self::Ticks,
+        Self::Hop,
+        Self::InProcess,
+    ];
 
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
@@ -54,6 +64,7 @@ impl Item {
             Self::Start => "start",
             Self::Ticks => "ticks",
             Self::Hop => "hop",
+            Self::InProcess => "in-process",
         }
     }
 }
@@ -116,6 +127,7 @@ pub fn run(items: &[Item], options: &Options, mut say: impl FnMut(&str)) -> Repo
             Item::Start => start::measure(options, &mut say),
             Item::Ticks => ticks::measure(options, &mut say),
             Item::Hop => hop::measure(options, &mut say),
+            Item::InProcess => in_process::measure(options, &mut say),
         };
         match measured {
             Ok(figures) => report.figures.extend(figures),

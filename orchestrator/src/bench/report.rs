@@ -25,6 +25,8 @@ pub enum Goal {
     RatioAtMost(f64),
     /// At most this, in the figure's unit.
     AtMost(f64),
+    /// At least this, in the figure's unit.
+    AtLeast(f64),
 }
 
 /// One measured figure.
@@ -111,6 +113,7 @@ impl Figure {
             Goal::RatioAtLeast(least) => self.ratio? >= least,
             Goal::RatioAtMost(most) => self.ratio? <= most,
             Goal::AtMost(most) => self.value.median <= most,
+            Goal::AtLeast(least) => self.value.median >= least,
         })
     }
 
@@ -120,6 +123,7 @@ impl Figure {
             Some(Goal::RatioAtLeast(least)) => format!("≥ {least}×"),
             Some(Goal::RatioAtMost(most)) => format!("≤ {most}×"),
             Some(Goal::AtMost(most)) => format!("≤ {most} {}", self.unit),
+            Some(Goal::AtLeast(least)) => format!("≥ {least} {}", self.unit),
         };
         match self.met() {
             Some(true) => format!("{words} met"),
@@ -142,6 +146,7 @@ impl Figure {
                 Goal::RatioAtLeast(least) => json!({ "ratio_at_least": least }),
                 Goal::RatioAtMost(most) => json!({ "ratio_at_most": most }),
                 Goal::AtMost(most) => json!({ "at_most": most }),
+                Goal::AtLeast(least) => json!({ "at_least": least }),
             }),
             "met": self.met(),
         })

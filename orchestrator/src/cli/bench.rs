@@ -19,6 +19,8 @@ Items (all of them without a name):
               exchange on bare iceoryx2 and a futex page), on all processors and pinned to one
   hop         one message of 64 B to 1 MiB from one polling process to another (baseline: the same
               bytes on bare iceoryx2), p50 and p99
+  in-process  games/s of one core with `run --in-process` in a sweep, CPU per tick (baseline: the same
+              games with processes, one at a time)
   world, visibility, filter, turn, publish, recorder
               print the command of the Criterion bench that measures them inside one process
 
@@ -31,18 +33,15 @@ Progress goes to stderr. Exit code: 0 measured (whether or not goals are met), 1
 
 /// What is measured elsewhere: item and command.
 const ELSEWHERE: [(&str, &str); 6] = [
-    ("world", "cargo bench -p sim_backend --bench world"),
-    (
-        "visibility",
-        "cargo bench -p sim_backend --bench visibility",
-    ),
+    ("world", "cargo bench -p benchmarks --bench world"),
+    ("visibility", "cargo bench -p benchmarks --bench visibility"),
     (
         "filter",
-        "cargo bench -p perception --bench particle_filter",
+        "cargo bench -p benchmarks --bench particle_filter",
     ),
-    ("turn", "cargo bench -p kit --bench turn"),
-    ("publish", "cargo bench -p ipc_types --bench publish"),
-    ("recorder", "cargo bench -p protean --bench recorder"),
+    ("turn", "cargo bench -p benchmarks --bench turn"),
+    ("publish", "cargo bench -p benchmarks --bench publish"),
+    ("recorder", "cargo bench -p benchmarks --bench recorder"),
 ];
 
 /// The names that the command line takes.

@@ -7,6 +7,9 @@ mod list;
 mod picture;
 mod process;
 mod run;
+mod sweep;
+mod sweep_page;
+mod sweep_plans;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -92,6 +95,9 @@ enum Command {
         #[arg(long)]
         json: bool,
     },
+    /// Run an experiment: many missions from one file, and one table of results
+    #[command(args_conflicts_with_subcommands = true, after_long_help = sweep::HELP)]
+    Sweep(sweep::SweepArgs),
     /// Remove what runs that were killed have left behind
     Clean {
         /// Print one JSON object
@@ -149,6 +155,10 @@ struct RunArgs {
     /// Run by the clock instead of in lock-step, FACTOR times as fast as reality
     #[arg(long, value_name = "FACTOR", num_args = 0..=1, default_missing_value = "1")]
     real_time: Option<f64>,
+    /// Run everything in this process instead of one per robot: the same result, no latencies, and
+    /// no log unless --out asks for one
+    #[arg(long, conflicts_with = "real_time")]
+    in_process: bool,
     /// Write the log to this file [default: logs/SCENARIO-SEED.mcap]
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -189,6 +199,7 @@ pub fn main() -> ExitCode {
             force,
         }) => picture::picture(&log, out, at, force),
         Some(Command::Bench { items, quick, json }) => bench::bench(&items, quick, json),
+        Some(Command::Sweep(args)) => sweep::sweep(&args),
         Some(Command::Clean { json }) => clean::clean(json),
         Some(Command::Messages { python: _ }) => {
             print(ipc_types::python::module().trim_end());

@@ -3,30 +3,30 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use kit::planner::PlannerProcess;
+use kit::Wiring;
 
 use super::EXIT_INVALID;
 use crate::bench;
+use crate::wirings::{self, WiringVisitor};
 
 /// Runs the process of this kind to its end.
 pub fn run(kind: &str, config: &Path) -> ExitCode {
+    struct Live<'a>(&'a Path);
+    impl WiringVisitor for Live<'_> {
+        type Output = ExitCode;
+        fn visit<W: Wiring + 'static>(self) -> ExitCode {
+            kit::run::<W>(self.0)
+        }
+    }
     match kind {
         "simulator" => simulator::process::run(config),
-        "perception" => kit::run::<perception::process::PerceptionProcess>(config),
-        "pursuer" => kit::run::<PlannerProcess<pursuer::process::PursuerPlanner>>(config),
-        "evader_potential" => {
-            kit::run::<PlannerProcess<evader_potential::process::PotentialPlanner>>(config)
-        }
-        "evader_braitenberg" => {
-            kit::run::<PlannerProcess<evader_braitenberg::process::BraitenbergPlanner>>(config)
-        }
         // Of the bench: not in the list of kinds, no scenario can ask for them.
         "bench-planner" => bench::ticks::planner(config),
         "raw-planner" => bench::raw_planner(config),
         "bench-sink" => bench::hop::sink(config),
-        other => {
+        other => wirings::visit(other, Live(config)).unwrap_or_else(|| {
             eprintln!("error: no process of kind {other:?} in this program");
             ExitCode::from(EXIT_INVALID)
-        }
+        }),
     }
 }

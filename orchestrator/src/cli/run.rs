@@ -5,7 +5,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, RunArgs, print, print_json};
-use crate::mission::{self, MissionOptions, report};
+use crate::in_process::{self, InProcessOptions};
+use crate::mission::{self, MissionError, MissionOptions, MissionReport, report};
 use crate::scenario::spec::Mode;
 use crate::scenario::{Loader, Program, ResolvedScenario};
 
@@ -14,7 +15,7 @@ const LEVELS: [&str; 5] = ["error", "warn", "info", "debug", "trace"];
 
 /// Loads, checks and runs a scenario.
 pub fn run(target: &str, args: &RunArgs) -> ExitCode {
-    start_logging(&args.log_level);
+    kit::logging::start(&args.log_level);
     let scenario = match load(target, args) {
         Ok(scenario) => scenario,
         Err(text) => {
@@ -27,14 +28,7 @@ pub fn run(target: &str, args: &RunArgs) -> ExitCode {
         eprintln!("error: cannot handle signals: {error}");
         return ExitCode::from(EXIT_FAILED);
     }
-    let options = MissionOptions {
-        out: args.out.clone(),
-        force: args.force,
-        quiet: args.quiet,
-        log_level: args.log_level.clone(),
-        interrupted,
-    };
-    match mission::run(&scenario, &options) {
+    match fly(&scenario, args, interrupted) {
         Ok(report) => {
             if args.json {
                 print_json(&report::json(&scenario, &report));
@@ -53,6 +47,32 @@ pub fn run(target: &str, args: &RunArgs) -> ExitCode {
             ExitCode::from(EXIT_FAILED)
         }
     }
+}
+
+fn fly(
+    scenario: &ResolvedScenario,
+    args: &RunArgs,
+    interrupted: Arc<AtomicBool>,
+) -> Result<MissionReport, MissionError> {
+    if args.in_process {
+        let options = InProcessOptions {
+            out: args.out.clone(),
+            force: args.force,
+            show: !args.quiet,
+            interrupted,
+            ..InProcessOptions::default()
+        };
+        return in_process::run(scenario, &options);
+    }
+    let options = MissionOptions {
+        out: args.out.clone(),
+        force: args.force,
+        without_log: false,
+        quiet: args.quiet,
+        log_level: args.log_level.clone(),
+        interrupted,
+    };
+    mission::run(scenario, &options)
 }
 
 fn load(target: &str, args: &RunArgs) -> Result<ResolvedScenario, String> {
@@ -92,7 +112,7 @@ fn load(target: &str, args: &RunArgs) -> Result<ResolvedScenario, String> {
 }
 
 /// The first Ctrl-C or SIGTERM ends the run in order, the second ends the program.
-fn handle_signals(interrupted: &Arc<AtomicBool>) -> std::io::Result<()> {
+pub(super) fn handle_signals(interrupted: &Arc<AtomicBool>) -> std::io::Result<()> {
     use signal_hook::consts::{SIGINT, SIGTERM};
     use signal_hook::flag;
     for signal in [SIGINT, SIGTERM] {
@@ -101,18 +121,4 @@ fn handle_signals(interrupted: &Arc<AtomicBool>) -> std::io::Result<()> {
     }
     debug_assert!(!interrupted.load(Ordering::SeqCst));
     Ok(())
-}
-
-fn start_logging(level: &str) {
-    let filter = tracing_subscriber::EnvFilter::try_from_env("PROTEAN_LOG")
-        .or_else(|_| tracing_subscriber::EnvFilter::try_new(level))
-        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("warn"));
-    let _ = tracing_subscriber::fmt()
-        .with_env_filter(filter)
-        .with_writer(std::io::stderr)
-        .with_ansi(false)
-        .without_time()
-        .with_target(false)
-        .try_init();
-    ipc_types::bus::quiet_transport();
 }

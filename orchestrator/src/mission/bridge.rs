@@ -52,10 +52,10 @@ impl Bridge {
             return Ok(bridge);
         }
         bridge.events = vec![bus.create_event(TURN_EVENT)?, bus.create_event(DONE_EVENT)?];
-        let shared = Arc::new(Bus::join(bus.space(), *bus.options(), "bridge")?);
+        let options = *bus.options();
         for config in external {
-            let (bus, page, stop) = (
-                Arc::clone(&shared),
+            let (space, page, stop) = (
+                plan.run.space()?,
                 Arc::clone(page),
                 Arc::clone(&bridge.stop),
             );
@@ -65,6 +65,7 @@ impl Bridge {
                 .name(format!("bridge-{}", config.index))
                 .spawn(move || {
                     // Ports belong to the thread that opened them.
+                    let bus = Bus::join(&space, options, "bridge")?;
                     let seat = Seat::open(&config, &bus, page, stop)?;
                     let _ = tell.send(());
                     seat.serve()

@@ -8,6 +8,7 @@ use kit::lockstep::PageError;
 use super::children::ChildError;
 use super::plan::PlanError;
 use super::spaces::SpaceError;
+use crate::in_process::InProcessError;
 use crate::recorder::{LogError, RecorderError};
 
 /// Why a run failed.
@@ -82,6 +83,9 @@ pub enum MissionError {
         /// What it wrote to stderr last.
         last_words: Vec<String>,
     },
+    /// A run in one process cannot be had, or failed.
+    #[error(transparent)]
+    InProcess(#[from] InProcessError),
     /// The recorder's thread ended by a panic.
     #[error("the recorder's thread ended unexpectedly")]
     RecorderLost,

@@ -80,7 +80,7 @@ impl Plan {
         prefix: &str,
         log_level: &str,
     ) -> Result<Self, PlanError> {
-        let map = WorldMap::new(&scenario.world.map)?;
+        let map = WorldMap::recent(&scenario.world.map)?;
         let tick_period_ns = (scenario.run.dt * 1e9).round() as u64;
         let particles = scenario
             .processes

@@ -26,12 +26,19 @@ use crate::scenario::spec;
 
 /// Creates the log. Without a name of its own it takes the first free one, also when another run
 /// takes names at the same time.
-pub(super) fn create_log(
+pub(crate) fn create_log(
     scenario: &ResolvedScenario,
     plan: &Plan,
     options: &MissionOptions,
 ) -> Result<Recording, MissionError> {
     let mut recorder = recorder_options(scenario, plan, options);
+    if options.without_log {
+        // Written where it goes with the run, in memory, and as cheaply as it can be.
+        recorder.path = plan.run.root.join("run.mcap");
+        recorder.log.compression = Compression::None;
+        recorder.viewer.rate_hz = 0.0;
+        return Ok(Recording::create(&recorder)?);
+    }
     loop {
         recorder.path = match &options.out {
             Some(path) => path.clone(),
@@ -56,23 +63,7 @@ fn recorder_options(
     options: &MissionOptions,
 ) -> RecorderOptions {
     let toml = scenario.to_toml();
-    let mut processes: Vec<ProcessInfo> = plan
-        .launches
-        .iter()
-        .enumerate()
-        .map(|(index, launch)| ProcessInfo {
-            index: index as u32,
-            name: launch.config.name.clone(),
-            kind: launch.config.kind.clone(),
-            reads_beliefs: plan.reads_beliefs(index),
-        })
-        .collect();
-    processes.push(ProcessInfo {
-        index: plan.orchestrator_index(),
-        name: "orchestrator".into(),
-        kind: "orchestrator".into(),
-        reads_beliefs: false,
-    });
+    let processes = processes(plan);
     let entries = BTreeMap::from([
         ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
         ("scenario".to_owned(), scenario.name.clone()),
@@ -118,15 +109,7 @@ fn recorder_options(
             }],
         },
         processes,
-        robots: plan
-            .run
-            .robots
-            .iter()
-            .map(|r| RobotInfo {
-                name: r.name.clone(),
-                radius: r.model.radius,
-            })
-            .collect(),
+        robots: robots(plan),
         tick_period_ns: plan.run.tick_period_ns,
         order: match plan.run.clock {
             Clock::LockStep => Order::LockStep,
@@ -141,6 +124,39 @@ fn recorder_options(
         },
         obstacles: plan.standing.clone(),
     }
+}
+
+/// Everybody who sends: the processes and the orchestrator.
+pub(crate) fn processes(plan: &Plan) -> Vec<ProcessInfo> {
+    let mut processes: Vec<ProcessInfo> = plan
+        .launches
+        .iter()
+        .enumerate()
+        .map(|(index, launch)| ProcessInfo {
+            index: index as u32,
+            name: launch.config.name.clone(),
+            kind: launch.config.kind.clone(),
+            reads_beliefs: plan.reads_beliefs(index),
+        })
+        .collect();
+    processes.push(ProcessInfo {
+        index: plan.orchestrator_index(),
+        name: "orchestrator".into(),
+        kind: "orchestrator".into(),
+        reads_beliefs: false,
+    });
+    processes
+}
+
+/// The robots as the recorder knows them.
+pub(crate) fn robots(plan: &Plan) -> Vec<RobotInfo> {
+    let robots = plan.run.robots.iter();
+    robots
+        .map(|r| RobotInfo {
+            name: r.name.clone(),
+            radius: r.model.radius,
+        })
+        .collect()
 }
 
 fn names<'a>(names: impl Iterator<Item = &'a str>) -> String {

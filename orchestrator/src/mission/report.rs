@@ -7,6 +7,7 @@ use comfy_table::{CellAlignment, Table};
 use serde_json::{Value as Json, json};
 
 use super::run::MissionReport;
+use crate::recorder::Summary;
 use crate::scenario::ResolvedScenario;
 use crate::scenario::spec::Mode;
 
@@ -50,7 +51,7 @@ pub fn exit_words(status: ExitStatus) -> String {
 /// The one JSON object of `protean run --json`.
 pub fn json(scenario: &ResolvedScenario, report: &MissionReport) -> Json {
     let s = &report.summary;
-    json!({
+    let mut json = json!({
         "scenario": scenario.name,
         "seed": scenario.run.seed,
         "digest": s.digest,
@@ -64,10 +65,25 @@ pub fn json(scenario: &ResolvedScenario, report: &MissionReport) -> Json {
         "events": s.events,
         "events_omitted": s.events_omitted,
         "topics": s.topics,
-        "latency_us": s.latency_us,
         "log": s.log,
         "log_bytes": s.log_bytes,
-    })
+    });
+    if let Some(coverage) = &s.coverage {
+        json["coverage"] = json!(coverage);
+    }
+    for (key, value) in [
+        ("escape_possible_fraction", s.escape_possible_fraction),
+        ("escape_impossible_from_s", s.escape_impossible_from_s),
+    ] {
+        if let Some(value) = value {
+            json[key] = value.into();
+        }
+    }
+    // A run in one process has none.
+    if !s.latency_us.is_empty() {
+        json["latency_us"] = json!(s.latency_us);
+    }
+    json
 }
 
 fn factor(report: &MissionReport) -> f64 {
@@ -85,27 +101,47 @@ fn table(header: &[&str]) -> Table {
     table
 }
 
-/// The summary for people.
-pub fn text(scenario: &ResolvedScenario, report: &MissionReport) -> String {
-    let s = &report.summary;
-    let mut robots = table(&[
+/// What became of the robots; with what a referee said of them, if one ran.
+fn robots_table(s: &Summary) -> Table {
+    let mut header = vec![
         "robot",
         "team",
         "outcome",
         "time [s]",
         "distance [m]",
         "contacts",
-    ]);
+    ];
+    let judged = s.escape_possible_fraction.is_some();
+    if judged {
+        header.extend(["escape possible", "impossible from [s]"]);
+    }
+    let mut robots = table(&header);
     for r in &s.robots {
-        robots.add_row([
+        let mut row = vec![
             r.name.clone(),
             r.team.clone(),
             r.outcome.replace('_', " "),
             format!("{:.2}", r.time_s),
             format!("{:.2}", r.distance_m),
             r.contacts.to_string(),
-        ]);
+        ];
+        if judged {
+            let cell =
+                |value: Option<f64>, text: fn(f64) -> String| value.map_or_else(String::new, text);
+            row.push(cell(r.escape_possible_fraction, |f| {
+                format!("{:.0} %", 100.0 * f)
+            }));
+            row.push(cell(r.escape_impossible_from_s, |t| format!("{t:.2}")));
+        }
+        robots.add_row(row);
     }
+    robots
+}
+
+/// The summary for people.
+pub fn text(scenario: &ResolvedScenario, report: &MissionReport) -> String {
+    let s = &report.summary;
+    let robots = robots_table(s);
     let mut latency = table(&["hop", "p50 [us]", "p90 [us]", "p99 [us]", "max [us]"]);
     for (hop, p) in &s.latency_us {
         let cell = |value: f64| format!("{value:.1}");
@@ -121,7 +157,7 @@ pub fn text(scenario: &ResolvedScenario, report: &MissionReport) -> String {
     let gaps: u64 = s.topics.values().map(|t| t.gaps).sum();
     let rejected: u64 = s.topics.values().map(|t| t.rejected).sum();
     let mut text = format!(
-        "{} (seed {}): {:.2} s simulated in {:.2} s, {:.0}x real time{}\n\n{robots}\n\n{latency}\n\n",
+        "{} (seed {}): {:.2} s simulated in {:.2} s, {:.0}x real time{}\n\n{robots}\n\n",
         scenario.name,
         scenario.run.seed,
         s.sim_time_s,
@@ -133,6 +169,21 @@ pub fn text(scenario: &ResolvedScenario, report: &MissionReport) -> String {
             ""
         },
     );
+    if !s.latency_us.is_empty() {
+        text += &format!("{latency}\n\n");
+    }
+    let stops: u32 = s.robots.iter().map(|r| r.fail_safe_stops).sum();
+    if stops > 0 {
+        text += &format!("stopped   {stops} times for want of a command\n");
+    }
+    if let Some(coverage) = &s.coverage {
+        text += &format!(
+            "coverage  {:.1} % of {:.1} m2 free, {:.1} % of what can be reached\n",
+            100.0 * coverage.fraction,
+            coverage.free_m2,
+            100.0 * coverage.coverable_fraction,
+        );
+    }
     text += &format!("ticks     {}\n", s.ticks);
     text += &format!(
         "messages  {messages} on {} topics, {gaps} lost",
@@ -143,7 +194,11 @@ pub fn text(scenario: &ResolvedScenario, report: &MissionReport) -> String {
     }
     text += &format!("\ndigest    {}\n", s.digest);
     if s.log.as_os_str().is_empty() {
-        text += "log       none: it ended before the first tick";
+        text += if s.ticks == 0 {
+            "log       none: it ended before the first tick"
+        } else {
+            "log       none"
+        };
     } else {
         let megabytes = s.log_bytes as f64 * 1e-6;
         text += &format!("log       {} ({megabytes:.1} MB)", s.log.display());

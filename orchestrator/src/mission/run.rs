@@ -28,7 +28,7 @@ use crate::recorder::Summary;
 use crate::scenario::ResolvedScenario;
 
 /// Time that a process has to open its ports.
-const READY_WITHIN: Duration = Duration::from_secs(20);
+const READY_WITHIN: Duration = Duration::from_secs(60);
 /// Time that processes have to end by themselves when the run stops.
 const END_WITHIN: Duration = Duration::from_secs(3);
 /// Beat of the supervisor: progress is shown and silence noticed this often. The end of a process
@@ -42,6 +42,8 @@ pub struct MissionOptions {
     pub out: Option<PathBuf>,
     /// Whether an existing log may be overwritten.
     pub force: bool,
+    /// Whether no log is kept: the summary is the same, but for its log, which is empty.
+    pub without_log: bool,
     /// Whether nothing but errors is shown.
     pub quiet: bool,
     /// Least severe level that the processes log.
@@ -137,9 +139,16 @@ pub fn run(
     drop(space);
     // A failed recorder is the cause rather than the consequence of anything else.
     let mut summary = recorded?;
-    if first_tick.is_none() {
-        // Nothing happened: a log without a tick would only look like a run.
-        let _ = std::fs::remove_file(&summary.log);
+    if options.without_log {
+        // It went with the run's directory.
+        summary.log = PathBuf::new();
+        summary.log_bytes = 0;
+    } else if first_tick.is_none() {
+        // Nothing happened: a log without a tick would only look like a run. (One that was to
+        // replace another has been given up already, and is not named.)
+        if !summary.log.as_os_str().is_empty() {
+            let _ = std::fs::remove_file(&summary.log);
+        }
         summary.log = PathBuf::new();
     }
     flown?;

@@ -1,7 +1,7 @@
 //! The directories of the runs of this user: made for a run, recognised when its owner is gone,
 //! wiped.
 //!
-//! Every run has a directory below `$XDG_RUNTIME_DIR/protean` (or `/tmp/protean-<uid>`), named by
+//! Every run has a directory below `$XDG_RUNTIME_DIR/protean` (or `/dev/shm/protean-<uid>`), named by
 //! chance, mode 0700, with a lock file that its orchestrator keeps locked: the lock ends with the
 //! orchestrator, however that ends. The name is also the run's prefix in shared memory.
 
@@ -19,6 +19,9 @@ use super::children::CONFIG_VARIABLE;
 const LOCK: &str = "lock";
 /// File that lists the process ids of a run, one per line.
 const PIDS: &str = "pids";
+
+/// Times that the directory of all runs may vanish under whoever wants to hold it.
+const ATTEMPTS: u32 = 1000;
 
 /// Why a run directory cannot be made.
 #[derive(Debug, thiserror::Error)]
@@ -53,41 +56,102 @@ fn io(path: &Path) -> impl FnOnce(std::io::Error) -> SpaceError {
     move |source| SpaceError::Io { path, source }
 }
 
-/// The directory below which this user's runs live; made if it is missing.
-///
-/// # Errors
-/// [`SpaceError`] if it cannot be made or belongs to somebody else.
-pub fn base() -> Result<PathBuf, SpaceError> {
-    let user = rustix::process::getuid().as_raw();
-    let path = match std::env::var_os("XDG_RUNTIME_DIR") {
+/// The directory below which this user's runs live.
+fn base() -> PathBuf {
+    match std::env::var_os("XDG_RUNTIME_DIR") {
         // A long runtime directory leaves no room for socket names (see `RunSpace`).
         Some(dir) if !dir.is_empty() && dir.len() <= 36 => PathBuf::from(dir).join("protean"),
-        _ => PathBuf::from(format!("/tmp/protean-{user}")),
-    };
-    match DirBuilder::new().mode(0o700).create(&path) {
-        Err(e) if e.kind() != std::io::ErrorKind::AlreadyExists => return Err(io(&path)(e)),
-        _ => {}
+        // In memory like the messages themselves: on a disk making and wiping the files of a run
+        // takes longer than starting its processes. It has the sticky bit that `/tmp` has.
+        _ => PathBuf::from(format!(
+            "/dev/shm/protean-{}",
+            rustix::process::getuid().as_raw()
+        )),
     }
-    let owner = path.symlink_metadata().map_err(io(&path))?.uid();
-    if owner != user {
-        return Err(SpaceError::Foreign { path, owner, user });
-    }
-    Ok(path)
 }
 
-/// Held while run directories appear or are cleaned, so that a directory without its lock is never
-/// taken for an abandoned one.
-fn base_lock(base: &Path) -> Result<File, SpaceError> {
-    let path = base.join(LOCK);
-    let file = OpenOptions::new()
-        .create(true)
-        .truncate(false)
-        .write(true)
-        .mode(0o600)
-        .open(&path)
-        .map_err(io(&path))?;
-    flock(&file, FlockOperation::LockExclusive).map_err(|e| io(&path)(e.into()))?;
-    Ok(file)
+/// Makes the directory if it is missing.
+fn make_private(path: &Path) -> Result<(), SpaceError> {
+    match DirBuilder::new().mode(0o700).create(path) {
+        Err(e) if e.kind() != std::io::ErrorKind::AlreadyExists => Err(io(path)(e)),
+        _ => Ok(()),
+    }
+}
+
+/// Makes sure that nobody else can look into the runs.
+fn check_owner(path: &Path) -> Result<(), SpaceError> {
+    let user = rustix::process::getuid().as_raw();
+    match path.symlink_metadata() {
+        Ok(found) if found.uid() != user => Err(SpaceError::Foreign {
+            path: path.to_owned(),
+            owner: found.uid(),
+            user,
+        }),
+        // Gone with its last run since it was made.
+        Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(io(path)(e)),
+        _ => Ok(()),
+    }
+}
+
+/// The directory of all runs, held while run directories appear or go, so that a directory without
+/// its lock is never taken for an abandoned one. Let go of, it takes the directory with it when no
+/// run is left.
+struct HeldBase {
+    path: PathBuf,
+    // Unlocked when closed, after `drop`.
+    _lock: File,
+}
+
+impl HeldBase {
+    fn hold(base: PathBuf) -> Result<Self, SpaceError> {
+        let path = base.join(LOCK);
+        let mut attempts = 0;
+        loop {
+            attempts += 1;
+            make_private(&base)?;
+            check_owner(&base)?;
+            let lock = OpenOptions::new()
+                .create(true)
+                .truncate(false)
+                .write(true)
+                .mode(0o600)
+                .open(&path);
+            let lock = match lock {
+                // The directory went with its last run since it was made. What stays away is no
+                // directory but, say, a link to nowhere.
+                Err(e) if e.kind() == std::io::ErrorKind::NotFound && attempts < ATTEMPTS => {
+                    continue;
+                }
+                lock => lock.map_err(io(&path))?,
+            };
+            flock(&lock, FlockOperation::LockExclusive).map_err(|e| io(&path)(e.into()))?;
+            // Whoever held it before may have removed it: then it keeps nobody out.
+            let held = lock.metadata().map_err(io(&path))?;
+            if path
+                .metadata()
+                .is_ok_and(|named| (named.dev(), named.ino()) == (held.dev(), held.ino()))
+            {
+                check_owner(&base)?;
+                return Ok(Self {
+                    path: base,
+                    _lock: lock,
+                });
+            }
+        }
+    }
+}
+
+impl Drop for HeldBase {
+    fn drop(&mut self) {
+        let lock = self.path.join(LOCK);
+        let no_runs = std::fs::read_dir(&self.path)
+            .is_ok_and(|entries| entries.flatten().all(|entry| !entry.path().is_dir()));
+        if no_runs {
+            // Whoever comes next uses what is left, should one of them fail.
+            let _ = std::fs::remove_file(&lock);
+            let _ = std::fs::remove_dir(&self.path);
+        }
+    }
 }
 
 /// The directory of one run, wiped when dropped.
@@ -103,14 +167,13 @@ impl OwnedSpace {
     /// # Errors
     /// [`SpaceError`] if the system refuses.
     pub fn create() -> Result<Self, SpaceError> {
-        let base = base()?;
-        let _guard = base_lock(&base)?;
+        let base = HeldBase::hold(base())?;
         // 0700 and O_EXCL are what `tempfile` makes directories with.
         let root = tempfile::Builder::new()
             .prefix("r")
             .rand_bytes(8)
-            .tempdir_in(&base)
-            .map_err(io(&base))?
+            .tempdir_in(&base.path)
+            .map_err(io(&base.path))?
             .keep();
         let path = root.join(LOCK);
         let lock = OpenOptions::new()
@@ -153,6 +216,8 @@ impl Drop for OwnedSpace {
                 self.space.root().display()
             );
         }
+        // The directory of all runs goes with the last of them.
+        drop(HeldBase::hold(base()));
     }
 }
 
@@ -185,10 +250,9 @@ pub enum Found {
 /// # Errors
 /// [`SpaceError`] if the base directory cannot be used; what cannot be removed is in the result.
 pub fn clean() -> Result<Vec<Found>, SpaceError> {
-    let base = base()?;
-    let _guard = base_lock(&base)?;
-    let mut roots: Vec<PathBuf> = std::fs::read_dir(&base)
-        .map_err(io(&base))?
+    let base = HeldBase::hold(base())?;
+    let mut roots: Vec<PathBuf> = std::fs::read_dir(&base.path)
+        .map_err(io(&base.path))?
         .flatten()
         .map(|entry| entry.path())
         .filter(|path| path.is_dir())
@@ -238,4 +302,57 @@ fn kill_leftovers(root: &Path) -> Vec<u32> {
                 .is_some_and(|pid| rustix::process::kill_process(pid, Signal::KILL).is_ok())
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+    use super::*;
+
+    #[test]
+    fn one_at_a_time_holds_the_directory_and_the_last_takes_it_along() {
+        let directory = tempfile::tempdir().unwrap();
+        let base = directory.path().join("protean");
+        let (taken, turns) = (AtomicBool::new(false), AtomicUsize::new(0));
+        std::thread::scope(|scope| {
+            for _ in 0..4 {
+                scope.spawn(|| {
+                    for _ in 0..200 {
+                        let held = HeldBase::hold(base.clone()).unwrap();
+                        assert!(!taken.swap(true, Ordering::SeqCst), "two hold it");
+                        assert!(base.join(LOCK).exists());
+                        turns.fetch_add(1, Ordering::SeqCst);
+                        taken.store(false, Ordering::SeqCst);
+                        drop(held);
+                    }
+                });
+            }
+        });
+        assert_eq!(turns.into_inner(), 800);
+        assert!(!base.exists());
+    }
+
+    #[test]
+    fn the_directory_stays_while_a_run_is_there() {
+        let directory = tempfile::tempdir().unwrap();
+        let base = directory.path().join("protean");
+        let held = HeldBase::hold(base.clone()).unwrap();
+        let run = base.join("r12345678");
+        std::fs::create_dir(&run).unwrap();
+        drop(held);
+        assert!(run.exists());
+        std::fs::remove_dir(&run).unwrap();
+        drop(HeldBase::hold(base.clone()).unwrap());
+        assert!(!base.exists());
+    }
+
+    #[test]
+    fn a_link_to_nowhere_is_refused_by_its_name() {
+        let directory = tempfile::tempdir().unwrap();
+        let base = directory.path().join("protean");
+        std::os::unix::fs::symlink(directory.path().join("nowhere"), &base).unwrap();
+        let error = HeldBase::hold(base.clone()).err().unwrap().to_string();
+        assert!(error.starts_with(base.to_str().unwrap()), "{error}");
+    }
 }

@@ -11,28 +11,28 @@ const LETTER: f64 = 0.58;
 const BOLD_LETTER: f64 = 0.66;
 
 /// An SVG document being written; all coordinates are in pixels, y down.
-pub(super) struct Canvas {
+pub(crate) struct Canvas {
     text: String,
 }
 
 /// How a text stands.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Style {
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Style {
     /// Font size [px].
-    pub(super) size: f64,
+    pub(crate) size: f64,
     /// Colour.
-    pub(super) color: &'static str,
+    pub(crate) color: &'static str,
     /// Whether it is bold.
-    pub(super) bold: bool,
+    pub(crate) bold: bool,
     /// `start`, `middle` or `end`.
-    pub(super) anchor: &'static str,
+    pub(crate) anchor: &'static str,
     /// Whether it has a rim in the paper's colour, to be read on anything.
-    pub(super) halo: bool,
+    pub(crate) halo: bool,
 }
 
 impl Canvas {
     /// A document of this size [px] with a title for those who cannot see it.
-    pub(super) fn new(width: f64, height: f64, title: &str, description: &str) -> Self {
+    pub(crate) fn new(width: f64, height: f64, title: &str, description: &str) -> Self {
         let mut canvas = Self {
             text: String::new(),
         };
@@ -48,13 +48,13 @@ impl Canvas {
     }
 
     /// Adds SVG text as it is.
-    pub(super) fn add(&mut self, text: fmt::Arguments<'_>) {
+    pub(crate) fn add(&mut self, text: fmt::Arguments<'_>) {
         // Writing to a String cannot fail.
         let _ = self.text.write_fmt(text);
     }
 
     /// Writes a line of text with its base line at this point [px].
-    pub(super) fn label(&mut self, x: f64, y: f64, style: &Style, text: &str) {
+    pub(crate) fn label(&mut self, x: f64, y: f64, style: &Style, text: &str) {
         let halo = if style.halo {
             " stroke=\"#ffffff\" stroke-width=\"3.5\" stroke-linejoin=\"round\" \
              paint-order=\"stroke\""
@@ -79,24 +79,24 @@ impl Canvas {
     }
 
     /// Ends the document.
-    pub(super) fn finish(mut self) -> String {
+    pub(crate) fn finish(mut self) -> String {
         self.text.push_str("</svg>\n");
         self.text
     }
 }
 
 /// About how wide a text is [px]; exact widths depend on the reader's fonts.
-pub(super) fn text_width(text: &str, size: f64) -> f64 {
+pub(crate) fn text_width(text: &str, size: f64) -> f64 {
     text.chars().count() as f64 * size * LETTER
 }
 
 /// The same of a bold text.
-pub(super) fn bold_width(text: &str, size: f64) -> f64 {
+pub(crate) fn bold_width(text: &str, size: f64) -> f64 {
     text.chars().count() as f64 * size * BOLD_LETTER
 }
 
 /// Breaks a text into lines of at most this width [px] where it has spaces.
-pub(super) fn wrap(text: &str, size: f64, width: f64) -> Vec<String> {
+pub(crate) fn wrap(text: &str, size: f64, width: f64) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {
         match lines.last_mut() {
@@ -114,7 +114,7 @@ pub(super) fn wrap(text: &str, size: f64, width: f64) -> Vec<String> {
 
 /// A number with at most one decimal, in as few characters as possible.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Num(pub(super) f64);
+pub(crate) struct Num(pub(crate) f64);
 
 impl fmt::Display for Num {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -135,7 +135,7 @@ impl fmt::Display for Num {
 }
 
 /// Text as XML has it: markup characters escaped, characters that XML cannot hold replaced.
-pub(super) fn escape(text: &str) -> String {
+pub(crate) fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
         match c {

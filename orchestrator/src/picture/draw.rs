@@ -7,6 +7,7 @@ use sim_backend::shape::Shape;
 use sim_backend::spec::Region;
 
 use super::canvas::{Canvas, Num, Style, bold_width};
+use super::draw_layers;
 use super::ground::{corners, rectangle};
 use super::labels::{Area, Labels};
 use super::layout::Layout;
@@ -32,8 +33,8 @@ const BANDS: [(f64, f64, f64); 3] = [(0.6, 2.0, 0.40), (0.85, 2.6, 0.65), (1.0, 
 
 /// Draws a run as an SVG document, the same for the same trace.
 ///
-/// The document has at most some 200 kB however long the run was: trails, particles and cells are
-/// thinned out to what can be seen.
+/// The document has at most some 400 kB however long the run was: trails, particles, trees
+/// and cells are thinned out to what can be seen.
 pub fn draw(trace: &RunTrace) -> String {
     let legend = Legend::of(trace);
     let layout = Layout::new(trace.ground.min, trace.ground.max, legend.height());
@@ -51,6 +52,8 @@ pub fn draw(trace: &RunTrace) -> String {
         layout,
     };
     picture.ground(&mut canvas);
+    draw_layers::dominance(&mut canvas, &layout, trace);
+    draw_layers::plans(&mut canvas, &layout, trace);
     picture.trails(&mut canvas);
     picture.beliefs(&mut canvas);
     picture.robots(&mut canvas);

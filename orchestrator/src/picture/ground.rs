@@ -167,9 +167,14 @@ impl Cells {
     /// Rectangles (smallest and largest corner [m]) that cover the occupied cells; of a grid too
     /// ragged for a drawing, those of a coarser one.
     pub(super) fn rectangles(&self) -> Vec<[[f64; 2]; 2]> {
+        self.at_most(MOST_RECTANGLES)
+    }
+
+    /// As [`Cells::rectangles`], with at most `most` of them.
+    pub(super) fn at_most(&self, most: usize) -> Vec<[[f64; 2]; 2]> {
         let mut rectangles = self.runs();
         let mut factor = 2;
-        while rectangles.len() > MOST_RECTANGLES {
+        while rectangles.len() > most.max(1) {
             rectangles = self.coarser(factor).runs();
             factor += 1;
         }

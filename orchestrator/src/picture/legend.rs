@@ -38,6 +38,9 @@ enum RowSign {
     Robot(Team),
     Trail,
     Belief,
+    Plan,
+    Tree,
+    Area(&'static str),
     Exit,
     Mark(MarkKind),
     Wall,
@@ -108,6 +111,28 @@ impl Legend {
             let text = "where the Police think the evaders may be: each dot is one guess of their \
                         particle filter";
             rows.push(Row::new(RowSign::Belief, text));
+        }
+        if !trace.plans.is_empty() {
+            rows.push(Row::new(RowSign::Plan, "where a robot means to go"));
+        }
+        if !trace.trees.is_empty() {
+            let text = "the tree in which an evader searched for its way";
+            rows.push(Row::new(RowSign::Tree, text));
+        }
+        if trace.dominance.is_some() {
+            for (color, text) in [
+                (
+                    palette::EVADER,
+                    "an evader gets there whatever the Police do",
+                ),
+                (
+                    palette::OBSTACLE,
+                    "an evader would be first, but can be cut off",
+                ),
+                (palette::POLICE, "the Police are there first"),
+            ] {
+                rows.push(Row::new(RowSign::Area(color), text));
+            }
         }
         if !trace.ground.exits.is_empty() {
             rows.push(Row::new(RowSign::Exit, "exit: who gets there is free"));
@@ -233,6 +258,42 @@ impl RowSign {
                 }
                 canvas.add(format_args!("</g>\n"));
             }
+            Self::Plan => canvas.add(format_args!(
+                "<path d=\"M{} {y}L{} {y}\" stroke=\"{}\" stroke-width=\"1.8\" \
+                 stroke-dasharray=\"6 4\"/>\n",
+                Num(x - 10.0),
+                Num(x + 12.0),
+                palette::FAINT_INK,
+                y = Num(y),
+            )),
+            Self::Tree => {
+                canvas.add(format_args!(
+                    "<g fill=\"none\" stroke=\"{}\" stroke-width=\"0.9\">",
+                    palette::EVADER
+                ));
+                for [from, to] in [
+                    [[-10.0, 2.0], [-2.0, 0.0]],
+                    [[-2.0, 0.0], [5.0, -7.0]],
+                    [[-2.0, 0.0], [5.0, 4.0]],
+                    [[5.0, 4.0], [12.0, 1.0]],
+                    [[5.0, 4.0], [8.0, 8.0]],
+                ] {
+                    canvas.add(format_args!(
+                        "<path d=\"M{} {}L{} {}\"/>",
+                        Num(x + from[0]),
+                        Num(y + from[1]),
+                        Num(x + to[0]),
+                        Num(y + to[1])
+                    ));
+                }
+                canvas.add(format_args!("</g>\n"));
+            }
+            Self::Area(color) => canvas.add(format_args!(
+                "<rect x=\"{}\" y=\"{}\" width=\"18\" height=\"14\" fill=\"{color}\" \
+                 fill-opacity=\"0.25\"/>\n",
+                Num(x - 9.0),
+                Num(y - 7.0),
+            )),
             Self::Exit => canvas.add(format_args!(
                 "<circle cx=\"{}\" cy=\"{}\" r=\"9\" fill=\"{c}\" fill-opacity=\"0.18\" \
                  stroke=\"{c}\" stroke-width=\"2\" stroke-dasharray=\"4 3\"/>\n",

@@ -5,15 +5,17 @@
 //! * [`draw`] is the picture, as a pure function;
 //! * [`save`] puts it into a file, whole or not at all.
 
-mod canvas;
+pub(crate) mod canvas;
 mod draw;
+mod draw_layers;
 mod error;
 mod ground;
 mod labels;
+mod layers;
 mod layout;
 mod legend;
 mod logged;
-mod palette;
+pub(crate) mod palette;
 mod read;
 mod save;
 mod signs;
@@ -26,6 +28,7 @@ mod tests;
 pub use draw::draw;
 pub use error::PictureError;
 pub use ground::{Cells, Ground, Standing};
+pub use layers::{DominanceTrace, PlanTrace, TreeTrace};
 pub use save::save;
 pub use trace::{BeliefTrace, Mark, MarkKind, RobotTrace, RunTrace};
 pub use trail::{Trail, TrailPoint};

@@ -4,29 +4,31 @@
 use sim_backend::team::Team;
 
 /// The paper.
-pub(super) const PAPER: &str = "#ffffff";
+pub(crate) const PAPER: &str = "#ffffff";
 /// Walls and blocks: light enough to write on.
-pub(super) const WALL: &str = "#cfd4db";
+pub(crate) const WALL: &str = "#cfd4db";
 /// Outlines of walls, the frame.
-pub(super) const EDGE: &str = "#9aa3ae";
+pub(crate) const EDGE: &str = "#9aa3ae";
 /// Text.
-pub(super) const INK: &str = "#1f2430";
+pub(crate) const INK: &str = "#1f2430";
 /// Text that matters less.
-pub(super) const FAINT_INK: &str = "#5b6472";
+pub(crate) const FAINT_INK: &str = "#5b6472";
 /// Obstacles that came during the run: orange.
-pub(super) const OBSTACLE: &str = "#e69f00";
+pub(crate) const OBSTACLE: &str = "#e69f00";
 /// Exits: bluish green.
-pub(super) const EXIT: &str = "#009e73";
-const POLICE: &str = "#0072b2";
-const EVADER: &str = "#d55e00";
+pub(crate) const EXIT: &str = "#009e73";
+/// The Police: blue.
+pub(crate) const POLICE: &str = "#0072b2";
+/// Evaders: vermilion.
+pub(crate) const EVADER: &str = "#d55e00";
 const NEUTRAL: &str = "#009e73";
 /// Particles of a belief: reddish purple.
-pub(super) const BELIEF: &str = "#cc79a7";
+pub(crate) const BELIEF: &str = "#cc79a7";
 /// Names of beliefs: the same, dark enough to read.
-pub(super) const BELIEF_INK: &str = "#8f3d6c";
+pub(crate) const BELIEF_INK: &str = "#8f3d6c";
 
 /// The colour of a team's robot that is out of the game: paler.
-pub(super) fn out_of_play(team: &str) -> &'static str {
+pub(crate) fn out_of_play(team: &str) -> &'static str {
     match team {
         POLICE => "#80b8d8",
         EVADER => "#eaaf80",
@@ -35,7 +37,7 @@ pub(super) fn out_of_play(team: &str) -> &'static str {
 }
 
 /// Colour of a team: police blue, evaders vermilion, others bluish green.
-pub(super) fn team(team: Team) -> &'static str {
+pub(crate) fn team(team: Team) -> &'static str {
     match team {
         Team::Police => POLICE,
         Team::Evader => EVADER,

@@ -7,7 +7,9 @@ use std::path::Path;
 
 use ipc_types::messages::perception::{BeliefHeader, Particle};
 use ipc_types::messages::world::{RobotState, WorldEvent};
-use ipc_types::topics::{Belief, ObstacleEvents, Topic, WorldEvents, WorldMap, WorldState};
+use ipc_types::topics::{
+    Belief, Dominance, ObstacleEvents, Plan, Topic, Tree, WorldEvents, WorldMap, WorldState,
+};
 use ipc_types::{cdr, schema};
 use mcap::records::{Channel, Record};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
@@ -17,6 +19,7 @@ use sim_backend::pose::Pose2;
 
 use super::error::PictureError;
 use super::ground::Ground;
+use super::layers::Layers;
 use super::logged::LoggedScenario;
 use super::trace::{BeliefTrace, Mark, MarkKind, RobotTrace, RunTrace};
 use super::trail::{Trail, TrailPoint};
@@ -85,6 +88,9 @@ enum Role {
     Event,
     Obstacle,
     Belief,
+    Plan,
+    Tree,
+    Dominance,
 }
 
 /// What is known of a log so far.
@@ -94,8 +100,8 @@ struct Reading<'a> {
     begun: bool,
     /// Messages after this time [ns] only tell when the run ended.
     until_ns: u64,
-    /// Whether beliefs are wanted.
-    beliefs_wanted: bool,
+    /// Whether it is of a moment: with what was believed, planned and judged then.
+    of_a_moment: bool,
     manifest: Option<BTreeMap<String, String>>,
     scenario: Option<LoggedScenario>,
     roles: BTreeMap<u16, Role>,
@@ -105,6 +111,7 @@ struct Reading<'a> {
     end_ns: u64,
     robots: Vec<Seen>,
     beliefs: BTreeMap<usize, (u64, BeliefTrace)>,
+    layers: Layers,
     marks: Vec<Mark>,
     /// The last change of every obstacle that changed.
     changes: BTreeMap<u32, ObstacleChange>,
@@ -128,7 +135,7 @@ impl<'a> Reading<'a> {
             begun: false,
             // A tick's time is rounded to a nanosecond: half a microsecond more reaches it.
             until_ns: at.map_or(u64::MAX, |at| (at * 1e9 + 500.0) as u64),
-            beliefs_wanted: at.is_some(),
+            of_a_moment: at.is_some(),
             manifest: None,
             scenario: None,
             roles: BTreeMap::new(),
@@ -137,6 +144,7 @@ impl<'a> Reading<'a> {
             end_ns: 0,
             robots: Vec::new(),
             beliefs: BTreeMap::new(),
+            layers: Layers::default(),
             marks: Vec::new(),
             changes: BTreeMap::new(),
             grid: Ground::default(),
@@ -194,7 +202,11 @@ impl<'a> Reading<'a> {
             WorldMap::NAME => self.take::<WorldMap>(channel, Role::Map),
             WorldEvents::NAME => self.take::<WorldEvents>(channel, Role::Event),
             ObstacleEvents::NAME => self.take::<ObstacleEvents>(channel, Role::Obstacle),
-            Belief::NAME => self.take::<Belief>(channel, Role::Belief),
+            // Only a picture of a moment shows these.
+            Belief::NAME if self.of_a_moment => self.take::<Belief>(channel, Role::Belief),
+            Plan::NAME if self.of_a_moment => self.take::<Plan>(channel, Role::Plan),
+            Tree::NAME if self.of_a_moment => self.take::<Tree>(channel, Role::Tree),
+            Dominance::NAME if self.of_a_moment => self.take::<Dominance>(channel, Role::Dominance),
             _ => Ok(()),
         }
     }
@@ -249,7 +261,11 @@ impl<'a> Reading<'a> {
                 }
             }
             Role::Obstacle => {
-                let (_, events) = cdr::decode::<ObstacleEvents>(data)?;
+                let (header, events) = cdr::decode::<ObstacleEvents>(data)?;
+                if header.stamp.time_ns > time_ns {
+                    // Announced for a time that the run did not reach.
+                    return Ok(());
+                }
                 // A message that makes no change was refused by the world as well.
                 for change in events
                     .iter()
@@ -261,11 +277,26 @@ impl<'a> Reading<'a> {
                     }
                 }
             }
-            Role::Belief if self.beliefs_wanted => {
+            Role::Belief => {
                 let (header, particles) = cdr::decode::<Belief>(data)?;
                 self.belief(time_ns, &header, &particles);
             }
-            Role::Belief => {}
+            Role::Plan => {
+                let (header, points) = cdr::decode::<Plan>(data)?;
+                if (header.robot as usize) < MAX_ROBOTS {
+                    self.layers.plan(header.robot as usize, &points);
+                }
+            }
+            Role::Tree => {
+                let (header, edges) = cdr::decode::<Tree>(data)?;
+                if (header.robot as usize) < MAX_ROBOTS {
+                    self.layers.tree(header.robot as usize, &edges);
+                }
+            }
+            Role::Dominance => {
+                let (header, cells) = cdr::decode::<Dominance>(data)?;
+                self.layers.dominance(&header, &cells);
+            }
         }
         Ok(())
     }
@@ -357,7 +388,7 @@ impl<'a> Reading<'a> {
             .into_values()
             .for_each(|change| ground.apply(change));
 
-        let robots = scenario
+        let robots: Vec<RobotTrace> = scenario
             .robots
             .into_iter()
             .zip(
@@ -374,6 +405,8 @@ impl<'a> Reading<'a> {
                 trail: seen.trail,
             })
             .collect();
+        let plays = |robot: usize| robots.get(robot).is_some_and(|r| r.active);
+        let (plans, trees, dominance) = self.layers.finish(plays);
         let entry = |key| manifest.get(key).cloned().unwrap_or_default();
         Ok(RunTrace {
             title: scenario.title,
@@ -391,6 +424,9 @@ impl<'a> Reading<'a> {
                 .filter(|(time, _)| time + 2 * self.period_ns >= now_ns)
                 .map(|(_, belief)| belief)
                 .collect(),
+            plans,
+            trees,
+            dominance,
             marks: self.marks,
         })
     }

@@ -4,6 +4,7 @@ use sim_backend::pose::Pose2;
 use sim_backend::team::Team;
 
 use super::ground::Ground;
+use super::layers::{DominanceTrace, PlanTrace, TreeTrace};
 use super::trail::Trail;
 
 /// What a picture shows of a run, up to one moment of it.
@@ -27,6 +28,12 @@ pub struct RunTrace {
     pub robots: Vec<RobotTrace>,
     /// What was believed at that moment; empty for a picture of the end.
     pub beliefs: Vec<BeliefTrace>,
+    /// What the robots meant to do at that moment; empty for a picture of the end.
+    pub plans: Vec<PlanTrace>,
+    /// The trees in which they searched for it; empty for a picture of the end.
+    pub trees: Vec<TreeTrace>,
+    /// Who would have reached what first; `None` at the end and without a referee.
+    pub dominance: Option<DominanceTrace>,
     /// What happened until then, in order.
     pub marks: Vec<Mark>,
 }

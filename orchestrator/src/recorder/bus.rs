@@ -107,6 +107,30 @@ impl Recorder {
         Ok(self.recording.finish(observer)?)
     }
 
+    /// Takes what is there and writes all ticks up to `completed`: for runs in one thread, which
+    /// know themselves when a tick is complete.
+    ///
+    /// # Errors
+    /// As [`Recorder::run`].
+    pub fn take(
+        &mut self,
+        completed: u64,
+        observer: &mut dyn Observer,
+    ) -> Result<(), RecorderError> {
+        while !self.drain()? {}
+        self.recording.advance(completed, observer)?;
+        Ok(self.recording.flush_if_due()?)
+    }
+
+    /// Ends the log of a run that was recorded with [`Recorder::take`].
+    ///
+    /// # Errors
+    /// As [`Recorder::run`].
+    pub fn finish(mut self, observer: &mut dyn Observer) -> Result<Summary, RecorderError> {
+        while !self.drain()? {}
+        Ok(self.recording.finish(observer)?)
+    }
+
     /// Takes what is there; `false` if there may be more.
     fn drain(&mut self) -> Result<bool, ReceiveError> {
         let mut empty = true;

@@ -8,6 +8,10 @@ const MAY_BE_INFINITE: &[(&str, &str)] = &[
     ("perception/sighting", "sigma"),
     // A map without obstacles.
     ("world/map", "clearance"),
+    // Nobody to be earlier than, no way out.
+    ("world/verdict", "margin"),
+    ("world/verdict", "time"),
+    ("world/dominance", "margin"),
 ];
 
 /// Topics whose elements are bare numbers that may be infinite: beams that hit nothing.

@@ -1,8 +1,6 @@
 //! The fingerprint of a run's simulated history.
 
-use std::collections::BTreeMap;
-
-use ipc_types::stamp::Stamp;
+use super::parts::Parts;
 
 /// Messages are gathered up to this size before they are hashed: BLAKE3 is fastest on many blocks
 /// at once. A multiple of its chunk of 1024 bytes.
@@ -13,45 +11,84 @@ const BUFFER_BYTES: usize = 16 * 1024;
 /// interleave, not on batches, cores or clocks.
 #[derive(Debug, Default)]
 pub(super) struct Digest {
-    /// By topic name and source: the canonical order.
-    streams: BTreeMap<(&'static str, u32), Stream>,
+    /// In the order in which they began.
+    streams: Vec<Stream>,
 }
 
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Stream {
+    topic: &'static str,
+    source: u32,
     hasher: blake3::Hasher,
     buffer: Vec<u8>,
     messages: u64,
 }
 
 impl Digest {
-    /// Takes up the next message of a source, in its CDR form with `header_bytes` of user header.
+    /// Takes up the next message of a source.
     ///
     /// The clocks at the end of the stamp are left out.
-    pub(super) fn update(
+    pub(super) fn update(&mut self, topic: &'static str, source: u32, message: &Parts<'_>) {
+        // A run has a dozen or two: looking through them costs less than a map does.
+        let known = self
+            .streams
+            .iter()
+            .position(|stream| stream.source == source && stream.topic == topic);
+        let at = known.unwrap_or_else(|| {
+            self.streams
+                .push(Stream::new(topic, source, blake3::Hasher::new()));
+            self.streams.len() - 1
+        });
+        let Some(stream) = self.streams.get_mut(at) else {
+            return;
+        };
+        stream.messages += 1;
+        // The length keeps two messages apart from one that looks like both.
+        stream.push(&(message.cdr_len() as u64).to_le_bytes());
+        for bytes in message.without_clocks() {
+            stream.push(bytes);
+        }
+    }
+
+    /// Begins a source's stream with its first message, given by the state of the hash behind it
+    /// ([`Digest::beginning`]); false if the source has sent something before.
+    pub(super) fn begin(
         &mut self,
         topic: &'static str,
         source: u32,
-        cdr: &[u8],
-        header_bytes: usize,
-    ) {
-        debug_assert!(header_bytes >= size_of::<Stamp>());
-        let stream = self.streams.entry((topic, source)).or_default();
-        stream.messages += 1;
-        // The length keeps two messages apart from one that looks like both.
-        stream.push(&(cdr.len() as u64).to_le_bytes());
-        stream.push(cdr.get(4..4 + Stamp::SIMULATED_BYTES).unwrap_or_default());
-        stream.push(cdr.get(4 + size_of::<Stamp>()..).unwrap_or_default());
+        hasher: &blake3::Hasher,
+    ) -> bool {
+        let mut streams = self.streams.iter();
+        if streams.any(|stream| stream.source == source && stream.topic == topic) {
+            return false;
+        }
+        let mut stream = Stream::new(topic, source, hasher.clone());
+        stream.messages = 1;
+        self.streams.push(stream);
+        true
+    }
+
+    /// The state of the hash behind a source's first message, if it has sent nothing else.
+    pub(super) fn beginning(&mut self, topic: &str, source: u32) -> Option<blake3::Hasher> {
+        let mut streams = self.streams.iter_mut();
+        let stream = streams.find(|stream| stream.source == source && stream.topic == topic)?;
+        if stream.messages != 1 {
+            return None;
+        }
+        stream.empty();
+        Some(stream.hasher.clone())
     }
 
     /// The fingerprint of everything so far, as 64 hexadecimal digits.
     pub(super) fn finish(&mut self) -> String {
+        self.streams
+            .sort_unstable_by_key(|stream| (stream.topic, stream.source));
         let mut all = blake3::Hasher::new();
-        for ((topic, source), stream) in &mut self.streams {
+        for stream in &mut self.streams {
             stream.empty();
-            all.update(&(topic.len() as u64).to_le_bytes());
-            all.update(topic.as_bytes());
-            all.update(&source.to_le_bytes());
+            all.update(&(stream.topic.len() as u64).to_le_bytes());
+            all.update(stream.topic.as_bytes());
+            all.update(&stream.source.to_le_bytes());
             all.update(&stream.messages.to_le_bytes());
             all.update(stream.hasher.finalize().as_bytes());
         }
@@ -60,6 +97,16 @@ impl Digest {
 }
 
 impl Stream {
+    fn new(topic: &'static str, source: u32, hasher: blake3::Hasher) -> Self {
+        Self {
+            topic,
+            source,
+            hasher,
+            buffer: Vec::with_capacity(BUFFER_BYTES),
+            messages: 0,
+        }
+    }
+
     fn push(&mut self, bytes: &[u8]) {
         if self.buffer.len() + bytes.len() > BUFFER_BYTES {
             self.empty();
@@ -84,6 +131,7 @@ mod tests {
     use ipc_types::topics::{Topic, WorldState};
     use proptest::prelude::*;
 
+    use super::super::topic_info::TopicInfo;
     use super::*;
 
     fn message(tick: u64, source: u32, x: f64, clock: u64, robots: usize) -> Vec<u8> {
@@ -108,7 +156,13 @@ mod tests {
     fn digest(messages: &[(u32, Vec<u8>)]) -> String {
         let mut digest = Digest::default();
         for (source, bytes) in messages {
-            digest.update(WorldState::NAME, *source, bytes, size_of::<WorldHeader>());
+            let info = TopicInfo::of::<WorldState>();
+            let robots = cdr::decode::<WorldState>(bytes).unwrap().1.len();
+            digest.update(
+                WorldState::NAME,
+                *source,
+                &Parts::of_cdr(&info, bytes, robots),
+            );
         }
         digest.finish()
     }
@@ -129,6 +183,23 @@ mod tests {
         let message = message(1, 0, 2.0, 0, 1);
         let twice = [(0, message.clone()), (0, message.clone())];
         assert_ne!(digest(&twice), digest(&twice[..1]));
+    }
+
+    #[test]
+    fn a_stream_that_is_begun_for_it_gives_the_same_digest() {
+        let info = TopicInfo::of::<WorldState>();
+        let messages = [message(0, 5, 1.0, 3, 700), message(1, 5, 2.0, 4, 2)];
+        let parts = [(0, 700), (1, 2)].map(|(i, n)| Parts::of_cdr(&info, &messages[i], n));
+        let mut whole = Digest::default();
+        whole.update(WorldState::NAME, 5, &parts[0]);
+        let hasher = whole.beginning(WorldState::NAME, 5).unwrap();
+        whole.update(WorldState::NAME, 5, &parts[1]);
+        assert!(whole.beginning(WorldState::NAME, 5).is_none());
+        let mut begun = Digest::default();
+        assert!(begun.begin(WorldState::NAME, 5, &hasher));
+        assert!(!begun.begin(WorldState::NAME, 5, &hasher));
+        begun.update(WorldState::NAME, 5, &parts[1]);
+        assert_eq!(begun.finish(), whole.finish());
     }
 
     proptest! {

@@ -102,7 +102,13 @@ impl Latency {
         match role {
             Role::State => self.state(stamp),
             Role::Sighting | Role::Belief | Role::Command => self.output(role, stamp),
-            Role::Plan | Role::Event | Role::Scan => {}
+            Role::Plan
+            | Role::Tree
+            | Role::Event
+            | Role::Coverage
+            | Role::Scan
+            | Role::Verdict
+            | Role::Dominance => {}
             Role::Map | Role::Obstacle | Role::Status | Role::Other => return,
         }
         self.step(stamp);

@@ -11,6 +11,7 @@ use std::time::Duration;
 use rustix::fs::{FlockOperation, flock};
 
 use super::error::LogError;
+use super::replacement::Replacement;
 
 /// Small records (message indexes, headers) are gathered up to this size before they are written.
 const BUFFER_BYTES: usize = 64 * 1024;
@@ -21,8 +22,8 @@ const LOCK_ATTEMPTS: usize = 50;
 /// Creates the file of a log and locks it for as long as it is open.
 ///
 /// Without `force` the file must not exist. With `force` an existing regular file that no other
-/// run has locked is emptied.
-pub(super) fn create(path: &Path, force: bool) -> Result<File, LogError> {
+/// run has locked may be there; the log is then written beside it until it takes its place.
+pub(super) fn create(path: &Path, force: bool) -> Result<(File, Option<Replacement>), LogError> {
     let failed = |source| LogError::Create {
         path: path.to_owned(),
         source,
@@ -33,7 +34,7 @@ pub(super) fn create(path: &Path, force: bool) -> Result<File, LogError> {
     match OpenOptions::new().write(true).create_new(true).open(path) {
         Ok(file) => {
             lock_new(&file).map_err(|_| in_use())?;
-            Ok(file)
+            Ok((file, None))
         }
         Err(e) if e.kind() == io::ErrorKind::AlreadyExists => {
             // Look before opening: opening a FIFO would block.
@@ -52,13 +53,35 @@ pub(super) fn create(path: &Path, force: bool) -> Result<File, LogError> {
                     }
                 });
             }
-            let file = OpenOptions::new().write(true).open(path).map_err(failed)?;
-            lock(&file).map_err(|_| in_use())?;
-            file.set_len(0).map_err(failed)?;
-            Ok(file)
+            let older = OpenOptions::new().write(true).open(path).map_err(failed)?;
+            lock(&older).map_err(|_| in_use())?;
+            let (file, replacement) = Replacement::of(path, older, beside)?;
+            Ok((file, Some(replacement)))
         }
         Err(e) => Err(failed(e)),
     }
+}
+
+/// Opens the file in which a log is written that will replace another; one that a killed run left
+/// there is emptied.
+fn beside(partial: &Path) -> Result<File, LogError> {
+    let path = || partial.to_owned();
+    let failed = |source| LogError::Create {
+        path: path(),
+        source,
+    };
+    if partial.metadata().is_ok_and(|found| !found.is_file()) {
+        return Err(LogError::NotAFile { path: path() });
+    }
+    let file = OpenOptions::new()
+        .write(true)
+        .create(true)
+        .truncate(false)
+        .open(partial)
+        .map_err(failed)?;
+    lock(&file).map_err(|_| LogError::InUse { path: path() })?;
+    file.set_len(0).map_err(failed)?;
+    Ok(file)
 }
 
 fn lock(file: &File) -> rustix::io::Result<()> {

@@ -3,32 +3,40 @@
 //!
 //! * [`Recorder`] drains the bus on a thread of its own and drives a [`Recording`];
 //! * [`Recording`] orders, checks, counts and fingerprints messages and writes them;
+//! * [`Tally`] says what a run amounts to without a log;
 //! * [`LogWriter`] is the MCAP file; [`Gate`] and [`Observer`] are the seams to the run.
 //!
 //! Lossless topics are ROS 2 CDR whose body is the message's bytes (`ipc_types::cdr`); beside them
 //! stand `/viewer/…` topics in the viewers' own schemas. Log time is simulated time.
 
+mod beginnings;
 mod bus;
 mod checks;
 mod digest;
 mod error;
 mod gate;
 mod intake;
+mod judged;
 mod latency;
+mod ledger;
 mod log_file;
 mod log_writer;
 mod malformed;
 mod options;
+mod parts;
 mod recording;
+mod replacement;
 mod sequence;
 mod sink;
 mod summary;
+mod tally;
 mod topic_info;
 mod viewer;
 
 #[cfg(test)]
 mod tests;
 
+pub use beginnings::Beginnings;
 pub use bus::Recorder;
 pub use error::{LogError, RecorderError};
 pub use gate::{Gate, Observer};
@@ -39,5 +47,8 @@ pub use log_writer::{
 };
 pub use options::{Order, ProcessInfo, RecorderOptions, RobotInfo};
 pub use recording::Recording;
-pub use summary::{EventEntry, RobotOutcome, Summary, TopicCount, status_name, team_name};
+pub use summary::{
+    CoverageOutcome, EventEntry, RobotOutcome, Summary, TopicCount, status_name, team_name,
+};
+pub use tally::Tally;
 pub use viewer::ViewerOptions;

@@ -1,16 +1,19 @@
 //! Where ordered messages go: the log, the latencies, the viewers, the outcome, the observer.
 
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 
 use ipc_types::messages::world::RobotState;
 use ipc_types::topics::{
-    Belief, ObstacleEvents, Plan, Scan, Shape, Status, WorldEvents, WorldMap, WorldState,
+    Belief, Coverage, Dominance, ObstacleEvents, Plan, Scan, Shape, Status, Tree, Verdicts,
+    WorldEvents, WorldMap, WorldState,
 };
 
 use super::error::LogError;
 use super::gate::Observer;
 use super::intake::Entry;
 use super::latency::Latency;
+use super::ledger::Ledger;
 use super::log_writer::{ChannelId, ChannelSpec, LogWriter};
 use super::malformed::Malformed;
 use super::options::RecorderOptions;
@@ -20,17 +23,15 @@ use super::viewer::Viewer;
 
 /// A topic with its channel.
 #[derive(Debug)]
-pub(super) struct TopicChannel {
-    pub(super) info: TopicInfo,
+struct TopicChannel {
+    info: &'static TopicInfo,
     channel: ChannelId,
-    pub(super) gaps: u64,
-    pub(super) rejected: u64,
 }
 
 /// Takes messages in the order of the log.
 pub(super) struct Sink {
     log: LogWriter,
-    pub(super) topics: Vec<TopicChannel>,
+    topics: Vec<TopicChannel>,
     malformed: Malformed,
     viewer: Option<Viewer>,
     latency: Latency,
@@ -54,12 +55,7 @@ impl Sink {
                 message_encoding: "cdr",
                 metadata: &info.metadata,
             })?;
-            topics.push(TopicChannel {
-                info,
-                channel,
-                gaps: 0,
-                rejected: 0,
-            });
+            topics.push(TopicChannel { info, channel });
         }
         let viewer = Viewer::new(
             &options.viewer,
@@ -108,7 +104,10 @@ impl Sink {
         let sequence = stamp.sequence as u32;
         self.log
             .write(topic.channel, sequence, time_ns, stamp.time_ns, bytes)?;
-        self.latency.message(topic.info.role, stamp);
+        // No clock runs in a run in one thread.
+        if stamp.sent_ns != 0 {
+            self.latency.message(topic.info.role, stamp);
+        }
         if entry.rejected {
             return Ok(());
         }
@@ -135,6 +134,8 @@ impl Sink {
                 let Some((header, states)) = view::<WorldState>(bytes) else {
                     return Ok(());
                 };
+                // The run has begun.
+                log.begin()?;
                 robots.clear();
                 robots.extend(states);
                 outcome.state(&header, robots);
@@ -154,6 +155,19 @@ impl Sink {
                     if let Some(viewer) = viewer {
                         viewer.event(&event, time_ns, log)?;
                     }
+                }
+            }
+            Role::Coverage => {
+                if let Some((_, mut reports)) = view::<Coverage>(bytes)
+                    && let Some(report) = reports.next()
+                {
+                    outcome.coverage(&report);
+                }
+            }
+            Role::Verdict => {
+                if let Some((_, verdicts)) = view::<Verdicts>(bytes) {
+                    let time_s = seconds(time_ns);
+                    verdicts.for_each(|verdict| outcome.verdict(time_s, &verdict));
                 }
             }
             Role::Status => {
@@ -185,26 +199,33 @@ impl Sink {
     }
 
     /// Ends the log and says what it holds.
-    pub(super) fn finish(mut self, digest: String) -> Result<Summary, LogError> {
+    pub(super) fn finish(mut self, ledger: &mut Ledger) -> Result<Summary, LogError> {
         if let Some(viewer) = &mut self.viewer {
             viewer.finish(&mut self.log)?;
         }
         let latency = self.latency.finish();
+        if self.log.would_replace() {
+            // Nothing happened: dropped, the log leaves the older file as it was.
+            let (topics, path) = (BTreeMap::new(), PathBuf::new());
+            return Ok(self
+                .outcome
+                .finish(ledger.digest(), topics, latency, path, 0));
+        }
         let path = self.log.path().to_owned();
         let mut summary = self
             .outcome
-            .finish(digest, BTreeMap::new(), latency, path, 0);
+            .finish(ledger.digest(), BTreeMap::new(), latency, path, 0);
         self.log
             .metadata("protean.result", result_entries(&summary))?;
         let totals = self.log.finish()?;
         summary.log_bytes = totals.file_bytes;
         for channel in totals.channels {
-            let topic = self.topics.iter().find(|t| t.info.name == channel.topic);
+            // What is malformed stands in a channel of its own.
+            let topic = ledger.counts().find(|(name, _)| *name == channel.topic);
             let count = TopicCount {
                 messages: channel.messages,
                 bytes: channel.bytes,
-                gaps: topic.map_or(0, |t| t.gaps),
-                rejected: topic.map_or(0, |t| t.rejected),
+                ..topic.map(|(_, count)| count).unwrap_or_default()
             };
             if count != TopicCount::default() {
                 summary.topics.insert(channel.topic, count);
@@ -227,6 +248,10 @@ fn draw(
             Some((header, cells)) => viewer.map(&header, time_ns, cells, log),
             None => Ok(()),
         },
+        Role::Dominance => match view::<Dominance>(bytes) {
+            Some((header, cells)) => viewer.dominance(&header, time_ns, cells, log),
+            None => Ok(()),
+        },
         Role::Obstacle => {
             let event = view::<ObstacleEvents>(bytes).and_then(|(_, mut events)| events.next());
             event.map_or(Ok(()), |event| viewer.obstacle(&event, time_ns, log))
@@ -234,6 +259,12 @@ fn draw(
         Role::Plan => {
             if let Some((header, points)) = view::<Plan>(bytes) {
                 viewer.plan(header.robot, points);
+            }
+            Ok(())
+        }
+        Role::Tree => {
+            if let Some((header, edges)) = view::<Tree>(bytes) {
+                viewer.tree(header.robot, edges);
             }
             Ok(())
         }
@@ -264,6 +295,9 @@ fn result_entries(summary: &Summary) -> BTreeMap<String, String> {
     // These structures have string keys and finite numbers only; should one ever not encode, the
     // log is worth more than the entry.
     let json = |result: serde_json::Result<String>| result.unwrap_or_default();
+    let coverage = summary
+        .coverage
+        .map(|c| ("coverage", json(serde_json::to_string(&c))));
     [
         ("digest", summary.digest.clone()),
         ("ticks", summary.ticks.to_string()),
@@ -275,6 +309,7 @@ fn result_entries(summary: &Summary) -> BTreeMap<String, String> {
         ),
     ]
     .into_iter()
+    .chain(coverage)
     .map(|(key, value)| (key.to_owned(), value))
     .collect()
 }

@@ -3,9 +3,11 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use ipc_types::messages::world::{RobotState, WorldEvent, WorldHeader};
+use ipc_types::messages::referee::Verdict;
+use ipc_types::messages::world::{CoverageState, RobotState, WorldEvent, WorldHeader};
 use serde::{Deserialize, Serialize};
 
+use super::judged::Judged;
 use super::latency::Percentiles;
 use super::options::RobotInfo;
 
@@ -23,16 +25,27 @@ pub struct Summary {
     pub sim_time_s: f64,
     /// What became of every robot, by its index.
     pub robots: Vec<RobotOutcome>,
+    /// Share of the verdicts on all evaders that said "escape possible"; absent unless a referee
+    /// ran.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub escape_possible_fraction: Option<f64>,
+    /// Time from which on no evader could be sure of an escape any more [s]; absent unless a referee
+    /// ran and that came about.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub escape_impossible_from_s: Option<f64>,
     /// What happened, in order.
     pub events: Vec<EventEntry>,
     /// Events that the list leaves out because it is full.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub events_omitted: u64,
+    /// The area visited, if the rules account for it: as last reported.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub coverage: Option<CoverageOutcome>,
     /// Every channel of the log that holds messages.
     pub topics: BTreeMap<String, TopicCount>,
     /// Latencies by name [µs].
     pub latency_us: BTreeMap<String, Percentiles>,
-    /// The log.
+    /// The log; empty if there is none because nothing happened.
     pub log: PathBuf,
     /// Its size [bytes].
     pub log_bytes: u64,
@@ -53,6 +66,34 @@ pub struct RobotOutcome {
     pub distance_m: f64,
     /// Contact episodes.
     pub contacts: u32,
+    /// Times it was stopped for want of a fresh command.
+    #[serde(default)]
+    pub fail_safe_stops: u32,
+    /// Share of the verdicts on this evader that said "escape possible"; absent unless a referee
+    /// judged it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub escape_possible_fraction: Option<f64>,
+    /// Time from which on it could not be sure of an escape any more [s]; absent if it escaped, or
+    /// could have in the end.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub escape_impossible_from_s: Option<f64>,
+}
+
+/// The area visited.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct CoverageOutcome {
+    /// Visited part of the free area, 0…1.
+    pub fraction: f64,
+    /// Visited part of the area that the robots can visit at all, 0…1.
+    pub coverable_fraction: f64,
+    /// Free area [m²].
+    pub free_m2: f64,
+    /// Visited area [m²].
+    pub visited_m2: f64,
+    /// Mean time since the last visit over the coverable area [s].
+    pub mean_idleness_s: f64,
+    /// Longest that any coverable place has waited for a visit [s].
+    pub worst_idleness_s: f64,
 }
 
 /// One event.
@@ -104,8 +145,13 @@ pub(super) struct Outcome {
     robots: Vec<RobotState>,
     /// When each robot's status changed last [s].
     decided: Vec<f64>,
+    /// How often each robot was stopped for want of a command.
+    stops: Vec<u32>,
     events: Vec<EventEntry>,
     omitted: u64,
+    coverage: Option<CoverageOutcome>,
+    /// What a referee said of each robot.
+    judged: Vec<Judged>,
 }
 
 impl Outcome {
@@ -116,8 +162,17 @@ impl Outcome {
             tick: 0,
             robots: vec![RobotState::default(); robots.len()],
             decided: vec![0.0; robots.len()],
+            stops: vec![0; robots.len()],
             events: Vec::new(),
             omitted: 0,
+            coverage: None,
+            judged: vec![Judged::default(); robots.len()],
+        }
+    }
+
+    pub(super) fn verdict(&mut self, time_s: f64, verdict: &Verdict) {
+        if let Some(judged) = self.judged.get_mut(verdict.robot as usize) {
+            judged.add(time_s, verdict.escape_possible != 0);
         }
     }
 
@@ -126,11 +181,14 @@ impl Outcome {
         let now = self.time_s();
         for state in robots {
             let robot = state.robot as usize;
-            let (Some(known), Some(decided)) =
-                (self.robots.get_mut(robot), self.decided.get_mut(robot))
-            else {
+            let (Some(known), Some(decided), Some(stops)) = (
+                self.robots.get_mut(robot),
+                self.decided.get_mut(robot),
+                self.stops.get_mut(robot),
+            ) else {
                 continue;
             };
+            *stops += u32::from(state.fail_safe != 0 && known.fail_safe == 0);
             if state.status == 0 || known.status != state.status {
                 *decided = now;
             }
@@ -154,6 +212,17 @@ impl Outcome {
         });
     }
 
+    pub(super) fn coverage(&mut self, report: &CoverageState) {
+        self.coverage = Some(CoverageOutcome {
+            fraction: report.fraction,
+            coverable_fraction: report.coverable_fraction,
+            free_m2: f64::from(report.free) * report.cell_area,
+            visited_m2: f64::from(report.visited) * report.cell_area,
+            mean_idleness_s: report.mean_idleness,
+            worst_idleness_s: report.worst_idleness,
+        });
+    }
+
     fn time_s(&self) -> f64 {
         seconds(self.tick.saturating_mul(self.tick_period_ns))
     }
@@ -172,22 +241,41 @@ impl Outcome {
             .into_iter()
             .zip(&self.robots)
             .zip(&self.decided)
-            .map(|((name, state), &time_s)| RobotOutcome {
-                name,
-                team: team_name(state.team).to_owned(),
-                outcome: status_name(state.status).to_owned(),
-                time_s,
-                distance_m: state.distance,
-                contacts: state.contacts,
-            })
+            .zip(&self.stops)
+            .zip(&self.judged)
+            .map(
+                |((((name, state), &time_s), &stops), judged)| RobotOutcome {
+                    name,
+                    team: team_name(state.team).to_owned(),
+                    outcome: status_name(state.status).to_owned(),
+                    time_s,
+                    distance_m: state.distance,
+                    contacts: state.contacts,
+                    fail_safe_stops: stops,
+                    escape_possible_fraction: judged.fraction(),
+                    escape_impossible_from_s: judged.impossible_from(state),
+                },
+            )
             .collect();
+        let all = self.judged.iter().fold(Judged::default(), Judged::and);
+        // The last of them decides; one that could escape, or did, leaves none.
+        let impossible_from = self
+            .judged
+            .iter()
+            .zip(&self.robots)
+            .filter(|(judged, _)| judged.verdicts > 0)
+            .map(|(judged, state)| judged.impossible_from(state))
+            .try_fold(f64::NEG_INFINITY, |last, from| Some(last.max(from?)));
         Summary {
             digest,
             ticks: self.tick,
             sim_time_s,
             robots,
+            escape_possible_fraction: all.fraction(),
+            escape_impossible_from_s: impossible_from.filter(|from| from.is_finite()),
             events: self.events,
             events_omitted: self.omitted,
+            coverage: self.coverage,
             topics,
             latency_us,
             log,

@@ -2,11 +2,12 @@
 
 use std::collections::BTreeMap;
 use std::convert::Infallible;
+use std::sync::LazyLock;
 
 use ipc_types::message::Message;
 use ipc_types::topics::{
-    Belief, Commands, ObstacleEvents, Plan, Scan, Shape, Sightings, Status, Topic, TopicVisitor,
-    WorldEvents, WorldMap, WorldState, for_each_topic,
+    Belief, Commands, Coverage, Dominance, ObstacleEvents, Plan, Scan, Shape, Sightings, Status,
+    Topic, TopicVisitor, Tree, Verdicts, WorldEvents, WorldMap, WorldState, for_each_topic,
 };
 use ipc_types::{cdr, schema};
 
@@ -18,12 +19,16 @@ pub(super) enum Role {
     State,
     Map,
     Event,
+    Coverage,
     Obstacle,
     Scan,
     Sighting,
     Belief,
     Command,
     Plan,
+    Tree,
+    Verdict,
+    Dominance,
     Status,
     Other,
 }
@@ -34,12 +39,16 @@ impl Role {
             WorldState::NAME => Self::State,
             WorldMap::NAME => Self::Map,
             WorldEvents::NAME => Self::Event,
+            Coverage::NAME => Self::Coverage,
             ObstacleEvents::NAME => Self::Obstacle,
             Scan::NAME => Self::Scan,
             Sightings::NAME => Self::Sighting,
             Belief::NAME => Self::Belief,
             Commands::NAME => Self::Command,
             Plan::NAME => Self::Plan,
+            Tree::NAME => Self::Tree,
+            Verdicts::NAME => Self::Verdict,
+            Dominance::NAME => Self::Dominance,
             Status::NAME => Self::Status,
             _ => Self::Other,
         }
@@ -92,15 +101,15 @@ impl TopicInfo {
             finite: Finite::of(T::NAME, &header, &element),
         }
     }
-
-    /// Where the elements begin in the CDR form of a message.
-    pub(super) fn elements_at(&self, cdr_bytes: usize, elements: usize) -> usize {
-        cdr_bytes.saturating_sub(elements.saturating_mul(self.element_bytes))
-    }
 }
 
 /// All topics, in the order of [`ipc_types::topics::NAMES`]: a topic's place in it is its rank.
-pub(super) fn all() -> Vec<TopicInfo> {
+pub(super) fn all() -> &'static [TopicInfo] {
+    static ALL: LazyLock<Vec<TopicInfo>> = LazyLock::new(collect);
+    &ALL
+}
+
+fn collect() -> Vec<TopicInfo> {
     struct Collect(Vec<TopicInfo>);
     impl TopicVisitor for Collect {
         type Error = Infallible;

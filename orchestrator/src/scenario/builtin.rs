@@ -13,7 +13,7 @@ pub struct Builtin {
 pub const DEFAULT: &str = "chase";
 
 /// All built-in scenarios, the default first.
-pub const SCENARIOS: [Builtin; 5] = [
+pub const SCENARIOS: [Builtin; 9] = [
     Builtin {
         name: "chase",
         text: include_str!("../../../scenarios/chase.toml"),
@@ -27,8 +27,24 @@ pub const SCENARIOS: [Builtin; 5] = [
         text: include_str!("../../../scenarios/chase_braitenberg.toml"),
     },
     Builtin {
+        name: "chase_interception",
+        text: include_str!("../../../scenarios/chase_interception.toml"),
+    },
+    Builtin {
+        name: "chase_rrt_star",
+        text: include_str!("../../../scenarios/chase_rrt_star.toml"),
+    },
+    Builtin {
         name: "chase_popup",
         text: include_str!("../../../scenarios/chase_popup.toml"),
+    },
+    Builtin {
+        name: "chase_referee",
+        text: include_str!("../../../scenarios/chase_referee.toml"),
+    },
+    Builtin {
+        name: "chase_reach_avoid",
+        text: include_str!("../../../scenarios/chase_reach_avoid.toml"),
     },
     Builtin {
         name: "hello",

@@ -1,9 +1,8 @@
 //! Whether the robots can be where they start and go where they shall.
 
-use std::collections::VecDeque;
+use std::sync::Arc;
 
-use nalgebra::Point2;
-use sim_backend::map::{MapSpec, VectorMap, WorldMap};
+use sim_backend::map::{MapSpec, Passages, VectorMap, WorldMap};
 use sim_backend::pose::Pose2;
 use sim_backend::spec::{Region, RulesSpec, WorldSpec};
 use sim_backend::team::Team;
@@ -23,7 +22,7 @@ pub fn resolve(
     rules: &RulesSpec,
     seed: u64,
 ) -> Option<Vec<Pose2>> {
-    let ground = match WorldMap::new(map) {
+    let ground = match WorldMap::recent(map) {
         Ok(ground) => ground,
         Err(e) => {
             let path = FieldPath::key("world").then("map");
@@ -37,15 +36,9 @@ pub fn resolve(
     if !fine {
         return None;
     }
-    let placements: Vec<Placement> = robots
-        .iter()
-        .map(|r| Placement {
-            start: r.spec.start,
-            radius: r.spec.model().radius,
-            jitter: r.jitter,
-        })
-        .collect();
-    let starts = jitter::place(&placements, seed, |p, radius| ground.is_clear(p, radius));
+    let starts = jitter::place(&placements(robots), seed, |p, radius| {
+        ground.is_clear(p, radius)
+    });
     let starts = match starts {
         Ok(starts) => starts,
         Err(index) => {
@@ -70,15 +63,27 @@ pub fn resolve(
     check_exits(ctx, &ground, robots, rules);
     check_goals(ctx, &ground, robots);
     if ctx.problems.is_empty() {
-        check_world(ctx, ground, robots, &starts, rules, seed);
+        check_world(ctx, &ground, robots, &starts, rules, seed);
     }
     Some(starts)
+}
+
+/// What the drawn starts follow from.
+pub fn placements(robots: &[Robot]) -> Vec<Placement> {
+    robots
+        .iter()
+        .map(|r| Placement {
+            start: r.spec.start,
+            radius: r.spec.model().radius,
+            jitter: r.jitter,
+        })
+        .collect()
 }
 
 /// The world has the last word: whatever it would refuse is reported here, before anything starts.
 fn check_world(
     ctx: &mut Context<'_>,
-    ground: WorldMap,
+    ground: &WorldMap,
     robots: &[Robot],
     starts: &[Pose2],
     rules: &RulesSpec,
@@ -97,8 +102,15 @@ fn check_world(
         rules: rules.clone(),
         seed,
     };
-    let Err(e) = World::on_map(ground, spec) else {
-        return;
+    let e = match World::on_map(ground.clone(), spec) {
+        Ok(_) => return,
+        Err(WorldError::Rules(e)) => {
+            let path = FieldPath::key("rules");
+            let node = ctx.root.follow(&path).clone();
+            ctx.refuse(&node, &path, e);
+            return;
+        }
+        Err(e) => e,
     };
     let concerned = match &e {
         WorldError::ExitUnreachable { index, .. }
@@ -188,8 +200,8 @@ fn check_exits(ctx: &mut Context<'_>, ground: &WorldMap, robots: &[Robot], rules
     if evaders.is_empty() {
         return;
     }
-    let starts: Vec<_> = evaders.iter().map(|r| r.spec.start.position()).collect();
-    let reached = flood(ground, &starts, slimmest);
+    let passages = passages(ground, slimmest);
+    let reach = passages.reach(evaders.iter().map(|r| r.spec.start.position()));
     let of_rules = rules.exits.iter().enumerate().map(|(i, exit)| {
         (
             exit,
@@ -203,7 +215,7 @@ fn check_exits(ctx: &mut Context<'_>, ground: &WorldMap, robots: &[Robot], rules
     let exits: Vec<(Region, FieldPath)> =
         of_rules.chain(of_map).map(|(e, path)| (*e, path)).collect();
     for (exit, path) in exits {
-        if is_reached(ground, &reached, &exit) {
+        if reach.meets(&exit) {
             continue;
         }
         let center = exit.center();
@@ -230,8 +242,8 @@ fn check_goals(ctx: &mut Context<'_>, ground: &WorldMap, robots: &[Robot]) {
             continue;
         };
         let radius = robot.spec.model().radius;
-        let reached = flood(ground, &[robot.spec.start.position()], radius);
-        if is_reached(ground, &reached, &goal) {
+        let passages = passages(ground, radius);
+        if passages.reach([robot.spec.start.position()]).meets(&goal) {
             continue;
         }
         let center = goal.center();
@@ -246,64 +258,9 @@ fn check_goals(ctx: &mut Context<'_>, ground: &WorldMap, robots: &[Robot]) {
     }
 }
 
-/// The cells that a disc of this radius [m] can reach from the starts, moving from cell to cell
-/// (not across corners). A cell within one cell's diagonal of fitting counts as fitting, so that
-/// the grid never closes a gap that is open.
-fn flood(ground: &WorldMap, starts: &[Point2<f64>], radius: f64) -> Vec<bool> {
-    let grid = ground.clearance();
-    let frame = grid.frame;
-    let enough = (radius - frame.resolution * core::f64::consts::FRAC_1_SQRT_2) as f32;
-    let fits = |i: usize| grid.cells.get(i).is_some_and(|&c| c > 0.0 && c >= enough);
-    let mut reached = vec![false; frame.len()];
-    let mut queue = VecDeque::new();
-    let mut visit = |col: usize, row: usize, queue: &mut VecDeque<(usize, usize)>| {
-        let index = frame.index(col, row);
-        if let Some(seen @ false) = reached.get_mut(index) {
-            *seen = true;
-            queue.push_back((col, row));
-        }
-    };
-    for cell in starts.iter().filter_map(|&p| frame.cell_at(p)) {
-        visit(cell.0, cell.1, &mut queue);
-    }
-    while let Some((col, row)) = queue.pop_front() {
-        let mut go = |col: usize, row: usize| {
-            if fits(frame.index(col, row)) {
-                visit(col, row, &mut queue);
-            }
-        };
-        if col > 0 {
-            go(col - 1, row);
-        }
-        if row > 0 {
-            go(col, row - 1);
-        }
-        if col + 1 < frame.width {
-            go(col + 1, row);
-        }
-        if row + 1 < frame.height {
-            go(col, row + 1);
-        }
-    }
-    reached
-}
-
-/// Whether a reached cell lies in the region (or, for a region smaller than a cell, holds its
-/// centre).
-fn is_reached(ground: &WorldMap, reached: &[bool], region: &Region) -> bool {
-    let frame = ground.frame();
-    let center = region.center();
-    if frame.index_at(center).and_then(|i| reached.get(i)) == Some(&true) {
-        return true;
-    }
-    let far = region.bounding_radius();
-    let column = |x: f64| ((x - frame.origin.x) / frame.resolution).floor().max(0.0) as usize;
-    let row = |y: f64| ((y - frame.origin.y) / frame.resolution).floor().max(0.0) as usize;
-    let columns = column(center.x - far)..(column(center.x + far) + 1).min(frame.width);
-    let rows = row(center.y - far)..(row(center.y + far) + 1).min(frame.height);
-    rows.flat_map(|row| columns.clone().map(move |col| (col, row)))
-        .any(|(col, row)| {
-            reached.get(frame.index(col, row)) == Some(&true)
-                && region.contains(frame.center(col, row))
-        })
+/// The cells that a disc of this radius [m] can pass. A cell within one cell's diagonal of fitting
+/// counts as fitting, so that the grid never closes a gap that is open.
+fn passages(ground: &WorldMap, radius: f64) -> Arc<Passages> {
+    let enough = (radius - ground.frame().resolution * core::f64::consts::FRAC_1_SQRT_2) as f32;
+    ground.shapes().passages(f64::from(enough))
 }

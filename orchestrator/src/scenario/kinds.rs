@@ -2,9 +2,12 @@
 
 use evader_braitenberg::BraitenbergParams;
 use evader_potential::EvaderParams;
+use evader_reach_avoid::ReachAvoidParams;
+use evader_rrt_star::RrtStarParams;
 use guidance::params::ParamsError;
 use perception::params::PerceptionParams;
 use pursuer::PursuerParams;
+use referee::RefereeParams;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value as Json;
@@ -139,6 +142,16 @@ pub static KINDS: &[KindInfo] = &[
         presets: &[("paper", || preset(&PerceptionParams::paper()))],
     },
     KindInfo {
+        name: "referee",
+        summary: "says who reaches what first, and which evader can still be sure of an escape",
+        drives_robots: false,
+        provides_belief: false,
+        check_params: |node| check_params(node, RefereeParams::validate),
+        needs: |_| Vec::new(),
+        caps: &[],
+        presets: &[],
+    },
+    KindInfo {
         name: "pursuer",
         summary: "chases evaders as one of a team",
         drives_robots: true,
@@ -175,6 +188,29 @@ pub static KINDS: &[KindInfo] = &[
         needs: |_| Vec::new(),
         caps: &[],
         presets: &[("paper", || preset(&EvaderParams::paper()))],
+    },
+    KindInfo {
+        name: "evader_reach_avoid",
+        summary: "flees by ways on which no pursuer can stop it, or to where it has most time",
+        drives_robots: true,
+        provides_belief: false,
+        check_params: |node| check_params(node, ReachAvoidParams::validate),
+        needs: |_| Vec::new(),
+        caps: &[],
+        presets: &[],
+    },
+    KindInfo {
+        name: "evader_rrt_star",
+        summary: "plans its way to an exit past the Police with RRT*",
+        drives_robots: true,
+        provides_belief: false,
+        check_params: |node| check_params(node, RrtStarParams::validate),
+        needs: |_| Vec::new(),
+        caps: &[],
+        presets: &[
+            ("paper", || preset(&RrtStarParams::paper())),
+            ("paper_arc", || preset(&RrtStarParams::paper_arc())),
+        ],
     },
 ];
 
@@ -238,6 +274,21 @@ mod tests {
                 "evader_potential",
                 json!({ "avoid": { "reach": -1.0 } }),
                 "avoid.reach",
+            ),
+            (
+                "evader_reach_avoid",
+                json!({ "speed_fraction": 0.0 }),
+                "speed_fraction",
+            ),
+            (
+                "evader_rrt_star",
+                json!({ "search": { "iterations": 0 } }),
+                "search.iterations",
+            ),
+            (
+                "referee",
+                json!({ "dominance": { "wave": { "sight": -1.0 } } }),
+                "dominance.wave.sight",
             ),
             (
                 "evader_braitenberg",

@@ -6,7 +6,9 @@ use sim_backend::map::MapSpec;
 use sim_backend::spec::{RulesSpec, WorldSpec};
 
 use super::context::Context;
+use super::draft::Draft;
 use super::files::{Base, read_text};
+use super::jitter::Placement;
 use super::kinds::{KINDS, KindInfo};
 use super::resolved::ResolvedScenario;
 use super::spec::{LogSpec, RunSpec, TopLevel};
@@ -14,7 +16,7 @@ use super::text::{
     Code, Diagnostic, Diagnostics, FieldPath, Node, SourceKind, Sources, list_choices, nearest,
     parse_document,
 };
-use super::{builtin, events, geometry, overrides, processes, robots, world};
+use super::{builtin, events, geometry, processes, robots, world};
 
 /// Largest scenario file that is read [bytes]; one with its map written out is far smaller.
 const MAX_SCENARIO: u64 = 64 << 20;
@@ -79,12 +81,23 @@ impl<'k> Loader<'k> {
         overrides: &[String],
         seed: Option<u64>,
     ) -> Result<ResolvedScenario, Diagnostics> {
+        let mut draft = self.draft(target)?;
+        draft.apply_all(overrides, seed);
+        draft.resolve()
+    }
+
+    /// Reads a scenario without resolving it yet: what several runs with different overrides and
+    /// seeds have in common.
+    ///
+    /// # Errors
+    /// It cannot be read, or is not TOML.
+    pub fn draft(&self, target: &str) -> Result<Draft<'k>, Diagnostics> {
         let path = Path::new(target);
         let is_bare_name = !target.contains(['/', '.']);
         let built_in = builtin::scenario(target);
         if let Some(scenario) = built_in.filter(|_| is_bare_name || !path.exists()) {
             let file = format!("{}.toml", scenario.name);
-            return self.load_text(&file, scenario.text, &Base::Builtin, overrides, seed);
+            return self.draft_text(&file, scenario.text, &Base::Builtin);
         }
         let text = match read_text(path, MAX_SCENARIO) {
             Ok(text) => text,
@@ -114,7 +127,7 @@ impl<'k> Loader<'k> {
             folder,
             allow_outside: self.allow_outside,
         };
-        self.load_text(target, &text, &base, overrides, seed)
+        self.draft_text(target, &text, &base)
     }
 
     /// Loads the text of a scenario; `file` is what errors call it, and paths in it lead where
@@ -130,41 +143,42 @@ impl<'k> Loader<'k> {
         overrides: &[String],
         seed: Option<u64>,
     ) -> Result<ResolvedScenario, Diagnostics> {
+        let mut draft = self.draft_text(file, text, base)?;
+        draft.apply_all(overrides, seed);
+        draft.resolve()
+    }
+
+    fn draft_text(&self, file: &str, text: &str, base: &Base) -> Result<Draft<'k>, Diagnostics> {
         let mut sources = Sources::default();
         let mut problems = Diagnostics::default();
         let source = sources.add(SourceKind::File, file, text);
-        let Some(mut root) = parse_document(&sources, source, &mut problems) else {
+        let Some(root) = parse_document(&sources, source, &mut problems) else {
             problems.push_if_empty(|| Diagnostic::new(Code::Syntax, "not a scenario"));
             return Err(problems.sorted());
-        };
-        for argument in overrides {
-            overrides::apply(&mut root, &mut sources, "--set", argument, &mut problems);
-        }
-        if let Some(seed) = seed {
-            let argument = format!("run.seed={seed}");
-            overrides::apply(&mut root, &mut sources, "--seed", &argument, &mut problems);
-        }
-        let mut ctx = Context {
-            sources,
-            root,
-            kinds: self.kinds,
-            problems,
         };
         let stem = Path::new(file)
             .file_stem()
             .and_then(|s| s.to_str())
             .unwrap_or("scenario");
-        let Some(scenario) = resolve(&mut ctx, base, stem) else {
-            let unexplained = || Diagnostic::new(Code::Requirement, "the scenario is incomplete");
-            ctx.problems.push_if_empty(unexplained);
-            return Err(ctx.problems.sorted());
-        };
-        ctx.problems.into_result(scenario)
+        Ok(Draft {
+            sources,
+            root,
+            problems,
+            kinds: self.kinds,
+            base: base.clone(),
+            stem: stem.to_owned(),
+        })
     }
 }
 
 /// Reads every part, so that all problems show, then puts the parts together.
-fn resolve(ctx: &mut Context<'_>, base: &Base, stem: &str) -> Option<ResolvedScenario> {
+///
+/// Beside the scenario stands what its drawn starts follow from.
+pub(super) fn resolve(
+    ctx: &mut Context<'_>,
+    base: &Base,
+    stem: &str,
+) -> Option<(ResolvedScenario, Vec<Placement>)> {
     let root = ctx.root.clone();
     let top: Option<TopLevel> = ctx.read(&root, &FieldPath::default());
     let run = read_run(ctx);
@@ -186,6 +200,7 @@ fn resolve(ctx: &mut Context<'_>, base: &Base, stem: &str) -> Option<ResolvedSce
     if !ctx.problems.is_empty() {
         return None;
     }
+    let placements = geometry::placements(&robots);
     let starts = geometry::resolve(ctx, &ground.map, &robots, &rules, run.seed)?;
     check_end(ctx, &ground.map, &robots, &rules);
     let specs = robots.into_iter().zip(starts).map(|(r, start)| {
@@ -193,7 +208,7 @@ fn resolve(ctx: &mut Context<'_>, base: &Base, stem: &str) -> Option<ResolvedSce
         spec.start = start;
         spec
     });
-    Some(ResolvedScenario {
+    let scenario = ResolvedScenario {
         name: top.name.unwrap_or_else(|| stem.to_owned()),
         title: top.title.unwrap_or_default(),
         description: top.description.unwrap_or_default().trim().to_owned(),
@@ -208,7 +223,8 @@ fn resolve(ctx: &mut Context<'_>, base: &Base, stem: &str) -> Option<ResolvedSce
         processes,
         events,
         log,
-    })
+    };
+    Some((scenario, placements))
 }
 
 fn read_run(ctx: &mut Context<'_>) -> Option<RunSpec> {

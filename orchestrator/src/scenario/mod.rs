@@ -11,6 +11,7 @@
 
 pub mod builtin;
 mod context;
+mod draft;
 pub mod events;
 pub mod files;
 mod geometry;
@@ -23,12 +24,15 @@ mod processes;
 mod resolved;
 mod robots;
 pub mod spec;
+mod template;
 pub mod text;
 mod world;
 
 #[cfg(test)]
 mod tests;
 
+pub use draft::Draft;
 pub use events::EventSpec;
 pub use load::{Listed, Loader, list, load};
 pub use resolved::{ProcessSpec, Program, ResolvedScenario};
+pub use template::{Grounds, Template};

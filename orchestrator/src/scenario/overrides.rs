@@ -12,25 +12,48 @@ use super::text::{
 /// The key is a dotted path (`run.seed`, `rules.exits[0].circle.radius`); an element of an array of
 /// tables is named by its index or by its `name` (`robots.police_1.limits.v_max`; a process without
 /// a name by its `kind`). The value is TOML; what is not TOML and does not look like it is text, so
-/// that `run.idle=spin` needs no quotes. `label` names the argument in errors (`--set`).
+/// that `run.idle=spin` needs no quotes. An index `[+]` behind an array adds an element to it.
+/// `label` names the argument in errors (`--set`).
+///
+/// The result is the path of what was set, with elements by their index; `None` if nothing was.
 pub fn apply(
     root: &mut Node,
     sources: &mut Sources,
     label: &str,
     argument: &str,
     problems: &mut Diagnostics,
-) {
+) -> Option<FieldPath> {
     let argument = argument.trim_end();
     let source = sources.add(SourceKind::Override, label, argument);
     match read(sources, source, argument) {
-        Err(found) => found.iter().for_each(|p| problems.push(p.clone())),
-        Ok((steps, value)) => {
-            if let Err(problem) = assign(root, sources, &steps, value) {
-                problems.push(*problem);
-            }
+        Err(found) => {
+            found.iter().for_each(|p| problems.push(p.clone()));
+            None
         }
+        Ok((steps, value)) => match assign(root, sources, &steps, value) {
+            Ok(path) => Some(path),
+            Err(problem) => {
+                problems.push(*problem);
+                None
+            }
+        },
     }
 }
+
+/// What stands at a key of the same form as [`apply`] takes; `None` if nothing does.
+pub fn find<'a>(root: &'a Node, key: &str) -> Option<&'a Node> {
+    let steps = key_steps(0, key)?;
+    steps.iter().try_fold(root, |node, KeyStep { step, .. }| {
+        match (&node.value, step) {
+            (Value::Table(table), Step::Key(key)) => table.get(key),
+            (Value::Array(list), step) => list.get(element(list, step)?),
+            _ => None,
+        }
+    })
+}
+
+/// The index that stands for `[+]`: no array is as long.
+const APPEND: usize = usize::MAX;
 
 /// One step of the key with its place in the argument.
 struct KeyStep {
@@ -159,8 +182,13 @@ fn key_steps(source: usize, key: &str) -> Option<Vec<KeyStep>> {
             (Want::Separator, TokenKind::Dot) => Want::Part,
             (Want::Separator, TokenKind::LeftSquareBracket) if !steps.is_empty() => Want::Index,
             (Want::Index, TokenKind::Atom) => {
+                let index = if part == "+" {
+                    APPEND
+                } else {
+                    part.parse().ok()?
+                };
                 steps.push(KeyStep {
-                    step: Step::Index(part.parse().ok()?),
+                    step: Step::Index(index),
                     origin,
                 });
                 Want::Close
@@ -177,7 +205,7 @@ fn assign(
     sources: &Sources,
     steps: &[KeyStep],
     value: Node,
-) -> Result<(), Box<Diagnostic>> {
+) -> Result<FieldPath, Box<Diagnostic>> {
     let mut node = root;
     let mut path = FieldPath::default();
     for (i, KeyStep { step, origin }) in steps.iter().enumerate() {
@@ -202,9 +230,22 @@ fn assign(
                 path = path.then(key);
                 if last {
                     table.set(key, *origin, value);
-                    return Ok(());
+                    return Ok(path);
+                }
+                let appends =
+                    matches!(steps.get(i + 1), Some(next) if next.step == Step::Index(APPEND));
+                if appends && table.get(key).is_none() {
+                    let empty = Node {
+                        value: Value::Array(Vec::new()),
+                        origin: *origin,
+                    };
+                    table.set(key, *origin, empty);
                 }
                 child(table, key, *origin)
+            }
+            (Value::Array(list), Step::Index(APPEND)) if last => {
+                list.push(value);
+                return Ok(path.step(Step::Index(list.len() - 1)));
             }
             (Value::Array(list), step) => {
                 let word = step_text(step);
@@ -234,7 +275,7 @@ fn assign(
                 path = path.step(element.element_step(index.unwrap_or_default()));
                 if last {
                     *element = value;
-                    return Ok(());
+                    return Ok(path);
                 }
                 element
             }
@@ -246,12 +287,14 @@ fn assign(
             }
         };
     }
-    Ok(())
+    // The key has at least one step, and the last one returns.
+    Ok(path)
 }
 
 fn step_text(step: &Step) -> String {
     match step {
         Step::Key(key) | Step::Named(_, key) => key.clone(),
+        Step::Index(APPEND) => "+".to_owned(),
         Step::Index(index) => index.to_string(),
     }
 }
@@ -286,165 +329,4 @@ fn element(list: &[Node], step: &Step) -> Option<usize> {
 }
 
 #[cfg(test)]
-mod tests {
-    use proptest::prelude::*;
-
-    use super::super::text::parse_document;
-    use super::*;
-
-    const TEXT: &str = "
-        [run]
-        seed = 1
-        idle = 'block'
-        [[robots]]
-        name = 'police_1'
-        start = { x = 1, y = 2, theta = 0 }
-        [[robots]]
-        name = 'police_2'
-        [[processes]]
-        kind = 'perception'
-        params = { particles = 10 }
-    ";
-
-    fn tree() -> (Node, Sources) {
-        let mut sources = Sources::default();
-        let id = sources.add(SourceKind::File, "t.toml", TEXT);
-        let mut problems = Diagnostics::default();
-        let node = parse_document(&sources, id, &mut problems).unwrap();
-        assert!(problems.is_empty());
-        (node, sources)
-    }
-
-    fn set(argument: &str) -> Result<Node, String> {
-        let (mut node, mut sources) = tree();
-        let mut problems = Diagnostics::default();
-        apply(&mut node, &mut sources, "--set", argument, &mut problems);
-        problems.into_result(node).map_err(|p| p.to_string())
-    }
-
-    fn at(argument: &str, path: &str) -> String {
-        let root = set(argument).unwrap();
-        let mut node = &root;
-        for key in path.split('.') {
-            node = match node.as_array() {
-                Some(list) => &list[key.parse::<usize>().unwrap()],
-                None => node.get(key).unwrap(),
-            };
-        }
-        node.render_short()
-    }
-
-    #[test]
-    fn values_are_set_by_key_index_and_name() {
-        assert_eq!(at("run.seed=7", "run.seed"), "7");
-        assert_eq!(
-            at("robots.police_2.limits.v_max=0.5", "robots.1.limits.v_max"),
-            "0.5"
-        );
-        assert_eq!(at("robots[0].start.x = -3", "robots.0.start.x"), "-3");
-        assert_eq!(at("robots.0.start.x=4", "robots.0.start.x"), "4");
-        assert_eq!(
-            at(
-                "processes.perception.params.particles=99",
-                "processes.0.params.particles"
-            ),
-            "99"
-        );
-        assert_eq!(at("rules.time_limit=60", "rules.time_limit"), "60");
-        assert_eq!(at("run.pin=[1, 2]", "run.pin"), "[1, 2]");
-        assert_eq!(at("run.\"odd key\"=1", "run.odd key"), "1");
-    }
-
-    #[test]
-    fn bare_words_are_text_and_everything_else_is_toml() {
-        assert_eq!(at("run.idle=spin", "run.idle"), "\"spin\"");
-        assert_eq!(at("run.idle=\"spin\"", "run.idle"), "\"spin\"");
-        assert_eq!(
-            at("run.idle=maps/a b.toml", "run.idle"),
-            "\"maps/a b.toml\""
-        );
-        assert_eq!(at("run.idle=true", "run.idle"), "true");
-        assert_eq!(at("run.idle=a=b", "run.idle"), "\"a=b\"");
-    }
-
-    #[test]
-    fn what_cannot_be_set_is_named() {
-        for (argument, wants) in [
-            (
-                "run.seed",
-                &["override without `=`", "--> --set", "key=value"][..],
-            ),
-            ("run.seed=", &["override without a value"]),
-            ("=1", &["key that cannot be read"]),
-            ("run..seed=1", &["key that cannot be read"]),
-            ("run.seed=[1, ", &["not valid TOML", "--> --set"]),
-            ("run.seed=\"a", &["not valid TOML"]),
-            (
-                "robots.police_3.radius=1",
-                &[
-                    "`robots` has no element `police_3`",
-                    "`police_1` or `police_2`, or an index from 0 to 1",
-                    "did you mean `police_",
-                ],
-            ),
-            (
-                "robots[2].radius=1",
-                &["`robots` has no element `2`", "0 to 1"],
-            ),
-            (
-                "run.seed.x=1",
-                &[
-                    "`run.seed` is a whole number: there is nothing inside it",
-                    "value: 1",
-                ],
-            ),
-            ("run[0]=1", &["`run` is a table, not an array"]),
-        ] {
-            let text = set(argument).unwrap_err();
-            for want in wants {
-                assert!(
-                    text.contains(want),
-                    "{argument}: missing {want:?} in:\n{text}"
-                );
-            }
-        }
-    }
-
-    #[test]
-    fn the_place_of_a_value_is_the_argument() {
-        let (mut node, mut sources) = tree();
-        let mut problems = Diagnostics::default();
-        apply(
-            &mut node,
-            &mut sources,
-            "--set",
-            "run.seed=7",
-            &mut problems,
-        );
-        let origin = node.get("run").and_then(|n| n.get("seed")).unwrap().origin;
-        let place = sources.place(origin).unwrap();
-        assert!(place.is_override);
-        assert_eq!(
-            (place.snippet.as_str(), place.marker, place.length),
-            ("run.seed=7", 9, 1)
-        );
-    }
-
-    proptest! {
-        #[test]
-        fn arbitrary_overrides_never_panic(argument in ".{0,80}") {
-            let _ = set(&argument);
-        }
-
-        #[test]
-        fn overrides_of_numbers_and_text_round_trip(number in any::<i64>(), float in -1e300f64..1e300, text in "[^\\\\\"\\p{C}]{0,20}") {
-            prop_assert_eq!(at(&format!("run.seed={number}"), "run.seed"), number.to_string());
-            let root = set(&format!("run.seed={float:?}")).unwrap();
-            let found = root.get("run").and_then(|n| n.get("seed")).unwrap();
-            prop_assert_eq!(&found.value, &Value::Float(float));
-            let root = set(&format!("run.idle=\"{text}\"")).unwrap();
-            let found = root.get("run").and_then(|n| n.get("idle")).unwrap();
-            prop_assert_eq!(found.as_str(), Some(text.as_str()));
-        }
-    }
-}
+mod tests;

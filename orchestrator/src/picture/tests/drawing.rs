@@ -7,8 +7,8 @@ use sim_backend::spec::Region;
 use sim_backend::team::Team;
 
 use crate::picture::{
-    BeliefTrace, Cells, Ground, Mark, MarkKind, RobotTrace, RunTrace, Standing, Trail, TrailPoint,
-    draw,
+    BeliefTrace, Cells, DominanceTrace, Ground, Mark, MarkKind, PlanTrace, RobotTrace, RunTrace,
+    Standing, Trail, TrailPoint, TreeTrace, draw,
 };
 
 fn robot(name: &str, team: Team, way: impl IntoIterator<Item = (f64, f64)>) -> RobotTrace {
@@ -72,6 +72,9 @@ fn trace() -> RunTrace {
             mean: [1.0, 1.0],
             particles: vec![[1.0, 1.0], [1.1, 0.9], [99.0, -99.0]],
         }],
+        plans: Vec::new(),
+        trees: Vec::new(),
+        dominance: None,
         marks: vec![Mark {
             kind: MarkKind::Captured,
             robot: 1,
@@ -275,8 +278,9 @@ fn names_of_robots_in_a_heap_do_not_overlap() {
 }
 
 #[test]
-fn the_largest_run_makes_a_picture_of_at_most_200_kb() {
-    // 64 robots that wriggle for 10 000 ticks, 64 beliefs, a map of noise.
+fn the_largest_run_makes_a_picture_of_at_most_400_kb() {
+    // 64 robots that wriggle for 10 000 ticks, 64 beliefs, plans and trees,
+    // and maps of noise.
     let mut trace = trace();
     trace.robots = (0..64)
         .map(|r| {
@@ -302,6 +306,19 @@ fn the_largest_run_makes_a_picture_of_at_most_200_kb() {
             time_s: 100.0,
         })
         .collect();
+    let way: Vec<[f32; 2]> = (0..4000).map(|i| [1.0, i as f32 * 7e-4]).collect();
+    trace.plans = (0..64)
+        .map(|robot| PlanTrace {
+            robot,
+            points: way.clone(),
+        })
+        .collect();
+    trace.trees = (0..64)
+        .map(|robot| TreeTrace {
+            robot,
+            edges: way.iter().map(|&to| [[1.234, 2.345], to]).collect(),
+        })
+        .collect();
     trace.ground.obstacles.clear();
     trace.ground.cells = Some(Cells {
         origin: [0.0, 0.0],
@@ -311,8 +328,14 @@ fn the_largest_run_makes_a_picture_of_at_most_200_kb() {
             .map(|i| i.wrapping_mul(2_654_435_761) >> 30 == 0)
             .collect(),
     });
+    let noise = trace.ground.cells.clone().unwrap();
+    trace.dominance = Some(DominanceTrace {
+        police: noise.clone(),
+        evader: noise.clone(),
+        cut_off: noise,
+    });
     let svg = draw(&trace);
-    assert!(svg.len() <= 200_000, "{} bytes", svg.len());
+    assert!(svg.len() <= 400_000, "{} bytes", svg.len());
     assert_on_page(&svg);
 }
 
@@ -321,4 +344,53 @@ fn a_run_without_robots_map_or_title_still_makes_a_page() {
     let svg = draw(&RunTrace::default());
     let (width, height) = page(&Document::parse(&svg).unwrap());
     assert!(width > 100.0 && height > 100.0, "{width} {height}");
+}
+
+#[test]
+fn plans_trees_and_dominance_are_drawn_and_explained() {
+    let mut trace = trace();
+    let plain = draw(&trace);
+    let document = Document::parse(&plain).unwrap();
+    assert!(class(&document, "dominance").is_empty());
+    let cells = |occupied: [bool; 2]| Cells {
+        origin: [0.0; 2],
+        side: 1.0,
+        width: 2,
+        occupied: occupied.to_vec(),
+    };
+    trace.plans = vec![PlanTrace {
+        robot: 1,
+        points: vec![[3.0, 2.5], [3.0, 1.0], [3.5, 2.5]],
+    }];
+    trace.trees = vec![TreeTrace {
+        robot: 1,
+        edges: vec![[[3.0, 2.5], [3.0, 1.0]], [[3.0, 2.5], [3.5, 2.5]]],
+    }];
+    trace.dominance = Some(DominanceTrace {
+        police: cells([true, false]),
+        evader: cells([false, true]),
+        cut_off: cells([false, false]),
+    });
+    let svg = draw(&trace);
+    assert_on_page(&svg);
+    let document = Document::parse(&svg).unwrap();
+    let commands = |name: &str| {
+        let group = class(&document, name)[0];
+        let paths = group.children().filter_map(|path| path.attribute("d"));
+        paths
+            .map(|d| d.matches(['M', 'L']).count())
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(commands("plans"), [3]);
+    assert_eq!(commands("trees"), [4]);
+    // A rectangle each has four.
+    assert_eq!(commands("dominance"), [4, 4, 0]);
+    let words = texts(&document).join(" ");
+    for text in [
+        "means to go",
+        "searched for its way",
+        "whatever the Police do",
+    ] {
+        assert!(words.contains(text), "{text}: {words}");
+    }
 }

@@ -5,11 +5,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use ipc_types::messages::perception::{BeliefHeader, Particle};
+use ipc_types::messages::robot::{PlanHeader, PlanPoint};
 use ipc_types::messages::world::{
     MapCell, MapHeader, ObstacleEvent, RobotState, WorldEvent, WorldHeader,
 };
 use ipc_types::stamp::PlainHeader;
-use ipc_types::topics::{Belief, ObstacleEvents, Topic, WorldEvents, WorldMap, WorldState};
+use ipc_types::topics::{Belief, ObstacleEvents, Plan, Topic, WorldEvents, WorldMap, WorldState};
 use ipc_types::{cdr, schema};
 use tempfile::TempDir;
 
@@ -92,6 +93,7 @@ impl Log {
     fn run(mut self) -> (TempDir, PathBuf) {
         let states = self.channel::<WorldState>(&schema::hash::<WorldState>());
         let beliefs = self.channel::<Belief>(&schema::hash::<Belief>());
+        let plans = self.channel::<Plan>(&schema::hash::<Plan>());
         let events = self.channel::<WorldEvents>(&schema::hash::<WorldEvents>());
         let obstacles = self.channel::<ObstacleEvents>(&schema::hash::<ObstacleEvents>());
         let appears = ObstacleEvent {
@@ -129,6 +131,15 @@ impl Log {
                     ..BeliefHeader::default()
                 };
                 self.write::<Belief>(beliefs, time, &about, &[Particle::default(); 3]);
+                let about = PlanHeader {
+                    robot: 1,
+                    ..PlanHeader::default()
+                };
+                let way = [0.0, time].map(|x| PlanPoint {
+                    x,
+                    ..PlanPoint::default()
+                });
+                self.write::<Plan>(plans, time, &about, &way);
             }
             if tick == 50 {
                 let caught = WorldEvent {
@@ -142,6 +153,12 @@ impl Log {
             }
             if tick == 80 {
                 self.write::<ObstacleEvents>(obstacles, time, &PlainHeader::default(), &[appears]);
+            }
+            if tick == 100 {
+                let mut later = PlainHeader::default();
+                later.stamp.time_ns = 99_000_000_000;
+                let never = ObstacleEvent { id: 8, ..appears };
+                self.write::<ObstacleEvents>(obstacles, time, &later, &[never]);
             }
         }
         self.finish()
@@ -206,8 +223,11 @@ fn a_picture_of_a_moment_has_nothing_from_later_and_the_belief_of_then() {
         (trace.beliefs[0].robot, trace.beliefs[0].mean),
         (1, [3.0, 0.0])
     );
-    // Once the robber is caught nobody wonders where it is.
-    assert!(RunTrace::read(&path, Some(7.0)).unwrap().beliefs.is_empty());
+    assert_eq!(trace.plans.len(), 1);
+    assert_eq!(trace.plans[0].points, [[0.0, 0.0], [3.0, 0.0]]);
+    // Once the robber is caught nobody wonders where it is, and it goes nowhere.
+    let trace = RunTrace::read(&path, Some(7.0)).unwrap();
+    assert!(trace.beliefs.is_empty() && trace.plans.is_empty());
 }
 
 #[test]

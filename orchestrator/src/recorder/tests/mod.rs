@@ -11,16 +11,18 @@ use std::path::Path;
 
 use ipc_types::messages::perception::{BeliefHeader, Particle, Sighting};
 use ipc_types::messages::process::{ProcessStatus, RunControl};
+use ipc_types::messages::referee::{DominanceCell, DominanceHeader, Verdict};
 use ipc_types::messages::robot::{
     Command, PlanHeader, PlanPoint, ScanHeader, TreeEdge, TreeHeader,
 };
 use ipc_types::messages::world::{
-    MapCell, MapHeader, ObstacleEvent, RobotState, WorldEvent, WorldHeader,
+    CoverageState, MapCell, MapHeader, ObstacleEvent, RobotState, ShapePoint, ShapesHeader,
+    WorldEvent, WorldHeader,
 };
 use ipc_types::stamp::{PlainHeader, Stamp};
 use ipc_types::topics::{
-    Belief, Commands, Control, ObstacleEvents, Plan, Scan, Sightings, Status, Tree, WorldEvents,
-    WorldMap, WorldState,
+    Belief, Commands, Control, Coverage, Dominance, ObstacleEvents, Plan, Scan, Sightings, Status,
+    Tree, Verdicts, WorldEvents, WorldMap, WorldShapes, WorldState,
 };
 
 use super::{
@@ -40,7 +42,9 @@ const ROBOTS: u32 = 3;
 enum Sent {
     State(WorldHeader, Vec<RobotState>),
     Map(MapHeader, Vec<MapCell>),
+    Shapes(ShapesHeader, Vec<ShapePoint>),
     Event(PlainHeader, Vec<WorldEvent>),
+    Coverage(PlainHeader, CoverageState),
     Obstacle(PlainHeader, ObstacleEvent),
     Scan(ScanHeader, Vec<f32>),
     Sighting(PlainHeader, Vec<Sighting>),
@@ -48,6 +52,8 @@ enum Sent {
     Command(PlainHeader, Vec<Command>),
     Plan(PlanHeader, Vec<PlanPoint>),
     Tree(TreeHeader, Vec<TreeEdge>),
+    Verdict(PlainHeader, Vec<Verdict>),
+    Dominance(DominanceHeader, Vec<DominanceCell>),
     Status(PlainHeader, ProcessStatus),
     Control(PlainHeader, RunControl),
 }
@@ -57,7 +63,9 @@ impl Sent {
         match self {
             Self::State(h, e) => recording.push::<WorldState>(h, e),
             Self::Map(h, e) => recording.push::<WorldMap>(h, e),
+            Self::Shapes(h, e) => recording.push::<WorldShapes>(h, e),
             Self::Event(h, e) => recording.push::<WorldEvents>(h, e),
+            Self::Coverage(h, e) => recording.push::<Coverage>(h, &[*e]),
             Self::Obstacle(h, e) => recording.push::<ObstacleEvents>(h, &[*e]),
             Self::Scan(h, e) => recording.push::<Scan>(h, e),
             Self::Sighting(h, e) => recording.push::<Sightings>(h, e),
@@ -65,6 +73,8 @@ impl Sent {
             Self::Command(h, e) => recording.push::<Commands>(h, e),
             Self::Plan(h, e) => recording.push::<Plan>(h, e),
             Self::Tree(h, e) => recording.push::<Tree>(h, e),
+            Self::Verdict(h, e) => recording.push::<Verdicts>(h, e),
+            Self::Dominance(h, e) => recording.push::<Dominance>(h, e),
             Self::Status(h, e) => recording.push::<Status>(h, &[*e]),
             Self::Control(h, e) => recording.push::<Control>(h, &[*e]),
         }
@@ -74,13 +84,17 @@ impl Sent {
         match self {
             Self::State(h, _) => &h.stamp,
             Self::Map(h, _) => &h.stamp,
+            Self::Shapes(h, _) => &h.stamp,
             Self::Event(h, _)
+            | Self::Coverage(h, _)
             | Self::Obstacle(h, _)
             | Self::Sighting(h, _)
+            | Self::Verdict(h, _)
             | Self::Command(h, _)
             | Self::Status(h, _)
             | Self::Control(h, _) => &h.stamp,
             Self::Scan(h, _) => &h.stamp,
+            Self::Dominance(h, _) => &h.stamp,
             Self::Belief(h, _) => &h.stamp,
             Self::Plan(h, _) => &h.stamp,
             Self::Tree(h, _) => &h.stamp,
@@ -156,6 +170,22 @@ fn run(ticks: u64, clock: u64) -> Vec<Sent> {
                 ],
             ));
         }
+        if tick == 0 {
+            let header = ShapesHeader {
+                stamp: stamp(tick, SIMULATOR, 0),
+                max_x: 2.0,
+                max_y: 1.5,
+                revision: 1,
+                shapes: 1,
+                complete: 1,
+                ..ShapesHeader::default()
+            };
+            let disc = ShapePoint {
+                radius: 0.3,
+                ..ShapePoint::default()
+            };
+            sent.push(Sent::Shapes(header, vec![disc]));
+        }
         if tick == 5 {
             let event = WorldEvent {
                 robot: 2,
@@ -164,6 +194,17 @@ fn run(ticks: u64, clock: u64) -> Vec<Sent> {
                 ..WorldEvent::default()
             };
             sent.push(Sent::Event(plain(tick, SIMULATOR, 0), vec![event]));
+        }
+        if last {
+            let report = CoverageState {
+                fraction: 0.5,
+                cell_area: 0.25,
+                free: 8,
+                visited: 4,
+                ..CoverageState::default()
+            };
+            let place = plain(tick, SIMULATOR, 0);
+            sent.push(Sent::Coverage(place, report));
         }
         if tick == 3 {
             let event = ObstacleEvent {
@@ -235,6 +276,25 @@ fn run(ticks: u64, clock: u64) -> Vec<Sent> {
             ..TreeHeader::default()
         };
         sent.push(Sent::Tree(tree, vec![TreeEdge::default(); 5]));
+        if last {
+            let verdict = Verdict {
+                margin: f64::NEG_INFINITY,
+                time: f64::INFINITY,
+                robot: 2,
+                ..Verdict::default()
+            };
+            let header = plain(tick, PERCEPTION, 0);
+            sent.push(Sent::Verdict(header, vec![verdict]));
+            let header = DominanceHeader {
+                stamp: stamp(tick, PERCEPTION, 0),
+                resolution: 0.5,
+                width: 2,
+                height: 1,
+                ..DominanceHeader::default()
+            };
+            let cells = [DominanceCell::default(); 2].to_vec();
+            sent.push(Sent::Dominance(header, cells));
+        }
         if tick % 4 == 0 {
             let mut status = ProcessStatus {
                 ticks: tick,

@@ -4,9 +4,9 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use ipc_types::messages::world::{RobotState, WorldEvent, WorldHeader};
-use ipc_types::stamp::Stamp;
-use ipc_types::topics::{self, Topic, WorldState};
+use ipc_types::messages::world::{ObstacleEvent, RobotState, WorldEvent, WorldHeader};
+use ipc_types::stamp::{PlainHeader, Stamp};
+use ipc_types::topics::{self, ObstacleEvents, Topic, WorldState};
 use ipc_types::{cdr, schema};
 use mcap::sans_io::LinearReaderOptions;
 use proptest::prelude::*;
@@ -112,6 +112,36 @@ fn every_message_is_in_the_log_once_in_order_and_counted() {
 }
 
 #[test]
+fn what_was_announced_for_later_than_the_end_does_not_extend_the_log() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("run.mcap");
+    let mut sent = run(6, 1);
+    let mut header = PlainHeader::default();
+    header.stamp.tick = 500;
+    header.stamp.time_ns = 500 * PERIOD_NS;
+    header.stamp.sequence = 1;
+    let event = ObstacleEvent {
+        id: 5,
+        radius: 1.0,
+        ..ObstacleEvent::default()
+    };
+    sent.push(Sent::Obstacle(header, event));
+    let summary = record(&path, &sent, 3);
+    assert_eq!(summary.topics[ObstacleEvents::NAME].messages, 2);
+    assert_eq!(summary.topics[ObstacleEvents::NAME].rejected, 0);
+    assert_eq!(summary.ticks, 5);
+    assert_eq!(
+        summary.coverage.unwrap().visited_m2,
+        1.0,
+        "as last reported"
+    );
+    let bytes = std::fs::read(&path).unwrap();
+    let index = mcap::Summary::read(&bytes).unwrap().unwrap();
+    let end = index.stats.unwrap().message_end_time;
+    assert_eq!(end, 5 * PERIOD_NS);
+}
+
+#[test]
 fn the_file_describes_itself() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("run.mcap");
@@ -156,6 +186,7 @@ fn the_file_describes_itself() {
         ("/viewer/tf", "foxglove.FrameTransforms"),
         ("/viewer/particles/baddie_1", "foxglove.PointCloud"),
         ("/viewer/plan", "foxglove.SceneUpdate"),
+        ("/viewer/tree", "foxglove.SceneUpdate"),
         ("/viewer/scan/police_1", "foxglove.LaserScan"),
         ("/viewer/log", "foxglove.Log"),
     ] {

@@ -20,7 +20,6 @@ pub(super) fn draw(
     if count != cells.len() as u64 || count == 0 {
         return None;
     }
-    let row_stride = header.width.checked_mul(STRIDE)?;
     let mut data = Vec::with_capacity(cells.len() * STRIDE as usize);
     for cell in cells {
         let grey = if cell.occupied != 0 {
@@ -32,6 +31,27 @@ pub(super) fn draw(
         };
         data.extend_from_slice(&[grey, grey, grey, u8::MAX]);
     }
+    let frame = Frame {
+        origin: [header.origin_x, header.origin_y],
+        resolution: header.resolution,
+        width: header.width,
+    };
+    colours(&frame, time_ns, data)
+}
+
+/// Where coloured cells lie.
+pub(super) struct Frame {
+    /// Outer corner of the first cell [m].
+    pub(super) origin: [f64; 2],
+    /// Side of a cell [m].
+    pub(super) resolution: f64,
+    /// Columns.
+    pub(super) width: u32,
+}
+
+/// Cells of red, green, blue and alpha bytes; `None` if a row has more bytes than can be said.
+pub(super) fn colours(frame: &Frame, time_ns: u64, data: Vec<u8>) -> Option<Grid> {
+    let row_stride = frame.width.checked_mul(STRIDE)?;
     let field = |(offset, name): (u32, &str)| PackedElementField {
         name: name.to_owned(),
         offset,
@@ -40,11 +60,11 @@ pub(super) fn draw(
     Some(Grid {
         timestamp: Some(timestamp(time_ns)),
         frame_id: MAP_FRAME.to_owned(),
-        pose: Some(pose(header.origin_x, header.origin_y, 0.0, 0.0)),
-        column_count: header.width,
+        pose: Some(pose(frame.origin[0], frame.origin[1], 0.0, 0.0)),
+        column_count: frame.width,
         cell_size: Some(Vector2 {
-            x: header.resolution,
-            y: header.resolution,
+            x: frame.resolution,
+            y: frame.resolution,
         }),
         row_stride,
         cell_stride: STRIDE,

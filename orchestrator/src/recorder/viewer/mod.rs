@@ -7,19 +7,22 @@
 //! viewer that jumps in time shows the right thing from the one message before.
 
 mod channel;
+mod dominance;
 mod grid;
 mod palette;
 mod plans;
 mod points;
 mod scene;
 mod shapes;
+mod tree;
 mod words;
 
 use foxglove::messages::{
     FrameTransforms, Grid, LaserScan, Log as LogMessage, PointCloud, SceneUpdate,
 };
 use ipc_types::messages::perception::Particle;
-use ipc_types::messages::robot::{PlanPoint, ScanHeader};
+use ipc_types::messages::referee::{DominanceCell, DominanceHeader};
+use ipc_types::messages::robot::{PlanPoint, ScanHeader, TreeEdge};
 use ipc_types::messages::world::{
     MapCell, MapHeader, ObstacleEvent, RobotState, WorldEvent, WorldHeader,
 };
@@ -27,6 +30,7 @@ use ipc_types::messages::world::{
 use self::channel::ViewerChannel;
 use self::plans::Plans;
 use self::shapes::Obstacles;
+use self::tree::Trees;
 use super::error::LogError;
 use super::log_writer::LogWriter;
 use super::options::RobotInfo;
@@ -63,6 +67,7 @@ pub(super) struct Viewer {
     state: Option<State>,
     trail: scene::Trail,
     plans: Plans,
+    trees: Trees,
     obstacles: Obstacles,
     buffer: Vec<u8>,
 }
@@ -71,8 +76,10 @@ struct Channels {
     scene: ViewerChannel<SceneUpdate>,
     transforms: ViewerChannel<FrameTransforms>,
     map: ViewerChannel<Grid>,
+    dominance: ViewerChannel<Grid>,
     obstacles: ViewerChannel<SceneUpdate>,
     plans: ViewerChannel<SceneUpdate>,
+    trees: ViewerChannel<SceneUpdate>,
     log: ViewerChannel<LogMessage>,
     particles: Vec<ViewerChannel<PointCloud>>,
     scans: Vec<ViewerChannel<LaserScan>>,
@@ -107,8 +114,10 @@ impl Viewer {
             scene: ViewerChannel::add(log, "/viewer/scene")?,
             transforms: ViewerChannel::add(log, "/viewer/tf")?,
             map: ViewerChannel::add(log, "/viewer/map")?,
+            dominance: ViewerChannel::add(log, "/viewer/dominance")?,
             obstacles: ViewerChannel::add(log, "/viewer/obstacles")?,
             plans: ViewerChannel::add(log, "/viewer/plan")?,
+            trees: ViewerChannel::add(log, "/viewer/tree")?,
             log: ViewerChannel::add(log, "/viewer/log")?,
             particles: per_robot("particles")
                 .iter()
@@ -133,6 +142,7 @@ impl Viewer {
             state: None,
             trail: scene::Trail::default(),
             plans: Plans::new(robots.len()),
+            trees: Trees::new(robots.len()),
             obstacles: Obstacles::default(),
             buffer: Vec::new(),
         };
@@ -181,6 +191,23 @@ impl Viewer {
         }
     }
 
+    /// Draws who reaches what first, whenever a referee says it.
+    pub(super) fn dominance(
+        &mut self,
+        header: &DominanceHeader,
+        time_ns: u64,
+        cells: impl ExactSizeIterator<Item = DominanceCell>,
+        log: &mut LogWriter,
+    ) -> Result<(), LogError> {
+        match dominance::draw(header, time_ns, cells) {
+            Some(grid) => self
+                .channels
+                .dominance
+                .write(log, time_ns, &grid, &mut self.buffer),
+            None => Ok(()),
+        }
+    }
+
     /// Says what happened, and sees to it that the tick is drawn.
     pub(super) fn event(
         &mut self,
@@ -223,6 +250,11 @@ impl Viewer {
     /// Keeps a robot's plan for the picture.
     pub(super) fn plan(&mut self, robot: u32, points: impl Iterator<Item = PlanPoint>) {
         self.plans.set(robot as usize, points);
+    }
+
+    /// Keeps a robot's tree for the picture.
+    pub(super) fn tree(&mut self, robot: u32, edges: impl Iterator<Item = TreeEdge>) {
+        self.trees.set(robot as usize, edges);
     }
 
     /// Draws a belief about a robot from the bytes of its particles.
@@ -313,6 +345,11 @@ impl Viewer {
         if let Some(update) = self.plans.draw(&self.robots, &state.robots, time_ns) {
             self.channels
                 .plans
+                .write(log, time_ns, &update, &mut self.buffer)?;
+        }
+        if let Some(update) = self.trees.draw(&self.robots, &state.robots, time_ns) {
+            self.channels
+                .trees
                 .write(log, time_ns, &update, &mut self.buffer)?;
         }
         Ok(())

@@ -11,6 +11,13 @@ pub(super) const WALL_GREY: u8 = 60;
 /// Grey level of a free cell beside an obstacle; far from obstacles a cell is white.
 pub(super) const EDGE_GREY: u8 = 200;
 
+/// The Police: blue.
+pub(super) const POLICE: [u8; 3] = [0, 114, 178];
+/// Evaders: vermilion.
+pub(super) const EVADER: [u8; 3] = [213, 94, 0];
+/// Places that evaders could be cut off from: orange.
+pub(super) const CUT_OFF: [u8; 3] = [230, 159, 0];
+
 const fn rgb(r: u8, g: u8, b: u8, a: f64) -> Color {
     Color {
         r: r as f64 / 255.0,
@@ -25,8 +32,8 @@ const fn rgb(r: u8, g: u8, b: u8, a: f64) -> Color {
 pub(super) fn team(team: u8, active: bool) -> Color {
     let alpha = if active { 1.0 } else { 0.35 };
     match team {
-        1 => rgb(0, 114, 178, alpha),
-        2 => rgb(213, 94, 0, alpha),
+        1 => rgb(POLICE[0], POLICE[1], POLICE[2], alpha),
+        2 => rgb(EVADER[0], EVADER[1], EVADER[2], alpha),
         _ => rgb(0, 158, 115, alpha),
     }
 }

@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 
 use foxglove::messages::{
     CubePrimitive, CylinderPrimitive, LinePrimitive, Point3, SceneEntity, SceneEntityDeletion,
-    SceneUpdate, Vector3, line_primitive, scene_entity_deletion,
+    SceneUpdate, TriangleListPrimitive, Vector3, line_primitive, scene_entity_deletion,
 };
 use ipc_types::messages::world::ObstacleEvent;
+use sim_backend::shape::Shape;
 
 use super::scene::{entity, pose};
 use super::{palette, timestamp};
@@ -88,16 +89,18 @@ fn draw(event: &ObstacleEvent, mut entity: SceneEntity) -> SceneEntity {
         }),
         _ => {
             let count = (event.vertex_count as usize).min(event.vertices.len() / 2);
-            let points = event
-                .vertices
-                .chunks_exact(2)
-                .take(count)
-                .map(|xy| Point3 {
-                    x: xy[0],
-                    y: xy[1],
-                    z: HEIGHT,
-                })
-                .collect();
+            let corners = event.vertices.chunks_exact(2).take(count);
+            let vertices: Vec<[f64; 2]> = corners.map(|xy| [xy[0], xy[1]]).collect();
+            let points = vertices.iter().map(|&[x, y]| top(x, y)).collect();
+            let fill = triangles(vertices);
+            if !fill.is_empty() {
+                entity.triangles.push(TriangleListPrimitive {
+                    pose: Some(pose(0.0, 0.0, 0.0, 0.0)),
+                    points: fill,
+                    color,
+                    ..TriangleListPrimitive::default()
+                });
+            }
             entity.lines.push(LinePrimitive {
                 r#type: line_primitive::Type::LineLoop as i32,
                 pose: Some(pose(0.0, 0.0, 0.0, 0.0)),
@@ -112,9 +115,59 @@ fn draw(event: &ObstacleEvent, mut entity: SceneEntity) -> SceneEntity {
     entity
 }
 
+/// A point at the height of obstacles.
+fn top(x: f64, y: f64) -> Point3 {
+    Point3 { x, y, z: HEIGHT }
+}
+
+/// The triangles that make up a polygon, three points each; none if it is not a simple one.
+fn triangles(vertices: Vec<[f64; 2]>) -> Vec<Point3> {
+    let parts = Shape::Polygon { vertices }.parts().unwrap_or_default();
+    let mut points = Vec::new();
+    for part in parts {
+        let corners = part.corners();
+        let Some((first, others)) = corners.split_first() else {
+            continue;
+        };
+        // Convex: a fan.
+        for pair in others.windows(2) {
+            points.extend([first, &pair[0], &pair[1]].map(|p| top(p.x, p.y)));
+        }
+    }
+    points
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn polygons_are_filled() {
+        // A hook: an L of three unit squares.
+        let mut hook = ObstacleEvent {
+            shape: 2,
+            vertex_count: 6,
+            ..ObstacleEvent::default()
+        };
+        let corners = [0.0, 0.0, 2.0, 0.0, 2.0, 1.0, 1.0, 1.0, 1.0, 2.0, 0.0, 2.0];
+        hook.vertices[..12].copy_from_slice(&corners);
+        let mut obstacles = Obstacles::default();
+        obstacles.apply(&hook);
+        let update = obstacles.draw(0);
+        let points = &update.entities[0].triangles[0].points;
+        let area: f64 = points
+            .chunks_exact(3)
+            .map(|t| {
+                let (a, b) = (
+                    (t[1].x - t[0].x, t[1].y - t[0].y),
+                    (t[2].x - t[0].x, t[2].y - t[0].y),
+                );
+                0.5 * (a.0 * b.1 - a.1 * b.0)
+            })
+            .sum();
+        assert!((area - 3.0).abs() < 1e-9, "{area}");
+        assert_eq!(update.entities[0].lines[0].points.len(), 6);
+    }
 
     #[test]
     fn obstacles_are_drawn_until_they_disappear() {

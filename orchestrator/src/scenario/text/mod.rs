@@ -16,10 +16,10 @@ mod write;
 
 pub use deserialize::{ReadError, ReadFault};
 pub use diagnostic::{Code, Diagnostic, Diagnostics, Place};
-pub use node::{Entry, Node, Table, Value};
+pub use node::{Entry, Node, Table, Value, render_float};
 pub use parse::{parse_document, parse_string, parse_value};
 pub use path::{FieldPath, Step};
 pub use read::{describe, problem_at, read, read_once, suggest};
 pub use source::{Origin, SourceKind, Sources};
 pub use suggest::{list_choices, nearest};
-pub use write::write_document;
+pub use write::{write_document, write_value};

@@ -26,7 +26,12 @@ fn write_table(out: &mut String, path: &str, table: &Table) {
     };
     for entry in table.entries.iter().filter(|e| !has_own_lines(&e.node)) {
         // Writing to a String cannot fail.
-        let _ = writeln!(out, "{} = {}", render_key(&entry.key), inline(&entry.node));
+        let _ = writeln!(
+            out,
+            "{} = {}",
+            render_key(&entry.key),
+            write_value(&entry.node)
+        );
     }
     for entry in table.entries.iter().filter(|e| has_own_lines(&e.node)) {
         let name = inner(&entry.key);
@@ -39,8 +44,12 @@ fn write_table(out: &mut String, path: &str, table: &Table) {
                 for element in list.iter().filter_map(Node::as_table) {
                     let _ = writeln!(out, "\n[[{name}]]");
                     for entry in &element.entries {
-                        let _ =
-                            writeln!(out, "{} = {}", render_key(&entry.key), inline(&entry.node));
+                        let _ = writeln!(
+                            out,
+                            "{} = {}",
+                            render_key(&entry.key),
+                            write_value(&entry.node)
+                        );
                     }
                 }
             }
@@ -57,7 +66,8 @@ fn has_own_lines(node: &Node) -> bool {
     }
 }
 
-fn inline(node: &Node) -> String {
+/// The value as TOML on one line.
+pub fn write_value(node: &Node) -> String {
     match &node.value {
         Value::Bool(v) => v.to_string(),
         Value::Int(v) => v.to_string(),
@@ -65,7 +75,7 @@ fn inline(node: &Node) -> String {
         Value::Str(v) => quoted(v),
         Value::Datetime(v) => v.clone(),
         Value::Array(list) => {
-            let parts: Vec<String> = list.iter().map(inline).collect();
+            let parts: Vec<String> = list.iter().map(write_value).collect();
             format!("[{}]", parts.join(", "))
         }
         Value::Table(table) if table.entries.is_empty() => "{}".to_owned(),
@@ -73,7 +83,7 @@ fn inline(node: &Node) -> String {
             let parts: Vec<String> = table
                 .entries
                 .iter()
-                .map(|e| format!("{} = {}", render_key(&e.key), inline(&e.node)))
+                .map(|e| format!("{} = {}", render_key(&e.key), write_value(&e.node)))
                 .collect();
             format!("{{ {} }}", parts.join(", "))
         }

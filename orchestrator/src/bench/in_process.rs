@@ -1,0 +1,207 @@
+//! Games per second of runs in one process, beside runs with processes.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use rustix::time::{ClockId, clock_gettime};
+
+use super::report::{Figure, Goal};
+use super::session::{Session, number};
+use super::stats::Spread;
+use super::{BenchError, Deadline, Options};
+use crate::in_process::{self, Cache, InProcessOptions};
+use crate::scenario::{ResolvedScenario, load};
+
+const ITEM: &str = "in-process";
+/// Games per second and core to be reached.
+const GOAL: f64 = 200.0;
+
+/// A kind of game.
+struct Game {
+    name: &'static str,
+    scenario: &'static str,
+    set: &'static [&'static str],
+    /// Games that fill the cache before anything is measured, as in a sweep of thousands.
+    warm: u64,
+    /// Games between two readings of the clock.
+    batch: u64,
+    /// How many batches are measured.
+    batches: usize,
+    goal: Option<f64>,
+}
+
+const GAMES: [Game; 3] = [
+    Game {
+        name: "chase_exact",
+        scenario: "chase_exact",
+        set: &[],
+        warm: 24,
+        batch: 8,
+        batches: 12,
+        goal: Some(GOAL),
+    },
+    Game {
+        name: "chase_exact, both sides as in the paper",
+        scenario: "chase_exact",
+        set: &[
+            "processes.pursuer.params.preset=paper",
+            "processes.evader_potential.params.preset=paper",
+        ],
+        warm: 8,
+        batch: 8,
+        batches: 12,
+        goal: Some(GOAL),
+    },
+    Game {
+        name: "chase, with perception",
+        scenario: "chase",
+        set: &[],
+        warm: 2,
+        batch: 2,
+        batches: 4,
+        goal: None,
+    },
+];
+
+/// Runs games with many seeds in this thread, and a few of the same with processes.
+///
+/// # Errors
+/// [`BenchError`] says what could not be measured.
+pub fn measure(options: &Options, say: &mut impl FnMut(&str)) -> Result<Vec<Figure>, BenchError> {
+    let deadline = Deadline::new();
+    let mut figures = Vec::new();
+    for game in &GAMES {
+        say(&format!("{}, in this process", game.name));
+        let here = here(game, options, deadline)?;
+        let mut beside = Vec::new();
+        for seed in 1..=options.repeats(4, 2) as u64 {
+            say(&format!("{}, with processes, seed {seed}", game.name));
+            beside.push(with_processes(game, seed, options, deadline)?);
+        }
+        figures.extend(report(game, &here, &beside));
+    }
+    Ok(figures)
+}
+
+/// Games in this thread.
+#[derive(Default)]
+struct Here {
+    /// Per batch, games per second of CPU time.
+    rates: Vec<f64>,
+    /// Per batch, CPU time per tick [µs].
+    costs: Vec<f64>,
+    /// Per batch, time to resolve a scenario [ms].
+    resolving: Vec<f64>,
+    /// Per game, its length [ticks].
+    ticks: Vec<f64>,
+}
+
+fn here(game: &Game, options: &Options, deadline: Deadline) -> Result<Here, BenchError> {
+    let how = InProcessOptions {
+        cache: Arc::new(Cache::default()),
+        ..InProcessOptions::default()
+    };
+    let mut here = Here::default();
+    let mut seed = 0;
+    let mut play = |games: u64, here: Option<&mut Here>| -> Result<(), BenchError> {
+        let begun = cpu_time();
+        let scenarios = (0..games)
+            .map(|_| {
+                seed += 1;
+                resolve(game, seed)
+            })
+            .collect::<Result<Vec<_>, _>>()?;
+        let resolved = cpu_time();
+        let mut ticks = Vec::new();
+        for scenario in &scenarios {
+            options.check()?;
+            deadline.check(game.name)?;
+            let report = in_process::run(scenario, &how).map_err(|e| BenchError::Process {
+                process: format!("{} with seed {}", game.name, scenario.run.seed),
+                how: e.to_string(),
+            })?;
+            ticks.push(report.summary.ticks as f64);
+        }
+        let took = cpu_time().saturating_sub(resolved).as_secs_f64().max(1e-9);
+        if let Some(here) = here {
+            let resolving = resolved.saturating_sub(begun).as_secs_f64();
+            here.resolving.push(resolving * 1e3 / games as f64);
+            here.rates.push(games as f64 / took);
+            here.costs
+                .push(took * 1e6 / ticks.iter().sum::<f64>().max(1.0));
+            here.ticks.extend(ticks);
+        }
+        Ok(())
+    };
+    play(game.warm, None)?;
+    for _ in 0..options.repeats(game.batches, game.batches.div_ceil(4)) {
+        play(game.batch, Some(&mut here))?;
+    }
+    Ok(here)
+}
+
+/// One game with processes: time before and after its ticks, and per tick [s].
+fn with_processes(
+    game: &Game,
+    seed: u64,
+    options: &Options,
+    deadline: Deadline,
+) -> Result<(f64, f64), BenchError> {
+    let mut arguments = vec!["--seed".to_owned(), seed.to_string()];
+    for set in game.set {
+        arguments.extend(["--set".to_owned(), (*set).to_owned()]);
+    }
+    let begun = Instant::now();
+    let session = Session::start(game.scenario, &arguments, deadline)?;
+    let report = session.finish(options, Duration::from_millis(100), |_| {})?;
+    let flown = number(&report, "/wall_time_s");
+    let fixed = (begun.elapsed().as_secs_f64() - flown).max(0.0);
+    Ok((fixed, flown / number(&report, "/ticks").max(1.0)))
+}
+
+fn report(game: &Game, here: &Here, beside: &[(f64, f64)]) -> Vec<Figure> {
+    let figure = |what: &str, values: &[f64], unit| {
+        Spread::of(values.iter().copied())
+            .map(|value| Figure::new(ITEM, format!("{}: {what}", game.name), value, unit))
+    };
+    // Games are of different lengths: what counts is the time for one of the mean length.
+    let mean = here.ticks.iter().sum::<f64>() / here.ticks.len().max(1) as f64;
+    let rate = |(fixed, per_tick): &(f64, f64)| 1.0 / (fixed + per_tick * mean).max(1e-9);
+    let with_processes = Spread::of(beside.iter().map(rate));
+    let games = figure("games/s of one core", &here.rates, "games/s").map(|games| {
+        let games = match with_processes {
+            Some(beside) => games.against("with processes, one game at a time", beside.median),
+            None => games,
+        };
+        match game.goal {
+            Some(goal) => games.with_goal(Goal::AtLeast(goal)),
+            None => games,
+        }
+    });
+    [
+        games,
+        figure("CPU per tick", &here.costs, "us"),
+        figure("resolving a scenario", &here.resolving, "ms"),
+        figure("length of a game", &here.ticks, "ticks"),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+fn resolve(game: &Game, seed: u64) -> Result<ResolvedScenario, BenchError> {
+    let set: Vec<String> = game.set.iter().map(|&set| set.to_owned()).collect();
+    load(game.scenario, &set, Some(seed)).map_err(|problems| BenchError::Process {
+        process: game.name.to_owned(),
+        how: problems.to_string(),
+    })
+}
+
+/// CPU time of this thread.
+fn cpu_time() -> Duration {
+    let now = clock_gettime(ClockId::ThreadCPUTime);
+    Duration::new(
+        u64::try_from(now.tv_sec).unwrap_or(0),
+        u32::try_from(now.tv_nsec).unwrap_or(0),
+    )
+}

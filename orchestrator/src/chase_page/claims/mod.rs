@@ -1,0 +1,149 @@
+//! The paper's claims, and what our games say to them.
+
+mod compare;
+mod critical;
+mod knowledge;
+mod planning;
+mod speed;
+
+use super::evidence::{Evidence, Study};
+use super::plans::Plans;
+
+/// What our games say to a claim.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verdict {
+    /// It holds.
+    Confirmed,
+    /// It does not hold.
+    Refuted,
+    /// The games do not decide.
+    Undecided,
+    /// There are no games that could.
+    NoData,
+}
+
+impl Verdict {
+    /// In words.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Confirmed => "confirmed",
+            Self::Refuted => "refuted",
+            Self::Undecided => "undecided",
+            Self::NoData => "no data",
+        }
+    }
+}
+
+/// A verdict with the numbers it follows from.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Finding {
+    /// The verdict.
+    pub verdict: Verdict,
+    /// The numbers, a line each.
+    pub numbers: Vec<String>,
+}
+
+impl Finding {
+    /// There are no games that could decide.
+    fn missing(what: &str) -> Self {
+        Self {
+            verdict: Verdict::NoData,
+            numbers: vec![format!("There are no results for this: {what}.")],
+        }
+    }
+}
+
+/// One of the paper's claims.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Claim {
+    /// The letter that the page calls it by.
+    pub letter: &'static str,
+    /// What is claimed, in our words.
+    pub claim: &'static str,
+    /// How the verdict follows from the numbers.
+    pub rule: &'static str,
+    /// With our planners.
+    pub ours: Finding,
+    /// With the paper's parameters.
+    pub paper: Finding,
+}
+
+/// Largest difference of chances that still counts as none.
+pub(super) const MARGIN: f64 = 0.05;
+
+/// All claims.
+pub fn claims(evidence: &Evidence) -> Vec<Claim> {
+    let speed = |test: fn(&Study) -> Finding| {
+        let of = |study: &Option<Study>, name: &str| {
+            study.as_ref().map_or_else(|| Finding::missing(name), test)
+        };
+        (
+            of(&evidence.speed, "experiment escape_vs_speed"),
+            of(&evidence.speed_paper, "experiment escape_vs_speed_paper"),
+        )
+    };
+    let knowledge = |test: fn(&Study) -> Finding| {
+        let of = |study: &Option<Study>, name: &str| {
+            study.as_ref().map_or_else(|| Finding::missing(name), test)
+        };
+        (
+            of(&evidence.knowledge, "experiment knowledge"),
+            of(&evidence.knowledge_paper, "experiment knowledge_paper"),
+        )
+    };
+    let plans = |test: fn(&Plans, bool) -> Finding| {
+        let of = |paper| match &evidence.plans {
+            Some(plans) => test(plans, paper),
+            None => Finding::missing("plans.csv of `protean sweep plans`"),
+        };
+        (of(false), of(true))
+    };
+    let claim = |letter, claim, rule, (ours, paper)| Claim {
+        letter,
+        claim,
+        rule,
+        ours,
+        paper,
+    };
+    vec![
+        claim("a", speed::ORDER, speed::ORDER_RULE, speed(speed::order)),
+        claim(
+            "b",
+            critical::FIELD_CLAIM,
+            critical::FIELD_RULE,
+            speed(critical::field),
+        ),
+        claim("c", speed::DROP, speed::DROP_RULE, speed(speed::drop)),
+        claim("d", speed::NEVER, speed::NEVER_RULE, speed(speed::never)),
+        claim(
+            "e",
+            critical::RRT_CLAIM,
+            critical::RRT_RULE,
+            speed(critical::rrt),
+        ),
+        claim(
+            "f1",
+            knowledge::RAISES,
+            knowledge::RAISES_RULE,
+            knowledge(knowledge::raises),
+        ),
+        claim(
+            "f2",
+            knowledge::FADES,
+            knowledge::FADES_RULE,
+            knowledge(knowledge::fades),
+        ),
+        claim(
+            "g",
+            planning::ARCS,
+            planning::ARCS_RULE,
+            plans(planning::arcs),
+        ),
+        claim(
+            "h",
+            planning::AVOIDS,
+            planning::AVOIDS_RULE,
+            plans(planning::avoids),
+        ),
+    ]
+}

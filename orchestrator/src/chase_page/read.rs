@@ -1,0 +1,124 @@
+//! Studies from the results of sweeps.
+
+use std::path::PathBuf;
+
+use super::evidence::{Cell, Evidence, Method, Study};
+use crate::sweep::{Results, SweepError, figures};
+
+/// The parameter that the chase's experiments vary.
+const RATIO: &str = "relative_speed";
+/// The experiments of the page.
+const EXPERIMENTS: [&str; 4] = [
+    "escape_vs_speed",
+    "escape_vs_speed_paper",
+    "knowledge",
+    "knowledge_paper",
+];
+
+/// Why results are of no use for the page.
+#[derive(Debug, thiserror::Error)]
+pub enum StudyError {
+    /// The directory cannot be read.
+    #[error(transparent)]
+    Sweep(#[from] SweepError),
+    /// Another experiment.
+    #[error(
+        "{} holds the results of the experiment `{name}`; expected one of {}",
+        path.display(),
+        EXPERIMENTS.join(", ")
+    )]
+    Unknown {
+        /// The directory.
+        path: PathBuf,
+        /// Name of its experiment.
+        name: String,
+    },
+    /// The same experiment twice.
+    #[error("{} holds the experiment `{name}` again; expected each experiment once", path.display())]
+    Twice {
+        /// The directory.
+        path: PathBuf,
+        /// Name of its experiment.
+        name: String,
+    },
+    /// Other parameters than the page knows.
+    #[error(
+        "{}: the experiment varies {found:?}; expected `relative_speed` alone, a number",
+        path.display()
+    )]
+    Parameters {
+        /// The directory.
+        path: PathBuf,
+        /// Its parameters.
+        found: Vec<String>,
+    },
+}
+
+impl Evidence {
+    /// Adds the results of one of the page's experiments.
+    ///
+    /// # Errors
+    /// [`StudyError`].
+    pub fn add(&mut self, results: &Results) -> Result<(), StudyError> {
+        let name = results.manifest().experiment.clone();
+        let path = || results.directory().to_owned();
+        let place = match name.as_str() {
+            "escape_vs_speed" => &mut self.speed,
+            "escape_vs_speed_paper" => &mut self.speed_paper,
+            "knowledge" => &mut self.knowledge,
+            "knowledge_paper" => &mut self.knowledge_paper,
+            _ => return Err(StudyError::Unknown { path: path(), name }),
+        };
+        if place.is_some() {
+            return Err(StudyError::Twice { path: path(), name });
+        }
+        *place = Some(Study::of(results)?);
+        Ok(())
+    }
+}
+
+impl Study {
+    /// The study of an experiment that varies the speed and nothing else.
+    ///
+    /// # Errors
+    /// [`StudyError`].
+    pub fn of(results: &Results) -> Result<Self, StudyError> {
+        let manifest = results.manifest();
+        let refused = || StudyError::Parameters {
+            path: results.directory().to_owned(),
+            found: manifest.parameters.clone(),
+        };
+        if manifest.parameters != [RATIO] {
+            return Err(refused());
+        }
+        let mut cells = Vec::new();
+        for cell in &manifest.cells {
+            let ratio = cell.values.first().and_then(crate::sweep::Value::number);
+            cells.push(Cell {
+                method: cell.case.clone(),
+                ratio: ratio.ok_or_else(refused)?,
+                ..Cell::default()
+            });
+        }
+        for (mission, row) in results.rows() {
+            let Some(cell) = cells.get_mut(mission.cell) else {
+                continue;
+            };
+            if row.is_failed() {
+                cell.failed += 1;
+                continue;
+            }
+            cell.escapes.add(row.escaped, row.evaders);
+            cell.caught += u64::from(row.caught);
+            cell.held_out += u64::from(row.held_out);
+        }
+        let titles = figures::case_titles(results)?.into_iter();
+        Ok(Self {
+            name: manifest.experiment.clone(),
+            program: manifest.program.clone(),
+            seeds: manifest.seeds.to_string(),
+            methods: titles.map(|(name, title)| Method { name, title }).collect(),
+            cells,
+        })
+    }
+}

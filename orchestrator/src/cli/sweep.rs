@@ -1,0 +1,472 @@
+//! `protean sweep`.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+use clap::Subcommand;
+use serde_json::json;
+
+use super::run::handle_signals;
+use super::sweep_page::{self, PageArgs};
+use super::sweep_plans::{self, PlansArgs};
+use super::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, print, print_json};
+use crate::sweep::engine::{Engine, InProcess, Processes};
+use crate::sweep::launcher::{self, Plan, Scheduler};
+use crate::sweep::merge::merge;
+use crate::sweep::runner::{self, RunOptions};
+use crate::sweep::shard::Shard;
+use crate::sweep::spec::LogPolicy;
+use crate::sweep::{
+    Experiment, LoadOptions, Manifest, Results, Seeds, SweepError, describe, figures, summary,
+};
+
+/// What stands below the options.
+pub(super) const HELP: &str = "\
+A sweep may be interrupted and killed at any time: the same command goes on where it stopped, and a
+mission that is done is never carried out again. What it results in (results.csv, byte for byte)
+depends on the experiment alone. docs/sweep.md describes the experiment file and the results.
+
+Exit codes: 0 everything is done, 1 the results cannot be kept, 2 wrong usage or experiment,
+3 some missions failed or are missing.";
+
+/// What `protean sweep` takes.
+#[derive(Debug, clap::Args)]
+pub(super) struct SweepArgs {
+    #[command(subcommand)]
+    command: Option<SweepCommand>,
+    #[command(flatten)]
+    run: SweepRunArgs,
+}
+
+#[derive(Debug, Subcommand)]
+enum SweepCommand {
+    /// Write the page that sets the chase's results beside the published ones
+    Page(PageArgs),
+    /// Measure single plans of the RRT* evaders, for the page
+    Plans(PlansArgs),
+    /// Draw the figures of results again
+    Figures {
+        /// The directory of the results
+        #[arg(value_name = "DIR")]
+        results: PathBuf,
+    },
+    /// Put the results of an experiment's parts together
+    Merge {
+        /// The directories of the parts
+        #[arg(required = true, value_name = "DIR")]
+        parts: Vec<PathBuf>,
+        /// Where the results go; it may hold some of them already
+        #[arg(long, short, value_name = "DIR")]
+        out: PathBuf,
+        /// Print one JSON object
+        #[arg(long)]
+        json: bool,
+    },
+}
+
+#[derive(Debug, clap::Args)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "one per switch of the command line"
+)]
+struct SweepRunArgs {
+    /// The experiment's file
+    experiment: Option<PathBuf>,
+    /// Where the results go [default: results/EXPERIMENT, and shard-I-of-N below it for a shard]
+    #[arg(long, short, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Missions at once [default: as many as there are processors]
+    #[arg(long, short, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=4096))]
+    jobs: Option<u16>,
+    /// Seeds in place of the experiment's: A..B, both included
+    #[arg(long, value_name = "A..B")]
+    seeds: Option<String>,
+    /// Override a value of every scenario
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    set: Vec<String>,
+    /// Run every mission inside this program instead of as processes: the same results, many times faster
+    #[arg(long)]
+    in_process: bool,
+    /// Only part I of N: every N-th mission
+    #[arg(long, value_name = "I/N")]
+    shard: Option<String>,
+    /// List the missions that would be carried out, and do nothing
+    #[arg(long)]
+    dry_run: bool,
+    /// Carry out missions again that failed before
+    #[arg(long)]
+    retry_failed: bool,
+    /// Which missions keep their log, in the results' folder logs
+    #[arg(long, value_name = "WHICH")]
+    log: Option<LogPolicy>,
+    /// Who carries it out: this program, or the scheduler a script of which is written
+    #[arg(long, value_enum, default_value_t = Scheduler::Local)]
+    engine: Scheduler,
+    /// Parts for a scheduler
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    shards: u32,
+    /// Start the scheduler's script once it is written
+    #[arg(long)]
+    submit: bool,
+    /// Let scenarios start programs that are not Protean's own
+    #[arg(long)]
+    allow_external: bool,
+    /// Let the experiment and its scenarios use files outside their folders
+    #[arg(long)]
+    allow_outside: bool,
+    /// Show nothing but errors and the result
+    #[arg(long, short)]
+    quiet: bool,
+    /// Print the result as one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs experiments, merges their results, and shows them.
+pub(super) fn sweep(args: &SweepArgs) -> ExitCode {
+    match (&args.command, &args.run.experiment) {
+        (Some(SweepCommand::Merge { parts, out, json }), _) => merged(parts, out, *json),
+        (Some(SweepCommand::Page(args)), _) => sweep_page::write(args),
+        (Some(SweepCommand::Plans(args)), _) => sweep_plans::write(args),
+        (Some(SweepCommand::Figures { results }), _) => redrawn(results),
+        (None, Some(experiment)) => run(experiment, &args.run),
+        (None, None) => {
+            eprintln!("error: which experiment? `protean sweep EXPERIMENT.toml`, see --help");
+            ExitCode::from(EXIT_INVALID)
+        }
+    }
+}
+
+/// Says what is wrong; the code of a failure.
+fn failed(error: &SweepError) -> ExitCode {
+    eprintln!("error: {error}");
+    ExitCode::from(match error {
+        SweepError::Io { .. } | SweepError::Launcher { .. } => EXIT_FAILED,
+        _ => EXIT_INVALID,
+    })
+}
+
+fn invalid(text: impl std::fmt::Display) -> ExitCode {
+    eprintln!("{text}");
+    ExitCode::from(EXIT_INVALID)
+}
+
+fn merged(parts: &[PathBuf], out: &Path, as_json: bool) -> ExitCode {
+    let drawn = || {
+        let results = merge(parts, out)?;
+        // Every part has the published points of the figures.
+        if let Some(part) = parts.first() {
+            figures::keep_published(part, &results)?;
+        }
+        figures::write(&results)?;
+        Ok(results)
+    };
+    match drawn() {
+        Ok(results) => conclude(&results, None, as_json),
+        Err(error) => failed(&error),
+    }
+}
+
+/// Draws the figures of results again and prints their files.
+fn redrawn(directory: &Path) -> ExitCode {
+    match Results::read(directory).and_then(|results| figures::write(&results)) {
+        Ok(files) => {
+            for file in files {
+                print(&file.display().to_string());
+            }
+            ExitCode::SUCCESS
+        }
+        Err(error) => failed(&error),
+    }
+}
+
+/// Prints what the results amount to.
+fn conclude(results: &Results, report: Option<&runner::RunReport>, as_json: bool) -> ExitCode {
+    for note in results.notes() {
+        eprintln!("note: {note}");
+    }
+    if as_json {
+        print_json(&summary::json(results, report));
+    } else {
+        let table = results.directory().join("results.csv");
+        print(&format!(
+            "{}\nresults   {}",
+            summary::text(results, report),
+            table.display()
+        ));
+    }
+    let failures = results.rows().any(|(_, row)| row.is_failed());
+    // A part has done its work when its own missions are done.
+    let interrupted = report.is_some_and(|report| report.interrupted);
+    let missing = report.is_none() && !results.missing().is_empty();
+    if failures || interrupted || missing {
+        ExitCode::from(EXIT_PARTIAL)
+    } else {
+        ExitCode::SUCCESS
+    }
+}
+
+fn run(path: &Path, args: &SweepRunArgs) -> ExitCode {
+    kit::logging::start("warn");
+    let parsed = (
+        args.seeds.as_deref().map(Seeds::parse).transpose(),
+        args.shard.as_deref().map(Shard::parse).transpose(),
+    );
+    let (seeds, shard) = match parsed {
+        (Ok(seeds), Ok(shard)) => (seeds, shard.unwrap_or(Shard::WHOLE)),
+        (Err(error), _) => return invalid(format!("error: --seeds: {error}")),
+        (_, Err(error)) => return invalid(format!("error: --shard: {error}")),
+    };
+    if args.engine != Scheduler::Local && args.shard.is_some() {
+        return invalid("error: --engine writes a script for all parts: leave --shard away");
+    }
+    if args.engine == Scheduler::Local && args.submit {
+        return invalid("error: --submit: expected --engine parallel or slurm with it");
+    }
+    let options = LoadOptions {
+        set: args.set.clone(),
+        seeds,
+        allow_outside: args.allow_outside,
+        allow_external: args.allow_external,
+    };
+    let experiment = match Experiment::load(path, &options) {
+        Ok(experiment) => experiment,
+        Err(problems) => return invalid(problems),
+    };
+    if let Some(cell) = experiment
+        .cells
+        .iter()
+        .find(|cell| args.in_process && cell.external)
+    {
+        return invalid(format!(
+            "error: --in-process: the scenario of case `{}` starts a program that is not Protean's own, which can only be a process",
+            cell.case
+        ));
+    }
+    for note in &experiment.notes {
+        eprintln!("note: {note}");
+    }
+    let out = args.out.clone().unwrap_or_else(|| {
+        let out = Path::new("results").join(&experiment.name);
+        shard
+            .directory()
+            .map_or(out.clone(), |shard| out.join(shard))
+    });
+    if args.dry_run {
+        return dry_run(&experiment, args, shard, &out);
+    }
+    match args.engine {
+        Scheduler::Local => match local(&experiment, path, args, shard, &out) {
+            Ok(code) => code,
+            Err(error) => failed(&error),
+        },
+        scheduler => match schedule(&experiment, path, args, scheduler, &out) {
+            Ok(code) => code,
+            Err(error) => failed(&error),
+        },
+    }
+}
+
+/// Lists the missions that are still to be carried out.
+fn dry_run(experiment: &Experiment, args: &SweepRunArgs, shard: Shard, out: &Path) -> ExitCode {
+    let manifest = Manifest::of(experiment);
+    let results = if out.exists() {
+        match Results::read(out) {
+            Ok(results) => match manifest.difference(results.manifest()) {
+                None => Some(results),
+                Some(difference) => {
+                    return failed(&SweepError::Other {
+                        path: out.to_owned(),
+                        difference,
+                    });
+                }
+            },
+            Err(SweepError::NotResults { .. }) => None,
+            Err(error) => return failed(&error),
+        }
+    } else {
+        None
+    };
+    let (open, known) = runner::to_do(experiment, results.as_ref(), shard, args.retry_failed);
+    let names: Vec<&str> = experiment
+        .parameters
+        .iter()
+        .map(|p| p.name.as_str())
+        .collect();
+    let cell = |index: usize| experiment.cells.get(index);
+    if args.json {
+        let missions: Vec<_> = open
+            .iter()
+            .map(|mission| {
+                let cell = cell(mission.cell);
+                json!({
+                    "case": cell.map(|c| &c.case),
+                    "parameters": cell.map(|c| names.iter().zip(&c.values).collect::<std::collections::BTreeMap<_, _>>()),
+                    "seed": mission.seed,
+                    "scenario": cell.map(|c| &c.target),
+                    "set": cell.map(|c| &c.overrides),
+                })
+            })
+            .collect();
+        print_json(&json!({
+            "experiment": experiment.name,
+            "blake3": manifest.blake3,
+            "cells": experiment.cells.len(),
+            "seeds": experiment.seeds,
+            "known": known,
+            "missions": missions,
+        }));
+        return ExitCode::SUCCESS;
+    }
+    for mission in &open {
+        if let Some(cell) = cell(mission.cell) {
+            let label = describe(&cell.case, &names, &cell.values);
+            print(&format!("{label}, seed {}", mission.seed));
+        }
+    }
+    eprintln!(
+        "{}: {} cells, seeds {}; {} missions to carry out, {known} done",
+        experiment.name,
+        experiment.cells.len(),
+        experiment.seeds,
+        open.len(),
+    );
+    ExitCode::SUCCESS
+}
+
+fn processors() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+fn local(
+    experiment: &Experiment,
+    path: &Path,
+    args: &SweepRunArgs,
+    shard: Shard,
+    out: &Path,
+) -> Result<ExitCode, SweepError> {
+    let interrupted = Arc::new(AtomicBool::new(false));
+    handle_signals(&interrupted).map_err(|source| SweepError::Launcher {
+        program: "sweep".to_owned(),
+        what: format!("cannot handle signals: {source}"),
+        help: None,
+    })?;
+    let mut results = Results::open(out, &Manifest::of(experiment), &experiment.text)?;
+    let folder = path
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty());
+    figures::keep_published(folder.unwrap_or(Path::new(".")), &results)?;
+    let jobs = args.jobs.map(usize::from).or(experiment.run.jobs);
+    let options = RunOptions {
+        jobs: jobs.unwrap_or_else(processors),
+        shard,
+        retry_failed: args.retry_failed,
+        log: args.log.unwrap_or(experiment.run.log),
+        timeout: Duration::from_secs_f64(experiment.run.timeout_s),
+        quiet: args.quiet,
+        interrupted,
+    };
+    let engine: Box<dyn Engine> = if args.in_process {
+        Box::new(InProcess::default())
+    } else {
+        Box::new(Processes::new())
+    };
+    let ran = runner::run(experiment, &mut results, engine.as_ref(), &options);
+    // What is done is worth a table also when something went wrong.
+    let written = results.write_csv();
+    let report = ran?;
+    written?;
+    figures::write(&results)?;
+    Ok(conclude(&results, Some(&report), args.json))
+}
+
+/// The words that every part is given.
+fn shared_arguments(path: &Path, args: &SweepRunArgs) -> Vec<String> {
+    let mut words = vec![path.display().to_string()];
+    for set in &args.set {
+        words.extend(["--set".to_owned(), set.clone()]);
+    }
+    if let Some(seeds) = &args.seeds {
+        words.extend(["--seeds".to_owned(), seeds.clone()]);
+    }
+    if let Some(log) = args.log {
+        let name = match log {
+            LogPolicy::None => "none",
+            LogPolicy::Failed => "failed",
+            LogPolicy::All => "all",
+        };
+        words.extend(["--log".to_owned(), name.to_owned()]);
+    }
+    for (given, word) in [
+        (args.in_process, "--in-process"),
+        (args.retry_failed, "--retry-failed"),
+        (args.allow_external, "--allow-external"),
+        (args.allow_outside, "--allow-outside"),
+    ] {
+        words.extend(given.then(|| word.to_owned()));
+    }
+    words
+}
+
+/// Writes the scripts of a scheduler, and starts them if asked to.
+fn schedule(
+    experiment: &Experiment,
+    path: &Path,
+    args: &SweepRunArgs,
+    scheduler: Scheduler,
+    out: &Path,
+) -> Result<ExitCode, SweepError> {
+    let launcher_error = |what: String| SweepError::Launcher {
+        program: "sweep".to_owned(),
+        what,
+        help: None,
+    };
+    let program = std::env::current_exe()
+        .map_err(|e| launcher_error(format!("cannot find this program: {e}")))?;
+    let folder = std::env::current_dir()
+        .map_err(|e| launcher_error(format!("cannot find the present folder: {e}")))?;
+    let default_jobs = if scheduler == Scheduler::Slurm {
+        1
+    } else {
+        processors()
+    };
+    let plan = Plan {
+        program,
+        arguments: shared_arguments(path, args),
+        out: folder.join(out),
+        folder,
+        name: experiment.name.clone(),
+        shards: args.shards as usize,
+        jobs: args
+            .jobs
+            .map(usize::from)
+            .or(experiment.run.jobs)
+            .unwrap_or(default_jobs),
+    };
+    if args.submit {
+        launcher::check(scheduler)?;
+    }
+    let scripts = match scheduler {
+        Scheduler::Slurm => plan.write_slurm()?,
+        _ => plan.write_parallel()?,
+    };
+    if !args.submit {
+        for file in &scripts.files {
+            print(&file.display().to_string());
+        }
+        eprintln!(
+            "start it with: sh {}, or with --submit",
+            scripts.start.display()
+        );
+        return Ok(ExitCode::SUCCESS);
+    }
+    let status = launcher::start(&scripts.start)?;
+    Ok(match status.code() {
+        Some(0) => ExitCode::SUCCESS,
+        Some(code) => ExitCode::from(u8::try_from(code).unwrap_or(EXIT_FAILED)),
+        None => ExitCode::from(EXIT_FAILED),
+    })
+}

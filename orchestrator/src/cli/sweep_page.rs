@@ -1,0 +1,103 @@
+//! `protean sweep page`.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use super::{EXIT_FAILED, EXIT_INVALID, print};
+use crate::chase_page::{Evidence, MARK, Page, Plans, page};
+use crate::figures::{SaveError, draw, save};
+use crate::sweep::Results;
+
+/// What `protean sweep page` takes.
+#[derive(Debug, clap::Args)]
+pub(super) struct PageArgs {
+    /// The directories of the results of the chase's experiments
+    #[arg(required = true, value_name = "DIR")]
+    results: Vec<PathBuf>,
+    /// A table of single plans, as `protean sweep plans` writes it
+    #[arg(long, value_name = "FILE")]
+    plans: Option<PathBuf>,
+    /// The page; its pictures go to the folder images beside it
+    #[arg(
+        long,
+        short,
+        value_name = "FILE",
+        default_value = "docs/chase-results.md"
+    )]
+    out: PathBuf,
+    /// Overwrite a file that this command has not written
+    #[arg(long)]
+    force: bool,
+}
+
+/// Writes the page and prints what was written.
+pub(super) fn write(args: &PageArgs) -> ExitCode {
+    let evidence = match gather(args) {
+        Ok(evidence) => evidence,
+        Err(error) => return refused(&error),
+    };
+    if !args.force && !is_ours(&args.out) {
+        return refused(&format!(
+            "{} was not written by this command; choose another name with --out or overwrite it with \
+             --force",
+            args.out.display()
+        ));
+    }
+    match put(&page(&evidence), &args.out) {
+        Ok(files) => {
+            for file in files {
+                print(&file.display().to_string());
+            }
+            ExitCode::SUCCESS
+        }
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(EXIT_FAILED)
+        }
+    }
+}
+
+fn refused(error: &dyn std::fmt::Display) -> ExitCode {
+    eprintln!("error: {error}");
+    ExitCode::from(EXIT_INVALID)
+}
+
+fn gather(args: &PageArgs) -> Result<Evidence, Box<dyn std::error::Error>> {
+    let mut evidence = Evidence::default();
+    for directory in &args.results {
+        let results = Results::read(directory)?;
+        let missing = results.missing().len();
+        if missing > 0 {
+            eprintln!(
+                "note: {}: {missing} missions are missing",
+                directory.display()
+            );
+        }
+        evidence.add(&results)?;
+    }
+    if let Some(path) = &args.plans {
+        evidence.plans = Some(Plans::read(path)?);
+    }
+    Ok(evidence)
+}
+
+/// Whether a file is not there, or begins as ours do.
+fn is_ours(path: &Path) -> bool {
+    match std::fs::read(path) {
+        Ok(bytes) => bytes.starts_with(MARK.as_bytes()),
+        Err(error) => error.kind() == std::io::ErrorKind::NotFound,
+    }
+}
+
+fn put(page: &Page, out: &Path) -> Result<Vec<PathBuf>, SaveError> {
+    let images = out.with_file_name("images");
+    let mut written = Vec::new();
+    for image in &page.images {
+        let path = images.join(format!("{}.svg", image.name));
+        save(draw(&image.chart).svg().as_bytes(), &path)?;
+        written.push(path);
+    }
+    save(page.text.as_bytes(), out)?;
+    written.push(out.to_owned());
+    Ok(written)
+}

@@ -1,0 +1,153 @@
+//! The frame that points stand in.
+
+use super::chart::{Chart, Unit, number};
+use super::drawing::{Drawing, Shape, Step};
+use super::ticks::Ticks;
+use crate::picture::canvas::{Style, text_width};
+use crate::picture::palette;
+
+/// Lines of the grid: fainter than everything else.
+const GRID: &str = "#e3e6ea";
+/// Font size of what stands at ticks [px].
+const TICK: f64 = 13.0;
+/// Font size of an axis' text [px].
+const LABEL: f64 = 14.5;
+
+/// The axes of a chart, and where they lie on the page.
+pub(super) struct Axes {
+    x: Ticks,
+    y: Ticks,
+    /// Left, top, right, bottom [px].
+    area: [f64; 4],
+}
+
+impl Axes {
+    /// Axes for the points of a chart, in an area of the page: left, top, right, bottom [px].
+    pub(super) fn new(chart: &Chart, area: [f64; 4]) -> Self {
+        Self {
+            x: horizontal(chart),
+            y: vertical(chart),
+            area,
+        }
+    }
+
+    /// Room that the numbers at the vertical axis need [px].
+    pub(super) fn room(chart: &Chart) -> f64 {
+        let widths = vertical(chart).values.into_iter();
+        let widths = widths.map(|v| text_width(&tick_text(chart.unit, v), TICK));
+        widths.fold(0.0, f64::max)
+    }
+
+    /// Where values lie on the page [px].
+    pub(super) fn place(&self, x: f64, y: f64) -> [f64; 2] {
+        let [left, top, right, bottom] = self.area;
+        let part = |v: f64, ticks: &Ticks| (v - ticks.low) / (ticks.high - ticks.low);
+        [
+            left + part(x, &self.x) * (right - left),
+            bottom - part(y, &self.y).clamp(-0.02, 1.02) * (bottom - top),
+        ]
+    }
+
+    /// The smallest distance of two different values of the horizontal axis [px].
+    pub(super) fn spacing(&self) -> f64 {
+        let pairs = self.x.values.iter().zip(self.x.values.iter().skip(1));
+        let gaps = pairs.map(|(a, b)| self.place(*b, 0.0)[0] - self.place(*a, 0.0)[0]);
+        gaps.fold(f64::INFINITY, f64::min)
+    }
+
+    /// Draws grid, frame, numbers and texts.
+    pub(super) fn draw(&self, chart: &Chart, drawing: &mut Drawing) {
+        let [left, top, right, bottom] = self.area;
+        let tick = Style {
+            size: TICK,
+            color: palette::INK,
+            bold: false,
+            anchor: "end",
+            halo: false,
+        };
+        for &value in &self.y.values {
+            let y = self.place(self.x.low, value)[1];
+            drawing.line([left, y], [right, y], GRID, 1.0);
+            drawing.text(left - 8.0, y + 4.5, tick, &tick_text(chart.unit, value));
+        }
+        let middle = Style {
+            anchor: "middle",
+            ..tick
+        };
+        let mut written = f64::NEG_INFINITY;
+        for &value in &self.x.values {
+            let x = self.place(value, 0.0)[0];
+            drawing.line([x, bottom], [x, bottom + 5.0], palette::INK, 1.2);
+            let text = match chart.x_names.get(value as usize) {
+                Some(name) => name.clone(),
+                None => number(value),
+            };
+            // What would run into its neighbour is left out.
+            let half = text_width(&text, TICK) / 2.0;
+            if x - half >= written {
+                drawing.text(x, bottom + 20.0, middle, &text);
+                written = x + half + 3.0;
+            }
+        }
+        drawing.shape(Shape {
+            outline: vec![
+                Step::Move(left, top),
+                Step::Line(left, bottom),
+                Step::Line(right, bottom),
+            ],
+            line: Some((palette::INK, 1.2)),
+            ..Shape::default()
+        });
+        let label = Style {
+            size: LABEL,
+            ..middle
+        };
+        drawing.text(
+            f64::midpoint(left, right),
+            bottom + 44.0,
+            label,
+            &chart.x_label,
+        );
+        let x = left - Self::room(chart) - 20.0;
+        drawing.upright(x, f64::midpoint(top, bottom), label, &chart.y_label);
+    }
+}
+
+/// Ticks stand where there are points, if they are few; else at round numbers.
+fn horizontal(chart: &Chart) -> Ticks {
+    if !chart.x_names.is_empty() {
+        let places = 0..chart.x_names.len() as u32;
+        let mut ticks = Ticks::at(places.map(f64::from).collect());
+        (ticks.low, ticks.high) = (-0.5, chart.x_names.len() as f64 - 0.5);
+        return ticks;
+    }
+    let ticks = Ticks::at(chart.points().map(|p| p.x).collect());
+    if ticks.values.len() <= 12 {
+        return ticks;
+    }
+    let round = Ticks::over(ticks.low, ticks.high, 8.0);
+    let within = |v: &f64| ticks.low <= *v && *v <= ticks.high;
+    Ticks {
+        values: round.values.into_iter().filter(within).collect(),
+        ..ticks
+    }
+}
+
+fn vertical(chart: &Chart) -> Ticks {
+    match chart.unit {
+        Unit::Share => Ticks::over(0.0, 1.0, 5.0),
+        Unit::Number => {
+            let reach = || chart.points().map(super::chart::Point::reach);
+            let low = reach().map(|r| r.0).fold(0.0, f64::min);
+            let high = reach().map(|r| r.1).fold(0.0, f64::max);
+            Ticks::over(low, if high > low { high } else { low + 1.0 }, 5.0)
+        }
+    }
+}
+
+fn tick_text(unit: Unit, value: f64) -> String {
+    match unit {
+        Unit::Share => format!("{:.0} %", 100.0 * value),
+        Unit::Number => number(value),
+    }
+}

@@ -1,0 +1,28 @@
+//! Charts: measured points with their intervals, joined to curves, beside published ones; as SVG and
+//! as PNG.
+//!
+//! * a [`Chart`] says what is to be seen, in numbers and words;
+//! * [`draw`] arranges it on a page, as a pure function;
+//! * a [`Drawing`] is written as text ([`Drawing::svg`]) or as pixels ([`Drawing::png`]);
+//! * [`save`] puts files where they belong, whole or not at all.
+
+mod axes;
+mod chart;
+mod draw;
+mod drawing;
+mod font;
+mod legend;
+mod marks;
+mod png;
+mod save;
+mod series;
+mod ticks;
+
+#[cfg(test)]
+mod tests;
+
+pub use chart::{Chart, Point, Series, Unit};
+pub use draw::draw;
+pub use drawing::Drawing;
+pub use png::PngError;
+pub use save::{SaveError, save};

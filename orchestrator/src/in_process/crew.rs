@@ -1,0 +1,214 @@
+//! The processes of a run as members of one thread.
+
+use ipc_types::bus::Bus;
+use kit::{ProcessConfig, ProcessError, Wiring};
+use simulator::process::Simulator;
+
+use super::error::InProcessError;
+use crate::mission::children::Executable;
+use crate::mission::plan::{Launch, Plan};
+use crate::wirings::{self, WiringVisitor};
+
+/// A [`Wiring`] without its type.
+trait Steps {
+    fn connect(&mut self) -> Result<(), ProcessError>;
+    fn prepare(&mut self) -> Result<(), ProcessError>;
+    fn step(&mut self, tick: u64) -> Result<(), ProcessError>;
+}
+
+impl<W: Wiring> Steps for W {
+    fn connect(&mut self) -> Result<(), ProcessError> {
+        Wiring::connect(self)
+    }
+
+    fn prepare(&mut self) -> Result<(), ProcessError> {
+        Wiring::prepare(self)
+    }
+
+    fn step(&mut self, tick: u64) -> Result<(), ProcessError> {
+        Wiring::step(self, tick)
+    }
+}
+
+/// One process.
+struct Member {
+    name: String,
+    steps: Box<dyn Steps>,
+}
+
+/// The simulator and those who follow it, in the order in which they take their turns.
+pub(super) struct Crew {
+    leader: String,
+    simulator: Simulator,
+    members: Vec<Member>,
+}
+
+impl Crew {
+    /// Opens the ports of all processes.
+    pub(super) fn open(plan: &Plan, bus: &Bus) -> Result<Self, InProcessError> {
+        let (leader, followers) = plan.launches.split_first().ok_or_else(|| {
+            let name = "simulator".to_owned();
+            let kind = name.clone();
+            InProcessError::UnknownKind { name, kind }
+        })?;
+        let simulator = open_simulator(&leader.config, bus)
+            .map_err(|source| failed(&leader.config.name, None, source))?;
+        let members = order(followers)?
+            .into_iter()
+            .map(|launch| open_member(launch, bus))
+            .collect::<Result<_, _>>()?;
+        Ok(Self {
+            leader: leader.config.name.clone(),
+            simulator,
+            members,
+        })
+    }
+
+    /// Connects everybody and sends the map.
+    pub(super) fn connect(&mut self) -> Result<(), InProcessError> {
+        for member in &mut self.members {
+            let connected = member.steps.connect();
+            connected.map_err(|source| failed(&member.name, None, source))?;
+        }
+        let connected = self.simulator.connect();
+        connected.map_err(|source| failed(&self.leader, None, source))
+    }
+
+    /// Lets everybody build what it needs of the map.
+    pub(super) fn prepare(&mut self) -> Result<(), InProcessError> {
+        for member in &mut self.members {
+            let prepared = member.steps.prepare();
+            prepared.map_err(|source| failed(&member.name, None, source))?;
+        }
+        Ok(())
+    }
+
+    /// The present tick.
+    pub(super) fn tick(&self) -> u64 {
+        self.simulator.tick()
+    }
+
+    /// Does the present tick, but for the world's step: state out, everybody's turn, commands in.
+    /// True if the game is over; then the tick is the last, and nobody has a turn.
+    pub(super) fn turn(&mut self) -> Result<bool, InProcessError> {
+        let tick = self.simulator.tick();
+        let lead = |source| failed(&self.leader, Some(tick), source);
+        if self.simulator.publish().map_err(lead)? {
+            return Ok(true);
+        }
+        for member in &mut self.members {
+            let stepped = member.steps.step(tick);
+            stepped.map_err(|source| failed(&member.name, Some(tick), source))?;
+        }
+        self.simulator.take_commands().map_err(lead)?;
+        Ok(false)
+    }
+
+    /// Steps the world to the next tick.
+    pub(super) fn advance(&mut self) {
+        self.simulator.advance(0);
+    }
+}
+
+fn failed(name: &str, tick: Option<u64>, source: ProcessError) -> InProcessError {
+    let name = name.to_owned();
+    let when = tick.map_or_else(
+        || "before the first tick".to_owned(),
+        |tick| format!("at tick {tick}"),
+    );
+    InProcessError::Process { name, when, source }
+}
+
+fn open_simulator(config: &ProcessConfig, bus: &Bus) -> Result<Simulator, ProcessError> {
+    let params =
+        serde_json::from_value(config.params.clone()).map_err(|e| ProcessError::Params {
+            process: config.name.clone(),
+            kind: config.kind.clone(),
+            reason: e.to_string(),
+        })?;
+    Simulator::open(config, &params, bus)
+}
+
+fn open_member(launch: &Launch, bus: &Bus) -> Result<Member, InProcessError> {
+    struct Open<'a>(&'a ProcessConfig, &'a Bus);
+    impl WiringVisitor for Open<'_> {
+        type Output = Result<Box<dyn Steps>, ProcessError>;
+        fn visit<W: Wiring + 'static>(self) -> Self::Output {
+            Ok(Box::new(W::open(self.0, self.1)?))
+        }
+    }
+    let config = &launch.config;
+    let kind = match &launch.executable {
+        Executable::Kind(kind) => kind,
+        Executable::Command(_) => {
+            let name = config.name.clone();
+            return Err(InProcessError::External { name });
+        }
+    };
+    let steps = wirings::visit(kind, Open(config, bus))
+        .ok_or_else(|| InProcessError::UnknownKind {
+            name: config.name.clone(),
+            kind: kind.clone(),
+        })?
+        .map_err(|source| failed(&config.name, None, source))?;
+    Ok(Member {
+        name: config.name.clone(),
+        steps,
+    })
+}
+
+/// The followers in an order in which everybody comes after those whose output of the same tick it
+/// needs; otherwise as they stand in the plan.
+fn order(followers: &[Launch]) -> Result<Vec<&Launch>, InProcessError> {
+    let mut waiting: Vec<&Launch> = followers.iter().collect();
+    let mut ordered: Vec<&Launch> = Vec::with_capacity(waiting.len());
+    while !waiting.is_empty() {
+        let is_waited_for = |index: &u32| waiting.iter().any(|w| w.config.index == *index);
+        let ready = waiting
+            .iter()
+            .position(|launch| !launch.config.upstream.iter().any(is_waited_for));
+        let Some(at) = ready else {
+            let names = waiting.iter().map(|w| w.config.name.clone()).collect();
+            return Err(InProcessError::Circular { names });
+        };
+        ordered.push(waiting.remove(at));
+    }
+    Ok(ordered)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::scenario::load;
+
+    fn followers(name: &str) -> Vec<Launch> {
+        let scenario = load(name, &[], None).unwrap();
+        let plan = Plan::new(&scenario, Path::new(""), "", "warn").unwrap();
+        plan.launches.into_iter().skip(1).collect()
+    }
+
+    #[test]
+    fn everybody_comes_after_those_it_waits_for() {
+        let mut launches = followers("chase");
+        // The worst order: who provides comes last.
+        launches.sort_by_key(|launch| launch.watched);
+        let ordered = order(&launches).unwrap();
+        assert_eq!(ordered.len(), launches.len());
+        for (at, launch) in ordered.iter().enumerate() {
+            for upstream in &launch.config.upstream {
+                assert!(ordered[..at].iter().any(|l| l.config.index == *upstream));
+            }
+        }
+    }
+
+    #[test]
+    fn who_waits_for_itself_is_named() {
+        let mut launches = followers("chase");
+        let index = launches[0].config.index;
+        launches[0].config.upstream = vec![index];
+        let error = order(&launches).unwrap_err().to_string();
+        assert!(error.contains(&launches[0].config.name), "{error}");
+    }
+}

@@ -1,0 +1,89 @@
+//! Plans, search trees and dominance on the map.
+
+use super::canvas::{Canvas, Num};
+use super::ground::Cells;
+use super::layout::Layout;
+use super::palette;
+use super::trace::RunTrace;
+
+/// Most edges of all trees together.
+const MOST_EDGES: usize = 2500;
+/// Most points of all plans together, besides their ends.
+const MOST_POINTS: usize = 2000;
+/// Most rectangles of one side's cells.
+const MOST_RECTANGLES: usize = 500;
+
+/// Draws who reaches which cells first; lies under everything that drives.
+pub(super) fn dominance(canvas: &mut Canvas, layout: &Layout, trace: &RunTrace) {
+    let Some(dominance) = &trace.dominance else {
+        return;
+    };
+    canvas.add(format_args!(
+        "<g class=\"dominance\" clip-path=\"url(#map)\" stroke=\"none\">\n"
+    ));
+    for (cells, color, opacity) in [
+        (&dominance.police, palette::POLICE, 0.16),
+        (&dominance.evader, palette::EVADER, 0.22),
+        (&dominance.cut_off, palette::OBSTACLE, 0.16),
+    ] {
+        fill(canvas, layout, cells, color, opacity);
+    }
+    canvas.add(format_args!("</g>\n"));
+}
+
+fn fill(canvas: &mut Canvas, layout: &Layout, cells: &Cells, color: &str, opacity: f64) {
+    canvas.add(format_args!(
+        "<path fill=\"{color}\" fill-opacity=\"{opacity}\" d=\""
+    ));
+    for [min, max] in cells.at_most(MOST_RECTANGLES) {
+        let ([left, bottom], [right, top]) = (layout.at(min), layout.at(max));
+        let (left, bottom) = (Num(left), Num(bottom));
+        let (right, top) = (Num(right), Num(top));
+        canvas.add(format_args!(
+            "M{left} {bottom}L{right} {bottom}L{right} {top}L{left} {top}Z"
+        ));
+    }
+    canvas.add(format_args!("\"/>\n"));
+}
+
+/// Draws the trees, and the plans over them.
+pub(super) fn plans(canvas: &mut Canvas, layout: &Layout, trace: &RunTrace) {
+    let color = |robot: usize| {
+        let robot = trace.robots.get(robot);
+        robot.map_or(palette::FAINT_INK, |r| palette::team(r.team))
+    };
+    let edges: usize = trace.trees.iter().map(|tree| tree.edges.len()).sum();
+    let step = edges.div_ceil(MOST_EDGES).max(1);
+    canvas.add(format_args!(
+        "<g class=\"trees\" clip-path=\"url(#map)\" fill=\"none\" stroke-width=\"0.7\" \
+         stroke-opacity=\"0.45\">\n"
+    ));
+    for tree in &trace.trees {
+        canvas.add(format_args!("<path stroke=\"{}\" d=\"", color(tree.robot)));
+        for [from, to] in tree.edges.iter().step_by(step) {
+            let [x, y] = layout.at(from.map(f64::from));
+            canvas.add(format_args!("M{} {}", Num(x), Num(y)));
+            let [x, y] = layout.at(to.map(f64::from));
+            canvas.add(format_args!("L{} {}", Num(x), Num(y)));
+        }
+        canvas.add(format_args!("\"/>\n"));
+    }
+    canvas.add(format_args!(
+        "</g>\n<g class=\"plans\" clip-path=\"url(#map)\" fill=\"none\" stroke-width=\"1.8\" \
+         stroke-dasharray=\"6 4\">\n"
+    ));
+    let points: usize = trace.plans.iter().map(|plan| plan.points.len()).sum();
+    let step = points.div_ceil(MOST_POINTS).max(1);
+    for plan in &trace.plans {
+        canvas.add(format_args!("<path stroke=\"{}\" d=\"", color(plan.robot)));
+        let inner = plan.points.len().saturating_sub(1);
+        let shown = plan.points.iter().take(inner).step_by(step);
+        for (i, point) in shown.chain(plan.points.last()).enumerate() {
+            let [x, y] = layout.at(point.map(f64::from));
+            let command = if i == 0 { 'M' } else { 'L' };
+            canvas.add(format_args!("{command}{} {}", Num(x), Num(y)));
+        }
+        canvas.add(format_args!("\"/>\n"));
+    }
+    canvas.add(format_args!("</g>\n"));
+}

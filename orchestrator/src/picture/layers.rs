@@ -1,0 +1,185 @@
+//! What a picture of a moment shows besides the robots: what was planned and judged then.
+
+use std::collections::BTreeMap;
+
+use ipc_types::messages::referee::{DominanceCell, DominanceHeader};
+use ipc_types::messages::robot::{PlanPoint, TreeEdge};
+
+use super::ground::Cells;
+
+/// Most points of a plan and most edges of a tree that are kept.
+const MOST_PARTS: usize = 4000;
+/// Most cells of dominance that are kept: those of the largest map that a scenario may have.
+const MOST_CELLS: usize = 64 << 20;
+/// Coordinates beyond this [m] are not those of a world of ours.
+const FARTHEST: f32 = 1e6;
+
+/// The way that a robot means to go.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlanTrace {
+    /// Index of the robot.
+    pub robot: usize,
+    /// Its points, x and y [m].
+    pub points: Vec<[f32; 2]>,
+}
+
+/// The tree in which a robot searched for its way.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TreeTrace {
+    /// Index of the robot.
+    pub robot: usize,
+    /// Both ends of every edge, x and y [m].
+    pub edges: Vec<[[f32; 2]; 2]>,
+}
+
+/// Who reaches which cell first.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DominanceTrace {
+    /// Cells where a pursuer is first.
+    pub police: Cells,
+    /// Cells that an evader reaches safely.
+    pub evader: Cells,
+    /// Cells where an evader would be first, but not safely.
+    pub cut_off: Cells,
+}
+
+/// The last plan and tree of every robot and the last dominance, as messages come.
+#[derive(Debug, Default)]
+pub(super) struct Layers {
+    plans: BTreeMap<usize, PlanTrace>,
+    trees: BTreeMap<usize, TreeTrace>,
+    dominance: Option<DominanceTrace>,
+}
+
+impl Layers {
+    /// Replaces the plan of a robot; one without points is none.
+    pub(super) fn plan(&mut self, robot: usize, points: &[PlanPoint]) {
+        let points = points
+            .iter()
+            // What does not fit an f32 is infinite, and refused.
+            .map(|p| [p.x as f32, p.y as f32])
+            .filter(|&p| near(p))
+            .take(MOST_PARTS)
+            .collect();
+        self.plans.insert(robot, PlanTrace { robot, points });
+    }
+
+    /// Replaces the tree of a robot.
+    pub(super) fn tree(&mut self, robot: usize, edges: &[TreeEdge]) {
+        let edges = edges
+            .iter()
+            .map(|e| [[e.from_x, e.from_y], [e.to_x, e.to_y]])
+            .filter(|&[from, to]| near(from) && near(to))
+            .take(MOST_PARTS)
+            .collect();
+        self.trees.insert(robot, TreeTrace { robot, edges });
+    }
+
+    /// Replaces who dominates what; cells that are not those of the header change nothing.
+    pub(super) fn dominance(&mut self, header: &DominanceHeader, cells: &[DominanceCell]) {
+        let (width, height) = (header.width as usize, header.height as usize);
+        let sound = cells.len() <= MOST_CELLS
+            && width > 0
+            && width.checked_mul(height) == Some(cells.len())
+            && header.resolution > 0.0
+            && header.resolution <= 1e5
+            && header.origin_x.abs() <= f64::from(FARTHEST)
+            && header.origin_y.abs() <= f64::from(FARTHEST);
+        if !sound {
+            return;
+        }
+        let of = |owner: u8| Cells {
+            origin: [header.origin_x, header.origin_y],
+            side: header.resolution,
+            width,
+            occupied: cells.iter().map(|cell| cell.owner == owner).collect(),
+        };
+        self.dominance = Some(DominanceTrace {
+            police: of(1),
+            evader: of(2),
+            cut_off: of(3),
+        });
+    }
+
+    /// What there is to draw of the robots that still play.
+    pub(super) fn finish(
+        self,
+        plays: impl Fn(usize) -> bool,
+    ) -> (Vec<PlanTrace>, Vec<TreeTrace>, Option<DominanceTrace>) {
+        let plans = self.plans.into_values();
+        let trees = self.trees.into_values();
+        (
+            plans
+                .filter(|p| plays(p.robot) && p.points.len() > 1)
+                .collect(),
+            trees
+                .filter(|t| plays(t.robot) && !t.edges.is_empty())
+                .collect(),
+            self.dominance,
+        )
+    }
+}
+
+fn near(p: [f32; 2]) -> bool {
+    p.iter().all(|c| c.abs() <= FARTHEST)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_last_plan_and_tree_of_those_who_play_are_kept() {
+        let mut layers = Layers::default();
+        let at = |x: f64| PlanPoint {
+            x,
+            ..PlanPoint::default()
+        };
+        layers.plan(0, &[at(1.0), at(2.0)]);
+        layers.plan(0, &[at(3.0), at(f64::NAN), at(1e9), at(4.0)]);
+        layers.plan(1, &[at(1.0), at(2.0)]);
+        layers.plan(2, &[]);
+        layers.tree(0, &[TreeEdge::default()]);
+        layers.tree(
+            3,
+            &[TreeEdge {
+                from_x: f32::INFINITY,
+                ..TreeEdge::default()
+            }],
+        );
+        let (plans, trees, dominance) = layers.finish(|robot| robot != 1);
+        assert_eq!(plans.len(), 1);
+        assert_eq!(plans[0].points, [[3.0, 0.0], [4.0, 0.0]]);
+        assert_eq!(trees.len(), 1);
+        assert!(dominance.is_none());
+    }
+
+    #[test]
+    fn cells_of_dominance_go_to_their_sides_unless_they_are_no_grid() {
+        let header = DominanceHeader {
+            width: 2,
+            height: 2,
+            resolution: 0.5,
+            ..DominanceHeader::default()
+        };
+        let cells = [0, 1, 2, 3].map(|owner| DominanceCell {
+            owner,
+            ..DominanceCell::default()
+        });
+        let mut layers = Layers::default();
+        layers.dominance(&header, &cells[1..]);
+        layers.dominance(
+            &DominanceHeader {
+                resolution: f64::NAN,
+                ..header
+            },
+            &cells,
+        );
+        assert!(layers.dominance.is_none());
+        layers.dominance(&header, &cells);
+        let dominance = layers.dominance.unwrap();
+        assert_eq!(dominance.police.occupied, [false, true, false, false]);
+        assert_eq!(dominance.evader.occupied, [false, false, true, false]);
+        assert_eq!(dominance.cut_off.occupied, [false, false, false, true]);
+    }
+}

@@ -1,0 +1,111 @@
+//! A scenario as written, before anything is filled in or checked.
+
+use super::context::Context;
+use super::files::Base;
+use super::jitter::Placement;
+use super::kinds::KindInfo;
+use super::load::resolve;
+use super::overrides;
+use super::resolved::ResolvedScenario;
+use super::template::{Grounds, Template};
+use super::text::{Code, Diagnostic, Diagnostics, FieldPath, Node, Sources};
+
+/// A scenario's text with the overrides applied so far.
+///
+/// It can be copied, so that many variants of a scenario are read from disk and parsed once.
+#[derive(Clone)]
+pub struct Draft<'k> {
+    pub(super) sources: Sources,
+    pub(super) root: Node,
+    pub(super) problems: Diagnostics,
+    pub(super) kinds: &'k [KindInfo],
+    pub(super) base: Base,
+    pub(super) stem: String,
+}
+
+impl Draft<'_> {
+    /// Applies one `key=value`; `label` says in errors where it comes from (`--set`).
+    ///
+    /// The result is the place that was changed, the same however an element of an array was
+    /// named. `None`: something is wrong with it, which [`Draft::resolve`] will report.
+    pub fn apply(&mut self, label: &str, argument: &str) -> Option<FieldPath> {
+        overrides::apply(
+            &mut self.root,
+            &mut self.sources,
+            label,
+            argument,
+            &mut self.problems,
+        )
+    }
+
+    /// Applies the arguments of `--set` and then the seed.
+    pub(super) fn apply_all(&mut self, overrides: &[String], seed: Option<u64>) {
+        for argument in overrides {
+            self.apply("--set", argument);
+        }
+        if let Some(seed) = seed {
+            self.apply("--seed", &format!("run.seed={seed}"));
+        }
+    }
+
+    /// What is written at a key, as `--set` takes it: `None` if nothing is, or it is not a key.
+    pub fn find(&self, key: &str) -> Option<&Node> {
+        overrides::find(&self.root, key)
+    }
+
+    /// What has been found wrong so far.
+    pub fn problems(&self) -> &Diagnostics {
+        &self.problems
+    }
+
+    /// Fills in what is not written, and checks everything.
+    ///
+    /// # Errors
+    /// Everything that is wrong, each with its place.
+    pub fn resolve(self) -> Result<ResolvedScenario, Diagnostics> {
+        Ok(self.resolve_all()?.0)
+    }
+
+    /// As [`Draft::resolve`], for many runs that differ in nothing but their seed. What the
+    /// scenario says of the seed does not matter.
+    ///
+    /// # Errors
+    /// As [`Draft::resolve`].
+    pub fn template(mut self, grounds: &mut Grounds) -> Result<Template, Diagnostics> {
+        self.apply("seed", "run.seed=0");
+        let (scenario, placements) = self.resolve_all()?;
+        Template::new(scenario, placements, grounds)
+    }
+
+    fn resolve_all(self) -> Result<(ResolvedScenario, Vec<Placement>), Diagnostics> {
+        let Self {
+            sources,
+            root,
+            problems,
+            kinds,
+            base,
+            stem,
+        } = self;
+        let mut ctx = Context {
+            sources,
+            root,
+            kinds,
+            problems,
+        };
+        let Some(resolved) = resolve(&mut ctx, &base, &stem) else {
+            let unexplained = || Diagnostic::new(Code::Requirement, "the scenario is incomplete");
+            ctx.problems.push_if_empty(unexplained);
+            return Err(ctx.problems.sorted());
+        };
+        ctx.problems.into_result(resolved)
+    }
+}
+
+impl core::fmt::Debug for Draft<'_> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Draft")
+            .field("stem", &self.stem)
+            .field("root", &self.root)
+            .finish_non_exhaustive()
+    }
+}

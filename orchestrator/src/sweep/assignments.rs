@@ -1,0 +1,100 @@
+//! `set = { … }`: what a case or a level of a parameter changes of the scenario.
+
+use super::reader::Reader;
+use crate::scenario::text::{FieldPath, Node, Value, write_value};
+
+/// One override of the scenario.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Assignment {
+    /// `key=value`, as `--set` takes it.
+    pub argument: String,
+    /// Where it is written: `experiment.toml:12`.
+    pub label: String,
+}
+
+/// Reads a table of overrides.
+///
+/// Keys are paths as `--set` takes them, quoted if they hold more than names (`"processes[+]"`).
+/// A table is gone through key by key, so that what it does not name stays; but one with a `kind`
+/// or a `command` is a whole process and replaces what was there, as an empty table does.
+pub(super) fn read(reader: &mut Reader, path: &FieldPath, node: &Node) -> Vec<Assignment> {
+    let mut found = Vec::new();
+    if node
+        .as_table()
+        .is_some_and(|table| !table.entries.is_empty())
+    {
+        flatten(reader, "", node, &mut found);
+    } else {
+        reader.wrong_type(
+            path,
+            node,
+            "a table of overrides, for example { rules.time_limit = 60.0 }",
+        );
+    }
+    found
+}
+
+fn flatten(reader: &Reader, prefix: &str, node: &Node, found: &mut Vec<Assignment>) {
+    let whole = |table: &crate::scenario::text::Table| {
+        table.entries.is_empty() || table.get("kind").is_some() || table.get("command").is_some()
+    };
+    match &node.value {
+        Value::Table(table) if prefix.is_empty() || !whole(table) => {
+            for entry in &table.entries {
+                let key = if prefix.is_empty() {
+                    entry.key.clone()
+                } else {
+                    format!("{prefix}.{}", entry.key)
+                };
+                flatten(reader, &key, &entry.node, found);
+            }
+        }
+        _ => found.push(Assignment {
+            argument: format!("{prefix}={}", write_value(node)),
+            label: reader.line_of(node),
+        }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn arguments(text: &str) -> Vec<String> {
+        let mut reader = Reader::new("e.toml", text).unwrap();
+        let node = reader.root.get("set").cloned().unwrap();
+        let found = read(&mut reader, &FieldPath::key("set"), &node);
+        assert!(reader.problems.is_empty(), "{}", reader.problems);
+        found.into_iter().map(|a| a.argument).collect()
+    }
+
+    #[test]
+    fn tables_are_gone_through_and_processes_are_replaced() {
+        let text = r#"
+            [set]
+            rules.time_limit = 5
+            teams.evader = { scan = {}, limits = { v_max = 0.5 } }
+            processes.evader_potential = { kind = "evader_braitenberg", team = "evader" }
+            "processes[+]" = { kind = "perception" }
+        "#;
+        assert_eq!(
+            arguments(text),
+            [
+                "rules.time_limit=5",
+                "teams.evader.scan={}",
+                "teams.evader.limits.v_max=0.5",
+                r#"processes.evader_potential={ kind = "evader_braitenberg", team = "evader" }"#,
+                r#"processes[+]={ kind = "perception" }"#,
+            ]
+        );
+    }
+
+    #[test]
+    fn an_assignment_knows_its_line() {
+        let mut reader = Reader::new("e.toml", "[set]\na = 1\n\nb.c = 2\n").unwrap();
+        let node = reader.root.get("set").cloned().unwrap();
+        let found = read(&mut reader, &FieldPath::key("set"), &node);
+        let labels: Vec<_> = found.iter().map(|a| a.label.as_str()).collect();
+        assert_eq!(labels, ["e.toml:2", "e.toml:4"]);
+    }
+}

@@ -1,0 +1,101 @@
+//! One combination of case and parameters.
+
+use serde::{Deserialize, Serialize};
+
+use crate::scenario::text::{Diagnostics, Node, Value as TomlValue, render_float};
+use crate::scenario::{ResolvedScenario, Template};
+
+/// Value of a parameter.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Value {
+    /// True or false.
+    Bool(bool),
+    /// A whole number.
+    Int(i64),
+    /// A finite number.
+    Float(f64),
+    /// Text.
+    Text(String),
+}
+
+impl Value {
+    /// The value of a node; `None` if it is a table, an array, a date or not finite.
+    pub fn from_node(node: &Node) -> Option<Self> {
+        match &node.value {
+            TomlValue::Bool(v) => Some(Self::Bool(*v)),
+            TomlValue::Int(v) => Some(Self::Int(*v)),
+            TomlValue::Float(v) if v.is_finite() => Some(Self::Float(*v)),
+            TomlValue::Str(v) => Some(Self::Text(v.clone())),
+            _ => None,
+        }
+    }
+
+    /// The value as a number, if it is one.
+    pub fn number(&self) -> Option<f64> {
+        match self {
+            Self::Int(v) => Some(*v as f64),
+            Self::Float(v) => Some(*v),
+            _ => None,
+        }
+    }
+
+    /// Whether two values are the same, however they are written (1 and 1.0).
+    pub fn same(&self, other: &Self) -> bool {
+        match (self.number(), other.number()) {
+            (Some(a), Some(b)) => a == b,
+            _ => self == other,
+        }
+    }
+}
+
+impl std::fmt::Display for Value {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Bool(v) => write!(f, "{v}"),
+            Self::Int(v) => write!(f, "{v}"),
+            Self::Float(v) => f.write_str(&render_float(*v)),
+            Self::Text(v) => f.write_str(v),
+        }
+    }
+}
+
+/// A combination of case and parameters: one scenario, to be run with every seed.
+#[derive(Clone)]
+pub struct Cell {
+    /// Name of the case.
+    pub case: String,
+    /// Values of the parameters, in the order of the columns.
+    pub values: Vec<Value>,
+    /// The scenario, as `protean run` takes it.
+    pub target: String,
+    /// The overrides, as `--set` takes them, in their order.
+    pub overrides: Vec<String>,
+    /// Whether the processes of its missions keep to one core.
+    pub one_core: bool,
+    /// Whether it starts programs that are not Protean's own.
+    pub external: bool,
+    /// Fingerprint of the scenario with everything filled in, but for its seed.
+    pub blake3: String,
+    pub(super) template: Template,
+}
+
+impl Cell {
+    /// The scenario with a seed.
+    ///
+    /// # Errors
+    /// Those that depend on the seed: a start that finds no room.
+    pub fn scenario(&self, seed: u64) -> Result<ResolvedScenario, Diagnostics> {
+        self.template.with_seed(seed)
+    }
+}
+
+impl std::fmt::Debug for Cell {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Cell")
+            .field("case", &self.case)
+            .field("values", &self.values)
+            .field("overrides", &self.overrides)
+            .finish_non_exhaustive()
+    }
+}

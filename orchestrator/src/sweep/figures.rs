@@ -1,0 +1,330 @@
+//! The figures of an experiment, drawn from its results: `figures/NAME.svg` and `figures/NAME.png`.
+//!
+//! Everything that is drawn lies in the directory of the results: the rows, the experiment file with its
+//! `[[figures]]`, and the published points that they are compared with, which
+//! [`keep_published`] copies there.
+
+use std::collections::BTreeMap;
+use std::path::{Component, Path, PathBuf};
+
+use serde::Deserialize;
+
+use super::cell::Value;
+use super::error::SweepError;
+use super::manifest::ManifestCell;
+use super::measure::measure;
+use super::results::Results;
+use super::row::Row;
+use super::spec::FigureSpec;
+use crate::figures::{Chart, Point, Series, draw, save};
+
+/// Folder of the figures.
+const FOLDER: &str = "figures";
+/// Pixels of a PNG picture for one of the page.
+const ZOOM: f64 = 2.0;
+
+/// What the experiment file says about showing its results.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(default)]
+struct Shown {
+    cases: Vec<Titled>,
+    parameters: BTreeMap<String, Titled>,
+    figures: Vec<FigureSpec>,
+}
+
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(default)]
+struct Titled {
+    name: String,
+    title: Option<String>,
+}
+
+/// A row of a file of published points.
+#[derive(Debug, Clone, Deserialize)]
+struct Published {
+    series: String,
+    x: f64,
+    y: f64,
+    low: Option<f64>,
+    high: Option<f64>,
+}
+
+/// Copies the files of published points that an experiment's figures name from the experiment's folder
+/// to its results.
+///
+/// # Errors
+/// [`SweepError::Io`]; [`SweepError::Figure`] if a path leads out of the folder.
+pub fn keep_published(folder: &Path, results: &Results) -> Result<(), SweepError> {
+    for figure in shown(results)?.figures {
+        let Some(compare) = figure.compare else {
+            continue;
+        };
+        let plain = |c: Component<'_>| matches!(c, Component::Normal(_) | Component::CurDir);
+        if !Path::new(&compare).components().all(plain) {
+            return Err(SweepError::Figure {
+                name: figure.name,
+                reason: format!(
+                    "`compare` is {compare:?}: expected a path below the experiment's folder"
+                ),
+            });
+        }
+        let (from, to) = (folder.join(&compare), results.directory().join(&compare));
+        let bytes = std::fs::read(&from)
+            .map_err(SweepError::io(&from, "cannot read the published points"))?;
+        put(&bytes, &to)?;
+    }
+    Ok(())
+}
+
+/// Draws all figures of an experiment; returns the files that were written.
+///
+/// # Errors
+/// [`SweepError::Io`], [`SweepError::Figure`], [`SweepError::Damaged`].
+pub fn write(results: &Results) -> Result<Vec<PathBuf>, SweepError> {
+    let mut written = Vec::new();
+    for (name, chart) in charts(results)? {
+        let drawing = draw(&chart);
+        let png = drawing.png(ZOOM).map_err(|error| SweepError::Figure {
+            name: name.clone(),
+            reason: error.to_string(),
+        })?;
+        let folder = results.directory().join(FOLDER);
+        for (bytes, kind) in [(drawing.svg().into_bytes(), "svg"), (png, "png")] {
+            let path = folder.join(format!("{name}.{kind}"));
+            put(&bytes, &path)?;
+            written.push(path);
+        }
+    }
+    Ok(written)
+}
+
+/// All figures of an experiment as charts, with their names.
+///
+/// # Errors
+/// As [`write`].
+pub fn charts(results: &Results) -> Result<Vec<(String, Chart)>, SweepError> {
+    let shown = shown(results)?;
+    let figures = shown.figures.iter();
+    figures
+        .map(|figure| {
+            let published = match &figure.compare {
+                Some(compare) => read_published(&results.directory().join(compare))?,
+                None => Vec::new(),
+            };
+            Ok((
+                figure.name.clone(),
+                chart(figure, results, &shown, &published),
+            ))
+        })
+        .collect()
+}
+
+/// What people call the cases of an experiment, by name.
+///
+/// # Errors
+/// As [`write`].
+pub fn case_titles(results: &Results) -> Result<Vec<(String, String)>, SweepError> {
+    let cases = shown(results)?.cases.into_iter();
+    Ok(cases
+        .map(|case| {
+            (
+                case.name.clone(),
+                case.title.unwrap_or_else(|| case.name.replace('_', " ")),
+            )
+        })
+        .collect())
+}
+
+fn put(bytes: &[u8], path: &Path) -> Result<(), SweepError> {
+    save(bytes, path).map_err(|error| SweepError::Io {
+        path: error.path,
+        what: "cannot write",
+        source: error.source,
+    })
+}
+
+fn shown(results: &Results) -> Result<Shown, SweepError> {
+    let text = results.experiment()?;
+    toml::from_str(&text).map_err(|error| SweepError::Damaged {
+        path: results.directory().join("experiment.toml"),
+        line: error.span().map_or(1, |span| {
+            text.get(..span.start)
+                .map_or(1, |before| before.matches('\n').count() + 1)
+        }),
+        what: "not the experiment file that was run".to_owned(),
+        found: error.message().to_owned(),
+        expected: "the file as `protean sweep` has put it there",
+    })
+}
+
+fn read_published(path: &Path) -> Result<Vec<Published>, SweepError> {
+    let bytes =
+        std::fs::read(path).map_err(SweepError::io(path, "cannot read the published points"))?;
+    let rows: Result<Vec<Published>, csv::Error> = csv::Reader::from_reader(bytes.as_slice())
+        .deserialize()
+        .collect();
+    rows.map_err(|error| SweepError::Damaged {
+        path: path.to_owned(),
+        line: error.position().map_or(1, |p| p.line() as usize),
+        what: "not a table of points".to_owned(),
+        found: error.to_string(),
+        expected: "the columns series, x, y, and perhaps low and high, with numbers",
+    })
+}
+
+/// One figure.
+fn chart(figure: &FigureSpec, results: &Results, shown: &Shown, published: &[Published]) -> Chart {
+    let manifest = results.manifest();
+    let axis = manifest.parameters.iter().position(|p| *p == figure.x);
+    let mut rows: Vec<Vec<&Row>> = vec![Vec::new(); manifest.cells.len()];
+    for (mission, row) in results.rows().filter(|(_, row)| !row.is_failed()) {
+        if let Some(of_cell) = rows.get_mut(mission.cell) {
+            of_cell.push(row);
+        }
+    }
+    let x_of = |cell: &ManifestCell| axis.and_then(|axis| cell.values.get(axis)).cloned();
+    let places = Places::of(manifest.cells.iter().filter_map(x_of));
+    let mut series: Vec<(Vec<String>, Series)> = Vec::new();
+    for (cell, rows) in manifest.cells.iter().zip(&rows) {
+        let (key, name) = curve(figure, shown, &manifest.parameters, cell);
+        let index = series
+            .iter()
+            .position(|(k, _)| *k == key)
+            .unwrap_or_else(|| {
+                let reference = published
+                    .iter()
+                    .filter(|p| key.contains(&p.series) || p.series == name);
+                let reference = reference.map(|p| Point {
+                    x: p.x,
+                    y: p.y,
+                    interval: p.low.zip(p.high),
+                });
+                let reference = reference.collect();
+                series.push((
+                    key.clone(),
+                    Series {
+                        name: name.clone(),
+                        points: Vec::new(),
+                        reference,
+                    },
+                ));
+                series.len() - 1
+            });
+        let at = x_of(cell).and_then(|value| places.place(&value));
+        if let (Some(x), Some((y, interval)), Some((_, curve))) =
+            (at, measure(figure.metric, rows), series.get_mut(index))
+        {
+            curve.points.push(Point { x, y, interval });
+        }
+    }
+    let or = |text: &str, other: String| {
+        if text.is_empty() {
+            other
+        } else {
+            text.to_owned()
+        }
+    };
+    let title = |name: &str| {
+        let parameter = shown.parameters.get(name);
+        let title = parameter.and_then(|p| p.title.clone());
+        title.unwrap_or_else(|| name.replace('_', " "))
+    };
+    Chart {
+        title: or(&figure.title, manifest.title.clone()),
+        subtitle: format!("{}: {}", manifest.experiment, games(&rows)),
+        x_label: or(&figure.x_label, title(&figure.x)),
+        x_names: places.names(),
+        y_label: or(&figure.y_label, figure.metric.label().to_owned()),
+        unit: figure.metric.unit(),
+        series: series.into_iter().map(|(_, series)| series).collect(),
+        reference: "published".to_owned(),
+    }
+}
+
+/// Which curve a cell belongs to: its key, and what people call it. Parameters that are neither along
+/// the axis nor told apart by the curves make curves of their own.
+fn curve(
+    figure: &FigureSpec,
+    shown: &Shown,
+    parameters: &[String],
+    cell: &ManifestCell,
+) -> (Vec<String>, String) {
+    let case = shown.cases.iter().find(|c| c.name == cell.case);
+    let case_title = case
+        .and_then(|c| c.title.clone())
+        .unwrap_or_else(|| cell.case.replace('_', " "));
+    let mut key = Vec::new();
+    let mut first = String::new();
+    let mut rest = Vec::new();
+    if figure.series == "case" {
+        first = case_title;
+        key.push(cell.case.clone());
+    } else if shown.cases.len() > 1 {
+        rest.push(case_title);
+        key.push(cell.case.clone());
+    }
+    for (name, value) in parameters.iter().zip(&cell.values) {
+        if *name == figure.x {
+            continue;
+        }
+        key.push(value.to_string());
+        if *name == figure.series {
+            first = value.to_string();
+        } else {
+            rest.push(format!("{} {value}", name.replace('_', " ")));
+        }
+    }
+    rest.insert(0, first);
+    rest.retain(|word| !word.is_empty());
+    (key, rest.join(", "))
+}
+
+/// How many games the cells have, in words.
+fn games(rows: &[Vec<&Row>]) -> String {
+    let counts = || rows.iter().map(Vec::len);
+    match (counts().min(), counts().max()) {
+        (Some(least), Some(most)) if least == most => format!("{most} games per point"),
+        (Some(least), Some(most)) => format!("{least} to {most} games per point"),
+        _ => "no games".to_owned(),
+    }
+}
+
+/// Where values stand along the horizontal axis: numbers where they are, anything else in order.
+enum Places {
+    Numbers,
+    Names(Vec<String>),
+}
+
+impl Places {
+    fn of(values: impl Iterator<Item = Value>) -> Self {
+        let values: Vec<Value> = values.collect();
+        if values.iter().all(|v| v.number().is_some()) {
+            return Self::Numbers;
+        }
+        let mut names: Vec<String> = Vec::new();
+        for value in values {
+            let name = value.to_string();
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        Self::Names(names)
+    }
+
+    fn place(&self, value: &Value) -> Option<f64> {
+        match self {
+            Self::Numbers => value.number(),
+            Self::Names(names) => {
+                let name = value.to_string();
+                names.iter().position(|n| *n == name).map(|i| i as f64)
+            }
+        }
+    }
+
+    fn names(self) -> Vec<String> {
+        match self {
+            Self::Numbers => Vec::new(),
+            Self::Names(names) => names,
+        }
+    }
+}

@@ -1,0 +1,209 @@
+//! `[grid]` and `[[points]]`: which combinations of the parameters are run.
+
+use super::cell::Value;
+use super::parameters::Parameter;
+use super::reader::Reader;
+use super::spec::MAX_CELLS;
+use crate::scenario::text::{Code, FieldPath, Node, Value as TomlValue, list_choices, nearest};
+
+/// A value where it is written.
+#[derive(Debug, Clone)]
+pub(super) struct Written {
+    pub value: Value,
+    pub node: Node,
+}
+
+/// The combinations in their order, each with a value for every parameter; one empty combination if
+/// there are no parameters. `None` if anything is wrong, which is reported.
+pub(super) fn read(reader: &mut Reader, parameters: &[Parameter]) -> Option<Vec<Vec<Written>>> {
+    let grid = reader.root.get("grid").is_some();
+    let points = reader.root.get("points").is_some();
+    if grid && points {
+        reader.refuse(
+            &FieldPath::key("points"),
+            Code::Requirement,
+            "both [grid] and [[points]]",
+            "one of them: the grid's combinations, or listed ones",
+        );
+        return None;
+    }
+    if !grid && !points {
+        if let Some(parameter) = parameters.first() {
+            let message = format!("parameter `{}` is given no values", parameter.name);
+            reader.refuse(
+                &FieldPath::key("parameters").then(&parameter.name),
+                Code::Requirement,
+                &message,
+                "a [grid] with a list of values for every parameter, or [[points]]",
+            );
+            return None;
+        }
+        return Some(vec![Vec::new()]);
+    }
+    let before = reader.problems.len();
+    let found = if grid {
+        cartesian(reader, parameters)
+    } else {
+        listed(reader, parameters)
+    };
+    (reader.problems.len() == before).then_some(found)
+}
+
+/// Reports a name that is not a parameter's.
+fn check_known(reader: &mut Reader, parameters: &[Parameter], path: &FieldPath, name: &str) {
+    let names: Vec<&str> = parameters.iter().map(|p| p.name.as_str()).collect();
+    if names.contains(&name) {
+        return;
+    }
+    let message = format!("unknown parameter `{name}`");
+    let mut problem = reader
+        .problem(path, Code::UnknownName, message)
+        .expected(format!(
+            "a name from [parameters]: {}",
+            list_choices(&names)
+        ));
+    if let Some(near) = nearest(name, names) {
+        problem = problem.help(format!("did you mean `{near}`?"));
+    }
+    reader.problems.push(problem);
+}
+
+fn cartesian(reader: &mut Reader, parameters: &[Parameter]) -> Vec<Vec<Written>> {
+    const VALUES: &str = "a list of at least one value";
+    let axes = reader.table("grid");
+    for (name, path, _) in &axes {
+        check_known(reader, parameters, path, name);
+    }
+    if axes.is_empty() {
+        reader.refuse(
+            &FieldPath::key("grid"),
+            Code::Requirement,
+            "the grid is empty",
+            "a list of values for every parameter, for example relative_speed = [1.0, 1.5]",
+        );
+    }
+    let mut combinations = vec![Vec::new()];
+    for parameter in parameters {
+        let path = FieldPath::key("grid").then(&parameter.name);
+        let Some((_, _, node)) = axes.iter().find(|a| a.0 == parameter.name) else {
+            if !axes.is_empty() {
+                let message = format!("parameter `{}` has no values", parameter.name);
+                reader.refuse(&path, Code::MissingKey, &message, VALUES);
+            }
+            continue;
+        };
+        let Some(list) = node.as_array().filter(|list| !list.is_empty()) else {
+            reader.wrong_type(&path, node, VALUES);
+            continue;
+        };
+        if combinations.len().saturating_mul(list.len()) > MAX_CELLS {
+            let message = format!("the grid has more than {MAX_CELLS} combinations");
+            reader.refuse(
+                &path,
+                Code::Limit,
+                &message,
+                "fewer values, or several experiments",
+            );
+            return Vec::new();
+        }
+        let values = distinct(reader, parameter, &path, list);
+        combinations = combinations
+            .iter()
+            .flat_map(|c: &Vec<Written>| {
+                values
+                    .iter()
+                    .map(move |v| c.iter().chain([v]).cloned().collect())
+            })
+            .collect();
+    }
+    combinations
+}
+
+/// The values of an axis, which must be different.
+fn distinct(
+    reader: &mut Reader,
+    parameter: &Parameter,
+    path: &FieldPath,
+    list: &[Node],
+) -> Vec<Written> {
+    let mut values: Vec<Written> = Vec::new();
+    for (i, node) in list.iter().enumerate() {
+        let path = path.step(node.element_step(i));
+        let Some(value) = parameter.check(reader, &path, node) else {
+            continue;
+        };
+        if values.iter().any(|v| v.value.same(&value)) {
+            let message = format!("`{}` has the value {value} twice", parameter.name);
+            reader.refuse(&path, Code::Duplicate, &message, "different values");
+        }
+        values.push(Written {
+            value,
+            node: node.clone(),
+        });
+    }
+    values
+}
+
+fn listed(reader: &mut Reader, parameters: &[Parameter]) -> Vec<Vec<Written>> {
+    let points = reader.blocks("points");
+    if points.is_empty()
+        && matches!(reader.root.get("points"), Some(n) if matches!(n.value, TomlValue::Array(_)))
+    {
+        reader.refuse(
+            &FieldPath::key("points"),
+            Code::Requirement,
+            "no points are listed",
+            "at least one [[points]] block",
+        );
+    }
+    if points.len() > MAX_CELLS {
+        let message = format!("more than {MAX_CELLS} points");
+        reader.refuse(&FieldPath::key("points"), Code::Limit, &message, "fewer");
+        return Vec::new();
+    }
+    let mut combinations: Vec<Vec<Written>> = Vec::new();
+    for (path, node) in points {
+        let Some(table) = node.as_table() else {
+            reader.wrong_type(&path, &node, "a table with a value for every parameter");
+            continue;
+        };
+        for entry in &table.entries {
+            check_known(reader, parameters, &path.then(&entry.key), &entry.key);
+        }
+        let mut point = Vec::new();
+        for parameter in parameters {
+            let path = path.then(&parameter.name);
+            let Some(node) = table.get(&parameter.name) else {
+                let message = format!("the point has no `{}`", parameter.name);
+                reader.refuse(
+                    &path,
+                    Code::MissingKey,
+                    &message,
+                    "a value for every parameter",
+                );
+                continue;
+            };
+            if let Some(value) = parameter.check(reader, &path, node) {
+                let node = node.clone();
+                point.push(Written { value, node });
+            }
+        }
+        if point.len() != parameters.len() {
+            continue;
+        }
+        let same = |other: &Vec<Written>| {
+            let mut pairs = other.iter().zip(&point);
+            pairs.all(|(a, b)| a.value.same(&b.value))
+        };
+        if combinations.iter().any(same) {
+            reader.refuse(
+                &path,
+                Code::Duplicate,
+                "the same point twice",
+                "different points",
+            );
+        }
+        combinations.push(point);
+    }
+    combinations
+}

@@ -1,0 +1,326 @@
+//! The journal of a sweep: one line of JSON for every mission that is over, in the order in which
+//! they came to their end.
+//!
+//! A line is appended by a single write, so that a killed sweep leaves whole lines, and at most the
+//! last one torn. It is handed to the operating system at once and to the disk once a second: only a
+//! machine that fails loses the missions of the last second, which then run again.
+
+use std::fs::{File, OpenOptions};
+use std::io::{self, Read as _, Seek as _, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use serde::{Deserialize, Serialize};
+
+use super::error::SweepError;
+use super::row::Row;
+
+/// Name of the file.
+pub(super) const FILE: &str = "journal.jsonl";
+
+/// How often the file is handed to the disk.
+const SYNC_EVERY: Duration = Duration::from_secs(1);
+
+/// A line.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Entry {
+    /// Index of the cell.
+    pub cell: usize,
+    /// Seed.
+    pub seed: u64,
+    /// Real time that the mission took [s].
+    pub wall_s: f64,
+    /// What it resulted in.
+    pub row: Row,
+}
+
+/// What the journal is written to: a file, or a failing double in tests.
+pub(super) trait Storage: Send {
+    /// Appends all bytes.
+    fn append(&mut self, bytes: &[u8]) -> io::Result<()>;
+    /// Cuts the file to this length [bytes].
+    fn cut(&mut self, length: u64) -> io::Result<()>;
+    /// Waits until everything is on the disk.
+    fn sync(&mut self) -> io::Result<()>;
+}
+
+impl Storage for File {
+    fn append(&mut self, bytes: &[u8]) -> io::Result<()> {
+        // Two writes would only happen when the first was cut short, by a full disk say.
+        self.write_all(bytes)
+    }
+    fn cut(&mut self, length: u64) -> io::Result<()> {
+        self.set_len(length)?;
+        self.seek(SeekFrom::End(0)).map(drop)
+    }
+    fn sync(&mut self) -> io::Result<()> {
+        self.sync_data()
+    }
+}
+
+/// Appends to the journal.
+pub(super) struct Journal {
+    storage: Box<dyn Storage>,
+    path: PathBuf,
+    /// Length of the whole lines [bytes].
+    length: u64,
+    last_sync: Instant,
+    unsynced: bool,
+}
+
+/// What a journal held when it was opened.
+pub(super) struct Opened {
+    pub journal: Journal,
+    pub entries: Vec<Entry>,
+    /// Whether the last line was torn, and has been cut off.
+    pub torn: bool,
+}
+
+impl Journal {
+    /// Opens the journal of a directory, which need not exist yet, and reads it.
+    ///
+    /// # Errors
+    /// It cannot be read or written, or a line of it (not the last) is damaged.
+    pub fn open(directory: &Path) -> Result<Opened, SweepError> {
+        let path = directory.join(FILE);
+        let mut file = OpenOptions::new()
+            .create(true)
+            .truncate(false)
+            .read(true)
+            .write(true)
+            .open(&path)
+            .map_err(SweepError::io(&path, "cannot open the journal"))?;
+        let is_file = file
+            .metadata()
+            .map_err(SweepError::io(&path, "cannot open the journal"))?
+            .is_file();
+        if !is_file {
+            let source = io::Error::from(io::ErrorKind::InvalidInput);
+            return Err(SweepError::io(&path, "the journal is not a regular file")(
+                source,
+            ));
+        }
+        let mut bytes = Vec::new();
+        file.read_to_end(&mut bytes)
+            .map_err(SweepError::io(&path, "cannot read the journal"))?;
+        let (entries, whole) = parse(&path, &bytes)?;
+        let torn = whole < bytes.len();
+        let mut storage: Box<dyn Storage> = Box::new(file);
+        if torn {
+            storage
+                .cut(whole as u64)
+                .map_err(SweepError::io(&path, "cannot cut off the torn last line"))?;
+        }
+        Ok(Opened {
+            journal: Self::on(storage, path, whole as u64),
+            entries,
+            torn,
+        })
+    }
+
+    /// A journal on a storage that holds `length` bytes of whole lines.
+    pub fn on(storage: Box<dyn Storage>, path: PathBuf, length: u64) -> Self {
+        Self {
+            storage,
+            path,
+            length,
+            last_sync: Instant::now(),
+            unsynced: false,
+        }
+    }
+
+    /// Appends a line. If that fails, what was written of it is taken back.
+    ///
+    /// # Errors
+    /// [`SweepError::Io`]; the lines before are kept.
+    pub fn append(&mut self, entry: &Entry) -> Result<(), SweepError> {
+        let failed = SweepError::io(&self.path, "cannot write the journal");
+        let mut line = match serde_json::to_vec(entry) {
+            Ok(line) => line,
+            Err(error) => return Err(failed(error.into())),
+        };
+        line.push(b'\n');
+        if let Err(error) = self.storage.append(&line) {
+            // A half line that stays is cut off when the journal is opened the next time.
+            let _ = self.storage.cut(self.length);
+            return Err(failed(error));
+        }
+        self.length += line.len() as u64;
+        self.unsynced = true;
+        Ok(())
+    }
+
+    /// Hands what was written to the disk if the last time is long enough ago.
+    ///
+    /// # Errors
+    /// [`SweepError::Io`].
+    pub fn sync_if_due(&mut self) -> Result<(), SweepError> {
+        if self.last_sync.elapsed() < SYNC_EVERY {
+            return Ok(());
+        }
+        self.sync()
+    }
+
+    /// Hands what was written to the disk.
+    ///
+    /// # Errors
+    /// [`SweepError::Io`].
+    pub fn sync(&mut self) -> Result<(), SweepError> {
+        self.last_sync = Instant::now();
+        if !std::mem::take(&mut self.unsynced) {
+            return Ok(());
+        }
+        self.storage
+            .sync()
+            .map_err(SweepError::io(&self.path, "cannot write the journal"))
+    }
+}
+
+/// The entries, and the length of the whole lines [bytes].
+fn parse(path: &Path, bytes: &[u8]) -> Result<(Vec<Entry>, usize), SweepError> {
+    let mut entries = Vec::new();
+    let mut whole = 0;
+    for (number, line) in bytes.split_inclusive(|&b| b == b'\n').enumerate() {
+        let end = whole + line.len();
+        let last = end == bytes.len();
+        let read = line
+            .strip_suffix(b"\n")
+            .map(serde_json::from_slice::<Entry>);
+        match read {
+            Some(Ok(entry)) => entries.push(entry),
+            // Cut short, or of a machine that failed before all of it was on the disk.
+            None => break,
+            Some(Err(_)) if last => break,
+            Some(Err(error)) => {
+                let found =
+                    String::from_utf8_lossy(line.get(..line.len().min(60)).unwrap_or_default());
+                return Err(SweepError::Damaged {
+                    path: path.to_owned(),
+                    line: number + 1,
+                    what: format!("not a line of a journal ({error})"),
+                    found: format!("{:?}", found.trim_end()),
+                    expected: "one JSON object per mission; remove the line to run its mission again",
+                });
+            }
+        }
+        whole = end;
+    }
+    Ok((entries, whole))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::{Arc, Mutex};
+
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn entry(seed: u64) -> Entry {
+        Entry {
+            cell: 1,
+            seed,
+            wall_s: 0.25,
+            row: Row::failed(format!("because of {seed}\n\"é\"")),
+        }
+    }
+
+    fn written(count: u64) -> Vec<u8> {
+        let directory = tempfile::tempdir().unwrap();
+        let mut journal = Journal::open(directory.path()).unwrap().journal;
+        for seed in 0..count {
+            journal.append(&entry(seed)).unwrap();
+        }
+        journal.sync().unwrap();
+        std::fs::read(directory.path().join(FILE)).unwrap()
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(40))]
+        #[test]
+        fn whatever_is_cut_off_the_whole_lines_are_read_and_go_on(cut in 0_usize..600) {
+            let bytes = written(3);
+            let kept = &bytes[..bytes.len().saturating_sub(cut)];
+            let lines = kept.split_inclusive(|&b| b == b'\n').filter(|line| line.ends_with(b"\n")).count();
+            let directory = tempfile::tempdir().unwrap();
+            std::fs::write(directory.path().join(FILE), kept).unwrap();
+            let opened = Journal::open(directory.path()).unwrap();
+            prop_assert_eq!(opened.entries.len(), lines);
+            prop_assert_eq!(opened.torn, !kept.is_empty() && !kept.ends_with(b"\n"));
+            let mut journal = opened.journal;
+            journal.append(&entry(9)).unwrap();
+            drop(journal);
+            let again = Journal::open(directory.path()).unwrap();
+            prop_assert!(!again.torn);
+            prop_assert_eq!(again.entries.len(), lines + 1);
+            prop_assert_eq!(again.entries.last().unwrap(), &entry(9));
+        }
+    }
+
+    #[test]
+    fn a_damaged_line_in_the_middle_is_named() {
+        let directory = tempfile::tempdir().unwrap();
+        let mut bytes = written(3);
+        bytes[0] = b'#';
+        std::fs::write(directory.path().join(FILE), &bytes).unwrap();
+        let error = Journal::open(directory.path()).err().unwrap().to_string();
+        for word in ["journal.jsonl:1", "not a line", "remove the line"] {
+            assert!(error.contains(word), "{error}");
+        }
+        // The last line is another matter: a machine may have failed while it was written.
+        let mut bytes = written(2);
+        let start = bytes.iter().position(|&b| b == b'\n').unwrap() + 1;
+        bytes[start..start + 4].fill(0);
+        std::fs::write(directory.path().join(FILE), &bytes).unwrap();
+        let opened = Journal::open(directory.path()).unwrap();
+        assert!(opened.torn);
+        assert_eq!(opened.entries, [entry(0)]);
+    }
+
+    /// A disk with room for a number of bytes.
+    #[derive(Clone)]
+    struct Disk(Arc<Mutex<Vec<u8>>>, usize);
+
+    impl Storage for Disk {
+        fn append(&mut self, bytes: &[u8]) -> io::Result<()> {
+            let mut held = self.0.lock().unwrap();
+            let room = self.1 - held.len();
+            let fits = bytes.len().min(room);
+            held.extend_from_slice(&bytes[..fits]);
+            if fits < bytes.len() {
+                return Err(io::ErrorKind::StorageFull.into());
+            }
+            Ok(())
+        }
+        fn cut(&mut self, length: u64) -> io::Result<()> {
+            self.0.lock().unwrap().truncate(length as usize);
+            Ok(())
+        }
+        fn sync(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_full_disk_takes_nothing_from_what_is_done() {
+        let line = serde_json::to_vec(&entry(0)).unwrap().len() + 1;
+        for spare in [0, 1, line - 1] {
+            let disk = Disk(Arc::default(), 2 * line + spare);
+            let mut journal = Journal::on(Box::new(disk.clone()), "j".into(), 0);
+            journal.append(&entry(0)).unwrap();
+            journal.append(&entry(1)).unwrap();
+            let error = journal.append(&entry(2)).unwrap_err().to_string();
+            for word in [
+                "j: cannot write the journal",
+                "what is done is kept",
+                "make room",
+            ] {
+                assert!(error.contains(word), "{error}");
+            }
+            let held = disk.0.lock().unwrap().clone();
+            assert_eq!(held.len(), 2 * line);
+            assert_eq!(parse(Path::new("j"), &held).unwrap().0.len(), 2);
+        }
+    }
+}

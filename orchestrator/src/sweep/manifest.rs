@@ -1,0 +1,166 @@
+//! What a directory of results belongs to.
+
+use serde::{Deserialize, Serialize};
+
+use super::build::describe;
+use super::cell::Value;
+use super::experiment::Experiment;
+use super::seeds::Seeds;
+
+/// Version of the files in a directory of results; another one is refused.
+pub const FORMAT: u32 = 1;
+
+/// What a directory of results belongs to: which experiment, made by which program.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Manifest {
+    /// Version of the files.
+    pub format: u32,
+    /// Version of the program.
+    pub program: String,
+    /// Name of the experiment.
+    pub experiment: String,
+    /// Its title.
+    pub title: String,
+    /// Fingerprint of everything that the results depend on, but for the seeds.
+    pub blake3: String,
+    /// The columns of its parameters.
+    pub parameters: Vec<String>,
+    /// Its cells, in the order of the results.
+    pub cells: Vec<ManifestCell>,
+    /// All seeds that were asked for so far.
+    pub seeds: Seeds,
+}
+
+/// A cell of a [`Manifest`].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ManifestCell {
+    /// Name of its case.
+    pub case: String,
+    /// Values of the parameters.
+    pub values: Vec<Value>,
+    /// Fingerprint of its scenario, but for the seed.
+    pub blake3: String,
+    /// The scenario, as `protean run` takes it.
+    pub scenario: String,
+    /// The overrides, as `--set` takes them.
+    pub set: Vec<String>,
+    /// Whether it starts programs that are not Protean's own.
+    pub external: bool,
+}
+
+impl Manifest {
+    /// The manifest of an experiment run by this program.
+    pub fn of(experiment: &Experiment) -> Self {
+        let mut manifest = Self {
+            format: FORMAT,
+            program: env!("CARGO_PKG_VERSION").to_owned(),
+            experiment: experiment.name.clone(),
+            title: experiment.title.clone(),
+            blake3: String::new(),
+            parameters: experiment
+                .parameters
+                .iter()
+                .map(|p| p.name.clone())
+                .collect(),
+            cells: experiment
+                .cells
+                .iter()
+                .map(|cell| ManifestCell {
+                    case: cell.case.clone(),
+                    values: cell.values.clone(),
+                    blake3: cell.blake3.clone(),
+                    scenario: cell.target.clone(),
+                    set: cell.overrides.clone(),
+                    external: cell.external,
+                })
+                .collect(),
+            seeds: experiment.seeds.clone(),
+        };
+        manifest.blake3 = manifest.fingerprint();
+        manifest
+    }
+
+    /// Fingerprint of format, program, name, columns and cells.
+    pub(super) fn fingerprint(&self) -> String {
+        let mut hasher = blake3::Hasher::new();
+        let mut add = |text: &str| {
+            // The length before every part keeps different parts from looking the same.
+            hasher.update(&(text.len() as u64).to_le_bytes());
+            hasher.update(text.as_bytes());
+        };
+        add(&self.format.to_string());
+        add(&self.program);
+        add(&self.experiment);
+        add(&self.parameters.len().to_string());
+        self.parameters.iter().for_each(|name| add(name));
+        for cell in &self.cells {
+            add(&cell.case);
+            cell.values.iter().for_each(|value| add(&value.to_string()));
+            add(&cell.blake3);
+        }
+        hasher.finalize().to_hex().to_string()
+    }
+
+    /// A cell in words.
+    pub fn describe(&self, cell: usize) -> String {
+        let names: Vec<&str> = self.parameters.iter().map(String::as_str).collect();
+        match self.cells.get(cell) {
+            Some(cell) => describe(&cell.case, &names, &cell.values),
+            None => format!("cell {cell}"),
+        }
+    }
+
+    /// What of `theirs` is not as here; `None` if both are the same experiment.
+    pub fn difference(&self, theirs: &Self) -> Option<String> {
+        if self.blake3 == theirs.blake3 {
+            return None;
+        }
+        if self.format != theirs.format {
+            return Some(format!(
+                "its files have format {}, this program writes format {}",
+                theirs.format, self.format
+            ));
+        }
+        if self.program != theirs.program {
+            return Some(format!(
+                "it was made by version {} of Protean, this is version {}",
+                theirs.program, self.program
+            ));
+        }
+        if self.experiment != theirs.experiment {
+            return Some(format!(
+                "it is of the experiment `{}`, this is `{}`",
+                theirs.experiment, self.experiment
+            ));
+        }
+        if self.parameters != theirs.parameters {
+            return Some(format!(
+                "it has the parameters {:?}, this experiment has {:?}",
+                theirs.parameters, self.parameters
+            ));
+        }
+        let labels =
+            |m: &Self| -> Vec<String> { (0..m.cells.len()).map(|i| m.describe(i)).collect() };
+        let (ours, others) = (labels(self), labels(theirs));
+        if let Some(new) = ours.iter().find(|label| !others.contains(label)) {
+            return Some(format!("it lacks {new}"));
+        }
+        if let Some(gone) = others.iter().find(|label| !ours.contains(label)) {
+            return Some(format!("it has {gone}, which this experiment has not"));
+        }
+        if ours != others {
+            return Some("its cells are in another order".to_owned());
+        }
+        let changed = self
+            .cells
+            .iter()
+            .zip(&theirs.cells)
+            .position(|(a, b)| a.blake3 != b.blake3);
+        Some(match changed {
+            Some(cell) => format!("the scenario of {} is another one now", self.describe(cell)),
+            None => "its manifest was changed by hand".to_owned(),
+        })
+    }
+}

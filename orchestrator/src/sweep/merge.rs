@@ -1,0 +1,52 @@
+//! Putting the parts of an experiment together.
+
+use std::path::{Path, PathBuf};
+
+use super::error::SweepError;
+use super::results::Results;
+
+/// Merges results of the same experiment into one directory, which may hold some of them already.
+///
+/// The parts stay as they are, and are locked while they are read. Whatever the parts are and in which order they are named, the table is
+/// the one that a single sweep of the whole would have written.
+///
+/// # Errors
+/// [`SweepError::Other`] if they are of different experiments, [`SweepError::Contradiction`] if two
+/// of them hold different results of a mission, [`SweepError`] if one cannot be read or the result
+/// not be written.
+pub fn merge(parts: &[PathBuf], out: &Path) -> Result<Results, SweepError> {
+    let mut merged: Option<Results> = None;
+    // The target may be one of the parts: it is opened once, as the target.
+    let same = |part: &Path| match (part.canonicalize(), out.canonicalize()) {
+        (Ok(part), Ok(out)) => part == out,
+        _ => false,
+    };
+    for path in parts.iter().filter(|path| !same(path)) {
+        let part = Results::read(path)?;
+        // Opening the target says what of a part is of another experiment, and adds its seeds.
+        let text = part.experiment()?;
+        if let Some(merged) = &merged
+            && let Some(difference) = merged.manifest().difference(part.manifest())
+        {
+            return Err(SweepError::Other {
+                path: path.clone(),
+                difference,
+            });
+        }
+        let mut target = match merged.take() {
+            Some(target) => {
+                let manifest = part.manifest().clone();
+                target.widened(&manifest)?
+            }
+            None => Results::open(out, part.manifest(), &text)?,
+        };
+        target.add(&part)?;
+        merged = Some(target);
+    }
+    let mut merged = match merged {
+        Some(merged) => merged,
+        None => Results::read(out)?,
+    };
+    merged.write_csv()?;
+    Ok(merged)
+}

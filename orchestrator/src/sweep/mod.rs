@@ -1,0 +1,52 @@
+//! Experiments: many missions from one file, and one table of results.
+//!
+//! [`Experiment::load`] reads a file that names a scenario, what is varied of it, and seeds, and
+//! checks every scenario that comes of it. [`run`](runner::run) carries out the missions that are
+//! not done yet, several at once, and appends each to the journal of a [`Results`] directory as
+//! soon as it is over; [`Results::write_csv`] writes them in an order that depends on nothing but
+//! the experiment. What a sweep results in is a function of the experiment alone: not of how many
+//! missions run at once, of who carries them out, of interruptions, or of how it was shared out
+//! ([`shard`], [`merge`]).
+
+mod assignments;
+mod build;
+mod cases;
+mod cell;
+pub mod engine;
+mod error;
+mod experiment;
+pub mod figures;
+mod grid;
+mod journal;
+pub mod launcher;
+mod manifest;
+mod measure;
+pub mod merge;
+mod parameters;
+#[cfg(feature = "parquet")]
+mod parquet;
+mod parts;
+mod progress;
+mod reader;
+mod results;
+mod row;
+pub mod runner;
+mod seeds;
+pub mod shard;
+mod shell;
+pub mod spec;
+pub mod summary;
+mod table;
+
+#[cfg(test)]
+mod tests;
+
+pub use build::describe;
+pub use cell::{Cell, Value};
+pub use error::SweepError;
+pub use experiment::{Case, Column, Experiment, LoadOptions};
+pub use manifest::{FORMAT, Manifest, ManifestCell};
+pub use results::{MissionId, Results};
+pub use row::{Outcome, Row};
+pub use seeds::Seeds;
+pub use table::COLUMNS;

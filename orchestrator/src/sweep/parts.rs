@@ -1,0 +1,147 @@
+//! The smaller parts of an experiment file: names, seeds, `[run]`, `[[figures]]`.
+
+use super::experiment::LoadOptions;
+use super::parameters::Parameter;
+use super::reader::Reader;
+use super::seeds::Seeds;
+use super::spec::{FigureSpec, MAX_MISSIONS, RunSpec, SeedsSpec};
+use crate::scenario::text::{
+    Code, Diagnostic, FieldPath, Node, Value as TomlValue, list_choices, nearest,
+};
+
+/// A name becomes a directory, and part of file names.
+pub(super) fn check_name(reader: &mut Reader, path: &FieldPath, name: &str) {
+    let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+    if !(1..=64).contains(&name.len()) || !name.chars().all(plain) {
+        let message = format!("`{name}` cannot be a name");
+        let expected = "1 to 64 of a-z, A-Z, 0-9, `_`, `-`";
+        reader.refuse(path, Code::OutOfRange, &message, expected);
+    }
+}
+
+pub(super) fn read_seeds(reader: &mut Reader, options: &LoadOptions) -> Option<Seeds> {
+    const FORM: &str = "{ first = 1, count = 200 }, or a list of different whole numbers";
+    let path = FieldPath::key("seeds");
+    let read = match reader.root.get("seeds").cloned() {
+        // The command line's seeds do.
+        None if options.seeds.is_some() => Some(Seeds::default()),
+        None => {
+            let problem = Diagnostic::new(Code::MissingKey, "missing key `seeds`")
+                .field(&path)
+                .expected(FORM);
+            reader.problems.push(problem);
+            None
+        }
+        Some(node) if node.as_table().is_some() => {
+            let spec: SeedsSpec = reader.read(&node, &path)?;
+            let seeds = (spec.count <= MAX_MISSIONS as u64)
+                .then(|| Seeds::range(spec.first, spec.count))
+                .flatten();
+            if seeds.is_none() {
+                let expected = format!("a count of at most {MAX_MISSIONS}, seeds below 2^63");
+                reader.refuse(&path, Code::OutOfRange, "too many seeds", &expected);
+            }
+            seeds
+        }
+        Some(node) => {
+            let list: Option<Vec<u64>> = node.as_array().and_then(|list| {
+                let seed = |n: &Node| match n.value {
+                    TomlValue::Int(v) => u64::try_from(v).ok(),
+                    _ => None,
+                };
+                list.iter().map(seed).collect()
+            });
+            let Some(list) = list else {
+                reader.wrong_type(&path, &node, FORM);
+                return None;
+            };
+            let count = list.len();
+            let seeds = Seeds::of(list);
+            if seeds.len() != count {
+                reader.refuse(&path, Code::Duplicate, "the same seed twice", FORM);
+            }
+            Some(seeds)
+        }
+    };
+    let seeds = match &options.seeds {
+        Some(seeds) => seeds.clone(),
+        None => read?,
+    };
+    if seeds.is_empty() {
+        reader.refuse(&path, Code::Requirement, "no seeds: nothing to run", FORM);
+        return None;
+    }
+    Some(seeds)
+}
+
+pub(super) fn read_run(reader: &mut Reader) -> Option<RunSpec> {
+    let path = FieldPath::key("run");
+    let Some(node) = reader.root.get("run").cloned() else {
+        return Some(RunSpec::default());
+    };
+    let run: RunSpec = reader.read(&node, &path)?;
+    if !(1.0..=1e6).contains(&run.timeout_s) {
+        let path = path.then("timeout_s");
+        let message = "`run.timeout_s` is out of range";
+        reader.refuse(
+            &path,
+            Code::OutOfRange,
+            message,
+            "a number from 1 to 1000000 [s]",
+        );
+    }
+    if run.jobs.is_some_and(|jobs| !(1..=4096).contains(&jobs)) {
+        let path = path.then("jobs");
+        let message = "`run.jobs` is out of range";
+        reader.refuse(
+            &path,
+            Code::OutOfRange,
+            message,
+            "1 to 4096 missions at once",
+        );
+    }
+    Some(run)
+}
+
+pub(super) fn read_figures(
+    reader: &mut Reader,
+    parameters: &[Parameter],
+) -> Option<Vec<FigureSpec>> {
+    let names: Vec<&str> = parameters.iter().map(|p| p.name.as_str()).collect();
+    let mut figures: Vec<FigureSpec> = Vec::new();
+    let mut complete = true;
+    for (path, node) in reader.blocks("figures") {
+        let Some(figure) = reader.read::<FigureSpec>(&node, &path) else {
+            complete = false;
+            continue;
+        };
+        check_name(reader, &path.then("name"), &figure.name);
+        if figures.iter().any(|f| f.name == figure.name) {
+            let message = format!("two figures `{}`", figure.name);
+            reader.refuse(
+                &path.then("name"),
+                Code::Duplicate,
+                &message,
+                "different names",
+            );
+        }
+        let fields = [("x", &figure.x, false), ("series", &figure.series, true)];
+        for (key, word, case) in fields {
+            if names.contains(&word.as_str()) || case && word == "case" {
+                continue;
+            }
+            let mut choices = names.clone();
+            choices.extend(case.then_some("case"));
+            let message = format!("`{word}` is not a parameter of this experiment");
+            let mut problem = reader
+                .problem(&path.then(key), Code::UnknownName, message)
+                .expected(list_choices(&choices));
+            if let Some(near) = nearest(word, choices) {
+                problem = problem.help(format!("did you mean `{near}`?"));
+            }
+            reader.problems.push(problem);
+        }
+        figures.push(figure);
+    }
+    complete.then_some(figures)
+}

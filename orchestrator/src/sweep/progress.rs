@@ -1,0 +1,111 @@
+//! What a person sees while a sweep goes on.
+
+use std::io::IsTerminal as _;
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// How often a plain line is written when stderr is not a terminal.
+const PLAIN_EVERY: Duration = Duration::from_secs(10);
+
+/// A bar on a terminal, now and then a line elsewhere.
+pub(super) struct Progress {
+    bar: ProgressBar,
+    plain: bool,
+    quiet: bool,
+    start: Instant,
+    last_plain: Instant,
+    total: usize,
+    done: usize,
+    failed: usize,
+}
+
+impl Progress {
+    /// Progress over `total` missions; `known` are done already.
+    pub fn new(total: usize, known: usize, quiet: bool) -> Self {
+        let terminal = std::io::stderr().is_terminal();
+        let bar = ProgressBar::new(total as u64);
+        bar.set_draw_target(if quiet || !terminal {
+            ProgressDrawTarget::hidden()
+        } else {
+            ProgressDrawTarget::stderr_with_hz(10)
+        });
+        // A template that does not parse would only cost the bar its looks.
+        if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos}/{len}  {msg}") {
+            bar.set_style(style);
+        }
+        if known > 0 && !quiet {
+            eprintln!("{known} missions are done already");
+        }
+        let now = Instant::now();
+        Self {
+            bar,
+            plain: !quiet && !terminal,
+            quiet,
+            start: now,
+            last_plain: now,
+            total,
+            done: 0,
+            failed: 0,
+        }
+    }
+
+    /// A mission is over; `words` say how it failed.
+    pub fn done(&mut self, failed: bool, words: impl FnOnce() -> String) {
+        self.done += 1;
+        self.failed += usize::from(failed);
+        if failed && !self.quiet {
+            let words = words();
+            if self.plain {
+                eprintln!("{words}");
+            } else {
+                self.bar.println(words);
+            }
+        }
+        let text = self.text();
+        self.bar.set_position(self.done as u64);
+        self.bar.set_message(text.clone());
+        if self.plain && self.last_plain.elapsed() >= PLAIN_EVERY {
+            self.last_plain = Instant::now();
+            eprintln!("{}/{}  {text}", self.done, self.total);
+        }
+    }
+
+    fn text(&self) -> String {
+        let rate = self.done as f64 / self.start.elapsed().as_secs_f64().max(1e-9);
+        let left = (self.total - self.done.min(self.total)) as f64 / rate.max(1e-9);
+        let failed = match self.failed {
+            0 => String::new(),
+            n => format!(", {n} failed"),
+        };
+        format!("{rate:.1} missions/s, {} left{failed}", duration(left))
+    }
+
+    /// Takes the bar away.
+    pub fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+/// `2 h 05 min`, `3 min 20 s`, `7 s`.
+fn duration(seconds: f64) -> String {
+    let s = seconds.ceil() as u64;
+    match (s / 3600, s / 60 % 60, s % 60) {
+        (0, 0, s) => format!("{s} s"),
+        (0, m, s) => format!("{m} min {s:02} s"),
+        (h, m, _) => format!("{h} h {m:02} min"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_told_in_the_units_that_matter() {
+        assert_eq!(duration(6.2), "7 s");
+        assert_eq!(duration(200.0), "3 min 20 s");
+        assert_eq!(duration(7500.0), "2 h 05 min");
+        assert_eq!(duration(0.0), "0 s");
+    }
+}

@@ -1,0 +1,385 @@
+//! A directory of results.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `manifest.json` | which experiment and program it belongs to |
+//! | `experiment.toml` | the experiment file |
+//! | `journal.jsonl` | every mission that is over, as they came |
+//! | `results.csv` | the same as a table, in the order of the experiment |
+//! | `logs/` | logs that were kept |
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{BufWriter, Write as _};
+use std::path::{Path, PathBuf};
+
+use rustix::fs::{FlockOperation, flock};
+
+use super::error::SweepError;
+use super::journal::{self, Entry, Journal};
+use super::manifest::Manifest;
+use super::row::Row;
+use super::seeds::Seeds;
+use super::table;
+
+/// Name of the manifest.
+const MANIFEST: &str = "manifest.json";
+/// Name of the copy of the experiment file.
+const EXPERIMENT: &str = "experiment.toml";
+/// Name of the table.
+const TABLE: &str = "results.csv";
+/// Name of the file that is locked while a sweep is at work.
+const LOCK: &str = "lock";
+
+/// One mission of an experiment. Their order is that of the results.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct MissionId {
+    /// Index of its cell.
+    pub cell: usize,
+    /// Its seed.
+    pub seed: u64,
+}
+
+/// A directory of results, locked while it is open.
+pub struct Results {
+    directory: PathBuf,
+    manifest: Manifest,
+    journal: Journal,
+    rows: BTreeMap<MissionId, Row>,
+    /// What was found odd at opening.
+    notes: Vec<String>,
+    _lock: File,
+}
+
+impl Results {
+    /// Opens the results of an experiment in a directory, which is made if it is not there. Seeds
+    /// that the directory has already are kept; those of `manifest` are added.
+    ///
+    /// # Errors
+    /// [`SweepError`] if the directory cannot be used, is in use, or belongs to something else.
+    pub fn open(
+        directory: &Path,
+        manifest: &Manifest,
+        experiment: &str,
+    ) -> Result<Self, SweepError> {
+        std::fs::create_dir_all(directory)
+            .map_err(SweepError::io(directory, "cannot make the directory"))?;
+        let lock = lock(directory)?;
+        let mut manifest = manifest.clone();
+        match read_manifest(directory)? {
+            Some(theirs) => {
+                if let Some(difference) = manifest.difference(&theirs) {
+                    return Err(SweepError::Other {
+                        path: directory.to_owned(),
+                        difference,
+                    });
+                }
+                manifest.seeds = manifest.seeds.union(&theirs.seeds);
+            }
+            None if directory.join(journal::FILE).exists() || directory.join(TABLE).exists() => {
+                return Err(SweepError::NotResults {
+                    path: directory.to_owned(),
+                    file: MANIFEST,
+                });
+            }
+            None => {}
+        }
+        write_manifest(directory, &manifest)?;
+        replace(&directory.join(EXPERIMENT), experiment.as_bytes())?;
+        Self::with(directory, manifest, lock)
+    }
+
+    /// Opens results that are there, whatever experiment they are of.
+    ///
+    /// # Errors
+    /// [`SweepError`] if the directory holds no results, or they are in use or damaged.
+    pub fn read(directory: &Path) -> Result<Self, SweepError> {
+        let no_results = || SweepError::NotResults {
+            path: directory.to_owned(),
+            file: MANIFEST,
+        };
+        if !directory.is_dir() {
+            return Err(no_results());
+        }
+        let manifest = read_manifest(directory)?.ok_or_else(no_results)?;
+        let lock = lock(directory)?;
+        Self::with(directory, manifest, lock)
+    }
+
+    fn with(directory: &Path, manifest: Manifest, lock: File) -> Result<Self, SweepError> {
+        let opened = Journal::open(directory)?;
+        let mut results = Self {
+            directory: directory.to_owned(),
+            manifest,
+            journal: opened.journal,
+            rows: BTreeMap::new(),
+            notes: Vec::new(),
+            _lock: lock,
+        };
+        if opened.torn {
+            results.notes.push(format!(
+                "{}: the last line was torn and has been cut off; its mission runs again",
+                directory.join(journal::FILE).display()
+            ));
+        }
+        for (number, entry) in opened.entries.into_iter().enumerate() {
+            if entry.cell >= results.manifest.cells.len() {
+                return Err(SweepError::Damaged {
+                    path: directory.join(journal::FILE),
+                    line: number + 1,
+                    what: format!("no cell {}", entry.cell),
+                    found: entry.cell.to_string(),
+                    expected: "the index of a cell of the manifest",
+                });
+            }
+            let mission = MissionId {
+                cell: entry.cell,
+                seed: entry.seed,
+            };
+            if results.is_new(mission, &entry.row, directory)? {
+                results.rows.insert(mission, entry.row);
+            }
+        }
+        Ok(results)
+    }
+
+    /// Whether a row says something new: a failure gives way to a result, a result to nothing else.
+    fn is_new(&self, mission: MissionId, row: &Row, from: &Path) -> Result<bool, SweepError> {
+        let Some(known) = self.rows.get(&mission) else {
+            return Ok(true);
+        };
+        if known == row || row.is_failed() && !known.is_failed() {
+            return Ok(false);
+        }
+        if known.is_failed() {
+            return Ok(true);
+        }
+        Err(SweepError::Contradiction {
+            path: from.to_owned(),
+            mission: self.describe(mission),
+            difference: difference(known, row),
+        })
+    }
+
+    /// Keeps the row of a mission that is over.
+    ///
+    /// # Errors
+    /// [`SweepError::Io`]: everything before is kept. [`SweepError::Contradiction`] if another
+    /// result of the mission is known.
+    pub fn record(&mut self, mission: MissionId, row: Row, wall_s: f64) -> Result<(), SweepError> {
+        if self.is_new(mission, &row, &self.directory)? {
+            self.keep(mission, row, wall_s)?;
+        }
+        self.journal.sync_if_due()
+    }
+
+    /// Writes a row down, and only then counts on it.
+    fn keep(&mut self, mission: MissionId, row: Row, wall_s: f64) -> Result<(), SweepError> {
+        let entry = Entry {
+            cell: mission.cell,
+            seed: mission.seed,
+            wall_s,
+            row,
+        };
+        self.journal.append(&entry)?;
+        self.rows.insert(mission, entry.row);
+        Ok(())
+    }
+
+    /// Adds everything that other results hold.
+    ///
+    /// # Errors
+    /// [`SweepError::Contradiction`], or [`SweepError::Io`].
+    pub fn add(&mut self, other: &Self) -> Result<(), SweepError> {
+        for (mission, row) in other.rows() {
+            if self.is_new(mission, row, &other.directory)? {
+                self.keep(mission, row.clone(), 0.0)?;
+            }
+        }
+        self.journal.sync()
+    }
+
+    /// The same results with the seeds of another part of the experiment.
+    ///
+    /// # Errors
+    /// [`SweepError::Io`].
+    pub(super) fn widened(mut self, other: &Manifest) -> Result<Self, SweepError> {
+        let seeds = self.manifest.seeds.union(&other.seeds);
+        if seeds != self.manifest.seeds {
+            self.manifest.seeds = seeds;
+            write_manifest(&self.directory, &self.manifest)?;
+        }
+        Ok(self)
+    }
+
+    /// The row of a mission, if it is over.
+    pub fn row(&self, mission: MissionId) -> Option<&Row> {
+        self.rows.get(&mission)
+    }
+
+    /// All rows in the order of the results.
+    pub fn rows(&self) -> impl Iterator<Item = (MissionId, &Row)> {
+        self.rows.iter().map(|(&mission, row)| (mission, row))
+    }
+
+    /// Missions of the experiment that are not over.
+    pub fn missing(&self) -> Vec<MissionId> {
+        missions(self.manifest.cells.len(), &self.manifest.seeds)
+            .filter(|mission| !self.rows.contains_key(mission))
+            .collect()
+    }
+
+    /// Where they are.
+    pub fn directory(&self) -> &Path {
+        &self.directory
+    }
+
+    /// What they belong to.
+    pub fn manifest(&self) -> &Manifest {
+        &self.manifest
+    }
+
+    /// What was odd when they were opened.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    /// A mission in words.
+    pub fn describe(&self, mission: MissionId) -> String {
+        format!(
+            "{}, seed {}",
+            self.manifest.describe(mission.cell),
+            mission.seed
+        )
+    }
+
+    /// The experiment file.
+    ///
+    /// # Errors
+    /// [`SweepError::Io`].
+    pub fn experiment(&self) -> Result<String, SweepError> {
+        let path = self.directory.join(EXPERIMENT);
+        std::fs::read_to_string(&path).map_err(SweepError::io(&path, "cannot read the experiment"))
+    }
+
+    /// Writes the table, which replaces an earlier one as a whole or not at all; returns its path.
+    /// With the cargo feature `parquet` the same as `results.parquet` beside it.
+    ///
+    /// # Errors
+    /// [`SweepError::Io`].
+    pub fn write_csv(&mut self) -> Result<PathBuf, SweepError> {
+        self.journal.sync()?;
+        let path = self.directory.join(TABLE);
+        let mut bytes = Vec::new();
+        table::write_csv(&mut bytes, &self.manifest, self.rows())
+            .map_err(SweepError::io(&path, "cannot write the table"))?;
+        replace(&path, &bytes)?;
+        #[cfg(feature = "parquet")]
+        {
+            let path = self.directory.join("results.parquet");
+            let mut bytes = Vec::new();
+            super::parquet::write(&mut bytes, &self.manifest, self.rows())
+                .map_err(SweepError::io(&path, "cannot write the table"))?;
+            replace(&path, &bytes)?;
+        }
+        Ok(path)
+    }
+}
+
+/// All missions, in the order of the results.
+pub(super) fn missions(cells: usize, seeds: &Seeds) -> impl Iterator<Item = MissionId> {
+    (0..cells).flat_map(|cell| seeds.iter().map(move |seed| MissionId { cell, seed }))
+}
+
+/// The first field in which two rows differ.
+fn difference(known: &Row, new: &Row) -> String {
+    let fields = |row: &Row| serde_json::to_value(row).unwrap_or_default();
+    let (known, new) = (fields(known), fields(new));
+    let names = known.as_object().into_iter().flat_map(|map| map.keys());
+    names
+        .filter(|&name| known.get(name) != new.get(name))
+        .map(|name| {
+            let value = |row: &serde_json::Value| {
+                row.get(name).map_or_else(String::new, ToString::to_string)
+            };
+            format!("{name} {} and {}", value(&known), value(&new))
+        })
+        .next()
+        .unwrap_or_default()
+}
+
+fn lock(directory: &Path) -> Result<File, SweepError> {
+    let path = directory.join(LOCK);
+    let file = File::create(&path).map_err(SweepError::io(&path, "cannot make the lock file"))?;
+    match flock(&file, FlockOperation::NonBlockingLockExclusive) {
+        Ok(()) => Ok(file),
+        Err(rustix::io::Errno::WOULDBLOCK) => Err(SweepError::InUse {
+            path: directory.to_owned(),
+        }),
+        Err(error) => Err(SweepError::io(&path, "cannot lock")(error.into())),
+    }
+}
+
+fn read_manifest(directory: &Path) -> Result<Option<Manifest>, SweepError> {
+    let path = directory.join(MANIFEST);
+    let text = match std::fs::read(&path) {
+        Ok(text) => text,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+        Err(error) => return Err(SweepError::io(&path, "cannot read the manifest")(error)),
+    };
+    let damaged = |what: String, line: usize| SweepError::Damaged {
+        path: path.clone(),
+        line,
+        what,
+        found: String::from_utf8_lossy(text.get(..text.len().min(60)).unwrap_or_default())
+            .into_owned(),
+        expected: "the manifest of a sweep's results",
+    };
+    // The format first: what else there is may have changed with it.
+    let json: serde_json::Value =
+        serde_json::from_slice(&text).map_err(|e| damaged(e.to_string(), e.line()))?;
+    let format = json.get("format").and_then(serde_json::Value::as_u64);
+    if let Some(format) = format.filter(|&format| format != u64::from(super::FORMAT)) {
+        return Err(SweepError::Other {
+            path: directory.to_owned(),
+            difference: format!(
+                "its files have format {format}, this program writes format {}",
+                super::FORMAT
+            ),
+        });
+    }
+    let manifest: Manifest =
+        serde_json::from_slice(&text).map_err(|e| damaged(e.to_string(), e.line()))?;
+    if manifest.blake3 != manifest.fingerprint() {
+        return Err(damaged(
+            "its fingerprint does not fit: it was changed by hand".into(),
+            1,
+        ));
+    }
+    Ok(Some(manifest))
+}
+
+fn write_manifest(directory: &Path, manifest: &Manifest) -> Result<(), SweepError> {
+    let path = directory.join(MANIFEST);
+    let mut text = serde_json::to_vec_pretty(manifest)
+        .map_err(|e| SweepError::io(&path, "cannot write the manifest")(e.into()))?;
+    text.push(b'\n');
+    replace(&path, &text)
+}
+
+/// Writes a file anew, as a whole or not at all.
+fn replace(path: &Path, bytes: &[u8]) -> Result<(), SweepError> {
+    let failed = || SweepError::io(path, "cannot be written");
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let mut file = tempfile::NamedTempFile::new_in(folder).map_err(failed())?;
+    let mut writer = BufWriter::new(file.as_file_mut());
+    writer.write_all(bytes).map_err(failed())?;
+    writer.flush().map_err(failed())?;
+    drop(writer);
+    file.as_file().sync_all().map_err(failed())?;
+    // Temporary files are private; results are not.
+    let readable = std::os::unix::fs::PermissionsExt::from_mode(0o644);
+    file.as_file().set_permissions(readable).map_err(failed())?;
+    file.persist(path).map_err(|e| failed()(e.error))?;
+    Ok(())
+}

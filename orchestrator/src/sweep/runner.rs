@@ -1,0 +1,364 @@
+//! Carrying out missions, several at once.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+use super::build::describe;
+use super::engine::{Call, Engine, processors, stay_on};
+use super::error::SweepError;
+use super::experiment::Experiment;
+use super::progress::Progress;
+use super::results::{MissionId, Results, missions};
+use super::row::Row;
+use super::shard::Shard;
+use super::spec::LogPolicy;
+
+/// How often interruptions and time-outs are looked at.
+const BEAT: Duration = Duration::from_millis(50);
+
+/// How missions are carried out.
+#[derive(Debug, Clone)]
+pub struct RunOptions {
+    /// Missions at once, > 0.
+    pub jobs: usize,
+    /// Which part of the experiment.
+    pub shard: Shard,
+    /// Whether missions that failed before are carried out again.
+    pub retry_failed: bool,
+    /// Which missions keep their log.
+    pub log: LogPolicy,
+    /// Real time after which a mission is given up.
+    pub timeout: Duration,
+    /// Whether nothing is shown while it goes on.
+    pub quiet: bool,
+    /// Set from outside (Ctrl-C): missions at work are given up, what is done is kept.
+    pub interrupted: Arc<AtomicBool>,
+}
+
+/// How a sweep went.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RunReport {
+    /// Missions carried out now.
+    pub carried_out: usize,
+    /// Missions that were done before.
+    pub known: usize,
+    /// Real time [s].
+    pub wall_time_s: f64,
+    /// Whether it was interrupted.
+    pub interrupted: bool,
+    /// Missions that should have been carried out and were not, because of that.
+    pub missing: Vec<MissionId>,
+}
+
+/// The missions of a shard that are still to be carried out, in the order of the results, and how
+/// many are done.
+pub fn to_do(
+    experiment: &Experiment,
+    results: Option<&Results>,
+    shard: Shard,
+    retry_failed: bool,
+) -> (Vec<MissionId>, usize) {
+    let mut known = 0;
+    let open = missions(experiment.cells.len(), &experiment.seeds)
+        .enumerate()
+        .filter(|&(number, _)| shard.has(number))
+        .map(|(_, mission)| mission)
+        .filter(|&mission| {
+            let row = results.and_then(|results| results.row(mission));
+            let done = row.is_some_and(|row| !(retry_failed && row.is_failed()));
+            known += usize::from(done);
+            !done
+        })
+        .collect();
+    (open, known)
+}
+
+/// What the workers share.
+struct Shared<'a> {
+    experiment: &'a Experiment,
+    engine: &'a dyn Engine,
+    options: &'a RunOptions,
+    logs: PathBuf,
+    open: &'a [MissionId],
+    next: AtomicUsize,
+    /// No mission is begun any more.
+    stop: AtomicBool,
+    /// The mission that each worker has at hand.
+    at_hand: Vec<Mutex<Option<AtHand>>>,
+}
+
+/// A mission at work.
+struct AtHand {
+    since: Instant,
+    /// Set to end it in order.
+    end: Arc<AtomicBool>,
+}
+
+/// A mission that is over.
+struct Done {
+    mission: MissionId,
+    /// `None`: given up because of an interruption.
+    row: Option<Row>,
+    wall_s: f64,
+}
+
+/// Carries out the missions that are not done yet and records each as soon as it is over.
+///
+/// # Errors
+/// [`SweepError`] if the results cannot be kept; everything recorded before is.
+pub fn run(
+    experiment: &Experiment,
+    results: &mut Results,
+    engine: &dyn Engine,
+    options: &RunOptions,
+) -> Result<RunReport, SweepError> {
+    let start = Instant::now();
+    let (open, known) = to_do(
+        experiment,
+        Some(results),
+        options.shard,
+        options.retry_failed,
+    );
+    let logs = results.directory().join("logs");
+    if options.log != LogPolicy::None {
+        std::fs::create_dir_all(&logs)
+            .map_err(SweepError::io(&logs, "cannot make the directory"))?;
+    }
+    let jobs = options.jobs.clamp(1, open.len().max(1));
+    let shared = Shared {
+        experiment,
+        engine,
+        options,
+        logs,
+        open: &open,
+        next: AtomicUsize::new(0),
+        stop: AtomicBool::new(false),
+        at_hand: (0..jobs).map(|_| Mutex::new(None)).collect(),
+    };
+    let mut progress = Progress::new(open.len(), known, options.quiet);
+    let mut carried_out = 0;
+    let (tell, done) = mpsc::channel::<Done>();
+    let outcome = std::thread::scope(|scope| -> Result<(), SweepError> {
+        for worker in 0..jobs {
+            let (shared, tell) = (&shared, tell.clone());
+            let spawned = std::thread::Builder::new()
+                .name(format!("sweep-{worker}"))
+                .spawn_scoped(scope, move || shared.work(worker, &tell));
+            if let Err(source) = spawned {
+                shared.stop.store(true, Ordering::SeqCst);
+                return Err(SweepError::Launcher {
+                    program: "sweep".to_owned(),
+                    what: format!("cannot start thread {worker}: {source}"),
+                    help: Some("choose fewer --jobs"),
+                });
+            }
+        }
+        drop(tell);
+        let kept = collect(&shared, results, &done, &mut progress, &mut carried_out);
+        if kept.is_err() {
+            shared.give_up(None);
+        }
+        kept
+    });
+    progress.finish();
+    outcome?;
+    Ok(RunReport {
+        carried_out,
+        known,
+        wall_time_s: start.elapsed().as_secs_f64(),
+        interrupted: shared.is_interrupted(),
+        missing: to_do(experiment, Some(results), options.shard, false).0,
+    })
+}
+
+/// Records what the workers bring, until all of them have ended.
+fn collect(
+    shared: &Shared<'_>,
+    results: &mut Results,
+    done: &mpsc::Receiver<Done>,
+    progress: &mut Progress,
+    carried_out: &mut usize,
+) -> Result<(), SweepError> {
+    loop {
+        match done.recv_timeout(BEAT) {
+            Ok(Done {
+                mission,
+                row: Some(row),
+                wall_s,
+            }) => {
+                progress.done(row.is_failed(), || {
+                    format!("{} failed: {}", results.describe(mission), row.error)
+                });
+                results.record(mission, row, wall_s)?;
+                *carried_out += 1;
+            }
+            Ok(Done { row: None, .. }) | Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => return Ok(()),
+        }
+        if shared.is_interrupted() {
+            shared.give_up(None);
+        } else {
+            shared.give_up(Some(shared.options.timeout));
+        }
+    }
+}
+
+impl Shared<'_> {
+    fn is_interrupted(&self) -> bool {
+        self.options.interrupted.load(Ordering::SeqCst)
+    }
+
+    /// Ends the missions that have taken longer than this; without a time all of them, and no other
+    /// is begun.
+    fn give_up(&self, longer_than: Option<Duration>) {
+        if longer_than.is_none() {
+            self.stop.store(true, Ordering::SeqCst);
+        }
+        for slot in &self.at_hand {
+            let Ok(slot) = slot.lock() else { continue };
+            if let Some(AtHand { since, end }) = slot.as_ref()
+                && longer_than.is_none_or(|time| since.elapsed() > time)
+            {
+                end.store(true, Ordering::SeqCst);
+            }
+        }
+    }
+
+    /// Carries out one mission after the other until none is left.
+    fn work(&self, worker: usize, tell: &mpsc::Sender<Done>) {
+        if self.engine.wants_own_processor() {
+            let processors = processors();
+            // With processors to spare, missions may spread over several.
+            let crowded = self.at_hand.len() >= processors.len();
+            let pinned = self.open.first().is_some_and(|mission| {
+                let cell = self.experiment.cells.get(mission.cell);
+                cell.is_some_and(|cell| cell.one_core)
+            });
+            if crowded || pinned {
+                // Other parts may be at work on this machine too.
+                let turn = worker + self.options.shard.index() - 1;
+                let own = turn.checked_rem(processors.len());
+                if let Some(&processor) = own.and_then(|own| processors.get(own)) {
+                    stay_on(processor);
+                }
+            }
+        }
+        while !self.stop.load(Ordering::SeqCst) {
+            let next = self.next.fetch_add(1, Ordering::SeqCst);
+            let Some(&mission) = self.open.get(next) else {
+                return;
+            };
+            let start = Instant::now();
+            let row = self.carry_out(worker, mission, start);
+            let wall_s = start.elapsed().as_secs_f64();
+            let told = tell.send(Done {
+                mission,
+                row,
+                wall_s,
+            });
+            if told.is_err() {
+                return;
+            }
+        }
+    }
+
+    fn carry_out(&self, worker: usize, mission: MissionId, start: Instant) -> Option<Row> {
+        let cell = self.experiment.cells.get(mission.cell)?;
+        let scenario = match cell.scenario(mission.seed) {
+            Ok(scenario) => scenario,
+            Err(problems) => return Some(Row::failed(problems.to_string())),
+        };
+        let log = (self.options.log != LogPolicy::None).then(|| self.log_path(mission));
+        let call = Call {
+            log: log.clone(),
+            interrupted: Arc::default(),
+        };
+        let at_hand = self.at_hand.get(worker);
+        if let Some(Ok(mut slot)) = at_hand.map(Mutex::lock) {
+            *slot = Some(AtHand {
+                since: start,
+                end: Arc::clone(&call.interrupted),
+            });
+        }
+        // It may have been decided between the last look and the entry above.
+        if self.stop.load(Ordering::SeqCst) {
+            return None;
+        }
+        // A mission inside this process must not take the others with it.
+        let flown = catch_unwind(AssertUnwindSafe(|| self.engine.fly(&scenario, &call)));
+        if let Some(Ok(mut slot)) = at_hand.map(Mutex::lock) {
+            *slot = None;
+        }
+        let row = match flown {
+            Ok(Ok(report)) if report.interrupted => {
+                if self.stop.load(Ordering::SeqCst) {
+                    discard(log.as_deref());
+                    return None;
+                }
+                let limit = self.options.timeout.as_secs_f64();
+                Row::failed(format!("it was not over after {limit} s of real time"))
+            }
+            Ok(Ok(report)) => Row::of(&report),
+            // What an interruption breaks is not the mission's fault.
+            Ok(Err(_)) if self.stop.load(Ordering::SeqCst) => {
+                discard(log.as_deref());
+                return None;
+            }
+            Ok(Err(error)) => Row::failed(error),
+            Err(panic) => Row::failed(format!("it panicked: {}", panic_words(panic.as_ref()))),
+        };
+        if self.options.log == LogPolicy::Failed && !row.is_failed() {
+            discard(log.as_deref());
+        }
+        Some(row)
+    }
+
+    /// `logs/potential-relative_speed=1.5-seed=7.mcap`.
+    fn log_path(&self, mission: MissionId) -> PathBuf {
+        let names: Vec<&str> = self
+            .experiment
+            .parameters
+            .iter()
+            .map(|p| p.name.as_str())
+            .collect();
+        let label = self
+            .experiment
+            .cells
+            .get(mission.cell)
+            .map_or_else(String::new, |cell| {
+                describe(&cell.case, &names, &cell.values)
+            });
+        let label = label
+            .trim_start_matches("case ")
+            .replace(" = ", "=")
+            .replace(", ", "-");
+        let plain = |c: char| {
+            if c.is_ascii_alphanumeric() || "_-=.+".contains(c) {
+                c
+            } else {
+                '_'
+            }
+        };
+        let label: String = label.chars().take(180).map(plain).collect();
+        // The cell's number keeps long labels apart that were cut.
+        let name = format!("{}-{label}-seed={}.mcap", mission.cell, mission.seed);
+        self.logs.join(name)
+    }
+}
+
+fn discard(log: Option<&Path>) {
+    if let Some(log) = log {
+        // It may not have come to a log.
+        let _ = std::fs::remove_file(log);
+    }
+}
+
+fn panic_words(panic: &(dyn std::any::Any + Send)) -> String {
+    let text = panic.downcast_ref::<&str>().map(|s| (*s).to_owned());
+    text.or_else(|| panic.downcast_ref::<String>().cloned())
+        .unwrap_or_else(|| "without a word".to_owned())
+}

@@ -1,0 +1,166 @@
+//! What an experiment file may contain, beside the overrides (`set`) and the values of the grid.
+
+use serde::de::IgnoredAny;
+use serde::{Deserialize, Serialize};
+
+/// Most cells (combinations of case and parameters) of one experiment.
+pub const MAX_CELLS: usize = 10_000;
+/// Most missions (cells times seeds) of one experiment.
+pub const MAX_MISSIONS: usize = 1_000_000;
+
+/// The top level of an experiment file.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct TopLevel {
+    pub name: Option<String>,
+    pub title: Option<String>,
+    pub description: Option<String>,
+    pub scenario: Option<String>,
+    // Read piece by piece, each with its own path.
+    #[serde(rename = "seeds")]
+    pub _seeds: Option<IgnoredAny>,
+    #[serde(rename = "cases")]
+    pub _cases: Option<IgnoredAny>,
+    #[serde(rename = "parameters")]
+    pub _parameters: Option<IgnoredAny>,
+    #[serde(rename = "grid")]
+    pub _grid: Option<IgnoredAny>,
+    #[serde(rename = "points")]
+    pub _points: Option<IgnoredAny>,
+    #[serde(rename = "run")]
+    pub _run: Option<IgnoredAny>,
+    #[serde(rename = "figures")]
+    pub _figures: Option<IgnoredAny>,
+}
+
+/// `[[cases]]`: one method that is compared with the others.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct CaseSpec {
+    pub name: String,
+    #[serde(default)]
+    pub title: Option<String>,
+    #[serde(default, rename = "scenario")]
+    pub _scenario: Option<String>,
+    #[serde(default, rename = "set")]
+    pub _set: Option<IgnoredAny>,
+}
+
+/// `[parameters.NAME]`: a column of the results and what it changes.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct ParameterSpec {
+    pub title: Option<String>,
+    #[serde(rename = "set")]
+    pub _set: Option<IgnoredAny>,
+    #[serde(rename = "scale")]
+    pub _scale: Option<IgnoredAny>,
+    #[serde(rename = "levels")]
+    pub _levels: Option<IgnoredAny>,
+}
+
+/// `seeds = { first = 1, count = 200 }`.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SeedsSpec {
+    #[serde(default = "one")]
+    pub first: u64,
+    pub count: u64,
+}
+
+fn one() -> u64 {
+    1
+}
+
+/// `[run]`: how the missions are carried out; none of it changes what they result in.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct RunSpec {
+    /// Missions at once; as many as there are processors if not said. `--jobs` overrides it.
+    pub jobs: Option<usize>,
+    /// Which missions keep their log. `--log` overrides it.
+    pub log: LogPolicy,
+    /// Real time after which a mission is given up and counts as failed [s], 1 to 10⁶.
+    pub timeout_s: f64,
+}
+
+impl Default for RunSpec {
+    fn default() -> Self {
+        Self {
+            jobs: None,
+            log: LogPolicy::None,
+            timeout_s: 3600.0,
+        }
+    }
+}
+
+/// Which missions keep their log.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "snake_case")]
+pub enum LogPolicy {
+    /// None, and none is written: the fastest.
+    #[default]
+    None,
+    /// Those that failed. All are written, and removed when the mission went well.
+    Failed,
+    /// All of them.
+    All,
+}
+
+/// `[[figures]]`: a figure to be drawn from the results.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FigureSpec {
+    /// Name of its files.
+    pub name: String,
+    /// Its heading.
+    #[serde(default)]
+    pub title: String,
+    /// Parameter along the horizontal axis.
+    pub x: String,
+    /// What the curves are: `case`, or a parameter.
+    #[serde(default = "by_case")]
+    pub series: String,
+    /// What stands on the vertical axis.
+    #[serde(default)]
+    pub metric: Metric,
+    /// Text along the horizontal axis; the parameter's title if empty.
+    #[serde(default)]
+    pub x_label: String,
+    /// Text along the vertical axis; the metric's own if empty.
+    #[serde(default)]
+    pub y_label: String,
+    /// CSV file with the columns `series`, `x`, `y` and optionally `low`, `high`: published points to
+    /// be shown beside ours. A path beside the experiment file.
+    #[serde(default)]
+    pub compare: Option<String>,
+}
+
+fn by_case() -> String {
+    "case".to_owned()
+}
+
+/// What a figure shows of each cell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Metric {
+    /// Escaped evaders of all evaders, 0 to 1.
+    #[default]
+    EscapeChance,
+    /// Caught evaders of all evaders, 0 to 1.
+    CaptureChance,
+    /// Evaders that were neither caught nor escaped in time, of all evaders, 0 to 1.
+    HeldOutChance,
+    /// Mean simulated length of a game [s].
+    GameTime,
+    /// Mean simulated time of the first capture, of the games that had one [s].
+    FirstCapture,
+    /// Mean simulated time of the first escape, of the games that had one [s].
+    FirstEscape,
+    /// Mean number of contact episodes of all robots per game.
+    Contacts,
+    /// Mean speed of the evaders while they were in the game [m/s].
+    EvaderMeanSpeed,
+    /// Mean part of the game in which an escape was possible, 0 to 1; needs a `referee`.
+    EscapePossible,
+}

@@ -1,0 +1,266 @@
+//! What the cells of an experiment amount to: a table for people, JSON for programs.
+
+use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
+use comfy_table::{CellAlignment, Table};
+use serde_json::{Value as Json, json};
+
+use super::results::{MissionId, Results};
+use super::row::Row;
+use super::runner::RunReport;
+use super::shell;
+use crate::statistics::{Interval, Sample, Z95, wilson};
+
+/// Most failures that are listed on a terminal; JSON and the table of results have all.
+const SHOWN: usize = 20;
+
+/// What the games of one cell amount to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CellSummary {
+    /// Index of the cell.
+    pub cell: usize,
+    /// Games that came to their end.
+    pub games: usize,
+    /// Games that failed.
+    pub failed: usize,
+    /// Evaders of these games.
+    pub evaders: u64,
+    /// Evaders that escaped.
+    pub escaped: u64,
+    /// Evaders that were caught.
+    pub caught: u64,
+    /// Part of the evaders that escaped; none without evaders.
+    pub escape_chance: Option<f64>,
+    /// Its Wilson 95 % interval as if evaders were independent of each other.
+    pub independent: Option<Interval>,
+    /// The one that counts games, whose evaders share their fate.
+    pub by_game: Option<Interval>,
+    /// Mean simulated length of a game [s].
+    pub mean_time_s: Option<f64>,
+    /// Contact episodes per game.
+    pub contacts: Option<f64>,
+}
+
+/// Summarises every cell, in the order of the experiment.
+pub fn cells(results: &Results) -> Vec<CellSummary> {
+    let mut rows: Vec<Vec<&Row>> = vec![Vec::new(); results.manifest().cells.len()];
+    for (mission, row) in results.rows() {
+        if let Some(rows) = rows.get_mut(mission.cell) {
+            rows.push(row);
+        }
+    }
+    rows.iter()
+        .enumerate()
+        .map(|(cell, rows)| summarise(cell, rows))
+        .collect()
+}
+
+fn summarise(cell: usize, rows: &[&Row]) -> CellSummary {
+    let played: Vec<&Row> = rows.iter().copied().filter(|r| !r.is_failed()).collect();
+    let escapes: Sample = played.iter().map(|r| (r.escaped, r.evaders)).collect();
+    let share = escapes.share();
+    let sum = |f: fn(&Row) -> u32| played.iter().map(|r| u64::from(f(r))).sum::<u64>();
+    let mean = |sum: f64| (!played.is_empty()).then(|| sum / played.len() as f64);
+    CellSummary {
+        cell,
+        games: played.len(),
+        failed: rows.len() - played.len(),
+        evaders: sum(|r| r.evaders),
+        escaped: sum(|r| r.escaped),
+        caught: sum(|r| r.caught),
+        escape_chance: share,
+        independent: share.map(|_| wilson(escapes.hits(), escapes.members())),
+        by_game: share.map(|_| escapes.interval(Z95)),
+        mean_time_s: mean(played.iter().map(|r| r.sim_time_s).sum()),
+        contacts: mean(sum(|r| r.contacts) as f64),
+    }
+}
+
+/// The missions that failed.
+fn failures(results: &Results) -> Vec<(MissionId, &Row)> {
+    results.rows().filter(|(_, row)| row.is_failed()).collect()
+}
+
+/// What is missing: of what was to be carried out now, or of all.
+fn missing(results: &Results, report: Option<&RunReport>) -> Vec<MissionId> {
+    report.map_or_else(|| results.missing(), |report| report.missing.clone())
+}
+
+/// The command that runs one mission again, alone.
+pub fn command(results: &Results, mission: MissionId) -> String {
+    let Some(cell) = results.manifest().cells.get(mission.cell) else {
+        return String::new();
+    };
+    let mut words = vec!["protean", "run", cell.scenario.as_str()];
+    for set in &cell.set {
+        words.extend(["--set", set.as_str()]);
+    }
+    let seed = mission.seed.to_string();
+    words.extend(["--seed", seed.as_str()]);
+    words.extend(cell.external.then_some("--allow-external"));
+    shell::line(words)
+}
+
+/// The summary for people: a table of the cells, failures with the command that repeats them, and
+/// what is missing.
+pub fn text(results: &Results, report: Option<&RunReport>) -> String {
+    let manifest = results.manifest();
+    let mut header = vec!["case"];
+    header.extend(manifest.parameters.iter().map(String::as_str));
+    header.extend([
+        "games",
+        "escaped",
+        "chance",
+        "95 % interval",
+        "by game",
+        "time [s]",
+    ]);
+    let mut table = Table::new();
+    table.load_style(UTF8_HORIZONTAL_ONLY).set_header(header);
+    for column in table.column_iter_mut().skip(1) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    for summary in cells(results) {
+        let Some(cell) = manifest.cells.get(summary.cell) else {
+            continue;
+        };
+        let interval = |i: Option<Interval>| {
+            i.map_or_else(|| "-".into(), |i| format!("{:.3} .. {:.3}", i.low, i.high))
+        };
+        let mut line = vec![cell.case.clone()];
+        line.extend(cell.values.iter().map(ToString::to_string));
+        line.extend([
+            summary.games.to_string(),
+            format!("{}/{}", summary.escaped, summary.evaders),
+            summary
+                .escape_chance
+                .map_or_else(|| "-".into(), |p| format!("{p:.3}")),
+            interval(summary.independent),
+            interval(summary.by_game),
+            summary
+                .mean_time_s
+                .map_or_else(|| "-".into(), |t| format!("{t:.1}")),
+        ]);
+        table.add_row(line);
+    }
+    let mut text = format!("{}: {}\n\n{table}\n", manifest.experiment, manifest.title);
+    if let Some(report) = report.filter(|report| report.carried_out > 0) {
+        text += &format!(
+            "\n{} missions in {:.1} s, {:.1} per second\n",
+            report.carried_out,
+            report.wall_time_s,
+            report.carried_out as f64 / report.wall_time_s.max(1e-9),
+        );
+    }
+    let failures = failures(results);
+    if !failures.is_empty() {
+        text += &format!(
+            "\n{} missions failed; to see one fail again:\n",
+            failures.len()
+        );
+        for (mission, row) in failures.iter().take(SHOWN) {
+            let reason = row.error.lines().next().unwrap_or_default();
+            text += &format!(
+                "  {}: {reason}\n    {}\n",
+                results.describe(*mission),
+                command(results, *mission)
+            );
+        }
+        if failures.len() > SHOWN {
+            text += &format!("  … and {} more, see results.csv\n", failures.len() - SHOWN);
+        }
+        text += "--retry-failed carries them out again\n";
+    }
+    let missing = missing(results, report);
+    if !missing.is_empty() {
+        text += &format!("\n{} missions are missing:\n", missing.len());
+        for line in ranges(results, &missing).iter().take(SHOWN) {
+            text += &format!("  {line}\n");
+        }
+    }
+    text
+}
+
+/// Missing missions cell by cell: `case potential, relative_speed = 1.5: seeds 3..7, 9`.
+fn ranges(results: &Results, missing: &[MissionId]) -> Vec<String> {
+    missing
+        .chunk_by(|a, b| a.cell == b.cell)
+        .filter_map(|of_cell| {
+            let cell = of_cell.first()?.cell;
+            let seeds = super::Seeds::of(of_cell.iter().map(|m| m.seed).collect());
+            Some(format!(
+                "{}: seeds {seeds}",
+                results.manifest().describe(cell)
+            ))
+        })
+        .collect()
+}
+
+/// The summary for programs.
+pub fn json(results: &Results, report: Option<&RunReport>) -> Json {
+    let manifest = results.manifest();
+    let labels = |cell: usize| {
+        let values = manifest
+            .cells
+            .get(cell)
+            .map_or(&[][..], |c| c.values.as_slice());
+        let names = manifest.parameters.iter().cloned();
+        let parameters: serde_json::Map<String, Json> =
+            names.zip(values.iter().map(|v| json!(v))).collect();
+        (manifest.cells.get(cell).map(|c| c.case.clone()), parameters)
+    };
+    let cells: Vec<Json> = cells(results)
+        .into_iter()
+        .map(|c| {
+            let (case, parameters) = labels(c.cell);
+            let ends = |i: Interval| json!([i.low, i.high]);
+            json!({
+                "case": case,
+                "parameters": parameters,
+                "games": c.games,
+                "failed": c.failed,
+                "evaders": c.evaders,
+                "escaped": c.escaped,
+                "caught": c.caught,
+                "escape_chance": c.escape_chance,
+                "wilson_95": c.independent.map(ends),
+                "by_game_95": c.by_game.map(ends),
+                "mean_time_s": c.mean_time_s,
+                "contacts_per_game": c.contacts,
+            })
+        })
+        .collect();
+    let failures: Vec<Json> = failures(results)
+        .into_iter()
+        .map(|(mission, row)| {
+            let (case, parameters) = labels(mission.cell);
+            json!({
+                "case": case,
+                "parameters": parameters,
+                "seed": mission.seed,
+                "error": row.error,
+                "command": command(results, mission),
+            })
+        })
+        .collect();
+    let missing: Vec<Json> = missing(results, report)
+        .into_iter()
+        .map(|mission| {
+            let (case, parameters) = labels(mission.cell);
+            json!({ "case": case, "parameters": parameters, "seed": mission.seed })
+        })
+        .collect();
+    json!({
+        "experiment": manifest.experiment,
+        "blake3": manifest.blake3,
+        "program": manifest.program,
+        "out": results.directory(),
+        "missions": results.rows().count(),
+        "carried_out": report.map(|r| r.carried_out),
+        "known": report.map(|r| r.known),
+        "wall_time_s": report.map(|r| r.wall_time_s),
+        "interrupted": report.is_some_and(|r| r.interrupted),
+        "cells": cells,
+        "failures": failures,
+        "missing": missing,
+    })
+}

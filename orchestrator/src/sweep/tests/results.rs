@@ -1,0 +1,262 @@
+//! Directories of results.
+
+use std::path::Path;
+
+use super::super::merge::merge;
+use super::super::{Manifest, MissionId, Outcome, Results, Row, SweepError, summary};
+use super::*;
+
+fn manifest() -> Manifest {
+    Manifest::of(&load(GOOD).unwrap())
+}
+
+fn row(escaped: u32) -> Row {
+    Row {
+        outcome: Outcome::Ended,
+        evaders: 2,
+        escaped,
+        caught: 2 - escaped,
+        sim_time_s: 12.5,
+        ticks: 250,
+        digest: "d".repeat(64),
+        ..Row::failed("")
+    }
+}
+
+fn mission(cell: usize, seed: u64) -> MissionId {
+    MissionId { cell, seed }
+}
+
+fn open(directory: &Path) -> Result<Results, SweepError> {
+    Results::open(directory, &manifest(), GOOD)
+}
+
+fn table(directory: &Path) -> String {
+    std::fs::read_to_string(directory.join("results.csv")).unwrap()
+}
+
+#[test]
+fn the_table_is_in_the_order_of_the_experiment_whatever_came_first() {
+    let missions: Vec<_> = (0..6)
+        .flat_map(|c| (1..=3).map(move |s| mission(c, s)))
+        .collect();
+    let written = |order: &mut dyn Iterator<Item = &MissionId>| {
+        let directory = tempfile::tempdir().unwrap();
+        let mut results = open(directory.path()).unwrap();
+        for &m in order {
+            results
+                .record(m, row((m.cell as u32 + m.seed as u32) % 3), 0.1)
+                .unwrap();
+        }
+        results.write_csv().unwrap();
+        table(directory.path())
+    };
+    let straight = written(&mut missions.iter());
+    assert_eq!(straight, written(&mut missions.iter().rev()));
+    let mut lines = straight.lines();
+    assert!(
+        lines
+            .next()
+            .unwrap()
+            .starts_with("case,relative_speed,seed,outcome,evaders,escaped")
+    );
+    assert!(
+        lines
+            .next()
+            .unwrap()
+            .starts_with("potential,0.8,1,ended,2,1,1,0,12.5,")
+    );
+    assert_eq!(lines.count(), 17);
+}
+
+#[test]
+fn what_was_recorded_is_known_again_and_failures_give_way() {
+    let directory = tempfile::tempdir().unwrap();
+    let mut results = open(directory.path()).unwrap();
+    results.record(mission(0, 1), row(1), 0.1).unwrap();
+    results
+        .record(mission(0, 2), Row::failed("process x ended"), 0.1)
+        .unwrap();
+    drop(results);
+    let mut results = open(directory.path()).unwrap();
+    assert_eq!(results.row(mission(0, 1)), Some(&row(1)));
+    assert!(results.row(mission(0, 2)).unwrap().is_failed());
+    assert_eq!(results.missing().len(), 16);
+    results.record(mission(0, 2), row(2), 0.1).unwrap();
+    drop(results);
+    let mut results = open(directory.path()).unwrap();
+    assert_eq!(results.row(mission(0, 2)), Some(&row(2)));
+    let error = results
+        .record(mission(0, 2), row(0), 0.1)
+        .unwrap_err()
+        .to_string();
+    for word in [
+        "two different results of case potential, relative_speed = 0.8, seed 2",
+        "caught",
+    ] {
+        assert!(error.contains(word), "{error}");
+    }
+}
+
+#[test]
+fn results_of_something_else_are_refused() {
+    let directory = tempfile::tempdir().unwrap();
+    open(directory.path()).unwrap();
+    let other = Manifest::of(&load(&changed("gain = 0.0", "gain = 1.0")).unwrap());
+    let error = Results::open(directory.path(), &other, "")
+        .err()
+        .unwrap()
+        .to_string();
+    for word in [
+        "holds the results of another experiment",
+        "the scenario of case potential, relative_speed = 0.8 is another one now",
+        "choose another --out",
+    ] {
+        assert!(error.contains(word), "{error}");
+    }
+    // Another format may hold anything else.
+    let path = directory.path().join("manifest.json");
+    std::fs::write(&path, r#"{"format": 99, "future": true}"#).unwrap();
+    let error = open(directory.path()).err().unwrap().to_string();
+    assert!(error.contains("format 99"), "{error}");
+    std::fs::write(&path, "no json").unwrap();
+    let error = open(directory.path()).err().unwrap().to_string();
+    assert!(error.contains("manifest.json:1"), "{error}");
+    std::fs::remove_file(&path).unwrap();
+    let error = open(directory.path()).err().unwrap().to_string();
+    assert!(error.contains("has no manifest.json"), "{error}");
+}
+
+#[test]
+fn a_manifest_changed_by_hand_is_not_believed() {
+    let directory = tempfile::tempdir().unwrap();
+    open(directory.path()).unwrap();
+    let path = directory.path().join("manifest.json");
+    let text = std::fs::read_to_string(&path).unwrap();
+    std::fs::write(&path, text.replace("\"potential\"", "\"best\"")).unwrap();
+    let error = open(directory.path()).err().unwrap().to_string();
+    assert!(error.contains("changed by hand"), "{error}");
+}
+
+#[test]
+fn one_sweep_at_a_time() {
+    let directory = tempfile::tempdir().unwrap();
+    let first = open(directory.path()).unwrap();
+    let error = open(directory.path()).err().unwrap();
+    assert!(matches!(error, SweepError::InUse { .. }), "{error}");
+    drop(first);
+    open(directory.path()).unwrap();
+}
+
+#[test]
+fn more_seeds_continue_the_same_results() {
+    let directory = tempfile::tempdir().unwrap();
+    open(directory.path())
+        .unwrap()
+        .record(mission(0, 1), row(1), 0.1)
+        .unwrap();
+    let more =
+        Manifest::of(&load(&changed("first = 1, count = 3", "first = 3, count = 2")).unwrap());
+    let results = Results::open(directory.path(), &more, "").unwrap();
+    assert_eq!(results.manifest().seeds.to_string(), "1..4");
+    assert_eq!(results.missing().len(), 6 * 4 - 1);
+}
+
+#[test]
+fn parts_merge_to_the_table_of_the_whole() {
+    let directory = tempfile::tempdir().unwrap();
+    let at = |name: &str| directory.path().join(name);
+    let mut whole = open(&at("whole")).unwrap();
+    for number in 0..18_usize {
+        let m = mission(number / 3, number as u64 % 3 + 1);
+        let row = if number == 5 {
+            Row::failed("x")
+        } else {
+            row(number as u32 % 3)
+        };
+        whole.record(m, row.clone(), 0.1).unwrap();
+        // The last part has only some of its missions.
+        if number != 17 {
+            let mut part = open(&at(&format!("part-{}", number % 3))).unwrap();
+            part.record(m, row, 0.1).unwrap();
+        }
+    }
+    whole.write_csv().unwrap();
+    let parts = [at("part-2"), at("part-0"), at("part-1")];
+    let merged = merge(&parts, &at("merged")).unwrap();
+    assert_eq!(merged.missing(), [mission(5, 3)]);
+    drop(merged);
+    open(&at("part-2"))
+        .unwrap()
+        .record(mission(5, 3), row(17 % 3), 0.1)
+        .unwrap();
+    // Into what is there already.
+    assert!(
+        merge(&parts[..1], &at("merged"))
+            .unwrap()
+            .missing()
+            .is_empty()
+    );
+    assert_eq!(table(&at("merged")), table(&at("whole")));
+    assert!(!at("part-0").join("results.csv").exists());
+}
+
+#[test]
+fn parts_that_do_not_belong_together_are_not_merged() {
+    let directory = tempfile::tempdir().unwrap();
+    let at = |name: &str| directory.path().join(name);
+    open(&at("a"))
+        .unwrap()
+        .record(mission(0, 1), row(1), 0.1)
+        .unwrap();
+    let other = Manifest::of(&load(&changed("name = \"small\"", "name = \"big\"")).unwrap());
+    Results::open(&at("b"), &other, "").unwrap();
+    let error = merge(&[at("a"), at("b")], &at("m"))
+        .err()
+        .unwrap()
+        .to_string();
+    assert!(error.contains("it is of the experiment `big`"), "{error}");
+    open(&at("c"))
+        .unwrap()
+        .record(mission(0, 1), row(2), 0.1)
+        .unwrap();
+    let error = merge(&[at("a"), at("c")], &at("n"))
+        .err()
+        .unwrap()
+        .to_string();
+    assert!(error.contains("two different results"), "{error}");
+    let error = merge(&[at("nothing")], &at("o")).err().unwrap().to_string();
+    assert!(error.contains("is not a directory of results"), "{error}");
+}
+
+#[test]
+fn the_summary_counts_games_and_repeats_failures() {
+    let directory = tempfile::tempdir().unwrap();
+    let mut results = open(directory.path()).unwrap();
+    results.record(mission(1, 1), row(2), 0.1).unwrap();
+    results.record(mission(1, 2), row(0), 0.1).unwrap();
+    results
+        .record(mission(1, 3), Row::failed("it's \"broken\"\nmore"), 0.1)
+        .unwrap();
+    let cells = summary::cells(&results);
+    assert_eq!((cells[1].games, cells[1].failed), (2, 1));
+    assert_eq!((cells[1].evaders, cells[1].escaped), (4, 2));
+    assert_eq!(cells[1].escape_chance, Some(0.5));
+    assert_eq!(cells[0].escape_chance, None);
+    let text = summary::text(&results, None);
+    for word in [
+        "2/4",
+        "0.500",
+        "seed 3: it's \"broken\"",
+        "protean run chase_exact --set processes.evader_potential.params.threat.gain=0.0 \
+         --set teams.evader.limits.v_max=0.45 --seed 3",
+        "15 missions are missing",
+        "case potential, relative_speed = 0.8: seeds 1..3",
+    ] {
+        assert!(text.contains(word), "{word} is missing in\n{text}");
+    }
+    let json = summary::json(&results, None);
+    assert_eq!(json["cells"][1]["wilson_95"].as_array().unwrap().len(), 2);
+    assert_eq!(json["failures"][0]["seed"], 3);
+    assert_eq!(json["missing"].as_array().unwrap().len(), 15);
+}

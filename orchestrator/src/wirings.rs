@@ -1,0 +1,36 @@
+//! Every kind of process by its name, with its own type. The simulator is not among them: it leads
+//! the loop that they follow.
+
+use kit::Wiring;
+use kit::planner::PlannerProcess;
+
+/// Something to be done with a kind of process.
+pub trait WiringVisitor {
+    /// What comes of it.
+    type Output;
+
+    /// Called for the kind that was asked for.
+    fn visit<W: Wiring + 'static>(self) -> Self::Output;
+}
+
+/// Visits the kind with this name; `None` if this program has no such kind.
+pub fn visit<V: WiringVisitor>(kind: &str, visitor: V) -> Option<V::Output> {
+    Some(match kind {
+        "perception" => visitor.visit::<perception::process::PerceptionProcess>(),
+        "referee" => visitor.visit::<referee::process::RefereeProcess>(),
+        "pursuer" => visitor.visit::<PlannerProcess<pursuer::process::PursuerPlanner>>(),
+        "evader_potential" => {
+            visitor.visit::<PlannerProcess<evader_potential::process::PotentialPlanner>>()
+        }
+        "evader_reach_avoid" => {
+            visitor.visit::<PlannerProcess<evader_reach_avoid::process::ReachAvoidPlanner>>()
+        }
+        "evader_rrt_star" => {
+            visitor.visit::<PlannerProcess<evader_rrt_star::process::RrtStarPlanner>>()
+        }
+        "evader_braitenberg" => {
+            visitor.visit::<PlannerProcess<evader_braitenberg::process::BraitenbergPlanner>>()
+        }
+        _ => return None,
+    })
+}
