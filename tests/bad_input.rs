@@ -1,13 +1,11 @@
 //! Whatever is wrong with what a person asks for is said with its file, line, field, value and what
 //! was expected; nothing is started, nothing is written, and the exit code tells whose fault it was.
 
-mod support;
-
 #[path = "bad_input/failing_runs.rs"]
 mod failing_runs;
 
-use support::Sandbox;
-use support::call::Outcome;
+use crate::support::Sandbox;
+use crate::support::call::Outcome;
 
 /// The smallest scenario with two sides; `cop` is driven by a program of the user's own.
 const GOOD: &str = r#"[run]

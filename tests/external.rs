@@ -1,10 +1,8 @@
 //! A planner that is not ours: the example in Python takes part in the lock-step by events.
 
-mod support;
-
 use std::path::Path;
 
-use support::Sandbox;
+use crate::support::Sandbox;
 
 /// The repository's file with this path.
 fn file(path: &str) -> String {
@@ -14,7 +12,7 @@ fn file(path: &str) -> String {
 
 #[test]
 fn a_planner_in_python_drives_its_robot_and_the_history_is_the_same_every_time() {
-    let python = match support::python::interpreter() {
+    let python = match crate::support::python::interpreter() {
         Ok(python) => python,
         Err(reason) => {
             // Past the test harness, which swallows what tests print.

@@ -1,16 +1,14 @@
 //! However a run ends, it ends: in order, with a log that can be read, and with nothing left of it.
 
-mod support;
-
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use crate::support::call::{PATIENCE, Running};
+use crate::support::history::History;
+use crate::support::sandbox::signal;
+use crate::support::{SOON, Sandbox, python, until, wait_for_tick};
 use rustix::process::Signal;
-use support::call::Running;
-use support::history::History;
-use support::sandbox::signal;
-use support::{SOON, Sandbox, python, until, wait_for_tick};
 
 /// A chase whose ticks are so short that it goes on until it is told to end.
 const LONG: [&str; 5] = ["run", "chase", "--set", "run.dt=0.0005", "--out"];
@@ -21,7 +19,7 @@ fn in_the_air<'a>(sandbox: &'a Sandbox, more: &[&'a str], ticks: u64) -> (Runnin
     let words = LONG
         .iter()
         .copied()
-        .chain(["run.mcap"])
+        .chain(["run.mcap", "--set", PATIENCE])
         .chain(more.iter().copied());
     let running = sandbox.protean(words).start();
     let run = sandbox.next_run(&known);
@@ -131,10 +129,11 @@ fn kill_the_orchestrator(sandbox: &Sandbox) -> String {
     running.signal(Signal::KILL);
     let outcome = running.finish();
     assert_eq!((outcome.code, &*outcome.stdout), (None, ""), "{outcome}");
-    until("the end of all processes", Duration::from_secs(8), || {
+    until("the end of all processes", SOON, || {
         sandbox.processes().is_empty().then_some(())
     });
-    assert_eq!(sandbox.run_directories().len(), 1);
+    let left = sandbox.runtime_files();
+    assert!(left.iter().any(|path| path.ends_with(&run)), "{left:?}");
     assert!(!sandbox.shared_memory().is_empty());
     run
 }
@@ -222,7 +221,7 @@ fn clean_kills_what_outlived_its_orchestrator_and_leaves_living_runs_alone() {
     });
     other.signal(Signal::KILL);
     other.finish();
-    let stubborn = until("the end of the others", Duration::from_secs(8), || {
+    let stubborn = until("the end of the others", SOON, || {
         let mut rest = sandbox.processes();
         rest.retain(|p| !before.contains(p));
         if let [only] = &rest[..] {
@@ -269,7 +268,7 @@ fn tick_named(text: &str) -> u64 {
 
 #[test]
 fn a_killed_process_ends_the_run_and_is_named() {
-    for name in ["pursuer_police_2", "perception", "simulator"] {
+    for name in ["pursuer_police_2", "simulator"] {
         let sandbox = Sandbox::new();
         let (running, _) = in_the_air(&sandbox, &["--json"], 50);
         signal(sandbox.process(name).pid, Signal::KILL);
@@ -289,20 +288,16 @@ fn a_killed_process_ends_the_run_and_is_named() {
 
 #[test]
 fn a_process_that_stands_still_is_named_as_hung() {
-    for name in [
-        "pursuer_police_3",
-        "perception",
-        "evader_potential_evader_2",
-    ] {
+    for name in ["perception", "evader_potential_evader_2"] {
         let sandbox = Sandbox::new();
-        let (running, _) = in_the_air(&sandbox, &["--set", "run.hang_timeout_s=1"], 50);
+        let (running, _) = in_the_air(&sandbox, &["--set", "run.hang_timeout_s=15"], 50);
         let start = Instant::now();
         signal(sandbox.process(name).pid, Signal::STOP);
         let outcome = running.finish();
-        let words = format!("error: process {name} did not answer for 1s at tick ");
+        let words = format!("error: process {name} did not answer for 15s at tick ");
         outcome.refused(1, &[&words]);
         let tick = tick_named(&outcome.stderr);
-        assert!(start.elapsed() >= Duration::from_secs(1));
+        assert!(start.elapsed() >= Duration::from_secs(15));
         let history = assert_readable(&log(&sandbox), 50);
         assert_eq!(history.states.last().unwrap().tick, tick, "{name}");
         sandbox.assert_nothing_left();

@@ -1,7 +1,5 @@
 //! Single real processes against a test that plays all the others, honest and hostile.
 
-mod support;
-
 #[path = "process/endings.rs"]
 mod endings;
 #[path = "process/perception.rs"]
@@ -11,10 +9,10 @@ mod planners;
 #[path = "process/simulator.rs"]
 mod simulator;
 
+use crate::support::rig::{Rig, World};
 use ipc_types::bus::Subscriber;
 use ipc_types::messages::robot::Command;
 use ipc_types::topics::{Commands, Plan};
-use support::rig::{Rig, World};
 
 /// A room, a policeman and a thief, every kind of planner at hand.
 const ROOM: &str = r#"

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 
 use rustix::process::Signal;
 
-use crate::driven_by;
+use super::driven_by;
 use crate::support::history::History;
-use crate::support::{Sandbox, wait_for_tick};
+use crate::support::{SOON, Sandbox, until, wait_for_tick};
 
 /// Asserts that nothing is left, not even a log: a run that never began has none.
 #[track_caller]
@@ -81,6 +81,43 @@ fn logs_that_cannot_be_written() {
     assert_eq!(forced.code, Some(0), "{forced}");
     assert!(!History::read(&precious).states.is_empty());
     sandbox.assert_nothing_left();
+}
+
+#[test]
+fn a_run_that_never_begins_does_not_cost_an_older_log() {
+    let sandbox = Sandbox::new();
+    let older = sandbox.file("older.mcap", "not to be lost");
+    sandbox.file("own.toml", driven_by("[\"/bin/false\"]"));
+    let before = sandbox.files();
+    let words = ["run", "own.toml", "--allow-external", "--force", "--out"];
+    let outcome = sandbox.protean(words).arg("older.mcap").run();
+    outcome.refused(1, &["process liar ended with exit code 1 before"]);
+    assert_eq!(std::fs::read(&older).unwrap(), b"not to be lost");
+    assert_eq!(sandbox.files(), before);
+    sandbox.assert_nothing_left();
+}
+
+#[test]
+fn a_run_that_is_killed_has_replaced_an_older_log() {
+    let sandbox = Sandbox::new();
+    let older = sandbox.file("older.mcap", "of yesterday");
+    let words = ["run", "hello", "--set", "run.dt=0.0002", "--force", "--out"];
+    let running = sandbox.protean(words).arg("older.mcap").start();
+    until("the log in its place", SOON, || {
+        let begins = std::fs::read(&older).unwrap().starts_with(mcap::MAGIC);
+        begins.then_some(())
+    });
+    running.signal(Signal::KILL);
+    running.finish();
+    let torn = std::fs::read(&older).unwrap();
+    let options = mcap::read::Options::IgnoreEndMagic.into();
+    assert!(mcap::MessageStream::new_with_options(&torn, options).is_ok());
+    let files = sandbox.files();
+    assert!(
+        !files
+            .iter()
+            .any(|path| path.ends_with("older.mcap.partial"))
+    );
 }
 
 #[test]

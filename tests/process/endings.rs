@@ -3,10 +3,10 @@
 use kit::lockstep::{Phase, SlotState};
 use rustix::process::Signal;
 
-use crate::simulator::Drivers;
+use super::simulator::Drivers;
+use super::{ROOM, planner};
 use crate::support::Sandbox;
 use crate::support::rig::Rig;
-use crate::{ROOM, planner};
 
 /// Tells a process to end.
 type Tell = fn(&mut Rig);

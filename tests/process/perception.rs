@@ -3,8 +3,8 @@
 use ipc_types::messages::perception::Particle;
 use ipc_types::topics::{Belief, Sightings};
 
+use super::{EYES, ROOM, send_map};
 use crate::support::rig::{Rig, World};
-use crate::{EYES, ROOM, send_map};
 
 #[test]
 fn perception_tells_what_is_seen_and_believed_at_every_tick() {

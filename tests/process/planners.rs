@@ -6,8 +6,8 @@ use ipc_types::messages::world::RobotState;
 use ipc_types::topics::{Belief, Scan};
 use kit::lockstep::SlotState;
 
+use super::{Answers, COP, EYES, ROOM, THIEF, planner, room_with_scanner, send_map};
 use crate::support::rig::{Rig, World};
-use crate::{Answers, COP, EYES, ROOM, THIEF, planner, room_with_scanner, send_map};
 
 /// What makes a belief one to be rejected.
 type Hostile = fn(&mut BeliefHeader, &mut Vec<Particle>);

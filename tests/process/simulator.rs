@@ -7,8 +7,8 @@ use ipc_types::stamp::PlainHeader;
 use ipc_types::topics::{Commands, ObstacleEvents, WorldEvents, WorldMap, WorldState};
 use kit::lockstep::{Participant, Phase, SlotState, Turn};
 
+use super::{COP, EYES, ROOM, THIEF};
 use crate::support::rig::Rig;
-use crate::{COP, EYES, ROOM, THIEF};
 
 /// The simulator in the air, with the test as its planners.
 pub struct Drivers {

@@ -95,7 +95,7 @@ def see(topic, log_time, m):
         assert len(m.data) % m.point_stride == 0 and len(m.data) > 0
         offsets = {f.name: f.offset for f in m.fields}
         struct.unpack_from("<f", m.data, offsets["x"])
-    elif kind == "map":
+    elif kind in ("map", "dominance"):
         assert len(m.data) % m.row_stride == 0 and m.column_count > 0
     elif kind == "log":
         assert m.message

@@ -15,7 +15,11 @@ use serde_json::Value as Json;
 use super::sandbox::{Sandbox, signal};
 
 /// Longest that any call may take.
-const LIMIT: Duration = Duration::from_secs(100);
+const LIMIT: Duration = Duration::from_secs(900);
+
+/// What a run must go on with however slow the machine is: unoptimised, a first plan may take
+/// longer than the ten seconds after which a process counts as hung.
+pub const PATIENCE: &str = "run.hang_timeout_s=200";
 
 /// The program about to be called.
 pub struct Call<'a> {
@@ -74,7 +78,13 @@ impl<'a> Call<'a> {
     /// Runs it to its end, which must be a good one, with `--json`; returns the object.
     #[track_caller]
     pub fn json(self) -> Json {
-        let outcome = self.arg("--json").run();
+        let is_run = self
+            .command
+            .get_args()
+            .next()
+            .is_some_and(|word| word == "run");
+        let patient = if is_run { self.set(PATIENCE) } else { self };
+        let outcome = patient.arg("--json").run();
         assert_eq!(outcome.code, Some(0), "{outcome}");
         outcome.json()
     }

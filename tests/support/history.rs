@@ -7,8 +7,8 @@ use std::path::Path;
 use ipc_types::cdr;
 use ipc_types::stamp::{Header as _, Stamp};
 use ipc_types::topics::{
-    Belief, Commands, Control, ObstacleEvents, Plan, Scan, Sightings, Status, Topic, Tree,
-    WorldEvents, WorldMap, WorldState,
+    Belief, Commands, Control, Coverage, Dominance, ObstacleEvents, Plan, Scan, Sightings, Status,
+    Topic, Tree, Verdicts, WorldEvents, WorldMap, WorldShapes, WorldState,
 };
 use mcap::sans_io::LinearReaderOptions;
 use serde::Deserialize;
@@ -177,14 +177,18 @@ impl History {
         let stamp = match topic {
             WorldState::NAME => self.state(bytes)?,
             WorldMap::NAME => self.map(bytes)?,
+            WorldShapes::NAME => stamp::<WorldShapes>(bytes)?,
             WorldEvents::NAME => self.event(bytes)?,
             ObstacleEvents::NAME => self.obstacle(bytes)?,
             Sightings::NAME => self.sighting(bytes)?,
             Belief::NAME => self.belief(bytes)?,
             Commands::NAME => self.command(bytes)?,
+            Coverage::NAME => stamp::<Coverage>(bytes)?,
             Plan::NAME => stamp::<Plan>(bytes)?,
             Scan::NAME => stamp::<Scan>(bytes)?,
             Tree::NAME => stamp::<Tree>(bytes)?,
+            Verdicts::NAME => stamp::<Verdicts>(bytes)?,
+            Dominance::NAME => stamp::<Dominance>(bytes)?,
             Status::NAME => stamp::<Status>(bytes)?,
             Control::NAME => stamp::<Control>(bytes)?,
             other => return Err(format!("{other}: not a topic")),

@@ -18,7 +18,7 @@ use kit::lockstep::TurnPage;
 pub use sandbox::Sandbox;
 
 /// How long anything may take that is not a whole run.
-pub const SOON: Duration = Duration::from_secs(20);
+pub const SOON: Duration = Duration::from_secs(300);
 
 /// Looks every millisecond until `done` has a value.
 ///

@@ -14,14 +14,15 @@ use ipc_types::bus::{
 use ipc_types::messages::process::ProcessStatus;
 use ipc_types::messages::world::{RobotState, WorldHeader};
 use ipc_types::stamp::Stamp;
-use ipc_types::topics::{Status, Topic, TopicVisitor, WorldMap, WorldState, for_each_topic};
+use ipc_types::topics::{
+    Status, Topic, TopicVisitor, WorldMap, WorldShapes, WorldState, for_each_topic,
+};
 use kit::lockstep::{Conductor, Overseer, Phase, SlotState, TurnEnd, TurnPage};
 use orchestrator::mission::plan::Plan;
 use orchestrator::scenario::{self, ResolvedScenario};
 use rustix::process::{Pid, PidfdFlags, Signal};
 
 use super::call::wait;
-use super::sandbox::signal;
 use super::{SOON, until};
 
 /// The bus, the page and one process; everything goes when it is dropped.
@@ -35,9 +36,20 @@ pub struct Rig {
     newest: std::cell::Cell<ProcessStatus>,
     slot: usize,
     _services: Vec<TopicHolder>,
-    space: RunSpace,
+    space: Wiped,
     // Dropped last: the run's root lies in it.
     _directory: tempfile::TempDir,
+}
+
+/// What a run has on this machine, wiped when it is dropped: also when a rig fails half-built.
+struct Wiped(RunSpace);
+
+impl Drop for Wiped {
+    fn drop(&mut self) {
+        if let Err(error) = self.0.wipe() {
+            eprintln!("{}: cannot be removed: {error}", self.0.root().display());
+        }
+    }
 }
 
 /// A process of the real program.
@@ -74,10 +86,11 @@ impl Rig {
         };
         let run = RUNS.fetch_add(1, Ordering::Relaxed);
         let prefix = format!("protean_test_{}_{run}_", std::process::id());
-        let space = RunSpace::new(directory.path().join("r"), prefix).unwrap();
+        let wiped = Wiped(RunSpace::new(directory.path().join("r"), prefix).unwrap());
+        let space = &wiped.0;
         space.create_root().unwrap();
         let plan = Plan::new(&scenario, space.root(), space.prefix(), "warn").unwrap();
-        let bus = Bus::join(&space, plan.run.bus_options(), "test").unwrap();
+        let bus = Bus::join(space, plan.run.bus_options(), "test").unwrap();
         let mut create = Create(&bus, Vec::new());
         for_each_topic(&mut create).unwrap();
         let services = create.1;
@@ -92,24 +105,14 @@ impl Rig {
         let config = space.root().join("process.json");
         let launch = &plan.launches[slot].config;
         std::fs::write(&config, serde_json::to_vec(launch).unwrap()).unwrap();
-        let mut child = Command::new(env!("CARGO_BIN_EXE_protean"))
-            .args(["process", &launch.kind, "--config"])
-            .arg(&config)
-            .stdin(Stdio::piped())
-            .stdout(Stdio::null())
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap();
-        let pidfd =
-            rustix::process::pidfd_open(Pid::from_child(&child), PidfdFlags::empty()).unwrap();
-        let stdin = child.stdin.take();
+        let process = Process::spawn(
+            Command::new(env!("CARGO_BIN_EXE_protean"))
+                .args(["process", &launch.kind, "--config"])
+                .arg(&config),
+        );
         let status = bus.subscriber().unwrap();
         Self {
-            process: Process {
-                child,
-                pidfd,
-                stdin,
-            },
+            process,
             scenario,
             plan,
             overseer,
@@ -118,7 +121,7 @@ impl Rig {
             newest: std::cell::Cell::new(ProcessStatus::default()),
             slot,
             _services: services,
-            space,
+            space: wiped,
             _directory: directory,
         }
     }
@@ -140,7 +143,7 @@ impl Rig {
 
     /// A mapping of the page of one's own.
     pub fn open_page(&self) -> Arc<TurnPage> {
-        Arc::new(TurnPage::open(self.space.prefix()).unwrap())
+        Arc::new(TurnPage::open(self.space.0.prefix()).unwrap())
     }
 
     /// Waits until the process is this far.
@@ -200,14 +203,24 @@ impl Rig {
     }
 }
 
-impl Drop for Rig {
-    fn drop(&mut self) {
-        self.process.kill();
-        self.space.wipe().unwrap();
-    }
-}
-
 impl Process {
+    fn spawn(command: &mut Command) -> Self {
+        let mut child = command
+            .stdin(Stdio::piped())
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let pid = Pid::from_child(&child);
+        let pidfd = rustix::process::pidfd_open(pid, PidfdFlags::empty()).unwrap();
+        let stdin = child.stdin.take();
+        Self {
+            child,
+            pidfd,
+            stdin,
+        }
+    }
+
     pub fn signal(&self, signal: Signal) {
         rustix::process::pidfd_send_signal(&self.pidfd, signal).unwrap();
     }
@@ -231,9 +244,11 @@ impl Process {
         }
         text
     }
+}
 
-    fn kill(&mut self) {
-        signal(self.child.id(), Signal::KILL);
+impl Drop for Process {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
         let _ = self.child.wait();
     }
 }
@@ -242,6 +257,7 @@ impl Process {
 pub struct World {
     pub states: Publisher<WorldState>,
     pub maps: Publisher<WorldMap>,
+    pub shapes: Publisher<WorldShapes>,
     conductor: Conductor,
     /// The robots as the next state says.
     pub robots: Vec<RobotState>,
@@ -273,6 +289,7 @@ impl World {
             // Room for one robot too many.
             states: rig.publisher(0, robots.len() + 1),
             maps: rig.publisher(0, cells),
+            shapes: rig.publisher(0, 4096),
             conductor: Conductor::new(rig.open_page(), 0, 1 << 20, false),
             robots,
             period_ns: rig.plan.run.tick_period_ns,
@@ -285,6 +302,7 @@ impl World {
     pub fn begin(&self, rig: &mut Rig, maps: impl FnOnce(&Self, &Rig)) {
         self.states.update_connections().unwrap();
         self.maps.update_connections().unwrap();
+        self.shapes.update_connections().unwrap();
         maps(self, rig);
         rig.prepare();
         rig.overseer.set_phase(Phase::Run);
@@ -308,7 +326,7 @@ impl World {
         }
     }
 
-    /// Publishes the map of the scenario, changed by `change` at will.
+    /// Publishes the map of the scenario, changed by `change` at will, and its pieces.
     pub fn send_map(
         &self,
         rig: &Rig,
@@ -324,6 +342,10 @@ impl World {
         assert_eq!(cells.len(), self.cells);
         change(&mut header, &mut cells);
         self.maps.send(header, &cells).unwrap();
+        let capacity = self.shapes.capacity();
+        let (header, points) =
+            kit::shapes::to_message(map.shapes(), header.revision, header.stamp, capacity);
+        self.shapes.send(header, &points).unwrap();
     }
 
     /// Publishes these robots as the state of a tick.

@@ -44,6 +44,8 @@ impl Sandbox {
             .mode(0o700)
             .create(&base)
             .unwrap();
+        // The program removes the directory with its last run, and with it would go the watch.
+        std::fs::write(base.join("watched"), "").unwrap();
         let watch =
             inotify::init(inotify::CreateFlags::NONBLOCK | inotify::CreateFlags::CLOEXEC).unwrap();
         let wanted = inotify::WatchFlags::CREATE | inotify::WatchFlags::ONLYDIR;
@@ -122,12 +124,12 @@ impl Sandbox {
         format!("protean_{run}_")
     }
 
-    /// The run directories that are there now.
-    pub fn run_directories(&self) -> Vec<PathBuf> {
+    /// Directories of runs, and locks, that are there now.
+    pub fn runtime_files(&self) -> Vec<PathBuf> {
         std::fs::read_dir(self.runtime_dir().join("protean"))
             .unwrap()
             .map(|entry| entry.unwrap().path())
-            .filter(|path| path.is_dir())
+            .filter(|path| path.file_name().is_some_and(|name| name != "watched"))
             .collect()
     }
 
@@ -182,11 +184,7 @@ impl Sandbox {
     pub fn assert_nothing_left(&self) {
         assert!(!self.runs().is_empty(), "no run was ever started here");
         assert_eq!(self.processes(), [], "processes");
-        assert_eq!(
-            self.run_directories(),
-            [] as [PathBuf; 0],
-            "run directories"
-        );
+        assert_eq!(self.runtime_files(), [] as [PathBuf; 0], "runtime files");
         assert_eq!(self.shared_memory(), [] as [PathBuf; 0], "shared memory");
     }
 

@@ -1,0 +1,155 @@
+//! What plans cost in the paper's city.
+//!
+//! Baseline: the chasing-game paper's published Python took 3.79 s of CPU for 1500 iterations with
+//! four Police and found a way in 19 of 20 tries; on arcs 5.51 s for 5000 iterations, found in 2 of
+//! 6. How near ways come to the shortest, and how OMPL compares: `benchmarks/ompl_baseline`.
+
+#[path = "../../processes/evader_rrt_star/tests/support/mod.rs"]
+mod support;
+
+use std::hint::black_box;
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use evader_rrt_star::bound::Bound;
+use evader_rrt_star::cost::{CostModel, CostParams};
+use evader_rrt_star::ground::Ground;
+use evader_rrt_star::motion::{Arcs, Motion, Straight};
+use evader_rrt_star::params::SearchParams;
+use evader_rrt_star::search::{Scene, Search};
+use rustix::time::{ClockId, clock_gettime};
+use support::{EXIT, RADIUS, START, city, costs};
+
+const TRIES: u64 = 100;
+
+fn cpu_ms() -> f64 {
+    let time = clock_gettime(ClockId::ProcessCPUTime);
+    time.tv_sec as f64 * 1e3 + time.tv_nsec as f64 * 1e-6
+}
+
+fn arcs(min_radius: f64) -> Arcs {
+    Arcs {
+        min_radius,
+        max_bearing: core::f64::consts::FRAC_PI_4,
+        free_start: false,
+    }
+}
+
+fn scene<'a>(ground: &'a Ground, cost: &'a CostModel) -> Scene<'a> {
+    Scene {
+        space: &ground.space,
+        sampler: &ground.sampler,
+        radius: RADIUS,
+        cost,
+        bodies: &[],
+    }
+}
+
+fn plan<M: Motion>(scene: &Scene<'_>, motion: M, seed: u64, iterations: u32) -> Search<M> {
+    let mut search = Search::new(SearchParams::default(), motion, seed);
+    search.plant(
+        scene,
+        START,
+        &[EXIT],
+        Bound::straight(START.position(), &[EXIT]),
+    );
+    search.run(scene, iterations, &mut || false);
+    search
+}
+
+/// How often a way was found, and CPU times: of the median try, and of the slowest.
+fn tries<M: Motion + Copy>(what: &str, scene: &Scene<'_>, motion: M, iterations: u32, ms: f64) {
+    let (mut times, mut found, mut costs) = (Vec::new(), 0, Vec::new());
+    for seed in 0..TRIES {
+        let begin = cpu_ms();
+        let mut search = Search::new(SearchParams::default(), motion, seed);
+        search.plant(
+            scene,
+            START,
+            &[EXIT],
+            Bound::straight(START.position(), &[EXIT]),
+        );
+        search.run(scene, iterations, &mut || cpu_ms() - begin > ms);
+        times.push(cpu_ms() - begin);
+        if search.progress().best.is_finite() {
+            found += 1;
+            costs.push(search.progress().best);
+        }
+    }
+    times.sort_by(f64::total_cmp);
+    costs.sort_by(f64::total_cmp);
+    let middle = |values: &[f64]| values.get(values.len() / 2).copied().unwrap_or(f64::NAN);
+    println!(
+        "{what}: found {found}/{TRIES}, CPU {:.2} ms (slowest {:.2}), median cost {:.3}",
+        middle(&times),
+        times.last().copied().unwrap_or(f64::NAN),
+        middle(&costs)
+    );
+}
+
+fn planning(criterion: &mut Criterion) {
+    println!("baseline, paper's Python: 3790 ms for 1500 iterations with 4 Police, found 19/20");
+    let space = city();
+    let ground = Ground::new(&space, RADIUS, 1);
+    let length = CostModel::new(CostParams::length(), 0.45);
+    let paper = costs(CostParams::paper());
+    let time_aware = costs(CostParams::default());
+
+    let never = f64::INFINITY;
+    tries(
+        "1500 iterations, 4 Police, paper's cost",
+        &scene(&ground, &paper),
+        Straight,
+        1500,
+        never,
+    );
+    tries(
+        "1500 iterations, 4 Police, time-aware",
+        &scene(&ground, &time_aware),
+        Straight,
+        1500,
+        never,
+    );
+    tries(
+        "20 ms, no Police",
+        &scene(&ground, &length),
+        Straight,
+        u32::MAX,
+        20.0,
+    );
+    for radius in [RADIUS * 1.5, 0.9, 1.8] {
+        let what = format!("arcs from {radius:.2} m, 50 ms, 4 Police, paper's cost");
+        tries(&what, &scene(&ground, &paper), arcs(radius), u32::MAX, 50.0);
+    }
+
+    let mut group = criterion.benchmark_group("plan_1500");
+    for (name, cost) in [
+        ("length", &length),
+        ("paper", &paper),
+        ("time_aware", &time_aware),
+    ] {
+        let scene = scene(&ground, cost);
+        let mut seed = 0;
+        group.bench_function(name, |bencher| {
+            bencher.iter(|| {
+                seed += 1;
+                black_box(plan(&scene, Straight, seed, 1500).progress())
+            });
+        });
+    }
+    let scene = scene(&ground, &paper);
+    let mut seed = 0;
+    group.bench_function("paper_arcs", |bencher| {
+        bencher.iter(|| {
+            seed += 1;
+            black_box(plan(&scene, arcs(0.9), seed, 1500).progress())
+        });
+    });
+    group.finish();
+
+    criterion.bench_function("prepare_map", |bencher| {
+        bencher.iter(|| black_box(Ground::new(&space, RADIUS, 1)));
+    });
+}
+
+criterion_group!(benches, planning);
+criterion_main!(benches);

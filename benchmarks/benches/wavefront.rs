@@ -1,0 +1,82 @@
+//! What geodesic waves and a judgement of the chasing game cost, in the paper's city.
+
+#[path = "../../processes/guidance/tests/support/mod.rs"]
+mod support;
+
+use std::hint::black_box;
+
+use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use guidance::dominance::{Arena, Dominance, DominanceParams, Runner};
+use guidance::wavefront::{Lattice, Source, Wave, WaveParams};
+use nalgebra::Point2;
+use sim_backend::spec::Region;
+use support::{EXIT, RADIUS};
+
+const POLICE: [(f64, f64); 4] = [(7.5, 4.5), (7.5, 1.5), (7.5, -1.5), (7.5, -4.5)];
+const EVADERS: [(f64, f64); 2] = [(-4.5, 7.5), (-4.5, -7.5)];
+
+fn waves(criterion: &mut Criterion) {
+    let map = support::Arena::city().map();
+    let params = WaveParams::default();
+    let sources = |places: &[(f64, f64)]| -> Vec<Source> {
+        let points = places.iter().map(|&(x, y)| Point2::new(x, y));
+        points.map(|at| Source::new(at, 0.3, 0)).collect()
+    };
+    let mut group = criterion.benchmark_group("wave");
+    for pitch in [0.1, 0.15, 0.2] {
+        group.bench_with_input(
+            BenchmarkId::new("lattice", pitch),
+            &pitch,
+            |bencher, &pitch| {
+                bencher.iter(|| Lattice::new(black_box(&map), pitch, RADIUS, params.sight));
+            },
+        );
+        let lattice = Lattice::new(&map, pitch, RADIUS, params.sight);
+        println!("pitch {pitch} m: {} free cells", lattice.len());
+        for (name, sources) in [
+            ("one_robot", sources(&EVADERS[..1])),
+            ("four_robots", sources(&POLICE)),
+        ] {
+            let mut wave = Wave::new(params);
+            group.bench_with_input(
+                BenchmarkId::new(name, pitch),
+                &sources,
+                |bencher, sources| {
+                    bencher.iter(|| wave.spread(&lattice, &map, black_box(sources), None));
+                },
+            );
+        }
+    }
+    group.finish();
+}
+
+fn judgement(criterion: &mut Criterion) {
+    let map = support::Arena::city().map();
+    let params = DominanceParams::default();
+    let exit = Region::Circle {
+        center: [EXIT.x, EXIT.y],
+        radius: 0.5,
+    };
+    let arena = Arena::new(&map, &params, RADIUS, &[exit]);
+    let runners = |places: &[(f64, f64)], speed: f64| -> Vec<Runner> {
+        let points = places.iter().map(|&(x, y)| Point2::new(x, y));
+        points.map(|at| Runner { at, speed }).collect()
+    };
+    let (police, evaders) = (runners(&POLICE, 0.3), runners(&EVADERS, 0.45));
+    let mut dominance = Dominance::new(params);
+    criterion.bench_function("judge_4_police_2_evaders", |bencher| {
+        bencher.iter(|| {
+            let verdicts = dominance.assess(&map, &arena, black_box(&police), &evaders, 0.3);
+            verdicts.len()
+        });
+    });
+}
+
+criterion_group! {
+    name = benches;
+    config = Criterion::default()
+        .warm_up_time(std::time::Duration::from_millis(300))
+        .measurement_time(std::time::Duration::from_secs(1));
+    targets = waves, judgement
+}
+criterion_main!(benches);

@@ -1,0 +1,27 @@
+#!/usr/bin/env bash
+# Ours and OMPL's RRT* in the city of the chasing game, side by side. SEEDS=21 by default.
+# Intermediate results go to a temporary folder; the table to stdout.
+set -euo pipefail
+here="$(cd "$(dirname "$0")" && pwd)"
+seeds="${SEEDS:-21}"
+budget_ms="${BUDGET_MS:-120}"
+work="$(mktemp -d)"
+trap 'rm -rf "$work"' EXIT
+
+prefix="${OMPL_PREFIX:-/usr}"
+g++ -O3 -march=native -std=c++17 "$here/main.cpp" -o "$work/ompl_baseline" \
+    -I"$prefix/include/ompl-1.5" -I"$prefix/include/eigen3" \
+    -I/usr/include/ompl-1.5 -I/usr/include/eigen3 \
+    -L"$prefix/lib/$(gcc -print-multiarch)" -lompl
+export LD_LIBRARY_PATH="$prefix/lib/$(gcc -print-multiarch)${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}"
+
+cargo run --quiet --release --manifest-path "$here/../../Cargo.toml" -p evader_rrt_star \
+    --example planner_quality -- "$seeds" "$budget_ms" > "$work/all.csv"
+for planner in RRTstar InformedRRTstar; do
+    for query in 0 1 2; do
+        for ((seed = 0; seed < seeds; seed++)); do
+            "$work/ompl_baseline" "$planner" "$query" "$seed" "$budget_ms" >> "$work/all.csv"
+        done
+    done
+done
+awk -f "$here/table.awk" "$work/all.csv"

@@ -1,0 +1,17 @@
+//! The whole program as its users meet it: real processes over real shared memory, judged by what
+//! they print, what they log and what they leave behind.
+//!
+//! One program for all of it, because linking nine costs minutes; `cargo test --test end_to_end
+//! sweep::` runs the tests of one file.
+
+mod support;
+
+mod bad_input;
+mod chase;
+mod external;
+mod in_process;
+mod lifecycle;
+mod missions;
+mod planning;
+mod process;
+mod sweep;
