@@ -6,6 +6,9 @@
 //! lost. Before Criterion's own measurements a table is printed: best of several repetitions, which
 //! a busy machine disturbs least.
 
+#[path = "support/streets.rs"]
+mod streets;
+
 use std::collections::BTreeSet;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -21,44 +24,15 @@ use perception::watch::Watch;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sim_backend::blur::BlurredMap;
-use sim_backend::grid::{Grid, GridFrame};
 use sim_backend::pose::Pose2;
+use streets::{BLUR, RESOLUTION, SIDE, streets};
 
-const SIDE: usize = 384;
-const RESOLUTION: f64 = 1.0 / 64.0;
 const DT: f64 = 0.05;
 const LIMITS: MotionLimits = MotionLimits {
     v_max: 0.6,
     v_reverse_max: 0.06,
     omega_max: 1.2,
 };
-
-/// A wall with one exit around 4 × 4 blocks of 0.766 m in streets of 0.5625 m.
-fn streets() -> BlurredMap {
-    let frame = GridFrame {
-        width: SIDE,
-        height: SIDE,
-        resolution: RESOLUTION,
-        origin: Point2::new(0.0, 0.0),
-    };
-    let mut free = Grid::filled(frame, true);
-    let (block, street) = (0.766, 0.5625);
-    let wall = (6.0 - 4.0 * block - 5.0 * street) / 2.0;
-    let in_block = |c: f64| {
-        let along = c - wall - street;
-        along >= 0.0 && along < 4.0 * (block + street) && along % (block + street) < block
-    };
-    for row in 0..SIDE {
-        for col in 0..SIDE {
-            let p = frame.center(col, row);
-            let border = p.x.min(p.y).min(6.0 - p.x) < wall;
-            let top = 6.0 - p.y < wall && (p.x - 3.0).abs() > street / 2.0;
-            free.cells[frame.index(col, row)] =
-                !(border || top || (in_block(p.x) && in_block(p.y)));
-        }
-    }
-    BlurredMap::new(&free, 6.0 * RESOLUTION).expect("the synthetic map is valid")
-}
 
 struct Scene {
     map: BlurredMap,
@@ -70,7 +44,7 @@ struct Scene {
 }
 
 fn scene() -> Scene {
-    let map = streets();
+    let map = BlurredMap::new(&streets(), BLUR).expect("the synthetic map is valid");
     let space = Space::new(&map);
     let police =
         [(5.65, 0.35), (5.65, 3.0), (3.0, 5.65), (4.3, 1.7)].map(|(x, y)| Point2::new(x, y));

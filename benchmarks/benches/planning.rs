@@ -44,7 +44,8 @@ fn scene<'a>(ground: &'a Ground, cost: &'a CostModel) -> Scene<'a> {
     }
 }
 
-fn plan<M: Motion>(scene: &Scene<'_>, motion: M, seed: u64, iterations: u32) -> Search<M> {
+/// A search for ways from the start to the exit, before its first step.
+fn search<M: Motion>(scene: &Scene<'_>, motion: M, seed: u64) -> Search<M> {
     let mut search = Search::new(SearchParams::default(), motion, seed);
     search.plant(
         scene,
@@ -52,6 +53,11 @@ fn plan<M: Motion>(scene: &Scene<'_>, motion: M, seed: u64, iterations: u32) -> 
         &[EXIT],
         Bound::straight(START.position(), &[EXIT]),
     );
+    search
+}
+
+fn plan<M: Motion>(scene: &Scene<'_>, motion: M, seed: u64, iterations: u32) -> Search<M> {
+    let mut search = search(scene, motion, seed);
     search.run(scene, iterations, &mut || false);
     search
 }
@@ -61,13 +67,7 @@ fn tries<M: Motion + Copy>(what: &str, scene: &Scene<'_>, motion: M, iterations:
     let (mut times, mut found, mut costs) = (Vec::new(), 0, Vec::new());
     for seed in 0..TRIES {
         let begin = cpu_ms();
-        let mut search = Search::new(SearchParams::default(), motion, seed);
-        search.plant(
-            scene,
-            START,
-            &[EXIT],
-            Bound::straight(START.position(), &[EXIT]),
-        );
+        let mut search = search(scene, motion, seed);
         search.run(scene, iterations, &mut || cpu_ms() - begin > ms);
         times.push(cpu_ms() - begin);
         if search.progress().best.is_finite() {

@@ -5,6 +5,9 @@
 //! busy machine disturbs least), the ratio to the literal formula, and the largest error against
 //! the same integral in f64.
 
+#[path = "support/streets.rs"]
+mod streets;
+
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -13,43 +16,13 @@ use nalgebra::Point2;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sim_backend::blur::BlurredMap;
-use sim_backend::grid::{Grid, GridFrame};
 use sim_backend::math;
 use sim_backend::visibility::VisibilityField;
+use streets::{BLUR, RESOLUTION, SIDE, streets};
 
 type Ray = (Point2<f64>, Point2<f64>);
 
-const SIDE: usize = 384;
-const RESOLUTION: f64 = 1.0 / 64.0;
-const BLUR: f64 = 6.0 * RESOLUTION;
 const RAYS: usize = 4096;
-
-/// 6 m × 6 m: a wall with one exit around 4 × 4 blocks of 0.766 m in streets of 0.5625 m.
-fn streets() -> Grid<bool> {
-    let frame = GridFrame {
-        width: SIDE,
-        height: SIDE,
-        resolution: RESOLUTION,
-        origin: Point2::new(0.0, 0.0),
-    };
-    let mut free = Grid::filled(frame, true);
-    let (block, street) = (0.766, 0.5625);
-    let wall = (6.0 - 4.0 * block - 5.0 * street) / 2.0;
-    let in_block = |c: f64| {
-        let along = c - wall - street;
-        along >= 0.0 && along < 4.0 * (block + street) && along % (block + street) < block
-    };
-    for row in 0..SIDE {
-        for col in 0..SIDE {
-            let p = frame.center(col, row);
-            let border = p.x.min(p.y).min(6.0 - p.x) < wall;
-            let top = 6.0 - p.y < wall && (p.x - 3.0).abs() > street / 2.0;
-            free.cells[frame.index(col, row)] =
-                !(border || top || (in_block(p.x) && in_block(p.y)));
-        }
-    }
-    free
-}
 
 /// Pairs of uniformly drawn points in free cells.
 fn random_pairs(field: &VisibilityField, rng: &mut ChaCha8Rng) -> Vec<Ray> {

@@ -10,5 +10,6 @@ pub mod picture;
 pub mod recorder;
 pub mod scenario;
 pub mod statistics;
+mod storage;
 pub mod sweep;
 pub mod wirings;

@@ -12,6 +12,7 @@ use rustix::fs::{FlockOperation, flock};
 
 use super::error::LogError;
 use super::replacement::Replacement;
+use crate::storage::Storage;
 
 /// Small records (message indexes, headers) are gathered up to this size before they are written.
 const BUFFER_BYTES: usize = 64 * 1024;
@@ -98,28 +99,6 @@ fn lock_new(file: &File) -> rustix::io::Result<()> {
         std::thread::sleep(Duration::from_millis(1));
     }
     lock(file)
-}
-
-/// Where bytes end up: a file, or a failing double in tests.
-pub(super) trait Storage: Send {
-    /// Appends all bytes.
-    fn append(&mut self, bytes: &[u8]) -> io::Result<()>;
-    /// Cuts the file to this length [bytes].
-    fn cut(&mut self, length: u64) -> io::Result<()>;
-    /// Waits until everything is on the disk.
-    fn sync(&mut self) -> io::Result<()>;
-}
-
-impl Storage for File {
-    fn append(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.write_all(bytes)
-    }
-    fn cut(&mut self, length: u64) -> io::Result<()> {
-        self.set_len(length)
-    }
-    fn sync(&mut self) -> io::Result<()> {
-        self.sync_all()
-    }
 }
 
 /// The byte stream that the MCAP writer writes to.

@@ -10,8 +10,9 @@ use mcap::records::{MessageHeader, Metadata};
 use mcap::{Attachment, McapError, WriteOptions};
 
 use super::error::LogError;
-use super::log_file::{self, LogFile, Readable, Storage};
+use super::log_file::{self, LogFile, Readable};
 use super::replacement::Replacement;
+use crate::storage::Storage;
 
 /// How the chunks of a log are compressed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -5,8 +5,8 @@
 //! last one torn. It is handed to the operating system at once and to the disk once a second: only a
 //! machine that fails loses the missions of the last second, which then run again.
 
-use std::fs::{File, OpenOptions};
-use std::io::{self, Read as _, Seek as _, SeekFrom, Write};
+use std::fs::OpenOptions;
+use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use super::error::SweepError;
 use super::row::Row;
+use crate::storage::Storage;
 
 /// Name of the file.
 pub(super) const FILE: &str = "journal.jsonl";
@@ -33,30 +34,6 @@ pub(super) struct Entry {
     pub wall_s: f64,
     /// What it resulted in.
     pub row: Row,
-}
-
-/// What the journal is written to: a file, or a failing double in tests.
-pub(super) trait Storage: Send {
-    /// Appends all bytes.
-    fn append(&mut self, bytes: &[u8]) -> io::Result<()>;
-    /// Cuts the file to this length [bytes].
-    fn cut(&mut self, length: u64) -> io::Result<()>;
-    /// Waits until everything is on the disk.
-    fn sync(&mut self) -> io::Result<()>;
-}
-
-impl Storage for File {
-    fn append(&mut self, bytes: &[u8]) -> io::Result<()> {
-        // Two writes would only happen when the first was cut short, by a full disk say.
-        self.write_all(bytes)
-    }
-    fn cut(&mut self, length: u64) -> io::Result<()> {
-        self.set_len(length)?;
-        self.seek(SeekFrom::End(0)).map(drop)
-    }
-    fn sync(&mut self) -> io::Result<()> {
-        self.sync_data()
-    }
 }
 
 /// Appends to the journal.
@@ -211,11 +188,10 @@ fn parse(path: &Path, bytes: &[u8]) -> Result<(Vec<Entry>, usize), SweepError> {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::{Arc, Mutex};
-
     use proptest::prelude::*;
 
     use super::*;
+    use crate::storage::tests::SmallDisk;
 
     fn entry(seed: u64) -> Entry {
         Entry {
@@ -278,35 +254,11 @@ mod tests {
         assert_eq!(opened.entries, [entry(0)]);
     }
 
-    /// A disk with room for a number of bytes.
-    #[derive(Clone)]
-    struct Disk(Arc<Mutex<Vec<u8>>>, usize);
-
-    impl Storage for Disk {
-        fn append(&mut self, bytes: &[u8]) -> io::Result<()> {
-            let mut held = self.0.lock().unwrap();
-            let room = self.1 - held.len();
-            let fits = bytes.len().min(room);
-            held.extend_from_slice(&bytes[..fits]);
-            if fits < bytes.len() {
-                return Err(io::ErrorKind::StorageFull.into());
-            }
-            Ok(())
-        }
-        fn cut(&mut self, length: u64) -> io::Result<()> {
-            self.0.lock().unwrap().truncate(length as usize);
-            Ok(())
-        }
-        fn sync(&mut self) -> io::Result<()> {
-            Ok(())
-        }
-    }
-
     #[test]
     fn a_full_disk_takes_nothing_from_what_is_done() {
         let line = serde_json::to_vec(&entry(0)).unwrap().len() + 1;
         for spare in [0, 1, line - 1] {
-            let disk = Disk(Arc::default(), 2 * line + spare);
+            let disk = SmallDisk::new(2 * line + spare);
             let mut journal = Journal::on(Box::new(disk.clone()), "j".into(), 0);
             journal.append(&entry(0)).unwrap();
             journal.append(&entry(1)).unwrap();
@@ -318,7 +270,7 @@ mod tests {
             ] {
                 assert!(error.contains(word), "{error}");
             }
-            let held = disk.0.lock().unwrap().clone();
+            let held = disk.contents.lock().unwrap().clone();
             assert_eq!(held.len(), 2 * line);
             assert_eq!(parse(Path::new("j"), &held).unwrap().0.len(), 2);
         }

@@ -9,9 +9,8 @@ use guidance::view::{RobotView, ScanView, View};
 use proptest::prelude::*;
 use sim_backend::pose::{Pose2, Twist2};
 use sim_backend::team::Team;
-use support::{Arena, Kinematic, RADIUS, street_starts};
+use support::{Arena, DT, Kinematic, street_starts};
 
-const DT: f64 = 0.05;
 const V_MAX: f64 = 0.6;
 const RANGE: f64 = 3.5;
 
@@ -20,27 +19,13 @@ fn limits() -> Limits {
 }
 
 fn robot(pose: Pose2) -> RobotView {
-    RobotView {
-        index: 0,
-        team: Team::Evader,
-        active: true,
-        present: true,
-        pose,
-        twist: Twist2::STOP,
-        radius: RADIUS,
-        v_max: V_MAX,
-    }
+    support::robot(0, Team::Evader, pose, V_MAX)
 }
 
 fn view<'a>(robots: &'a [RobotView], scan: Option<ScanView<'a>>) -> View<'a> {
     View {
-        time_s: 0.0,
-        dt: DT,
-        me: 0,
-        robots,
-        beliefs: &[],
-        exits: &[],
         scan,
+        ..support::view(0.0, robots, &[])
     }
 }
 

@@ -3,54 +3,19 @@
 #[path = "../../guidance/tests/support/mod.rs"]
 mod support;
 
-use std::sync::LazyLock;
-
 use evader_potential::{Evader, EvaderParams};
 use guidance::limits::Limits;
-use guidance::map::PlannerMap;
-use guidance::view::{RobotView, View};
+use guidance::view::RobotView;
 use nalgebra::Point2;
 use proptest::prelude::*;
 use sim_backend::pose::{Pose2, Twist2};
 use sim_backend::team::Team;
-use support::{Arena, EXIT, Kinematic, RADIUS, street_starts};
+use support::{CITY, DT, EXIT, Kinematic, RADIUS, robot, street_starts, view};
 
-const DT: f64 = 0.05;
 const EXIT_RADIUS: f64 = 0.5;
-
-static CITY: LazyLock<(Arena, PlannerMap)> = LazyLock::new(|| {
-    let arena = Arena::city();
-    let map = arena.map();
-    (arena, map)
-});
 
 fn limits(v_max: f64) -> Limits {
     Limits::new(v_max, v_max, 2.84).unwrap()
-}
-
-fn robot(index: usize, team: Team, pose: Pose2, v_max: f64) -> RobotView {
-    RobotView {
-        index,
-        team,
-        active: true,
-        present: true,
-        pose,
-        twist: Twist2::STOP,
-        radius: RADIUS,
-        v_max,
-    }
-}
-
-fn view<'a>(time_s: f64, robots: &'a [RobotView], exits: &'a [Point2<f64>]) -> View<'a> {
-    View {
-        time_s,
-        dt: DT,
-        me: 0,
-        robots,
-        beliefs: &[],
-        exits,
-        scan: None,
-    }
 }
 
 /// Runs for up to `seconds`; the time at which the exit was reached, if it was.

@@ -118,6 +118,8 @@ pub struct CostModel {
     /// Speed of the evader [m/s].
     own_speed: f64,
     pursuers: Vec<Pursuer>,
+    /// The highest speed of all pursuers if it is the same [m/s].
+    one_speed: Option<f64>,
 }
 
 impl CostModel {
@@ -127,6 +129,7 @@ impl CostModel {
             params,
             own_speed: own_speed.max(1e-3),
             pursuers: Vec::new(),
+            one_speed: None,
         }
     }
 
@@ -138,6 +141,11 @@ impl CostModel {
                 p.at.x.is_finite() && p.at.y.is_finite() && p.v_max.is_finite() && p.v_max >= 0.0
             }));
         }
+        self.one_speed = self
+            .pursuers
+            .first()
+            .map(|first| first.v_max)
+            .filter(|&v_max| self.pursuers.iter().all(|p| p.v_max == v_max));
     }
 
     /// Whether an edge's cost depends on nothing but the edge.
@@ -175,10 +183,28 @@ impl CostModel {
         ratio * ratio * ratio
     }
 
+    /// Distance [m] from a point to the nearest place where a pursuer can be that has driven for
+    /// `reach` seconds; negative within.
+    fn margin(&self, at: Point2<f64>, reach: f64) -> f64 {
+        if let Some(v_max) = self.one_speed {
+            // One root for all: it is the greatest cost of planning, and grows with its argument.
+            let mut least = f64::INFINITY;
+            for pursuer in &self.pursuers {
+                let squared = (at - pursuer.at).norm_squared();
+                if squared < least {
+                    least = squared;
+                }
+            }
+            return least.sqrt() - reach * v_max;
+        }
+        self.pursuers
+            .iter()
+            .map(|p| (at - p.at).norm() - reach * p.v_max)
+            .fold(f64::INFINITY, f64::min)
+    }
+
     fn danger_along(&self, from: Point2<f64>, to: Point2<f64>, link: &Link, before: f64) -> f64 {
-        let looks = (link.length / self.params.step)
-            .ceil()
-            .clamp(1.0, MAX_LOOKS);
+        let looks = looks(link.length / self.params.step);
         let share = 1.0 / looks;
         let (chord, bulge) = (to - from, bulge(from, to, link));
         let mut sum = 0.0;
@@ -188,15 +214,18 @@ impl CostModel {
             let at = from + chord * t + bulge * (4.0 * t * (1.0 - t));
             let seconds = ((before + t * link.length) / self.own_speed).min(self.params.horizon_s);
             let reach = self.params.reach * seconds;
-            let margin = self
-                .pursuers
-                .iter()
-                .map(|p| (at - p.at).norm() - reach * p.v_max)
-                .fold(f64::INFINITY, f64::min);
-            sum += self.danger(margin);
+            sum += self.danger(self.margin(at, reach));
         }
         self.params.weight * sum * share * link.length
     }
+}
+
+/// How often a way of this many steps is looked at: rounded up, from 1 to [`MAX_LOOKS`]. (`ceil` is
+/// a call on the oldest x86-64.)
+fn looks(steps: f64) -> f64 {
+    let whole = f64::from(steps as u32);
+    let up = if whole < steps { whole + 1.0 } else { whole };
+    up.clamp(1.0, MAX_LOOKS)
 }
 
 /// From the middle of the chord to the middle of the way; an arc is near enough to the parabola
@@ -268,6 +297,38 @@ mod tests {
         let cost = line(&model, Point2::new(0.0, 0.0), Point2::new(0.0, 1e-3), 7.0);
         // Danger 1 at 4 m: a metre of way costs a metre more.
         assert!((cost - 2e-3).abs() < 1e-8, "{cost}");
+    }
+
+    proptest! {
+        #[test]
+        fn pursuers_of_one_speed_count_as_each_of_them_does(
+            places in prop::collection::vec((-9.0..9.0f64, -9.0..9.0f64), 1..6),
+            (x, y) in (-9.0..9.0f64, -9.0..9.0f64),
+            reach in 0.0..20.0f64,
+        ) {
+            let model = model(CostParams::default(), &places);
+            prop_assert!(model.one_speed.is_some());
+            let each = CostModel { one_speed: None, ..model.clone() };
+            let at = Point2::new(x, y);
+            prop_assert_eq!(model.margin(at, reach).to_bits(), each.margin(at, reach).to_bits());
+        }
+
+        #[test]
+        fn looks_are_steps_rounded_up(steps in prop_oneof![0.0..100.0f64, (0..99u32).prop_map(f64::from)]) {
+            prop_assert_eq!(looks(steps), steps.ceil().clamp(1.0, MAX_LOOKS));
+        }
+    }
+
+    #[test]
+    fn pursuers_of_different_speeds_are_told_apart() {
+        let mut model = model(CostParams::default(), &[]);
+        let pursuers = [(1.0, 0.1), (2.0, 0.3)];
+        model.set_pursuers(pursuers.into_iter().map(|(x, v_max)| Pursuer {
+            at: Point2::new(x, 0.0),
+            v_max,
+        }));
+        // The further one is nearer after ten seconds: 2 − 3 against 1 − 1 metres.
+        assert_eq!(model.margin(Point2::origin(), 10.0), -1.0);
     }
 
     #[test]

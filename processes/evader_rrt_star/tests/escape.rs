@@ -6,18 +6,17 @@ mod support;
 
 use std::sync::{Arc, LazyLock};
 
-use arena::{Arena, Kinematic, street_starts};
+use arena::{Arena, DT, Kinematic, street_starts, view};
 use evader_rrt_star::RrtStarEvader;
 use evader_rrt_star::params::{Follower, Primitive, RrtStarParams};
 use guidance::limits::Limits;
 use guidance::map::PlannerMap;
-use guidance::view::{RobotView, View};
+use guidance::view::RobotView;
 use nalgebra::Point2;
 use sim_backend::pose::{Pose2, Twist2};
 use sim_backend::team::Team;
-use support::{EXIT, POLICE, RADIUS, START};
+use support::{EXIT, POLICE, START};
 
-const DT: f64 = 0.05;
 const V_MAX: f64 = 0.6;
 
 static CITY: LazyLock<(Arena, PlannerMap)> = LazyLock::new(|| {
@@ -26,28 +25,11 @@ static CITY: LazyLock<(Arena, PlannerMap)> = LazyLock::new(|| {
     (arena, map)
 });
 
+/// A robot at full speed, as planners see it.
 fn robot(index: usize, team: Team, pose: Pose2, v_max: f64) -> RobotView {
     RobotView {
-        index,
-        team,
-        active: true,
-        present: true,
-        pose,
         twist: Twist2::new(v_max, 0.0),
-        radius: RADIUS,
-        v_max,
-    }
-}
-
-fn view<'a>(time_s: f64, robots: &'a [RobotView], exits: &'a [Point2<f64>]) -> View<'a> {
-    View {
-        time_s,
-        dt: DT,
-        me: 0,
-        robots,
-        beliefs: &[],
-        exits,
-        scan: None,
+        ..arena::robot(index, team, pose, v_max)
     }
 }
 

@@ -239,15 +239,7 @@ impl<P: Planner> Wiring for PlannerProcess<P> {
             // In real time a state may come before the map. No command: the robot stands.
             return Ok(());
         };
-        self.views.clear();
-        self.views.extend(
-            self.state
-                .robots
-                .iter()
-                .zip(&self.config.run.robots)
-                .enumerate()
-                .map(|(index, (state, info))| robot_view(index, state, info)),
-        );
+        robot_views(&self.state, &self.config.run.robots, &mut self.views);
         // Particles of all beliefs side by side; the views point into them.
         self.particles.clear();
         let beliefs = self.beliefs.as_ref().map_or(&[][..], |b| &b.latest);
@@ -370,7 +362,7 @@ fn scan_view(scan: &Latest<Scan>) -> ScanView<'_> {
 }
 
 /// A robot as planners see it, from the world's state.
-pub fn robot_view(index: usize, state: &RobotState, info: &RobotInfo) -> RobotView {
+fn robot_view(index: usize, state: &RobotState, info: &RobotInfo) -> RobotView {
     RobotView {
         index,
         team: Team::from_code(state.team).unwrap_or(info.team),
@@ -381,6 +373,13 @@ pub fn robot_view(index: usize, state: &RobotState, info: &RobotInfo) -> RobotVi
         radius: info.model.radius,
         v_max: info.model.v_max,
     }
+}
+
+/// Replaces `views` by what planners see of the robots of the newest state.
+pub fn robot_views(state: &StateInput, infos: &[RobotInfo], views: &mut Vec<RobotView>) {
+    views.clear();
+    let robots = state.robots.iter().zip(infos).enumerate();
+    views.extend(robots.map(|(index, (state, info))| robot_view(index, state, info)));
 }
 
 /// The limits of a robot as its planner sees them.

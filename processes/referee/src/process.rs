@@ -10,7 +10,7 @@ use ipc_types::messages::referee::{DominanceCell, DominanceHeader, Verdict};
 use ipc_types::stamp::{PlainHeader, Stamp};
 use ipc_types::topics::{Dominance, Verdicts};
 use kit::inputs::{MapInput, StateInput, reply_stamp};
-use kit::planner::{planner_map, robot_view};
+use kit::planner::{planner_map, robot_views};
 use kit::{Clock, ProcessConfig, ProcessError, Wiring};
 use sim_backend::team::Team;
 
@@ -119,15 +119,7 @@ impl Wiring for RefereeProcess {
         if !with_verdicts && !with_cells {
             return Ok(());
         }
-        self.views.clear();
-        self.views.extend(
-            self.state
-                .robots
-                .iter()
-                .zip(&self.config.run.robots)
-                .enumerate()
-                .map(|(index, (state, info))| robot_view(index, state, info)),
-        );
+        robot_views(&self.state, &self.config.run.robots, &mut self.views);
         let stamp = reply_stamp(&self.state.header, self.state.received_ns);
         let judgements = self.referee.judge(map, &self.views);
         if with_verdicts && !judgements.is_empty() {

@@ -7,22 +7,14 @@ use guidance::dominance::Owner;
 use guidance::view::RobotView;
 use proptest::prelude::*;
 use referee::{Referee, RefereeParams};
-use sim_backend::pose::{Pose2, Twist2};
+use sim_backend::pose::Pose2;
 use sim_backend::spec::Region;
 use sim_backend::team::Team;
-use support::{Arena, EXIT, RADIUS};
+use support::{Arena, EXIT};
 
 fn robot(index: usize, team: Team, x: f64, y: f64) -> RobotView {
-    RobotView {
-        index,
-        team,
-        active: true,
-        present: true,
-        pose: Pose2::new(x, y, 0.0),
-        twist: Twist2::STOP,
-        radius: RADIUS,
-        v_max: if team == Team::Evader { 0.45 } else { 0.3 },
-    }
+    let v_max = if team == Team::Evader { 0.45 } else { 0.3 };
+    support::robot(index, team, Pose2::new(x, y, 0.0), v_max)
 }
 
 fn referee() -> Referee {

@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 use std::io;
 use std::path::Path;
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
-use super::super::log_file::Storage;
 use super::super::{ChannelSpec, LogError, LogOptions, LogWriter, Manifest};
+use crate::storage::tests::SmallDisk;
 
 fn create(path: &Path, force: bool) -> Result<LogWriter, LogError> {
     let options = LogOptions {
@@ -121,40 +121,11 @@ fn what_cannot_be_a_log_is_named() {
     }
 }
 
-/// A disk with room for so many bytes.
-struct SmallDisk {
-    contents: Arc<Mutex<Vec<u8>>>,
-    room: usize,
-}
-
-impl Storage for SmallDisk {
-    fn append(&mut self, bytes: &[u8]) -> io::Result<()> {
-        let mut contents = self.contents.lock().unwrap();
-        let fits = bytes.len().min(self.room - contents.len());
-        contents.extend_from_slice(&bytes[..fits]);
-        if fits < bytes.len() {
-            Err(io::ErrorKind::StorageFull.into())
-        } else {
-            Ok(())
-        }
-    }
-    fn cut(&mut self, length: u64) -> io::Result<()> {
-        self.contents.lock().unwrap().truncate(length as usize);
-        Ok(())
-    }
-    fn sync(&mut self) -> io::Result<()> {
-        Ok(())
-    }
-}
-
 #[test]
 fn on_a_full_disk_everything_up_to_the_last_whole_chunk_stays_readable() {
     for room in [2_000, 30_000, 100_001, 100_002, 150_000] {
-        let contents = Arc::default();
-        let disk = SmallDisk {
-            contents: Arc::clone(&contents),
-            room,
-        };
+        let disk = SmallDisk::new(room);
+        let contents = Arc::clone(&disk.contents);
         let options = LogOptions {
             chunk_bytes: 10_000,
             ..LogOptions::default()

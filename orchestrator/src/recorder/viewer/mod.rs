@@ -10,11 +10,10 @@ mod channel;
 mod dominance;
 mod grid;
 mod palette;
-mod plans;
 mod points;
+mod robot_lines;
 mod scene;
 mod shapes;
-mod tree;
 mod words;
 
 use foxglove::messages::{
@@ -28,9 +27,8 @@ use ipc_types::messages::world::{
 };
 
 use self::channel::ViewerChannel;
-use self::plans::Plans;
+use self::robot_lines::RobotLines;
 use self::shapes::Obstacles;
-use self::tree::Trees;
 use super::error::LogError;
 use super::log_writer::LogWriter;
 use super::options::RobotInfo;
@@ -66,8 +64,8 @@ pub(super) struct Viewer {
     due_ns: u64,
     state: Option<State>,
     trail: scene::Trail,
-    plans: Plans,
-    trees: Trees,
+    plans: RobotLines,
+    trees: RobotLines,
     obstacles: Obstacles,
     buffer: Vec<u8>,
 }
@@ -141,8 +139,8 @@ impl Viewer {
             due_ns: 0,
             state: None,
             trail: scene::Trail::default(),
-            plans: Plans::new(robots.len()),
-            trees: Trees::new(robots.len()),
+            plans: RobotLines::plans(robots.len()),
+            trees: RobotLines::trees(robots.len()),
             obstacles: Obstacles::default(),
             buffer: Vec::new(),
         };
@@ -249,12 +247,12 @@ impl Viewer {
 
     /// Keeps a robot's plan for the picture.
     pub(super) fn plan(&mut self, robot: u32, points: impl Iterator<Item = PlanPoint>) {
-        self.plans.set(robot as usize, points);
+        self.plans.set_plan(robot as usize, points);
     }
 
     /// Keeps a robot's tree for the picture.
     pub(super) fn tree(&mut self, robot: u32, edges: impl Iterator<Item = TreeEdge>) {
-        self.trees.set(robot as usize, edges);
+        self.trees.set_tree(robot as usize, edges);
     }
 
     /// Draws a belief about a robot from the bytes of its particles.

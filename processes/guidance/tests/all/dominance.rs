@@ -2,13 +2,11 @@
 
 use std::sync::LazyLock;
 
-use crate::support::{EXIT, RADIUS};
+use crate::support::{EXIT, RADIUS, open_ground};
 use guidance::dominance::{Arena, Cell, Dominance, DominanceParams, Owner, Runner, Verdict};
 use guidance::map::PlannerMap;
 use nalgebra::Point2;
 use proptest::prelude::*;
-use sim_backend::blur::BlurredMap;
-use sim_backend::grid::{Grid, GridFrame};
 use sim_backend::spec::Region;
 
 const POLICE: [(f64, f64); 4] = [(7.5, 4.5), (7.5, 1.5), (7.5, -1.5), (7.5, -4.5)];
@@ -24,14 +22,7 @@ static CITY: LazyLock<(PlannerMap, Arena)> = LazyLock::new(|| {
 });
 
 static OPEN: LazyLock<(PlannerMap, Arena)> = LazyLock::new(|| {
-    let frame = GridFrame {
-        width: 400,
-        height: 400,
-        resolution: 0.05,
-        origin: Point2::new(-10.0, -10.0),
-    };
-    let blurred = BlurredMap::new(&Grid::filled(frame, true), 0.2).unwrap();
-    let map = PlannerMap::new(blurred, Grid::filled(frame, 100.0), 1).unwrap();
+    let map = open_ground();
     let exits = [(9.0, 0.0), (-9.0, 0.0)].map(|(x, y)| Region::Rectangle {
         center: [x, y],
         half_extents: [0.5, 1.0],

@@ -2,13 +2,12 @@
 
 use std::sync::LazyLock;
 
-use crate::support::{Arena, EXIT, RADIUS};
+use crate::support::{Arena, EXIT, RADIUS, open_ground};
 use guidance::map::PlannerMap;
 use guidance::wavefront::{Lattice, Source, Wave, WaveParams};
 use nalgebra::Point2;
 use proptest::prelude::*;
-use sim_backend::blur::BlurredMap;
-use sim_backend::grid::{Grid, GridFrame};
+use sim_backend::grid::Grid;
 
 const PITCH: f64 = 0.2;
 
@@ -20,14 +19,7 @@ static CITY: LazyLock<(PlannerMap, Lattice)> = LazyLock::new(|| {
 
 /// A square without obstacles, 20 m wide.
 static OPEN: LazyLock<(PlannerMap, Lattice)> = LazyLock::new(|| {
-    let frame = GridFrame {
-        width: 400,
-        height: 400,
-        resolution: 0.05,
-        origin: Point2::new(-10.0, -10.0),
-    };
-    let blurred = BlurredMap::new(&Grid::filled(frame, true), 0.2).unwrap();
-    let map = PlannerMap::new(blurred, Grid::filled(frame, 100.0), 1).unwrap();
+    let map = open_ground();
     let lattice = Lattice::new(&map, PITCH, RADIUS, WaveParams::default().sight);
     (map, lattice)
 });

@@ -3,12 +3,16 @@
 //! Shared by the tests of several crates through `#[path]`.
 #![allow(dead_code, reason = "each test file uses another part of it")]
 
+use std::sync::LazyLock;
+
 use guidance::map::PlannerMap;
+use guidance::view::{RobotView, View};
 use nalgebra::Point2;
 use sim_backend::blur::BlurredMap;
 use sim_backend::grid::{Grid, GridFrame};
 use sim_backend::math;
 use sim_backend::pose::{Pose2, Twist2};
+use sim_backend::team::Team;
 
 /// Radius of the TurtleBot3 Burger's body as a disc [m].
 pub const RADIUS: f64 = 0.105;
@@ -16,6 +20,43 @@ pub const RADIUS: f64 = 0.105;
 pub const EXIT: Point2<f64> = Point2::new(9.0, 0.0);
 /// Standard deviation of the blur [m].
 pub const SIGMA: f64 = 0.19;
+
+/// Time between two ticks [s].
+pub const DT: f64 = 0.05;
+
+/// The city and what planners know of it.
+pub static CITY: LazyLock<(Arena, PlannerMap)> = LazyLock::new(|| {
+    let arena = Arena::city();
+    let map = arena.map();
+    (arena, map)
+});
+
+/// A robot that plays and stands still, as planners see it.
+pub fn robot(index: usize, team: Team, pose: Pose2, v_max: f64) -> RobotView {
+    RobotView {
+        index,
+        team,
+        active: true,
+        present: true,
+        pose,
+        twist: Twist2::STOP,
+        radius: RADIUS,
+        v_max,
+    }
+}
+
+/// What the first of these robots sees.
+pub fn view<'a>(time_s: f64, robots: &'a [RobotView], exits: &'a [Point2<f64>]) -> View<'a> {
+    View {
+        time_s,
+        dt: DT,
+        me: 0,
+        robots,
+        beliefs: &[],
+        exits,
+        scan: None,
+    }
+}
 
 /// Axis-aligned rectangles as (x0, x1, y0, y1) [m].
 pub type Rectangle = (f64, f64, f64, f64);
@@ -192,4 +233,16 @@ pub fn street_starts() -> Vec<Pose2> {
         }
     }
     starts
+}
+
+/// A square without obstacles, 20 m wide.
+pub fn open_ground() -> PlannerMap {
+    let frame = GridFrame {
+        width: 400,
+        height: 400,
+        resolution: 0.05,
+        origin: Point2::new(-10.0, -10.0),
+    };
+    let blurred = BlurredMap::new(&Grid::filled(frame, true), 0.2).expect("a sane map");
+    PlannerMap::new(blurred, Grid::filled(frame, 100.0), 1).expect("a sane map")
 }

@@ -1,12 +1,10 @@
 //! Pursuers in the paper's city, in a kinematic mini-simulation.
 
-use std::sync::LazyLock;
-
-use crate::support::{Arena, EXIT, Kinematic, RADIUS, street_starts};
+use crate::police::{CATCH, V_POLICE, exact, view};
+use crate::support::{self, CITY, DT, Kinematic, RADIUS, street_starts};
 use guidance::bearing::GoalField;
 use guidance::limits::Limits;
-use guidance::map::PlannerMap;
-use guidance::view::{BeliefView, ParticleView, RobotView, View};
+use guidance::view::{BeliefView, ParticleView, RobotView};
 use nalgebra::Point2;
 use proptest::prelude::*;
 use pursuer::params::{AssignmentMethod, BeliefGoals, GoalMethod, Knowledge};
@@ -14,57 +12,12 @@ use pursuer::{Pursuer, PursuerParams};
 use sim_backend::pose::{Pose2, Twist2};
 use sim_backend::team::Team;
 
-const DT: f64 = 0.05;
-const CATCH: f64 = 0.3;
-const V_MAX: f64 = 0.3;
-
-static CITY: LazyLock<(Arena, PlannerMap)> = LazyLock::new(|| {
-    let arena = Arena::city();
-    let map = arena.map();
-    (arena, map)
-});
+fn robot(index: usize, team: Team, pose: Pose2) -> RobotView {
+    support::robot(index, team, pose, V_POLICE)
+}
 
 fn limits() -> Limits {
-    Limits::new(V_MAX, V_MAX, 2.84).unwrap()
-}
-
-fn robot(index: usize, team: Team, pose: Pose2) -> RobotView {
-    RobotView {
-        index,
-        team,
-        active: true,
-        present: true,
-        pose,
-        twist: Twist2::STOP,
-        radius: RADIUS,
-        v_max: V_MAX,
-    }
-}
-
-fn view<'a>(
-    time_s: f64,
-    me: usize,
-    robots: &'a [RobotView],
-    beliefs: &'a [BeliefView<'a>],
-) -> View<'a> {
-    View {
-        time_s,
-        dt: DT,
-        me,
-        robots,
-        beliefs,
-        exits: &[EXIT],
-        scan: None,
-    }
-}
-
-fn exact() -> PursuerParams {
-    let mut params = PursuerParams {
-        knowledge: Knowledge::Exact,
-        ..PursuerParams::default()
-    };
-    params.assignment.knowledge = Knowledge::Exact;
-    params
+    Limits::new(V_POLICE, V_POLICE, 2.84).unwrap()
 }
 
 /// Chases a target that stands still; the time of capture, if any within `seconds`.

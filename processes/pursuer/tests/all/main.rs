@@ -4,4 +4,5 @@
 mod support;
 
 mod closing_in;
+mod police;
 mod tactics;

@@ -1,11 +1,10 @@
 //! Interception, guards and cuts in the paper's city.
 
 use std::collections::VecDeque;
-use std::sync::LazyLock;
 
-use crate::support::{Arena, EXIT, Kinematic, RADIUS, street_starts};
+use crate::police::{CATCH, V_POLICE, exact, police, view};
+use crate::support::{CITY, DT, EXIT, Kinematic, RADIUS, street_starts};
 use guidance::limits::Limits;
-use guidance::map::PlannerMap;
 use guidance::navigation::{NavGrid, NavParams, Wayfinder};
 use guidance::view::{BeliefView, ParticleView, RobotView, View};
 use nalgebra::Point2;
@@ -16,29 +15,7 @@ use pursuer::{Pursuer, PursuerParams};
 use sim_backend::pose::{Pose2, Twist2};
 use sim_backend::team::Team;
 
-const DT: f64 = 0.05;
-const CATCH: f64 = 0.3;
-const V_POLICE: f64 = 0.3;
 const EXIT_RADIUS: f64 = 0.5;
-
-static CITY: LazyLock<(Arena, PlannerMap)> = LazyLock::new(|| {
-    let arena = Arena::city();
-    let map = arena.map();
-    (arena, map)
-});
-
-fn police(index: usize, pose: Pose2) -> RobotView {
-    RobotView {
-        index,
-        team: Team::Police,
-        active: true,
-        present: true,
-        pose,
-        twist: Twist2::STOP,
-        radius: RADIUS,
-        v_max: V_POLICE,
-    }
-}
 
 fn evader(index: usize, pose: Pose2, v_max: f64) -> RobotView {
     RobotView {
@@ -50,32 +27,6 @@ fn evader(index: usize, pose: Pose2, v_max: f64) -> RobotView {
         v_max,
         ..police(index, pose)
     }
-}
-
-fn view<'a>(
-    time_s: f64,
-    me: usize,
-    robots: &'a [RobotView],
-    beliefs: &'a [BeliefView<'a>],
-) -> View<'a> {
-    View {
-        time_s,
-        dt: DT,
-        me,
-        robots,
-        beliefs,
-        exits: &[EXIT],
-        scan: None,
-    }
-}
-
-fn exact() -> PursuerParams {
-    let mut params = PursuerParams {
-        knowledge: Knowledge::Exact,
-        ..PursuerParams::default()
-    };
-    params.assignment.knowledge = Knowledge::Exact;
-    params
 }
 
 fn intercepting() -> PursuerParams {

@@ -1,0 +1,191 @@
+//! What planners think, as lines: where the robots mean to go, and the trees in which they search
+//! for their ways.
+
+use foxglove::messages::{
+    Color, LinePrimitive, Point3, SceneEntity, SceneEntityDeletion, SceneUpdate, line_primitive,
+    scene_entity_deletion,
+};
+use ipc_types::messages::robot::{PlanPoint, TreeEdge};
+use ipc_types::messages::world::RobotState;
+
+use super::super::options::RobotInfo;
+use super::scene::{entity, pose};
+use super::{palette, timestamp};
+
+/// How lines are drawn.
+#[derive(Debug)]
+struct Style {
+    /// First word of what viewers list, before the robot's name.
+    what: &'static str,
+    kind: line_primitive::Type,
+    /// Width [pixels].
+    pixels: f64,
+    /// Opacity, 0 to 1.
+    opacity: f64,
+    /// Height [m]: above the map; plans above trees.
+    height: f64,
+}
+
+const PLAN: Style = Style {
+    what: "plan",
+    kind: line_primitive::Type::LineStrip,
+    pixels: 2.0,
+    opacity: 0.8,
+    height: 0.02,
+};
+
+const TREE: Style = Style {
+    what: "tree",
+    kind: line_primitive::Type::LineList,
+    pixels: 1.0,
+    opacity: 0.3,
+    height: 0.005,
+};
+
+/// The last plan of every robot, or the last tree.
+#[derive(Debug)]
+pub(super) struct RobotLines {
+    style: &'static Style,
+    lines: Vec<Lines>,
+}
+
+#[derive(Debug, Clone, Default)]
+struct Lines {
+    points: Vec<Point3>,
+    /// Whether viewers show it.
+    shown: bool,
+    /// Whether it changed since it was drawn.
+    changed: bool,
+}
+
+impl RobotLines {
+    /// Plans of this many robots.
+    pub(super) fn plans(robots: usize) -> Self {
+        Self::new(&PLAN, robots)
+    }
+
+    /// Trees of this many robots.
+    pub(super) fn trees(robots: usize) -> Self {
+        Self::new(&TREE, robots)
+    }
+
+    fn new(style: &'static Style, robots: usize) -> Self {
+        Self {
+            style,
+            lines: vec![Lines::default(); robots],
+        }
+    }
+
+    /// Replaces the plan of a robot.
+    pub(super) fn set_plan(&mut self, robot: usize, points: impl Iterator<Item = PlanPoint>) {
+        self.set(robot, points.map(|p| [p.x, p.y]));
+    }
+
+    /// Replaces the tree of a robot: both ends of every edge.
+    pub(super) fn set_tree(&mut self, robot: usize, edges: impl Iterator<Item = TreeEdge>) {
+        let ends = edges.flat_map(|e| [[e.from_x, e.from_y], [e.to_x, e.to_y]]);
+        self.set(robot, ends.map(|end| end.map(f64::from)));
+    }
+
+    fn set(&mut self, robot: usize, points: impl Iterator<Item = [f64; 2]>) {
+        let z = self.style.height;
+        if let Some(lines) = self.lines.get_mut(robot) {
+            lines.points.clear();
+            lines.points.extend(points.map(|[x, y]| Point3 { x, y, z }));
+            lines.changed = true;
+        }
+    }
+
+    /// The lines of all robots that still play, if any changed since the last picture.
+    pub(super) fn draw(
+        &mut self,
+        robots: &[RobotInfo],
+        states: &[RobotState],
+        time_ns: u64,
+    ) -> Option<SceneUpdate> {
+        let style = self.style;
+        let mut update = SceneUpdate::default();
+        let mut changed = false;
+        for state in states {
+            let robot = state.robot as usize;
+            let (Some(info), Some(lines)) = (robots.get(robot), self.lines.get_mut(robot)) else {
+                continue;
+            };
+            let wanted = state.status == 0 && !lines.points.is_empty();
+            let id = format!("{} {}", style.what, info.name);
+            if wanted {
+                update.entities.push(SceneEntity {
+                    lines: vec![LinePrimitive {
+                        r#type: style.kind as i32,
+                        pose: Some(pose(0.0, 0.0, 0.0, 0.0)),
+                        thickness: style.pixels,
+                        scale_invariant: true,
+                        points: lines.points.clone(),
+                        color: Some(Color {
+                            a: style.opacity,
+                            ..palette::team(state.team, true)
+                        }),
+                        ..LinePrimitive::default()
+                    }],
+                    ..entity(id, time_ns)
+                });
+            } else if lines.shown {
+                update.deletions.push(SceneEntityDeletion {
+                    timestamp: Some(timestamp(time_ns)),
+                    r#type: scene_entity_deletion::Type::MatchingId as i32,
+                    id,
+                });
+            }
+            changed |= lines.changed || wanted != lines.shown;
+            lines.shown = wanted;
+            lines.changed = false;
+        }
+        changed.then_some(update)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Draws what `set` gives: once, as `points` points, until the robot is out.
+    fn drawn_once(mut lines: RobotLines, set: impl Fn(&mut RobotLines), id: &str, points: usize) {
+        let robots = [RobotInfo {
+            name: "thief".to_owned(),
+            radius: 0.1,
+        }];
+        let mut state = RobotState::default();
+        assert!(lines.draw(&robots, &[state], 0).is_none());
+        set(&mut lines);
+        let update = lines.draw(&robots, &[state], 1).unwrap();
+        assert_eq!(update.entities[0].id, id);
+        assert_eq!(update.entities[0].lines[0].points.len(), points);
+        assert!(lines.draw(&robots, &[state], 2).is_none());
+        state.status = 1;
+        let update = lines.draw(&robots, &[state], 3).unwrap();
+        assert_eq!(update.deletions[0].id, id);
+        assert!(lines.draw(&robots, &[state], 4).is_none());
+    }
+
+    #[test]
+    fn a_tree_is_drawn_once_and_goes_with_its_robot() {
+        let edges = || [TreeEdge::default(); 3].into_iter();
+        drawn_once(
+            RobotLines::trees(1),
+            |lines| lines.set_tree(0, edges()),
+            "tree thief",
+            6,
+        );
+    }
+
+    #[test]
+    fn a_plan_is_drawn_once_and_goes_with_its_robot() {
+        let points = || [PlanPoint::default(); 3].into_iter();
+        drawn_once(
+            RobotLines::plans(1),
+            |lines| lines.set_plan(0, points()),
+            "plan thief",
+            3,
+        );
+    }
+}
