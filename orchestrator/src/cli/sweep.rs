@@ -99,6 +99,9 @@ struct SweepRunArgs {
     /// Carry out missions again that failed before
     #[arg(long)]
     retry_failed: bool,
+    /// Take over missions of other results whose scenario and seed are the same
+    #[arg(long, value_name = "DIR")]
+    reuse: Vec<PathBuf>,
     /// Which missions keep their log, in the results' folder logs
     #[arg(long, value_name = "WHICH")]
     log: Option<LogPolicy>,
@@ -359,6 +362,12 @@ fn local(
         .parent()
         .filter(|folder| !folder.as_os_str().is_empty());
     figures::keep_published(folder.unwrap_or(Path::new(".")), &results)?;
+    for directory in &args.reuse {
+        let taken = results.reuse(&Results::read(directory)?)?;
+        if !args.quiet {
+            eprintln!("{taken} missions taken over from {}", directory.display());
+        }
+    }
     let jobs = args.jobs.map(usize::from).or(experiment.run.jobs);
     let options = RunOptions {
         jobs: jobs.unwrap_or_else(processors),
@@ -399,6 +408,9 @@ fn shared_arguments(path: &Path, args: &SweepRunArgs) -> Vec<String> {
             LogPolicy::All => "all",
         };
         words.extend(["--log".to_owned(), name.to_owned()]);
+    }
+    for directory in &args.reuse {
+        words.extend(["--reuse".to_owned(), directory.display().to_string()]);
     }
     for (given, word) in [
         (args.in_process, "--in-process"),

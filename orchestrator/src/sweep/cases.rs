@@ -8,7 +8,7 @@ use super::parts::check_name;
 use super::reader::Reader;
 use super::spec::CaseSpec;
 use crate::scenario::files::{Base, Found};
-use crate::scenario::text::{Code, Diagnostic, FieldPath, Node, list_choices, nearest};
+use crate::scenario::text::{Code, FieldPath, Node, list_choices, nearest};
 use crate::scenario::{Draft, Loader, builtin};
 
 /// What marks a built-in scenario.
@@ -114,10 +114,7 @@ fn open(
     const EXPECTED: &str =
         "the path of a scenario beside the experiment, or a built-in one such as \"builtin:chase\"";
     let Some(node) = node else {
-        let problem = Diagnostic::new(Code::MissingKey, "missing key `scenario`")
-            .field(path)
-            .expected(EXPECTED);
-        reader.problems.push(problem);
+        reader.refuse(path, Code::MissingKey, "missing key `scenario`", EXPECTED);
         return None;
     };
     let Some(text) = node.as_str() else {

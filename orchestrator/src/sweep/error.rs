@@ -35,7 +35,7 @@ pub enum SweepError {
     },
     /// The directory holds something, but no results.
     #[error(
-        "{} is not a directory of results: it has no {file}; choose another --out, or an empty directory",
+        "{} is not a directory of results: it has no {file}; {expected}",
         path.display()
     )]
     NotResults {
@@ -43,6 +43,8 @@ pub enum SweepError {
         path: PathBuf,
         /// What is missing.
         file: &'static str,
+        /// What to name instead.
+        expected: &'static str,
     },
     /// A file of the results does not hold what it should.
     #[error("{}:{line}: {what}: {found}; expected {expected}", path.display())]

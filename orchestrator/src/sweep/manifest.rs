@@ -112,22 +112,29 @@ impl Manifest {
         }
     }
 
-    /// What of `theirs` is not as here; `None` if both are the same experiment.
-    pub fn difference(&self, theirs: &Self) -> Option<String> {
-        if self.blake3 == theirs.blake3 {
-            return None;
-        }
+    /// How the program that made `theirs` is not this one; `None` if it is.
+    pub fn other_program(&self, theirs: &Self) -> Option<String> {
         if self.format != theirs.format {
             return Some(format!(
                 "its files have format {}, this program writes format {}",
                 theirs.format, self.format
             ));
         }
-        if self.program != theirs.program {
-            return Some(format!(
+        (self.program != theirs.program).then(|| {
+            format!(
                 "it was made by version {} of Protean, this is version {}",
                 theirs.program, self.program
-            ));
+            )
+        })
+    }
+
+    /// What of `theirs` is not as here; `None` if both are the same experiment.
+    pub fn difference(&self, theirs: &Self) -> Option<String> {
+        if self.blake3 == theirs.blake3 {
+            return None;
+        }
+        if let Some(difference) = self.other_program(theirs) {
+            return Some(difference);
         }
         if self.experiment != theirs.experiment {
             return Some(format!(

@@ -5,9 +5,7 @@ use super::parameters::Parameter;
 use super::reader::Reader;
 use super::seeds::Seeds;
 use super::spec::{FigureSpec, MAX_MISSIONS, RunSpec, SeedsSpec};
-use crate::scenario::text::{
-    Code, Diagnostic, FieldPath, Node, Value as TomlValue, list_choices, nearest,
-};
+use crate::scenario::text::{Code, FieldPath, Node, Value as TomlValue, list_choices, nearest};
 
 /// A name becomes a directory, and part of file names.
 pub(super) fn check_name(reader: &mut Reader, path: &FieldPath, name: &str) {
@@ -26,10 +24,7 @@ pub(super) fn read_seeds(reader: &mut Reader, options: &LoadOptions) -> Option<S
         // The command line's seeds do.
         None if options.seeds.is_some() => Some(Seeds::default()),
         None => {
-            let problem = Diagnostic::new(Code::MissingKey, "missing key `seeds`")
-                .field(&path)
-                .expected(FORM);
-            reader.problems.push(problem);
+            reader.refuse(&path, Code::MissingKey, "missing key `seeds`", FORM);
             None
         }
         Some(node) if node.as_table().is_some() => {

@@ -80,6 +80,7 @@ impl Results {
                 return Err(SweepError::NotResults {
                     path: directory.to_owned(),
                     file: MANIFEST,
+                    expected: "choose another --out, or an empty directory",
                 });
             }
             None => {}
@@ -97,6 +98,7 @@ impl Results {
         let no_results = || SweepError::NotResults {
             path: directory.to_owned(),
             file: MANIFEST,
+            expected: "name the --out of a sweep",
         };
         if !directory.is_dir() {
             return Err(no_results());
@@ -197,6 +199,43 @@ impl Results {
             }
         }
         self.journal.sync()
+    }
+
+    /// Takes over what other results hold of the same missions: those of cells whose scenario is
+    /// the same to the last value, by this version of the program. Failed missions and scenarios
+    /// with programs of the user's own, which may have changed, are left. Returns how many missions
+    /// are new.
+    ///
+    /// # Errors
+    /// [`SweepError::Other`] if the other results are of another version,
+    /// [`SweepError::Contradiction`], or [`SweepError::Io`].
+    pub fn reuse(&mut self, other: &Self) -> Result<usize, SweepError> {
+        if let Some(difference) = self.manifest.other_program(&other.manifest) {
+            return Err(SweepError::Other {
+                path: other.directory.clone(),
+                difference,
+            });
+        }
+        let mut taken = 0;
+        for (cell, wanted) in self.manifest.cells.clone().iter().enumerate() {
+            let same = |theirs: &MissionId| {
+                let of = other.manifest.cells.get(theirs.cell);
+                of.is_some_and(|of| of.blake3 == wanted.blake3 && !of.external)
+            };
+            for (theirs, row) in other.rows().filter(|(theirs, _)| same(theirs)) {
+                let mission = MissionId {
+                    cell,
+                    seed: theirs.seed,
+                };
+                let wanted = self.manifest.seeds.iter().any(|seed| seed == theirs.seed);
+                if wanted && !row.is_failed() && self.is_new(mission, row, &other.directory)? {
+                    self.keep(mission, row.clone(), 0.0)?;
+                    taken += 1;
+                }
+            }
+        }
+        self.journal.sync()?;
+        Ok(taken)
     }
 
     /// The same results with the seeds of another part of the experiment.

@@ -37,12 +37,12 @@ fn what_is_missing_is_named() {
     refused(
         "scenario = \"builtin:chase_exact\"\n",
         "",
-        &["missing key `scenario`", "builtin:chase"],
+        &["missing key `scenario`", "small.toml:", "builtin:chase"],
     );
     refused(
         "seeds = { first = 1, count = 3 }",
         "",
-        &["missing key `seeds`", "{ first = 1"],
+        &["missing key `seeds`", "small.toml:1", "{ first = 1"],
     );
     refused(
         "name = \"braitenberg\"",

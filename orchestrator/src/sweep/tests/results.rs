@@ -227,6 +227,56 @@ fn parts_that_do_not_belong_together_are_not_merged() {
     assert!(error.contains("two different results"), "{error}");
     let error = merge(&[at("nothing")], &at("o")).err().unwrap().to_string();
     assert!(error.contains("is not a directory of results"), "{error}");
+    assert!(error.contains("name the --out of a sweep"), "{error}");
+}
+
+#[test]
+fn missions_of_the_same_scenario_are_taken_over_from_another_experiment() {
+    let directories = [(); 2].map(|()| tempfile::tempdir().unwrap());
+    let mut older = open(directories[0].path()).unwrap();
+    // Cells 0 to 2 are of `potential`, 3 to 5 of `braitenberg`.
+    for (at, row) in [
+        (mission(0, 1), row(0)),
+        (mission(3, 1), row(2)),
+        (mission(3, 2), Row::failed("bad luck")),
+        (mission(4, 2), row(1)),
+        (mission(4, 3), row(1)),
+    ] {
+        older.record(at, row, 0.1).unwrap();
+    }
+    // The same scenarios under another name, others under the same, and fewer seeds.
+    let text = changed("name = \"braitenberg\"", "name = \"renamed\"")
+        .replace("gain = 0.0", "gain = 1.0")
+        .replace("count = 3", "count = 2");
+    let manifest = Manifest::of(&load(&text).unwrap());
+    let mut newer = Results::open(directories[1].path(), &manifest, &text).unwrap();
+    assert_eq!(newer.reuse(&older).unwrap(), 2);
+    let expected = [(mission(3, 1), &row(2)), (mission(4, 2), &row(1))];
+    assert_eq!(newer.rows().collect::<Vec<_>>(), expected);
+    assert_eq!(newer.reuse(&older).unwrap(), 0);
+    // They are kept like others.
+    drop(newer);
+    let newer = Results::open(directories[1].path(), &manifest, &text).unwrap();
+    assert_eq!(newer.rows().collect::<Vec<_>>(), expected);
+}
+
+#[test]
+fn what_contradicts_or_is_of_another_version_is_not_taken_over() {
+    let directories = [(); 2].map(|()| tempfile::tempdir().unwrap());
+    let mut older = open(directories[0].path()).unwrap();
+    let mut newer = open(directories[1].path()).unwrap();
+    older.record(mission(0, 1), row(0), 0.1).unwrap();
+    newer.record(mission(0, 1), row(1), 0.1).unwrap();
+    let error = newer.reuse(&older).unwrap_err();
+    assert!(matches!(error, SweepError::Contradiction { .. }), "{error}");
+    drop(older);
+    let path = directories[0].path().join("manifest.json");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let program = format!("\"{}\"", newer.manifest().program);
+    std::fs::write(&path, text.replacen(&program, "\"0.0.1\"", 1)).unwrap();
+    let older = Results::read(directories[0].path()).unwrap();
+    let error = newer.reuse(&older).unwrap_err().to_string();
+    assert!(error.contains("made by version 0.0.1"), "{error}");
 }
 
 #[test]
