@@ -262,19 +262,17 @@ fn missions_of_the_same_scenario_are_taken_over_from_another_experiment() {
 
 #[test]
 fn what_contradicts_or_is_of_another_version_is_not_taken_over() {
-    let directories = [(); 2].map(|()| tempfile::tempdir().unwrap());
+    let directories = [(); 3].map(|()| tempfile::tempdir().unwrap());
     let mut older = open(directories[0].path()).unwrap();
     let mut newer = open(directories[1].path()).unwrap();
     older.record(mission(0, 1), row(0), 0.1).unwrap();
     newer.record(mission(0, 1), row(1), 0.1).unwrap();
     let error = newer.reuse(&older).unwrap_err();
     assert!(matches!(error, SweepError::Contradiction { .. }), "{error}");
-    drop(older);
-    let path = directories[0].path().join("manifest.json");
-    let text = std::fs::read_to_string(&path).unwrap();
-    let program = format!("\"{}\"", newer.manifest().program);
-    std::fs::write(&path, text.replacen(&program, "\"0.0.1\"", 1)).unwrap();
-    let older = Results::read(directories[0].path()).unwrap();
+    let mut manifest = manifest();
+    manifest.program = "0.0.1".to_owned();
+    manifest.blake3 = manifest.fingerprint();
+    let older = Results::open(directories[2].path(), &manifest, GOOD).unwrap();
     let error = newer.reuse(&older).unwrap_err().to_string();
     assert!(error.contains("made by version 0.0.1"), "{error}");
 }
