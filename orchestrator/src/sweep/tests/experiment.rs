@@ -213,9 +213,36 @@ fn cells_that_are_the_same_scenario_are_noted() {
     );
 }
 
+fn experiments() -> std::path::PathBuf {
+    std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../experiments")
+}
+
+#[test]
+fn the_police_know_what_the_case_says() {
+    for file in ["knowledge.toml", "knowledge_paper.toml"] {
+        let path = experiments().join(file);
+        let experiment = Experiment::load(&path, &LoadOptions::default()).unwrap();
+        for cell in &experiment.cells {
+            let knowledge = match &*cell.case {
+                "exact" => "exact",
+                "particle_filter" => "belief",
+                other => panic!("{file}: case {other}"),
+            };
+            let processes = cell.scenario(1).unwrap().processes;
+            let known: Vec<_> = processes
+                .iter()
+                .filter(|p| p.program == Program::Kind("pursuer".to_owned()))
+                .map(|p| p.params["knowledge"].as_str().unwrap())
+                .collect();
+            assert!(!known.is_empty(), "{file}: {cell:?}");
+            assert!(known.iter().all(|&k| k == knowledge), "{file}: {cell:?}");
+        }
+    }
+}
+
 #[test]
 fn the_experiments_of_the_project_are_fine() {
-    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../experiments");
+    let folder = experiments();
     let mut count = 0;
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
