@@ -11,6 +11,8 @@ use ipc_types::messages::world::{MapCell, MapHeader, RobotState, ShapesHeader, W
 use ipc_types::topics::{Belief, Scan, Topic, WorldMap, WorldShapes, WorldState};
 use sim_backend::shape::{Aabb, Convex};
 
+use crate::config::Clock;
+use crate::error::ProcessError;
 use crate::maps::Maps;
 use crate::shapes;
 
@@ -70,6 +72,27 @@ impl StateInput {
     /// [`ReceiveError`] if the transport fails.
     pub fn update_to(&mut self, tick: u64) -> Result<bool, ReceiveError> {
         self.update_until(|newest| newest == tick)
+    }
+
+    /// Takes up the state for the turn of tick `tick`: exactly its own in lock-step, the newest in
+    /// real time.
+    ///
+    /// # Errors
+    /// [`ProcessError::Protocol`] if in lock-step the newest sound state is of another tick;
+    /// [`ProcessError`] if the transport fails.
+    pub fn take_turn(&mut self, tick: u64, clock: Clock) -> Result<(), ProcessError> {
+        if clock != Clock::LockStep {
+            self.update()?;
+            return Ok(());
+        }
+        self.update_to(tick)?;
+        let newest = self.header.stamp.tick;
+        if newest != tick {
+            return Err(ProcessError::Protocol(format!(
+                "it is the turn of tick {tick}, but the newest world/state is of tick {newest}"
+            )));
+        }
+        Ok(())
     }
 
     fn update_until(&mut self, enough: impl Fn(u64) -> bool) -> Result<bool, ReceiveError> {

@@ -205,17 +205,7 @@ impl<P: Planner> Wiring for PlannerProcess<P> {
     }
 
     fn step(&mut self, tick: u64) -> Result<(), ProcessError> {
-        if self.config.run.clock == Clock::LockStep {
-            self.state.update_to(tick)?;
-        } else {
-            self.state.update()?;
-        }
-        if self.config.run.clock == Clock::LockStep && self.state.header.stamp.tick != tick {
-            return Err(ProcessError::Protocol(format!(
-                "it is the turn of tick {tick}, but the newest world/state is of tick {}",
-                self.state.header.stamp.tick
-            )));
-        }
+        self.state.take_turn(tick, self.config.run.clock)?;
         // The state says which map holds: without another revision there is nothing to look for.
         let known = self.map.as_ref().map_or(0, |map| map.revision());
         if u64::from(self.state.header.map_revision) != known {

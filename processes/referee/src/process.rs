@@ -98,17 +98,12 @@ impl Wiring for RefereeProcess {
     }
 
     fn step(&mut self, tick: u64) -> Result<(), ProcessError> {
-        self.state.update()?;
-        let lock_step = self.config.run.clock == Clock::LockStep;
+        let clock = self.config.run.clock;
+        self.state.take_turn(tick, clock)?;
         let newest = self.state.header.stamp.tick;
-        if lock_step && newest != tick {
-            return Err(ProcessError::Protocol(format!(
-                "it is the turn of tick {tick}, but the newest world/state is of tick {newest}"
-            )));
-        }
         self.take_map()?;
         let Some(map) = &self.map else {
-            if lock_step {
+            if clock == Clock::LockStep {
                 let text = "it is the turn of a tick, but no sound world/map has come";
                 return Err(ProcessError::Protocol(text.into()));
             }
