@@ -18,6 +18,7 @@
 //! - `search`: A* from point to point. A tangent from the start or to the goal is tested only when
 //!   the path over it would be the shortest.
 //! - `towards`: one goal for many starts, as the heuristic of a planner.
+//! - `once`: one question to a space that will not be asked again.
 //!
 //! All lengths are sums in `f64` of the true segments and arcs; the table of bounds only steers the
 //! search. Accuracy: a path penetrates by at most [`sim_backend::map::TOUCHING`] (1 nm) and bends
@@ -44,6 +45,7 @@ mod graph;
 mod heap;
 mod legs;
 mod near;
+mod once;
 mod search;
 mod sites;
 mod tangent;
@@ -58,6 +60,7 @@ use crate::free_space::{Arc, FreeSpace};
 use bounds::Bounds;
 use graph::Graph;
 use near::Near;
+pub use once::shortest_once;
 pub use towards::Towards;
 
 /// How deep [m] in a grown piece a start or goal may be: it is pushed out to the border, and the

@@ -1,0 +1,53 @@
+//! Points of a path, dense enough to be driven from one to the next.
+
+use guidance::tangent_graph::Leg;
+use nalgebra::Point2;
+use sim_backend::math;
+
+use crate::guide;
+
+/// A point of a path.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PathPoint {
+    /// Length of the path up to it [m].
+    pub s: f64,
+    /// Where it is [m].
+    pub at: Point2<f64>,
+    /// Direction of travel [rad], continuous along the path.
+    pub theta: f64,
+    /// Curvature [1/m]: positive to the left.
+    pub kappa: f64,
+}
+
+/// Largest distance between points of a path [m].
+pub const SPACING: f64 = 0.01;
+/// How far [m] a chord between two points may be from the path.
+const SAGITTA: f64 = 2e-5;
+
+/// How far apart [m] points of a path of this curvature [1/m] lie.
+pub fn spacing(kappa: f64) -> f64 {
+    SPACING.min((8.0 * SAGITTA / kappa.abs().max(1e-12)).sqrt())
+}
+
+/// The points of a leg that begins with this heading [rad] after `s` [m] of path.
+pub fn of_leg(leg: &Leg, s: f64, theta: f64) -> Vec<PathPoint> {
+    let (length, kappa) = (leg.length(), guide::curvature(leg));
+    let count = (length / spacing(kappa)).ceil().max(1.0);
+    (0..=count as usize)
+        .map(|i| {
+            let part = i as f64 / count;
+            PathPoint {
+                s: s + part * length,
+                at: leg.at(part),
+                theta: theta + part * length * kappa,
+                kappa,
+            }
+        })
+        .collect()
+}
+
+/// The direction of a leg's beginning [rad], as the representative nearest to `near` [rad].
+pub fn leg_heading(leg: &Leg, near: f64) -> f64 {
+    let u = guide::heading(leg, 0.0);
+    near + math::angle_difference(math::atan2(u.y, u.x), near)
+}
