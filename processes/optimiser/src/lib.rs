@@ -1,12 +1,21 @@
 //! Minimum-time trajectories of a differential-drive robot among obstacles.
 pub mod bound;
+pub mod candidate;
+pub mod check;
+pub mod curve;
+pub mod drive;
 pub mod ground;
 pub mod guide;
+pub mod knots;
+pub mod lgl;
 pub mod options;
 pub mod path;
 pub mod plan;
 pub mod planner;
 pub mod problem;
+pub mod program;
+pub mod shape;
+pub mod spline;
 pub mod tangent;
 pub mod timing;
 pub mod trajectory;
