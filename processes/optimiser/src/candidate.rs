@@ -44,7 +44,7 @@ pub struct Variant {
 pub struct Candidate {
     /// The trajectory.
     pub trajectory: Trajectory,
-    /// How far the path is from grown obstacles at least [m].
+    /// How far the path is from grown obstacles at least [m], once it has been checked.
     pub min_clearance: f64,
     /// Points that control the curve.
     pub control_points: usize,
@@ -86,22 +86,22 @@ impl Bench<'_> {
             start_heading: headings.start.map(unit),
             goal_heading: headings.goal.map(unit),
         };
-        let basis = |degree: usize| self.basis(degree, headings, variant.level);
         match self.options.method {
             Method::Lp => {
-                let curve = Pursuit::new(basis(2), ends)?;
+                let curve = Pursuit::new(self.basis(2, headings, variant.level), ends)?;
                 let (_, points) = self.search(&curve, &frame, None, stop)?;
                 self.drive(&curve, &points, variant)
             }
             Method::Bspline | Method::Vmc | Method::Tangent => {
-                let curve = Spline::new(basis(3), ends, None)?;
+                let basis = self.basis(3, headings, variant.level);
+                let curve = Spline::new(basis.clone(), ends, None)?;
                 let (z, points) = self.search(&curve, &frame, None, stop)?;
                 if self.options.method != Method::Vmc || stop() {
                     return self.drive(&curve, &points, variant);
                 }
                 let reference = frame.inward(self.reference());
                 let camouflage = Camouflage::new(self.options.nodes, reference, ends.start)?;
-                let hidden = Spline::new(basis(3), ends, Some(camouflage))?;
+                let hidden = Spline::new(basis, ends, Some(camouflage))?;
                 let start = hidden.hidden(&z);
                 let polished = self
                     .search(&hidden, &frame, Some(start), stop)
@@ -139,13 +139,15 @@ impl Bench<'_> {
         stop: &mut dyn FnMut() -> bool,
     ) -> Option<(Vec<f64>, Vec<PathPoint>)> {
         let mut search = Search::new(self.ground, self.guide, *frame, curve);
-        let theta = self.problem.start.theta;
+        let limits = &self.problem.limits;
+        let turning = limits.top_speed() / limits.top_turn_rate();
+        let theta = (self.problem.start.theta, turning);
         let mut result = None;
         for _ in 0..=MOST_REPAIRS {
             let z = search.run(from.take(), ENOUGH, stop);
             let Some(z) = z else { break };
             let Some(points) = drive::path(curve, &z, frame, theta) else { break };
-            let (depths, _) = drive::depths(self.ground, &points);
+            let depths = drive::depths(self.ground, &points);
             let mut clean = true;
             for (index, depth) in depths {
                 if depth > NO_DEPTH {
@@ -201,10 +203,9 @@ impl Bench<'_> {
             trajectory.turn(limits, angle);
         }
         trajectory.keep_ends(problem);
-        let (_, nearest) = drive::depths(self.ground, points);
         Some(Candidate {
             trajectory,
-            min_clearance: nearest,
+            min_clearance: f64::NEG_INFINITY,
             control_points: curve.control_points(),
         })
     }

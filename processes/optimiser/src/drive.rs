@@ -10,54 +10,68 @@ use crate::shape::Frame;
 
 /// Places in a span at which its curvature is looked at.
 const LOOKS: usize = 6;
-/// Turn [rad] between two points beyond which a curve is not driven but jerks.
-const JERK: f64 = 1.0;
+/// Largest difference between how a curve turns from point to point and how the curvatures at
+/// both say, relative to how far it could turn at most.
+const MISMATCH: f64 = 3e-4;
+/// How often the way between two points is halved at most.
+const MOST_HALVES: usize = 16;
 
 /// The points of a curve, its first heading the representative nearest to `theta` [rad]; `None` if
-/// the curve has a cusp.
-pub fn path(curve: &dyn Curve, z: &[f64], frame: &Frame, theta: f64) -> Option<Vec<PathPoint>> {
+/// the curve has a cusp. `turning` is the smallest radius [m] that the robot can drive at full speed.
+pub fn path(
+    curve: &dyn Curve,
+    z: &[f64],
+    frame: &Frame,
+    (theta, turning): (f64, f64),
+) -> Option<Vec<PathPoint>> {
     let trace = curve.trace(z);
-    let places = places(&trace, curve.breaks(), frame);
-    let mut points: Vec<PathPoint> = Vec::with_capacity(places.len());
-    for at in places {
+    let point = |at: f64| {
         let [r, velocity, acceleration] = trace(at);
         let speed = velocity.norm();
-        if speed.is_nan() || speed <= 1e-9 {
-            return None;
-        }
-        let heading = math::atan2(velocity.y, velocity.x);
-        let at = frame.outward(r);
-        let kappa = velocity.perp(&acceleration) / (speed * speed * speed) / frame.unit();
-        let point = match points.last() {
-            None => PathPoint {
-                s: 0.0,
-                at,
-                theta: theta + math::angle_difference(heading, theta),
-                kappa,
-            },
-            Some(last) => {
-                let turn = math::angle_difference(heading, last.theta);
-                if turn.abs() > JERK {
+        (speed > 1e-9).then(|| PathPoint {
+            s: 0.0,
+            at: frame.outward(r),
+            theta: math::atan2(velocity.y, velocity.x),
+            kappa: velocity.perp(&acceleration) / (speed * speed * speed) / frame.unit(),
+        })
+    };
+    let mut points: Vec<PathPoint> = Vec::new();
+    let mut first = point(0.0)?;
+    first.theta = theta + math::angle_difference(first.theta, theta);
+    points.push(first);
+    let mut last = (0.0, first);
+    let mut ahead = Vec::new();
+    for at in places(&trace, curve.breaks(), frame) {
+        ahead.clear();
+        ahead.push((at, point(at)?));
+        while let Some((at, mut next)) = ahead.pop() {
+            let (before, a) = &last;
+            let turn = math::angle_difference(next.theta, a.theta);
+            // The arc over the chord.
+            let way = (next.at - a.at).norm() * (1.0 + turn * turn / 24.0);
+            let told = 0.5 * (a.kappa + next.kappa) * way;
+            // Whoever drives by the curvatures must turn as the curve does.
+            if (told - turn).abs() > MISMATCH * way / turning + 1e-8 {
+                if ahead.len() >= MOST_HALVES {
                     return None;
                 }
-                // The arc over the chord.
-                let chord = (at - last.at).norm();
-                PathPoint {
-                    s: last.s + chord * (1.0 + turn * turn / 24.0),
-                    at,
-                    theta: last.theta + turn,
-                    kappa,
-                }
+                ahead.push((at, next));
+                let middle = 0.5 * (before + at);
+                ahead.push((middle, point(middle)?));
+                continue;
             }
-        };
-        points.push(point);
+            next.s = a.s + way;
+            next.theta = a.theta + turn;
+            points.push(next);
+            last = (at, next);
+        }
     }
     Some(points)
 }
 
 /// Where to look at a curve so that its points are dense enough for its curvature.
 fn places(trace: &Trace<'_>, breaks: &[f64], frame: &Frame) -> Vec<f64> {
-    let mut places = vec![0.0];
+    let mut places = Vec::new();
     for pair in breaks.windows(2) {
         let width = pair[1] - pair[0];
         let looked: Vec<(Vector2<f64>, f64)> = (0..=LOOKS)
@@ -83,11 +97,9 @@ fn places(trace: &Trace<'_>, breaks: &[f64], frame: &Frame) -> Vec<f64> {
     places
 }
 
-/// How deep [m] a path is at most in each grown obstacle that it is in, by index; and how far it
-/// is from the nearest one at least (infinite without obstacles, negative inside).
-pub fn depths(ground: &Ground, points: &[PathPoint]) -> (Vec<(usize, f64)>, f64) {
+/// How deep [m] a path is at most in each grown obstacle that it is in, by index.
+pub fn depths(ground: &Ground, points: &[PathPoint]) -> Vec<(usize, f64)> {
     let mut found = Vec::new();
-    let mut nearest = f64::INFINITY;
     for (index, obstacle) in ground.obstacles.iter().enumerate() {
         let mut least = f64::INFINITY;
         let mut i = 0;
@@ -99,10 +111,9 @@ pub fn depths(ground: &Ground, points: &[PathPoint]) -> (Vec<(usize, f64)>, f64)
             i += 1;
             i += points[i..].partition_point(|p| p.s < reach);
         }
-        nearest = nearest.min(least);
         if least < 0.0 {
             found.push((index, -least));
         }
     }
-    (found, nearest)
+    found
 }

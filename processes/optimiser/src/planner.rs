@@ -3,11 +3,9 @@
 use crate::bound::lower_bound;
 use crate::candidate::{Bench, Candidate, Variant};
 use crate::check;
-use crate::drive;
 use crate::ground::{ExactGround, Ground};
 use crate::guide::Guide;
 use crate::options::Options;
-use crate::path;
 use crate::plan::{Method, Plan, PlanError, Status};
 use crate::problem::Problem;
 use crate::tangent;
@@ -66,8 +64,13 @@ pub fn plan(
             };
             let time = candidate.trajectory.duration();
             let better = best.as_ref().is_none_or(|b| time < b.trajectory.duration());
-            if better && check::is_honest(problem, &ground, &candidate.trajectory) {
-                best = Some(candidate);
+            if !better {
+                continue;
+            }
+            let report = check::report(problem, &ground, candidate.trajectory.samples());
+            if std::env::var_os("DBG").is_some() { for v in &report.violations { eprintln!("  {variant:?} {v}"); } }
+            if report.is_honest() {
+                best = Some(Candidate { min_clearance: report.min_clearance, ..candidate });
                 if time <= bound * (1.0 + GOOD) {
                     break;
                 }
@@ -126,21 +129,16 @@ fn certain(
     guide: Option<&Guide>,
 ) -> Result<Candidate, PlanError> {
     let trajectory: Trajectory = tangent::trajectory(problem, exact, guide)?;
-    if !check::is_honest(problem, ground, &trajectory) {
+    let report = check::report(problem, ground, trajectory.samples());
+    if std::env::var_os("DBG").is_some() { for v in &report.violations { eprintln!("  tangent {v}"); } }
+    if !report.is_honest() {
         return Err(PlanError::Infeasible(
             "the shortest path cannot be driven within the limits",
         ));
     }
-    let mut points = Vec::new();
-    if let Some(guide) = guide {
-        for (s, leg) in guide.legs() {
-            points.extend(path::of_leg(leg, s, 0.0));
-        }
-    }
-    let (_, nearest) = drive::depths(ground, &points);
     Ok(Candidate {
         trajectory,
-        min_clearance: nearest,
+        min_clearance: report.min_clearance,
         control_points: 0,
     })
 }

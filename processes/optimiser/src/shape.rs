@@ -31,6 +31,8 @@ const SAG: f64 = 5e-4;
 const FINEST: f64 = 0.01;
 /// Nor farther apart [m].
 const COARSEST: f64 = 0.04;
+/// Margin per way from an end of the path.
+const GROWTH: f64 = 0.05;
 /// Distance [m] from a grown obstacle within which the curve is held by it: at first, and once it
 /// is known about where it goes.
 const REACH: [f64; 2] = [0.15, 0.06];
@@ -238,13 +240,12 @@ impl<'a> Search<'a> {
                     }
                     let contact = self.outside(obstacle, contact, at);
                     let surface = self.frame.inward(p - contact.normal * contact.distance);
-                    // Never so much that start or goal would be too near.
-                    let ends = [self.guide.at(0.0), self.guide.at(1.0)].map(|end| {
-                        (end - (p - contact.normal * contact.distance)).dot(&contact.normal)
-                            - clearance
-                    });
-                    let most = if at < 0.1 { ends[0] } else if at > 0.9 { ends[1] } else { margin };
-                    let grown = clearance + margin.min(most.max(0.0));
+                    // The ends may lie on the obstacle: the margin grows with the way from them.
+                    let near = at.min(1.0 - at);
+                    let end = self.guide.at(if at < 0.5 { 0.0 } else { 1.0 });
+                    let height = (end - p).dot(&contact.normal) + contact.distance - clearance;
+                    let most = height.max(0.0) + GROWTH * near * length;
+                    let grown = clearance + margin.min(most);
                     holds.push(Hold {
                         at,
                         normal: contact.normal,

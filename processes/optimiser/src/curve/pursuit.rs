@@ -266,7 +266,7 @@ impl Curve for Pursuit {
         let prey = self.prey(z);
         let degree = self.basis.degree();
         let breaks = self.basis.breaks();
-        let follow = |span: usize, at: f64, prey: &[Vector2<f64>]| {
+        let follow = move |span: usize, at: f64, prey: &[Vector2<f64>]| {
             let values = self.basis.values(span, at, degree);
             let near = prey[values.first..=values.first + degree].iter().enumerate();
             near.fold([Vector2::zeros(); 3], |mut sums, (r, p)| {
