@@ -139,14 +139,14 @@ impl Bench<'_> {
         stop: &mut dyn FnMut() -> bool,
     ) -> Option<(Vec<f64>, Vec<PathPoint>)> {
         let mut search = Search::new(self.ground, self.guide, *frame, curve);
-        let limits = &self.problem.limits;
-        let turning = limits.top_speed() / limits.top_turn_rate();
-        let theta = (self.problem.start.theta, turning);
+        let theta = self.problem.start.theta;
         let mut result = None;
         for _ in 0..=MOST_REPAIRS {
             let z = search.run(from.take(), ENOUGH, stop);
             let Some(z) = z else { break };
-            let Some(points) = drive::path(curve, &z, frame, theta) else { break };
+            let Some(points) = drive::path(curve, &z, frame, theta, &self.problem.limits) else {
+                break;
+            };
             let depths = drive::depths(self.ground, &points);
             let mut clean = true;
             for (index, depth) in depths {

@@ -6,6 +6,7 @@ use sim_backend::math;
 use crate::curve::{Curve, Trace};
 use crate::ground::Ground;
 use crate::path::{self, PathPoint};
+use crate::problem::RobotLimits;
 use crate::shape::Frame;
 
 /// Places in a span at which its curvature is looked at.
@@ -17,12 +18,13 @@ const MISMATCH: f64 = 3e-4;
 const MOST_HALVES: usize = 16;
 
 /// The points of a curve, its first heading the representative nearest to `theta` [rad]; `None` if
-/// the curve has a cusp. `turning` is the smallest radius [m] that the robot can drive at full speed.
+/// the curve has a cusp.
 pub fn path(
     curve: &dyn Curve,
     z: &[f64],
     frame: &Frame,
-    (theta, turning): (f64, f64),
+    theta: f64,
+    limits: &RobotLimits,
 ) -> Option<Vec<PathPoint>> {
     let trace = curve.trace(z);
     let point = |at: f64| {
@@ -35,6 +37,7 @@ pub fn path(
             kappa: velocity.perp(&acceleration) / (speed * speed * speed) / frame.unit(),
         })
     };
+    let turning = limits.top_speed() / limits.top_turn_rate();
     let mut points: Vec<PathPoint> = Vec::new();
     let mut first = point(0.0)?;
     first.theta = theta + math::angle_difference(first.theta, theta);
@@ -49,8 +52,10 @@ pub fn path(
             let turn = math::angle_difference(next.theta, a.theta);
             // The arc over the chord.
             let way = (next.at - a.at).norm() * (1.0 + turn * turn / 24.0);
-            let told = 0.5 * (a.kappa + next.kappa) * way;
-            // Whoever drives by the curvatures must turn as the curve does.
+            // Whoever drives by the curvatures must turn as the curve does; between two points
+            // both speeds change linearly in time, so that the faster one counts for more.
+            let [v, w] = [a.kappa, next.kappa].map(|kappa| limits.speed_at(kappa));
+            let told = (a.kappa * v + next.kappa * w) / (v + w) * way;
             if (told - turn).abs() > MISMATCH * way / turning + 1e-8 {
                 if ahead.len() >= MOST_HALVES {
                     return None;
@@ -78,7 +83,10 @@ fn places(trace: &Trace<'_>, breaks: &[f64], frame: &Frame) -> Vec<f64> {
             .map(|i| {
                 let [r, velocity, acceleration] = trace(pair[0] + width * i as f64 / LOOKS as f64);
                 let speed = velocity.norm().max(1e-9);
-                (r, velocity.perp(&acceleration).abs() / (speed * speed * speed) / frame.unit())
+                (
+                    r,
+                    velocity.perp(&acceleration).abs() / (speed * speed * speed) / frame.unit(),
+                )
             })
             .collect();
         // Each part as dense as the more curved of its ends wants it.

@@ -39,10 +39,16 @@ pub fn breaks(guide: &Guide, headings: Headings, turning: f64, level: u32) -> Ve
     let differs = |asked: f64, u: nalgebra::Vector2<f64>| {
         math::angle_difference(asked, math::atan2(u.y, u.x)).abs() > SAME_HEADING
     };
-    if headings.start.is_some_and(|h| differs(h, guide.heading(0.0))) {
+    if headings
+        .start
+        .is_some_and(|h| differs(h, guide.heading(0.0)))
+    {
         at.extend(TURN_IN.map(|d| d * unit));
     }
-    if headings.goal.is_some_and(|h| differs(h, guide.heading(1.0))) {
+    if headings
+        .goal
+        .is_some_and(|h| differs(h, guide.heading(1.0)))
+    {
         at.extend(TURN_IN.map(|d| length - d * unit));
     }
     let mut before: Option<nalgebra::Vector2<f64>> = None;

@@ -156,7 +156,13 @@ mod tests {
     fn nodes_and_weights_are_the_tabulated_ones() {
         // Abramowitz and Stegun, table 25.6, n = 5.
         let lgl = Lgl::new(4);
-        let want = [-1.0, -0.654_653_670_707_977, 0.0, 0.654_653_670_707_977, 1.0];
+        let want = [
+            -1.0,
+            -0.654_653_670_707_977,
+            0.0,
+            0.654_653_670_707_977,
+            1.0,
+        ];
         let weights = [0.1, 49.0 / 90.0, 32.0 / 45.0, 49.0 / 90.0, 0.1];
         for i in 0..5 {
             assert!((lgl.nodes[i] - want[i]).abs() < 1e-14);
@@ -171,19 +177,37 @@ mod tests {
             let d = lgl.differentiation();
             let power = |x: f64, k: usize| x.powi(k as i32);
             for k in 0..2 * n {
-                let sum: f64 = lgl.nodes.iter().zip(&lgl.weights).map(|(x, w)| w * power(*x, k)).sum();
-                let exact = if k % 2 == 0 { 2.0 / (k + 1) as f64 } else { 0.0 };
+                let sum: f64 = lgl
+                    .nodes
+                    .iter()
+                    .zip(&lgl.weights)
+                    .map(|(x, w)| w * power(*x, k))
+                    .sum();
+                let exact = if k % 2 == 0 {
+                    2.0 / (k + 1) as f64
+                } else {
+                    0.0
+                };
                 assert!((sum - exact).abs() < 1e-12, "{n} {k} {sum}");
             }
             for k in 1..=n {
                 let at = 0.3;
                 let [value, first, second] = lgl.interpolation(at, &d);
-                let apply = |row: &[f64]| -> f64 { row.iter().zip(&lgl.nodes).map(|(c, x)| c * power(*x, k)).sum() };
+                let apply = |row: &[f64]| -> f64 {
+                    row.iter()
+                        .zip(&lgl.nodes)
+                        .map(|(c, x)| c * power(*x, k))
+                        .sum()
+                };
                 let kf = k as f64;
                 let scale = kf * kf * kf * kf;
                 assert!((apply(&value) - power(at, k)).abs() < 1e-12);
                 assert!((apply(&first) - kf * power(at, k - 1)).abs() < 1e-11 * scale);
-                let exact = if k < 2 { 0.0 } else { kf * (kf - 1.0) * power(at, k - 2) };
+                let exact = if k < 2 {
+                    0.0
+                } else {
+                    kf * (kf - 1.0) * power(at, k - 2)
+                };
                 assert!((apply(&second) - exact).abs() < 1e-9 * scale);
             }
         }

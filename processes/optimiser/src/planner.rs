@@ -16,12 +16,36 @@ const GOOD: f64 = 1e-3;
 
 /// The tries, one after the other.
 const VARIANTS: [Variant; 6] = [
-    Variant { turn_at_start: false, turn_at_goal: false, level: 0 },
-    Variant { turn_at_start: true, turn_at_goal: false, level: 0 },
-    Variant { turn_at_start: false, turn_at_goal: true, level: 0 },
-    Variant { turn_at_start: true, turn_at_goal: true, level: 0 },
-    Variant { turn_at_start: false, turn_at_goal: false, level: 1 },
-    Variant { turn_at_start: true, turn_at_goal: true, level: 1 },
+    Variant {
+        turn_at_start: false,
+        turn_at_goal: false,
+        level: 0,
+    },
+    Variant {
+        turn_at_start: true,
+        turn_at_goal: false,
+        level: 0,
+    },
+    Variant {
+        turn_at_start: false,
+        turn_at_goal: true,
+        level: 0,
+    },
+    Variant {
+        turn_at_start: true,
+        turn_at_goal: true,
+        level: 0,
+    },
+    Variant {
+        turn_at_start: false,
+        turn_at_goal: false,
+        level: 1,
+    },
+    Variant {
+        turn_at_start: true,
+        turn_at_goal: true,
+        level: 1,
+    },
 ];
 
 /// Plans; `stop` is asked now and then whether to answer with what there is.
@@ -68,9 +92,16 @@ pub fn plan(
                 continue;
             }
             let report = check::report(problem, &ground, candidate.trajectory.samples());
-            if std::env::var_os("DBG").is_some() { for v in &report.violations { eprintln!("  {variant:?} {v}"); } }
+            if std::env::var_os("DBG").is_some() {
+                for v in &report.violations {
+                    eprintln!("  {variant:?} {v}");
+                }
+            }
             if report.is_honest() {
-                best = Some(Candidate { min_clearance: report.min_clearance, ..candidate });
+                best = Some(Candidate {
+                    min_clearance: report.min_clearance,
+                    ..candidate
+                });
                 if time <= bound * (1.0 + GOOD) {
                     break;
                 }
@@ -94,7 +125,11 @@ pub fn plan(
         samples: candidate.trajectory.into_samples(),
     };
     if let Some(best) = best {
-        let status = if stopped { Status::Deadline } else { Status::Planned };
+        let status = if stopped {
+            Status::Deadline
+        } else {
+            Status::Planned
+        };
         return Ok(finish(options.method, status, best));
     }
     let certain = certain(problem, &ground, &exact, guide.as_ref())?;
@@ -130,7 +165,11 @@ fn certain(
 ) -> Result<Candidate, PlanError> {
     let trajectory: Trajectory = tangent::trajectory(problem, exact, guide)?;
     let report = check::report(problem, ground, trajectory.samples());
-    if std::env::var_os("DBG").is_some() { for v in &report.violations { eprintln!("  tangent {v}"); } }
+    if std::env::var_os("DBG").is_some() {
+        for v in &report.violations {
+            eprintln!("  tangent {v}");
+        }
+    }
     if !report.is_honest() {
         return Err(PlanError::Infeasible(
             "the shortest path cannot be driven within the limits",

@@ -2,8 +2,7 @@
 
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{
-    DefaultSettings, DefaultSettingsBuilder, DefaultSolver, IPSolver, SolverStatus,
-    SupportedConeT,
+    DefaultSettings, DefaultSettingsBuilder, DefaultSolver, IPSolver, SolverStatus, SupportedConeT,
 };
 use nalgebra::DMatrix;
 
@@ -137,7 +136,10 @@ mod tests {
         }
         program.at_most([(0, 1.0), (1, 1.0)], 1.0);
         let z = program.solve().unwrap();
-        assert!((z[0] - 0.0).abs() < 1e-6 && (z[1] - 1.0).abs() < 1e-6, "{z:?}");
+        assert!(
+            (z[0] - 0.0).abs() < 1e-6 && (z[1] - 1.0).abs() < 1e-6,
+            "{z:?}"
+        );
     }
 
     #[test]

@@ -131,7 +131,9 @@ impl<'a> Search<'a> {
         let mut z = from.clone();
         let mut last_cost = f64::INFINITY;
         for round in 0..MOST {
-            let start = z.clone().unwrap_or_else(|| vec![0.0; self.curve.variables()]);
+            let start = z
+                .clone()
+                .unwrap_or_else(|| vec![0.0; self.curve.variables()]);
             let known = z.is_some();
             if round > 0 && stop() {
                 return z;
@@ -141,11 +143,17 @@ impl<'a> Search<'a> {
             self.programs += 1;
             let solution = program.solve()?;
             let variables = self.curve.variables();
-            let depth = solution[variables..].iter().fold(0.0, |m: f64, s| m.max(*s));
+            let depth = solution[variables..]
+                .iter()
+                .fold(0.0, |m: f64, s| m.max(*s));
             let next = solution[..variables].to_vec();
             let energy = self.energy(&next);
             let cost = energy
-                + self.slack_cost * solution[variables..].iter().map(|s| s.max(0.0)).sum::<f64>();
+                + self.slack_cost
+                    * solution[variables..]
+                        .iter()
+                        .map(|s| s.max(0.0))
+                        .sum::<f64>();
             z = Some(next);
             let clean = depth * self.frame.unit() <= NO_DEPTH;
             // length² ≤ ∫|r'|² (Cauchy–Schwarz), and the guide's length is UNITS.
@@ -183,7 +191,11 @@ impl<'a> Search<'a> {
             (0.774_596_669_241_483_4, 5.0 / 9.0),
         ];
         // A curve that is no polynomial between breaks needs more of them.
-        let fine = if self.curve.is_linear() { 1.0 } else { 1.0 / 24.0 };
+        let fine = if self.curve.is_linear() {
+            1.0
+        } else {
+            1.0 / 24.0
+        };
         for pair in self.curve.breaks().windows(2) {
             let width = pair[1] - pair[0];
             let parts = (width / fine).ceil().max(1.0);
@@ -216,7 +228,10 @@ impl<'a> Search<'a> {
         let grid: Vec<Point2<f64>> = (0..=count)
             .map(|i| place(i as f64 / count as f64, &mut row))
             .collect();
-        let step = grid.windows(2).map(|p| (p[1] - p[0]).norm()).fold(0.0, f64::max);
+        let step = grid
+            .windows(2)
+            .map(|p| (p[1] - p[0]).norm())
+            .fold(0.0, f64::max);
         for (index, obstacle) in self.ground.obstacles.iter().enumerate() {
             let radius = match obstacle {
                 Convex::Disc { radius, .. } => radius + clearance,
@@ -335,7 +350,10 @@ impl<'a> Search<'a> {
             program.add_linear(slack, self.slack_cost);
             program.at_most([(slack, -1.0)], 0.0);
         }
-        for var in [self.curve.start_speed(), self.curve.goal_speed()].into_iter().flatten() {
+        for var in [self.curve.start_speed(), self.curve.goal_speed()]
+            .into_iter()
+            .flatten()
+        {
             program.at_most([(var, -1.0)], -LEAST_SPEED * UNITS);
         }
         if known {

@@ -74,7 +74,10 @@ impl Basis {
     /// Index of the span between breaks that holds a place of [0, 1].
     pub fn span(&self, at: f64) -> usize {
         let breaks = self.breaks();
-        breaks.partition_point(|&b| b <= at).clamp(1, breaks.len() - 1) - 1
+        breaks
+            .partition_point(|&b| b <= at)
+            .clamp(1, breaks.len() - 1)
+            - 1
     }
 
     /// The functions that are not 0 in a span, and their derivatives up to an order, at a place of

@@ -201,7 +201,9 @@ fn arrive(problem: &Problem, trajectory: &mut Trajectory) -> Result<(), PlanErro
     }
     let arrives = trajectory.samples().last().map_or(0.0, |last| last.v);
     if problem.limits.acceleration.is_some()
-        && problem.goal_speed.is_some_and(|speed| (arrives - speed).abs() > 1e-6)
+        && problem
+            .goal_speed
+            .is_some_and(|speed| (arrives - speed).abs() > 1e-6)
     {
         return Err(PlanError::Infeasible(
             "the robot cannot arrive with the speed and the heading asked for",

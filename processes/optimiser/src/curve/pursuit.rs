@@ -76,7 +76,10 @@ impl Pursuit {
         }
         pursuit.at_end = at_end;
         end.retain(|&(i, value)| i != determined && value.abs() > NOTHING);
-        pursuit.shares = end.into_iter().map(|(i, value)| (i, value / at_end)).collect();
+        pursuit.shares = end
+            .into_iter()
+            .map(|(i, value)| (i, value / at_end))
+            .collect();
         Some(pursuit)
     }
 
@@ -174,7 +177,11 @@ impl Pursuit {
         q[self.determined] = self.goal_pull() - others;
         (0..n)
             .map(|i| {
-                let before = if i > 0 { q[i - 1] * self.mix[i - 1] } else { Vector2::zeros() };
+                let before = if i > 0 {
+                    q[i - 1] * self.mix[i - 1]
+                } else {
+                    Vector2::zeros()
+                };
                 q[i] + before
             })
             .collect()
@@ -268,7 +275,9 @@ impl Curve for Pursuit {
         let breaks = self.basis.breaks();
         let follow = move |span: usize, at: f64, prey: &[Vector2<f64>]| {
             let values = self.basis.values(span, at, degree);
-            let near = prey[values.first..=values.first + degree].iter().enumerate();
+            let near = prey[values.first..=values.first + degree]
+                .iter()
+                .enumerate();
             near.fold([Vector2::zeros(); 3], |mut sums, (r, p)| {
                 for (order, sum) in sums.iter_mut().enumerate() {
                     *sum += p * particular(&values, r, order, degree);

@@ -61,7 +61,9 @@ impl Camouflage {
 
     /// Derivatives of ν of order 0, 1 and 2 at τ by the inner μ.
     fn weights(&self, at: f64) -> [Vec<f64>; 3] {
-        let all = self.lgl.interpolation(2.0 * at - 1.0, &self.differentiation);
+        let all = self
+            .lgl
+            .interpolation(2.0 * at - 1.0, &self.differentiation);
         let mut factor = 1.0 / self.scale;
         all.map(|row| {
             let row = inner(&row).iter().map(|w| w * factor).collect();
@@ -118,7 +120,9 @@ impl Spline {
         let Some(camouflage) = &self.camouflage else {
             return Vec::new();
         };
-        let inner = z[self.first_mu()..].iter().map(|mu| 1.0 + mu / camouflage.scale);
+        let inner = z[self.first_mu()..]
+            .iter()
+            .map(|mu| 1.0 + mu / camouflage.scale);
         core::iter::once(1.0).chain(inner).chain([1.0]).collect()
     }
 
@@ -131,7 +135,10 @@ impl Spline {
         let breaks = self.basis.breaks();
         let p = self.basis.degree() as f64;
         let n = breaks.len();
-        [p / (breaks[1] - breaks[0]), p / (breaks[n - 1] - breaks[n - 2])]
+        [
+            p / (breaks[1] - breaks[0]),
+            p / (breaks[n - 1] - breaks[n - 2]),
+        ]
     }
 
     /// Adds c P_i for a control point to value and terms.
@@ -225,9 +232,8 @@ impl Curve for Spline {
             self.prey(&values, 0, nu[1], z, row);
             row.value = arm * nu[1] + velocity.value * nu[0];
             let own = weights[0].iter().zip(&weights[1]).enumerate();
-            row.terms.extend(own.map(|(j, (w, slope))| {
-                (first + j, arm * *slope + velocity.value * *w)
-            }));
+            row.terms
+                .extend(own.map(|(j, (w, slope))| (first + j, arm * *slope + velocity.value * *w)));
         }
     }
 
@@ -283,10 +289,14 @@ impl Curve for Spline {
     }
 
     fn own_costs(&self) -> Vec<(usize, f64)> {
-        (self.first_mu()..self.variables()).map(|var| (var, COST)).collect()
+        (self.first_mu()..self.variables())
+            .map(|var| (var, COST))
+            .collect()
     }
 
     fn step_bounds(&self) -> Vec<(usize, f64)> {
-        (self.first_mu()..self.variables()).map(|var| (var, STEP)).collect()
+        (self.first_mu()..self.variables())
+            .map(|var| (var, STEP))
+            .collect()
     }
 }
