@@ -239,6 +239,7 @@ fn launches(scenario: &ResolvedScenario, run: &RunConfig) -> Result<Vec<Launch>,
         world: scenario.world.clone(),
         blur_sigma: scenario.blur_sigma,
         drivers,
+        agenda: Vec::new(),
     };
     let mut launches = vec![Launch {
         executable: Executable::Kind("simulator".into()),
