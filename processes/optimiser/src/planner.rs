@@ -10,9 +10,14 @@ use crate::plan::{Method, Plan, PlanError, Status};
 use crate::problem::Problem;
 use crate::tangent;
 use crate::trajectory::Trajectory;
+use crate::turning;
+use sim_backend::math;
 
-/// A gap to the lower bound below which nothing better is looked for.
+/// A gap to the lower bound below which nothing better is looked for, relative to it; besides what
+/// it costs to turn into the shortest path on the spot.
 const GOOD: f64 = 1e-3;
+/// Most of these costs that is allowed, relative to the lower bound.
+const MOST_TURNING: f64 = 1.5e-3;
 
 /// The tries, one after the other.
 const VARIANTS: [Variant; 6] = [
@@ -81,6 +86,7 @@ pub fn plan(
             options,
             programs: 0,
         };
+        let good = bound * (1.0 + GOOD) + turning_time(problem, guide).min(MOST_TURNING * bound);
         for variant in variants(problem) {
             let Some(candidate) = bench.attempt(variant, stop) else {
                 stopped = stop();
@@ -92,7 +98,7 @@ pub fn plan(
                 continue;
             }
             let report = check::report(problem, &ground, candidate.trajectory.samples());
-            if std::env::var_os("DBG").is_some() {
+            if std::env::var_os("DBG").is_some() { eprintln!("{variant:?} {} gap {:.4}%", candidate.control_points, 100.0*(time/bound-1.0));
                 for v in &report.violations {
                     eprintln!("  {variant:?} {v}");
                 }
@@ -102,7 +108,7 @@ pub fn plan(
                     min_clearance: report.min_clearance,
                     ..candidate
                 });
-                if time <= bound * (1.0 + GOOD) {
+                if time <= good {
                     break;
                 }
             }
@@ -139,6 +145,20 @@ pub fn plan(
         _ => Status::Fallback,
     };
     Ok(finish(Method::Tangent, status, certain))
+}
+
+/// How long [s] it takes to turn on the spot into a path and out of it.
+fn turning_time(problem: &Problem, guide: &Guide) -> f64 {
+    let time = |angle: f64| {
+        let phases = turning::phases(&problem.limits, angle);
+        phases.iter().map(|phase| phase.duration).sum::<f64>()
+    };
+    let into = math::angle_difference(guide.start_heading(), problem.start.theta);
+    let out = problem.goal_heading.map_or(0.0, |heading| {
+        let u = guide.heading(1.0);
+        math::angle_difference(heading, math::atan2(u.y, u.x))
+    });
+    time(into) + time(out)
 }
 
 /// The tries that make sense for a problem.

@@ -58,15 +58,20 @@ impl Program {
         let costs = upper_triangle(&self.hessian);
         let (matrix, bounds) = self.matrix(n);
         let cones = [SupportedConeT::NonnegativeConeT(self.rows.len())];
-        let mut solver =
-            DefaultSolver::new(&costs, &self.linear, &matrix, &bounds, &cones, settings()?).ok()?;
-        solver.solve();
-        let solved = matches!(
-            solver.solution.status,
-            SolverStatus::Solved | SolverStatus::AlmostSolved
-        );
-        let z = &solver.solution.x;
-        (solved && z.iter().all(|v| v.is_finite())).then(|| z.clone())
+        // These programs are well scaled: what Clarabel does for others costs a third of the time.
+        for careful in [false, true] {
+            let mut solver =
+                DefaultSolver::new(&costs, &self.linear, &matrix, &bounds, &cones, settings(careful)?)
+                    .ok()?;
+            solver.solve();
+            let z = &solver.solution.x;
+            let solved = matches!(solver.solution.status, SolverStatus::Solved)
+                || careful && matches!(solver.solution.status, SolverStatus::AlmostSolved);
+            if solved && z.iter().all(|v| v.is_finite()) {
+                return Some(z.clone());
+            }
+        }
+        None
     }
 
     fn matrix(&self, n: usize) -> (CscMatrix<f64>, Vec<f64>) {
@@ -109,7 +114,7 @@ fn upper_triangle(full: &DMatrix<f64>) -> CscMatrix<f64> {
     CscMatrix::new(n, n, first, rows, values)
 }
 
-fn settings() -> Option<DefaultSettings<f64>> {
+fn settings(careful: bool) -> Option<DefaultSettings<f64>> {
     DefaultSettingsBuilder::default()
         .verbose(false)
         .max_iter(60)
@@ -118,6 +123,8 @@ fn settings() -> Option<DefaultSettings<f64>> {
         .tol_gap_rel(1e-7)
         .tol_feas(1e-8)
         .presolve_enable(false)
+        .iterative_refinement_enable(careful)
+        .equilibrate_enable(careful)
         .build()
         .ok()
 }
