@@ -8,7 +8,8 @@ use crate::drive;
 use crate::ground::Ground;
 use crate::guide::Guide;
 use crate::knots::{self, Headings};
-use crate::options::Options;
+use crate::lgl::Lgl;
+use crate::options::{Constraints, Options};
 use crate::path::PathPoint;
 use crate::plan::Method;
 use crate::problem::Problem;
@@ -140,6 +141,11 @@ impl Bench<'_> {
     ) -> Option<(Vec<f64>, Vec<PathPoint>)> {
         let mut search = Search::new(self.ground, self.guide, *frame, curve);
         let theta = self.problem.start.theta;
+        let nodes_only = self.options.constraints == Constraints::Nodes;
+        if nodes_only {
+            let nodes = Lgl::new(self.options.nodes).nodes;
+            search.only_at = Some(nodes.iter().map(|x| 0.5 * (x + 1.0)).collect());
+        }
         let mut result = None;
         for _ in 0..=MOST_REPAIRS {
             let z = search.run(from.take(), ENOUGH, stop);
@@ -155,7 +161,7 @@ impl Bench<'_> {
                     search.margins[index] += depth + REPAIR;
                 }
             }
-            if clean {
+            if clean || nodes_only {
                 result = Some((z, points));
                 break;
             }

@@ -68,6 +68,7 @@ pub fn plan(
 ) -> Result<Plan, PlanError> {
     let _ = warm;
     problem.validate()?;
+    options.validate()?;
     let ground = Ground::new(problem)?;
     let exact = ground.exact()?;
     let path = exact.shortest(problem.start.position(), problem.goal)?;
@@ -87,7 +88,8 @@ pub fn plan(
             programs: 0,
         };
         let good = bound * (1.0 + GOOD) + turning_time(problem, guide).min(MOST_TURNING * bound);
-        for variant in variants(problem) {
+        let tries = if options.fallbacks { VARIANTS.len() } else { 1 };
+        for variant in variants(problem).take(tries) {
             let Some(candidate) = bench.attempt(variant, stop) else {
                 stopped = stop();
                 if stopped { break } else { continue }
@@ -98,7 +100,12 @@ pub fn plan(
                 continue;
             }
             let report = check::report(problem, &ground, candidate.trajectory.samples());
-            if std::env::var_os("DBG").is_some() { eprintln!("{variant:?} {} gap {:.4}%", candidate.control_points, 100.0*(time/bound-1.0));
+            if std::env::var_os("DBG").is_some() {
+                eprintln!(
+                    "{variant:?} {} gap {:.4}%",
+                    candidate.control_points,
+                    100.0 * (time / bound - 1.0)
+                );
                 for v in &report.violations {
                     eprintln!("  {variant:?} {v}");
                 }
@@ -137,6 +144,13 @@ pub fn plan(
             Status::Planned
         };
         return Ok(finish(options.method, status, best));
+    }
+    if !options.fallbacks && options.method != Method::Tangent && guide.is_some() {
+        return Err(if stopped {
+            PlanError::Stopped
+        } else {
+            PlanError::NotHonest
+        });
     }
     let certain = certain(problem, &ground, &exact, guide.as_ref())?;
     let status = match options.method {

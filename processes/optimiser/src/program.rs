@@ -60,9 +60,15 @@ impl Program {
         let cones = [SupportedConeT::NonnegativeConeT(self.rows.len())];
         // These programs are well scaled: what Clarabel does for others costs a third of the time.
         for careful in [false, true] {
-            let mut solver =
-                DefaultSolver::new(&costs, &self.linear, &matrix, &bounds, &cones, settings(careful)?)
-                    .ok()?;
+            let mut solver = DefaultSolver::new(
+                &costs,
+                &self.linear,
+                &matrix,
+                &bounds,
+                &cones,
+                settings(careful)?,
+            )
+            .ok()?;
             solver.solve();
             let z = &solver.solution.x;
             let solved = matches!(solver.solution.status, SolverStatus::Solved)
