@@ -3,8 +3,10 @@
 mod bench;
 mod check;
 mod clean;
+mod instances;
 mod list;
 mod picture;
+mod plan;
 mod process;
 mod run;
 mod sweep;
@@ -95,6 +97,12 @@ enum Command {
         #[arg(long)]
         json: bool,
     },
+    /// Plan minimum-time trajectories for every instance of a file, and check them
+    #[command(after_long_help = plan::HELP)]
+    Plan(plan::PlanArgs),
+    /// Make random instances to plan
+    #[command(after_long_help = instances::HELP)]
+    Instances(instances::InstancesArgs),
     /// Run an experiment: many missions from one file, and one table of results
     #[command(args_conflicts_with_subcommands = true, after_long_help = sweep::HELP)]
     Sweep(sweep::SweepArgs),
@@ -199,6 +207,8 @@ pub fn main() -> ExitCode {
             force,
         }) => picture::picture(&log, out, at, force),
         Some(Command::Bench { items, quick, json }) => bench::bench(&items, quick, json),
+        Some(Command::Plan(args)) => plan::plan(&args),
+        Some(Command::Instances(args)) => instances::instances(&args),
         Some(Command::Sweep(args)) => sweep::sweep(&args),
         Some(Command::Clean { json }) => clean::clean(json),
         Some(Command::Messages { python: _ }) => {

@@ -26,7 +26,7 @@ mod parameters;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod parts;
-mod progress;
+pub(crate) mod progress;
 mod reader;
 mod results;
 mod row;

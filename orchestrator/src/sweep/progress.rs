@@ -9,7 +9,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 const PLAIN_EVERY: Duration = Duration::from_secs(10);
 
 /// A bar on a terminal, now and then a line elsewhere.
-pub(super) struct Progress {
+pub(crate) struct Progress {
     bar: ProgressBar,
     plain: bool,
     quiet: bool,
@@ -18,11 +18,18 @@ pub(super) struct Progress {
     total: usize,
     done: usize,
     failed: usize,
+    /// What there are so many of.
+    unit: &'static str,
 }
 
 impl Progress {
     /// Progress over `total` missions; `known` are done already.
     pub fn new(total: usize, known: usize, quiet: bool) -> Self {
+        Self::of(total, known, quiet, "missions")
+    }
+
+    /// The same over something else than missions.
+    pub fn of(total: usize, known: usize, quiet: bool, unit: &'static str) -> Self {
         let terminal = std::io::stderr().is_terminal();
         let bar = ProgressBar::new(total as u64);
         bar.set_draw_target(if quiet || !terminal {
@@ -35,7 +42,7 @@ impl Progress {
             bar.set_style(style);
         }
         if known > 0 && !quiet {
-            eprintln!("{known} missions are done already");
+            eprintln!("{known} {unit} are done already");
         }
         let now = Instant::now();
         Self {
@@ -47,6 +54,7 @@ impl Progress {
             total,
             done: 0,
             failed: 0,
+            unit,
         }
     }
 
@@ -55,12 +63,7 @@ impl Progress {
         self.done += 1;
         self.failed += usize::from(failed);
         if failed && !self.quiet {
-            let words = words();
-            if self.plain {
-                eprintln!("{words}");
-            } else {
-                self.bar.println(words);
-            }
+            self.say(&words());
         }
         let text = self.text();
         self.bar.set_position(self.done as u64);
@@ -71,6 +74,15 @@ impl Progress {
         }
     }
 
+    /// Says something beside the bar.
+    pub fn say(&self, words: &str) {
+        if self.bar.is_hidden() {
+            eprintln!("{words}");
+        } else {
+            self.bar.println(words);
+        }
+    }
+
     fn text(&self) -> String {
         let rate = self.done as f64 / self.start.elapsed().as_secs_f64().max(1e-9);
         let left = (self.total - self.done.min(self.total)) as f64 / rate.max(1e-9);
@@ -78,7 +90,7 @@ impl Progress {
             0 => String::new(),
             n => format!(", {n} failed"),
         };
-        format!("{rate:.1} missions/s, {} left{failed}", duration(left))
+        format!("{rate:.1} {}/s, {} left{failed}", self.unit, duration(left))
     }
 
     /// Takes the bar away.

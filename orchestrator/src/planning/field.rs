@@ -1,0 +1,278 @@
+//! The fields of an instance, read one by one, each with its unit and range.
+
+use optimiser::problem::{MAX_NUMBER, MAX_OBSTACLES};
+
+use super::instance::{Body, Instance};
+use super::loose::Loose;
+
+/// Most corners of a polygon.
+pub const MAX_CORNERS: usize = 1024;
+/// Largest coordinate [px], speed [px/s] or size of any kind; in metres it is limited as well.
+const MAX_PIXELS: f64 = 1e9;
+
+/// What is wrong with an instance.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{field} = {value}: expected {expected}")]
+pub struct FieldError {
+    /// The field, as `obstacles[3].r`.
+    pub field: String,
+    /// What is there.
+    pub value: String,
+    /// What should be.
+    pub expected: String,
+}
+
+impl FieldError {
+    pub(super) fn new(
+        field: impl Into<String>,
+        value: impl core::fmt::Display,
+        expected: impl Into<String>,
+    ) -> Self {
+        Self {
+            field: field.into(),
+            value: value.to_string(),
+            expected: expected.into(),
+        }
+    }
+}
+
+/// Which numbers a field takes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Range {
+    Any,
+    NotNegative,
+    Positive,
+}
+
+impl Range {
+    fn words(self) -> &'static str {
+        match self {
+            Self::Any => "a number",
+            Self::NotNegative => "a number ≥ 0",
+            Self::Positive => "a number > 0",
+        }
+    }
+
+    fn has(self, value: f64) -> bool {
+        match self {
+            Self::Any => true,
+            Self::NotNegative => value >= 0.0,
+            Self::Positive => value > 0.0,
+        }
+    }
+}
+
+/// A number where one must be.
+fn number(value: Option<&Loose>, field: &str, range: Range, unit: &str) -> Result<f64, FieldError> {
+    let expected = || format!("{} [{unit}]", range.words());
+    let number = match value {
+        Some(Loose::Number(v)) => *v,
+        Some(other) => return Err(FieldError::new(field, other, expected())),
+        None => return Err(FieldError::new(field, "nothing", expected())),
+    };
+    if number.abs() > MAX_PIXELS {
+        let expected = format!("{} of at most {MAX_PIXELS:e} in size", expected());
+        return Err(FieldError::new(field, number, expected));
+    }
+    if !range.has(number) {
+        return Err(FieldError::new(field, number, expected()));
+    }
+    Ok(number)
+}
+
+/// A number where one may be.
+fn optional(from: &Loose, key: &str, range: Range, unit: &str) -> Result<Option<f64>, FieldError> {
+    let value = from.get(key);
+    value
+        .map(|value| number(Some(value), key, range, unit))
+        .transpose()
+}
+
+/// Reads an instance; `id` is its name, which has been read already.
+///
+/// # Errors
+/// [`FieldError`] names the first field that is wrong.
+pub fn read_instance(id: &str, from: &Loose) -> Result<Instance, FieldError> {
+    use Range::{Any, NotNegative, Positive};
+    let get = |key: &str, range, unit| number(from.get(key), key, range, unit);
+    let of = |object: &str, key: &str, unit| {
+        let value = from.get(object).and_then(|o| o.get(key));
+        number(value, &format!("{object}.{key}"), Any, unit)
+    };
+    let goal = from.get("goal").unwrap_or(&Loose::Null);
+    let heading = goal.get("theta");
+    let instance = Instance {
+        id: id.to_owned(),
+        cm_per_px: get("cm_per_px", Positive, "cm/px")?,
+        v_max: get("vmax_px_s", Positive, "px/s")?,
+        omega_max: get("wmax_rad_s", Positive, "rad/s")?,
+        buffer: get("buffer_px", NotNegative, "px")?,
+        bounds: bounds(from)?,
+        start: [
+            of("start", "x", "px")?,
+            of("start", "y", "px")?,
+            of("start", "theta", "rad")?,
+        ],
+        start_speed: optional(from, "start_speed", NotNegative, "px/s")?,
+        start_turn_rate: optional(from, "start_turn_rate", Any, "rad/s")?,
+        goal: [of("goal", "x", "px")?, of("goal", "y", "px")?],
+        goal_heading: heading
+            .map(|value| number(Some(value), "goal.theta", Any, "rad"))
+            .transpose()?,
+        goal_speed: optional(from, "goal_speed", NotNegative, "px/s")?,
+        wheels: wheels(from)?,
+        acceleration: optional(from, "acceleration_px_s2", Positive, "px/s²")?,
+        angular_acceleration: optional(from, "angular_acceleration_rad_s2", Positive, "rad/s²")?,
+        obstacles: obstacles(from)?,
+    };
+    in_metres(&instance)?;
+    Ok(instance)
+}
+
+/// The ranges that hold in metres.
+fn in_metres(instance: &Instance) -> Result<(), FieldError> {
+    instance.problem().validate().map_err(|error| FieldError {
+        field: error.field,
+        value: error.value,
+        expected: format!("{}, in SI units ({MAX_NUMBER:e} at most)", error.expected),
+    })
+}
+
+fn bounds(from: &Loose) -> Result<[f64; 4], FieldError> {
+    const EXPECTED: &str = "[x, y, x, y] [px] of the lower and the upper corner";
+    let value = from.get("bounds_px");
+    let Some(Loose::List(list, 4)) = value else {
+        let found = value.map_or_else(|| "nothing".to_owned(), ToString::to_string);
+        return Err(FieldError::new("bounds_px", found, EXPECTED));
+    };
+    let mut bounds = [0.0; 4];
+    for (i, (bound, value)) in bounds.iter_mut().zip(list).enumerate() {
+        *bound = number(Some(value), &format!("bounds_px[{i}]"), Range::Any, "px")?;
+    }
+    if bounds[0] < bounds[2] && bounds[1] < bounds[3] {
+        return Ok(bounds);
+    }
+    Err(FieldError::new(
+        "bounds_px",
+        format!("{bounds:?}"),
+        EXPECTED,
+    ))
+}
+
+fn wheels(from: &Loose) -> Result<Option<[f64; 2]>, FieldError> {
+    let speed = optional(from, "wheel_speed_px_s", Range::Positive, "px/s")?;
+    let separation = optional(from, "wheel_separation_px", Range::Positive, "px")?;
+    match (speed, separation) {
+        (Some(speed), Some(separation)) => Ok(Some([speed, separation])),
+        (None, None) => Ok(None),
+        (Some(_), None) => Err(FieldError::new(
+            "wheel_separation_px",
+            "nothing",
+            "a number > 0 [px] beside wheel_speed_px_s",
+        )),
+        (None, Some(_)) => Err(FieldError::new(
+            "wheel_speed_px_s",
+            "nothing",
+            "a number > 0 [px/s] beside wheel_separation_px",
+        )),
+    }
+}
+
+fn obstacles(from: &Loose) -> Result<Vec<Body>, FieldError> {
+    let value = from.get("obstacles");
+    let Some(Loose::List(list, count)) = value else {
+        let found = value.map_or_else(|| "nothing".to_owned(), ToString::to_string);
+        return Err(FieldError::new("obstacles", found, "a list, empty if none"));
+    };
+    if *count > MAX_OBSTACLES {
+        let expected = format!("at most {MAX_OBSTACLES} obstacles");
+        return Err(FieldError::new("obstacles", value_count(*count), expected));
+    }
+    let bodies = list.iter().enumerate();
+    bodies.map(|(i, body)| obstacle(i, body)).collect()
+}
+
+fn value_count(count: usize) -> String {
+    format!("a list of {count}")
+}
+
+fn obstacle(index: usize, value: &Loose) -> Result<Body, FieldError> {
+    let field = format!("obstacles[{index}]");
+    let get = |key: &str, range| number(value.get(key), &format!("{field}.{key}"), range, "px");
+    match value.get("polygon") {
+        Some(corners) => polygon(&format!("{field}.polygon"), corners),
+        None if matches!(value, Loose::Object(_)) => Ok(Body::Disc {
+            x: get("x", Range::Any)?,
+            y: get("y", Range::Any)?,
+            r: get("r", Range::NotNegative)?,
+        }),
+        None => Err(FieldError::new(
+            field,
+            value,
+            "{\"x\", \"y\", \"r\"} or {\"polygon\": [[x, y], …]}",
+        )),
+    }
+}
+
+fn polygon(field: &str, value: &Loose) -> Result<Body, FieldError> {
+    let expected = || format!("a list of 3 to {MAX_CORNERS} corners [x, y] [px]");
+    let Loose::List(list, count) = value else {
+        return Err(FieldError::new(field, value, expected()));
+    };
+    if !(3..=MAX_CORNERS).contains(count) {
+        return Err(FieldError::new(field, value, expected()));
+    }
+    let mut corners = Vec::with_capacity(*count);
+    for (i, corner) in list.iter().enumerate() {
+        let field = format!("{field}[{i}]");
+        let Loose::List(pair, 2) = corner else {
+            return Err(FieldError::new(field, corner, "a corner [x, y] [px]"));
+        };
+        let at = |k: usize| number(pair.get(k), &format!("{field}[{k}]"), Range::Any, "px");
+        corners.push([at(0)?, at(1)?]);
+    }
+    let convex = "the corners of a convex polygon with an inside, one way round";
+    counter_clockwise(corners)
+        .map(Body::Polygon)
+        .ok_or_else(|| FieldError::new(field, value_count(*count), convex))
+}
+
+/// The corners of a convex polygon the other way round if need be; `None` if they are of none.
+fn counter_clockwise(mut corners: Vec<[f64; 2]>) -> Option<Vec<[f64; 2]>> {
+    corners.dedup();
+    while corners.len() > 1 && corners.first() == corners.last() {
+        corners.pop();
+    }
+    let n = corners.len();
+    let at = |i: usize| corners.get(i % n.max(1)).copied().unwrap_or_default();
+    let edge = |i: usize| {
+        let (a, b) = (at(i), at(i + 1));
+        [b[0] - a[0], b[1] - a[1]]
+    };
+    let turn = |i: usize| {
+        let (a, b) = (edge(i), edge(i + 1));
+        a[0] * b[1] - a[1] * b[0]
+    };
+    if n < 3 {
+        return None;
+    }
+    let (left, right) = (0..n).fold((false, false), |(left, right), i| {
+        (left || turn(i) > 0.0, right || turn(i) < 0.0)
+    });
+    let back = |i: usize| {
+        let (a, b) = (edge(i), edge(i + 1));
+        turn(i) == 0.0 && a[0] * b[0] + a[1] * b[1] < 0.0
+    };
+    // A polygon that turns one way only may still go round twice: then its edges turn by 4π.
+    let angle = |e: [f64; 2]| sim_backend::math::atan2(e[1], e[0]);
+    let total: f64 = (0..n)
+        .map(|i| sim_backend::math::angle_difference(angle(edge(i + 1)), angle(edge(i))))
+        .sum();
+    if left == right || (0..n).any(back) || total.abs() > 1.5 * core::f64::consts::TAU {
+        return None;
+    }
+    if right {
+        corners.reverse();
+    }
+    Some(corners)
+}

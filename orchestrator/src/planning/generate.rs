@@ -1,0 +1,369 @@
+//! Problems made up from seeds: the random ones of the published Monte-Carlo study and experiments.
+//!
+//! A seed and a recipe give one problem, always the same. Draws come in a fixed order, so that
+//! recipes that differ in one range give problems that differ in little else.
+
+use core::f64::consts::TAU;
+
+use guidance::tangent_graph::ShortestPath;
+use optimiser::ground::Ground;
+use optimiser::{PlanError, bound};
+use serde::{Deserialize, Serialize};
+use serde_json::{Value as Json, json};
+use sim_backend::math;
+use sim_backend::random::Stream;
+
+use super::field::FieldError;
+use super::instance::{Body, Instance};
+
+/// Stream of the random numbers, besides those of missions.
+const STREAM: u64 = 0x706c_616e;
+/// Size of a pixel [cm].
+const CM_PER_PX: f64 = 0.75;
+/// Largest speed, 15 cm/s [px/s].
+const V_MAX: f64 = 20.0;
+/// Largest turning rate [rad/s].
+const OMEGA_MAX: f64 = 16.0;
+/// Distance that the robot's centre keeps from obstacles [px].
+const BUFFER: f64 = 10.0;
+/// How far beyond that start and goal are clear [px].
+const CLEAR: f64 = 2.0;
+/// The board [px].
+const BOARD: [f64; 2] = [640.0, 480.0];
+/// How far starts and goals that may be anywhere are from the board's edge [px].
+const EDGE: f64 = 10.0;
+/// Least distance between such a start and goal [px].
+const FAR: f64 = 560.0;
+/// How much of the first path has been driven when more obstacles appear.
+const DRIVEN: f64 = 0.36;
+/// Places that are tried for something before it is left out.
+const TRIES: usize = 1000;
+
+/// What kind of problem.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kind {
+    /// From one corner of the board to the opposite one among discs (§ 4.3 of the paper).
+    #[default]
+    Corner,
+    /// Between two places far apart among discs of one size (§ 4.4, first group).
+    Anywhere,
+    /// On from 36 % of the way of such a problem, where two more discs appear on the path and near
+    /// it (§ 4.4, second group).
+    PopUp,
+}
+
+/// How problems are made up.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Recipe {
+    /// What kind of problem.
+    pub kind: Kind,
+    /// Least and greatest number of discs (known ones, of [`Kind::PopUp`]).
+    pub obstacles: [u32; 2],
+    /// Least and greatest radius of a disc [px].
+    pub radius: [f64; 2],
+    /// Least and greatest heading at the start [°]: in the board's frame for [`Kind::Corner`],
+    /// off the straight line to the goal otherwise.
+    pub angle: [f64; 2],
+}
+
+impl Default for Recipe {
+    fn default() -> Self {
+        Self {
+            kind: Kind::Corner,
+            obstacles: [10, 20],
+            radius: [5.0, 15.0],
+            angle: [40.0, 45.0],
+        }
+    }
+}
+
+/// The recipes that have a name.
+pub const NAMES: [&str; 9] = [
+    "base", "ang0_90", "obs1_10", "obs30_40", "rad20_30", "dense", "t3", "t4a", "t4b",
+];
+
+impl Recipe {
+    /// The recipe with a name of [`NAMES`].
+    pub fn by_name(name: &str) -> Option<Self> {
+        let base = Self::default();
+        let anywhere = |kind, obstacles| Self {
+            kind,
+            obstacles,
+            radius: [20.0, 35.0],
+            angle: [-45.0, 45.0],
+        };
+        Some(match name {
+            "base" => base,
+            "ang0_90" => Self {
+                angle: [0.0, 90.0],
+                ..base
+            },
+            "obs1_10" => Self {
+                obstacles: [1, 10],
+                ..base
+            },
+            "obs30_40" => Self {
+                obstacles: [30, 40],
+                ..base
+            },
+            "rad20_30" => Self {
+                radius: [20.0, 30.0],
+                ..base
+            },
+            "dense" => Self {
+                obstacles: [30, 40],
+                radius: [20.0, 30.0],
+                ..base
+            },
+            "t3" => anywhere(Kind::Anywhere, [5, 5]),
+            "t4a" => anywhere(Kind::Anywhere, [3, 3]),
+            "t4b" => anywhere(Kind::PopUp, [3, 3]),
+            _ => return None,
+        })
+    }
+
+    /// Checks the ranges.
+    ///
+    /// # Errors
+    /// [`FieldError`] names the first that is none.
+    pub fn validate(&self) -> Result<(), FieldError> {
+        let [least, most] = self.obstacles;
+        if least > most || most > 1000 {
+            let value = format!("{:?}", self.obstacles);
+            let expected = "least and greatest number of discs, at most 1000";
+            return Err(FieldError::new("obstacles", value, expected));
+        }
+        let [low, high] = self.radius;
+        if !(low >= 0.0 && low <= high && high <= 200.0) {
+            let value = format!("{:?}", self.radius);
+            let expected = "least and greatest radius [px], 0 to 200";
+            return Err(FieldError::new("radius", value, expected));
+        }
+        let [low, high] = self.angle;
+        if !(low >= -360.0 && low <= high && high <= 360.0) {
+            let value = format!("{:?}", self.angle);
+            let expected = "least and greatest angle [°], -360 to 360";
+            return Err(FieldError::new("angle", value, expected));
+        }
+        Ok(())
+    }
+
+    /// The problem that belongs to a seed.
+    pub fn instance(&self, id: String, seed: u64) -> Instance {
+        // A first board that has no path is no errand on which anything could pop up.
+        let mut found = None;
+        for attempt in 0..16 {
+            let mut draw = Draw(Stream::new(seed, STREAM, attempt));
+            let (instance, certain) = match self.kind {
+                Kind::Corner => (self.corner(&mut draw), true),
+                Kind::Anywhere => (self.anywhere(&mut draw), true),
+                Kind::PopUp => {
+                    let known = self.anywhere(&mut draw);
+                    match reference(&known) {
+                        Ok(way) => (pop_up(known, &way.path, &mut draw), true),
+                        Err(_) => (known, false),
+                    }
+                }
+            };
+            found = Some(instance);
+            if certain {
+                break;
+            }
+        }
+        let instance = found.unwrap_or_else(|| board([0.0; 3], [0.0; 2]));
+        Instance { id, ..instance }
+    }
+
+    fn corner(&self, draw: &mut Draw) -> Instance {
+        let start = [draw.within(0.0, 20.0), draw.within(0.0, 20.0)];
+        let goal = [draw.within(620.0, 640.0), draw.within(460.0, 480.0)];
+        let heading = draw.within(self.angle[0], self.angle[1]).to_radians();
+        let mut instance = board([start[0], start[1], heading], goal);
+        let count = draw.count(self.obstacles);
+        for _ in 0..count {
+            // Size before place, and one draw of it only: a larger disc is another disc there.
+            let r = draw.within(self.radius[0], self.radius[1]);
+            add_disc(&mut instance, r, || {
+                [draw.within(0.0, BOARD[0]), draw.within(0.0, BOARD[1])]
+            });
+        }
+        instance
+    }
+
+    fn anywhere(&self, draw: &mut Draw) -> Instance {
+        let place = |draw: &mut Draw| {
+            [
+                draw.within(EDGE, BOARD[0] - EDGE),
+                draw.within(EDGE, BOARD[1] - EDGE),
+            ]
+        };
+        // From left to right if no two places are far enough apart, which does not come to pass.
+        let mut ends = ([EDGE, 240.0], [BOARD[0] - EDGE, 240.0]);
+        for _ in 0..TRIES {
+            let pair = (place(draw), place(draw));
+            if distance(pair.0, pair.1) >= FAR {
+                ends = pair;
+                break;
+            }
+        }
+        let (start, goal) = ends;
+        let towards = math::atan2(goal[1] - start[1], goal[0] - start[0]);
+        let off = draw.within(self.angle[0], self.angle[1]).to_radians();
+        let mut instance = board([start[0], start[1], towards + off], goal);
+        let r = draw.within(self.radius[0], self.radius[1]);
+        let count = draw.count(self.obstacles);
+        for _ in 0..count {
+            // In the lane between start and goal, where they are in the way.
+            add_disc(&mut instance, r, || {
+                let part = draw.within(0.1, 0.9);
+                let aside = draw.within(-0.25, 0.25) * distance(start, goal);
+                let along = [goal[0] - start[0], goal[1] - start[1]];
+                let length = distance(start, goal);
+                [
+                    (start[0] + part * along[0] - aside * along[1] / length).clamp(0.0, BOARD[0]),
+                    (start[1] + part * along[1] + aside * along[0] / length).clamp(0.0, BOARD[1]),
+                ]
+            });
+        }
+        instance
+    }
+}
+
+/// Numbers from a seed.
+struct Draw(Stream);
+
+impl Draw {
+    fn within(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.0.uniform()
+    }
+
+    fn count(&mut self, [least, most]: [u32; 2]) -> u32 {
+        let part = self.0.uniform() * f64::from(most - least + 1);
+        (least + part as u32).min(most)
+    }
+}
+
+fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
+    let (dx, dy) = (a[0] - b[0], a[1] - b[1]);
+    (dx * dx + dy * dy).sqrt()
+}
+
+/// A problem on the board with nothing in the way.
+fn board(start: [f64; 3], goal: [f64; 2]) -> Instance {
+    Instance {
+        id: String::new(),
+        cm_per_px: CM_PER_PX,
+        v_max: V_MAX,
+        omega_max: OMEGA_MAX,
+        buffer: BUFFER,
+        bounds: [0.0, 0.0, BOARD[0], BOARD[1]],
+        start,
+        start_speed: None,
+        start_turn_rate: None,
+        goal,
+        goal_heading: None,
+        goal_speed: None,
+        wheels: None,
+        acceleration: None,
+        angular_acceleration: None,
+        obstacles: Vec::new(),
+    }
+}
+
+/// Adds a disc at the first place that leaves start and goal clear; none if there is no such place.
+fn add_disc(instance: &mut Instance, r: f64, mut place: impl FnMut() -> [f64; 2]) {
+    let [x, y, _] = instance.start;
+    for _ in 0..TRIES {
+        let at = place();
+        let least = distance(at, [x, y]).min(distance(at, instance.goal));
+        if least >= r + BUFFER + CLEAR {
+            let [x, y] = at;
+            instance.obstacles.push(Body::Disc { x, y, r });
+            return;
+        }
+    }
+}
+
+/// A problem on from where its robot is after a part of its way, with two more discs.
+fn pop_up(known: Instance, path: &ShortestPath, draw: &mut Draw) -> Instance {
+    let k = known.scale();
+    let at = |part: f64| {
+        let mut left = part * path.length;
+        for leg in &path.legs {
+            let length = leg.length();
+            if left <= length {
+                let u = left / length.max(f64::MIN_POSITIVE);
+                return leg.at(u).coords / k;
+            }
+            left -= length;
+        }
+        path.legs
+            .last()
+            .map_or_else(nalgebra::Vector2::zeros, |leg| leg.at(1.0).coords / k)
+    };
+    let (here, ahead) = (at(DRIVEN), at(DRIVEN + 1e-4));
+    let heading = math::atan2(ahead.y - here.y, ahead.x - here.x);
+    let r = match known.obstacles.first() {
+        Some(Body::Disc { r, .. }) => *r,
+        _ => BUFFER,
+    };
+    let mut instance = Instance {
+        start: [here.x, here.y, heading],
+        ..known
+    };
+    for (low, high, aside) in [(0.5, 0.75, 0.5), (0.55, 0.9, 2.0)] {
+        add_disc(&mut instance, r, || {
+            let part = draw.within(low, high);
+            let (p, q) = (at(part), at(part + 1e-4));
+            let turn = math::atan2(q.y - p.y, q.x - p.x) + TAU / 4.0;
+            let (sin, cos) = math::sincos(turn);
+            let off = r * draw.within(-aside, aside);
+            [
+                (p.x + off * cos).clamp(0.0, BOARD[0]),
+                (p.y + off * sin).clamp(0.0, BOARD[1]),
+            ]
+        });
+    }
+    instance
+}
+
+/// What is known of a problem before it is planned.
+#[derive(Debug, Clone)]
+pub struct Reference {
+    /// The shortest path [m].
+    pub path: ShortestPath,
+    /// No trajectory can be shorter than this [s].
+    pub lower_bound: f64,
+}
+
+/// The shortest path of a problem.
+///
+/// # Errors
+/// [`PlanError`]: there is none, or the problem cannot be meant so.
+pub fn reference(instance: &Instance) -> Result<Reference, PlanError> {
+    let problem = instance.problem();
+    problem.validate()?;
+    let exact = Ground::new(&problem)?.exact()?;
+    let path = exact.shortest(problem.start.position(), problem.goal)?;
+    let lower_bound = bound::lower_bound(&problem, path.length);
+    Ok(Reference { path, lower_bound })
+}
+
+/// An instance as files hold it, with the length of the shortest path and the bound that follows.
+pub fn with_reference(instance: &Instance) -> Json {
+    let reference = match reference(instance) {
+        Ok(found) => json!({
+            "feasible": true,
+            "shortest_px": found.path.length / instance.scale(),
+            "t_lb_s": found.lower_bound,
+        }),
+        Err(_) => json!({ "feasible": false }),
+    };
+    let mut json = instance.to_json();
+    if let Some(json) = json.as_object_mut() {
+        json.insert("reference".to_owned(), reference);
+    }
+    json
+}

@@ -1,0 +1,200 @@
+//! A planning problem as files hold it: lengths in pixels of a picture of known scale.
+
+use honesty::{Contract, Obstacle, WheelLimit};
+use nalgebra::Point2;
+use optimiser::problem::MIN_CLEARANCE;
+use optimiser::{Problem, RobotLimits, Wheels};
+use serde_json::{Value as Json, json};
+use sim_backend::pose::Pose2;
+use sim_backend::shape::{Aabb, Convex};
+
+/// How deep [m] a start may lie in a grown obstacle: as deep as the check of plans allows.
+pub const START_TOLERANCE: f64 = 1e-3;
+
+/// What the robot must not touch.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Body {
+    /// A disc.
+    Disc {
+        /// Its centre [px].
+        x: f64,
+        /// Its centre [px].
+        y: f64,
+        /// Its radius [px], ≥ 0.
+        r: f64,
+    },
+    /// A convex polygon: its corners [px], counter-clockwise.
+    Polygon(Vec<[f64; 2]>),
+}
+
+/// A planning problem. What is `None` is free, or not limited.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Instance {
+    /// Its name, the only one of its file.
+    pub id: String,
+    /// Size of a pixel [cm], > 0.
+    pub cm_per_px: f64,
+    /// Largest speed [px/s], > 0.
+    pub v_max: f64,
+    /// Largest turning rate [rad/s], > 0.
+    pub omega_max: f64,
+    /// Distance that the robot's centre keeps from obstacles [px], ≥ 0.
+    pub buffer: f64,
+    /// Where its centre may be: least and greatest x and y [px], in the order x, y, x, y.
+    pub bounds: [f64; 4],
+    /// Where it starts: x [px], y [px], heading [rad].
+    pub start: [f64; 3],
+    /// Speed at the start [px/s].
+    pub start_speed: Option<f64>,
+    /// Turning rate at the start [rad/s].
+    pub start_turn_rate: Option<f64>,
+    /// Where it goes: x [px], y [px].
+    pub goal: [f64; 2],
+    /// Heading there [rad].
+    pub goal_heading: Option<f64>,
+    /// Speed there [px/s].
+    pub goal_speed: Option<f64>,
+    /// Largest speed of a wheel [px/s] and distance between the wheels [px].
+    pub wheels: Option<[f64; 2]>,
+    /// Largest change of the speed [px/s²].
+    pub acceleration: Option<f64>,
+    /// Largest change of the turning rate [rad/s²].
+    pub angular_acceleration: Option<f64>,
+    /// What is in the way.
+    pub obstacles: Vec<Body>,
+}
+
+impl Instance {
+    /// Metres per pixel.
+    pub fn scale(&self) -> f64 {
+        self.cm_per_px / 100.0
+    }
+
+    /// The problem in SI units, as the optimiser takes it.
+    pub fn problem(&self) -> Problem {
+        let k = self.scale();
+        let [x, y, theta] = self.start;
+        let point = |x: f64, y: f64| Point2::new(x * k, y * k);
+        let [x0, y0, x1, y1] = self.bounds;
+        Problem {
+            start: Pose2::new(x * k, y * k, theta),
+            start_speed: self.start_speed.map(|v| v * k),
+            start_turn_rate: self.start_turn_rate,
+            goal: point(self.goal[0], self.goal[1]),
+            goal_heading: self.goal_heading,
+            goal_speed: self.goal_speed.map(|v| v * k),
+            limits: RobotLimits {
+                wheels: self.wheels.map(|[speed, separation]| Wheels {
+                    speed: speed * k,
+                    separation: separation * k,
+                }),
+                acceleration: self.acceleration.map(|a| a * k),
+                angular_acceleration: self.angular_acceleration,
+                ..RobotLimits::simple(self.v_max * k, self.omega_max)
+            },
+            obstacles: self
+                .obstacles
+                .iter()
+                .map(|body| match body {
+                    Body::Disc { x, y, r } => Convex::disc(point(*x, *y), r * k),
+                    Body::Polygon(corners) => {
+                        let corners: Vec<_> = corners.iter().map(|c| point(c[0], c[1])).collect();
+                        Convex::polygon(&corners)
+                    }
+                })
+                .collect(),
+            clearance: (self.buffer * k).max(MIN_CLEARANCE),
+            bounds: Aabb {
+                min: point(x0, y0),
+                max: point(x1, y1),
+            },
+            start_tolerance: START_TOLERANCE,
+        }
+    }
+
+    /// What a plan must keep [SI]: the problem as it was given, whatever the optimiser makes of it.
+    pub fn contract(&self) -> Contract {
+        let k = self.scale();
+        let [x, y, theta] = self.start;
+        Contract {
+            start_speed: self.start_speed.map(|v| v * k),
+            start_turn_rate: self.start_turn_rate,
+            goal_heading: self.goal_heading,
+            goal_speed: self.goal_speed.map(|v| v * k),
+            wheel: self.wheels.map(|[speed, separation]| WheelLimit {
+                speed: speed * k,
+                separation: separation * k,
+            }),
+            acceleration_max: self.acceleration.map(|a| a * k),
+            angular_acceleration_max: self.angular_acceleration,
+            obstacles: self
+                .obstacles
+                .iter()
+                .map(|body| match body {
+                    Body::Disc { x, y, r } => Obstacle::Disc {
+                        center: Point2::new(x * k, y * k),
+                        radius: r * k,
+                    },
+                    Body::Polygon(corners) => Obstacle::Polygon {
+                        vertices: corners
+                            .iter()
+                            .map(|c| Point2::new(c[0] * k, c[1] * k))
+                            .collect(),
+                    },
+                })
+                .collect(),
+            clearance: self.buffer * k,
+            bounds: Some(self.bounds.map(|v| v * k)),
+            ..Contract::new(
+                [x * k, y * k, theta],
+                [self.goal[0] * k, self.goal[1] * k],
+                self.v_max * k,
+                self.omega_max,
+            )
+        }
+    }
+
+    /// The instance as files hold it.
+    pub fn to_json(&self) -> Json {
+        let obstacles: Vec<Json> = self
+            .obstacles
+            .iter()
+            .map(|body| match body {
+                Body::Disc { x, y, r } => json!({ "x": x, "y": y, "r": r }),
+                Body::Polygon(corners) => json!({ "polygon": corners }),
+            })
+            .collect();
+        let mut goal = json!({ "x": self.goal[0], "y": self.goal[1] });
+        if let (Some(theta), Some(goal)) = (self.goal_heading, goal.as_object_mut()) {
+            goal.insert("theta".to_owned(), json!(theta));
+        }
+        let mut json = json!({
+            "id": self.id,
+            "cm_per_px": self.cm_per_px,
+            "vmax_px_s": self.v_max,
+            "wmax_rad_s": self.omega_max,
+            "buffer_px": self.buffer,
+            "bounds_px": self.bounds,
+            "start": { "x": self.start[0], "y": self.start[1], "theta": self.start[2] },
+            "start_speed": self.start_speed,
+            "goal": goal,
+            "obstacles": obstacles,
+        });
+        let more = [
+            ("start_turn_rate", self.start_turn_rate),
+            ("goal_speed", self.goal_speed),
+            ("wheel_speed_px_s", self.wheels.map(|w| w[0])),
+            ("wheel_separation_px", self.wheels.map(|w| w[1])),
+            ("acceleration_px_s2", self.acceleration),
+            ("angular_acceleration_rad_s2", self.angular_acceleration),
+        ];
+        if let Some(json) = json.as_object_mut() {
+            for (key, value) in more {
+                if let Some(value) = value {
+                    json.insert(key.to_owned(), json!(value));
+                }
+            }
+        }
+        json
+    }
+}

@@ -1,0 +1,136 @@
+//! JSON of unknown form, of which no more is kept than can be meant.
+
+use core::fmt;
+
+use optimiser::problem::MAX_OBSTACLES;
+use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
+
+/// Most elements of a list that are kept: one more than any may have.
+const KEPT: usize = MAX_OBSTACLES + 1;
+/// Most characters of a text that are shown.
+const SHOWN: usize = 60;
+
+/// A JSON value.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Loose {
+    /// `null`.
+    Null,
+    /// True or false.
+    Bool(bool),
+    /// A number; whole numbers beyond 2⁵³ are rounded.
+    Number(f64),
+    /// Text.
+    Text(String),
+    /// A list: its first elements, and how many there are.
+    List(Vec<Loose>, usize),
+    /// An object: its entries, in their order.
+    Object(Vec<(String, Loose)>),
+}
+
+impl Loose {
+    /// The entry of an object; `None` if there is none, or it is `null`, or this is no object.
+    pub fn get(&self, key: &str) -> Option<&Self> {
+        let Self::Object(entries) = self else {
+            return None;
+        };
+        let found = entries.iter().find(|(name, _)| name == key);
+        found.map(|(_, value)| value).filter(|v| **v != Self::Null)
+    }
+}
+
+/// What stands there, shortened.
+impl fmt::Display for Loose {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Null => f.write_str("null"),
+            Self::Bool(v) => write!(f, "{v}"),
+            Self::Number(v) => write!(f, "{v}"),
+            Self::Text(text) => {
+                let short: String = text.chars().take(SHOWN).collect();
+                let dots = if short.len() < text.len() { "…" } else { "" };
+                write!(f, "{short:?}{dots}")
+            }
+            Self::List(_, count) => write!(f, "a list of {count}"),
+            Self::Object(entries) => {
+                let names: Vec<&str> = entries.iter().map(|(name, _)| name.as_str()).collect();
+                let names: String = names.join(", ").chars().take(SHOWN).collect();
+                write!(f, "an object with {names:?}")
+            }
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Loose {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(LooseVisitor)
+    }
+}
+
+struct LooseVisitor;
+
+impl<'de> Visitor<'de> for LooseVisitor {
+    type Value = Loose;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("JSON")
+    }
+
+    fn visit_unit<E: Error>(self) -> Result<Loose, E> {
+        Ok(Loose::Null)
+    }
+
+    fn visit_bool<E: Error>(self, value: bool) -> Result<Loose, E> {
+        Ok(Loose::Bool(value))
+    }
+
+    fn visit_f64<E: Error>(self, value: f64) -> Result<Loose, E> {
+        Ok(Loose::Number(value))
+    }
+
+    fn visit_u64<E: Error>(self, value: u64) -> Result<Loose, E> {
+        Ok(Loose::Number(value as f64))
+    }
+
+    fn visit_i64<E: Error>(self, value: i64) -> Result<Loose, E> {
+        Ok(Loose::Number(value as f64))
+    }
+
+    fn visit_str<E: Error>(self, value: &str) -> Result<Loose, E> {
+        Ok(Loose::Text(value.to_owned()))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Loose, A::Error> {
+        let mut kept = Vec::new();
+        while kept.len() < KEPT
+            && let Some(element) = list.next_element()?
+        {
+            kept.push(element);
+        }
+        let mut count = kept.len();
+        while kept.len() == KEPT && list.next_element::<IgnoredAny>()?.is_some() {
+            count += 1;
+        }
+        Ok(Loose::List(kept, count))
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Loose, A::Error> {
+        let mut entries: Vec<(String, Loose)> = Vec::new();
+        while let Some(key) = map.next_key::<String>()? {
+            // Who writes thousands of names means nothing that is read here.
+            if entries.len() >= 64 {
+                map.next_value::<IgnoredAny>()?;
+                continue;
+            }
+            if entries.iter().any(|(name, _)| *name == key) {
+                return Err(A::Error::custom(format_args!("`{key}` is there twice")));
+            }
+            // What instances carry along for others: results of theirs, perhaps large.
+            if key == "results" || key == "samples" {
+                map.next_value::<IgnoredAny>()?;
+                continue;
+            }
+            entries.push((key, map.next_value()?));
+        }
+        Ok(Loose::Object(entries))
+    }
+}

@@ -1,0 +1,97 @@
+//! What many plans amount to.
+
+use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
+use comfy_table::{CellAlignment, Table};
+
+use super::answer::{Answer, Outcome};
+
+/// What many plans amount to.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Summary {
+    /// Problems that were answered.
+    pub answered: usize,
+    /// How they ended, in the order of [`Outcome::ALL`].
+    pub outcomes: [usize; Outcome::ALL.len()],
+    /// Plans that keep everything.
+    pub honest: usize,
+    /// CPU times of honest plans [ms], ascending once [`Self::sort`]ed.
+    cpu_ms: Vec<f64>,
+    /// Gaps of honest plans.
+    gaps: Vec<f64>,
+}
+
+/// The value below which this share of values in ascending order lies: the least of them that has
+/// at least this share at or below it.
+pub fn quantile(ascending: &[f64], share: f64) -> Option<f64> {
+    let rank = (share * ascending.len() as f64).ceil() as usize;
+    ascending
+        .get(rank.max(1).min(ascending.len()).checked_sub(1)?)
+        .copied()
+}
+
+impl Summary {
+    /// Counts an answer.
+    pub fn add(&mut self, answer: &Answer) {
+        self.answered += 1;
+        let place = Outcome::ALL.iter().position(|&o| o == answer.status);
+        if let Some(count) = place.and_then(|i| self.outcomes.get_mut(i)) {
+            *count += 1;
+        }
+        if answer.honest == Some(true) {
+            self.honest += 1;
+            self.cpu_ms.extend(answer.cpu_ms);
+            self.gaps.extend(answer.gap);
+        }
+    }
+
+    /// How many ended so.
+    pub fn count(&self, outcome: Outcome) -> usize {
+        let place = Outcome::ALL.iter().position(|&o| o == outcome);
+        let count = place.and_then(|i| self.outcomes.get(i));
+        count.copied().unwrap_or_default()
+    }
+
+    /// The table for people; `name` is what was planned, and how.
+    pub fn text(&mut self, name: [&str; 2]) -> String {
+        self.cpu_ms.sort_by(f64::total_cmp);
+        self.gaps.sort_by(f64::total_cmp);
+        let shares = |values: &[f64], shares: [f64; 3], factor: f64, digits: usize| {
+            let text = shares.map(|share| {
+                quantile(values, share).map_or_else(
+                    || "-".to_owned(),
+                    |value| format!("{:.digits$}", factor * value),
+                )
+            });
+            text.join(" / ")
+        };
+        let mut table = Table::new();
+        table.load_style(UTF8_HORIZONTAL_ONLY).set_header([
+            "instances",
+            "method",
+            "honest",
+            "CPU [ms] median / p95 / p99",
+            "gap [%] median / p95 / max",
+            "fallback",
+            "no path",
+            "no plan",
+            "invalid",
+        ]);
+        for column in table.column_iter_mut().skip(2) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+        let none = [Outcome::Infeasible, Outcome::NotHonest, Outcome::Failed];
+        let without: usize = none.into_iter().map(|o| self.count(o)).sum();
+        table.add_row([
+            name[0].to_owned(),
+            name[1].to_owned(),
+            format!("{}/{}", self.honest, self.answered),
+            shares(&self.cpu_ms, [0.5, 0.95, 0.99], 1.0, 2),
+            shares(&self.gaps, [0.5, 0.95, 1.0], 100.0, 4),
+            self.count(Outcome::Fallback).to_string(),
+            self.count(Outcome::NoPath).to_string(),
+            without.to_string(),
+            self.count(Outcome::Invalid).to_string(),
+        ]);
+        table.to_string()
+    }
+}
