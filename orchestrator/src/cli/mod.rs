@@ -11,6 +11,7 @@ mod process;
 mod run;
 mod sweep;
 mod sweep_page;
+mod sweep_planning;
 mod sweep_plans;
 
 use std::path::PathBuf;

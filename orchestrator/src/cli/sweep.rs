@@ -11,16 +11,19 @@ use serde_json::json;
 
 use super::run::handle_signals;
 use super::sweep_page::{self, PageArgs};
+use super::sweep_planning;
 use super::sweep_plans::{self, PlansArgs};
 use super::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, print, print_json};
 use crate::sweep::engine::{Engine, InProcess, Processes};
 use crate::sweep::launcher::{self, Plan, Scheduler};
 use crate::sweep::merge::merge;
+use crate::sweep::planning::is_planning;
 use crate::sweep::runner::{self, RunOptions};
 use crate::sweep::shard::Shard;
-use crate::sweep::spec::LogPolicy;
+use crate::sweep::spec::{LogPolicy, RunSpec};
 use crate::sweep::{
-    Experiment, LoadOptions, Manifest, Results, Seeds, SweepError, describe, figures, summary,
+    Experiment, Kind, LoadOptions, Manifest, Results, Seeds, SweepError, describe, figures,
+    kind_of, summary,
 };
 
 /// What stands below the options.
@@ -72,60 +75,60 @@ enum SweepCommand {
     clippy::struct_excessive_bools,
     reason = "one per switch of the command line"
 )]
-struct SweepRunArgs {
+pub(super) struct SweepRunArgs {
     /// The experiment's file
-    experiment: Option<PathBuf>,
+    pub(super) experiment: Option<PathBuf>,
     /// Where the results go [default: results/EXPERIMENT, and shard-I-of-N below it for a shard]
     #[arg(long, short, value_name = "DIR")]
-    out: Option<PathBuf>,
+    pub(super) out: Option<PathBuf>,
     /// Missions at once [default: as many as there are processors]
     #[arg(long, short, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=4096))]
-    jobs: Option<u16>,
+    pub(super) jobs: Option<u16>,
     /// Seeds in place of the experiment's: A..B, both included
     #[arg(long, value_name = "A..B")]
-    seeds: Option<String>,
+    pub(super) seeds: Option<String>,
     /// Override a value of every scenario
     #[arg(long = "set", value_name = "KEY=VALUE")]
-    set: Vec<String>,
+    pub(super) set: Vec<String>,
     /// Run every mission inside this program instead of as processes: the same results, many times faster
     #[arg(long)]
-    in_process: bool,
+    pub(super) in_process: bool,
     /// Only part I of N: every N-th mission
     #[arg(long, value_name = "I/N")]
-    shard: Option<String>,
+    pub(super) shard: Option<String>,
     /// List the missions that would be carried out, and do nothing
     #[arg(long)]
-    dry_run: bool,
+    pub(super) dry_run: bool,
     /// Carry out missions again that failed before
     #[arg(long)]
-    retry_failed: bool,
+    pub(super) retry_failed: bool,
     /// Take over missions of other results whose scenario and seed are the same
     #[arg(long, value_name = "DIR")]
-    reuse: Vec<PathBuf>,
+    pub(super) reuse: Vec<PathBuf>,
     /// Which missions keep their log, in the results' folder logs
     #[arg(long, value_name = "WHICH")]
-    log: Option<LogPolicy>,
+    pub(super) log: Option<LogPolicy>,
     /// Who carries it out: this program, or the scheduler a script of which is written
     #[arg(long, value_enum, default_value_t = Scheduler::Local)]
-    engine: Scheduler,
+    pub(super) engine: Scheduler,
     /// Parts for a scheduler
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=100_000))]
-    shards: u32,
+    pub(super) shards: u32,
     /// Start the scheduler's script once it is written
     #[arg(long)]
-    submit: bool,
+    pub(super) submit: bool,
     /// Let scenarios start programs that are not Protean's own
     #[arg(long)]
-    allow_external: bool,
+    pub(super) allow_external: bool,
     /// Let the experiment and its scenarios use files outside their folders
     #[arg(long)]
-    allow_outside: bool,
+    pub(super) allow_outside: bool,
     /// Show nothing but errors and the result
     #[arg(long, short)]
-    quiet: bool,
+    pub(super) quiet: bool,
     /// Print the result as one JSON object
     #[arg(long)]
-    json: bool,
+    pub(super) json: bool,
 }
 
 /// Runs experiments, merges their results, and shows them.
@@ -144,7 +147,7 @@ pub(super) fn sweep(args: &SweepArgs) -> ExitCode {
 }
 
 /// Says what is wrong; the code of a failure.
-fn failed(error: &SweepError) -> ExitCode {
+pub(super) fn failed(error: &SweepError) -> ExitCode {
     eprintln!("error: {error}");
     ExitCode::from(match error {
         SweepError::Io { .. } | SweepError::Launcher { .. } => EXIT_FAILED,
@@ -152,12 +155,17 @@ fn failed(error: &SweepError) -> ExitCode {
     })
 }
 
-fn invalid(text: impl std::fmt::Display) -> ExitCode {
+pub(super) fn invalid(text: impl std::fmt::Display) -> ExitCode {
     eprintln!("{text}");
     ExitCode::from(EXIT_INVALID)
 }
 
 fn merged(parts: &[PathBuf], out: &Path, as_json: bool) -> ExitCode {
+    match parts.first().map(|part| kind_of(part)).transpose() {
+        Ok(Some(Kind::Planning)) => return sweep_planning::merged(parts, out, as_json),
+        Ok(_) => {}
+        Err(error) => return failed(&error),
+    }
     let drawn = || {
         let results = merge(parts, out)?;
         // Every part has the published points of the figures.
@@ -175,6 +183,11 @@ fn merged(parts: &[PathBuf], out: &Path, as_json: bool) -> ExitCode {
 
 /// Draws the figures of results again and prints their files.
 fn redrawn(directory: &Path) -> ExitCode {
+    if matches!(kind_of(directory), Ok(Kind::Planning)) {
+        return invalid(
+            "error: results of plans have no figures of their own: `protean sweep page` draws them",
+        );
+    }
     match Results::read(directory).and_then(|results| figures::write(&results)) {
         Ok(files) => {
             for file in files {
@@ -235,6 +248,9 @@ fn run(path: &Path, args: &SweepRunArgs) -> ExitCode {
         allow_outside: args.allow_outside,
         allow_external: args.allow_external,
     };
+    if is_planning(path) {
+        return sweep_planning::run(path, args, &options, shard);
+    }
     let experiment = match Experiment::load(path, &options) {
         Ok(experiment) => experiment,
         Err(problems) => return invalid(problems),
@@ -252,12 +268,7 @@ fn run(path: &Path, args: &SweepRunArgs) -> ExitCode {
     for note in &experiment.notes {
         eprintln!("note: {note}");
     }
-    let out = args.out.clone().unwrap_or_else(|| {
-        let out = Path::new("results").join(&experiment.name);
-        shard
-            .directory()
-            .map_or(out.clone(), |shard| out.join(shard))
-    });
+    let out = place(args, &experiment.name, shard);
     if args.dry_run {
         return dry_run(&experiment, args, shard, &out);
     }
@@ -266,11 +277,27 @@ fn run(path: &Path, args: &SweepRunArgs) -> ExitCode {
             Ok(code) => code,
             Err(error) => failed(&error),
         },
-        scheduler => match schedule(&experiment, path, args, scheduler, &out) {
+        scheduler => match schedule(
+            (&experiment.name, &experiment.run),
+            path,
+            args,
+            scheduler,
+            &out,
+        ) {
             Ok(code) => code,
             Err(error) => failed(&error),
         },
     }
+}
+
+/// Where results go.
+pub(super) fn place(args: &SweepRunArgs, name: &str, shard: Shard) -> PathBuf {
+    args.out.clone().unwrap_or_else(|| {
+        let out = Path::new("results").join(name);
+        shard
+            .directory()
+            .map_or(out.clone(), |shard| out.join(shard))
+    })
 }
 
 /// Lists the missions that are still to be carried out.
@@ -340,7 +367,7 @@ fn dry_run(experiment: &Experiment, args: &SweepRunArgs, shard: Shard, out: &Pat
     ExitCode::SUCCESS
 }
 
-fn processors() -> usize {
+pub(super) fn processors() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
@@ -424,8 +451,8 @@ fn shared_arguments(path: &Path, args: &SweepRunArgs) -> Vec<String> {
 }
 
 /// Writes the scripts of a scheduler, and starts them if asked to.
-fn schedule(
-    experiment: &Experiment,
+pub(super) fn schedule(
+    (name, run): (&str, &RunSpec),
     path: &Path,
     args: &SweepRunArgs,
     scheduler: Scheduler,
@@ -450,12 +477,12 @@ fn schedule(
         arguments: shared_arguments(path, args),
         out: folder.join(out),
         folder,
-        name: experiment.name.clone(),
+        name: name.to_owned(),
         shards: args.shards as usize,
         jobs: args
             .jobs
             .map(usize::from)
-            .or(experiment.run.jobs)
+            .or(run.jobs)
             .unwrap_or(default_jobs),
     };
     if args.submit {

@@ -215,16 +215,8 @@ impl Recipe {
         let r = draw.within(self.radius[0], self.radius[1]);
         let count = draw.count(self.obstacles);
         for _ in 0..count {
-            // In the lane between start and goal, where they are in the way.
             add_disc(&mut instance, r, || {
-                let part = draw.within(0.1, 0.9);
-                let aside = draw.within(-0.25, 0.25) * distance(start, goal);
-                let along = [goal[0] - start[0], goal[1] - start[1]];
-                let length = distance(start, goal);
-                [
-                    (start[0] + part * along[0] - aside * along[1] / length).clamp(0.0, BOARD[0]),
-                    (start[1] + part * along[1] + aside * along[0] / length).clamp(0.0, BOARD[1]),
-                ]
+                [draw.within(0.0, BOARD[0]), draw.within(0.0, BOARD[1])]
             });
         }
         instance

@@ -144,7 +144,7 @@ pub(super) fn build(
             overrides.extend(case.assignments.iter().map(|a| a.argument.clone()));
             for (parameter, written) in parameters.iter().zip(combination) {
                 let (value, node) = (&written.value, &written.node);
-                let found = match parameter.assignments(value, node, builder.reader, &draft) {
+                let found = match parameter.assignments(value, node, builder.reader, Some(&draft)) {
                     Ok(found) => found,
                     Err(error) => {
                         builder.unscaled(&parameter.name, &case.case.name, error);

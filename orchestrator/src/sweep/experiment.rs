@@ -14,7 +14,7 @@ use crate::scenario::files::read_text;
 use crate::scenario::text::{Code, Diagnostic, Diagnostics, FieldPath, Node};
 
 /// Largest experiment file that is read [bytes].
-const MAX_FILE: u64 = 1 << 20;
+pub(super) const MAX_FILE: u64 = 1 << 20;
 
 /// How an experiment is loaded.
 #[derive(Debug, Clone, Default)]

@@ -10,6 +10,7 @@ use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::error::SweepError;
@@ -25,15 +26,18 @@ const SYNC_EVERY: Duration = Duration::from_secs(1);
 /// A line.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Entry {
+pub(super) struct Entry<R = Row> {
     /// Index of the cell.
     pub cell: usize,
     /// Seed.
     pub seed: u64,
     /// Real time that the mission took [s].
     pub wall_s: f64,
+    /// CPU time of what is compared by it [ms].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cpu_ms: Option<f64>,
     /// What it resulted in.
-    pub row: Row,
+    pub row: R,
 }
 
 /// Appends to the journal.
@@ -47,9 +51,9 @@ pub(super) struct Journal {
 }
 
 /// What a journal held when it was opened.
-pub(super) struct Opened {
+pub(super) struct Opened<R = Row> {
     pub journal: Journal,
-    pub entries: Vec<Entry>,
+    pub entries: Vec<Entry<R>>,
     /// Whether the last line was torn, and has been cut off.
     pub torn: bool,
 }
@@ -59,7 +63,7 @@ impl Journal {
     ///
     /// # Errors
     /// It cannot be read or written, or a line of it (not the last) is damaged.
-    pub fn open(directory: &Path) -> Result<Opened, SweepError> {
+    pub fn open<R: DeserializeOwned>(directory: &Path) -> Result<Opened<R>, SweepError> {
         let path = directory.join(FILE);
         let mut file = OpenOptions::new()
             .create(true)
@@ -111,7 +115,7 @@ impl Journal {
     ///
     /// # Errors
     /// [`SweepError::Io`]; the lines before are kept.
-    pub fn append(&mut self, entry: &Entry) -> Result<(), SweepError> {
+    pub fn append<R: Serialize>(&mut self, entry: &Entry<R>) -> Result<(), SweepError> {
         let failed = SweepError::io(&self.path, "cannot write the journal");
         let mut line = match serde_json::to_vec(entry) {
             Ok(line) => line,
@@ -155,7 +159,10 @@ impl Journal {
 }
 
 /// The entries, and the length of the whole lines [bytes].
-fn parse(path: &Path, bytes: &[u8]) -> Result<(Vec<Entry>, usize), SweepError> {
+fn parse<R: DeserializeOwned>(
+    path: &Path,
+    bytes: &[u8],
+) -> Result<(Vec<Entry<R>>, usize), SweepError> {
     let mut entries = Vec::new();
     let mut whole = 0;
     for (number, line) in bytes.split_inclusive(|&b| b == b'\n').enumerate() {
@@ -163,7 +170,7 @@ fn parse(path: &Path, bytes: &[u8]) -> Result<(Vec<Entry>, usize), SweepError> {
         let last = end == bytes.len();
         let read = line
             .strip_suffix(b"\n")
-            .map(serde_json::from_slice::<Entry>);
+            .map(serde_json::from_slice::<Entry<R>>);
         match read {
             Some(Ok(entry)) => entries.push(entry),
             // Cut short, or of a machine that failed before all of it was on the disk.
@@ -198,13 +205,14 @@ mod tests {
             cell: 1,
             seed,
             wall_s: 0.25,
+            cpu_ms: None,
             row: Row::failed(format!("because of {seed}\n\"é\"")),
         }
     }
 
     fn written(count: u64) -> Vec<u8> {
         let directory = tempfile::tempdir().unwrap();
-        let mut journal = Journal::open(directory.path()).unwrap().journal;
+        let mut journal = Journal::open::<Row>(directory.path()).unwrap().journal;
         for seed in 0..count {
             journal.append(&entry(seed)).unwrap();
         }
@@ -221,13 +229,13 @@ mod tests {
             let lines = kept.split_inclusive(|&b| b == b'\n').filter(|line| line.ends_with(b"\n")).count();
             let directory = tempfile::tempdir().unwrap();
             std::fs::write(directory.path().join(FILE), kept).unwrap();
-            let opened = Journal::open(directory.path()).unwrap();
+            let opened = Journal::open::<Row>(directory.path()).unwrap();
             prop_assert_eq!(opened.entries.len(), lines);
             prop_assert_eq!(opened.torn, !kept.is_empty() && !kept.ends_with(b"\n"));
             let mut journal = opened.journal;
             journal.append(&entry(9)).unwrap();
             drop(journal);
-            let again = Journal::open(directory.path()).unwrap();
+            let again = Journal::open::<Row>(directory.path()).unwrap();
             prop_assert!(!again.torn);
             prop_assert_eq!(again.entries.len(), lines + 1);
             prop_assert_eq!(again.entries.last().unwrap(), &entry(9));
@@ -240,7 +248,10 @@ mod tests {
         let mut bytes = written(3);
         bytes[0] = b'#';
         std::fs::write(directory.path().join(FILE), &bytes).unwrap();
-        let error = Journal::open(directory.path()).err().unwrap().to_string();
+        let error = Journal::open::<Row>(directory.path())
+            .err()
+            .unwrap()
+            .to_string();
         for word in ["journal.jsonl:1", "not a line", "remove the line"] {
             assert!(error.contains(word), "{error}");
         }
@@ -249,7 +260,7 @@ mod tests {
         let start = bytes.iter().position(|&b| b == b'\n').unwrap() + 1;
         bytes[start..start + 4].fill(0);
         std::fs::write(directory.path().join(FILE), &bytes).unwrap();
-        let opened = Journal::open(directory.path()).unwrap();
+        let opened = Journal::open::<Row>(directory.path()).unwrap();
         assert!(opened.torn);
         assert_eq!(opened.entries, [entry(0)]);
     }
@@ -272,7 +283,7 @@ mod tests {
             }
             let held = disk.contents.lock().unwrap().clone();
             assert_eq!(held.len(), 2 * line);
-            assert_eq!(parse(Path::new("j"), &held).unwrap().0.len(), 2);
+            assert_eq!(parse::<Row>(Path::new("j"), &held).unwrap().0.len(), 2);
         }
     }
 }

@@ -10,6 +10,28 @@ use super::seeds::Seeds;
 /// Version of the files in a directory of results; another one is refused.
 pub const FORMAT: u32 = 1;
 
+/// What the missions of an experiment are.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kind {
+    /// Missions of robots.
+    #[default]
+    Missions,
+    /// Plans of minimum-time trajectories.
+    Planning,
+}
+
+impl Kind {
+    /// Whether it is what experiments are if they do not say.
+    #[expect(
+        clippy::trivially_copy_pass_by_ref,
+        reason = "what serde calls it with"
+    )]
+    fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
 /// What a directory of results belongs to: which experiment, made by which program.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -18,6 +40,9 @@ pub struct Manifest {
     pub format: u32,
     /// Version of the program.
     pub program: String,
+    /// What its missions are.
+    #[serde(default, skip_serializing_if = "Kind::is_default")]
+    pub kind: Kind,
     /// Name of the experiment.
     pub experiment: String,
     /// Its title.
@@ -53,30 +78,46 @@ pub struct ManifestCell {
 impl Manifest {
     /// The manifest of an experiment run by this program.
     pub fn of(experiment: &Experiment) -> Self {
-        let mut manifest = Self {
-            format: FORMAT,
-            program: env!("CARGO_PKG_VERSION").to_owned(),
-            experiment: experiment.name.clone(),
-            title: experiment.title.clone(),
-            blake3: String::new(),
-            parameters: experiment
+        let cells = experiment.cells.iter().map(|cell| ManifestCell {
+            case: cell.case.clone(),
+            values: cell.values.clone(),
+            blake3: cell.blake3.clone(),
+            scenario: cell.target.clone(),
+            set: cell.overrides.clone(),
+            external: cell.external,
+        });
+        Self::new(
+            Kind::Missions,
+            (&experiment.name, &experiment.title),
+            experiment
                 .parameters
                 .iter()
                 .map(|p| p.name.clone())
                 .collect(),
-            cells: experiment
-                .cells
-                .iter()
-                .map(|cell| ManifestCell {
-                    case: cell.case.clone(),
-                    values: cell.values.clone(),
-                    blake3: cell.blake3.clone(),
-                    scenario: cell.target.clone(),
-                    set: cell.overrides.clone(),
-                    external: cell.external,
-                })
-                .collect(),
-            seeds: experiment.seeds.clone(),
+            cells.collect(),
+            experiment.seeds.clone(),
+        )
+    }
+
+    /// The manifest of an experiment with this name and title, these columns of parameters, cells
+    /// and seeds, run by this program.
+    pub(super) fn new(
+        kind: Kind,
+        (name, title): (&str, &str),
+        parameters: Vec<String>,
+        cells: Vec<ManifestCell>,
+        seeds: Seeds,
+    ) -> Self {
+        let mut manifest = Self {
+            format: FORMAT,
+            program: env!("CARGO_PKG_VERSION").to_owned(),
+            kind,
+            experiment: name.to_owned(),
+            title: title.to_owned(),
+            blake3: String::new(),
+            parameters,
+            cells,
+            seeds,
         };
         manifest.blake3 = manifest.fingerprint();
         manifest
@@ -92,6 +133,9 @@ impl Manifest {
         };
         add(&self.format.to_string());
         add(&self.program);
+        if self.kind == Kind::Planning {
+            add("planning");
+        }
         add(&self.experiment);
         add(&self.parameters.len().to_string());
         self.parameters.iter().for_each(|name| add(name));
@@ -135,6 +179,9 @@ impl Manifest {
         }
         if let Some(difference) = self.other_program(theirs) {
             return Some(difference);
+        }
+        if self.kind != theirs.kind {
+            return Some("one of them runs missions, the other makes plans".to_owned());
         }
         if self.experiment != theirs.experiment {
             return Some(format!(

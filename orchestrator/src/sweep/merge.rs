@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::error::SweepError;
 use super::results::Results;
+use super::row::Record;
 
 /// Merges results of the same experiment into one directory, which may hold some of them already.
 ///
@@ -14,15 +15,15 @@ use super::results::Results;
 /// [`SweepError::Other`] if they are of different experiments, [`SweepError::Contradiction`] if two
 /// of them hold different results of a mission, [`SweepError`] if one cannot be read or the result
 /// not be written.
-pub fn merge(parts: &[PathBuf], out: &Path) -> Result<Results, SweepError> {
-    let mut merged: Option<Results> = None;
+pub fn merge<R: Record>(parts: &[PathBuf], out: &Path) -> Result<Results<R>, SweepError> {
+    let mut merged: Option<Results<R>> = None;
     // The target may be one of the parts: it is opened once, as the target.
     let same = |part: &Path| match (part.canonicalize(), out.canonicalize()) {
         (Ok(part), Ok(out)) => part == out,
         _ => false,
     };
     for path in parts.iter().filter(|path| !same(path)) {
-        let part = Results::read(path)?;
+        let part = Results::<R>::read(path)?;
         // Opening the target says what of a part is of another experiment, and adds its seeds.
         let text = part.experiment()?;
         if let Some(merged) = &merged

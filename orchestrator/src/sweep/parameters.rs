@@ -194,7 +194,8 @@ impl Parameter {
         }
     }
 
-    /// The overrides that a value stands for, in a scenario with its case's overrides applied.
+    /// The overrides that a value stands for, in a scenario with its case's overrides applied;
+    /// `draft` is `None` where there is no scenario that could hold a factor.
     ///
     /// # Errors
     /// Why the factor cannot be had, and where it is asked for.
@@ -203,7 +204,7 @@ impl Parameter {
         value: &Value,
         node: &Node,
         reader: &Reader,
-        draft: &Draft<'_>,
+        draft: Option<&Draft<'_>>,
     ) -> Result<Vec<Assignment>, ScaleError> {
         match &self.effect {
             Effect::Levels(levels) => {
@@ -243,11 +244,11 @@ pub(super) struct ScaleError {
 }
 
 impl Scale {
-    fn factor(&self, draft: &Draft<'_>) -> Result<f64, ScaleError> {
+    fn factor(&self, draft: Option<&Draft<'_>>) -> Result<f64, ScaleError> {
         match self {
             Self::Number(factor) => Ok(*factor),
             Self::Key(key, label) => {
-                let node = draft.find(key);
+                let node = draft.and_then(|draft| draft.find(key));
                 match node.map(|n| &n.value) {
                     Some(TomlValue::Float(v)) if v.is_finite() => Ok(*v),
                     Some(TomlValue::Int(v)) => Ok(*v as f64),

@@ -13,7 +13,7 @@ use parquet::schema::types::Type;
 use super::cell::Value;
 use super::manifest::Manifest;
 use super::results::MissionId;
-use super::row::Row;
+use super::row::Record;
 use super::table::{self, Field};
 
 /// Rows that are written at once.
@@ -32,25 +32,25 @@ enum Kind {
 ///
 /// # Errors
 /// What the writer said.
-pub(super) fn write<'a>(
+pub(super) fn write<'a, R: Record + 'a>(
     out: impl Write + Send,
     manifest: &Manifest,
-    rows: impl Iterator<Item = (MissionId, &'a Row)>,
+    rows: impl Iterator<Item = (MissionId, &'a R)>,
 ) -> std::io::Result<()> {
     let mut records = Vec::new();
     for (mission, row) in rows {
         records.push(table::record(manifest, mission, row)?);
     }
-    write_records(out, manifest, &records).map_err(std::io::Error::other)
+    write_records::<R>(out, manifest, &records).map_err(std::io::Error::other)
 }
 
-fn write_records(
+fn write_records<R: Record>(
     out: impl Write + Send,
     manifest: &Manifest,
     records: &[Vec<Field>],
 ) -> Result<(), ParquetError> {
-    let kinds = kinds(manifest);
-    let header = table::header(manifest);
+    let kinds = kinds::<R>(manifest);
+    let header = table::header::<R>(manifest);
     let fields = header.iter().zip(&kinds);
     let fields: Result<Vec<_>, _> = fields.map(|(name, &kind)| column(name, kind)).collect();
     let schema = Type::group_type_builder("results")
@@ -75,10 +75,12 @@ fn write_records(
 }
 
 /// The types of the columns.
-fn kinds(manifest: &Manifest) -> Vec<Kind> {
+fn kinds<R: Record>(manifest: &Manifest) -> Vec<Kind> {
     let of_column = |name: &str| match name {
         "case" | "outcome" | "digest" | "error" | "robots" => Kind::Text,
-        "seed" | "evaders" | "escaped" | "caught" | "held_out" | "contacts" | "ticks" => Kind::Int,
+        "seed" | "evaders" | "escaped" | "caught" | "held_out" | "contacts" | "ticks"
+        | "obstacles" | "iterations" | "control_points" => Kind::Int,
+        "honest" => Kind::Bool,
         _ => Kind::Float,
     };
     let of_parameter = |index: usize| {
@@ -97,7 +99,7 @@ fn kinds(manifest: &Manifest) -> Vec<Kind> {
             Kind::Text
         }
     };
-    let (case, others) = table::COLUMNS.split_at(1);
+    let (case, others) = R::columns().split_at(1);
     let parameters = (0..manifest.parameters.len()).map(of_parameter);
     let columns = case.iter().map(|name| of_column(name)).chain(parameters);
     columns
@@ -169,6 +171,7 @@ mod tests {
     use parquet::file::reader::{FileReader as _, SerializedFileReader};
     use parquet::record::Field as Read;
 
+    use super::super::row::Row;
     use super::super::tests::{GOOD, load};
     use super::*;
 

@@ -6,6 +6,7 @@
 //! | `experiment.toml` | the experiment file |
 //! | `journal.jsonl` | every mission that is over, as they came |
 //! | `results.csv` | the same as a table, in the order of the experiment |
+//! | `times.csv` | CPU times of plans, which depend on the machine |
 //! | `logs/` | logs that were kept |
 
 use std::collections::BTreeMap;
@@ -17,8 +18,8 @@ use rustix::fs::{FlockOperation, flock};
 
 use super::error::SweepError;
 use super::journal::{self, Entry, Journal};
-use super::manifest::Manifest;
-use super::row::Row;
+use super::manifest::{Kind, Manifest};
+use super::row::{Record, Row};
 use super::seeds::Seeds;
 use super::table;
 
@@ -28,6 +29,8 @@ const MANIFEST: &str = "manifest.json";
 const EXPERIMENT: &str = "experiment.toml";
 /// Name of the table.
 const TABLE: &str = "results.csv";
+/// Name of the table of CPU times.
+const TIMES: &str = "times.csv";
 /// Name of the file that is locked while a sweep is at work.
 const LOCK: &str = "lock";
 
@@ -41,17 +44,19 @@ pub struct MissionId {
 }
 
 /// A directory of results, locked while it is open.
-pub struct Results {
+pub struct Results<R = Row> {
     directory: PathBuf,
     manifest: Manifest,
     journal: Journal,
-    rows: BTreeMap<MissionId, Row>,
+    rows: BTreeMap<MissionId, R>,
+    /// CPU times of the missions that have one [ms].
+    cpu_ms: BTreeMap<MissionId, f64>,
     /// What was found odd at opening.
     notes: Vec<String>,
     _lock: File,
 }
 
-impl Results {
+impl<R: Record> Results<R> {
     /// Opens the results of an experiment in a directory, which is made if it is not there. Seeds
     /// that the directory has already are kept; those of `manifest` are added.
     ///
@@ -109,12 +114,13 @@ impl Results {
     }
 
     fn with(directory: &Path, manifest: Manifest, lock: File) -> Result<Self, SweepError> {
-        let opened = Journal::open(directory)?;
+        let opened = Journal::open::<R>(directory)?;
         let mut results = Self {
             directory: directory.to_owned(),
             manifest,
             journal: opened.journal,
             rows: BTreeMap::new(),
+            cpu_ms: BTreeMap::new(),
             notes: Vec::new(),
             _lock: lock,
         };
@@ -140,13 +146,14 @@ impl Results {
             };
             if results.is_new(mission, &entry.row, directory)? {
                 results.rows.insert(mission, entry.row);
+                results.cpu_ms.extend(entry.cpu_ms.map(|ms| (mission, ms)));
             }
         }
         Ok(results)
     }
 
     /// Whether a row says something new: a failure gives way to a result, a result to nothing else.
-    fn is_new(&self, mission: MissionId, row: &Row, from: &Path) -> Result<bool, SweepError> {
+    fn is_new(&self, mission: MissionId, row: &R, from: &Path) -> Result<bool, SweepError> {
         let Some(known) = self.rows.get(&mission) else {
             return Ok(true);
         };
@@ -168,23 +175,45 @@ impl Results {
     /// # Errors
     /// [`SweepError::Io`]: everything before is kept. [`SweepError::Contradiction`] if another
     /// result of the mission is known.
-    pub fn record(&mut self, mission: MissionId, row: Row, wall_s: f64) -> Result<(), SweepError> {
+    pub fn record(&mut self, mission: MissionId, row: R, wall_s: f64) -> Result<(), SweepError> {
+        self.record_timed(mission, row, wall_s, None)
+    }
+
+    /// The same for a mission with a CPU time [ms].
+    ///
+    /// # Errors
+    /// As [`Self::record`].
+    pub fn record_timed(
+        &mut self,
+        mission: MissionId,
+        row: R,
+        wall_s: f64,
+        cpu_ms: Option<f64>,
+    ) -> Result<(), SweepError> {
         if self.is_new(mission, &row, &self.directory)? {
-            self.keep(mission, row, wall_s)?;
+            self.keep(mission, row, wall_s, cpu_ms)?;
         }
         self.journal.sync_if_due()
     }
 
     /// Writes a row down, and only then counts on it.
-    fn keep(&mut self, mission: MissionId, row: Row, wall_s: f64) -> Result<(), SweepError> {
+    fn keep(
+        &mut self,
+        mission: MissionId,
+        row: R,
+        wall_s: f64,
+        cpu_ms: Option<f64>,
+    ) -> Result<(), SweepError> {
         let entry = Entry {
             cell: mission.cell,
             seed: mission.seed,
             wall_s,
+            cpu_ms,
             row,
         };
         self.journal.append(&entry)?;
         self.rows.insert(mission, entry.row);
+        self.cpu_ms.extend(cpu_ms.map(|ms| (mission, ms)));
         Ok(())
     }
 
@@ -195,7 +224,7 @@ impl Results {
     pub fn add(&mut self, other: &Self) -> Result<(), SweepError> {
         for (mission, row) in other.rows() {
             if self.is_new(mission, row, &other.directory)? {
-                self.keep(mission, row.clone(), 0.0)?;
+                self.keep(mission, row.clone(), 0.0, other.cpu_ms(mission))?;
             }
         }
         self.journal.sync()
@@ -229,7 +258,7 @@ impl Results {
                 };
                 let wanted = self.manifest.seeds.iter().any(|seed| seed == theirs.seed);
                 if wanted && !row.is_failed() && self.is_new(mission, row, &other.directory)? {
-                    self.keep(mission, row.clone(), 0.0)?;
+                    self.keep(mission, row.clone(), 0.0, other.cpu_ms(theirs))?;
                     taken += 1;
                 }
             }
@@ -252,12 +281,17 @@ impl Results {
     }
 
     /// The row of a mission, if it is over.
-    pub fn row(&self, mission: MissionId) -> Option<&Row> {
+    pub fn row(&self, mission: MissionId) -> Option<&R> {
         self.rows.get(&mission)
     }
 
+    /// CPU time of a mission [ms], if it has one.
+    pub fn cpu_ms(&self, mission: MissionId) -> Option<f64> {
+        self.cpu_ms.get(&mission).copied()
+    }
+
     /// All rows in the order of the results.
-    pub fn rows(&self) -> impl Iterator<Item = (MissionId, &Row)> {
+    pub fn rows(&self) -> impl Iterator<Item = (MissionId, &R)> {
         self.rows.iter().map(|(&mission, row)| (mission, row))
     }
 
@@ -313,6 +347,7 @@ impl Results {
         table::write_csv(&mut bytes, &self.manifest, self.rows())
             .map_err(SweepError::io(&path, "cannot write the table"))?;
         replace(&path, &bytes)?;
+        self.write_times()?;
         #[cfg(feature = "parquet")]
         {
             let path = self.directory.join("results.parquet");
@@ -325,14 +360,50 @@ impl Results {
     }
 }
 
+impl<R: Record> Results<R> {
+    /// Writes the CPU times into a table of their own, if there are any: they are of this machine
+    /// and this time, the rows are not.
+    fn write_times(&self) -> Result<(), SweepError> {
+        if self.cpu_ms.is_empty() {
+            return Ok(());
+        }
+        let path = self.directory.join(TIMES);
+        let mut header = vec!["case"];
+        header.extend(self.manifest.parameters.iter().map(String::as_str));
+        header.extend(["seed", "cpu_ms"]);
+        let records = self.cpu_ms.iter().map(|(&mission, &ms)| {
+            let mut record = table::label(&self.manifest, mission);
+            record.push(table::Field::Float(ms));
+            Ok((mission, record))
+        });
+        let mut bytes = Vec::new();
+        table::write_records(&mut bytes, &self.manifest, &header, records)
+            .map_err(SweepError::io(&path, "cannot write the table of times"))?;
+        replace(&path, &bytes)
+    }
+}
+
+/// What the missions are whose results a directory holds.
+///
+/// # Errors
+/// [`SweepError`] if it holds none, or its manifest cannot be read.
+pub fn kind_of(directory: &Path) -> Result<Kind, SweepError> {
+    let manifest = read_manifest(directory)?.ok_or_else(|| SweepError::NotResults {
+        path: directory.to_owned(),
+        file: MANIFEST,
+        expected: "name the --out of a sweep",
+    })?;
+    Ok(manifest.kind)
+}
+
 /// All missions, in the order of the results.
 pub(super) fn missions(cells: usize, seeds: &Seeds) -> impl Iterator<Item = MissionId> {
     (0..cells).flat_map(|cell| seeds.iter().map(move |seed| MissionId { cell, seed }))
 }
 
 /// The first field in which two rows differ.
-fn difference(known: &Row, new: &Row) -> String {
-    let fields = |row: &Row| serde_json::to_value(row).unwrap_or_default();
+fn difference<R: Record>(known: &R, new: &R) -> String {
+    let fields = |row: &R| serde_json::to_value(row).unwrap_or_default();
     let (known, new) = (fields(known), fields(new));
     let names = known.as_object().into_iter().flat_map(|map| map.keys());
     names

@@ -1,9 +1,27 @@
 //! What one mission resulted in.
 
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
+use super::table::{COLUMNS, Field};
 use crate::mission::MissionReport;
 use crate::recorder::{RobotOutcome, Summary};
+
+/// A row of results. Nothing in it depends on the machine or on how it was carried out.
+pub trait Record: Clone + PartialEq + Serialize + DeserializeOwned {
+    /// The columns of its table: `case`, where the parameters follow, `seed`, and those of
+    /// [`Self::fields`].
+    fn columns() -> &'static [&'static str];
+
+    /// What stands in the columns after `seed`.
+    ///
+    /// # Errors
+    /// What cannot be written as text.
+    fn fields(&self) -> std::io::Result<Vec<Field>>;
+
+    /// Whether it failed, and may be carried out again.
+    fn is_failed(&self) -> bool;
+}
 
 /// How a mission ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -140,5 +158,49 @@ impl Row {
     /// Whether it failed.
     pub fn is_failed(&self) -> bool {
         self.outcome == Outcome::Failed
+    }
+}
+
+impl Record for Row {
+    fn columns() -> &'static [&'static str] {
+        &COLUMNS
+    }
+
+    fn fields(&self) -> std::io::Result<Vec<Field>> {
+        // A mission that failed has no numbers.
+        let known = !self.is_failed();
+        let int = |value: u64| {
+            if known {
+                Field::Int(value.cast_signed())
+            } else {
+                Field::Nothing
+            }
+        };
+        let float = |value: f64| Field::from(known.then_some(value));
+        let mut fields: Vec<Field> = vec![self.outcome.name().into()];
+        fields.extend(
+            [self.evaders, self.escaped, self.caught, self.held_out].map(|n| int(n.into())),
+        );
+        fields.push(float(self.sim_time_s));
+        fields.push(self.first_capture_s.into());
+        fields.push(self.first_escape_s.into());
+        fields.push(int(self.contacts.into()));
+        fields.push(float(self.evader_distance_m));
+        fields.push(self.evader_mean_speed.into());
+        fields.push(int(self.ticks));
+        fields.push(self.escape_possible_fraction.into());
+        fields.push(self.escape_impossible_from_s.into());
+        fields.push(self.digest.as_str().into());
+        fields.push(self.error.as_str().into());
+        fields.push(if known {
+            Field::Text(serde_json::to_string(&self.robots)?)
+        } else {
+            Field::Nothing
+        });
+        Ok(fields)
+    }
+
+    fn is_failed(&self) -> bool {
+        Self::is_failed(self)
     }
 }

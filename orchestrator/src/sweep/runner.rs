@@ -13,7 +13,8 @@ use super::error::SweepError;
 use super::experiment::Experiment;
 use super::progress::Progress;
 use super::results::{MissionId, Results, missions};
-use super::row::Row;
+use super::row::{Record, Row};
+use super::seeds::Seeds;
 use super::shard::Shard;
 use super::spec::LogPolicy;
 
@@ -62,8 +63,23 @@ pub fn to_do(
     shard: Shard,
     retry_failed: bool,
 ) -> (Vec<MissionId>, usize) {
+    to_do_of(
+        (experiment.cells.len(), &experiment.seeds),
+        results,
+        shard,
+        retry_failed,
+    )
+}
+
+/// The same of an experiment with so many cells and these seeds.
+pub(super) fn to_do_of<R: Record>(
+    (cells, seeds): (usize, &Seeds),
+    results: Option<&Results<R>>,
+    shard: Shard,
+    retry_failed: bool,
+) -> (Vec<MissionId>, usize) {
     let mut known = 0;
-    let open = missions(experiment.cells.len(), &experiment.seeds)
+    let open = missions(cells, seeds)
         .enumerate()
         .filter(|&(number, _)| shard.has(number))
         .map(|(_, mission)| mission)

@@ -12,6 +12,7 @@ pub const MAX_MISSIONS: usize = 1_000_000;
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct TopLevel {
+    pub kind: super::manifest::Kind,
     pub name: Option<String>,
     pub title: Option<String>,
     pub description: Option<String>,

@@ -5,7 +5,7 @@ use std::io::Write;
 use super::cell::Value;
 use super::manifest::Manifest;
 use super::results::MissionId;
-use super::row::Row;
+use super::row::Record;
 
 /// The columns that every table of results has, beside those of the parameters, which stand between
 /// `case` and `seed`.
@@ -32,8 +32,8 @@ pub const COLUMNS: [&str; 19] = [
 ];
 
 /// The header of a table.
-pub(super) fn header(manifest: &Manifest) -> Vec<&str> {
-    let (case, others) = COLUMNS.split_at(1);
+pub(super) fn header<R: Record>(manifest: &Manifest) -> Vec<&str> {
+    let (case, others) = R::columns().split_at(1);
     let parameters = manifest.parameters.iter().map(String::as_str);
     let columns = case.iter().copied().chain(parameters);
     columns.chain(others.iter().copied()).collect()
@@ -45,17 +45,31 @@ pub(super) fn header(manifest: &Manifest) -> Vec<&str> {
 ///
 /// # Errors
 /// What the writer said.
-pub(super) fn write_csv<'a>(
+pub(super) fn write_csv<'a, R: Record + 'a>(
     out: impl Write,
     manifest: &Manifest,
-    rows: impl Iterator<Item = (MissionId, &'a Row)>,
+    rows: impl Iterator<Item = (MissionId, &'a R)>,
+) -> std::io::Result<()> {
+    let records = rows.map(|(mission, row)| Ok((mission, record(manifest, mission, row)?)));
+    write_records(out, manifest, &header::<R>(manifest), records)
+}
+
+/// Writes records as CSV, each with the mission that it is of.
+///
+/// # Errors
+/// What the writer said.
+pub(super) fn write_records(
+    out: impl Write,
+    manifest: &Manifest,
+    header: &[&str],
+    records: impl Iterator<Item = std::io::Result<(MissionId, Vec<Field>)>>,
 ) -> std::io::Result<()> {
     let mut csv = csv::WriterBuilder::new()
         .terminator(csv::Terminator::Any(b'\n'))
         .from_writer(out);
-    csv.write_record(header(manifest)).map_err(io)?;
-    for (mission, row) in rows {
-        let fields = record(manifest, mission, row)?;
+    csv.write_record(header).map_err(io)?;
+    for record in records {
+        let (mission, fields) = record?;
         let texts = fields.iter().zip(0..).map(|(field, column)| {
             // Parameters stay as they are written: 1.0 is not 1.
             let parameter = usize::checked_sub(column, 1).and_then(|i| {
@@ -73,12 +87,16 @@ pub(super) fn write_csv<'a>(
 
 /// One field of the table.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Field {
+pub enum Field {
     /// There is none.
     Nothing,
+    /// True or false.
     Bool(bool),
+    /// A whole number.
     Int(i64),
+    /// A number.
     Float(f64),
+    /// Text.
     Text(String),
 }
 
@@ -141,45 +159,24 @@ impl From<&Value> for Field {
 }
 
 /// The fields of one row, in the order of [`header`].
-pub(super) fn record(
+pub(super) fn record<R: Record>(
     manifest: &Manifest,
     mission: MissionId,
-    row: &Row,
+    row: &R,
 ) -> std::io::Result<Vec<Field>> {
-    let cell = manifest.cells.get(mission.cell);
-    let mut record = vec![cell.map_or(Field::Nothing, |c| c.case.as_str().into())];
-    record.extend(cell.into_iter().flat_map(|c| &c.values).map(Field::from));
-    // Seeds are below 2^63.
-    record.push(Field::Int(mission.seed.cast_signed()));
-    record.push(row.outcome.name().into());
-    // A mission that failed has no numbers.
-    let known = !row.is_failed();
-    let int = |value: u64| {
-        if known {
-            Field::Int(value.cast_signed())
-        } else {
-            Field::Nothing
-        }
-    };
-    let float = |value: f64| Field::from(known.then_some(value));
-    record.extend([row.evaders, row.escaped, row.caught, row.held_out].map(|n| int(n.into())));
-    record.push(float(row.sim_time_s));
-    record.push(row.first_capture_s.into());
-    record.push(row.first_escape_s.into());
-    record.push(int(row.contacts.into()));
-    record.push(float(row.evader_distance_m));
-    record.push(row.evader_mean_speed.into());
-    record.push(int(row.ticks));
-    record.push(row.escape_possible_fraction.into());
-    record.push(row.escape_impossible_from_s.into());
-    record.push(row.digest.as_str().into());
-    record.push(row.error.as_str().into());
-    record.push(if known {
-        Field::Text(serde_json::to_string(&row.robots)?)
-    } else {
-        Field::Nothing
-    });
+    let mut record = label(manifest, mission);
+    record.extend(row.fields()?);
     Ok(record)
+}
+
+/// What says which mission a row is of: case, parameters and seed.
+pub(super) fn label(manifest: &Manifest, mission: MissionId) -> Vec<Field> {
+    let cell = manifest.cells.get(mission.cell);
+    let mut label = vec![cell.map_or(Field::Nothing, |c| c.case.as_str().into())];
+    label.extend(cell.into_iter().flat_map(|c| &c.values).map(Field::from));
+    // Seeds are below 2^63.
+    label.push(Field::Int(mission.seed.cast_signed()));
+    label
 }
 
 fn io(error: csv::Error) -> std::io::Error {

@@ -1,0 +1,175 @@
+//! `protean sweep` of experiments whose missions are plans.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+use serde_json::json;
+
+use super::run::handle_signals;
+use super::sweep::{SweepRunArgs, failed, invalid, place, processors, schedule};
+use super::{EXIT_PARTIAL, print, print_json};
+use crate::sweep::launcher::Scheduler;
+use crate::sweep::merge::merge;
+use crate::sweep::planning::{
+    PlanExperiment, PlanResults, PlanRow, run as carry_out, summary, to_do,
+};
+use crate::sweep::runner::{RunOptions, RunReport};
+use crate::sweep::shard::Shard;
+use crate::sweep::spec::LogPolicy;
+use crate::sweep::{LoadOptions, Record as _, SweepError, describe};
+
+/// Runs an experiment of plans, or the part of it that was asked for.
+pub(super) fn run(path: &Path, args: &SweepRunArgs, load: &LoadOptions, shard: Shard) -> ExitCode {
+    if args.log.is_some() {
+        return invalid("error: --log: plans have no logs; leave it away");
+    }
+    let experiment = match PlanExperiment::load(path, load) {
+        Ok(experiment) => experiment,
+        Err(problems) => return invalid(problems),
+    };
+    let out = place(args, &experiment.name, shard);
+    let ended = if args.dry_run {
+        dry_run(&experiment, args, shard, &out)
+    } else if args.engine == Scheduler::Local {
+        local(&experiment, args, shard, &out)
+    } else {
+        let what = (experiment.name.as_str(), &experiment.run);
+        schedule(what, path, args, args.engine, &out)
+    };
+    ended.unwrap_or_else(|error| failed(&error))
+}
+
+/// Puts the results of parts together.
+pub(super) fn merged(parts: &[PathBuf], out: &Path, as_json: bool) -> ExitCode {
+    match merge::<PlanRow>(parts, out) {
+        Ok(results) => conclude(&results, None, as_json),
+        Err(error) => failed(&error),
+    }
+}
+
+fn dry_run(
+    experiment: &PlanExperiment,
+    args: &SweepRunArgs,
+    shard: Shard,
+    out: &Path,
+) -> Result<ExitCode, SweepError> {
+    let manifest = experiment.manifest();
+    let results = match PlanResults::read(out) {
+        Ok(results) => Some(results),
+        Err(SweepError::NotResults { .. }) => None,
+        Err(error) => return Err(error),
+    };
+    if let Some(results) = &results
+        && let Some(difference) = manifest.difference(results.manifest())
+    {
+        let path = out.to_owned();
+        return Err(SweepError::Other { path, difference });
+    }
+    let (open, known) = to_do(experiment, results.as_ref(), shard, args.retry_failed);
+    let names: Vec<&str> = manifest.parameters.iter().map(String::as_str).collect();
+    let cell = |index: usize| experiment.cells.get(index);
+    if args.json {
+        let missions: Vec<_> = open
+            .iter()
+            .filter_map(|mission| {
+                let cell = cell(mission.cell)?;
+                let parameters: std::collections::BTreeMap<_, _> =
+                    names.iter().zip(&cell.values).collect();
+                Some(json!({
+                    "case": cell.case,
+                    "parameters": parameters,
+                    "seed": mission.seed,
+                    "task": cell.task,
+                }))
+            })
+            .collect();
+        print_json(&json!({
+            "experiment": experiment.name,
+            "blake3": manifest.blake3,
+            "cells": experiment.cells.len(),
+            "seeds": experiment.seeds,
+            "known": known,
+            "missions": missions,
+        }));
+        return Ok(ExitCode::SUCCESS);
+    }
+    for mission in &open {
+        if let Some(cell) = cell(mission.cell) {
+            let label = describe(&cell.case, &names, &cell.values);
+            print(&format!("{label}, seed {}", mission.seed));
+        }
+    }
+    eprintln!(
+        "{}: {} cells, seeds {}; {} plans to make, {known} done",
+        experiment.name,
+        experiment.cells.len(),
+        experiment.seeds,
+        open.len(),
+    );
+    Ok(ExitCode::SUCCESS)
+}
+
+fn local(
+    experiment: &PlanExperiment,
+    args: &SweepRunArgs,
+    shard: Shard,
+    out: &Path,
+) -> Result<ExitCode, SweepError> {
+    let interrupted = Arc::new(AtomicBool::new(false));
+    handle_signals(&interrupted).map_err(|source| SweepError::Launcher {
+        program: "sweep".to_owned(),
+        what: format!("cannot handle signals: {source}"),
+        help: None,
+    })?;
+    let mut results = PlanResults::open(out, &experiment.manifest(), &experiment.text)?;
+    for directory in &args.reuse {
+        let taken = results.reuse(&PlanResults::read(directory)?)?;
+        if !args.quiet {
+            eprintln!("{taken} plans taken over from {}", directory.display());
+        }
+    }
+    let jobs = args.jobs.map(usize::from).or(experiment.run.jobs);
+    let options = RunOptions {
+        jobs: jobs.unwrap_or_else(processors),
+        shard,
+        retry_failed: args.retry_failed,
+        log: LogPolicy::None,
+        timeout: Duration::MAX,
+        quiet: args.quiet,
+        interrupted,
+    };
+    // A planner that breaks down is a row that says so.
+    std::panic::set_hook(Box::new(|_| ()));
+    let ran = carry_out(experiment, &mut results, &options);
+    let _ = std::panic::take_hook();
+    // What is done is worth a table also when something went wrong.
+    let written = results.write_csv();
+    let report = ran?;
+    written?;
+    Ok(conclude(&results, Some(&report), args.json))
+}
+
+/// Prints what the results amount to.
+fn conclude(results: &PlanResults, report: Option<&RunReport>, as_json: bool) -> ExitCode {
+    for note in results.notes() {
+        eprintln!("note: {note}");
+    }
+    if as_json {
+        print_json(&summary::json(results, report));
+    } else {
+        let table = results.directory().join("results.csv");
+        let text = summary::text(results, report);
+        print(&format!("{text}\nresults   {}", table.display()));
+    }
+    let broken = results.rows().any(|(_, row)| row.is_failed());
+    let interrupted = report.is_some_and(|report| report.interrupted);
+    let missing = report.is_none() && !results.missing().is_empty();
+    if broken || interrupted || missing {
+        ExitCode::from(EXIT_PARTIAL)
+    } else {
+        ExitCode::SUCCESS
+    }
+}
