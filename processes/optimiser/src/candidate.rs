@@ -13,6 +13,7 @@ use crate::options::{Constraints, Options};
 use crate::path::PathPoint;
 use crate::plan::Method;
 use crate::problem::Problem;
+use crate::refine::Refinement;
 use crate::shape::{Frame, Search};
 use crate::spline::Basis;
 use crate::timing;
@@ -49,6 +50,9 @@ pub struct Candidate {
     pub min_clearance: f64,
     /// Points that control the curve.
     pub control_points: usize,
+    /// Whether the limits of the accelerations are ignored: nothing to answer with, but something
+    /// to begin with.
+    pub rough: bool,
 }
 
 /// What is the same for all tries.
@@ -109,6 +113,23 @@ impl Bench<'_> {
                     .and_then(|(_, points)| self.drive(&hidden, &points, variant));
                 // Where polishing fails, ν = 1 everywhere and the prey's path is the robot's.
                 polished.or_else(|| self.drive(&curve, &points, variant))
+            }
+        }
+    }
+
+    /// Makes a trajectory faster, if that succeeds.
+    pub fn refine(&mut self, candidate: &mut Candidate, stop: &mut dyn FnMut() -> bool) {
+        let samples = candidate.trajectory.samples();
+        let Some(mut search) = Refinement::new(self.problem, self.ground, samples) else {
+            return;
+        };
+        let found = search.run(stop);
+        self.programs += search.programs;
+        if let Some(samples) = found {
+            let trajectory = Trajectory::from_samples(samples);
+            if candidate.rough || trajectory.duration() < candidate.trajectory.duration() {
+                candidate.trajectory = trajectory;
+                candidate.rough = false;
             }
         }
     }
@@ -194,7 +215,12 @@ impl Bench<'_> {
         } else {
             problem.goal_speed
         };
-        let speeds = timing::speeds(points, limits, start, end)?;
+        let speeds = timing::speeds(points, limits, start, end);
+        let rough = speeds.is_none();
+        let speeds = match speeds {
+            Some(speeds) => speeds,
+            None => timing::speeds(points, &limits.without_inertia(), None, None)?,
+        };
         let mut trajectory = Trajectory::at(&problem.start);
         if variant.turn_at_start {
             let first = points.first()?.theta;
@@ -213,6 +239,7 @@ impl Bench<'_> {
             trajectory,
             min_clearance: f64::NEG_INFINITY,
             control_points: curve.control_points(),
+            rough,
         })
     }
 }

@@ -14,6 +14,7 @@ pub mod plan;
 pub mod planner;
 pub mod problem;
 pub mod program;
+pub mod refine;
 pub mod shape;
 pub mod spline;
 pub mod tangent;

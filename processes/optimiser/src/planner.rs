@@ -89,34 +89,35 @@ pub fn plan(
         };
         let good = bound * (1.0 + GOOD) + turning_time(problem, guide).min(MOST_TURNING * bound);
         let tries = if options.fallbacks { VARIANTS.len() } else { 1 };
+        let inertia = !problem.limits.is_without_inertia();
         for variant in variants(problem).take(tries) {
-            let Some(candidate) = bench.attempt(variant, stop) else {
-                stopped = stop();
-                if stopped { break } else { continue }
-            };
-            let time = candidate.trajectory.duration();
-            let better = best.as_ref().is_none_or(|b| time < b.trajectory.duration());
-            if !better {
-                continue;
+            let mut candidate = bench.attempt(variant, stop);
+            if inertia
+                && options.refine
+                && let Some(first) = &mut candidate
+            {
+                bench.refine(first, stop);
             }
-            let report = check::report(problem, &ground, candidate.trajectory.samples());
-            if std::env::var_os("DBG").is_some() {
-                eprintln!(
-                    "{variant:?} {} gap {:.4}%",
-                    candidate.control_points,
-                    100.0 * (time / bound - 1.0)
-                );
-                for v in &report.violations {
-                    eprintln!("  {variant:?} {v}");
+            if let Some(candidate) = candidate
+                && !candidate.rough
+            {
+                let time = candidate.trajectory.duration();
+                let better = best.as_ref().is_none_or(|b| time < b.trajectory.duration());
+                let report = check::report(problem, &ground, candidate.trajectory.samples());
+                if std::env::var_os("DBG").is_some() {
+                    eprintln!("{variant:?} T {time} gap {:.4}%", 100.0 * (time / bound - 1.0));
+                    for v in &report.violations {
+                        eprintln!("  {variant:?} {v}");
+                    }
                 }
-            }
-            if report.is_honest() {
-                best = Some(Candidate {
-                    min_clearance: report.min_clearance,
-                    ..candidate
-                });
-                if time <= good {
-                    break;
+                if better && report.is_honest() {
+                    best = Some(Candidate {
+                        min_clearance: report.min_clearance,
+                        ..candidate
+                    });
+                    if time <= good {
+                        break;
+                    }
                 }
             }
             stopped = stop();
@@ -213,5 +214,6 @@ fn certain(
         trajectory,
         min_clearance: report.min_clearance,
         control_points: 0,
+        rough: false,
     })
 }
