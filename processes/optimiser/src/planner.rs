@@ -115,7 +115,7 @@ pub fn plan(
                         min_clearance: report.min_clearance,
                         ..candidate
                     });
-                    if time <= good {
+                    if time <= good || (inertia && options.refine) {
                         break;
                     }
                 }

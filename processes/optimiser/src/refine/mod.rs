@@ -42,6 +42,12 @@ const PENALTY: f64 = 20.0;
 const PROXIMAL: [f64; 2] = [1e-2, 1e-4];
 /// Distance [m] from an obstacle, besides what is driven in a step, within which it is looked at.
 const REACH: f64 = 0.15;
+/// Cost of the turning rate's square, relative to its limit's, per second: of all fastest
+/// trajectories the calmest. It costs less than this share of the duration.
+const CALM: f64 = 1e-4;
+/// Shares of the improvement that a program promises: below the first, the next one gets less
+/// freedom, above the second, more.
+const KEPT: [f64; 2] = [0.3, 0.8];
 /// Depth [m] that is none.
 const NO_DEPTH: f64 = 2e-5;
 /// What an obstacle is grown by beside the depth, when the way between nodes enters it [m].
@@ -97,7 +103,8 @@ impl<'a> Refinement<'a> {
     /// is found that is free and without gaps.
     pub fn run(&mut self, stop: &mut dyn FnMut() -> bool) -> Option<Vec<Sample>> {
         let mut trust = TRUST;
-        let mut merit = self.merit();
+        // The first trajectory need not keep ends and limits; whatever does is better.
+        let mut merit = f64::INFINITY;
         while self.programs < MOST {
             if stop() {
                 return None;
@@ -111,12 +118,17 @@ impl<'a> Refinement<'a> {
                 }
                 continue;
             };
-            let (nodes, time) = (core::mem::replace(&mut self.nodes, next.0), self.time);
-            self.time = next.1;
+            let (nodes, time) = (core::mem::replace(&mut self.nodes, next.nodes), self.time);
+            self.time = next.time;
             let found = self.merit();
             if std::env::var_os("DBG").is_some() {
-                eprintln!("   {} T {} merit {merit} -> {found} gap {:e} trust {trust}", self.programs, self.time, self.gap());
+                eprintln!("   {} T {} merit {merit} -> {found} promised {} gap {:e} trust {trust}", self.programs, self.time, next.promised, self.gap());
             }
+            let kept = if merit.is_finite() {
+                (merit - found) / (merit - next.promised).max(1e-12)
+            } else {
+                1.0
+            };
             if found > merit + 1e-9 * time {
                 (self.nodes, self.time) = (nodes, time);
                 trust *= 0.4;
@@ -126,10 +138,15 @@ impl<'a> Refinement<'a> {
                 }
                 continue;
             }
+            if kept > KEPT[1] {
+                trust = (2.0 * trust).min(TRUST);
+                self.proximal = (self.proximal / 4.0).max(PROXIMAL[1]);
+            } else if kept < KEPT[0] {
+                trust *= 0.5;
+                self.proximal *= 2.0;
+            }
             let settled = (merit - found) <= CONVERGED * time;
             merit = found;
-            trust = (2.0 * trust).min(TRUST);
-            self.proximal = (self.proximal / 3.0).max(PROXIMAL[1]);
             if settled && self.gap() <= CLOSED {
                 let depth = self.repair();
                 if depth <= NO_DEPTH {
@@ -141,11 +158,17 @@ impl<'a> Refinement<'a> {
         (self.gap() <= 100.0 * CLOSED).then(|| self.samples())
     }
 
-    /// Duration [s], plus what gaps and depths cost.
+    /// What turning costs [s].
+    fn unrest(&self) -> f64 {
+        let weight = CALM * self.step_time() / self.problem.limits.omega_max.powi(2);
+        self.nodes.iter().map(|node| weight * node.omega * node.omega).sum()
+    }
+
+    /// Duration [s], plus what turning, gaps and depths cost.
     fn merit(&self) -> f64 {
         let price = PENALTY / self.problem.limits.top_speed();
         let turn_price = PENALTY / self.problem.limits.top_turn_rate();
-        let mut sum = self.time;
+        let mut sum = self.time + self.unrest();
         let step_time = self.step_time();
         for pair in self.nodes.windows(2) {
             let step = rollout::step(&pair[0], &pair[1], step_time);
@@ -206,8 +229,8 @@ impl<'a> Refinement<'a> {
         deepest
     }
 
-    /// The nodes and the duration that the program around the last ones yields.
-    fn improved(&self, trust: f64) -> Option<(Vec<Node>, f64)> {
+    /// What the program around the last nodes yields.
+    fn improved(&self, trust: f64) -> Option<Next> {
         let count = self.nodes.len();
         let duration = EACH * count;
         let holds = self.holds();
@@ -248,8 +271,16 @@ impl<'a> Refinement<'a> {
                 omega: at[OMEGA],
             }
         };
-        let nodes = (0..count).map(node).collect();
-        (z[duration] > 0.0).then_some((nodes, z[duration]))
+        let nodes: Vec<Node> = (0..count).map(node).collect();
+        let depths: f64 = z[duration + 1..].iter().map(|slack| slack.max(0.0)).sum();
+        let calm = CALM * self.step_time() / self.problem.limits.omega_max.powi(2);
+        let unrest: f64 = nodes.iter().map(|node| calm * node.omega * node.omega).sum();
+        let time = z[duration];
+        (time > 0.0).then_some(Next {
+            nodes,
+            time,
+            promised: time + unrest + price * depths,
+        })
     }
 
     fn add_proximal(&self, program: &mut Program) {
@@ -268,6 +299,8 @@ impl<'a> Refinement<'a> {
                 program.add_quadratic(EACH * k + i, EACH * k + i, weight);
                 program.add_linear(EACH * k + i, -weight * value);
             }
+            let calm = CALM * self.step_time() / (limits.omega_max * limits.omega_max);
+            program.add_quadratic(EACH * k + OMEGA, EACH * k + OMEGA, 2.0 * calm);
         }
     }
 
@@ -425,6 +458,15 @@ impl<'a> Refinement<'a> {
         }
         samples
     }
+}
+
+/// What a program yields.
+struct Next {
+    nodes: Vec<Node>,
+    /// Duration [s].
+    time: f64,
+    /// The merit, if everything were as linear as in the program.
+    promised: f64,
 }
 
 /// A node stays ahead of a line.
