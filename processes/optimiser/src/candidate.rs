@@ -18,6 +18,7 @@ use crate::shape::{Frame, Search};
 use crate::spline::Basis;
 use crate::timing;
 use crate::trajectory::Trajectory;
+use crate::warm::Rest;
 
 /// Most times that a curve is made anew because it is too near to an obstacle between its samples.
 const MOST_REPAIRS: u32 = 8;
@@ -63,8 +64,12 @@ pub struct Bench<'a> {
     pub ground: &'a Ground,
     /// The path to begin with.
     pub guide: &'a Guide,
+    /// Length of the shortest path [m].
+    pub shortest: f64,
     /// The options.
     pub options: &'a Options,
+    /// What is left of the robot's last plan.
+    pub rest: Option<Rest>,
     /// Convex programs solved so far.
     pub programs: u32,
 }
@@ -119,12 +124,18 @@ impl Bench<'_> {
 
     /// Makes a trajectory faster, if that succeeds.
     pub fn refine(&mut self, candidate: &mut Candidate, stop: &mut dyn FnMut() -> bool) {
-        let samples = candidate.trajectory.samples();
-        let Some(mut search) = Refinement::new(self.problem, self.ground, samples) else {
-            return;
-        };
-        let found = search.run(stop);
-        self.programs += search.programs;
+        // The last plan kept the same limits: it is nearer to what is sought than any curve.
+        let rest = self.rest.as_ref().map(|rest| rest.samples.as_slice());
+        let mut found = None;
+        for samples in rest.into_iter().chain([candidate.trajectory.samples()]) {
+            let search = Refinement::new(self.problem, self.ground, samples);
+            let Some(mut search) = search else { continue };
+            found = search.run(stop);
+            self.programs += search.programs;
+            if found.is_some() || stop() {
+                break;
+            }
+        }
         if let Some(samples) = found {
             let trajectory = Trajectory::from_samples(samples);
             if candidate.rough || trajectory.duration() < candidate.trajectory.duration() {
@@ -161,6 +172,8 @@ impl Bench<'_> {
         stop: &mut dyn FnMut() -> bool,
     ) -> Option<(Vec<f64>, Vec<PathPoint>)> {
         let mut search = Search::new(self.ground, self.guide, *frame, curve);
+        search.shortest = self.shortest;
+        search.near = self.rest.as_ref().map(|rest| &rest.guide);
         let theta = self.problem.start.theta;
         let nodes_only = self.options.constraints == Constraints::Nodes;
         if nodes_only {

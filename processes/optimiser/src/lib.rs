@@ -21,6 +21,8 @@ pub mod tangent;
 pub mod timing;
 pub mod trajectory;
 pub mod turning;
+pub mod warm;
+pub mod wavefront;
 pub use options::Options;
 pub use plan::{Method, Plan, PlanError, Sample, Status};
 pub use planner::plan;

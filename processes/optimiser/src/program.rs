@@ -185,7 +185,10 @@ mod tests {
         program.add_quadratic(1, 1, 1.0);
         program.equal([(0, 1.0), (1, 1.0)], 1.0);
         let z = program.solve().unwrap();
-        assert!((z[0] - 0.5).abs() < 1e-6 && (z[1] - 0.5).abs() < 1e-6, "{z:?}");
+        assert!(
+            (z[0] - 0.5).abs() < 1e-6 && (z[1] - 0.5).abs() < 1e-6,
+            "{z:?}"
+        );
     }
 
     #[test]

@@ -121,9 +121,6 @@ impl<'a> Refinement<'a> {
             let (nodes, time) = (core::mem::replace(&mut self.nodes, next.nodes), self.time);
             self.time = next.time;
             let found = self.merit();
-            if std::env::var_os("DBG").is_some() {
-                eprintln!("   {} T {} merit {merit} -> {found} promised {} gap {:e} trust {trust}", self.programs, self.time, next.promised, self.gap());
-            }
             let kept = if merit.is_finite() {
                 (merit - found) / (merit - next.promised).max(1e-12)
             } else {
@@ -161,7 +158,10 @@ impl<'a> Refinement<'a> {
     /// What turning costs [s].
     fn unrest(&self) -> f64 {
         let weight = CALM * self.step_time() / self.problem.limits.omega_max.powi(2);
-        self.nodes.iter().map(|node| weight * node.omega * node.omega).sum()
+        self.nodes
+            .iter()
+            .map(|node| weight * node.omega * node.omega)
+            .sum()
     }
 
     /// Duration [s], plus what turning, gaps and depths cost.
@@ -274,7 +274,10 @@ impl<'a> Refinement<'a> {
         let nodes: Vec<Node> = (0..count).map(node).collect();
         let depths: f64 = z[duration + 1..].iter().map(|slack| slack.max(0.0)).sum();
         let calm = CALM * self.step_time() / self.problem.limits.omega_max.powi(2);
-        let unrest: f64 = nodes.iter().map(|node| calm * node.omega * node.omega).sum();
+        let unrest: f64 = nodes
+            .iter()
+            .map(|node| calm * node.omega * node.omega)
+            .sum();
         let time = z[duration];
         (time > 0.0).then_some(Next {
             nodes,
@@ -417,8 +420,7 @@ impl<'a> Refinement<'a> {
         for (index, obstacle) in self.ground.obstacles.iter().enumerate() {
             let keep = clearance + self.margins[index];
             for (i, node) in self.inner().iter().enumerate() {
-                let Some((surface, normal)) =
-                    surface(obstacle, node.at, keep + REACH + step)
+                let Some((surface, normal)) = surface(obstacle, node.at, keep + REACH + step)
                 else {
                     continue;
                 };
@@ -487,7 +489,9 @@ fn surface(obstacle: &Convex, p: Point2<f64>, reach: f64) -> Option<(Point2<f64>
 
 /// Pose and speeds at a time, by linear interpolation.
 fn sample_at(samples: &[Sample], t: f64) -> Node {
-    let after = samples.partition_point(|s| s.t < t).clamp(1, samples.len() - 1);
+    let after = samples
+        .partition_point(|s| s.t < t)
+        .clamp(1, samples.len() - 1);
     let (a, b) = (&samples[after - 1], &samples[after]);
     let part = if b.t > a.t {
         ((t - a.t) / (b.t - a.t)).clamp(0.0, 1.0)

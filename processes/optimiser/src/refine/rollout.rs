@@ -81,7 +81,12 @@ mod tests {
     use super::*;
 
     fn node(theta: f64, v: f64, omega: f64) -> Node {
-        Node { at: Point2::new(0.3, -0.2), theta, v, omega }
+        Node {
+            at: Point2::new(0.3, -0.2),
+            theta,
+            v,
+            omega,
+        }
     }
 
     #[test]
@@ -98,13 +103,59 @@ mod tests {
         let (a, b, time) = (node(0.4, 0.5, -0.7), node(0.0, 0.2, 1.3), 0.3);
         let exact = step(&a, &b, time);
         let h = 1e-6;
-        let difference = |change: &dyn Fn(f64) -> Vector2<f64>| (change(h) - change(-h)) / (2.0 * h);
+        let difference =
+            |change: &dyn Fn(f64) -> Vector2<f64>| (change(h) - change(-h)) / (2.0 * h);
         let cases: [(Vector2<f64>, Vector2<f64>); 6] = [
-            (exact.by_theta, difference(&|d| step(&Node { theta: a.theta + d, ..a }, &b, time).way)),
-            (exact.by_v[0], difference(&|d| step(&Node { v: a.v + d, ..a }, &b, time).way)),
-            (exact.by_v[1], difference(&|d| step(&a, &Node { v: b.v + d, ..b }, time).way)),
-            (exact.by_omega[0], difference(&|d| step(&Node { omega: a.omega + d, ..a }, &b, time).way)),
-            (exact.by_omega[1], difference(&|d| step(&a, &Node { omega: b.omega + d, ..b }, time).way)),
+            (
+                exact.by_theta,
+                difference(&|d| {
+                    step(
+                        &Node {
+                            theta: a.theta + d,
+                            ..a
+                        },
+                        &b,
+                        time,
+                    )
+                    .way
+                }),
+            ),
+            (
+                exact.by_v[0],
+                difference(&|d| step(&Node { v: a.v + d, ..a }, &b, time).way),
+            ),
+            (
+                exact.by_v[1],
+                difference(&|d| step(&a, &Node { v: b.v + d, ..b }, time).way),
+            ),
+            (
+                exact.by_omega[0],
+                difference(&|d| {
+                    step(
+                        &Node {
+                            omega: a.omega + d,
+                            ..a
+                        },
+                        &b,
+                        time,
+                    )
+                    .way
+                }),
+            ),
+            (
+                exact.by_omega[1],
+                difference(&|d| {
+                    step(
+                        &a,
+                        &Node {
+                            omega: b.omega + d,
+                            ..b
+                        },
+                        time,
+                    )
+                    .way
+                }),
+            ),
             (exact.by_time, difference(&|d| step(&a, &b, time + d).way)),
         ];
         for (found, want) in cases {
