@@ -47,6 +47,9 @@ pub struct Options {
     /// Whether other ways are tried if the curve asked for is not honest or not good: turning on
     /// the spot before and after it, more control points, and the exact shortest path in the end.
     pub fallbacks: bool,
+    /// Whether a robot with inertia gets what a search in its controls makes of the curve
+    /// ([`crate::refine`]).
+    pub refine: bool,
     /// Degree of the B-spline, 2…8; absent: 3, or 2 for the prey of `lp`.
     pub degree: Option<usize>,
     /// Number of its control points, spread evenly, from degree + 1 to 64; absent: as many as the
@@ -67,6 +70,7 @@ impl Default for Options {
             guess: Guess::default(),
             constraints: Constraints::default(),
             fallbacks: true,
+            refine: true,
             degree: None,
             control_points: None,
             nodes: 15,

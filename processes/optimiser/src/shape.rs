@@ -93,6 +93,10 @@ pub struct Search<'a> {
     pub curve: &'a dyn Curve,
     /// By obstacle: what the path stays away in addition [m].
     pub margins: Vec<f64>,
+    /// Length [m] that no curve can be shorter than.
+    pub shortest: f64,
+    /// A path that is known to be near the curve, if there is one.
+    pub near: Option<&'a Guide>,
     /// Programs solved.
     pub programs: u32,
     /// The only places at which obstacles are looked at, if not everywhere.
@@ -119,6 +123,8 @@ impl<'a> Search<'a> {
             frame,
             curve,
             margins: vec![0.0; ground.obstacles.len()],
+            shortest: guide.length(),
+            near: None,
             programs: 0,
             only_at: None,
             slack_cost: SLACK_COST,
@@ -126,7 +132,7 @@ impl<'a> Search<'a> {
     }
 
     /// Iterates from a curve (`None`: from the guide) until the cost stays, or the curve's length
-    /// is nearer to the guide's than this share; `None` if a program has no solution. `stop` ends
+    /// is nearer to the shortest than this share; `None` if a program has no solution. `stop` ends
     /// it early with what there is.
     pub fn run(
         &mut self,
@@ -162,9 +168,9 @@ impl<'a> Search<'a> {
                         .sum::<f64>();
             z = Some(next);
             let clean = depth * self.frame.unit() <= NO_DEPTH;
-            // length² ≤ ∫|r'|² (Cauchy–Schwarz), and the guide's length is UNITS.
-            let most = (2.0 * energy * UNITS).sqrt() / UNITS;
-            if clean && self.curve.is_linear() && most <= 1.0 + enough {
+            // length² ≤ ∫|r'|² (Cauchy–Schwarz).
+            let most = (2.0 * energy * UNITS).sqrt() * self.frame.unit();
+            if clean && self.curve.is_linear() && most <= self.shortest * (1.0 + enough) {
                 break;
             }
             if (last_cost - cost).abs() <= CONVERGED * cost {
@@ -215,10 +221,11 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The half-planes that hold the curve, as it is or, before there is one, as the guide is.
+    /// The half-planes that hold the curve, as it is or, before there is one, as the guide is or the
+    /// path that is known to be near.
     fn holds(&self, z: Option<&[f64]>) -> Vec<Hold> {
         let length = self.guide.length();
-        let known = usize::from(z.is_some());
+        let known = usize::from(z.is_some() || self.near.is_some());
         let mut holds = Vec::new();
         let mut row = Row::default();
         let mut place = |at: f64| match z {
@@ -226,7 +233,7 @@ impl<'a> Search<'a> {
                 self.curve.row(at, 0, z, &mut row);
                 self.frame.outward(row.value)
             }
-            None => self.guide.at(at),
+            None => self.near.unwrap_or(self.guide).at(at),
         };
         // Positions on a coarse grid say which obstacles matter where.
         let count = (length / COARSEST).ceil().max(8.0) as usize;
