@@ -7,6 +7,7 @@ pub mod figures;
 pub mod in_process;
 pub mod mission;
 pub mod picture;
+pub mod plan_page;
 pub mod planning;
 pub mod recorder;
 pub mod scenario;

@@ -15,7 +15,7 @@ mod published;
 mod read;
 mod table;
 mod text;
-mod words;
+pub(crate) mod words;
 
 #[cfg(test)]
 mod tests;

@@ -3,12 +3,12 @@
 use crate::statistics::Interval;
 
 /// A share: `63.5 %`.
-pub(super) fn share(value: f64) -> String {
+pub(crate) fn share(value: f64) -> String {
     format!("{} %", tenths(100.0 * value))
 }
 
 /// An interval of shares: `58.1 … 67.6 %`.
-pub(super) fn shares(interval: Interval) -> String {
+pub(crate) fn shares(interval: Interval) -> String {
     format!(
         "{} … {} %",
         tenths(100.0 * interval.low),
@@ -17,7 +17,7 @@ pub(super) fn shares(interval: Interval) -> String {
 }
 
 /// A difference of shares in points: `+12.5`.
-pub(super) fn points(value: f64) -> String {
+pub(crate) fn points(value: f64) -> String {
     let text = tenths(100.0 * value);
     if text.starts_with('−') || text == "0.0" {
         text
@@ -27,7 +27,7 @@ pub(super) fn points(value: f64) -> String {
 }
 
 /// An interval of differences: `+3.1 … +21.4`.
-pub(super) fn point_range(interval: Interval) -> String {
+pub(crate) fn point_range(interval: Interval) -> String {
     format!("{} … {}", points(interval.low), points(interval.high))
 }
 
@@ -37,7 +37,7 @@ fn tenths(value: f64) -> String {
 }
 
 /// A number with two digits after the point and a true minus.
-pub(super) fn hundredths(value: f64) -> String {
+pub(crate) fn hundredths(value: f64) -> String {
     minus(&format!("{value:.2}"))
 }
 
@@ -50,7 +50,7 @@ fn minus(text: &str) -> String {
 }
 
 /// A p-value: `p = 0.023`, `p < 0.0001`.
-pub(super) fn p_value(p: f64) -> String {
+pub(crate) fn p_value(p: f64) -> String {
     if p < 0.0001 {
         "p < 0.0001".to_owned()
     } else if p < 0.01 {
@@ -61,7 +61,7 @@ pub(super) fn p_value(p: f64) -> String {
 }
 
 /// A speed by that of the Police: `1.5×`.
-pub(super) fn ratio(value: f64) -> String {
+pub(crate) fn ratio(value: f64) -> String {
     let text = format!("{value:.3}");
     let text = text.trim_end_matches('0');
     let text = text
@@ -71,7 +71,7 @@ pub(super) fn ratio(value: f64) -> String {
 }
 
 /// Several speeds: `1.5×, 2.0× and 3.0×`.
-pub(super) fn ratios(values: &[f64]) -> String {
+pub(crate) fn ratios(values: &[f64]) -> String {
     let words: Vec<String> = values.iter().map(|&v| ratio(v)).collect();
     match words.split_last() {
         Some((last, rest)) if !rest.is_empty() => format!("{} and {last}", rest.join(", ")),
@@ -80,7 +80,7 @@ pub(super) fn ratios(values: &[f64]) -> String {
 }
 
 /// Text in a cell of a table: what would end the cell is escaped.
-pub(super) fn in_table(text: &str) -> String {
+pub(crate) fn in_table(text: &str) -> String {
     text.replace('\\', "\\\\")
         .replace('|', "\\|")
         .replace(['\n', '\r'], " ")

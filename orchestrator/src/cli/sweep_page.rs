@@ -6,25 +6,28 @@ use std::process::ExitCode;
 use super::{EXIT_FAILED, EXIT_INVALID, print};
 use crate::chase_page::{Evidence, MARK, Page, Plans, page};
 use crate::figures::{SaveError, draw, save};
-use crate::sweep::Results;
+use crate::plan_page;
+use crate::sweep::planning::PlanResults;
+use crate::sweep::{Kind, Results, kind_of};
+
+/// The page of the chase's experiments.
+const CHASE_PAGE: &str = "docs/chase-results.md";
+/// The page of the experiments with plans.
+const PLANS_PAGE: &str = "docs/vmc-lp-results.md";
 
 /// What `protean sweep page` takes.
 #[derive(Debug, clap::Args)]
 pub(super) struct PageArgs {
-    /// The directories of the results of the chase's experiments
+    /// The directories of the results: of the chase's experiments, or of those with plans
     #[arg(required = true, value_name = "DIR")]
     results: Vec<PathBuf>,
     /// A table of single plans, as `protean sweep plans` writes it
     #[arg(long, value_name = "FILE")]
     plans: Option<PathBuf>,
-    /// The page; its pictures go to the folder images beside it
-    #[arg(
-        long,
-        short,
-        value_name = "FILE",
-        default_value = "docs/chase-results.md"
-    )]
-    out: PathBuf,
+    /// The page; its pictures go to the folder images beside it [default: docs/chase-results.md, or
+    /// docs/vmc-lp-results.md for plans]
+    #[arg(long, short, value_name = "FILE")]
+    out: Option<PathBuf>,
     /// Overwrite a file that this command has not written
     #[arg(long)]
     force: bool,
@@ -32,18 +35,29 @@ pub(super) struct PageArgs {
 
 /// Writes the page and prints what was written.
 pub(super) fn write(args: &PageArgs) -> ExitCode {
-    let evidence = match gather(args) {
-        Ok(evidence) => evidence,
+    let plans = args
+        .results
+        .iter()
+        .any(|dir| matches!(kind_of(dir), Ok(Kind::Planning)));
+    let gathered = if plans {
+        gather_plans(args).map(|evidence| plan_page::page(&evidence))
+    } else {
+        gather(args).map(|evidence| page(&evidence))
+    };
+    let page = match gathered {
+        Ok(page) => page,
         Err(error) => return refused(&error),
     };
-    if !args.force && !is_ours(&args.out) {
+    let default = if plans { PLANS_PAGE } else { CHASE_PAGE };
+    let out = args.out.clone().unwrap_or_else(|| default.into());
+    if !args.force && !is_ours(&out) {
         return refused(&format!(
             "{} was not written by this command; choose another name with --out or overwrite it with \
              --force",
-            args.out.display()
+            out.display()
         ));
     }
-    match put(&page(&evidence), &args.out) {
+    match put(&page, &out) {
         Ok(files) => {
             for file in files {
                 print(&file.display().to_string());
@@ -60,6 +74,19 @@ pub(super) fn write(args: &PageArgs) -> ExitCode {
 fn refused(error: &dyn std::fmt::Display) -> ExitCode {
     eprintln!("error: {error}");
     ExitCode::from(EXIT_INVALID)
+}
+
+fn gather_plans(args: &PageArgs) -> Result<plan_page::Evidence, Box<dyn std::error::Error>> {
+    let mut evidence = plan_page::Evidence::default();
+    for directory in &args.results {
+        let results = PlanResults::read(directory)?;
+        let missing = results.missing().len();
+        if missing > 0 {
+            eprintln!("note: {}: {missing} plans are missing", directory.display());
+        }
+        evidence.add(&results)?;
+    }
+    Ok(evidence)
 }
 
 fn gather(args: &PageArgs) -> Result<Evidence, Box<dyn std::error::Error>> {

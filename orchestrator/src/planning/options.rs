@@ -57,6 +57,7 @@ impl PlanOptions {
             reference_point: self
                 .reference_point
                 .map(|[x, y]| Point2::new(x * metres_per_px, y * metres_per_px)),
+            ..default
         }
     }
 

@@ -109,6 +109,16 @@ impl<R: Record> Results<R> {
             return Err(no_results());
         }
         let manifest = read_manifest(directory)?.ok_or_else(no_results)?;
+        if manifest.kind != R::KIND {
+            return Err(SweepError::Other {
+                path: directory.to_owned(),
+                difference: format!(
+                    "its kind is {:?}, here results of the kind {:?} are wanted",
+                    manifest.kind,
+                    R::KIND
+                ),
+            });
+        }
         let lock = lock(directory)?;
         Self::with(directory, manifest, lock)
     }

@@ -3,12 +3,16 @@
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
+use super::manifest::Kind;
 use super::table::{COLUMNS, Field};
 use crate::mission::MissionReport;
 use crate::recorder::{RobotOutcome, Summary};
 
 /// A row of results. Nothing in it depends on the machine or on how it was carried out.
 pub trait Record: Clone + PartialEq + Serialize + DeserializeOwned {
+    /// What it is a row of.
+    const KIND: Kind;
+
     /// The columns of its table: `case`, where the parameters follow, `seed`, and those of
     /// [`Self::fields`].
     fn columns() -> &'static [&'static str];
@@ -162,6 +166,8 @@ impl Row {
 }
 
 impl Record for Row {
+    const KIND: Kind = Kind::Missions;
+
     fn columns() -> &'static [&'static str] {
         &COLUMNS
     }

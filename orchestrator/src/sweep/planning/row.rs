@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::planning::{Answer, Outcome};
+use crate::sweep::manifest::Kind;
 use crate::sweep::row::Record;
 use crate::sweep::table::Field;
 
@@ -81,6 +82,8 @@ impl PlanRow {
 }
 
 impl Record for PlanRow {
+    const KIND: Kind = Kind::Planning;
+
     fn columns() -> &'static [&'static str] {
         &COLUMNS
     }
