@@ -1,7 +1,5 @@
 //! What cannot be meant: refused by name, never answered wrongly.
 
-use core::f64::{INFINITY, NAN};
-
 use nalgebra::Point2;
 use optimiser::{Method, Options, PlanError, Problem, Wheels};
 use sim_backend::shape::{Aabb, Convex};
@@ -30,11 +28,11 @@ fn numbers_out_of_range_are_refused_by_name() {
         ("goal_speed", |p, v| p.goal_speed = Some(v)),
         ("bounds.max.x", |p, v| p.bounds.max.x = v),
         ("obstacles[1].radius", |p, v| {
-            p.obstacles[1] = disc(1.0, 1.0, v)
+            p.obstacles[1] = disc(1.0, 1.0, v);
         }),
     ];
     for (field, change) in all {
-        for value in [NAN, INFINITY, -INFINITY, 1e300] {
+        for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300] {
             let mut problem = cluttered();
             change(&mut problem, value);
             refused(&problem, field);
@@ -45,7 +43,7 @@ fn numbers_out_of_range_are_refused_by_name() {
         ("omega_max", |p, v| p.limits.omega_max = v),
         ("acceleration", |p, v| p.limits.acceleration = Some(v)),
         ("angular_acceleration", |p, v| {
-            p.limits.angular_acceleration = Some(v)
+            p.limits.angular_acceleration = Some(v);
         }),
         ("clearance", |p, v| p.clearance = v),
         ("wheel_speed", |p, v| {
@@ -56,7 +54,7 @@ fn numbers_out_of_range_are_refused_by_name() {
         }),
     ];
     for (field, change) in limits {
-        for value in [NAN, INFINITY, 0.0, -1.0] {
+        for value in [f64::NAN, f64::INFINITY, 0.0, -1.0] {
             let mut problem = cluttered();
             change(&mut problem, value);
             refused(&problem, field);
@@ -140,7 +138,7 @@ fn options_out_of_range_are_refused_by_name() {
         (
             "reference_point",
             Options {
-                reference_point: Some(Point2::new(NAN, 0.0)),
+                reference_point: Some(Point2::new(f64::NAN, 0.0)),
                 ..ok
             },
         ),
