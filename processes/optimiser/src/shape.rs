@@ -140,7 +140,7 @@ impl<'a> Search<'a> {
         enough: f64,
         stop: &mut dyn FnMut() -> bool,
     ) -> Option<Vec<f64>> {
-        let mut z = from.clone();
+        let mut z = from;
         let mut last_cost = f64::INFINITY;
         for round in 0..MOST {
             let start = z

@@ -1,11 +1,11 @@
 //! B-splines, alone or as the prey of motion camouflage.
 //!
-//! Motion camouflage (Eq. 16): r = r_ref + ν (r_p − r_ref), with the prey r_p a B-spline (Eq. 19)
+//! Motion camouflage (Eq. 16): r = R + ν (rₚ − R), with the prey rₚ a B-spline (Eq. 19)
 //! and the path control parameter ν given by its values at N + 1 Legendre–Gauss–Lobatto nodes
 //! (Eq. 20). Without it, ν = 1: the path is the prey's.
 //!
 //! Variables: the speed r'(0) in the start's heading, if that is prescribed, the same at the goal,
-//! the free control points, and μ_j = (ν_j − 1) |r_ref − r_0| at the inner nodes: scaled so that a
+//! the free control points, and μⱼ = (νⱼ − 1) |R − r₀| at the inner nodes: scaled so that a
 //! step of μ moves the path about as far whatever the reference point. ν is 1 at both ends (the
 //! paper's PCPs from the boundary conditions), so that the prey begins and ends with the path.
 
@@ -153,7 +153,7 @@ impl Spline {
         ]
     }
 
-    /// Adds c P_i for a control point to value and terms.
+    /// Adds c Pᵢ for a control point to value and terms.
     fn add(&self, i: usize, c: f64, z: &[f64], row: &mut Row) {
         let last = self.basis.len() - 1;
         let Ends { start, goal, .. } = self.ends;
@@ -168,7 +168,7 @@ impl Spline {
             return;
         }
         let [first_rate, last_rate] = self.end_rates();
-        // r'(0) = ν'(0) (P_0 − r_ref) + rate (P_1 − P_0) shall be a·heading, and alike at the goal.
+        // r'(0) = ν'(0) (P₀ − R) + rate (P₁ − P₀) shall be a·heading, and alike at the goal.
         let (end, heading, rate, var, side) = match i {
             0 => (start, None, 0.0, 0, 0),
             _ if i == last => (goal, None, 0.0, 0, 0),
