@@ -1,1 +1,390 @@
+use std::sync::atomic::AtomicBool;
 
+use proptest::prelude::*;
+use serde_json::{Value as Json, json};
+
+use super::file::{FileProblem, parse};
+use super::generate::{NAMES, reference, with_reference};
+use super::*;
+
+fn good() -> Json {
+    json!({
+        "id": "a", "cm_per_px": 0.75, "vmax_px_s": 20.0, "wmax_rad_s": 16.0, "buffer_px": 10,
+        "bounds_px": [0, 0, 640, 480], "start": { "x": 10, "y": 10, "theta": 0.7 },
+        "start_speed": null, "goal": { "x": 600.5, "y": 400 },
+        "obstacles": [{ "x": 300, "y": 200, "r": 30 }],
+        "reference": { "t_lb_s": 1.0 }, "row": "base", "results": [[[]]],
+    })
+}
+
+fn read_one(json: &Json) -> Result<Instance, FieldError> {
+    let text = serde_json::to_vec(&[json]).unwrap();
+    parse(&text).unwrap().remove(0).instance
+}
+
+/// With a field changed; `path` as a JSON pointer.
+fn changed(path: &str, value: Json) -> Json {
+    let mut json = good();
+    let (parent, key) = path.rsplit_once('/').unwrap();
+    let parent = json.pointer_mut(parent).unwrap();
+    match parent {
+        Json::Object(map) => {
+            map.insert(key.to_owned(), value);
+        }
+        Json::Array(list) => list[key.parse::<usize>().unwrap()] = value,
+        _ => panic!("{path}"),
+    }
+    json
+}
+
+#[test]
+fn an_instance_is_read_in_its_units_and_handed_on_in_metres() {
+    let instance = read_one(&good()).unwrap();
+    assert_eq!(instance.goal, [600.5, 400.0]);
+    assert_eq!(instance.start_speed, None);
+    let problem = instance.problem();
+    assert!((problem.limits.v_max - 0.15).abs() < 1e-15);
+    assert!((problem.goal.x - 4.50375).abs() < 1e-12);
+    assert_eq!(instance.contract().clearance, 0.075);
+    // What is written is read back as the same.
+    assert_eq!(read_one(&instance.to_json()).unwrap(), instance);
+}
+
+#[test]
+fn everything_that_may_be_there_is_read() {
+    let mut json = good();
+    for (key, value) in [
+        ("start_speed", 5.0),
+        ("start_turn_rate", -0.1),
+        ("goal_speed", 3.0),
+        ("wheel_speed_px_s", 25.0),
+        ("wheel_separation_px", 12.0),
+        ("acceleration_px_s2", 40.0),
+        ("angular_acceleration_rad_s2", 30.0),
+    ] {
+        json[key] = json!(value);
+    }
+    json["goal"]["theta"] = json!(1.5);
+    // Clockwise, and turned round.
+    json["obstacles"] = json!([{ "polygon": [[100, 100], [100, 150], [150, 100]] }]);
+    let instance = read_one(&json).unwrap();
+    assert_eq!(instance.wheels, Some([25.0, 12.0]));
+    assert_eq!(instance.goal_heading, Some(1.5));
+    assert_eq!(
+        instance.obstacles,
+        [Body::Polygon(vec![
+            [150.0, 100.0],
+            [100.0, 150.0],
+            [100.0, 100.0]
+        ])]
+    );
+    assert_eq!(read_one(&instance.to_json()).unwrap(), instance);
+}
+
+#[test]
+fn what_is_wrong_is_named_with_field_value_and_expectation() {
+    let many: Vec<Json> = vec![json!({ "x": 1, "y": 2, "r": 3 }); 5000];
+    for (path, value, words) in [
+        ("/cm_per_px", json!(0), ["cm_per_px = 0", "> 0 [cm/px]"]),
+        (
+            "/cm_per_px",
+            json!(1e300),
+            ["cm_per_px", "of at most 1e9 in size"],
+        ),
+        (
+            "/vmax_px_s",
+            json!("fast"),
+            ["vmax_px_s = \"fast\"", "px/s"],
+        ),
+        (
+            "/wmax_rad_s",
+            json!(null),
+            ["wmax_rad_s = nothing", "rad/s"],
+        ),
+        ("/buffer_px", json!(-1), ["buffer_px = -1", "≥ 0 [px]"]),
+        (
+            "/bounds_px",
+            json!([0, 0, 1]),
+            ["bounds_px = a list of 3", "corner"],
+        ),
+        (
+            "/bounds_px",
+            json!([5, 0, 1, 1]),
+            ["bounds_px = [5.0, 0.0", "corner"],
+        ),
+        (
+            "/bounds_px/2",
+            json!(true),
+            ["bounds_px[2] = true", "number"],
+        ),
+        ("/start", json!(3), ["start.x = nothing", "number"]),
+        (
+            "/start/theta",
+            json!([]),
+            ["start.theta = a list of 0", "[rad]"],
+        ),
+        (
+            "/start_speed",
+            json!(21),
+            ["start_speed = 0.15", "at most 0.15"],
+        ),
+        ("/goal/x", json!("é"), ["goal.x = \"é\"", "[px]"]),
+        ("/goal/theta", json!({}), ["goal.theta", "[rad]"]),
+        (
+            "/wheel_speed_px_s",
+            json!(5),
+            ["wheel_separation_px = nothing", "beside"],
+        ),
+        (
+            "/wheel_separation_px",
+            json!(5),
+            ["wheel_speed_px_s = nothing", "beside"],
+        ),
+        (
+            "/acceleration_px_s2",
+            json!(0),
+            ["acceleration_px_s2 = 0", "> 0"],
+        ),
+        (
+            "/obstacles",
+            json!(null),
+            ["obstacles = nothing", "empty if none"],
+        ),
+        (
+            "/obstacles",
+            json!(many),
+            ["obstacles = a list of 5000", "at most 4096"],
+        ),
+        (
+            "/obstacles/0",
+            json!([1, 2, 3]),
+            ["obstacles[0] = a list of 3", "polygon"],
+        ),
+        ("/obstacles/0/r", json!(-2), ["obstacles[0].r = -2", "≥ 0"]),
+        (
+            "/obstacles/0",
+            json!({ "x": 1, "r": 2 }),
+            ["obstacles[0].y = nothing", "number"],
+        ),
+        (
+            "/obstacles/0",
+            json!({ "polygon": [[0, 0], [1, 1]] }),
+            ["obstacles[0].polygon = a list of 2", "3 to 1024"],
+        ),
+        (
+            "/obstacles/0",
+            json!({ "polygon": [[0, 0], [1, 1], [2, 2]] }),
+            ["obstacles[0].polygon", "convex"],
+        ),
+        (
+            "/obstacles/0",
+            json!({ "polygon": [[0, 0], [9, 0], [1, 1], [0, 9]] }),
+            ["obstacles[0].polygon", "convex"],
+        ),
+        (
+            "/obstacles/0",
+            json!({ "polygon": [[0, 5], [5, 5], [1, 2], [2.5, 7], [4, 2]] }),
+            ["obstacles[0].polygon", "convex"],
+        ),
+        (
+            "/obstacles/0",
+            json!({ "polygon": [[0, 0], [1, 0], 7] }),
+            ["obstacles[0].polygon[2] = 7", "[x, y]"],
+        ),
+    ] {
+        let error = read_one(&changed(path, value)).unwrap_err().to_string();
+        for word in words {
+            assert!(
+                error.contains(word),
+                "{path}: {word:?} is missing in {error}"
+            );
+        }
+    }
+}
+
+#[test]
+fn files_that_are_no_files_of_instances_are_refused_as_a_whole() {
+    let twice = serde_json::to_string(&[good(), good()]).unwrap();
+    let mut nameless = good();
+    nameless["id"] = json!("");
+    let nameless = serde_json::to_string(&[nameless]).unwrap();
+    let deep = "[".repeat(100_000);
+    for (text, word) in [
+        ("", "not JSON"),
+        ("[", "not JSON"),
+        (&deep, "not JSON"),
+        ("{}", "expected an array"),
+        ("[]", "at least one instance"),
+        ("[3]", "element 0 is 3"),
+        ("[{}]", "element 0: id = nothing"),
+        (&nameless, "1 to 200 characters"),
+        (&twice, "elements 0 and 1 have the same id \"a\""),
+        (r#"[{"id": "a", "start": 1e999}]"#, "not JSON"),
+        (r#"[{"id": "a", "id": "b"}]"#, "there twice"),
+        ("[NaN]", "not JSON"),
+    ] {
+        let error = parse(text.as_bytes()).unwrap_err().to_string();
+        assert!(error.contains(word), "{word:?} is missing in {error}");
+    }
+    let large = vec![b' '; super::file::MAX_FILE as usize + 1];
+    assert!(matches!(parse(&large), Err(FileProblem::TooLarge)));
+    assert!(parse(&[0xff, 0xfe, b'[']).is_err());
+}
+
+/// A million obstacles are counted, not kept.
+#[test]
+fn a_million_obstacles_are_refused_with_the_limit() {
+    let mut text = serde_json::to_string(&[changed("/obstacles", json!([]))]).unwrap();
+    let at = text.find("\"obstacles\":[").unwrap() + "\"obstacles\":[".len();
+    let discs = vec![r#"{"x":1,"y":2,"r":3}"#; 1_000_000].join(",");
+    text.insert_str(at, &discs);
+    let error = parse(text.as_bytes()).unwrap().remove(0).instance;
+    let error = error.unwrap_err().to_string();
+    assert!(
+        error.contains("a list of 1000000") && error.contains("at most 4096"),
+        "{error}"
+    );
+}
+
+#[test]
+fn the_same_seed_gives_the_same_instance_within_its_ranges() {
+    for name in NAMES {
+        let recipe = Recipe::by_name(name).unwrap();
+        recipe.validate().unwrap();
+        for seed in 1..=20 {
+            let instance = recipe.instance("i".into(), seed);
+            assert_eq!(instance, recipe.instance("i".into(), seed));
+            assert_ne!(instance, recipe.instance("i".into(), seed + 1));
+            let count = instance.obstacles.len() as u32;
+            let more = if name == "t4b" { 2 } else { 0 };
+            assert!(count <= recipe.obstacles[1] + more, "{name}: {count}");
+            for body in &instance.obstacles {
+                let Body::Disc { r, .. } = body else {
+                    panic!("{body:?}")
+                };
+                assert!((recipe.radius[0]..=recipe.radius[1]).contains(r));
+            }
+            // Read back, it is the same: every instance is a valid one.
+            assert_eq!(read_one(&with_reference(&instance)).unwrap(), instance);
+        }
+    }
+    let [angle, base] = ["ang0_90", "base"].map(|n| Recipe::by_name(n).unwrap());
+    let [a, b] = [angle, base].map(|r| r.instance("i".into(), 7));
+    assert_eq!(a.obstacles, b.obstacles, "only the heading differs");
+}
+
+#[test]
+fn a_pop_up_stands_in_the_way_of_the_first_path() {
+    let (known, later) = (
+        Recipe::by_name("t4a").unwrap(),
+        Recipe::by_name("t4b").unwrap(),
+    );
+    let mut longer = 0;
+    for seed in 1..=20 {
+        let before = known.instance("i".into(), seed);
+        let after = later.instance("i".into(), seed);
+        assert_eq!(after.goal, before.goal);
+        assert_eq!(after.obstacles[..3], before.obstacles[..]);
+        let [whole, rest] = [before, after].map(|i| reference(&i).unwrap().path.length);
+        assert!(rest >= 0.64 * whole - 1e-9, "seed {seed}");
+        longer += usize::from(rest > 0.64 * whole + 1e-6);
+    }
+    assert!(longer >= 15, "{longer} of 20");
+}
+
+#[test]
+fn a_plan_is_judged_by_the_instance_as_it_was_given() {
+    let instance = read_one(&good()).unwrap();
+    let go = AtomicBool::new(false);
+    for name in ["bspline", "lp", "vmc", "tangent"] {
+        let options = PlanOptions {
+            method: optimiser::Method::by_name(name).unwrap(),
+            ..PlanOptions::default()
+        };
+        let answer = solve(&instance, &options, 1, &go).unwrap();
+        assert_eq!(answer.honest, Some(true), "{name}: {answer:?}");
+        let (t, bound) = (answer.t_s.unwrap(), answer.lower_bound_s.unwrap());
+        assert!(t >= bound * (1.0 - 1e-9) && t < bound * 1.01, "{name}");
+        let samples = answer.samples.as_ref().unwrap();
+        let last = samples.last().unwrap();
+        assert!((last.x - 600.5).abs() < 1e-3 && (last.t - t).abs() < 1e-9);
+        assert!(answer.cpu_ms.unwrap() > 0.0);
+    }
+    let stopped = AtomicBool::new(true);
+    assert_eq!(solve(&instance, &PlanOptions::default(), 1, &stopped), None);
+}
+
+#[test]
+fn answers_without_a_plan_say_why() {
+    let go = AtomicBool::new(false);
+    let solved = |json: &Json| {
+        let instance = read_one(json).unwrap();
+        solve(&instance, &PlanOptions::default(), 1, &go).unwrap()
+    };
+    let wall = json!([{ "polygon": [[300, -50], [310, -50], [310, 550], [300, 550]] }]);
+    let answer = solved(&changed("/obstacles", wall));
+    assert_eq!(answer.status, Outcome::NoPath);
+    assert_eq!((answer.honest, answer.t_s), (None, None));
+    assert!(answer.is_answer() && answer.error.is_some());
+    let inside = json!([{ "x": 10, "y": 10, "r": 5 }]);
+    let answer = solved(&changed("/obstacles", inside));
+    assert_eq!(answer.status, Outcome::Invalid);
+    assert!(!answer.is_answer());
+    assert!(
+        answer.error.as_ref().unwrap().contains("start"),
+        "{answer:?}"
+    );
+}
+
+fn json_value() -> impl Strategy<Value = Json> {
+    let leaf = prop_oneof![
+        Just(Json::Null),
+        any::<bool>().prop_map(Json::from),
+        any::<i64>().prop_map(Json::from),
+        any::<f64>().prop_map(Json::from),
+        "[a-z]{0,9}".prop_map(Json::from),
+    ];
+    leaf.prop_recursive(3, 24, 5, |inner| {
+        prop_oneof![
+            prop::collection::vec(inner.clone(), 0..5).prop_map(Json::from),
+            prop::collection::hash_map("[xyr]|polygon|theta", inner, 0..4)
+                .prop_map(|map| Json::Object(map.into_iter().collect())),
+        ]
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(300))]
+
+    #[test]
+    fn any_bytes_are_read_or_refused(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
+        let _ = parse(&bytes);
+        let mut listed = b"[".to_vec();
+        listed.extend(bytes);
+        let _ = parse(&listed);
+    }
+
+    #[test]
+    fn any_value_in_any_field_is_read_or_refused(
+        key in prop::sample::select(vec![
+            "cm_per_px", "vmax_px_s", "wmax_rad_s", "buffer_px", "bounds_px", "start", "goal",
+            "start_speed", "obstacles", "wheel_speed_px_s", "acceleration_px_s2", "goal_speed",
+        ]),
+        value in json_value(),
+    ) {
+        if let Ok(instance) = read_one(&changed(&format!("/{key}"), value)) {
+            prop_assert!(instance.problem().validate().is_ok());
+            prop_assert_eq!(read_one(&instance.to_json()).unwrap(), instance);
+        }
+    }
+
+    #[test]
+    fn quantiles_are_values_of_the_list(mut values in prop::collection::vec(-1e3..1e3, 1..40), share in 0.0..1.0) {
+        values.sort_by(f64::total_cmp);
+        let found = super::summary::quantile(&values, share).unwrap();
+        let below = values.iter().filter(|&&v| v <= found).count() as f64;
+        prop_assert!(below >= share * values.len() as f64 - 1e-9);
+        let under = values.iter().filter(|&&v| v < found).count() as f64;
+        prop_assert!(under <= share * values.len() as f64 + 1e-9);
+    }
+}

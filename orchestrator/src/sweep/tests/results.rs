@@ -103,7 +103,7 @@ fn results_of_something_else_are_refused() {
     let directory = tempfile::tempdir().unwrap();
     open(directory.path()).unwrap();
     let other = Manifest::of(&load(&changed("gain = 0.0", "gain = 1.0")).unwrap());
-    let error = Results::open(directory.path(), &other, "")
+    let error = Results::<Row>::open(directory.path(), &other, "")
         .err()
         .unwrap()
         .to_string();
@@ -157,7 +157,7 @@ fn more_seeds_continue_the_same_results() {
         .unwrap();
     let more =
         Manifest::of(&load(&changed("first = 1, count = 3", "first = 3, count = 2")).unwrap());
-    let results = Results::open(directory.path(), &more, "").unwrap();
+    let results: Results = Results::open(directory.path(), &more, "").unwrap();
     assert_eq!(results.manifest().seeds.to_string(), "1..4");
     assert_eq!(results.missing().len(), 6 * 4 - 1);
 }
@@ -183,7 +183,7 @@ fn parts_merge_to_the_table_of_the_whole() {
     }
     whole.write_csv().unwrap();
     let parts = [at("part-2"), at("part-0"), at("part-1")];
-    let merged = merge(&parts, &at("merged")).unwrap();
+    let merged: Results = merge(&parts, &at("merged")).unwrap();
     assert_eq!(merged.missing(), [mission(5, 3)]);
     drop(merged);
     open(&at("part-2"))
@@ -192,7 +192,7 @@ fn parts_merge_to_the_table_of_the_whole() {
         .unwrap();
     // Into what is there already.
     assert!(
-        merge(&parts[..1], &at("merged"))
+        merge::<Row>(&parts[..1], &at("merged"))
             .unwrap()
             .missing()
             .is_empty()
@@ -210,8 +210,8 @@ fn parts_that_do_not_belong_together_are_not_merged() {
         .record(mission(0, 1), row(1), 0.1)
         .unwrap();
     let other = Manifest::of(&load(&changed("name = \"small\"", "name = \"big\"")).unwrap());
-    Results::open(&at("b"), &other, "").unwrap();
-    let error = merge(&[at("a"), at("b")], &at("m"))
+    Results::<Row>::open(&at("b"), &other, "").unwrap();
+    let error = merge::<Row>(&[at("a"), at("b")], &at("m"))
         .err()
         .unwrap()
         .to_string();
@@ -220,12 +220,12 @@ fn parts_that_do_not_belong_together_are_not_merged() {
         .unwrap()
         .record(mission(0, 1), row(2), 0.1)
         .unwrap();
-    let error = merge(&[at("a"), at("c")], &at("n"))
+    let error = merge::<Row>(&[at("a"), at("c")], &at("n"))
         .err()
         .unwrap()
         .to_string();
     assert!(error.contains("two different results"), "{error}");
-    let error = merge(&[at("nothing")], &at("o")).err().unwrap().to_string();
+    let error = merge::<Row>(&[at("nothing")], &at("o")).err().unwrap().to_string();
     assert!(error.contains("is not a directory of results"), "{error}");
     assert!(error.contains("name the --out of a sweep"), "{error}");
 }
