@@ -7,7 +7,9 @@
 //! Variables: the speed r'(0) in the start's heading, if that is prescribed, the same at the goal,
 //! the free control points, and μⱼ = (νⱼ − 1) |R − r₀| at the inner nodes: scaled so that a
 //! step of μ moves the path about as far whatever the reference point. ν is 1 at both ends (the
-//! paper's PCPs from the boundary conditions), so that the prey begins and ends with the path.
+//! paper's PCPs from the boundary conditions), so that the prey begins and ends with the path. The
+//! reference point stays where it is put: with the whole prey free, moving it adds no path that was
+//! not there before.
 
 use nalgebra::{DMatrix, DVector, Vector2};
 

@@ -1,7 +1,8 @@
 //! What the families of curves promise, whatever their variables are.
 
-use nalgebra::Vector2;
+use nalgebra::{DMatrix, Vector2};
 use optimiser::curve::{Camouflage, Curve, Ends, Pursuit, Row, Spline};
+use optimiser::lgl::Lgl;
 use optimiser::spline::Basis;
 use proptest::prelude::*;
 use sim_backend::math;
@@ -126,6 +127,39 @@ proptest! {
         let scale = 1.0 + place(0).norm() + r.norm();
         prop_assert!((velocity - (place(0) - r) * RATE).norm() < 1e-6 * RATE * scale);
         prop_assert!((acceleration - (place(1) - velocity) * RATE).norm() < 1e-6 * RATE * RATE * scale);
+    }
+
+    #[test]
+    fn pursuit_is_what_collocation_tends_to(
+        ends in ends(),
+        numbers in proptest::collection::vec(-2.0..2.0, 40),
+    ) {
+        // Eq. 6 at 61 Legendre–Gauss–Lobatto nodes, the first one replaced by the initial position:
+        // (D' + ν I) ζ = ν ζₚ with D' = 2 D.
+        let basis = Basis::new(4, &[]);
+        let curve = Pursuit::new(basis.clone(), ends).unwrap();
+        let z = variables(&curve, &numbers);
+        let prey = curve.prey(&z);
+        let lgl = Lgl::new(60);
+        let mut system = lgl.differentiation() * 2.0;
+        let n = lgl.nodes.len();
+        let mut right = DMatrix::zeros(n, 2);
+        for (i, x) in lgl.nodes.iter().enumerate() {
+            system[(i, i)] += RATE;
+            let values = basis.values(0, 0.5 * (x + 1.0), 0);
+            let place: Vector2<f64> = (0..5).map(|k| prey[k] * values.by_order[0][k]).sum();
+            right.set_row(i, &(place * RATE).transpose());
+        }
+        system.row_mut(0).fill(0.0);
+        system[(0, 0)] = 1.0;
+        right.set_row(0, &ends.start.transpose());
+        let collocated = system.lu().solve(&right).unwrap();
+        let trace = curve.trace(&z);
+        for (i, x) in lgl.nodes.iter().enumerate() {
+            let exact = trace(0.5 * (x + 1.0))[0];
+            let found = Vector2::new(collocated[(i, 0)], collocated[(i, 1)]);
+            prop_assert!((exact - found).norm() < 1e-6, "{exact} {found}");
+        }
     }
 
     #[test]
