@@ -170,17 +170,26 @@ proptest! {
     ) {
         let reference = Vector2::new(-20.0, -20.0);
         let basis = Basis::even(4, 9);
-        let hidden = Spline::new(basis, ends, Camouflage::new(15, reference, ends.start)).unwrap();
+        let camouflage = Camouflage::new(15, reference, ends.start);
+        let hidden = Spline::new(basis.clone(), ends, camouflage).unwrap();
         let z = variables(&hidden, &numbers);
         let nu = hidden.path_control(&z);
         prop_assert_eq!(nu.len(), 16);
         prop_assert_eq!((nu[0], nu[15]), (1.0, 1.0));
-        // Without camouflage the path is the prey's.
+        // Eq. 16 with Eq. 19 and the interpolant of ν.
+        let prey = hidden.prey_points(&z);
+        let values = basis.values(basis.span(at), at, 0);
+        let place: Vector2<f64> =
+            (0..5).map(|i| prey[values.first + i] * values.by_order[0][i]).sum();
+        let weights = Lgl::new(15).values(2.0 * at - 1.0);
+        let control: f64 = weights.iter().zip(&nu).map(|(w, n)| w * n).sum();
+        let want = reference + (place - reference) * control;
+        prop_assert!((hidden.trace(&z)(at)[0] - want).norm() < 1e-9 * (1.0 + want.norm()));
+        // With ν = 1 everywhere the path is the prey's.
         let mut plain = z.clone();
         let count = plain.len();
         plain[count - 14..].fill(0.0);
         let alone = hidden.path_control(&plain);
         prop_assert!(alone.iter().all(|nu| *nu == 1.0));
-        let _ = at;
     }
 }
