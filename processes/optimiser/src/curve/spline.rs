@@ -7,7 +7,9 @@
 //! Variables: the speed r'(0) in the start's heading, if that is prescribed, the same at the goal,
 //! the free control points, and μⱼ = (νⱼ − 1) |R − r₀| at the inner nodes: scaled so that a
 //! step of μ moves the path about as far whatever the reference point. ν is 1 at both ends (the
-//! paper's PCPs from the boundary conditions), so that the prey begins and ends with the path.
+//! paper's PCPs from the boundary conditions), so that the prey begins and ends with the path. The
+//! reference point stays where it is put: with the whole prey free, moving it adds no path that was
+//! not there before.
 
 use nalgebra::{DMatrix, DVector, Vector2};
 
@@ -138,6 +140,17 @@ impl Spline {
         core::iter::once(1.0).chain(inner).chain([1.0]).collect()
     }
 
+    /// The control points of the prey (without camouflage, of the path itself).
+    pub fn prey_points(&self, z: &[f64]) -> Vec<Vector2<f64>> {
+        let mut row = Row::default();
+        let point = |i: usize| {
+            row.clear();
+            self.add(i, 1.0, z, &mut row);
+            row.value
+        };
+        (0..self.basis.len()).map(point).collect()
+    }
+
     fn first_mu(&self) -> usize {
         self.first_point + 2 * (self.free[1] - self.free[0])
     }
@@ -250,14 +263,7 @@ impl Curve for Spline {
     }
 
     fn trace(&self, z: &[f64]) -> Trace<'_> {
-        let mut row = Row::default();
-        let points: Vec<Vector2<f64>> = (0..self.basis.len())
-            .map(|i| {
-                row.clear();
-                self.add(i, 1.0, z, &mut row);
-                row.value
-            })
-            .collect();
+        let points = self.prey_points(z);
         let prey = move |at: f64| {
             let values = self.basis.values(self.basis.span(at), at, 2);
             let near = &points[values.first..=values.first + self.basis.degree()];

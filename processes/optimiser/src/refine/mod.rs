@@ -20,8 +20,8 @@ use crate::problem::Problem;
 use rollout::Node;
 
 /// Least and most steps, and how long [s] one should be.
-const STEPS: [f64; 2] = [24.0, 80.0];
-const STEP_TIME: f64 = 0.2;
+const STEPS: [f64; 2] = [24.0, 120.0];
+const STEP_TIME: f64 = 0.15;
 /// Most programs of a search.
 const MOST: u32 = 40;
 /// Largest change of a heading [rad] and (relative) of the duration in one program at first.

@@ -1,7 +1,8 @@
 //! What the families of curves promise, whatever their variables are.
 
-use nalgebra::Vector2;
+use nalgebra::{DMatrix, Vector2};
 use optimiser::curve::{Camouflage, Curve, Ends, Pursuit, Row, Spline};
+use optimiser::lgl::Lgl;
 use optimiser::spline::Basis;
 use proptest::prelude::*;
 use sim_backend::math;
@@ -129,6 +130,39 @@ proptest! {
     }
 
     #[test]
+    fn pursuit_is_what_collocation_tends_to(
+        ends in ends(),
+        numbers in proptest::collection::vec(-2.0..2.0, 40),
+    ) {
+        // Eq. 6 at 61 Legendre–Gauss–Lobatto nodes, the first one replaced by the initial position:
+        // (D' + ν I) ζ = ν ζₚ with D' = 2 D.
+        let basis = Basis::new(4, &[]);
+        let curve = Pursuit::new(basis.clone(), ends).unwrap();
+        let z = variables(&curve, &numbers);
+        let prey = curve.prey(&z);
+        let lgl = Lgl::new(60);
+        let mut system = lgl.differentiation() * 2.0;
+        let n = lgl.nodes.len();
+        let mut right = DMatrix::zeros(n, 2);
+        for (i, x) in lgl.nodes.iter().enumerate() {
+            system[(i, i)] += RATE;
+            let values = basis.values(0, 0.5 * (x + 1.0), 0);
+            let place: Vector2<f64> = (0..5).map(|k| prey[k] * values.by_order[0][k]).sum();
+            right.set_row(i, &(place * RATE).transpose());
+        }
+        system.row_mut(0).fill(0.0);
+        system[(0, 0)] = 1.0;
+        right.set_row(0, &ends.start.transpose());
+        let collocated = system.lu().solve(&right).unwrap();
+        let trace = curve.trace(&z);
+        for (i, x) in lgl.nodes.iter().enumerate() {
+            let exact = trace(0.5 * (x + 1.0))[0];
+            let found = Vector2::new(collocated[(i, 0)], collocated[(i, 1)]);
+            prop_assert!((exact - found).norm() < 1e-6, "{exact} {found}");
+        }
+    }
+
+    #[test]
     fn camouflage_stays_between_prey_and_reference(
         ends in ends(),
         numbers in proptest::collection::vec(-2.0..2.0, 40),
@@ -136,17 +170,26 @@ proptest! {
     ) {
         let reference = Vector2::new(-20.0, -20.0);
         let basis = Basis::even(4, 9);
-        let hidden = Spline::new(basis, ends, Camouflage::new(15, reference, ends.start)).unwrap();
+        let camouflage = Camouflage::new(15, reference, ends.start);
+        let hidden = Spline::new(basis.clone(), ends, camouflage).unwrap();
         let z = variables(&hidden, &numbers);
         let nu = hidden.path_control(&z);
         prop_assert_eq!(nu.len(), 16);
         prop_assert_eq!((nu[0], nu[15]), (1.0, 1.0));
-        // Without camouflage the path is the prey's.
+        // Eq. 16 with Eq. 19 and the interpolant of ν.
+        let prey = hidden.prey_points(&z);
+        let values = basis.values(basis.span(at), at, 0);
+        let place: Vector2<f64> =
+            (0..5).map(|i| prey[values.first + i] * values.by_order[0][i]).sum();
+        let weights = Lgl::new(15).values(2.0 * at - 1.0);
+        let control: f64 = weights.iter().zip(&nu).map(|(w, n)| w * n).sum();
+        let want = reference + (place - reference) * control;
+        prop_assert!((hidden.trace(&z)(at)[0] - want).norm() < 1e-9 * (1.0 + want.norm()));
+        // With ν = 1 everywhere the path is the prey's.
         let mut plain = z.clone();
         let count = plain.len();
         plain[count - 14..].fill(0.0);
         let alone = hidden.path_control(&plain);
         prop_assert!(alone.iter().all(|nu| *nu == 1.0));
-        let _ = at;
     }
 }
