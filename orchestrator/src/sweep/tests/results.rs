@@ -225,7 +225,10 @@ fn parts_that_do_not_belong_together_are_not_merged() {
         .unwrap()
         .to_string();
     assert!(error.contains("two different results"), "{error}");
-    let error = merge::<Row>(&[at("nothing")], &at("o")).err().unwrap().to_string();
+    let error = merge::<Row>(&[at("nothing")], &at("o"))
+        .err()
+        .unwrap()
+        .to_string();
     assert!(error.contains("is not a directory of results"), "{error}");
     assert!(error.contains("name the --out of a sweep"), "{error}");
 }
