@@ -80,6 +80,10 @@ fn every_instance_gets_an_honest_plan_in_the_order_of_the_file() {
     }
 }
 
+fn hypot(x: f64, y: f64) -> f64 {
+    (x * x + y * y).sqrt()
+}
+
 /// A look at the samples that shares nothing with the program: ends, speed, clearance.
 #[track_caller]
 fn look_at(plan: &Json, instance: &Json) {
@@ -91,12 +95,12 @@ fn look_at(plan: &Json, instance: &Json) {
         .collect();
     let (first, last) = (&samples[0], &samples[samples.len() - 1]);
     let at = |of: &str, key: &str| instance[of][key].as_f64().unwrap();
-    assert!((first[1] - at("start", "x")).hypot(first[2] - at("start", "y")) < 1e-4);
-    assert!((last[1] - at("goal", "x")).hypot(last[2] - at("goal", "y")) < 1e-4);
+    assert!(hypot(first[1] - at("start", "x"), first[2] - at("start", "y")) < 1e-4);
+    assert!(hypot(last[1] - at("goal", "x"), last[2] - at("goal", "y")) < 1e-4);
     assert!((last[0] - first[0] - plan["t_s"].as_f64().unwrap()).abs() < 1e-6);
     let v_max = instance["vmax_px_s"].as_f64().unwrap();
     for pair in samples.windows(2) {
-        let way = (pair[1][1] - pair[0][1]).hypot(pair[1][2] - pair[0][2]);
+        let way = hypot(pair[1][1] - pair[0][1], pair[1][2] - pair[0][2]);
         assert!(way <= v_max * 1.002 * (pair[1][0] - pair[0][0]) + 1e-9);
     }
     let buffer = instance["buffer_px"].as_f64().unwrap();
@@ -104,7 +108,7 @@ fn look_at(plan: &Json, instance: &Json) {
         let [x, y, r] = ["x", "y", "r"].map(|key| disc[key].as_f64().unwrap());
         let least = samples
             .iter()
-            .map(|s| (s[1] - x).hypot(s[2] - y) - r - buffer);
+            .map(|s| hypot(s[1] - x, s[2] - y) - r - buffer);
         let least = least.fold(f64::INFINITY, f64::min);
         assert!(least >= -0.14, "{}: {least}", plan["id"]);
     }
@@ -247,7 +251,7 @@ fn broken_files_are_refused_whole_and_invalid_instances_one_by_one() {
     // A wall from one side to the other: there is no path, which is an answer.
     three[2]["obstacles"] =
         json!([{ "polygon": [[300, -20], [320, -20], [320, 500], [300, 500]] }]);
-    sandbox.file("three.json", &Json::from(three.clone()).to_string());
+    sandbox.file("three.json", Json::from(three.clone()).to_string());
     let outcome = sandbox.protean(["plan", "three.json", "--json"]).run();
     assert_eq!(outcome.code, Some(3), "{outcome}");
     let id = three[0]["id"].as_str().unwrap();
@@ -262,7 +266,7 @@ fn broken_files_are_refused_whole_and_invalid_instances_one_by_one() {
     assert_eq!(plans[2]["t_s"], Json::Null);
     assert_eq!(plans[2]["honest"], Json::Null);
     assert!(plans[2]["error"].is_string());
-    sandbox.file("wall.json", &Json::from(vec![three[2].clone()]).to_string());
+    sandbox.file("wall.json", Json::from(vec![three[2].clone()]).to_string());
     let outcome = sandbox.protean(["plan", "wall.json"]).run();
     assert_eq!(outcome.code, Some(0), "no path is an answer: {outcome}");
 }

@@ -48,6 +48,9 @@ struct Duel {
     cpu: Vec<[f64; 2]>,
 }
 
+/// How often something is so, of how many.
+type Measure = fn(&Duel) -> (u64, u64);
+
 impl Duel {
     fn published(tests: &[Test]) -> Self {
         Self {
@@ -206,12 +209,12 @@ fn verdicts(study: &Study, pair: (&str, &str)) -> String {
             "not decided"
         }
     };
-    let said = |duel: &Duel, of: fn(&Duel) -> (u64, u64)| {
+    let said = |duel: &Duel, of: Measure| {
         let (hits, of) = of(duel);
         (share(hits as f64 / of.max(1) as f64), hits, of)
     };
     let mut text = String::new();
-    let claims: [(&str, fn(&Duel) -> (u64, u64), bool); 2] = [
+    let claims: [(&str, Measure, bool); 2] = [
         (
             "LP's plans are shorter more often than VMC's",
             Duel::shorter,

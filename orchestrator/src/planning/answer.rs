@@ -131,7 +131,7 @@ impl Answer {
     }
 
     /// A plan, judged against the instance.
-    fn of(instance: &Instance, plan: Plan) -> Self {
+    fn of(instance: &Instance, plan: &Plan) -> Self {
         let k = instance.scale();
         let report = honesty::check(&instance.contract(), &plan.samples);
         let finite = |v: f64| v.is_finite().then_some(v);
@@ -198,7 +198,7 @@ pub fn solve(
         Answer::without_plan(&instance.id, options.method, status, error)
     };
     let answer = match last? {
-        Ok(Ok(plan)) => Answer::of(instance, plan),
+        Ok(Ok(plan)) => Answer::of(instance, &plan),
         Ok(Err(error)) => {
             let status = match &error {
                 PlanError::NoPath => Outcome::NoPath,

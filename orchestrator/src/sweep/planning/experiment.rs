@@ -1,6 +1,6 @@
 //! From the file of an experiment of plans to checked cells.
 
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use serde::Deserialize;
@@ -234,7 +234,7 @@ fn cells(
     on_top: &[String],
 ) -> Vec<PlanCell> {
     let names: Vec<&str> = parameters.iter().map(|p| p.name.as_str()).collect();
-    let mut reported: BTreeMap<String, ()> = BTreeMap::new();
+    let mut reported: BTreeSet<String> = BTreeSet::new();
     let mut cells = Vec::new();
     for (case, set) in cases {
         for combination in combinations {
@@ -270,7 +270,7 @@ fn cells(
                 }),
                 // Each problem for the first cell only.
                 Err((label, what, cell)) => {
-                    if reported.insert(format!("{label}{what}"), ()).is_none() {
+                    if reported.insert(format!("{label}{what}")) {
                         let problem =
                             Diagnostic::new(Code::OutOfRange, format!("{what} (in {cell})"))
                                 .field(label)

@@ -246,7 +246,9 @@ fn the_experiments_of_the_project_are_fine() {
     let mut count = 0;
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
-        if path.extension().is_some_and(|e| e == "toml") {
+        // Those of plans have a test of their own.
+        let planning = super::super::planning::is_planning(&path);
+        if !planning && path.extension().is_some_and(|e| e == "toml") {
             let loaded = Experiment::load(&path, &LoadOptions::default());
             let experiment = loaded.unwrap_or_else(|e| panic!("{e}"));
             assert!(experiment.notes.is_empty(), "{:?}", experiment.notes);
