@@ -1,17 +1,23 @@
 //! Minimum-time trajectories of a differential-drive robot among obstacles.
+pub mod answer;
 pub mod bound;
 pub mod ground;
 pub mod guide;
 pub mod options;
+pub mod params;
 pub mod path;
 pub mod plan;
 pub mod planner;
 pub mod problem;
+pub mod process;
+pub mod request;
+pub mod service;
 pub mod tangent;
 pub mod timing;
 pub mod trajectory;
 pub mod turning;
 pub use options::Options;
+pub use params::OptimiserParams;
 pub use plan::{Method, Plan, PlanError, Sample, Status};
 pub use planner::plan;
 pub use problem::{Problem, ProblemError, RobotLimits, Wheels};
