@@ -15,3 +15,4 @@ mod missions;
 mod planning;
 mod process;
 mod sweep;
+mod triggers;

@@ -42,7 +42,7 @@ pub struct RunSize {
     pub robots: usize,
     /// Processes of the run without the orchestrator, ≥ 1.
     pub processes: usize,
-    /// Obstacle events that the scenario replays.
+    /// Obstacle events of the scenario.
     pub events: usize,
 }
 
@@ -139,9 +139,10 @@ topics! {
     /// The area visited so far, now and then, if the rules account for it: simulator → all.
     Coverage = "world/coverage": One, "coverage", PlainHeader, CoverageState, simulated true,
         qos |s| Qos { history: 1, per_tick: 1, publishers: 1, subscribers: s.readers() };
-    /// An obstacle appears, disappears or moves: orchestrator → simulator, recorder.
+    /// An obstacle appears, disappears or moves: orchestrator → simulator, recorder, ahead of time
+    /// for a tick that is known; simulator → recorder, when a robot has brought it about.
     ObstacleEvents = "world/obstacle_event": One, "event", PlainHeader, ObstacleEvent, simulated true,
-        qos |s| Qos { history: 0, per_tick: s.events.max(1), publishers: 1, subscribers: 2 + ONLOOKERS };
+        qos |s| Qos { history: 0, per_tick: s.events.max(1), publishers: 2, subscribers: 2 + ONLOOKERS };
     /// Range scan of one robot: simulator → planners.
     Scan = "robot/scan": Many, "ranges", ScanHeader, f32, simulated true,
         qos |s| Qos { history: 0, per_tick: s.robots, publishers: 1, subscribers: s.readers() };

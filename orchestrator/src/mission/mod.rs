@@ -2,6 +2,7 @@
 //! ended, and nothing left behind.
 
 mod bridge;
+mod changes;
 pub mod children;
 mod error;
 mod gate;

@@ -9,6 +9,9 @@ use serde_json::Value as Json;
 use sim_backend::map::{ObstacleChange, WorldMap};
 use simulator::SimulatorParams;
 
+pub use super::changes::Replay;
+
+use super::changes;
 use super::children::Executable;
 use crate::scenario::kinds::{KINDS, Need, find};
 use crate::scenario::spec::{self, Mode};
@@ -46,15 +49,6 @@ pub struct Launch {
     pub watched: bool,
 }
 
-/// One obstacle change to be replayed.
-#[derive(Debug, Clone)]
-pub struct Replay {
-    /// Tick at whose start it is applied.
-    pub tick: u64,
-    /// The change.
-    pub event: ObstacleEvent,
-}
-
 /// Everything that a run needs to start.
 #[derive(Debug, Clone)]
 pub struct Plan {
@@ -63,7 +57,8 @@ pub struct Plan {
     /// The processes; the index in this list is the process's index in the run. The simulator is
     /// the first.
     pub launches: Vec<Launch>,
-    /// The obstacle changes, by tick.
+    /// The obstacle changes whose ticks are known, by tick; the others are on the simulator's
+    /// agenda.
     pub replays: Vec<Replay>,
     /// The obstacles that stand from the beginning, for viewers.
     pub standing: Vec<ObstacleEvent>,
@@ -132,21 +127,7 @@ impl Plan {
             capture_radius: scenario.world.rules.capture.map_or(0.0, |c| c.radius),
             log_level: log_level.to_owned(),
         };
-        let replays = scenario
-            .events
-            .iter()
-            .filter_map(|event| Some((event.time_s, event.change()?)))
-            .map(|(time_s, change)| {
-                // The first tick at or after the time.
-                let tick = (time_s * 1e9 / tick_period_ns as f64 - 1e-9)
-                    .ceil()
-                    .max(0.0) as u64;
-                Ok(Replay {
-                    tick,
-                    event: obstacle::to_message(&change)?,
-                })
-            })
-            .collect::<Result<Vec<_>, ObstacleMessageError>>()?;
+        let replays = changes::replays(&scenario.events, tick_period_ns)?;
         // A standing polygon with more corners than a message holds is drawn by the map alone.
         let standing = map
             .obstacles()
@@ -239,6 +220,7 @@ fn launches(scenario: &ResolvedScenario, run: &RunConfig) -> Result<Vec<Launch>,
         world: scenario.world.clone(),
         blur_sigma: scenario.blur_sigma,
         drivers,
+        agenda: changes::agenda(&scenario.events, run.tick_period_ns)?,
     };
     let mut launches = vec![Launch {
         executable: Executable::Kind("simulator".into()),
@@ -327,20 +309,6 @@ mod tests {
         }
         let exact = plan("chase_exact", &[]);
         assert!(exact.launches.iter().all(|l| l.config.upstream.is_empty()));
-    }
-
-    #[test]
-    fn events_come_at_the_first_tick_at_or_after_their_time() {
-        let ticks = |dt: &str| -> Vec<u64> {
-            let dt = format!("run.dt={dt}");
-            plan("chase_popup", &[&dt])
-                .replays
-                .iter()
-                .map(|r| r.tick)
-                .collect()
-        };
-        assert_eq!(ticks("0.05"), [200, 300, 600, 1200, 1500]);
-        assert_eq!(ticks("0.3"), [34, 50, 100, 200, 250]);
     }
 
     #[test]

@@ -91,7 +91,8 @@ impl Ledger {
         let info = account.info;
         let known = self.sources.contains(&stamp.source);
         let source = if known { stamp.source } else { STRANGER };
-        // Obstacle events are announced: all of them come before the first tick.
+        // Obstacle events are announced: all but those that a robot brings about come before the
+        // first tick.
         let plausible =
             info.role == Role::Obstacle || stamp.tick <= self.newest.saturating_add(FARTHEST_AHEAD);
         let holds = known

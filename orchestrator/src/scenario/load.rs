@@ -194,7 +194,7 @@ pub(super) fn resolve(
     let ground = world::resolve(ctx, base);
     let robots = robots::resolve(ctx);
     let processes = processes::resolve(ctx, robots.as_deref());
-    let events = events::resolve(ctx, ground.as_ref().map(|g| &g.map));
+    let events = events::resolve(ctx, ground.as_ref().map(|g| &g.map), robots.as_deref());
     let (top, run, log, rules) = (top?, run?, log?, rules?);
     let (ground, robots) = (ground?, robots?);
     if !ctx.problems.is_empty() {

@@ -32,7 +32,7 @@ mod world;
 mod tests;
 
 pub use draft::Draft;
-pub use events::EventSpec;
+pub use events::{EventSpec, Moment};
 pub use load::{Listed, Loader, list, load};
 pub use resolved::{ProcessSpec, Program, ResolvedScenario};
 pub use template::{Grounds, Template};

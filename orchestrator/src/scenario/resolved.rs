@@ -48,7 +48,8 @@ pub struct ResolvedScenario {
     pub blur_sigma: f64,
     /// The processes in the order in which they are started: first those that others wait for.
     pub processes: Vec<ProcessSpec>,
-    /// Changes of the obstacles, by time.
+    /// Changes of the obstacles: by time those whose times are known, then in their order those of
+    /// obstacles with a change that waits for a robot.
     pub events: Vec<EventSpec>,
     /// What is recorded.
     pub log: LogSpec,

@@ -1,8 +1,14 @@
 //! Minimum-time trajectories of a differential-drive robot among obstacles.
 pub mod answer;
 pub mod bound;
+pub mod candidate;
+pub mod check;
+pub mod curve;
+pub mod drive;
 pub mod ground;
 pub mod guide;
+pub mod knots;
+pub mod lgl;
 pub mod options;
 pub mod params;
 pub mod path;
@@ -10,8 +16,11 @@ pub mod plan;
 pub mod planner;
 pub mod problem;
 pub mod process;
+pub mod program;
 pub mod request;
 pub mod service;
+pub mod shape;
+pub mod spline;
 pub mod tangent;
 pub mod timing;
 pub mod trajectory;

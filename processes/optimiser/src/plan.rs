@@ -3,6 +3,8 @@
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+pub use honesty::Sample;
+
 use crate::problem::ProblemError;
 
 /// How a plan is made.
@@ -51,24 +53,6 @@ pub enum Status {
     Fallback,
     /// As far as the time allowed went.
     Deadline,
-}
-
-/// A point of a trajectory. Between two of them both speeds change linearly in time; two of the
-/// same time are a step of the speeds.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sample {
-    /// Time since the start [s].
-    pub t: f64,
-    /// Position of the robot's centre, x [m].
-    pub x: f64,
-    /// Position of the robot's centre, y [m].
-    pub y: f64,
-    /// Heading [rad], continuous along the trajectory.
-    pub theta: f64,
-    /// Forward speed [m/s].
-    pub v: f64,
-    /// Turning rate [rad/s].
-    pub omega: f64,
 }
 
 /// A trajectory that has passed the honesty check.

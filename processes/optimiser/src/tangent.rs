@@ -51,7 +51,7 @@ pub fn trajectory(
         follow(problem, guide, &mut trajectory)?;
     }
     arrive(problem, &mut trajectory)?;
-    begin(problem, &mut trajectory);
+    trajectory.keep_ends(problem);
     Ok(trajectory)
 }
 
@@ -199,31 +199,15 @@ fn arrive(problem: &Problem, trajectory: &mut Trajectory) -> Result<(), PlanErro
         let angle = math::angle_difference(heading, trajectory.heading());
         trajectory.turn(&problem.limits, angle);
     }
-    let Some(speed) = problem.goal_speed else {
-        return Ok(());
-    };
-    let last = trajectory.samples().last().copied();
-    if problem.limits.acceleration.is_none() {
-        let omega = if problem.limits.angular_acceleration.is_none() {
-            0.0
-        } else {
-            last.map_or(0.0, |last| last.omega)
-        };
-        trajectory.leave_with(speed, omega);
-    } else if last.is_some_and(|last| (last.v - speed).abs() > 1e-6) {
+    let arrives = trajectory.samples().last().map_or(0.0, |last| last.v);
+    if problem.limits.acceleration.is_some()
+        && problem
+            .goal_speed
+            .is_some_and(|speed| (arrives - speed).abs() > 1e-6)
+    {
         return Err(PlanError::Infeasible(
             "the robot cannot arrive with the speed and the heading asked for",
         ));
     }
     Ok(())
-}
-
-/// Begins with the prescribed speeds; those that differ from what the first part does are steps.
-fn begin(problem: &Problem, trajectory: &mut Trajectory) {
-    let Some(first) = trajectory.samples().first().copied() else {
-        return;
-    };
-    let v = problem.start_speed.unwrap_or(first.v);
-    let omega = problem.start_turn_rate.unwrap_or(first.omega);
-    trajectory.arrive_with(v, omega);
 }

@@ -5,7 +5,7 @@ use sim_backend::pose::Pose2;
 
 use crate::path::PathPoint;
 use crate::plan::Sample;
-use crate::problem::RobotLimits;
+use crate::problem::{Problem, RobotLimits};
 use crate::turning;
 
 /// Largest turn [rad] between two samples on the spot.
@@ -41,6 +41,11 @@ impl Trajectory {
     /// The samples so far; at least one.
     pub fn samples(&self) -> &[Sample] {
         &self.samples
+    }
+
+    /// The samples.
+    pub fn into_samples(self) -> Vec<Sample> {
+        self.samples
     }
 
     /// Duration so far [s].
@@ -149,6 +154,24 @@ impl Trajectory {
     pub fn settle(&mut self, goal: Point2<f64>) {
         if let Some(last) = self.samples.last_mut() {
             (last.x, last.y) = (goal.x, goal.y);
+        }
+    }
+
+    /// Begins and ends with the speeds that a problem prescribes: by steps, where they differ.
+    pub fn keep_ends(&mut self, problem: &Problem) {
+        if let Some(&first) = self.samples.first() {
+            let v = problem.start_speed.unwrap_or(first.v);
+            let omega = problem.start_turn_rate.unwrap_or(first.omega);
+            self.arrive_with(v, omega);
+        }
+        if let (Some(speed), Some(&last)) = (problem.goal_speed, self.samples.last()) {
+            // ω steps with V where it can: the robot goes on straight.
+            let omega = if problem.limits.angular_acceleration.is_none() && last.v > 0.0 {
+                last.omega * (speed / last.v)
+            } else {
+                last.omega
+            };
+            self.leave_with(speed, omega);
         }
     }
 

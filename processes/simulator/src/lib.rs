@@ -1,10 +1,13 @@
 //! The simulator process: drives `sim_backend::World` and owns the tick.
 //!
 //! * [`process`]: the loop, in lock-step and in real time;
+//! * [`agenda`]: changes of the obstacles that wait for robots or for each other;
 //! * [`commands`]: which command holds for which robot;
 //! * [`outputs`]: the world as messages.
 
+pub mod agenda;
 pub mod commands;
+mod obstacles;
 pub mod outputs;
 pub mod params;
 pub mod process;

@@ -3,6 +3,8 @@
 use serde::{Deserialize, Serialize};
 use sim_backend::spec::WorldSpec;
 
+use crate::agenda::PlannedChange;
+
 /// Parameters of the simulator process.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -13,4 +15,8 @@ pub struct SimulatorParams {
     pub blur_sigma: f64,
     /// For every robot the index of the process that drives it; `None`: nobody, it stands.
     pub drivers: Vec<Option<u32>>,
+    /// Changes of the obstacles that wait for robots or for each other, in their order. (Those that
+    /// happen at a fixed time come over their topic.)
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub agenda: Vec<PlannedChange>,
 }

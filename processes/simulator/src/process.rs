@@ -9,20 +9,21 @@ use std::time::{Duration, Instant};
 use ipc_types::bus::{Bus, Publisher, PublisherOptions, Subscriber};
 use ipc_types::clock::{self, StampClock};
 use ipc_types::messages::robot::ScanHeader;
-use ipc_types::messages::world::{MapHeader, ObstacleEvent, RobotState, WorldEvent, WorldHeader};
+use ipc_types::messages::world::{MapHeader, RobotState, WorldEvent, WorldHeader};
 use ipc_types::stamp::{PlainHeader, Stamp};
 use ipc_types::topics::{
-    Commands, Coverage, ObstacleEvents, Scan, WorldEvents, WorldMap as MapTopic, WorldShapes,
-    WorldState,
+    Commands, Coverage, Scan, WorldEvents, WorldMap as MapTopic, WorldShapes, WorldState,
 };
 use kit::lockstep::{Conductor, Phase, SlotState, TurnEnd};
 use kit::maps::{Ground, Maps};
-use kit::{Clock, Idle, ProcessConfig, ProcessError, Setup, obstacle, shapes};
+use kit::{Clock, Idle, ProcessConfig, ProcessError, Setup, shapes};
 use sim_backend::blur::BlurError;
 use sim_backend::robot::Robot;
 use sim_backend::world::World;
 
+use crate::agenda::Agenda;
 use crate::commands::CommandBoard;
+use crate::obstacles::Obstacles;
 use crate::outputs::{self, Flags};
 use crate::params::SimulatorParams;
 
@@ -102,7 +103,7 @@ pub struct Simulator {
     blur_sigma: f64,
     tick_period: Duration,
     tick: u64,
-    obstacles: Vec<(u64, ObstacleEvent)>,
+    obstacles: Obstacles,
     events: Vec<WorldEvent>,
     states: Vec<RobotState>,
     /// Robots that were without a command at the last tick; reported once.
@@ -123,7 +124,6 @@ pub struct Simulator {
     scan_out: Publisher<Scan>,
     coverage_out: Publisher<Coverage>,
     commands_in: Subscriber<Commands>,
-    obstacles_in: Subscriber<ObstacleEvents>,
 }
 
 impl Simulator {
@@ -152,6 +152,8 @@ impl Simulator {
             let reason = format!("{} drivers for {robots} robots", params.drivers.len());
             return Err(refused(config, &reason));
         }
+        let agenda = Agenda::new(params.agenda.clone(), &params.world.robots)
+            .map_err(|e| refused(config, &e.to_string()))?;
         let port = |capacity: usize| PublisherOptions::new(config.index, capacity);
         let beams = config.run.robots.iter().map(|r| r.beams).max().unwrap_or(0);
         Ok(Self {
@@ -160,7 +162,7 @@ impl Simulator {
             blur_sigma: params.blur_sigma,
             tick_period: Duration::from_nanos(config.run.tick_period_ns),
             tick: 0,
-            obstacles: Vec::new(),
+            obstacles: Obstacles::open(bus, config.index, agenda)?,
             events: Vec::new(),
             states: Vec::with_capacity(robots),
             missing: vec![false; robots],
@@ -177,7 +179,6 @@ impl Simulator {
             scan_out: bus.publisher(port(beams as usize))?,
             coverage_out: bus.publisher(port(1))?,
             commands_in: bus.subscriber()?,
-            obstacles_in: bus.subscriber()?,
             world,
         })
     }
@@ -194,7 +195,7 @@ impl Simulator {
         self.scan_out.update_connections()?;
         self.coverage_out.update_connections()?;
         self.commands_in.update_connections()?;
-        self.obstacles_in.update_connections()?;
+        self.obstacles.connect()?;
         // Everybody builds what it needs of the map before time starts.
         let first = Stamp {
             origin_ns: self.clock.now_ns(),
@@ -331,7 +332,7 @@ impl Simulator {
         self.apply_obstacles()?;
         let stamp = Stamp {
             tick: self.tick,
-            time_ns: self.tick.saturating_mul(self.tick_period.as_nanos() as u64),
+            time_ns: self.time_ns(),
             origin_ns: self.clock.now_ns(),
             received_ns: self.board.received_ns(),
             ..Stamp::default()
@@ -396,32 +397,18 @@ impl Simulator {
 
     /// Applies the obstacle changes whose tick has come.
     fn apply_obstacles(&mut self) -> Result<(), ProcessError> {
-        while let Some(message) = self.obstacles_in.receive()? {
-            let tick = message.header().stamp.tick;
-            self.obstacles
-                .extend(message.elements().iter().map(|event| (tick, *event)));
-        }
-        while let Some(at) = self
-            .obstacles
-            .iter()
-            .position(|(tick, _)| *tick <= self.tick)
-        {
-            let (_, event) = self.obstacles.remove(at);
-            let change = obstacle::from_message(&event);
-            let applied = match change {
-                Ok(change) => {
-                    let applied = self.world.apply(&change).map_err(|e| e.to_string());
-                    if let (Ok(()), Some((_, ground))) = (&applied, &mut self.shared) {
-                        ground.changes.push(change);
-                    }
-                    applied
-                }
-                Err(e) => Err(e.to_string()),
-            };
-            if let Err(reason) = applied {
-                tracing::warn!("tick {}: obstacle event refused: {reason}", self.tick);
+        let stamp = Stamp {
+            tick: self.tick,
+            time_ns: self.time_ns(),
+            origin_ns: self.clock.now_ns(),
+            ..Stamp::default()
+        };
+        let shared = &mut self.shared;
+        self.obstacles.apply(&mut self.world, stamp, |change| {
+            if let Some((_, ground)) = shared {
+                ground.changes.push(change);
             }
-        }
+        })?;
         // They hold from this tick on, and are told with it.
         let changes: Vec<_> = self.world.take_pending().collect();
         let robots = self.world.robots();
@@ -430,6 +417,11 @@ impl Simulator {
             .map(|kind| outputs::world_event(kind, robots));
         self.events.extend(told);
         Ok(())
+    }
+
+    /// Simulated time of the current tick [ns].
+    fn time_ns(&self) -> u64 {
+        self.tick.saturating_mul(self.tick_period.as_nanos() as u64)
     }
 
     /// Takes up the commands that came; those that do not hold are counted and logged.

@@ -28,7 +28,8 @@ pub struct Obstacle {
 }
 
 /// A change of the obstacles at run time.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum ObstacleChange {
     /// A new obstacle appears.
     Appear {

@@ -3,6 +3,7 @@
 //! Unknown keys are errors, every field names its unit, and `validate` names the field, the value
 //! and what was expected, so that a mistake can be pointed at before anything starts.
 
+mod condition;
 mod coverage;
 mod field;
 mod region;
@@ -10,6 +11,7 @@ mod robot;
 mod rules;
 mod sensor;
 
+pub use condition::Condition;
 pub use coverage::CoverageSpec;
 pub use field::{FieldError, MAX_COORDINATE};
 pub(crate) use field::{check, coordinate, non_negative, positive};

@@ -1,6 +1,7 @@
 //! Tests of the scenario system as a whole.
 
 mod builtin;
+mod event_messages;
 mod messages;
 mod messages_of_parts;
 mod properties;

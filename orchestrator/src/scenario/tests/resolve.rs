@@ -1,10 +1,12 @@
 //! What a scenario becomes.
 
 use sim_backend::map::{MapSpec, ObstacleChange, ObstacleId};
+use sim_backend::spec::Condition;
 
 use super::*;
-use crate::scenario::Program;
+use crate::scenario::events::{EventSpec, Trigger};
 use crate::scenario::spec::{Idle, Pin};
+use crate::scenario::{Moment, Program};
 
 #[test]
 fn robots_inherit_from_team_and_defaults_and_keep_their_own() {
@@ -83,8 +85,11 @@ fn presets_of_parameters_are_filled_in_under_single_values() {
 #[test]
 fn events_are_sorted_and_numbered_after_the_maps_obstacles() {
     let s = load(GOOD).unwrap();
-    let times: Vec<f64> = s.events.iter().map(|e| e.time_s).collect();
-    assert_eq!(times, [2.5, 5.0]);
+    let times: Vec<&Moment> = s.events.iter().map(|e| &e.moment).collect();
+    assert_eq!(
+        times,
+        [&Moment::At { time_s: 2.5 }, &Moment::At { time_s: 5.0 }]
+    );
     assert!(matches!(
         s.events[0].change(),
         Some(ObstacleChange::Appear {
@@ -103,6 +108,60 @@ fn events_are_sorted_and_numbered_after_the_maps_obstacles() {
         0,
         "it is the same wall that comes back"
     );
+}
+
+/// Events of two obstacles that wait for robots, and one at a time that waits for its turn.
+const WAITING: &str = r#"
+[[events]]
+when = { robot = "thief", travelled = 1.5 }
+action = "appear"
+obstacle = "gate"
+shape = { circle = { center = [1.0, 1.0], radius = 0.2 } }
+[[events]]
+time_s = 20.0
+action = "move"
+obstacle = "gate"
+shape = { circle = { center = [1.5, 1.0], radius = 0.2 } }
+[[events]]
+when = { robot = "cop", within = 0.8, of = [1.0, -1.0] }
+after_s = 2.0
+action = "disappear"
+obstacle = "block"
+"#;
+
+#[test]
+fn events_that_wait_for_robots_come_last_in_the_order_of_the_file() {
+    let s = load(&format!("{GOOD}{WAITING}")).unwrap();
+    let told = |e: &EventSpec| (e.obstacle.clone(), e.id, e.in_turn);
+    let told: Vec<_> = s.events.iter().map(told).collect();
+    let expected = [
+        ("wall", 0, false),
+        // At a time, but who knows when it goes.
+        ("block", 1, true),
+        ("gate", 2, true),
+        ("gate", 2, true),
+        ("block", 1, true),
+    ]
+    .map(|(name, id, in_turn)| (name.to_owned(), id, in_turn));
+    assert_eq!(told, expected);
+    assert_eq!(
+        s.events[4].moment,
+        Moment::When {
+            when: Trigger {
+                robot: "cop".into(),
+                index: 0,
+                condition: Condition::Within {
+                    within: 0.8,
+                    of: [1.0, -1.0]
+                },
+            },
+            after_s: 2.0,
+        }
+    );
+    assert!(matches!(
+        &s.events[2].moment,
+        Moment::When { when, after_s: 0.0 } if when.index == 1
+    ));
 }
 
 #[test]
@@ -125,7 +184,12 @@ fn what_is_written_out_loads_to_the_same() {
         "kind = \"evader_potential\"",
         "command = [\"a b\", \"\\\"c\\\\\"]\nname = \"x\"",
     );
-    for text in [GOOD.to_owned(), commands] {
+    let waiting = format!("{GOOD}{WAITING}").replace(
+        "name = \"thief\"",
+        "name = \"thief\"\ngoal = { circle = { center = [-3.0, 1.0], radius = 0.2 } }",
+    );
+    let waiting = waiting.replace("travelled = 1.5", "progress = 0.36");
+    for text in [GOOD.to_owned(), commands, waiting] {
         let s = load_with(
             &text,
             &[

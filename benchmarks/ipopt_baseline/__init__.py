@@ -1,0 +1,1 @@
+"""What `ipopt_baseline.py` is made of; `README.md` beside this file says what it does."""

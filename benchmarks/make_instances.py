@@ -1,0 +1,154 @@
+#!/usr/bin/env python3
+"""Draws planning instances; the same count and seed give the same file.
+
+    python3 benchmarks/make_instances.py base --count 30 --seed 1 benchmarks/instances/base_small.json
+    python3 benchmarks/make_instances.py dynamics --count 40 --seed 1 benchmarks/instances/dynamics.json
+
+`base` limits speed and turn rate only. `dynamics` is a robot like the TurtleBot3 Burger, with limited
+wheels and accelerations, half of the time moving at the start, half of the time with a heading to end
+in. Only numpy is needed.
+"""
+
+import argparse
+import json
+import math
+import pathlib
+import random
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+from ipopt_baseline import guess, instance  # noqa: E402
+
+CM_PER_PX = 0.75
+WIDTH, HEIGHT = 640.0, 480.0
+CLEAR_PX = 2.0
+
+
+class Draw:
+    """Numbers from one seed. Of `random`, only `random()` promises the same numbers for ever."""
+
+    def __init__(self, seed):
+        self.source = random.Random(seed)
+
+    def uniform(self, low, high, digits=3):
+        return round(low + (high - low) * self.source.random(), digits)
+
+    def integer(self, low, high):
+        return low + int(self.source.random() * (high - low + 1))
+
+
+def clear(place, discs, buffer_px):
+    return all(
+        math.dist(place, (disc["x"], disc["y"])) >= disc["r"] + buffer_px + CLEAR_PX for disc in discs
+    )
+
+
+def draw_discs(draw, count, smallest, largest):
+    return [
+        {
+            "x": draw.uniform(0.0, WIDTH),
+            "y": draw.uniform(0.0, HEIGHT),
+            "r": draw.uniform(smallest, largest),
+        }
+        for _ in range(count)
+    ]
+
+
+def base(draw, _index):
+    """From one corner of the board to the other, among 10 to 20 small discs."""
+    start = {"x": draw.uniform(0.0, 20.0), "y": draw.uniform(0.0, 20.0)}
+    start["theta"] = round(math.radians(draw.uniform(40.0, 45.0, 6)), 6)
+    goal = {"x": draw.uniform(WIDTH - 20.0, WIDTH), "y": draw.uniform(HEIGHT - 20.0, HEIGHT)}
+    return {
+        "cm_per_px": CM_PER_PX,
+        "vmax_px_s": 20.0,
+        "wmax_rad_s": 16.0,
+        "buffer_px": 10.0,
+        "bounds_px": [0.0, 0.0, WIDTH, HEIGHT],
+        "start": start,
+        "start_speed": None,
+        "goal": goal,
+        "obstacles": draw_discs(draw, draw.integer(10, 20), 5.0, 15.0),
+    }
+
+
+def dynamics(draw, index):
+    """0.22 m/s, 2.84 rad/s, wheels 0.16 m apart, 0.5 m/s^2, 3 rad/s^2, among 5 to 15 discs."""
+    metres = 100.0 / CM_PER_PX
+    v_max = round(0.22 * metres, 6)
+    acceleration = round(0.5 * metres, 6)
+    margin = 10.0
+    place = lambda: {"x": draw.uniform(margin, WIDTH - margin), "y": draw.uniform(margin, HEIGHT - margin)}
+    start, goal = place(), place()
+    towards = math.atan2(goal["y"] - start["y"], goal["x"] - start["x"])
+    start["theta"] = round(towards + draw.uniform(-1.5, 1.5, 6), 6)
+    final = round(towards + draw.uniform(-math.pi / 2, math.pi / 2, 6), 6)
+    speed = draw.uniform(0.3 * v_max, 0.8 * v_max)
+    moving, heading_given = index % 2 == 1, index // 2 % 2 == 1
+    if heading_given:
+        goal["theta"] = final
+    return {
+        "cm_per_px": CM_PER_PX,
+        "vmax_px_s": v_max,
+        "wmax_rad_s": 2.84,
+        "buffer_px": 14.0,
+        "bounds_px": [0.0, 0.0, WIDTH, HEIGHT],
+        "wheel_speed_px_s": v_max,
+        "wheel_separation_px": round(0.16 * metres, 6),
+        "acceleration_px_s2": acceleration,
+        "angular_acceleration_rad_s2": 3.0,
+        "start": start,
+        "start_speed": speed if moving else 0.0,
+        "start_turn_rate": 0.0,
+        "goal": goal,
+        "goal_speed": 0.0,
+        "obstacles": draw_discs(draw, draw.integer(5, 15), 10.0, 30.0),
+    }
+
+
+def acceptable(raw):
+    """Ends clear and apart, room to brake straight ahead, and a way on a grid."""
+    start, goal = raw["start"], raw["goal"]
+    ends = [(start["x"], start["y"]), (goal["x"], goal["y"])]
+    if math.dist(*ends) < 250.0:
+        return False
+    brake = 0.0
+    if raw["start_speed"]:
+        brake = raw["start_speed"] ** 2 / (2.0 * raw["acceleration_px_s2"]) + 5.0
+    for step in range(9):
+        ahead = brake * step / 8.0
+        x = start["x"] + ahead * math.cos(start["theta"])
+        y = start["y"] + ahead * math.sin(start["theta"])
+        if not (0.0 <= x <= WIDTH and 0.0 <= y <= HEIGHT):
+            return False
+        if not clear((x, y), raw["obstacles"], raw["buffer_px"]):
+            return False
+    if not clear(ends[1], raw["obstacles"], raw["buffer_px"]):
+        return False
+    return guess.grid_path(instance.parse({"id": "", **raw})) is not None
+
+
+def make(kind, count, seed):
+    draw = Draw(seed)
+    drawn = []
+    while len(drawn) < count:
+        raw = {"base": base, "dynamics": dynamics}[kind](draw, len(drawn))
+        if acceptable(raw):
+            drawn.append({"id": f"{kind}-{seed}-{len(drawn):04d}", "row": kind, "seed": seed, **raw})
+    return drawn
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("kind", choices=("base", "dynamics"))
+    parser.add_argument("out", metavar="OUT.json")
+    parser.add_argument("--count", type=int, default=40)
+    parser.add_argument("--seed", type=int, default=1)
+    args = parser.parse_args()
+    drawn = make(args.kind, args.count, args.seed)
+    with open(args.out, "w", encoding="utf-8") as file:
+        file.write("[\n" + ",\n".join(json.dumps(each) for each in drawn) + "\n]\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,147 @@
+//! `[[events]]`: obstacles that appear, disappear and move while the game runs.
+
+mod history;
+mod moment;
+mod read;
+
+pub use moment::{Moment, Trigger};
+
+use std::collections::BTreeSet;
+
+use serde::{Deserialize, Serialize};
+use sim_backend::map::{MapSpec, ObstacleChange, ObstacleId};
+use sim_backend::shape::Shape;
+
+use super::context::Context;
+use super::robots::Robot;
+use super::spec::MAX_EVENTS;
+use super::text::{Code, Diagnostic, FieldPath, Node};
+use history::History;
+
+/// Most corners of a polygon that appears during a run (its message has a fixed size).
+pub const MAX_EVENT_VERTICES: usize = 16;
+
+/// What happens to the obstacle of an event.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Action {
+    /// It comes to be.
+    Appear,
+    /// It ceases to be.
+    Disappear,
+    /// It takes another place or shape.
+    Move,
+}
+
+/// One change of the obstacles.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct EventSpec {
+    /// When it happens.
+    #[serde(flatten)]
+    pub moment: Moment,
+    /// What happens.
+    pub action: Action,
+    /// Name of the obstacle: one of the map's, or one that appears.
+    pub obstacle: String,
+    /// Its number: the map's obstacles have theirs, those that appear get the next ones in the
+    /// order of their first appearance.
+    #[serde(skip)]
+    pub id: u32,
+    /// Whether some event of the same obstacle waits for a robot. Nobody knows beforehand when the
+    /// changes of such an obstacle happen, only in what order.
+    #[serde(skip)]
+    pub in_turn: bool,
+    /// Its new shape and place; absent if it disappears.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shape: Option<Shape>,
+}
+
+impl EventSpec {
+    /// The change as the world takes it; `None` if the shape is missing that the action needs
+    /// (no event of a resolved scenario).
+    pub fn change(&self) -> Option<ObstacleChange> {
+        let id = ObstacleId(self.id);
+        Some(match self.action {
+            Action::Appear => ObstacleChange::Appear {
+                id,
+                shape: self.shape.clone()?,
+            },
+            Action::Disappear => ObstacleChange::Disappear { id },
+            Action::Move => ObstacleChange::Move {
+                id,
+                shape: self.shape.clone()?,
+            },
+        })
+    }
+}
+
+/// Reads all events and checks them against the robots, the map's obstacles and each other;
+/// everything wrong is reported (of the order of events nothing, if there is no map).
+///
+/// Obstacles whose events all have a time come first, by time; then those with an event that waits
+/// for a robot, in the order of the file.
+pub fn resolve(
+    ctx: &mut Context<'_>,
+    map: Option<&MapSpec>,
+    robots: Option<&[Robot]>,
+) -> Vec<EventSpec> {
+    let blocks = ctx.blocks("events");
+    if let Some((path, node)) = blocks.get(MAX_EVENTS) {
+        let problem = ctx
+            .block_problem(node.origin, path, Code::Limit, "too many events")
+            .value(blocks.len())
+            .expected(format!("at most {MAX_EVENTS} events"));
+        ctx.problems.push(problem);
+        return Vec::new();
+    }
+    let mut read: Vec<(EventSpec, FieldPath, Node)> = Vec::with_capacity(blocks.len());
+    // What happens to these is not known.
+    let mut unread: BTreeSet<String> = BTreeSet::new();
+    for (path, node) in blocks {
+        if let Some(event) = read::event(ctx, &node, &path, map, robots) {
+            read.push((event, path, node));
+        } else if let Some(name) = node.get("obstacle").and_then(Node::as_str) {
+            unread.insert(name.to_owned());
+        }
+    }
+    // Without the map nobody knows what stands; its own problems are reported.
+    let Some(map) = map else { return Vec::new() };
+    let waiting: BTreeSet<String> = read
+        .iter()
+        .filter(|(event, ..)| matches!(event.moment, Moment::When { .. }))
+        .map(|(event, ..)| event.obstacle.clone())
+        .collect();
+    for (event, ..) in &mut read {
+        event.in_turn = waiting.contains(&event.obstacle);
+    }
+    let key = |event: &EventSpec| match event.moment {
+        Moment::At { time_s } if !event.in_turn => (false, time_s),
+        _ => (true, 0.0),
+    };
+    // Stable: events of one time happen in the order of the file.
+    read.sort_by(|(a, ..), (b, ..)| {
+        let (a, b) = (key(a), key(b));
+        a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+    });
+    let mut history = History::new(map);
+    let mut events = Vec::with_capacity(read.len());
+    for (mut event, path, node) in read {
+        match history.apply(&event) {
+            Ok(id) => {
+                event.id = id;
+                events.push(event);
+            }
+            Err(_) if unread.contains(&event.obstacle) => {}
+            Err(found) => {
+                let blank = ctx.problem(&node, &path, found.field, found.code, found.message);
+                let problem = Diagnostic {
+                    expected: found.expected,
+                    help: found.help,
+                    ..blank
+                };
+                ctx.problems.push(problem);
+            }
+        }
+    }
+    events
+}

@@ -1,0 +1,100 @@
+//! The limits of the drive: by what samples state, and by poses and times alone.
+
+use crate::contract::Contract;
+use crate::findings::{Change, Findings};
+use crate::sample::{Sample, wrapped};
+use crate::tolerances::Tolerances;
+use crate::violation::Violation;
+
+/// Judges speeds and accelerations, and remembers the highest speeds.
+#[derive(Debug)]
+pub(crate) struct Limits<'a> {
+    contract: &'a Contract,
+    tolerances: &'a Tolerances,
+    /// Highest speed stated or implied [m/s].
+    pub top_speed: f64,
+    /// Highest turning rate stated or implied [rad/s].
+    pub top_turn_rate: f64,
+}
+
+impl<'a> Limits<'a> {
+    /// Nothing has moved yet.
+    pub fn new(contract: &'a Contract, tolerances: &'a Tolerances) -> Self {
+        Self {
+            contract,
+            tolerances,
+            top_speed: 0.0,
+            top_turn_rate: 0.0,
+        }
+    }
+
+    /// Speed and turning rate that a sample states. Between samples both are linear and no larger.
+    pub fn controls(&mut self, sample: &Sample, findings: &mut Findings) {
+        let (v, omega) = (sample.v.abs(), sample.omega.abs());
+        let allowed = 1.0 + self.tolerances.limit;
+        let contract = self.contract;
+        findings.at_most(Violation::Speed, sample.t, v, contract.v_max * allowed);
+        findings.at_most(
+            Violation::TurnRate,
+            sample.t,
+            omega,
+            contract.omega_max * allowed,
+        );
+        if let Some(wheel) = contract.wheel {
+            let speed = wheel.faster(v, omega);
+            findings.at_most(
+                Violation::WheelSpeed,
+                sample.t,
+                speed,
+                wheel.speed * allowed,
+            );
+        }
+        self.top_speed = self.top_speed.max(v);
+        self.top_turn_rate = self.top_turn_rate.max(omega);
+    }
+
+    /// Speeds from poses and times alone, whatever the controls say. (A chord is never longer than
+    /// the way, nor a wrapped turn more than the turn: honest samples cannot fail.)
+    pub fn poses(&mut self, a: &Sample, b: &Sample, findings: &mut Findings) {
+        let (contract, rounding) = (self.contract, self.tolerances.rounding);
+        let allowed = 1.0 + self.tolerances.limit;
+        let dt = b.t - a.t;
+        let change = |amount| Change {
+            amount,
+            dt,
+            rounding,
+        };
+        let moved = (b.position() - a.position()).norm();
+        let turned = wrapped(b.theta - a.theta).abs();
+        let limit = contract.v_max * allowed;
+        findings.rate_at_most(Violation::PoseSpeed, a.t, change(moved), limit);
+        let limit = contract.omega_max * allowed;
+        findings.rate_at_most(Violation::PoseTurnRate, a.t, change(turned), limit);
+        if let Some(wheel) = contract.wheel {
+            let limit = wheel.speed * allowed;
+            let rolled = change(wheel.faster(moved, turned));
+            findings.rate_at_most(Violation::PoseWheelSpeed, a.t, rolled, limit);
+        }
+        // What rounding may explain is no speed worth showing.
+        self.top_speed = self.top_speed.max((moved - rounding) / dt);
+        self.top_turn_rate = self.top_turn_rate.max((turned - rounding) / dt);
+    }
+
+    /// Accelerations.
+    pub fn changes(&self, a: &Sample, b: &Sample, findings: &mut Findings) {
+        let change = |from: f64, to: f64| Change {
+            amount: (to - from).abs(),
+            dt: b.t - a.t,
+            rounding: self.tolerances.rounding,
+        };
+        let allowed = 1.0 + self.tolerances.limit;
+        if let Some(most) = self.contract.acceleration_max {
+            let change = change(a.v, b.v);
+            findings.rate_at_most(Violation::Acceleration, a.t, change, most * allowed);
+        }
+        if let Some(most) = self.contract.angular_acceleration_max {
+            let change = change(a.omega, b.omega);
+            findings.rate_at_most(Violation::AngularAcceleration, a.t, change, most * allowed);
+        }
+    }
+}

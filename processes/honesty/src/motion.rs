@@ -1,0 +1,174 @@
+//! What happens between two samples: do poses, controls, times and limits fit together?
+
+use nalgebra::Point2;
+
+use crate::clearance::{Clearance, Span};
+use crate::contract::Contract;
+use crate::findings::Findings;
+use crate::limits::Limits;
+use crate::piece::{Piece, rotated};
+use crate::sample::{Sample, wrapped};
+use crate::tolerances::Tolerances;
+use crate::violation::Violation;
+
+/// Walks along a trajectory and judges each step.
+#[derive(Debug)]
+pub(crate) struct Walk<'a> {
+    contract: &'a Contract,
+    tolerances: &'a Tolerances,
+    /// The limits of the drive, and how fast it has been so far.
+    pub limits: Limits<'a>,
+    /// Where the controls alone have led since the start [m].
+    led_to: Point2<f64>,
+    /// Heading the controls alone have led to [rad].
+    led_heading: f64,
+    /// Figures of the way so far.
+    pub figures: Figures,
+    /// The closest approach so far.
+    pub clearance: Clearance,
+}
+
+/// What a walk adds up.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Figures {
+    /// Length of the way [m].
+    pub length: f64,
+    /// Farthest a sample is from where the controls alone lead from the start [m].
+    pub drift: f64,
+    /// Sum of the distances between samples and where the controls lead from the one before [m], of
+    /// those that were let pass.
+    displacement: f64,
+    /// The same of headings [rad].
+    heading: f64,
+}
+
+impl<'a> Walk<'a> {
+    /// At the first sample.
+    pub fn new(contract: &'a Contract, tolerances: &'a Tolerances, first: &Sample) -> Self {
+        let mut clearance = Clearance::new(contract);
+        clearance.visit(&Span {
+            time: first.t,
+            piece: Piece::between(first, first),
+            end: first.position(),
+            slack: 0.0,
+        });
+        Self {
+            contract,
+            tolerances,
+            limits: Limits::new(contract, tolerances),
+            led_to: first.position(),
+            led_heading: first.theta,
+            figures: Figures::default(),
+            clearance,
+        }
+    }
+
+    /// Judges what happens from one sample to the next.
+    pub fn step(&mut self, a: &Sample, b: &Sample, findings: &mut Findings) {
+        let dt = b.t - a.t;
+        if dt > 0.0 {
+            self.limits.poses(a, b, findings);
+            self.limits.changes(a, b, findings);
+            self.motion(a, b, findings);
+        } else if dt == 0.0 {
+            self.instant(a, b, findings);
+        } else {
+            findings.at_most(Violation::TimeBackwards, a.t, -dt, 0.0);
+        }
+    }
+
+    /// The sums over the whole trajectory, at its end.
+    pub fn finish(&self, duration: f64, findings: &mut Findings) {
+        let Tolerances {
+            mismatch,
+            mismatch_total,
+            ..
+        } = *self.tolerances;
+        let limit = |highest: f64| mismatch * highest * duration.max(0.0) + mismatch_total;
+        let displacement = self.figures.displacement;
+        let most = limit(self.contract.v_max);
+        findings.at_most(Violation::TotalDisplacement, duration, displacement, most);
+        let most = limit(self.contract.omega_max);
+        findings.at_most(
+            Violation::TotalHeading,
+            duration,
+            self.figures.heading,
+            most,
+        );
+        self.clearance.report(self.tolerances, findings);
+    }
+
+    /// Two samples of the same time: only controls that nothing limits may differ.
+    fn instant(&mut self, a: &Sample, b: &Sample, findings: &mut Findings) {
+        let rounding = self.tolerances.rounding;
+        let moved = (b.position() - a.position()).norm();
+        let turned = wrapped(b.theta - a.theta).abs();
+        findings.at_most(Violation::Jump, a.t, moved.max(turned), rounding);
+        if moved.max(turned) <= rounding {
+            self.figures.displacement += moved;
+            self.figures.heading += turned;
+        }
+        if self.contract.acceleration_max.is_some() {
+            findings.at_most(Violation::SpeedStep, a.t, (b.v - a.v).abs(), rounding);
+        }
+        if self.contract.angular_acceleration_max.is_some() {
+            let step = (b.omega - a.omega).abs();
+            findings.at_most(Violation::TurnRateStep, a.t, step, rounding);
+        }
+    }
+
+    /// Whether the controls lead from the one pose to the other, and past what.
+    fn motion(&mut self, a: &Sample, b: &Sample, findings: &mut Findings) {
+        let Tolerances {
+            mismatch,
+            mismatch_floor,
+            rounding,
+            spacing,
+            ..
+        } = *self.tolerances;
+        let piece = Piece::between(a, b);
+        let displacement = piece.displacement();
+        let end = piece.start + rotated(displacement, piece.heading);
+
+        let off = (end - b.position()).norm();
+        let most_off = mismatch * self.contract.v_max * piece.dt + mismatch_floor;
+        findings.at_most(Violation::Displacement, a.t, off, most_off);
+        let turned_off = wrapped(a.theta + piece.turn() - b.theta).abs();
+        let most_turned_off = mismatch * self.contract.omega_max * piece.dt + mismatch_floor;
+        findings.at_most(Violation::Heading, a.t, turned_off, most_turned_off);
+
+        let chord = (b.position() - a.position()).norm();
+        let way = piece.way();
+        findings.at_most(Violation::Spacing, a.t, chord.max(way), spacing + rounding);
+
+        self.led_to += rotated(displacement, self.led_heading);
+        self.led_heading += piece.turn();
+        let figures = &mut self.figures;
+        figures.length += way;
+        figures.drift = figures.drift.max((self.led_to - b.position()).norm());
+
+        let followed = off <= most_off;
+        if followed {
+            figures.displacement += off;
+        }
+        if turned_off <= most_turned_off {
+            figures.heading += turned_off;
+        }
+        self.clearance.visit(&if followed {
+            Span {
+                time: a.t,
+                piece,
+                end,
+                slack: off,
+            }
+        } else {
+            // The lie is on record, and must not be taken for a collision besides.
+            Span {
+                time: a.t,
+                piece: Piece::chord(a, b),
+                end: b.position(),
+                slack: 0.0,
+            }
+        });
+    }
+}

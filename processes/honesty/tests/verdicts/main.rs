@@ -1,0 +1,7 @@
+//! The verdicts of the checker on trajectories driven honestly, on every kind of lie, and on junk.
+
+mod drive;
+mod forgeries;
+mod honest;
+mod hostile;
+mod lies;

@@ -1,0 +1,212 @@
+//! One try of a method: a family of curves, a search in it, and the trajectory that comes of it.
+
+use nalgebra::{Point2, Vector2};
+use sim_backend::math;
+
+use crate::curve::{Camouflage, Curve, Ends, Pursuit, Spline};
+use crate::drive;
+use crate::ground::Ground;
+use crate::guide::Guide;
+use crate::knots::{self, Headings};
+use crate::options::Options;
+use crate::path::PathPoint;
+use crate::plan::Method;
+use crate::problem::Problem;
+use crate::shape::{Frame, Search};
+use crate::spline::Basis;
+use crate::timing;
+use crate::trajectory::Trajectory;
+
+/// Most times that a curve is made anew because it is too near to an obstacle between its samples.
+const MOST_REPAIRS: u32 = 8;
+/// Depth [m] that is left.
+const NO_DEPTH: f64 = 2e-5;
+/// What an obstacle is grown by beside the depth, when it is repaired [m].
+const REPAIR: f64 = 1e-4;
+/// How near [relative] to the shortest path a curve is good enough.
+const ENOUGH: f64 = 1e-5;
+/// How far beyond the bounds' corner the reference point lies by default, in their diagonals.
+const REFERENCE: f64 = 2.25;
+
+/// What turns on the spot and what the curve takes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Variant {
+    /// The robot turns on the spot before it starts.
+    pub turn_at_start: bool,
+    /// The robot turns on the spot after it has arrived.
+    pub turn_at_goal: bool,
+    /// How often the spline's breaks are halved.
+    pub level: u32,
+}
+
+/// A trajectory of a method.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Candidate {
+    /// The trajectory.
+    pub trajectory: Trajectory,
+    /// How far the path is from grown obstacles at least [m], once it has been checked.
+    pub min_clearance: f64,
+    /// Points that control the curve.
+    pub control_points: usize,
+}
+
+/// What is the same for all tries.
+pub struct Bench<'a> {
+    /// The problem.
+    pub problem: &'a Problem,
+    /// The ground.
+    pub ground: &'a Ground,
+    /// The path to begin with.
+    pub guide: &'a Guide,
+    /// The options.
+    pub options: &'a Options,
+    /// Convex programs solved so far.
+    pub programs: u32,
+}
+
+impl Bench<'_> {
+    /// Tries; `None` if nothing comes of it.
+    pub fn attempt(
+        &mut self,
+        variant: Variant,
+        stop: &mut dyn FnMut() -> bool,
+    ) -> Option<Candidate> {
+        let headings = Headings {
+            start: (!variant.turn_at_start).then_some(self.problem.start.theta),
+            goal: self.problem.goal_heading.filter(|_| !variant.turn_at_goal),
+        };
+        let frame = Frame::new(self.guide.at(0.0), self.guide.length());
+        let unit = |angle: f64| {
+            let (sin, cos) = math::sincos(angle);
+            Vector2::new(cos, sin)
+        };
+        let ends = Ends {
+            start: frame.inward(self.problem.start.position()),
+            goal: frame.inward(self.problem.goal),
+            start_heading: headings.start.map(unit),
+            goal_heading: headings.goal.map(unit),
+        };
+        match self.options.method {
+            Method::Lp => {
+                let curve = Pursuit::new(self.basis(2, headings, variant.level), ends)?;
+                let (_, points) = self.search(&curve, &frame, None, stop)?;
+                self.drive(&curve, &points, variant)
+            }
+            Method::Bspline | Method::Vmc | Method::Tangent => {
+                let basis = self.basis(3, headings, variant.level);
+                let curve = Spline::new(basis.clone(), ends, None)?;
+                let (z, points) = self.search(&curve, &frame, None, stop)?;
+                if self.options.method != Method::Vmc || stop() {
+                    return self.drive(&curve, &points, variant);
+                }
+                let reference = frame.inward(self.reference());
+                let camouflage = Camouflage::new(self.options.nodes, reference, ends.start)?;
+                let hidden = Spline::new(basis, ends, Some(camouflage))?;
+                let start = hidden.hidden(&z);
+                let polished = self
+                    .search(&hidden, &frame, Some(start), stop)
+                    .and_then(|(_, points)| self.drive(&hidden, &points, variant));
+                // Where polishing fails, ν = 1 everywhere and the prey's path is the robot's.
+                polished.or_else(|| self.drive(&curve, &points, variant))
+            }
+        }
+    }
+
+    fn basis(&self, degree: usize, headings: Headings, level: u32) -> Basis {
+        let degree = self.options.degree.unwrap_or(degree);
+        if let Some(count) = self.options.control_points {
+            return Basis::even(degree, count);
+        }
+        let limits = &self.problem.limits;
+        let turning = limits.top_speed() / limits.top_turn_rate();
+        Basis::new(degree, &knots::breaks(self.guide, headings, turning, level))
+    }
+
+    fn reference(&self) -> Point2<f64> {
+        self.options.reference_point.unwrap_or_else(|| {
+            let bounds = &self.problem.bounds;
+            let diagonal = (bounds.max - bounds.min).norm();
+            bounds.min - Vector2::repeat(REFERENCE * diagonal)
+        })
+    }
+
+    /// A curve of the family that is free, with its points.
+    fn search(
+        &mut self,
+        curve: &dyn Curve,
+        frame: &Frame,
+        mut from: Option<Vec<f64>>,
+        stop: &mut dyn FnMut() -> bool,
+    ) -> Option<(Vec<f64>, Vec<PathPoint>)> {
+        let mut search = Search::new(self.ground, self.guide, *frame, curve);
+        let theta = self.problem.start.theta;
+        let mut result = None;
+        for _ in 0..=MOST_REPAIRS {
+            let z = search.run(from.take(), ENOUGH, stop);
+            let Some(z) = z else { break };
+            let Some(points) = drive::path(curve, &z, frame, theta, &self.problem.limits) else {
+                break;
+            };
+            let depths = drive::depths(self.ground, &points);
+            let mut clean = true;
+            for (index, depth) in depths {
+                if depth > NO_DEPTH {
+                    clean = false;
+                    search.margins[index] += depth + REPAIR;
+                }
+            }
+            if clean {
+                result = Some((z, points));
+                break;
+            }
+            if stop() {
+                break;
+            }
+            from = Some(z);
+        }
+        self.programs += search.programs;
+        result
+    }
+
+    /// Drives the points: turns, speeds, arrival.
+    fn drive(
+        &self,
+        curve: &dyn Curve,
+        points: &[PathPoint],
+        variant: Variant,
+    ) -> Option<Candidate> {
+        let problem = self.problem;
+        let limits = &problem.limits;
+        let inertia = !limits.is_without_inertia();
+        let start = if variant.turn_at_start && inertia {
+            Some(0.0)
+        } else {
+            problem.start_speed
+        };
+        let end = if variant.turn_at_goal && inertia {
+            Some(0.0)
+        } else {
+            problem.goal_speed
+        };
+        let speeds = timing::speeds(points, limits, start, end)?;
+        let mut trajectory = Trajectory::at(&problem.start);
+        if variant.turn_at_start {
+            let first = points.first()?.theta;
+            trajectory.turn(limits, math::angle_difference(first, problem.start.theta));
+        }
+        trajectory.drive(points, &speeds);
+        trajectory.settle(problem.goal);
+        if variant.turn_at_goal
+            && let Some(heading) = problem.goal_heading
+        {
+            let angle = math::angle_difference(heading, trajectory.heading());
+            trajectory.turn(limits, angle);
+        }
+        trajectory.keep_ends(problem);
+        Some(Candidate {
+            trajectory,
+            min_clearance: f64::NEG_INFINITY,
+            control_points: curve.control_points(),
+        })
+    }
+}

@@ -1,0 +1,344 @@
+//! Changes of the obstacles that wait: for a robot to come far enough, or for each other.
+//!
+//! A change is *due* from the tick at which its condition first holds, or some ticks later; a
+//! condition that has held once need not hold any longer. Changes of one obstacle happen in their
+//! order: one that is due before its predecessor has happened is held until then, so that
+//! nothing disappears before it has come.
+
+use std::collections::BTreeMap;
+
+use nalgebra::Point2;
+use serde::{Deserialize, Serialize};
+use sim_backend::map::{ObstacleChange, ObstacleId};
+use sim_backend::robot::Robot;
+use sim_backend::spec::{Condition, RobotSpec};
+
+/// When a change is due.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Due {
+    /// From a tick on.
+    Tick(u64),
+    /// From the first tick on at which something is true of a robot.
+    When {
+        /// Index of the robot.
+        robot: usize,
+        /// What must be true of it.
+        condition: Condition,
+        /// Ticks between that and the change.
+        after: u64,
+    },
+}
+
+/// A change of the obstacles and when it is due.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlannedChange {
+    /// Name of the obstacle, for people.
+    pub obstacle: String,
+    /// The change.
+    pub change: ObstacleChange,
+    /// When it is due.
+    pub due: Due,
+}
+
+/// A change waits for a robot that there is not.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("obstacle `{obstacle}` waits for robot {robot}: expected one of the {robots} robots")]
+pub struct UnknownRobot {
+    /// Name of the obstacle.
+    pub obstacle: String,
+    /// Index of the robot.
+    pub robot: usize,
+    /// Number of robots.
+    pub robots: usize,
+}
+
+/// The changes that have not happened yet.
+#[derive(Debug, Clone, Default)]
+pub struct Agenda {
+    items: Vec<Item>,
+    /// Where the robots started [m].
+    starts: Vec<Point2<f64>>,
+    /// Index of the first item that has not happened: those before it need no look.
+    first: usize,
+}
+
+#[derive(Debug, Clone)]
+struct Item {
+    planned: PlannedChange,
+    /// The item before it that concerns the same obstacle.
+    predecessor: Option<usize>,
+    /// Tick from which on it is due, once that is known.
+    due: Option<u64>,
+    /// Whether it was said that it is held.
+    held: bool,
+    done: bool,
+}
+
+impl Agenda {
+    /// An agenda for these robots; changes that are due at one tick happen in the order of the list.
+    ///
+    /// # Errors
+    /// [`UnknownRobot`] if a change waits for a robot that is not in the list.
+    pub fn new(changes: Vec<PlannedChange>, robots: &[RobotSpec]) -> Result<Self, UnknownRobot> {
+        let mut last: BTreeMap<ObstacleId, usize> = BTreeMap::new();
+        let mut items = Vec::with_capacity(changes.len());
+        for (index, planned) in changes.into_iter().enumerate() {
+            let due = match planned.due {
+                Due::Tick(tick) => Some(tick),
+                Due::When { robot, .. } if robot >= robots.len() => {
+                    return Err(UnknownRobot {
+                        obstacle: planned.obstacle,
+                        robot,
+                        robots: robots.len(),
+                    });
+                }
+                Due::When { .. } => None,
+            };
+            items.push(Item {
+                predecessor: last.insert(planned.change.id(), index),
+                planned,
+                due,
+                held: false,
+                done: false,
+            });
+        }
+        Ok(Self {
+            items,
+            starts: robots.iter().map(|r| r.start.position()).collect(),
+            first: 0,
+        })
+    }
+
+    /// Whether no change is left.
+    pub fn is_empty(&self) -> bool {
+        self.first >= self.items.len()
+    }
+
+    /// Takes note of what is true of the robots at a tick.
+    pub fn observe(&mut self, tick: u64, robots: &[Robot]) {
+        for item in self.items.iter_mut().skip(self.first) {
+            let Due::When {
+                robot,
+                condition,
+                after,
+            } = item.planned.due
+            else {
+                continue;
+            };
+            if item.due.is_none()
+                && let (Some(state), Some(&start)) = (robots.get(robot), self.starts.get(robot))
+                && condition.holds(state, start)
+            {
+                item.due = Some(tick.saturating_add(after));
+            }
+        }
+    }
+
+    /// The next change that happens at a tick; it counts as done.
+    pub fn take(&mut self, tick: u64) -> Option<&PlannedChange> {
+        let open = |items: &[Item], index: usize| items.get(index).is_some_and(|i| !i.done);
+        let index = (self.first..self.items.len()).find(|&index| {
+            self.items.get(index).is_some_and(|item| {
+                let due = !item.done && item.due.is_some_and(|due| due <= tick);
+                due && !item.predecessor.is_some_and(|p| open(&self.items, p))
+            })
+        })?;
+        self.items.get_mut(index)?.done = true;
+        while self.items.get(self.first).is_some_and(|item| item.done) {
+            self.first += 1;
+        }
+        self.items.get(index).map(|item| &item.planned)
+    }
+
+    /// The changes that are due at a tick and held by one that has not happened; each is named
+    /// once. To be asked when [`Self::take`] has no more for the tick.
+    pub fn newly_held(&mut self, tick: u64) -> impl Iterator<Item = &PlannedChange> {
+        self.items
+            .iter_mut()
+            .skip(self.first)
+            .filter(move |item| !item.done && !item.held && item.due.is_some_and(|due| due <= tick))
+            .map(|item| {
+                item.held = true;
+                &item.planned
+            })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use sim_backend::map::{MapSpec, VectorMap};
+    use sim_backend::pose::Pose2;
+    use sim_backend::shape::Shape;
+    use sim_backend::spec::{RulesSpec, WorldSpec};
+    use sim_backend::team::Team;
+    use sim_backend::world::World;
+
+    use super::*;
+
+    fn specs() -> Vec<RobotSpec> {
+        vec![RobotSpec::new(
+            "scout",
+            Team::Neutral,
+            Pose2::new(1.0, 1.0, 0.0),
+        )]
+    }
+
+    /// The scout after it has driven this far.
+    fn travelled(way: f64) -> Vec<Robot> {
+        let world = World::new(WorldSpec {
+            map: MapSpec::Vector(VectorMap::empty([0.0, 0.0], [9.0, 2.0], 0.1)),
+            robots: specs(),
+            rules: RulesSpec::default(),
+            seed: 1,
+        })
+        .unwrap();
+        let mut robots = world.robots().to_vec();
+        robots[0].distance_travelled = way;
+        robots[0].pose.x += way;
+        robots
+    }
+
+    fn appear(id: u32, due: Due) -> PlannedChange {
+        let shape = Shape::Circle {
+            center: [5.0, 1.0],
+            radius: 0.1,
+        };
+        PlannedChange {
+            obstacle: format!("o{id}"),
+            change: ObstacleChange::Appear {
+                id: ObstacleId(id),
+                shape,
+            },
+            due,
+        }
+    }
+
+    fn disappear(id: u32, due: Due) -> PlannedChange {
+        PlannedChange {
+            obstacle: format!("o{id}"),
+            change: ObstacleChange::Disappear { id: ObstacleId(id) },
+            due,
+        }
+    }
+
+    fn after_way(travelled: f64, after: u64) -> Due {
+        Due::When {
+            robot: 0,
+            condition: Condition::Travelled { travelled },
+            after,
+        }
+    }
+
+    /// What happens and what is held at a tick, when the scout has driven this far.
+    fn at(agenda: &mut Agenda, tick: u64, way: f64) -> (Vec<String>, Vec<String>) {
+        let words = |planned: &PlannedChange| {
+            let sign = match planned.change {
+                ObstacleChange::Appear { .. } => '+',
+                ObstacleChange::Disappear { .. } => '-',
+                ObstacleChange::Move { .. } => '>',
+            };
+            format!("{sign}{}", planned.obstacle)
+        };
+        agenda.observe(tick, &travelled(way));
+        let mut happens = Vec::new();
+        while let Some(planned) = agenda.take(tick) {
+            happens.push(words(planned));
+        }
+        let held = agenda.newly_held(tick).map(words).collect();
+        (happens, held)
+    }
+
+    fn nothing() -> (Vec<String>, Vec<String>) {
+        (Vec::new(), Vec::new())
+    }
+
+    fn happens(changes: &[&str]) -> (Vec<String>, Vec<String>) {
+        (changes.iter().map(ToString::to_string).collect(), vec![])
+    }
+
+    #[test]
+    fn a_change_happens_once_at_the_first_tick_at_which_its_condition_holds() {
+        let mut agenda = Agenda::new(vec![appear(0, after_way(1.5, 0))], &specs()).unwrap();
+        assert_eq!(at(&mut agenda, 0, 0.0), nothing());
+        assert_eq!(at(&mut agenda, 1, 1.49), nothing());
+        assert_eq!(at(&mut agenda, 2, 1.5), happens(&["+o0"]));
+        assert!(agenda.is_empty());
+        assert_eq!(at(&mut agenda, 3, 1.6), nothing());
+    }
+
+    #[test]
+    fn a_delay_counts_from_when_the_condition_held_even_if_it_no_longer_does() {
+        let near = Due::When {
+            robot: 0,
+            condition: Condition::Within {
+                within: 0.1,
+                of: [2.0, 1.0],
+            },
+            after: 3,
+        };
+        let mut agenda = Agenda::new(vec![appear(0, near)], &specs()).unwrap();
+        assert_eq!(at(&mut agenda, 5, 1.0), nothing());
+        assert_eq!(at(&mut agenda, 6, 2.0), nothing());
+        assert_eq!(at(&mut agenda, 7, 1.0), nothing());
+        assert_eq!(at(&mut agenda, 8, 3.0), happens(&["+o0"]));
+    }
+
+    #[test]
+    fn changes_of_one_tick_happen_in_the_order_of_the_list() {
+        let changes = vec![
+            appear(2, after_way(1.0, 0)),
+            appear(1, Due::Tick(4)),
+            appear(0, after_way(0.5, 0)),
+        ];
+        let mut agenda = Agenda::new(changes, &specs()).unwrap();
+        assert_eq!(at(&mut agenda, 4, 1.0), happens(&["+o2", "+o1", "+o0"]));
+    }
+
+    #[test]
+    fn what_is_due_before_its_predecessor_is_held_until_that_has_happened() {
+        let changes = vec![
+            appear(0, after_way(2.0, 0)),
+            disappear(0, after_way(1.0, 0)),
+            appear(1, after_way(1.0, 0)),
+        ];
+        let mut agenda = Agenda::new(changes, &specs()).unwrap();
+        assert_eq!(at(&mut agenda, 0, 0.5), nothing());
+        let (done, held) = at(&mut agenda, 1, 1.0);
+        assert_eq!(done, ["+o1"], "another obstacle does not wait");
+        assert_eq!(held, ["-o0"]);
+        assert_eq!(at(&mut agenda, 2, 1.5), nothing(), "named only once");
+        assert_eq!(at(&mut agenda, 3, 2.0), happens(&["+o0", "-o0"]));
+        assert!(agenda.is_empty());
+    }
+
+    #[test]
+    fn times_and_conditions_of_one_obstacle_mix() {
+        let changes = vec![
+            appear(0, Due::Tick(2)),
+            disappear(0, after_way(1.0, 2)),
+            appear(0, Due::Tick(3)),
+        ];
+        let mut agenda = Agenda::new(changes, &specs()).unwrap();
+        assert_eq!(at(&mut agenda, 1, 0.0), nothing());
+        assert_eq!(at(&mut agenda, 2, 0.0), happens(&["+o0"]));
+        assert_eq!(at(&mut agenda, 3, 1.0).1, ["+o0"]);
+        assert_eq!(at(&mut agenda, 4, 1.0), nothing());
+        assert_eq!(at(&mut agenda, 5, 1.0), happens(&["-o0", "+o0"]));
+    }
+
+    #[test]
+    fn an_unknown_robot_is_named() {
+        let due = Due::When {
+            robot: 1,
+            condition: Condition::Travelled { travelled: 1.0 },
+            after: 0,
+        };
+        let error = Agenda::new(vec![appear(7, due)], &specs()).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "obstacle `o7` waits for robot 1: expected one of the 1 robots"
+        );
+    }
+}
