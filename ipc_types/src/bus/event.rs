@@ -15,11 +15,13 @@ pub(super) fn create(
     name: &'static str,
 ) -> Result<TopicHolder, BusError> {
     let processes = super::nodes(&options.size);
+    // A process that drives several robots may wake and be woken for each.
+    let ports = processes + options.size.robots;
     let service = node
         .service_builder(&service_name(name)?)
         .event()
-        .max_notifiers(processes)
-        .max_listeners(processes)
+        .max_notifiers(ports)
+        .max_listeners(ports)
         .max_nodes(processes)
         .event_id_max_value(crate::topics::MAX_EVENT_ID)
         .create()

@@ -48,7 +48,8 @@ pub(in crate::bus) fn create<S: Service>(
         .response_user_header::<S::ResponseHeader>()
         .max_active_requests_per_client(OPEN_REQUESTS)
         .max_servers(1)
-        .max_clients(options.size.processes + 1)
+        // A process that drives several robots may ask for each.
+        .max_clients(options.size.processes + options.size.robots + 1)
         .max_nodes(crate::bus::nodes(&options.size))
         .create_with_attributes(&attributes)
         .map_err(|e| failed(format!("{e:?}")))?;
