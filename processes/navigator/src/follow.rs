@@ -5,7 +5,6 @@
 //! up with a reference at full speed, where it must brake to stop before an obstacle, and while it
 //! gathers speed again.
 
-use sim_backend::math;
 use sim_backend::pose::{Pose2, Twist2};
 
 use crate::drive::{Drive, integrate};
@@ -18,7 +17,7 @@ const HALVINGS: u32 = 30;
 pub const STANDING: f64 = 1e-6;
 /// How far before a place where it must stop the robot stops [m].
 const BEFORE: f64 = 1e-3;
-/// Distance [m] from the end of the trajectory below which it is left at that.
+/// Distance [m] from a standing reference below which it is left at that.
 const THERE: f64 = 2e-3;
 
 /// A trajectory that is being followed.
@@ -32,6 +31,9 @@ pub struct Follow {
     pub clearance: f64,
     /// How far along it [m] the robot can go before something is in the way.
     pub blocked: Option<f64>,
+    /// Whether there is no room for tracking errors: ticks then end where speeds step, so that no
+    /// command is the mean of a turn on the spot and a straight way.
+    pub careful: bool,
 }
 
 /// What of a robot changes while it follows.
@@ -92,14 +94,12 @@ impl Follow {
         let way = self.trajectory.along(to) - self.trajectory.along(from);
         // Exact for the tick: the command holds for all of it.
         let reference = Twist2::new(way / dt, (b.theta - a.theta) / dt);
-        let stands = motion.twist.v.abs() < STANDING;
-        let may_move = self.room(stops).is_none_or(|room| room > 0.0) && !stops.halt;
-        let command = if reference != Twist2::STOP || (!stands && may_move) {
+        let command = if reference != Twist2::STOP {
             law.command(&motion.pose, &a, reference)
-        } else if self.left() <= 0.0 && may_move {
-            self.settle(law, &motion.pose)
-        } else {
+        } else if stops.halt || self.room(stops).is_some_and(|room| room <= 0.0) {
             Twist2::STOP
+        } else {
+            self.settle(law, &motion.pose)
         };
         Pace {
             command: drive.clip(command),
@@ -115,7 +115,7 @@ impl Follow {
         self.tau += pace.rate * dt;
     }
 
-    /// What is left to the very end.
+    /// What is left to a reference that stands, at the end or because it waits.
     fn settle(&self, law: &TrackingParams, pose: &Pose2) -> Twist2 {
         let error = tracking::error(pose, &self.reference());
         let v = if error.x.abs() > THERE {
@@ -174,6 +174,11 @@ impl Follow {
             };
             high = high.min(largest(stops_in_time));
         }
+        if self.careful
+            && let Some(step) = self.trajectory.next_step(self.tau + 1e-9)
+        {
+            high = high.min((step - self.tau) / dt);
+        }
         if stops.halt {
             high = 0.0;
         }
@@ -206,11 +211,10 @@ fn largest(holds: impl Fn(f64) -> bool) -> f64 {
     low
 }
 
-/// Heading and place of a standing robot as a follow-up of nothing: where a stop ends [m, rad].
+/// The motion after a tick of stopping.
 pub fn stop(drive: &Drive, motion: &mut Motion, dt: f64) {
     let twist = drive.execute(motion.twist, Twist2::STOP, dt);
     motion.pose = integrate(&motion.pose, twist, dt);
-    motion.pose.theta = math::wrap_angle(motion.pose.theta);
     motion.twist = twist;
 }
 
@@ -230,22 +234,28 @@ mod tests {
         })
     }
 
-    /// 2 m straight ahead at 0.2 m/s.
+    /// 2 m straight ahead in 14 s, the last 8 s of them ever slower.
     fn straight() -> Follow {
-        let sample = |t: f64| Sample {
+        let sample = |t: f64, x: f64, v: f64| Sample {
             t,
             pose: Pose2 {
-                x: 0.2 * t,
+                x,
                 y: 0.0,
                 theta: 0.0,
             },
-            twist: Twist2::new(0.2, 0.0),
+            twist: Twist2::new(v, 0.0),
         };
+        let samples = vec![
+            sample(0.0, 0.0, 0.2),
+            sample(6.0, 1.2, 0.2),
+            sample(14.0, 2.0, 0.0),
+        ];
         Follow {
-            trajectory: Trajectory::new(vec![sample(0.0), sample(10.0)]).unwrap(),
+            trajectory: Trajectory::new(samples).unwrap(),
             tau: 0.0,
             clearance: 0.1,
             blocked: None,
+            careful: false,
         }
     }
 
@@ -270,7 +280,7 @@ mod tests {
             &mut follow,
             &drive(None),
             &mut motion,
-            200,
+            280,
             Stops::default(),
         );
         assert!((motion.pose.x - 2.0).abs() < 1e-9, "{motion:?}");
@@ -289,7 +299,7 @@ mod tests {
             assert!(x < 1.0 && x > 0.98, "{acceleration:?}: {x}");
             assert!(motion.twist.v.abs() < 1e-3, "{acceleration:?}: {motion:?}");
             follow.blocked = None;
-            run(&mut follow, &drive, &mut motion, 400, Stops::default());
+            run(&mut follow, &drive, &mut motion, 600, Stops::default());
             assert!((motion.pose.x - 2.0).abs() < 5e-3, "{motion:?}");
         }
     }

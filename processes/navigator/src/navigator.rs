@@ -43,6 +43,8 @@ struct Asked {
     goal: usize,
     /// Distance that the answer keeps from obstacles [m].
     clearance: f64,
+    /// Whether it begins nearer to one than it should.
+    is_tight: bool,
     /// Whether the robot stands where it begins.
     stands: bool,
     /// Whether other robots were planned around.
@@ -186,6 +188,7 @@ impl Navigator {
             tau,
             clearance: asked.clearance,
             blocked,
+            careful: asked.is_tight,
         });
     }
 
@@ -380,6 +383,7 @@ impl Navigator {
             due: view.time_s + ahead,
             goal: self.goal,
             clearance: clearance - depth - ROUNDING,
+            is_tight: depth > 0.0,
             stands,
             around_robots: !robots.is_empty(),
         });

@@ -142,18 +142,12 @@ impl Trajectory {
         }
     }
 
-    /// The time [s] at which a part of its length [m] is covered, at the latest.
-    pub fn when(&self, along: f64) -> f64 {
-        let (mut low, mut high) = (0.0, self.duration());
-        for _ in 0..2 * HALVINGS {
-            let middle = 0.5 * (low + high);
-            if self.along(middle) <= along {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        low
+    /// The time [s] of the next step of the speeds after the time `after` [s].
+    pub fn next_step(&self, after: f64) -> Option<f64> {
+        let first = self.samples.partition_point(|sample| sample.t <= after);
+        let ahead = self.samples.get(first..).unwrap_or_default();
+        let mut steps = ahead.windows(2).filter(|pair| pair[0].t == pair[1].t);
+        steps.next().map(|pair| pair[0].t)
     }
 
     /// The pieces of the path from a time [s] on: time and place of each end.
@@ -279,7 +273,9 @@ mod tests {
         let (pose, _) = corner.at(3.0);
         assert!((pose.theta - core::f64::consts::FRAC_PI_4).abs() < 1e-12);
         assert_eq!(corner.along(3.0), 1.0);
-        assert!((corner.when(0.25) - 1.0).abs() < 1e-9);
+        assert_eq!(corner.next_step(0.0), Some(2.0));
+        assert_eq!(corner.next_step(2.0), Some(4.0));
+        assert_eq!(corner.next_step(4.0), None);
         // Before and after it stands.
         assert_eq!(corner.at(-1.0).1, Twist2::STOP);
         assert_eq!(corner.at(9.0).0.y, 1.0);

@@ -1,0 +1,1 @@
+//! The optimiser process, spoken to over iceoryx2.
