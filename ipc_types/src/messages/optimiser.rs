@@ -39,7 +39,7 @@ message! {
         control_points: u32 = "control points of the B-spline; 0 for the optimiser's choice",
         nodes: u32 = "N of the N + 1 nodes of motion camouflage; 0 for the optimiser's choice",
         shapes: u32 = "number of obstacles that the points make",
-        reserved: u32 = "always 0",
+        flags: u32 = "sum of 1: nothing but the curve asked for, 2: no search in the controls of a robot with inertia, 4: obstacles are looked at in the nodes only",
     }
 }
 
@@ -56,6 +56,12 @@ impl PlanRequest {
     pub const GUESS_TANGENT: u32 = 0;
     /// [`PlanRequest::guess`]: the wavefront on a grid, pulled taut.
     pub const GUESS_WAVEFRONT: u32 = 1;
+    /// [`PlanRequest::flags`]: nothing but the curve asked for is tried.
+    pub const NO_FALLBACKS: u32 = 1;
+    /// [`PlanRequest::flags`]: no search in the controls of a robot with inertia.
+    pub const NO_REFINEMENT: u32 = 2;
+    /// [`PlanRequest::flags`]: obstacles are looked at in the nodes only, as in the paper.
+    pub const AT_NODES: u32 = 4;
     /// Most points of a request.
     pub const MAX_POINTS: usize = 1 << 14;
 }

@@ -65,7 +65,7 @@ pub fn encode(
         control_points: params.control_points.unwrap_or(0),
         nodes: params.nodes.unwrap_or(0),
         shapes: ask.obstacles.len() as u32,
-        reserved: 0,
+        flags: 0,
     };
     (header, shapes::points(&ask.obstacles))
 }

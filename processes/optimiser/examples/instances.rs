@@ -11,12 +11,20 @@ fn cpu() -> f64 {
 fn main() {
     let method = std::env::args().nth(1).unwrap();
     let dir = std::env::args().nth(2).unwrap();
+    let reference: Option<serde_json::Value> = std::env::var("REFERENCE")
+        .ok()
+        .map(|p| serde_json::from_str(&std::fs::read_to_string(p).unwrap()).unwrap());
     let only = std::env::var("ONLY").ok();
     for row in std::env::args().skip(3) {
         let text = std::fs::read_to_string(format!("{dir}/{row}.json")).unwrap();
         let all: serde_json::Value = serde_json::from_str(&text).unwrap();
         let options = Options {
             method: Method::by_name(&method).unwrap(),
+            guess: if std::env::var_os("WAVE").is_some() {
+                optimiser::options::Guess::Wavefront
+            } else {
+                Default::default()
+            },
             ..Options::default()
         };
         let (mut times, mut gaps, mut fallback, mut failed, mut progs) =
@@ -35,12 +43,20 @@ fn main() {
                     f(&i["start"]["y"]),
                     i["start"]["theta"].as_f64().unwrap(),
                 ),
-                start_speed: None,
-                start_turn_rate: None,
+                start_speed: i["start_speed"].as_f64().map(|v| v * k),
+                start_turn_rate: i["start_turn_rate"].as_f64(),
                 goal: Point2::new(f(&i["goal"]["x"]), f(&i["goal"]["y"])),
-                goal_heading: None,
-                goal_speed: None,
-                limits: RobotLimits::simple(f(&i["vmax_px_s"]), i["wmax_rad_s"].as_f64().unwrap()),
+                goal_heading: i["goal"]["theta"].as_f64(),
+                goal_speed: i["goal_speed"].as_f64().map(|v| v * k),
+                limits: RobotLimits {
+                    wheels: i["wheel_speed_px_s"].as_f64().map(|v| optimiser::Wheels {
+                        speed: v * k,
+                        separation: f(&i["wheel_separation_px"]),
+                    }),
+                    acceleration: i["acceleration_px_s2"].as_f64().map(|v| v * k),
+                    angular_acceleration: i["angular_acceleration_rad_s2"].as_f64(),
+                    ..RobotLimits::simple(f(&i["vmax_px_s"]), i["wmax_rad_s"].as_f64().unwrap())
+                },
                 obstacles: i["obstacles"]
                     .as_array()
                     .unwrap()
@@ -63,7 +79,11 @@ fn main() {
             }
             match plan.unwrap() {
                 Ok(p) => {
-                    let gap = p.final_time / i["reference"]["t_lb_s"].as_f64().unwrap() - 1.0;
+                    let gap = reference
+                        .as_ref()
+                        .and_then(|r| r[i["id"].as_str().unwrap()]["t_s"].as_f64())
+                        .or(i["reference"]["t_lb_s"].as_f64())
+                        .map_or(p.gap(), |lb| p.final_time / lb - 1.0);
                     gaps.push(gap);
                     times.push(best);
                     progs.push(f64::from(p.iterations));
@@ -74,7 +94,7 @@ fn main() {
                     if gap > worst.0 {
                         worst = (gap, i["id"].to_string());
                     }
-                    if only.is_some() {
+                    if only.is_some() || std::env::var_os("ALL").is_some() {
                         println!(
                             "{} T {} gap {:.5}% cp {} programs {} clear {}",
                             i["id"],

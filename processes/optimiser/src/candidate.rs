@@ -8,14 +8,17 @@ use crate::drive;
 use crate::ground::Ground;
 use crate::guide::Guide;
 use crate::knots::{self, Headings};
-use crate::options::Options;
+use crate::lgl::Lgl;
+use crate::options::{Constraints, Options};
 use crate::path::PathPoint;
 use crate::plan::Method;
 use crate::problem::Problem;
+use crate::refine::Refinement;
 use crate::shape::{Frame, Search};
 use crate::spline::Basis;
 use crate::timing;
 use crate::trajectory::Trajectory;
+use crate::warm::Rest;
 
 /// Most times that a curve is made anew because it is too near to an obstacle between its samples.
 const MOST_REPAIRS: u32 = 8;
@@ -48,6 +51,9 @@ pub struct Candidate {
     pub min_clearance: f64,
     /// Points that control the curve.
     pub control_points: usize,
+    /// Whether the limits of the accelerations are ignored: nothing to answer with, but something
+    /// to begin with.
+    pub rough: bool,
 }
 
 /// What is the same for all tries.
@@ -58,8 +64,12 @@ pub struct Bench<'a> {
     pub ground: &'a Ground,
     /// The path to begin with.
     pub guide: &'a Guide,
+    /// Length of the shortest path [m].
+    pub shortest: f64,
     /// The options.
     pub options: &'a Options,
+    /// What is left of the robot's last plan.
+    pub rest: Option<Rest>,
     /// Convex programs solved so far.
     pub programs: u32,
 }
@@ -112,6 +122,29 @@ impl Bench<'_> {
         }
     }
 
+    /// Makes a trajectory faster, if that succeeds.
+    pub fn refine(&mut self, candidate: &mut Candidate, stop: &mut dyn FnMut() -> bool) {
+        // The last plan kept the same limits: it is nearer to what is sought than any curve.
+        let rest = self.rest.as_ref().map(|rest| rest.samples.as_slice());
+        let mut found = None;
+        for samples in rest.into_iter().chain([candidate.trajectory.samples()]) {
+            let search = Refinement::new(self.problem, self.ground, samples);
+            let Some(mut search) = search else { continue };
+            found = search.run(stop);
+            self.programs += search.programs;
+            if found.is_some() || stop() {
+                break;
+            }
+        }
+        if let Some(samples) = found {
+            let trajectory = Trajectory::from_samples(samples);
+            if candidate.rough || trajectory.duration() < candidate.trajectory.duration() {
+                candidate.trajectory = trajectory;
+                candidate.rough = false;
+            }
+        }
+    }
+
     fn basis(&self, degree: usize, headings: Headings, level: u32) -> Basis {
         let degree = self.options.degree.unwrap_or(degree);
         if let Some(count) = self.options.control_points {
@@ -139,7 +172,14 @@ impl Bench<'_> {
         stop: &mut dyn FnMut() -> bool,
     ) -> Option<(Vec<f64>, Vec<PathPoint>)> {
         let mut search = Search::new(self.ground, self.guide, *frame, curve);
+        search.shortest = self.shortest;
+        search.near = self.rest.as_ref().map(|rest| &rest.guide);
         let theta = self.problem.start.theta;
+        let nodes_only = self.options.constraints == Constraints::Nodes;
+        if nodes_only {
+            let nodes = Lgl::new(self.options.nodes).nodes;
+            search.only_at = Some(nodes.iter().map(|x| 0.5 * (x + 1.0)).collect());
+        }
         let mut result = None;
         for _ in 0..=MOST_REPAIRS {
             let z = search.run(from.take(), ENOUGH, stop);
@@ -155,7 +195,7 @@ impl Bench<'_> {
                     search.margins[index] += depth + REPAIR;
                 }
             }
-            if clean {
+            if clean || nodes_only {
                 result = Some((z, points));
                 break;
             }
@@ -188,7 +228,12 @@ impl Bench<'_> {
         } else {
             problem.goal_speed
         };
-        let speeds = timing::speeds(points, limits, start, end)?;
+        let speeds = timing::speeds(points, limits, start, end);
+        let rough = speeds.is_none();
+        let speeds = match speeds {
+            Some(speeds) => speeds,
+            None => timing::speeds(points, &limits.without_inertia(), None, None)?,
+        };
         let mut trajectory = Trajectory::at(&problem.start);
         if variant.turn_at_start {
             let first = points.first()?.theta;
@@ -207,6 +252,7 @@ impl Bench<'_> {
             trajectory,
             min_clearance: f64::NEG_INFINITY,
             control_points: curve.control_points(),
+            rough,
         })
     }
 }

@@ -114,8 +114,8 @@ pub fn depths(ground: &Ground, points: &[PathPoint]) -> Vec<(usize, f64)> {
         while i < points.len() {
             let distance = obstacle.contact(points[i].at).distance - ground.clearance;
             least = least.min(distance);
-            // Distances change by no more than the way: before that, none is less than `least`.
-            let reach = points[i].s + (distance - least);
+            // Distances change by no more than the way: so far ahead there is nothing deep.
+            let reach = points[i].s + distance;
             i += 1;
             i += points[i..].partition_point(|p| p.s < reach);
         }

@@ -32,7 +32,8 @@ pub fn spacing(kappa: f64) -> f64 {
 /// The points of a leg that begins with this heading [rad] after `s` [m] of path.
 pub fn of_leg(leg: &Leg, s: f64, theta: f64) -> Vec<PathPoint> {
     let (length, kappa) = (leg.length(), guide::curvature(leg));
-    let count = (length / spacing(kappa)).ceil().max(1.0);
+    // A leg from rest to rest needs points at which the robot moves.
+    let count = (length / spacing(kappa)).ceil().max(4.0);
     (0..=count as usize)
         .map(|i| {
             let part = i as f64 / count;

@@ -103,6 +103,9 @@ pub enum PlanError {
     /// There are paths, but none on which the prescribed speeds can be kept.
     #[error("no trajectory keeps the limits: {0}")]
     Infeasible(&'static str),
+    /// The curve asked for is not honest, and nothing else was to be tried.
+    #[error("the method found no trajectory that passes the check")]
+    NotHonest,
     /// It was told to stop before there was any plan.
     #[error("stopped before there was a plan")]
     Stopped,

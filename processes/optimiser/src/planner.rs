@@ -5,14 +5,21 @@ use crate::candidate::{Bench, Candidate, Variant};
 use crate::check;
 use crate::ground::{ExactGround, Ground};
 use crate::guide::Guide;
-use crate::options::Options;
+use crate::options::{Guess, Options};
 use crate::plan::{Method, Plan, PlanError, Status};
 use crate::problem::Problem;
 use crate::tangent;
 use crate::trajectory::Trajectory;
+use crate::turning;
+use crate::warm;
+use crate::wavefront;
+use sim_backend::math;
 
-/// A gap to the lower bound below which nothing better is looked for.
+/// A gap to the lower bound below which nothing better is looked for, relative to it; besides what
+/// it costs to turn into the shortest path on the spot.
 const GOOD: f64 = 1e-3;
+/// Most of these costs that is allowed, relative to the lower bound.
+const MOST_TURNING: f64 = 1.5e-3;
 
 /// The tries, one after the other.
 const VARIANTS: [Variant; 6] = [
@@ -50,24 +57,30 @@ const VARIANTS: [Variant; 6] = [
 
 /// Plans; `stop` is asked now and then whether to answer with what there is.
 ///
-/// `warm` is the plan that the robot has been following, if it is the same errand: its path is
-/// tried as a start, too.
+/// `last` is the plan that the robot has been following, if it is on the same errand: where it still
+/// leads past everything, the search begins near it.
 ///
 /// # Errors
 /// [`PlanError`] if the problem is not valid or has no solution.
 pub fn plan(
     problem: &Problem,
     options: &Options,
-    warm: Option<&Plan>,
+    last: Option<&Plan>,
     stop: &mut dyn FnMut() -> bool,
 ) -> Result<Plan, PlanError> {
-    let _ = warm;
     problem.validate()?;
+    options.validate()?;
     let ground = Ground::new(problem)?;
     let exact = ground.exact()?;
     let path = exact.shortest(problem.start.position(), problem.goal)?;
-    let bound = lower_bound(problem, path.length);
+    let shortest = path.length;
+    let bound = lower_bound(problem, shortest);
     let guide = Guide::new(path.legs);
+    // Where the grid is too coarse for a wave to get through, the exact path is there.
+    let coarse = match options.guess {
+        Guess::Wavefront => wavefront::guide(&exact, problem.start.position(), problem.goal),
+        Guess::Tangent => None,
+    };
     let mut programs = 0;
     let mut best: Option<Candidate> = None;
     let mut stopped = false;
@@ -77,33 +90,37 @@ pub fn plan(
         let mut bench = Bench {
             problem,
             ground: &ground,
-            guide,
+            guide: coarse.as_ref().unwrap_or(guide),
+            shortest,
             options,
+            rest: last.and_then(|plan| warm::rest(problem, &ground, plan)),
             programs: 0,
         };
-        for variant in variants(problem) {
-            let Some(candidate) = bench.attempt(variant, stop) else {
-                stopped = stop();
-                if stopped { break } else { continue }
-            };
-            let time = candidate.trajectory.duration();
-            let better = best.as_ref().is_none_or(|b| time < b.trajectory.duration());
-            if !better {
-                continue;
+        let good = bound * (1.0 + GOOD) + turning_time(problem, guide).min(MOST_TURNING * bound);
+        let tries = if options.fallbacks { VARIANTS.len() } else { 1 };
+        let inertia = !problem.limits.is_without_inertia();
+        for variant in variants(problem).take(tries) {
+            let mut candidate = bench.attempt(variant, stop);
+            if inertia
+                && options.refine
+                && let Some(first) = &mut candidate
+            {
+                bench.refine(first, stop);
             }
-            let report = check::report(problem, &ground, candidate.trajectory.samples());
-            if std::env::var_os("DBG").is_some() {
-                for v in &report.violations {
-                    eprintln!("  {variant:?} {v}");
-                }
-            }
-            if report.is_honest() {
-                best = Some(Candidate {
-                    min_clearance: report.min_clearance,
-                    ..candidate
-                });
-                if time <= bound * (1.0 + GOOD) {
-                    break;
+            if let Some(candidate) = candidate
+                && !candidate.rough
+            {
+                let time = candidate.trajectory.duration();
+                let better = best.as_ref().is_none_or(|b| time < b.trajectory.duration());
+                let report = check::report(problem, &ground, candidate.trajectory.samples());
+                if better && report.is_honest() {
+                    best = Some(Candidate {
+                        min_clearance: report.min_clearance,
+                        ..candidate
+                    });
+                    if time <= good || (inertia && options.refine) {
+                        break;
+                    }
                 }
             }
             stopped = stop();
@@ -132,6 +149,13 @@ pub fn plan(
         };
         return Ok(finish(options.method, status, best));
     }
+    if !options.fallbacks && options.method != Method::Tangent && guide.is_some() {
+        return Err(if stopped {
+            PlanError::Stopped
+        } else {
+            PlanError::NotHonest
+        });
+    }
     let certain = certain(problem, &ground, &exact, guide.as_ref())?;
     let status = match options.method {
         Method::Tangent => Status::Planned,
@@ -139,6 +163,20 @@ pub fn plan(
         _ => Status::Fallback,
     };
     Ok(finish(Method::Tangent, status, certain))
+}
+
+/// How long [s] it takes to turn on the spot into a path and out of it.
+fn turning_time(problem: &Problem, guide: &Guide) -> f64 {
+    let time = |angle: f64| {
+        let phases = turning::phases(&problem.limits, angle);
+        phases.iter().map(|phase| phase.duration).sum::<f64>()
+    };
+    let into = math::angle_difference(guide.start_heading(), problem.start.theta);
+    let out = problem.goal_heading.map_or(0.0, |heading| {
+        let u = guide.heading(1.0);
+        math::angle_difference(heading, math::atan2(u.y, u.x))
+    });
+    time(into) + time(out)
 }
 
 /// The tries that make sense for a problem.
@@ -165,11 +203,6 @@ fn certain(
 ) -> Result<Candidate, PlanError> {
     let trajectory: Trajectory = tangent::trajectory(problem, exact, guide)?;
     let report = check::report(problem, ground, trajectory.samples());
-    if std::env::var_os("DBG").is_some() {
-        for v in &report.violations {
-            eprintln!("  tangent {v}");
-        }
-    }
     if !report.is_honest() {
         return Err(PlanError::Infeasible(
             "the shortest path cannot be driven within the limits",
@@ -179,5 +212,6 @@ fn certain(
         trajectory,
         min_clearance: report.min_clearance,
         control_points: 0,
+        rough: false,
     })
 }

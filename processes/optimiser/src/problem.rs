@@ -53,6 +53,15 @@ impl RobotLimits {
         }
     }
 
+    /// The same robot without limits on its accelerations.
+    pub fn without_inertia(&self) -> Self {
+        Self {
+            acceleration: None,
+            angular_acceleration: None,
+            ..*self
+        }
+    }
+
     /// Whether speeds may step.
     pub fn is_without_inertia(&self) -> bool {
         self.acceleration.is_none() && self.angular_acceleration.is_none()

@@ -8,16 +8,9 @@ use sim_backend::pose::Pose2;
 use sim_backend::shape::Aabb;
 use thiserror::Error;
 
-use crate::options::{Guess, Options};
+use crate::options::{Constraints, Guess, Options};
 use crate::plan::Method;
-use crate::problem::{MAX_NUMBER, Problem, ProblemError, RobotLimits, START_TOLERANCE, Wheels};
-
-/// Smallest and largest degree of a B-spline.
-const DEGREES: core::ops::RangeInclusive<usize> = 2..=8;
-/// Most control points of a B-spline.
-const MAX_CONTROL_POINTS: usize = 64;
-/// Smallest and largest N of the N + 1 nodes of motion camouflage.
-const NODES: core::ops::RangeInclusive<usize> = 2..=64;
+use crate::problem::{Problem, ProblemError, RobotLimits, START_TOLERANCE, Wheels};
 
 /// Why a request is no problem.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -102,42 +95,30 @@ fn options(header: &PlanRequest) -> Result<Options, RequestError> {
         PlanRequest::GUESS_WAVEFRONT => Guess::Wavefront,
         other => return Err(refused("guess", other, "0 or 1")),
     };
-    let degree = unless_zero(header.degree);
-    if let Some(degree) = degree.filter(|degree| !DEGREES.contains(degree)) {
-        return Err(refused("degree", degree, "0, or a number from 2 to 8"));
+    let flags = header.flags;
+    let known = PlanRequest::NO_FALLBACKS | PlanRequest::NO_REFINEMENT | PlanRequest::AT_NODES;
+    if flags & !known != 0 {
+        return Err(refused("flags", flags, "a sum of 1, 2 and 4"));
     }
-    let control_points = unless_zero(header.control_points);
-    let least = degree.unwrap_or(*DEGREES.start()) + 1;
-    if let Some(n) = control_points.filter(|n| !(least..=MAX_CONTROL_POINTS).contains(n)) {
-        let expected = format!("0, or a number from {least} to {MAX_CONTROL_POINTS}");
-        return Err(refused("control_points", n, &expected));
-    }
-    let nodes = unless_zero(header.nodes).unwrap_or(Options::default().nodes);
-    if !NODES.contains(&nodes) {
-        return Err(refused("nodes", nodes, "0, or a number from 2 to 64"));
-    }
-    Ok(Options {
+    let defaults = Options::default();
+    let (x, y) = (header.reference_x, header.reference_y);
+    let options = Options {
         method,
         guess,
-        degree,
-        control_points,
-        nodes,
-        reference_point: reference_point(header)?,
-    })
-}
-
-fn reference_point(header: &PlanRequest) -> Result<Option<Point2<f64>>, RequestError> {
-    let (x, y) = (header.reference_x, header.reference_y);
-    if x.is_nan() && y.is_nan() {
-        return Ok(None);
-    }
-    for (field, value) in [("reference_x", x), ("reference_y", y)] {
-        if value.is_nan() || value.abs() > MAX_NUMBER {
-            let expected = "a number of at most 1e6 in size, or both not numbers";
-            return Err(refused(field, value, expected));
-        }
-    }
-    Ok(Some(Point2::new(x, y)))
+        constraints: if flags & PlanRequest::AT_NODES == 0 {
+            Constraints::Dense
+        } else {
+            Constraints::Nodes
+        },
+        fallbacks: flags & PlanRequest::NO_FALLBACKS == 0,
+        refine: flags & PlanRequest::NO_REFINEMENT == 0,
+        degree: unless_zero(header.degree),
+        control_points: unless_zero(header.control_points),
+        nodes: unless_zero(header.nodes).unwrap_or(defaults.nodes),
+        reference_point: (!(x.is_nan() && y.is_nan())).then(|| Point2::new(x, y)),
+    };
+    options.validate()?;
+    Ok(options)
 }
 
 fn unless_nan(value: f64) -> Option<f64> {

@@ -25,17 +25,20 @@ const MOST_SLACK_COST: f64 = 1e5;
 const NO_DEPTH: f64 = 2e-5;
 /// What is kept beside the sag [m].
 const HAIR: f64 = 3e-5;
-/// Most sag [m] between samples.
-const SAG: f64 = 5e-4;
+/// Most sag [m] between samples: at first, and once it is known about where the curve goes.
+const SAG: [f64; 2] = [5e-4, 1e-4];
 /// Samples are not nearer to each other [m].
-const FINEST: f64 = 0.01;
+const FINEST: [f64; 2] = [0.01, 0.006];
 /// Nor farther apart [m].
 const COARSEST: f64 = 0.04;
+/// Depth in a grown obstacle, as a part of its size, from which on the nearest side may be the wrong
+/// one.
+const DEEP: f64 = 0.15;
 /// Margin per way from an end of the path.
 const GROWTH: f64 = 0.05;
 /// Distance [m] from a grown obstacle within which the curve is held by it: at first, and once it
 /// is known about where it goes.
-const REACH: [f64; 2] = [0.15, 0.06];
+const REACH: [f64; 2] = [0.15, 0.01];
 /// Distance [m] from the edge within which the curve is held by it.
 const EDGE_REACH: f64 = 0.2;
 /// Relative change of the cost that ends the iteration.
@@ -90,8 +93,14 @@ pub struct Search<'a> {
     pub curve: &'a dyn Curve,
     /// By obstacle: what the path stays away in addition [m].
     pub margins: Vec<f64>,
+    /// Length [m] that no curve can be shorter than.
+    pub shortest: f64,
+    /// A path that is known to be near the curve, if there is one.
+    pub near: Option<&'a Guide>,
     /// Programs solved.
     pub programs: u32,
+    /// The only places at which obstacles are looked at, if not everywhere.
+    pub only_at: Option<Vec<f64>>,
     slack_cost: f64,
 }
 
@@ -114,13 +123,16 @@ impl<'a> Search<'a> {
             frame,
             curve,
             margins: vec![0.0; ground.obstacles.len()],
+            shortest: guide.length(),
+            near: None,
             programs: 0,
+            only_at: None,
             slack_cost: SLACK_COST,
         }
     }
 
     /// Iterates from a curve (`None`: from the guide) until the cost stays, or the curve's length
-    /// is nearer to the guide's than this share; `None` if a program has no solution. `stop` ends
+    /// is nearer to the shortest than this share; `None` if a program has no solution. `stop` ends
     /// it early with what there is.
     pub fn run(
         &mut self,
@@ -156,9 +168,9 @@ impl<'a> Search<'a> {
                         .sum::<f64>();
             z = Some(next);
             let clean = depth * self.frame.unit() <= NO_DEPTH;
-            // length² ≤ ∫|r'|² (Cauchy–Schwarz), and the guide's length is UNITS.
-            let most = (2.0 * energy * UNITS).sqrt() / UNITS;
-            if clean && self.curve.is_linear() && most <= 1.0 + enough {
+            // length² ≤ ∫|r'|² (Cauchy–Schwarz).
+            let most = (2.0 * energy * UNITS).sqrt() * self.frame.unit();
+            if clean && self.curve.is_linear() && most <= self.shortest * (1.0 + enough) {
                 break;
             }
             if (last_cost - cost).abs() <= CONVERGED * cost {
@@ -209,64 +221,55 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The half-planes that hold the curve, as it is or, before there is one, as the guide is.
+    /// The half-planes that hold the curve, as it is or, before there is one, as the guide is or the
+    /// path that is known to be near.
     fn holds(&self, z: Option<&[f64]>) -> Vec<Hold> {
         let length = self.guide.length();
-        let reach = REACH[usize::from(z.is_some())];
-        let clearance = self.ground.clearance;
+        let known = usize::from(z.is_some() || self.near.is_some());
         let mut holds = Vec::new();
         let mut row = Row::default();
-        let place = |at: f64, row: &mut Row| match z {
+        let mut place = |at: f64| match z {
             Some(z) => {
-                self.curve.row(at, 0, z, row);
+                self.curve.row(at, 0, z, &mut row);
                 self.frame.outward(row.value)
             }
-            None => self.guide.at(at),
+            None => self.near.unwrap_or(self.guide).at(at),
         };
         // Positions on a coarse grid say which obstacles matter where.
         let count = (length / COARSEST).ceil().max(8.0) as usize;
         let grid: Vec<Point2<f64>> = (0..=count)
-            .map(|i| place(i as f64 / count as f64, &mut row))
+            .map(|i| place(i as f64 / count as f64))
             .collect();
-        let step = grid
-            .windows(2)
-            .map(|p| (p[1] - p[0]).norm())
-            .fold(0.0, f64::max);
+        let steps = grid.windows(2).map(|p| (p[1] - p[0]).norm());
+        let step = steps.fold(0.0, f64::max);
+        let clearance = self.ground.clearance;
         for (index, obstacle) in self.ground.obstacles.iter().enumerate() {
+            if let Some(places) = &self.only_at {
+                for &at in places {
+                    holds.push(self.hold(index, at, place(at), 0.0));
+                }
+                continue;
+            }
             let radius = match obstacle {
                 Convex::Disc { radius, .. } => radius + clearance,
                 _ => clearance,
             };
-            let spacing = (8.0 * SAG * radius / 1.1).sqrt().clamp(FINEST, COARSEST);
+            let spacing = (8.0 * SAG[known] * radius / 1.1)
+                .sqrt()
+                .clamp(FINEST[known], COARSEST);
             let sag = 1.1 * spacing * spacing / (8.0 * radius);
-            let margin = HAIR + sag.min(SAG) + self.margins[index];
+            let margin = HAIR + sag.min(SAG[0]) + self.margins[index];
             let parts = (length / count as f64 / spacing).ceil().max(1.0) as usize;
             for (i, p) in grid.iter().enumerate().take(count) {
-                let far = obstacle.distance(*p) - clearance;
-                if far > reach + step {
+                if obstacle.distance(*p) - clearance > REACH[known] + step {
                     continue;
                 }
-                for part in 0..parts {
+                for part in usize::from(i == 0)..parts {
                     let at = (i as f64 + part as f64 / parts as f64) / count as f64;
-                    let p = if part == 0 { *p } else { place(at, &mut row) };
-                    let contact = obstacle.contact(p);
-                    if at == 0.0 || contact.distance - clearance > reach {
-                        continue;
+                    let p = if part == 0 { *p } else { place(at) };
+                    if obstacle.distance(p) - clearance <= REACH[known] {
+                        holds.push(self.hold(index, at, p, margin));
                     }
-                    let contact = self.outside(obstacle, contact, at);
-                    let surface = self.frame.inward(p - contact.normal * contact.distance);
-                    // The ends may lie on the obstacle: the margin grows with the way from them.
-                    let near = at.min(1.0 - at);
-                    let end = self.guide.at(if at < 0.5 { 0.0 } else { 1.0 });
-                    let height = (end - p).dot(&contact.normal) + contact.distance - clearance;
-                    let most = height.max(0.0) + GROWTH * near * length;
-                    let grown = clearance + margin.min(most);
-                    holds.push(Hold {
-                        at,
-                        normal: contact.normal,
-                        line: surface.dot(&contact.normal) + grown / self.frame.unit(),
-                        obstacle: Some(index),
-                    });
                 }
             }
         }
@@ -274,17 +277,42 @@ impl<'a> Search<'a> {
         holds
     }
 
-    /// Where a place lies deep inside an obstacle, the nearest side may be the wrong one: the side
-    /// on which the guide passes.
-    fn outside(&self, obstacle: &Convex, contact: Contact, at: f64) -> Contact {
+    /// The half-plane that keeps the place `p` of the curve from an obstacle and a margin [m].
+    fn hold(&self, index: usize, at: f64, p: Point2<f64>, margin: f64) -> Hold {
+        let obstacle = &self.ground.obstacles[index];
+        let clearance = self.ground.clearance;
+        let (p, contact) = self.outside(obstacle, p, at);
+        let surface = p - contact.normal * contact.distance;
+        // The ends may lie on the obstacle: the margin grows with the way from them.
+        let near = at.min(1.0 - at);
+        let end = self.guide.at(if at < 0.5 { 0.0 } else { 1.0 });
+        let height = (end - surface).dot(&contact.normal) - clearance;
+        let most = height.max(0.0) + GROWTH * near * self.guide.length();
+        let grown = clearance + margin.min(most);
+        Hold {
+            at,
+            normal: contact.normal,
+            line: self.frame.inward(surface).dot(&contact.normal) + grown / self.frame.unit(),
+            obstacle: Some(index),
+        }
+    }
+
+    /// The nearest side of an obstacle. Where a place lies deep inside, that may be the wrong one:
+    /// then the side on which the guide passes.
+    fn outside(&self, obstacle: &Convex, p: Point2<f64>, at: f64) -> (Point2<f64>, Contact) {
+        let contact = obstacle.contact(p);
         let size = match obstacle {
             Convex::Disc { radius, .. } => *radius + self.ground.clearance,
-            other => 0.5 * (other.aabb().max - other.aabb().min).norm() + self.ground.clearance,
+            other => {
+                let around = other.aabb();
+                0.5 * (around.max - around.min).norm() + self.ground.clearance
+            }
         };
-        if contact.distance - self.ground.clearance > -0.15 * size {
-            return contact;
+        if contact.distance - self.ground.clearance > -DEEP * size {
+            return (p, contact);
         }
-        obstacle.contact(self.guide.at(at))
+        let guide = self.guide.at(at);
+        (guide, obstacle.contact(guide))
     }
 
     fn hold_in_bounds(&self, grid: &[Point2<f64>], holds: &mut Vec<Hold>) {

@@ -100,7 +100,10 @@ fn brake(
     }
     let points = path::of_leg(&leg, 0.0, start.theta);
     let fade = |p: &PathPoint| v * (1.0 - p.s / length).max(0.0).sqrt();
-    let speeds: Vec<f64> = points.iter().map(fade).collect();
+    let mut speeds: Vec<f64> = points.iter().map(fade).collect();
+    if let Some(last) = speeds.last_mut() {
+        *last = 0.0;
+    }
     trajectory.drive(&points, &speeds);
     let end = points.last().map_or(start.position(), |p| p.at);
     Ok(Some(Pose2::new(end.x, end.y, start.theta + kappa * length)))

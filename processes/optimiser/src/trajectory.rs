@@ -1,6 +1,7 @@
 //! Putting a trajectory together from parts: turns on the spot and paths with speeds.
 
 use nalgebra::Point2;
+use sim_backend::math;
 use sim_backend::pose::Pose2;
 
 use crate::path::PathPoint;
@@ -35,6 +36,17 @@ impl Trajectory {
                 omega: 0.0,
             }],
             length: 0.0,
+        }
+    }
+
+    /// What the samples, at least one, say.
+    pub fn from_samples(samples: Vec<Sample>) -> Self {
+        let chords = samples
+            .windows(2)
+            .map(|pair| math::hypot(pair[1].x - pair[0].x, pair[1].y - pair[0].y));
+        Self {
+            length: chords.sum(),
+            samples,
         }
     }
 

@@ -9,7 +9,7 @@
 //! step of μ moves the path about as far whatever the reference point. ν is 1 at both ends (the
 //! paper's PCPs from the boundary conditions), so that the prey begins and ends with the path.
 
-use nalgebra::{DMatrix, Vector2};
+use nalgebra::{DMatrix, DVector, Vector2};
 
 use super::{Curve, Ends, Row, Trace};
 use crate::lgl::Lgl;
@@ -42,7 +42,7 @@ impl Camouflage {
         let lgl = Lgl::new(nodes.max(2));
         let differentiation = lgl.differentiation();
         let slope = |at: f64| {
-            let [_, first, _] = lgl.interpolation(at, &differentiation);
+            let [_, first] = lgl.interpolation(at, &differentiation);
             inner(&first).iter().map(|d| 2.0 * d / scale).collect()
         };
         let slopes = [slope(-1.0), slope(1.0)];
@@ -59,17 +59,29 @@ impl Camouflage {
         self.lgl.nodes.len() - 2
     }
 
-    /// Derivatives of ν of order 0, 1 and 2 at τ by the inner μ.
-    fn weights(&self, at: f64) -> [Vec<f64>; 3] {
-        let all = self
-            .lgl
-            .interpolation(2.0 * at - 1.0, &self.differentiation);
-        let mut factor = 1.0 / self.scale;
-        all.map(|row| {
-            let row = inner(&row).iter().map(|w| w * factor).collect();
-            factor *= 2.0;
-            row
-        })
+    /// Derivatives of ν of orders 0 and 1 at τ by the inner μ.
+    fn weights(&self, at: f64, order: usize) -> [Vec<f64>; 2] {
+        let at = 2.0 * at - 1.0;
+        let scaled = |row: &[f64], factor: f64| -> Vec<f64> {
+            inner(row).iter().map(|w| w * factor / self.scale).collect()
+        };
+        if order == 0 {
+            return [scaled(&self.lgl.values(at), 1.0), Vec::new()];
+        }
+        let [values, first] = self.lgl.interpolation(at, &self.differentiation);
+        [scaled(&values, 1.0), scaled(&first, 2.0)]
+    }
+
+    /// ν and its first two derivatives with respect to τ, from its values at the nodes.
+    fn interpolant(&self, nu: &[f64]) -> impl Fn(f64) -> [f64; 3] + '_ {
+        let nu = DVector::from_column_slice(nu);
+        // Eq. 20: the derivatives at the nodes, of which the derivatives are interpolants.
+        let first = &self.differentiation * &nu * 2.0;
+        let second = &self.differentiation * &first * 2.0;
+        move |at| {
+            let values = self.lgl.values(2.0 * at - 1.0);
+            [&nu, &first, &second].map(|row| row.iter().zip(&values).map(|(n, v)| n * v).sum())
+        }
     }
 }
 
@@ -191,11 +203,11 @@ impl Spline {
         }
     }
 
-    /// ν and its first two derivatives.
-    fn control(&self, weights: &[Vec<f64>; 3], z: &[f64]) -> [f64; 3] {
+    /// ν and its derivative.
+    fn control(&self, weights: &[Vec<f64>; 2], z: &[f64]) -> [f64; 2] {
         let mu = &z[self.first_mu()..];
         let sum = |row: &Vec<f64>| -> f64 { row.iter().zip(mu).map(|(w, m)| w * m).sum() };
-        [1.0 + sum(&weights[0]), sum(&weights[1]), sum(&weights[2])]
+        [1.0 + sum(&weights[0]), sum(&weights[1])]
     }
 }
 
@@ -214,7 +226,7 @@ impl Curve for Spline {
         let Some(camouflage) = &self.camouflage else {
             return self.prey(&values, order, 1.0, z, row);
         };
-        let weights = camouflage.weights(at);
+        let weights = camouflage.weights(at, order);
         let nu = self.control(&weights, z);
         let mut place = Row::default();
         self.prey(&values, 0, 1.0, z, &mut place);
@@ -257,10 +269,10 @@ impl Curve for Spline {
         let Some(camouflage) = &self.camouflage else {
             return Box::new(prey);
         };
-        let z = z.to_vec();
+        let control = camouflage.interpolant(&self.path_control(z));
         Box::new(move |at| {
             let prey = prey(at);
-            let nu = self.control(&camouflage.weights(at), &z);
+            let nu = control(at);
             let arm = prey[0] - camouflage.reference;
             [
                 camouflage.reference + arm * nu[0],

@@ -1,0 +1,508 @@
+//! Trajectories of robots with inertia, made faster.
+//!
+//! Where speeds cannot step, the shortest path is no longer the fastest, and how a path is driven
+//! decides where it should lead. From a first trajectory this searches on in the controls: at N + 1
+//! nodes, evenly spaced in time, poses and speeds are free, and so is the duration. Between nodes
+//! both speeds change linearly (what the trajectory's samples mean anyway), so that all limits of
+//! speeds, wheels and accelerations are linear in the variables, exactly, between nodes as well; only
+//! the motion from node to node and the obstacles are linearised, around the last trajectory
+//! (direct multiple shooting by sequential convex programming).
+
+mod rollout;
+
+use nalgebra::{Point2, Vector2};
+use sim_backend::math;
+use sim_backend::shape::Convex;
+
+use crate::ground::Ground;
+use crate::path::SPACING;
+use crate::plan::Sample;
+use crate::problem::Problem;
+use crate::program::Program;
+use rollout::Node;
+
+/// Least and most steps, and how long [s] one should be.
+const STEPS: [f64; 2] = [24.0, 80.0];
+const STEP_TIME: f64 = 0.2;
+/// Most programs of a search.
+const MOST: u32 = 40;
+/// Largest change of a heading [rad] and (relative) of the duration in one program at first.
+const TRUST: f64 = 0.4;
+/// It never gets smaller.
+const LEAST_TRUST: f64 = 1e-3;
+/// Relative change of the duration that ends the search.
+const CONVERGED: f64 = 1e-4;
+/// Difference [m] of poses from node to node that is none.
+const CLOSED: f64 = 2e-8;
+/// Cost [s] of a metre by which an obstacle is entered, or poses do not meet, in units of the time
+/// in which the robot covers it.
+const PENALTY: f64 = 20.0;
+/// Cost of a step's square, at first and at least: keeps programs with many solutions (a robot on
+/// open ground can wiggle for nothing) from jumping between them.
+const PROXIMAL: [f64; 2] = [1e-2, 1e-4];
+/// Distance [m] from an obstacle, besides what is driven in a step, within which it is looked at.
+const REACH: f64 = 0.15;
+/// Cost of the turning rate's square, relative to its limit's, per second: of all fastest
+/// trajectories the calmest. It costs less than this share of the duration.
+const CALM: f64 = 1e-4;
+/// Shares of the improvement that a program promises: below the first, the next one gets less
+/// freedom, above the second, more.
+const KEPT: [f64; 2] = [0.3, 0.8];
+/// Depth [m] that is none.
+const NO_DEPTH: f64 = 2e-5;
+/// What an obstacle is grown by beside the depth, when the way between nodes enters it [m].
+const REPAIR: f64 = 1e-4;
+/// Largest turn [rad] between two samples.
+const TURN_SPACING: f64 = 0.05;
+
+/// Indices of a node's variables.
+const X: usize = 0;
+const Y: usize = 1;
+const THETA: usize = 2;
+const V: usize = 3;
+const OMEGA: usize = 4;
+const EACH: usize = 5;
+
+/// A search for a faster trajectory.
+pub struct Refinement<'a> {
+    problem: &'a Problem,
+    ground: &'a Ground,
+    nodes: Vec<Node>,
+    /// Duration [s].
+    time: f64,
+    /// By obstacle: what the nodes stay away in addition [m].
+    margins: Vec<f64>,
+    /// Programs solved.
+    pub programs: u32,
+    proximal: f64,
+}
+
+impl<'a> Refinement<'a> {
+    /// Begins with a trajectory that need not keep the limits; `None` for one without duration.
+    pub fn new(problem: &'a Problem, ground: &'a Ground, samples: &[Sample]) -> Option<Self> {
+        let time = samples.last()?.t;
+        if !(time > 0.0 && time.is_finite()) {
+            return None;
+        }
+        let steps = (time / STEP_TIME).clamp(STEPS[0], STEPS[1]).round() as usize;
+        let nodes = (0..=steps)
+            .map(|k| sample_at(samples, time * k as f64 / steps as f64))
+            .collect();
+        Some(Self {
+            problem,
+            ground,
+            nodes,
+            time,
+            margins: vec![0.0; ground.obstacles.len()],
+            programs: 0,
+            proximal: PROXIMAL[0],
+        })
+    }
+
+    /// Searches; the trajectory found, whether or not it is better than the first; `None` if none
+    /// is found that is free and without gaps.
+    pub fn run(&mut self, stop: &mut dyn FnMut() -> bool) -> Option<Vec<Sample>> {
+        let mut trust = TRUST;
+        // The first trajectory need not keep ends and limits; whatever does is better.
+        let mut merit = f64::INFINITY;
+        while self.programs < MOST {
+            if stop() {
+                return None;
+            }
+            self.programs += 1;
+            let Some(next) = self.improved(trust) else {
+                // Nothing within reach closes the gaps.
+                trust *= 3.0;
+                if trust > 10.0 {
+                    return None;
+                }
+                continue;
+            };
+            let (nodes, time) = (core::mem::replace(&mut self.nodes, next.nodes), self.time);
+            self.time = next.time;
+            let found = self.merit();
+            let kept = if merit.is_finite() {
+                (merit - found) / (merit - next.promised).max(1e-12)
+            } else {
+                1.0
+            };
+            if found > merit + 1e-9 * time {
+                (self.nodes, self.time) = (nodes, time);
+                trust *= 0.4;
+                self.proximal *= 10.0;
+                if trust < LEAST_TRUST {
+                    break;
+                }
+                continue;
+            }
+            if kept > KEPT[1] {
+                trust = (2.0 * trust).min(TRUST);
+                self.proximal = (self.proximal / 4.0).max(PROXIMAL[1]);
+            } else if kept < KEPT[0] {
+                trust *= 0.5;
+                self.proximal *= 2.0;
+            }
+            let settled = (merit - found) <= CONVERGED * time;
+            merit = found;
+            if settled && self.gap() <= CLOSED {
+                let depth = self.repair();
+                if depth <= NO_DEPTH {
+                    break;
+                }
+                merit = self.merit();
+            }
+        }
+        (self.gap() <= 100.0 * CLOSED).then(|| self.samples())
+    }
+
+    /// What turning costs [s].
+    fn unrest(&self) -> f64 {
+        let weight = CALM * self.step_time() / self.problem.limits.omega_max.powi(2);
+        self.nodes
+            .iter()
+            .map(|node| weight * node.omega * node.omega)
+            .sum()
+    }
+
+    /// Duration [s], plus what turning, gaps and depths cost.
+    fn merit(&self) -> f64 {
+        let price = PENALTY / self.problem.limits.top_speed();
+        let turn_price = PENALTY / self.problem.limits.top_turn_rate();
+        let mut sum = self.time + self.unrest();
+        let step_time = self.step_time();
+        for pair in self.nodes.windows(2) {
+            let step = rollout::step(&pair[0], &pair[1], step_time);
+            let gap = pair[1].at - pair[0].at - step.way;
+            let turn = pair[1].theta - pair[0].theta - step.turn;
+            sum += price * (gap.x.abs() + gap.y.abs()) + turn_price * turn.abs();
+        }
+        for (index, obstacle) in self.ground.obstacles.iter().enumerate() {
+            let keep = self.ground.clearance + self.margins[index];
+            for node in self.inner() {
+                let near = obstacle.distance(node.at);
+                if near < keep {
+                    let depth = keep - obstacle.contact(node.at).distance;
+                    sum += price * (depth - NO_DEPTH).max(0.0);
+                }
+            }
+        }
+        sum
+    }
+
+    /// Largest gap [m] between where a step leads and the next node.
+    fn gap(&self) -> f64 {
+        let step_time = self.step_time();
+        self.nodes.windows(2).fold(0.0, |most: f64, pair| {
+            let step = rollout::step(&pair[0], &pair[1], step_time);
+            most.max((pair[1].at - pair[0].at - step.way).norm())
+        })
+    }
+
+    fn step_time(&self) -> f64 {
+        self.time / (self.nodes.len() - 1) as f64
+    }
+
+    fn inner(&self) -> &[Node] {
+        &self.nodes[1..self.nodes.len() - 1]
+    }
+
+    /// Grows the obstacles that the way between nodes enters; how deep [m] it is at most.
+    fn repair(&mut self) -> f64 {
+        let samples = self.samples();
+        let mut deepest: f64 = 0.0;
+        for (index, obstacle) in self.ground.obstacles.iter().enumerate() {
+            let depths = samples.iter().map(|s| {
+                let p = Point2::new(s.x, s.y);
+                let near = obstacle.distance(p);
+                if near < self.ground.clearance {
+                    self.ground.clearance - obstacle.contact(p).distance
+                } else {
+                    0.0
+                }
+            });
+            let depth = depths.fold(0.0, f64::max);
+            if depth > NO_DEPTH {
+                self.margins[index] += depth + REPAIR;
+                deepest = deepest.max(depth);
+            }
+        }
+        deepest
+    }
+
+    /// What the program around the last nodes yields.
+    fn improved(&self, trust: f64) -> Option<Next> {
+        let count = self.nodes.len();
+        let duration = EACH * count;
+        let holds = self.holds();
+        let mut program = Program::new(duration + 1 + holds.len());
+        program.add_linear(duration, 1.0);
+        self.add_proximal(&mut program);
+        self.add_motion(&mut program);
+        self.add_limits(&mut program);
+        self.add_ends(&mut program);
+        // Trust region.
+        for (k, node) in self.nodes.iter().enumerate() {
+            let var = EACH * k + THETA;
+            program.at_most([(var, 1.0)], node.theta + trust);
+            program.at_most([(var, -1.0)], trust - node.theta);
+        }
+        program.at_most([(duration, 1.0)], self.time * (1.0 + trust));
+        program.at_most([(duration, -1.0)], -self.time * (1.0 - trust.min(0.9)));
+        let price = PENALTY / self.problem.limits.top_speed();
+        for (i, hold) in holds.iter().enumerate() {
+            let slack = duration + 1 + i;
+            let var = EACH * hold.node;
+            program.add_linear(slack, price);
+            program.at_most([(slack, -1.0)], 0.0);
+            let terms = [
+                (var + X, -hold.normal.x),
+                (var + Y, -hold.normal.y),
+                (slack, -1.0),
+            ];
+            program.at_most(terms, -hold.line);
+        }
+        let z = program.solve()?;
+        let node = |k: usize| {
+            let at = &z[EACH * k..EACH * (k + 1)];
+            Node {
+                at: Point2::new(at[X], at[Y]),
+                theta: at[THETA],
+                v: at[V],
+                omega: at[OMEGA],
+            }
+        };
+        let nodes: Vec<Node> = (0..count).map(node).collect();
+        let depths: f64 = z[duration + 1..].iter().map(|slack| slack.max(0.0)).sum();
+        let calm = CALM * self.step_time() / self.problem.limits.omega_max.powi(2);
+        let unrest: f64 = nodes
+            .iter()
+            .map(|node| calm * node.omega * node.omega)
+            .sum();
+        let time = z[duration];
+        (time > 0.0).then_some(Next {
+            nodes,
+            time,
+            promised: time + unrest + price * depths,
+        })
+    }
+
+    fn add_proximal(&self, program: &mut Program) {
+        let limits = &self.problem.limits;
+        let weights = [
+            0.0,
+            0.0,
+            self.proximal,
+            self.proximal / (limits.v_max * limits.v_max),
+            self.proximal / (limits.omega_max * limits.omega_max),
+        ];
+        for (k, node) in self.nodes.iter().enumerate() {
+            let values = [node.at.x, node.at.y, node.theta, node.v, node.omega];
+            for (i, (weight, value)) in weights.iter().zip(values).enumerate() {
+                let weight = weight * self.step_time();
+                program.add_quadratic(EACH * k + i, EACH * k + i, weight);
+                program.add_linear(EACH * k + i, -weight * value);
+            }
+            let calm = CALM * self.step_time() / (limits.omega_max * limits.omega_max);
+            program.add_quadratic(EACH * k + OMEGA, EACH * k + OMEGA, 2.0 * calm);
+        }
+    }
+
+    /// Each node is where the step from the last one leads.
+    fn add_motion(&self, program: &mut Program) {
+        let steps = self.nodes.len() - 1;
+        let duration = EACH * self.nodes.len();
+        let (step_time, per_step) = (self.step_time(), 1.0 / steps as f64);
+        for (k, pair) in self.nodes.windows(2).enumerate() {
+            let (a, b) = (&pair[0], &pair[1]);
+            let step = rollout::step(a, b, step_time);
+            let (i, j) = (EACH * k, EACH * (k + 1));
+            for axis in [X, Y] {
+                let by = [
+                    (i + THETA, step.by_theta[axis], a.theta),
+                    (i + V, step.by_v[0][axis], a.v),
+                    (j + V, step.by_v[1][axis], b.v),
+                    (i + OMEGA, step.by_omega[0][axis], a.omega),
+                    (j + OMEGA, step.by_omega[1][axis], b.omega),
+                    (duration, step.by_time[axis] * per_step, self.time),
+                ];
+                let known: f64 = by.iter().map(|(_, slope, at)| slope * at).sum();
+                let terms = [(j + axis, 1.0), (i + axis, -1.0)];
+                let slopes = by.iter().map(|&(var, slope, _)| (var, -slope));
+                program.equal(terms.into_iter().chain(slopes), step.way[axis] - known);
+            }
+            // θ₁ − θ₀ = (ω₀ + ω₁) h / 2.
+            let (rate, half) = (0.5 * (a.omega + b.omega) * per_step, 0.5 * step_time);
+            let terms = [
+                (j + THETA, 1.0),
+                (i + THETA, -1.0),
+                (i + OMEGA, -half),
+                (j + OMEGA, -half),
+                (duration, -rate),
+            ];
+            program.equal(terms, -rate * self.time);
+        }
+    }
+
+    /// Speeds, wheels and accelerations.
+    fn add_limits(&self, program: &mut Program) {
+        let limits = &self.problem.limits;
+        let count = self.nodes.len();
+        let duration = EACH * count;
+        let per_step = 1.0 / (count - 1) as f64;
+        for k in 0..count {
+            let (v, omega) = (EACH * k + V, EACH * k + OMEGA);
+            program.at_most([(v, -1.0)], 0.0);
+            program.at_most([(v, 1.0)], limits.v_max);
+            program.at_most([(omega, 1.0)], limits.omega_max);
+            program.at_most([(omega, -1.0)], limits.omega_max);
+            if let Some(wheels) = &limits.wheels {
+                let half = 0.5 * wheels.separation;
+                program.at_most([(v, 1.0), (omega, half)], wheels.speed);
+                program.at_most([(v, 1.0), (omega, -half)], wheels.speed);
+            }
+            if k == 0 {
+                continue;
+            }
+            for (offset, limit) in [
+                (V, limits.acceleration),
+                (OMEGA, limits.angular_acceleration),
+            ] {
+                let Some(limit) = limit else { continue };
+                let (now, before) = (EACH * k + offset, EACH * (k - 1) + offset);
+                let most = (duration, -limit * per_step);
+                program.at_most([(now, 1.0), (before, -1.0), most], 0.0);
+                program.at_most([(now, -1.0), (before, 1.0), most], 0.0);
+            }
+        }
+    }
+
+    fn add_ends(&self, program: &mut Program) {
+        let problem = self.problem;
+        let last = EACH * (self.nodes.len() - 1);
+        // A heading may be any of its representatives: the one that the search begins near.
+        let near = self.nodes.last().map_or(0.0, |node| node.theta);
+        let heading = problem
+            .goal_heading
+            .map(|heading| near + math::angle_difference(heading, near));
+        let ends = [
+            (X, Some(problem.start.x)),
+            (Y, Some(problem.start.y)),
+            (THETA, Some(problem.start.theta)),
+            (V, problem.start_speed),
+            (OMEGA, problem.start_turn_rate),
+            (last + X, Some(problem.goal.x)),
+            (last + Y, Some(problem.goal.y)),
+            (last + THETA, heading),
+            (last + V, problem.goal_speed),
+        ];
+        for (var, value) in ends {
+            if let Some(value) = value {
+                program.equal([(var, 1.0)], value);
+            }
+        }
+        let bounds = &self.ground.bounds;
+        for k in 1..self.nodes.len() - 1 {
+            for (offset, low, high) in [
+                (X, bounds.min.x, bounds.max.x),
+                (Y, bounds.min.y, bounds.max.y),
+            ] {
+                program.at_most([(EACH * k + offset, 1.0)], high);
+                program.at_most([(EACH * k + offset, -1.0)], -low);
+            }
+        }
+    }
+
+    /// Half-planes that keep nodes from the obstacles near them.
+    fn holds(&self) -> Vec<Hold> {
+        let clearance = self.ground.clearance;
+        let step = self.problem.limits.top_speed() * self.step_time();
+        let mut holds = Vec::new();
+        for (index, obstacle) in self.ground.obstacles.iter().enumerate() {
+            let keep = clearance + self.margins[index];
+            for (i, node) in self.inner().iter().enumerate() {
+                let Some((surface, normal)) = surface(obstacle, node.at, keep + REACH + step)
+                else {
+                    continue;
+                };
+                holds.push(Hold {
+                    node: i + 1,
+                    normal,
+                    line: surface.coords.dot(&normal) + keep,
+                });
+            }
+        }
+        holds
+    }
+
+    /// The trajectory, sampled.
+    fn samples(&self) -> Vec<Sample> {
+        let step_time = self.step_time();
+        let sample = |t: f64, node: &Node| Sample {
+            t,
+            x: node.at.x,
+            y: node.at.y,
+            theta: node.theta,
+            v: node.v,
+            omega: node.omega,
+        };
+        let mut samples = vec![sample(0.0, &self.nodes[0])];
+        for (k, pair) in self.nodes.windows(2).enumerate() {
+            let (a, b) = (&pair[0], &pair[1]);
+            let way = a.v.max(b.v) * step_time;
+            let turn = a.omega.abs().max(b.omega.abs()) * step_time;
+            let parts = (way / SPACING).max(turn / TURN_SPACING).ceil().max(1.0);
+            for i in 1..parts as usize {
+                let part = i as f64 / parts;
+                let node = rollout::within(a, b, step_time, part);
+                samples.push(sample((k as f64 + part) * step_time, &node));
+            }
+            samples.push(sample((k + 1) as f64 * step_time, b));
+        }
+        samples
+    }
+}
+
+/// What a program yields.
+struct Next {
+    nodes: Vec<Node>,
+    /// Duration [s].
+    time: f64,
+    /// The merit, if everything were as linear as in the program.
+    promised: f64,
+}
+
+/// A node stays ahead of a line.
+struct Hold {
+    node: usize,
+    normal: Vector2<f64>,
+    line: f64,
+}
+
+/// Nearest point of an obstacle's surface and the direction away from it, if it is within reach.
+fn surface(obstacle: &Convex, p: Point2<f64>, reach: f64) -> Option<(Point2<f64>, Vector2<f64>)> {
+    if obstacle.distance(p) > reach {
+        return None;
+    }
+    let contact = obstacle.contact(p);
+    Some((p - contact.normal * contact.distance, contact.normal))
+}
+
+/// Pose and speeds at a time, by linear interpolation.
+fn sample_at(samples: &[Sample], t: f64) -> Node {
+    let after = samples
+        .partition_point(|s| s.t < t)
+        .clamp(1, samples.len() - 1);
+    let (a, b) = (&samples[after - 1], &samples[after]);
+    let part = if b.t > a.t {
+        ((t - a.t) / (b.t - a.t)).clamp(0.0, 1.0)
+    } else {
+        1.0
+    };
+    let mix = |a: f64, b: f64| a + (b - a) * part;
+    Node {
+        at: Point2::new(mix(a.x, b.x), mix(a.y, b.y)),
+        theta: mix(a.theta, b.theta),
+        v: mix(a.v, b.v),
+        omega: mix(a.omega, b.omega),
+    }
+}
