@@ -1,5 +1,7 @@
 //! Robots that drive to goals on the optimiser's trajectories, from the command to the log.
 
+#[path = "navigation/client.rs"]
+mod client;
 #[path = "navigation/popups.rs"]
 mod popups;
 #[path = "navigation/service.rs"]
@@ -209,6 +211,6 @@ robots = ["scout"]
         assert_eq!(outcome.code, Some(2), "{outcome}");
         assert!(outcome.stderr.contains(words), "{outcome}");
     }
-    sandbox.file("good.toml", &text(goal, optimiser));
+    sandbox.file("good.toml", text(goal, optimiser));
     assert_eq!(sandbox.protean(["check", "good.toml"]).run().code, Some(0));
 }

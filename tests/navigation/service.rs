@@ -202,6 +202,9 @@ fn two_clients_at_once_get_their_own_honest_plans() {
     }
 }
 
+/// What makes a request one to be refused.
+type Change = fn(&mut PlanRequest, &mut Vec<ShapePoint>);
+
 #[test]
 fn what_makes_no_sense_is_refused_by_its_name_and_counted() {
     let mut rig = optimiser(1);
@@ -209,7 +212,6 @@ fn what_makes_no_sense_is_refused_by_its_name_and_counted() {
     rig.take_off();
     world.begin(&mut rig, send_map);
     let mut client = client(&rig, 2);
-    type Change = fn(&mut PlanRequest, &mut Vec<ShapePoint>);
     let hostile: [(&str, Change); 16] = [
         ("start.x", |r, _| r.start_x = f64::NAN),
         ("start.theta", |r, _| r.start_theta = f64::INFINITY),
