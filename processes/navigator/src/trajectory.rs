@@ -13,6 +13,8 @@ const PIECE: (f64, f64) = (0.01, 0.1);
 pub const SAGITTA: f64 = PIECE.0 * PIECE.1 / 8.0;
 /// Most pieces of one path: nobody drives farther.
 const MAX_PIECES: usize = 1 << 20;
+/// Speed backwards that is taken for rounding [m/s].
+const ROUNDING: f64 = 1e-3;
 /// Halvings with which the end of what is free is found.
 const HALVINGS: u32 = 24;
 
@@ -57,17 +59,18 @@ impl Trajectory {
     ///
     /// # Errors
     /// [`TrajectoryError`] says which of them makes no sense.
-    pub fn new(samples: Vec<Sample>) -> Result<Self, TrajectoryError> {
+    pub fn new(mut samples: Vec<Sample>) -> Result<Self, TrajectoryError> {
         let mut before = 0.0;
-        for (i, sample) in samples.iter().enumerate() {
+        for (i, sample) in samples.iter_mut().enumerate() {
             let finite = sample.pose.is_finite() && sample.twist.is_finite();
-            let forward = sample.twist.v >= -1e-9;
+            let forward = sample.twist.v >= -ROUNDING;
             // Time begins at 0; not a number is in no order.
             let in_order = sample.t >= before && (i > 0 || sample.t == 0.0);
             if !(finite && forward && in_order && sample.t.is_finite()) {
                 return Err(TrajectoryError::Sample(i));
             }
             before = sample.t;
+            sample.twist.v = sample.twist.v.max(0.0);
         }
         let first = samples.first().ok_or(TrajectoryError::Empty)?;
         let mut pieces = vec![(0.0, first.pose.position())];

@@ -11,7 +11,7 @@ use sim_backend::math;
 /// line that covers that distance with the same speed limit, acceleration limit and prescribed
 /// speeds at the ends (what it turns on its way only costs more); and where both headings are
 /// prescribed, at least as long as turning from one to the other on the spot. Without acceleration
-/// limits this is L*/V_max.
+/// limits this is L*/Vmax.
 pub fn lower_bound(problem: &Problem, shortest: f64) -> f64 {
     let limits = &problem.limits;
     let straight = straight(limits, shortest, problem.start_speed, problem.goal_speed);
@@ -31,7 +31,14 @@ fn straight(limits: &RobotLimits, length: f64, start: Option<f64>, end: Option<f
     let Some(a) = limits.acceleration else {
         return length / top;
     };
-    let (v0, v1) = (start.unwrap_or(top).min(top), end.unwrap_or(top).min(top));
+    // A free speed is the highest that the other end can be reached from.
+    let within_reach = |v: f64| (v * v + 2.0 * a * length).sqrt().min(top);
+    let (v0, v1) = match (start, end) {
+        (None, None) => return length / top,
+        (Some(v), None) => (v.min(top), within_reach(v)),
+        (None, Some(v)) => (within_reach(v), v.min(top)),
+        (Some(v0), Some(v1)) => (v0.min(top), v1.min(top)),
+    };
     // Below this length it cannot get from the one speed to the other: it takes a longer way.
     let ramp = (v1 * v1 - v0 * v0).abs() / (2.0 * a);
     let length = length.max(ramp);
@@ -64,6 +71,9 @@ mod tests {
         let triangle = 2.0 * 0.5f64.sqrt() / 0.5;
         assert!((straight(&limits, 1.0, Some(0.0), Some(0.0)) - triangle).abs() < 1e-12);
         assert!((straight(&limits, 5.0, None, None) - 5.0).abs() < 1e-12);
+        // From rest as far as it gets: 0.25 m in 1 s.
+        assert!((straight(&limits, 0.25, Some(0.0), None) - 1.0).abs() < 1e-12);
+        assert!((straight(&limits, 0.25, None, Some(0.0)) - 1.0).abs() < 1e-12);
         // 1 m is needed to stop, however near the goal.
         assert!((straight(&limits, 0.2, Some(1.0), Some(0.0)) - 2.0).abs() < 1e-12);
     }

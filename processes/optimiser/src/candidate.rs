@@ -217,17 +217,16 @@ impl Bench<'_> {
     ) -> Option<Candidate> {
         let problem = self.problem;
         let limits = &problem.limits;
-        let inertia = !limits.is_without_inertia();
-        let start = if variant.turn_at_start && inertia {
-            Some(0.0)
-        } else {
-            problem.start_speed
+        let turns = limits.angular_acceleration.is_some();
+        // On the spot the robot stands. V begins and ends as asked for unless it can step, and with 0
+        // where ω cannot step from a turn on the spot into a bend.
+        let end = |on_the_spot: bool, asked: Option<f64>| match limits.acceleration {
+            Some(_) if on_the_spot => Some(0.0),
+            Some(_) => asked,
+            None => (on_the_spot && turns).then_some(0.0),
         };
-        let end = if variant.turn_at_goal && inertia {
-            Some(0.0)
-        } else {
-            problem.goal_speed
-        };
+        let start = end(variant.turn_at_start, problem.start_speed);
+        let end = end(variant.turn_at_goal, problem.goal_speed);
         let speeds = timing::speeds(points, limits, start, end);
         let rough = speeds.is_none();
         let speeds = match speeds {

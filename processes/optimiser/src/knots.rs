@@ -11,9 +11,11 @@ const TURN_IN: [f64; 3] = [3.0, 8.0, 20.0];
 /// Shortest distance [m] that these are counted in.
 const SHORTEST_TURN: f64 = 5e-3;
 /// Headings that differ by less [rad] need no breaks.
-const SAME_HEADING: f64 = 0.05;
+const SAME_HEADING: f64 = 2e-3;
 /// Part of an arc's radius by which breaks lie before and behind its ends.
 const AROUND: f64 = 0.4;
+/// Part of the path's length that an arc's end may cost.
+const LOSS: f64 = 2e-5;
 /// Most turn [rad] of a long arc between two breaks.
 const TURN: f64 = 1.0;
 /// Parts of the path in which there is at least one break.
@@ -61,7 +63,9 @@ pub fn breaks(guide: &Guide, headings: Headings, turning: f64, level: u32) -> Ve
         before = Some(crate::guide::heading(leg, 1.0));
         let Leg::Arc(arc) = leg else { continue };
         let (a, b) = (s, s + leg.length());
-        let d = AROUND * arc.radius;
+        // A spline rounds the step of the curvature off over d, which costs about d³ / 25 R².
+        let little = LOSS * length * arc.radius * arc.radius * 25.0;
+        let d = (AROUND * arc.radius).min(little.cbrt());
         if b - a <= 2.5 * d {
             at.extend([a - d, 0.5 * (a + b), b + d]);
         } else {

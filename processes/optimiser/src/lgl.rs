@@ -71,7 +71,7 @@ impl Lgl {
             .iter()
             .map(|p| 2.0 / (nf * (nf + 1.0) * p * p))
             .collect();
-        // ∏_{k≠j} 1 / (x_j − x_k), which is 1 / L_N(x_j) but for a common factor.
+        // ∏_{k≠j} 1 / (xⱼ − xₖ), which is 1 / L_N(xⱼ) but for a common factor.
         let barycentric = legendre.iter().map(|p| 1.0 / p).collect::<Vec<f64>>();
         let barycentric = Self::ends_halved(barycentric, &nodes, n);
         Self {

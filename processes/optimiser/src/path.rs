@@ -20,9 +20,9 @@ pub struct PathPoint {
 }
 
 /// Largest distance between points of a path [m].
-pub const SPACING: f64 = 0.01;
+pub const SPACING: f64 = 0.015;
 /// How far [m] a chord between two points may be from the path.
-const SAGITTA: f64 = 2e-5;
+const SAGITTA: f64 = 5e-5;
 
 /// How far apart [m] points of a path of this curvature [1/m] lie.
 pub fn spacing(kappa: f64) -> f64 {

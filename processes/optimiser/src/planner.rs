@@ -107,6 +107,7 @@ pub fn plan(
             {
                 bench.refine(first, stop);
             }
+            stopped = stop();
             if let Some(candidate) = candidate
                 && !candidate.rough
             {
@@ -123,7 +124,6 @@ pub fn plan(
                     }
                 }
             }
-            stopped = stop();
             if stopped {
                 break;
             }

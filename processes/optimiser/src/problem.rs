@@ -54,6 +54,7 @@ impl RobotLimits {
     }
 
     /// The same robot without limits on its accelerations.
+    #[must_use]
     pub fn without_inertia(&self) -> Self {
         Self {
             acceleration: None,

@@ -140,8 +140,8 @@ impl<'a> Search<'a> {
         enough: f64,
         stop: &mut dyn FnMut() -> bool,
     ) -> Option<Vec<f64>> {
-        let mut z = from.clone();
-        let mut last_cost = f64::INFINITY;
+        let mut z = from;
+        let mut last_cost = z.as_deref().map_or(f64::INFINITY, |z| self.energy(z));
         for round in 0..MOST {
             let start = z
                 .clone()

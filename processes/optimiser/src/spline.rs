@@ -105,8 +105,8 @@ impl Basis {
             first: span,
             by_order: [[0.0; MAX_DEGREE + 1]; MAX_DEGREE + 1],
         };
-        for r in 0..=p {
-            values.by_order[0][r] = ndu[r][p];
+        for (value, row) in values.by_order[0].iter_mut().zip(&ndu).take(p + 1) {
+            *value = row[p];
         }
         for r in 0..=p {
             let mut a = [[0.0; MAX_DEGREE + 1]; 2];

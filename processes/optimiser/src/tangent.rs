@@ -137,7 +137,7 @@ fn follow(problem: &Problem, guide: &Guide, trajectory: &mut Trajectory) -> Resu
     let stops = limits.angular_acceleration.is_some();
     let end = end_speed(problem);
     let legs: Vec<&Leg> = guide.legs().map(|(_, leg)| leg).collect();
-    let mut begin = limits.acceleration.map(|_| 0.0);
+    let rest = (stops || limits.acceleration.is_some()).then_some(0.0);
     let mut points: Vec<PathPoint> = Vec::new();
     for (i, leg) in legs.iter().enumerate() {
         let (s, theta) = points
@@ -146,7 +146,7 @@ fn follow(problem: &Problem, guide: &Guide, trajectory: &mut Trajectory) -> Resu
         let heading = path::leg_heading(leg, theta);
         if !stops && (heading - theta).abs() > 1e-6 {
             // A kink, where the start was pushed out of an obstacle: turn on the spot.
-            drive(limits, &points, [begin, begin], trajectory)?;
+            drive(limits, &points, [rest, rest], trajectory)?;
             trajectory.turn(limits, heading - theta);
             points.clear();
         } else if stops {
@@ -155,14 +155,8 @@ fn follow(problem: &Problem, guide: &Guide, trajectory: &mut Trajectory) -> Resu
         points.extend(path::of_leg(leg, s, heading));
         let last = i + 1 == legs.len();
         if stops || last {
-            let to = if last { end } else { Some(0.0) };
-            drive(
-                limits,
-                &points,
-                [begin.or(stops.then_some(0.0)), to],
-                trajectory,
-            )?;
-            begin = limits.acceleration.map(|_| 0.0);
+            let to = if last { end } else { rest };
+            drive(limits, &points, [rest, to], trajectory)?;
             points.clear();
         }
     }
@@ -187,11 +181,11 @@ fn drive(
 
 /// The speed [m/s] at which the last leg must end.
 fn end_speed(problem: &Problem) -> Option<f64> {
-    let inertia = problem.limits.acceleration.is_some();
+    let limits = &problem.limits;
     match problem.goal_heading {
         // It turns on the spot there.
-        Some(_) if inertia => Some(0.0),
-        _ => problem.goal_speed,
+        Some(_) if !limits.is_without_inertia() => Some(0.0),
+        _ => problem.goal_speed.filter(|_| limits.acceleration.is_some()),
     }
 }
 

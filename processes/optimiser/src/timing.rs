@@ -16,8 +16,8 @@ const SHARE: f64 = 0.9995;
 const STANDING: f64 = 1e-9;
 
 /// Speeds [m/s] at the points of a path for driving along it in the shortest time; `None` if the
-/// prescribed speeds at its ends cannot be had. Prescribed speeds of a robot without a limit on
-/// its acceleration are steps and no concern of the path.
+/// prescribed speeds at its ends cannot be had. (What a robot without inertia does before and after
+/// the path is a step and no concern of it: its speeds are those of the curvatures.)
 ///
 /// Points of the same `s` are a step of the curvature: passed standing if ω cannot step.
 pub fn speeds(
@@ -30,10 +30,6 @@ pub fn speeds(
     if limits.is_without_inertia() {
         return Some(caps);
     }
-    let (start, end) = match limits.acceleration {
-        Some(_) => (start, end),
-        None => (None, None),
-    };
     let n = points.len();
     let mut reach = vec![[0.0, 0.0]; n];
     let last = caps.last()?;

@@ -171,19 +171,18 @@ impl Trajectory {
 
     /// Begins and ends with the speeds that a problem prescribes: by steps, where they differ.
     pub fn keep_ends(&mut self, problem: &Problem) {
+        // Where V steps and nobody asks for ω, ω is 0 if it can step, too: any V may have that.
+        let beside = |own: f64, asked: f64, omega: f64| {
+            let steps = (own - asked).abs() > SAME && problem.limits.angular_acceleration.is_none();
+            if steps { 0.0 } else { omega }
+        };
         if let Some(&first) = self.samples.first() {
             let v = problem.start_speed.unwrap_or(first.v);
-            let omega = problem.start_turn_rate.unwrap_or(first.omega);
-            self.arrive_with(v, omega);
+            let free = beside(first.v, v, first.omega);
+            self.arrive_with(v, problem.start_turn_rate.unwrap_or(free));
         }
-        if let (Some(speed), Some(&last)) = (problem.goal_speed, self.samples.last()) {
-            // ω steps with V where it can: the robot goes on straight.
-            let omega = if problem.limits.angular_acceleration.is_none() && last.v > 0.0 {
-                last.omega * (speed / last.v)
-            } else {
-                last.omega
-            };
-            self.leave_with(speed, omega);
+        if let (Some(v), Some(&last)) = (problem.goal_speed, self.samples.last()) {
+            self.leave_with(v, beside(last.v, v, last.omega));
         }
     }
 

@@ -12,7 +12,7 @@
 mod pursuit;
 mod spline;
 
-pub use pursuit::Pursuit;
+pub use pursuit::{PURSUIT_RATE, Pursuit};
 pub use spline::{Camouflage, Spline};
 
 use nalgebra::Vector2;

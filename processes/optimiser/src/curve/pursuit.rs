@@ -1,17 +1,17 @@
 //! Local pursuit: the path heads for a virtual prey all the time.
 //!
-//! r' = ν̂ (r_p − r) (Eq. 1–2 with Δ = 0, over τ = t / t_f, so that ν̂ = ν t_f has no dimension and
-//! t_f drops out of the map), with the prey r_p a B-spline of degree d and control points P_i
+//! r' = ν̂ (rₚ − r) (Eq. 1–2 with Δ = 0, over τ = t / tf, so that ν̂ = ν tf has no dimension and
+//! tf drops out of the map), with the prey rₚ a B-spline of degree d and control points Pᵢ
 //! (Eq. 9). Instead of the nodes of Eq. 6–8 it is solved exactly: where the prey is a polynomial,
 //!
-//! r = Σ_k (−1)^k r_p^(k) / ν̂^k + A e^(−ν̂ τ),
+//! r = Σₖ (−1)^k rₚ^(k) / ν̂^k + A e^(−ν̂ τ),
 //!
-//! with A from continuity. So r = r_0 e^(−ν̂ τ) + Σ_i φ_i(τ) P_i, linear in the control points. A
-//! φ_i is a bump with a tail that decays like e^(−ν̂ τ); ψ_i = φ_i + c_i φ_{i+1} with the c_i that
+//! with A from continuity. So r = r₀ e^(−ν̂ τ) + Σᵢ φᵢ(τ) Pᵢ, linear in the control points. A
+//! φᵢ is a bump with a tail that decays like e^(−ν̂ τ); ψᵢ = φᵢ + cᵢ φᵢ₊₁ with the cᵢ that
 //! cancels the tails is 0 beyond the supports of both, which keeps the programs sparse. It only
-//! names the same curves otherwise: r = … + Σ_i ψ_i Q_i with P_i = Q_i + c_{i−1} Q_{i−1}.
+//! names the same curves otherwise: r = … + Σᵢ ψᵢ Qᵢ with Pᵢ = Qᵢ + cᵢ₋₁ Qᵢ₋₁.
 //!
-//! Boundary conditions: r'(0) = ν̂ (P_0 − r_0), so P_0 is on the ray of the start's heading (Eq. 13);
+//! Boundary conditions: r'(0) = ν̂ (P₀ − r₀), so P₀ is on the ray of the start's heading (Eq. 13);
 //! r(1) is the goal, which determines the last control point, or, if the heading at the goal is
 //! prescribed and puts the last one on its ray, the last but one.
 
@@ -29,14 +29,14 @@ pub const PURSUIT_RATE: f64 = 60.0;
 pub struct Pursuit {
     basis: Basis,
     ends: Ends,
-    /// c_i.
+    /// cᵢ.
     mix: Vec<f64>,
-    /// By span: amplitudes of the exponentials of the ψ_i that have one there.
+    /// By span: amplitudes of the exponentials of the ψᵢ that have one there.
     tails: Vec<Vec<(usize, f64)>>,
-    /// ψ_i(1) / ψ_e(1), where not 0, e being the control point that the goal determines.
+    /// ψᵢ(1) / ψₑ(1), where not 0, e being the control point that the goal determines.
     shares: Vec<(usize, f64)>,
     determined: usize,
-    /// ψ_e(1).
+    /// ψₑ(1).
     at_end: f64,
     /// Variables that are no control points' coordinates.
     rays: usize,
@@ -88,7 +88,7 @@ impl Pursuit {
         let (n, degree) = (self.basis.len(), self.basis.degree());
         let breaks = self.basis.breaks().to_vec();
         let spans = breaks.len() - 1;
-        // φ_i at the beginning of the span, and amplitudes by span.
+        // φᵢ at the beginning of the span, and amplitudes by span.
         let mut value = vec![0.0; n];
         let mut raw = vec![vec![0.0; n]; spans];
         for span in 0..spans {
@@ -136,7 +136,7 @@ impl Pursuit {
             .collect();
     }
 
-    /// The ψ_i that are not 0 at τ, or their derivatives.
+    /// The ψᵢ that are not 0 at τ, or their derivatives.
     fn bumps(&self, at: f64, order: usize, found: &mut Vec<(usize, f64)>) {
         found.clear();
         let span = self.basis.span(at);
@@ -200,7 +200,7 @@ impl Pursuit {
         };
         let started = usize::from(self.ends.start_heading.is_some());
         match (i, self.ends.start_heading, self.ends.goal_heading) {
-            // The speed itself is the variable: r'(0) = ν̂ (P_0 − r_0) = a·heading.
+            // The speed itself is the variable: r'(0) = ν̂ (P₀ − r₀) = a·heading.
             (0, Some(heading), _) => {
                 put(0, heading * (c / PURSUIT_RATE));
                 row.value += self.ends.start * c;
@@ -245,7 +245,7 @@ impl Pursuit {
     }
 }
 
-/// Σ_k (−1)^k B^(k + order) / ν̂^k of one function.
+/// Σₖ (−1)^k B^(k + order) / ν̂^k of one function.
 fn particular(values: &Values, r: usize, order: usize, degree: usize) -> f64 {
     let mut sum = 0.0;
     let mut factor = 1.0;

@@ -1,13 +1,15 @@
 //! B-splines, alone or as the prey of motion camouflage.
 //!
-//! Motion camouflage (Eq. 16): r = r_ref + ν (r_p − r_ref), with the prey r_p a B-spline (Eq. 19)
+//! Motion camouflage (Eq. 16): r = R + ν (rₚ − R), with the prey rₚ a B-spline (Eq. 19)
 //! and the path control parameter ν given by its values at N + 1 Legendre–Gauss–Lobatto nodes
 //! (Eq. 20). Without it, ν = 1: the path is the prey's.
 //!
 //! Variables: the speed r'(0) in the start's heading, if that is prescribed, the same at the goal,
-//! the free control points, and μ_j = (ν_j − 1) |r_ref − r_0| at the inner nodes: scaled so that a
+//! the free control points, and μⱼ = (νⱼ − 1) |R − r₀| at the inner nodes: scaled so that a
 //! step of μ moves the path about as far whatever the reference point. ν is 1 at both ends (the
-//! paper's PCPs from the boundary conditions), so that the prey begins and ends with the path.
+//! paper's PCPs from the boundary conditions), so that the prey begins and ends with the path. The
+//! reference point stays where it is put: with the whole prey free, moving it adds no path that was
+//! not there before.
 
 use nalgebra::{DMatrix, DVector, Vector2};
 
@@ -138,6 +140,17 @@ impl Spline {
         core::iter::once(1.0).chain(inner).chain([1.0]).collect()
     }
 
+    /// The control points of the prey (without camouflage, of the path itself).
+    pub fn prey_points(&self, z: &[f64]) -> Vec<Vector2<f64>> {
+        let mut row = Row::default();
+        let point = |i: usize| {
+            row.clear();
+            self.add(i, 1.0, z, &mut row);
+            row.value
+        };
+        (0..self.basis.len()).map(point).collect()
+    }
+
     fn first_mu(&self) -> usize {
         self.first_point + 2 * (self.free[1] - self.free[0])
     }
@@ -153,7 +166,7 @@ impl Spline {
         ]
     }
 
-    /// Adds c P_i for a control point to value and terms.
+    /// Adds c Pᵢ for a control point to value and terms.
     fn add(&self, i: usize, c: f64, z: &[f64], row: &mut Row) {
         let last = self.basis.len() - 1;
         let Ends { start, goal, .. } = self.ends;
@@ -168,7 +181,7 @@ impl Spline {
             return;
         }
         let [first_rate, last_rate] = self.end_rates();
-        // r'(0) = ν'(0) (P_0 − r_ref) + rate (P_1 − P_0) shall be a·heading, and alike at the goal.
+        // r'(0) = ν'(0) (P₀ − R) + rate (P₁ − P₀) shall be a·heading, and alike at the goal.
         let (end, heading, rate, var, side) = match i {
             0 => (start, None, 0.0, 0, 0),
             _ if i == last => (goal, None, 0.0, 0, 0),
@@ -250,14 +263,7 @@ impl Curve for Spline {
     }
 
     fn trace(&self, z: &[f64]) -> Trace<'_> {
-        let mut row = Row::default();
-        let points: Vec<Vector2<f64>> = (0..self.basis.len())
-            .map(|i| {
-                row.clear();
-                self.add(i, 1.0, z, &mut row);
-                row.value
-            })
-            .collect();
+        let points = self.prey_points(z);
         let prey = move |at: f64| {
             let values = self.basis.values(self.basis.span(at), at, 2);
             let near = &points[values.first..=values.first + self.basis.degree()];

@@ -94,7 +94,7 @@ mod tests {
         let (a, b) = (node(0.4, 0.5, 1.0), node(0.0, 0.5, 1.0));
         let step = step(&a, &b, 0.5);
         let arc = |angle: f64| Vector2::new(math::sin(angle), -math::cos(angle)) * 0.5;
-        assert!((step.way - (arc(0.9) - arc(0.4))).norm() < 1e-9);
+        assert!((step.way - (arc(0.9) - arc(0.4))).norm() < 1e-8);
         assert!((step.turn - 0.5).abs() < 1e-15);
     }
 
