@@ -13,9 +13,9 @@ use crate::trajectory::SAGITTA;
 
 /// How deep in contact a robot may be and still get a plan [m], beyond its margin.
 const CONTACT: f64 = 2e-3;
-/// By how much less than asked for a trajectory may keep away from obstacles [m]: rounding, and
-/// that it is looked at in straight pieces.
-const ROUNDING: f64 = 1e-4 + SAGITTA;
+/// By how much less than asked for a trajectory may keep away from obstacles [m]: what the check of
+/// plans allows, and that it is looked at in straight pieces here.
+const ROUNDING: f64 = 1e-3 + SAGITTA;
 
 impl Navigator {
     /// The question of this tick, if there is one.
