@@ -12,6 +12,7 @@ mod external;
 mod in_process;
 mod lifecycle;
 mod missions;
+mod navigation;
 mod plan;
 mod planning;
 mod process;

@@ -12,7 +12,7 @@ struct Case {
     seeds: &'static [&'static str],
 }
 
-const CASES: [Case; 11] = [
+const CASES: [Case; 13] = [
     Case {
         scenario: "chase",
         set: &["rules.time_limit=5"],
@@ -72,6 +72,17 @@ const CASES: [Case; 11] = [
     Case {
         scenario: "chase_reach_avoid",
         set: &["rules.time_limit=4"],
+        seeds: &["1"],
+    },
+    // Requests and answers, and obstacles that wait for a robot.
+    Case {
+        scenario: "popup",
+        set: &[],
+        seeds: &["1"],
+    },
+    Case {
+        scenario: "popup_city",
+        set: &["rules.time_limit=20"],
         seeds: &["1"],
     },
     Case {

@@ -2,7 +2,7 @@
 //! service by a string of its own.
 
 use crate::message::Message;
-use crate::messages::optimiser::{PlanRequest, PlanResponse, RequestObstacle, TrajectorySample};
+use crate::messages::optimiser::{PlanRequest, PlanResponse, TrajectorySample};
 use crate::messages::perception::{BeliefHeader, Particle, Sighting};
 use crate::messages::process::{ProcessStatus, RunControl};
 use crate::messages::referee::{DominanceCell, DominanceHeader, Verdict};
@@ -182,6 +182,15 @@ pub const DONE_EVENT: &str = "run/done";
 /// Added to the index in [`TURN_EVENT`]: there will be no more turns.
 pub const END_OF_TURNS: usize = 64;
 
+/// Event with which a client of [`OptimiserPlan`] wakes the optimiser after it has asked; the id is
+/// the client's index, and of no matter.
+pub const PLAN_ASKED_EVENT: &str = "optimiser/asked";
+/// Event with which the optimiser wakes a client that it has answered; the id is the client's index
+/// (the source in the request's stamp).
+pub const PLAN_ANSWERED_EVENT: &str = "optimiser/answered";
+/// Largest id of an event.
+pub const MAX_EVENT_ID: usize = 2 * END_OF_TURNS;
+
 /// A request–response service: header and slice both ways.
 pub trait Service: Send + Sync + 'static {
     /// Name of the service.
@@ -203,7 +212,7 @@ pub struct OptimiserPlan;
 impl Service for OptimiserPlan {
     const NAME: &'static str = "optimiser/plan";
     type RequestHeader = PlanRequest;
-    type RequestElement = RequestObstacle;
+    type RequestElement = ShapePoint;
     type ResponseHeader = PlanResponse;
     type ResponseElement = TrajectorySample;
 }

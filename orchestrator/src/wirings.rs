@@ -31,6 +31,8 @@ pub fn visit<V: WiringVisitor>(kind: &str, visitor: V) -> Option<V::Output> {
         "evader_braitenberg" => {
             visitor.visit::<PlannerProcess<evader_braitenberg::process::BraitenbergPlanner>>()
         }
+        "optimiser" => visitor.visit::<optimiser::process::OptimiserProcess>(),
+        "navigator" => visitor.visit::<PlannerProcess<navigator::process::NavigatorPlanner>>(),
         _ => return None,
     })
 }

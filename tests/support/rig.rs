@@ -15,7 +15,8 @@ use ipc_types::messages::process::ProcessStatus;
 use ipc_types::messages::world::{RobotState, WorldHeader};
 use ipc_types::stamp::Stamp;
 use ipc_types::topics::{
-    Status, Topic, TopicVisitor, WorldMap, WorldShapes, WorldState, for_each_topic,
+    OptimiserPlan, PLAN_ANSWERED_EVENT, PLAN_ASKED_EVENT, Status, Topic, TopicVisitor, WorldMap,
+    WorldShapes, WorldState, for_each_topic,
 };
 use kit::lockstep::{Conductor, Overseer, Phase, SlotState, TurnEnd, TurnPage};
 use orchestrator::mission::plan::Plan;
@@ -93,7 +94,13 @@ impl Rig {
         let bus = Bus::join(space, plan.run.bus_options(), "test").unwrap();
         let mut create = Create(&bus, Vec::new());
         for_each_topic(&mut create).unwrap();
-        let services = create.1;
+        let mut services = create.1;
+        if plan.serves_plans() {
+            services.push(bus.create_service::<OptimiserPlan>().unwrap());
+            for event in [PLAN_ASKED_EVENT, PLAN_ANSWERED_EVENT] {
+                services.push(bus.create_event(event).unwrap());
+            }
+        }
         let page = TurnPage::create(space.prefix(), plan.launches.len()).unwrap();
         let overseer = Overseer::new(Arc::new(page));
         let slot = plan

@@ -63,7 +63,7 @@ pub enum BusError {
     NeedsProcesses {
         /// The service or event.
         name: &'static str,
-        /// `request–response` or `events`.
+        /// `servers that are asked for requests` or `events`.
         what: &'static str,
     },
 }

@@ -1,8 +1,10 @@
 //! Wake-ups between processes that do not share the lock-step page.
 
+use std::os::fd::BorrowedFd;
 use std::time::Duration;
 
-use iceoryx2::prelude::{EventId, Node, ipc};
+use iceoryx2::prelude::{EventId, FileDescriptorBased as _, Node, ipc};
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
 use super::service::{TopicHolder, service_name};
 use super::{BusError, BusOptions, ReceiveError, SendError};
@@ -13,13 +15,15 @@ pub(super) fn create(
     name: &'static str,
 ) -> Result<TopicHolder, BusError> {
     let processes = super::nodes(&options.size);
+    // A process that drives several robots may wake and be woken for each.
+    let ports = processes + options.size.robots;
     let service = node
         .service_builder(&service_name(name)?)
         .event()
-        .max_notifiers(processes)
-        .max_listeners(processes)
+        .max_notifiers(ports)
+        .max_listeners(ports)
         .max_nodes(processes)
-        .event_id_max_value(2 * crate::topics::END_OF_TURNS)
+        .event_id_max_value(crate::topics::MAX_EVENT_ID)
         .create()
         .map_err(|e| BusError::Create {
             topic: name,
@@ -111,5 +115,43 @@ impl Listener {
                 topic: self.name,
                 reason: format!("{e:?}"),
             })
+    }
+
+    /// As [`Listener::wait`], but also wakes when a file of this process (an eventfd, say) can be
+    /// read; what is in it is left there.
+    ///
+    /// # Errors
+    /// [`ReceiveError::Transport`] if iceoryx2 or the system fails.
+    pub fn wait_or(
+        &self,
+        other: BorrowedFd<'_>,
+        timeout: Duration,
+        mut woken: impl FnMut(usize),
+    ) -> Result<(), ReceiveError> {
+        let failed = |reason: String| ReceiveError::Transport {
+            topic: self.name,
+            reason,
+        };
+        let own = self.port.file_descriptor();
+        // SAFETY: the descriptor belongs to the listener, which outlives this borrow and does not
+        // close it; it is only asked whether it can be read.
+        let own = unsafe { BorrowedFd::borrow_raw(own.native_handle()) };
+        let mut either = [
+            PollFd::from_borrowed_fd(own, PollFlags::IN),
+            PollFd::from_borrowed_fd(other, PollFlags::IN),
+        ];
+        let timeout = Timespec {
+            tv_sec: timeout.as_secs() as i64,
+            tv_nsec: i64::from(timeout.subsec_nanos()),
+        };
+        match poll(&mut either, Some(&timeout)) {
+            // A signal woke it: whoever waits looks around and waits again.
+            Ok(_) | Err(rustix::io::Errno::INTR) => {}
+            Err(error) => return Err(failed(error.to_string())),
+        }
+        self.port
+            .try_wait(|activation| woken(activation.id.as_value()))
+            .map(drop)
+            .map_err(|e| failed(format!("{e:?}")))
     }
 }

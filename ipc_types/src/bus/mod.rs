@@ -19,7 +19,7 @@ mod subscriber;
 pub use error::{BusError, ReceiveError, SendError};
 pub use event::{Listener, Notifier};
 pub use publisher::{Publisher, PublisherOptions};
-pub use request_response::{ActiveRequest, Answer, Client, PendingResponse, Server};
+pub use request_response::{ActiveRequest, Answer, Attendant, Client, PendingResponse, Server};
 pub use run_space::RunSpace;
 pub use service::TopicHolder;
 pub use subscriber::{Received, Subscriber};
@@ -186,11 +186,16 @@ impl Bus {
     /// Creates a request–response service and holds it (orchestrator only).
     ///
     /// # Errors
-    /// [`BusError::Create`] names the service and the reason; [`BusError::NeedsProcesses`] on a bus
-    /// in memory.
+    /// [`BusError::Create`] names the service and the reason.
     pub fn create_service<S: Service>(&self) -> Result<TopicHolder, BusError> {
-        let node = self.node(S::NAME, "request–response")?;
-        request_response::create::<S>(node, &self.options)
+        match &self.backend {
+            Backend::Ipc { node, .. } => request_response::create::<S>(node, &self.options),
+            // The hub holds it already.
+            Backend::Local(hub) => {
+                hub.endpoint::<S>()?;
+                Ok(TopicHolder::new(S::NAME, ()))
+            }
+        }
     }
 
     /// Creates a wake-up event and holds it (orchestrator only).
@@ -238,20 +243,47 @@ impl Bus {
         }
     }
 
-    /// Opens the asking side of a request–response service.
+    /// Opens the asking side of a request–response service, for the process with index `source`
+    /// and requests of up to `capacity` elements.
     ///
     /// # Errors
-    /// As [`Bus::publisher`]; [`BusError::NeedsProcesses`] on a bus in memory.
-    pub fn client<S: Service>(&self, capacity: usize) -> Result<Client<S>, BusError> {
-        Client::open(self.node(S::NAME, "request–response")?, capacity)
+    /// As [`Bus::publisher`].
+    pub fn client<S: Service>(&self, source: u32, capacity: usize) -> Result<Client<S>, BusError> {
+        match &self.backend {
+            Backend::Ipc { node, .. } => Client::open(node, source, capacity),
+            Backend::Local(hub) => Ok(Client::open_local(hub.endpoint()?, source, capacity)),
+        }
     }
 
-    /// Opens the answering side of a request–response service.
+    /// Opens the answering side of a request–response service, for the process with index `source`
+    /// and answers of up to `capacity` elements.
     ///
     /// # Errors
-    /// As [`Bus::publisher`]; [`BusError::NeedsProcesses`] on a bus in memory.
-    pub fn server<S: Service>(&self, capacity: usize) -> Result<Server<S>, BusError> {
-        Server::open(self.node(S::NAME, "request–response")?, capacity)
+    /// As [`Bus::publisher`]; [`BusError::NeedsProcesses`] on a bus in memory, which has
+    /// [`Bus::attend`] for it.
+    pub fn server<S: Service>(&self, source: u32, capacity: usize) -> Result<Server<S>, BusError> {
+        let node = self.node(S::NAME, "servers that are asked for requests")?;
+        Server::open(node, source, capacity)
+    }
+
+    /// Answers the requests of a service on a bus in memory, each at once, when it is asked.
+    ///
+    /// # Errors
+    /// [`BusError::Port`] if somebody answers it already, or the bus is one between processes.
+    pub fn attend<S: Service>(
+        &self,
+        handler: impl FnMut(&S::RequestHeader, &[S::RequestElement]) -> Answer<S> + 'static,
+    ) -> Result<Attendant<S>, BusError> {
+        let Backend::Local(hub) = &self.backend else {
+            return Err(BusError::Port {
+                topic: S::NAME,
+                port: "attendant",
+                reason: "only a bus in memory calls who answers".to_owned(),
+            });
+        };
+        let endpoint = hub.endpoint::<S>()?;
+        endpoint.serve(Box::new(handler))?;
+        Ok(Attendant::new(endpoint))
     }
 
     /// Opens the waking side of an event.

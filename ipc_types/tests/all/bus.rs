@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use ipc_types::bus::{Bus, PublisherOptions};
+use ipc_types::bus::{Bus, PublisherOptions, SendError};
 use ipc_types::messages::world::{RobotState, WorldHeader};
 use ipc_types::topics::{self, Commands, OptimiserPlan, Topic, TopicVisitor, WorldState};
 
@@ -96,22 +96,19 @@ fn a_mismatch_names_both_sides() {
 
 #[test]
 fn requests_are_answered_and_ended() {
-    use ipc_types::messages::optimiser::{
-        PlanRequest, PlanResponse, RequestObstacle, TrajectorySample,
-    };
+    use ipc_types::messages::optimiser::{PlanRequest, PlanResponse, TrajectorySample};
+    use ipc_types::messages::world::ShapePoint;
     let space = Space::new("request");
     space.0.create_root().unwrap();
     let bus = Bus::join(&space.0, options(false), "process").unwrap();
     let _service = bus.create_service::<OptimiserPlan>().unwrap();
-    let server = bus.server::<OptimiserPlan>(16).unwrap();
-    let client = bus.client::<OptimiserPlan>(8).unwrap();
+    let server = bus.server::<OptimiserPlan>(7, 16).unwrap();
+    let client = bus.client::<OptimiserPlan>(2, 8).unwrap();
     let request = PlanRequest {
         robot: 3,
         ..PlanRequest::default()
     };
-    let pending = client
-        .ask(request, &[RequestObstacle::default(); 2])
-        .unwrap();
+    let pending = client.ask(request, &[ShapePoint::default(); 2]).unwrap();
     assert!(pending.poll().unwrap().is_none());
     let active = server.receive().unwrap().expect("the request");
     assert!(active.is_wanted());
@@ -125,8 +122,42 @@ fn requests_are_answered_and_ended() {
         .unwrap();
     let (header, samples) = pending.poll().unwrap().expect("the answer");
     assert_eq!((header.final_time, samples.len()), (1.5, 5));
+    assert_eq!((active.header().stamp.source, header.stamp.source), (2, 7));
+    let too_long = active.answer(answer, &[TrajectorySample::default(); 17]);
+    assert!(matches!(too_long, Err(SendError::Capacity { .. })));
     drop(active);
     assert!(!pending.is_open());
+    let too_long = client.ask(request, &[ShapePoint::default(); 9]);
+    assert!(matches!(too_long, Err(SendError::Capacity { .. })));
+}
+
+#[test]
+fn a_listener_wakes_by_an_event_or_a_file_whichever_comes_first() {
+    use rustix::event::{EventfdFlags, eventfd};
+    use std::os::fd::AsFd as _;
+
+    let space = Space::new("either");
+    space.0.create_root().unwrap();
+    let bus = Bus::join(&space.0, options(false), "process").unwrap();
+    let _service = bus.create_event("run/wake").unwrap();
+    let listener = bus.listener("run/wake").unwrap();
+    let notifier = bus.notifier("run/wake").unwrap();
+    let file = eventfd(0, EventfdFlags::NONBLOCK).unwrap();
+    let long = std::time::Duration::from_secs(60);
+    let wait = |timeout| {
+        let mut ids = Vec::new();
+        listener
+            .wait_or(file.as_fd(), timeout, |id| ids.push(id))
+            .unwrap();
+        ids
+    };
+    notifier.notify(3).unwrap();
+    assert_eq!(wait(long), [3]);
+    rustix::io::write(&file, &1u64.to_ne_bytes()).unwrap();
+    assert!(wait(long).is_empty());
+    let mut read = [0; 8];
+    rustix::io::read(&file, &mut read).unwrap();
+    assert!(wait(std::time::Duration::from_millis(1)).is_empty());
 }
 
 #[test]

@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use ipc_types::bus::{Bus, BusError, SendError};
+use ipc_types::messages::optimiser::{PlanRequest, PlanResponse, TrajectorySample};
 use ipc_types::messages::robot::{PlanHeader, PlanPoint};
-use ipc_types::messages::world::{MapCell, MapHeader, RobotState};
+use ipc_types::messages::world::{MapCell, MapHeader, RobotState, ShapePoint};
 use ipc_types::topics::{Commands, OptimiserPlan, Plan, WorldMap, WorldState};
 use proptest::prelude::*;
 
@@ -81,15 +82,7 @@ fn what_only_processes_have_is_refused_by_name() {
     let bus = local(false);
     for (error, name) in [
         (
-            bus.client::<OptimiserPlan>(1).unwrap_err(),
-            "optimiser/plan",
-        ),
-        (
-            bus.server::<OptimiserPlan>(1).unwrap_err(),
-            "optimiser/plan",
-        ),
-        (
-            bus.create_service::<OptimiserPlan>().unwrap_err(),
+            bus.server::<OptimiserPlan>(0, 1).unwrap_err(),
             "optimiser/plan",
         ),
         (bus.create_event("run/turn").unwrap_err(), "run/turn"),
@@ -101,6 +94,46 @@ fn what_only_processes_have_is_refused_by_name() {
             "{error}"
         );
     }
+}
+
+#[test]
+fn requests_are_answered_at_once_while_somebody_answers() {
+    let bus = local(false);
+    let _service = bus.create_service::<OptimiserPlan>().unwrap();
+    // The client may be there first.
+    let client = bus.client::<OptimiserPlan>(3, 8).unwrap();
+    let request = PlanRequest {
+        robot: 5,
+        ..PlanRequest::default()
+    };
+    let ask = |points: usize| client.ask(request, &vec![ShapePoint::default(); points]);
+    let pending = ask(0).unwrap();
+    assert!(!pending.is_open() && pending.poll().unwrap().is_none());
+    let answer = |request: &PlanRequest, points: &[ShapePoint]| {
+        assert_eq!(request.stamp.source, 3);
+        let header = PlanResponse {
+            robot: request.robot,
+            final_time: request.stamp.sequence as f64,
+            ..PlanResponse::default()
+        };
+        (header, vec![TrajectorySample::default(); points.len()])
+    };
+    let attendant = bus.attend::<OptimiserPlan>(answer).unwrap();
+    let second = bus.attend::<OptimiserPlan>(answer).unwrap_err();
+    assert!(second.to_string().contains("taken"), "{second}");
+    let (first, second) = (ask(2).unwrap(), ask(4).unwrap());
+    assert!(first.is_open());
+    for (pending, sequence, samples) in [(second, 2.0, 4), (first, 1.0, 2)] {
+        let (header, elements) = pending.poll().unwrap().expect("the answer");
+        let found = (header.robot, header.final_time, elements.len());
+        assert_eq!(found, (5, sequence, samples));
+        assert_eq!(header.stamp.sent_ns, 0);
+        assert!(!pending.is_open() && pending.poll().unwrap().is_none());
+    }
+    assert!(matches!(ask(9), Err(SendError::Capacity { .. })));
+    drop(attendant);
+    assert!(ask(1).unwrap().poll().unwrap().is_none());
+    bus.attend::<OptimiserPlan>(answer).unwrap();
 }
 
 #[test]

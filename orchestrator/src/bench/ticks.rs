@@ -300,6 +300,7 @@ fn run_config(root: &Path, prefix: &str) -> RunConfig {
                 model: Preset::default().model(),
                 beams: 0,
                 start: Pose2::default(),
+                goal: None,
             })
             .collect(),
         exits: Vec::new(),

@@ -116,6 +116,7 @@ impl Plan {
                     model: robot.model(),
                     beams: robot.scan.as_ref().map_or(0, |scan| scan.beams as u32),
                     start: robot.start,
+                    goal: robot.goal,
                 })
                 .collect(),
             exits: map
@@ -152,6 +153,14 @@ impl Plan {
     /// Index under which the orchestrator itself sends.
     pub fn orchestrator_index(&self) -> u32 {
         self.launches.len() as u32
+    }
+
+    /// Whether the run has somebody who makes plans on request.
+    pub fn serves_plans(&self) -> bool {
+        let serves = |launch: &Launch| {
+            find(KINDS, &launch.config.kind).is_some_and(|kind| kind.provides_plans)
+        };
+        self.launches.iter().any(serves)
     }
 
     /// Whether the beliefs of a tick are input of a process.

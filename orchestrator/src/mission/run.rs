@@ -11,7 +11,8 @@ use ipc_types::bus::{Bus, BusError, Publisher, PublisherOptions, TopicHolder};
 use ipc_types::messages::process::RunControl;
 use ipc_types::stamp::PlainHeader;
 use ipc_types::topics::{
-    Control, ObstacleEvents, OptimiserPlan, Topic, TopicVisitor, for_each_topic,
+    Control, ObstacleEvents, OptimiserPlan, PLAN_ANSWERED_EVENT, PLAN_ASKED_EVENT, Topic,
+    TopicVisitor, for_each_topic,
 };
 use kit::config::Clock;
 use kit::lockstep::{Overseer, Phase, SlotState, TurnPage};
@@ -93,7 +94,7 @@ pub fn run(
     let recording = create_log(scenario, &plan, options)?;
 
     let bus = Bus::join(space.space(), plan.run.bus_options(), "orchestrator")?;
-    let services = create_services(&bus)?;
+    let services = create_services(&bus, &plan)?;
     let page = Arc::new(TurnPage::create(
         space.space().prefix(),
         plan.launches.len(),
@@ -160,7 +161,7 @@ pub fn run(
     })
 }
 
-fn create_services(bus: &Bus) -> Result<Vec<TopicHolder>, BusError> {
+fn create_services(bus: &Bus, plan: &Plan) -> Result<Vec<TopicHolder>, BusError> {
     struct Create<'a>(&'a Bus, Vec<TopicHolder>);
     impl TopicVisitor for Create<'_> {
         type Error = BusError;
@@ -171,7 +172,11 @@ fn create_services(bus: &Bus) -> Result<Vec<TopicHolder>, BusError> {
     }
     let mut create = Create(bus, Vec::new());
     for_each_topic(&mut create)?;
-    create.1.push(bus.create_service::<OptimiserPlan>()?);
+    if plan.serves_plans() {
+        create.1.push(bus.create_service::<OptimiserPlan>()?);
+        create.1.push(bus.create_event(PLAN_ASKED_EVENT)?);
+        create.1.push(bus.create_event(PLAN_ANSWERED_EVENT)?);
+    }
     Ok(create.1)
 }
 

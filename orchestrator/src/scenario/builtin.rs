@@ -13,7 +13,7 @@ pub struct Builtin {
 pub const DEFAULT: &str = "chase";
 
 /// All built-in scenarios, the default first.
-pub const SCENARIOS: [Builtin; 9] = [
+pub const SCENARIOS: [Builtin; 11] = [
     Builtin {
         name: "chase",
         text: include_str!("../../../scenarios/chase.toml"),
@@ -45,6 +45,14 @@ pub const SCENARIOS: [Builtin; 9] = [
     Builtin {
         name: "chase_reach_avoid",
         text: include_str!("../../../scenarios/chase_reach_avoid.toml"),
+    },
+    Builtin {
+        name: "popup",
+        text: include_str!("../../../scenarios/popup.toml"),
+    },
+    Builtin {
+        name: "popup_city",
+        text: include_str!("../../../scenarios/popup_city.toml"),
     },
     Builtin {
         name: "hello",

@@ -5,6 +5,8 @@ use evader_potential::EvaderParams;
 use evader_reach_avoid::ReachAvoidParams;
 use evader_rrt_star::RrtStarParams;
 use guidance::params::ParamsError;
+use navigator::NavigatorParams;
+use optimiser::OptimiserParams;
 use perception::params::PerceptionParams;
 use pursuer::PursuerParams;
 use referee::RefereeParams;
@@ -74,6 +76,10 @@ pub enum Need {
     Belief,
     /// A `scan` sensor on every robot that the process drives.
     Scan,
+    /// Trajectories on request: an `optimiser` process.
+    Plans,
+    /// A `goal` of every robot that the process drives.
+    Goal,
 }
 
 /// A name and the parameters that it stands for.
@@ -89,6 +95,8 @@ pub struct KindInfo {
     pub drives_robots: bool,
     /// Whether it publishes the beliefs that [`Need::Belief`] asks for.
     pub provides_belief: bool,
+    /// Whether it makes the plans that [`Need::Plans`] asks for.
+    pub provides_plans: bool,
     /// Reads and checks `params`, and gives them back complete: every default filled in.
     pub check_params: fn(&Node) -> Result<Json, ParamsFault>,
     /// What it needs, given its complete parameters.
@@ -133,6 +141,7 @@ pub static KINDS: &[KindInfo] = &[
         summary: "what the Police see, and what they believe about what they do not see",
         drives_robots: false,
         provides_belief: true,
+        provides_plans: false,
         check_params: |node| check_params(node, PerceptionParams::validate),
         needs: |_| Vec::new(),
         caps: &[
@@ -146,6 +155,7 @@ pub static KINDS: &[KindInfo] = &[
         summary: "says who reaches what first, and which evader can still be sure of an escape",
         drives_robots: false,
         provides_belief: false,
+        provides_plans: false,
         check_params: |node| check_params(node, RefereeParams::validate),
         needs: |_| Vec::new(),
         caps: &[],
@@ -156,6 +166,7 @@ pub static KINDS: &[KindInfo] = &[
         summary: "chases evaders as one of a team",
         drives_robots: true,
         provides_belief: false,
+        provides_plans: false,
         check_params: |node| check_params(node, PursuerParams::validate),
         needs: |params| {
             let by_belief = |at: &str| params.pointer(at).and_then(Json::as_str) == Some("belief");
@@ -174,6 +185,7 @@ pub static KINDS: &[KindInfo] = &[
         summary: "flees by its range scan alone, away from what is near",
         drives_robots: true,
         provides_belief: false,
+        provides_plans: false,
         check_params: |node| check_params(node, BraitenbergParams::validate),
         needs: |_| vec![Need::Scan],
         caps: &[],
@@ -184,6 +196,7 @@ pub static KINDS: &[KindInfo] = &[
         summary: "flees to the nearest exit on a potential field",
         drives_robots: true,
         provides_belief: false,
+        provides_plans: false,
         check_params: |node| check_params(node, EvaderParams::validate),
         needs: |_| Vec::new(),
         caps: &[],
@@ -194,6 +207,7 @@ pub static KINDS: &[KindInfo] = &[
         summary: "flees by ways on which no pursuer can stop it, or to where it has most time",
         drives_robots: true,
         provides_belief: false,
+        provides_plans: false,
         check_params: |node| check_params(node, ReachAvoidParams::validate),
         needs: |_| Vec::new(),
         caps: &[],
@@ -204,6 +218,7 @@ pub static KINDS: &[KindInfo] = &[
         summary: "plans its way to an exit past the Police with RRT*",
         drives_robots: true,
         provides_belief: false,
+        provides_plans: false,
         check_params: |node| check_params(node, RrtStarParams::validate),
         needs: |_| Vec::new(),
         caps: &[],
@@ -211,6 +226,35 @@ pub static KINDS: &[KindInfo] = &[
             ("paper", || preset(&RrtStarParams::paper())),
             ("paper_arc", || preset(&RrtStarParams::paper_arc())),
         ],
+    },
+    KindInfo {
+        name: "optimiser",
+        summary: "makes minimum-time trajectories for whoever asks",
+        drives_robots: false,
+        provides_belief: false,
+        provides_plans: true,
+        check_params: |node| check_params(node, OptimiserParams::validate),
+        needs: |_| Vec::new(),
+        caps: &[],
+        presets: &[],
+    },
+    KindInfo {
+        name: "navigator",
+        summary: "drives to goals on trajectories of the optimiser, around what pops up",
+        drives_robots: true,
+        provides_belief: false,
+        provides_plans: false,
+        check_params: |node| check_params(node, NavigatorParams::validate),
+        needs: |params| {
+            let goals = params.get("goals").and_then(Json::as_array);
+            let mut needs = vec![Need::Plans];
+            if goals.is_none_or(Vec::is_empty) {
+                needs.push(Need::Goal);
+            }
+            needs
+        },
+        caps: &[],
+        presets: &[("paper", || preset(&NavigatorParams::paper()))],
     },
 ];
 
@@ -290,6 +334,8 @@ mod tests {
                 json!({ "dominance": { "wave": { "sight": -1.0 } } }),
                 "dominance.wave.sight",
             ),
+            ("optimiser", json!({ "workers": 0 }), "workers"),
+            ("navigator", json!({ "margin": -1.0 }), "margin"),
             (
                 "evader_braitenberg",
                 json!({ "turn_gain": -1.0 }),

@@ -1,7 +1,7 @@
 //! Whether the processes fit each other and the robots.
 
 use super::context::Context;
-use super::kinds::Need;
+use super::kinds::{KindInfo, Need};
 use super::processes::{Read, kind_of};
 use super::robots::Robot;
 use super::text::Code;
@@ -63,72 +63,131 @@ pub fn check_drivers(ctx: &mut Context<'_>, read: &[Read], robots: &[Robot]) {
     }
 }
 
+/// Something that one process makes for others.
+struct Provision {
+    need: Need,
+    /// Whether a kind makes it.
+    makes: fn(&KindInfo) -> bool,
+    /// Two processes …
+    both: &'static str,
+    /// A process …, but no process provides them.
+    goes_by: &'static str,
+}
+
+const PROVISIONS: [Provision; 2] = [
+    Provision {
+        need: Need::Belief,
+        makes: |kind| kind.provides_belief,
+        both: "publish beliefs",
+        goes_by: "goes by beliefs",
+    },
+    Provision {
+        need: Need::Plans,
+        makes: |kind| kind.provides_plans,
+        both: "make plans",
+        goes_by: "asks for plans",
+    },
+];
+
 /// What a process needs is there.
 pub fn check_needs(ctx: &mut Context<'_>, read: &[Read], robots: &[Robot]) {
+    for provision in &PROVISIONS {
+        check_provision(ctx, read, provision);
+    }
+    check_robots(ctx, read, robots, &SCANNER);
+    check_robots(ctx, read, robots, &GOAL);
+}
+
+/// What is needed of other processes is made, and by one only.
+fn check_provision(ctx: &mut Context<'_>, read: &[Read], provision: &Provision) {
     let kinds = ctx.kinds;
     let providers: Vec<&Read> = read
         .iter()
-        .filter(|r| kind_of(kinds, &r.spec).is_some_and(|k| k.provides_belief))
+        .filter(|r| kind_of(kinds, &r.spec).is_some_and(provision.makes))
         .collect();
     if let [first, second, ..] = providers.as_slice() {
         let message = format!(
-            "two processes publish beliefs, `{}` and `{}`",
-            first.spec.name, second.spec.name
+            "two processes {}, `{}` and `{}`",
+            provision.both, first.spec.name, second.spec.name
         );
         let problem = ctx
             .block_problem(second.origin, &second.path, Code::Requirement, message)
             .expected("at most one");
         ctx.problems.push(problem);
     }
-    let belief_kinds: Vec<&str> = kinds
-        .iter()
-        .filter(|k| k.provides_belief)
-        .map(|k| k.name)
-        .collect();
+    if !providers.is_empty() {
+        return;
+    }
+    let provider = kinds.iter().find(|kind| (provision.makes)(kind));
+    let provider = provider.map_or("…", |kind| kind.name);
+    for r in read {
+        let needs = kind_of(kinds, &r.spec).map(|kind| (kind.needs)(&r.spec.params));
+        if needs.is_some_and(|needs| needs.contains(&provision.need)) {
+            let message = format!(
+                "process `{}` {}, but no process provides them",
+                r.spec.name, provision.goes_by
+            );
+            let problem = ctx
+                .block_problem(r.origin, &r.path, Code::Requirement, message)
+                .expected(format!("a [[processes]] block with kind = \"{provider}\""));
+            ctx.problems.push(problem);
+        }
+    }
+}
+
+/// Something that robots must have for who drives them.
+struct Equipment {
+    need: Need,
+    /// The key of the robot that gives it.
+    key: &'static str,
+    is_there: fn(&Robot) -> bool,
+    /// Robot … has no range scanner, but process … steers by it.
+    lacks: [&'static str; 2],
+    expected: &'static str,
+    help: &'static str,
+}
+
+const SCANNER: Equipment = Equipment {
+    need: Need::Scan,
+    key: "scan",
+    is_there: |robot| robot.spec.scan.is_some(),
+    lacks: ["range scanner", "steers by it"],
+    expected: "a `scan` table on the robot",
+    help: "scan = {} is the TurtleBot3's scanner: 360 beams, 3.5 m",
+};
+
+const GOAL: Equipment = Equipment {
+    need: Need::Goal,
+    key: "goal",
+    is_there: |robot| robot.spec.goal.is_some(),
+    lacks: ["goal", "drives there"],
+    expected: "a `goal` of the robot, or `goals` among the process's parameters",
+    help: "goal = { circle = { center = [x, y], radius = 0.1 } }",
+};
+
+/// Whoever needs a piece of equipment drives robots that have it.
+fn check_robots(ctx: &mut Context<'_>, read: &[Read], robots: &[Robot], equipment: &Equipment) {
+    let kinds = ctx.kinds;
+    let [thing, use_of_it] = equipment.lacks;
     for r in read {
         let Some(kind) = kind_of(kinds, &r.spec) else {
             continue;
         };
-        for need in (kind.needs)(&r.spec.params) {
-            match need {
-                Need::Belief if providers.is_empty() => {
-                    let provider = belief_kinds.first().copied().unwrap_or("perception");
-                    let message = format!(
-                        "process `{}` goes by beliefs, but no process provides them",
-                        r.spec.name
-                    );
-                    let problem = ctx
-                        .block_problem(r.origin, &r.path, Code::Requirement, message)
-                        .expected(format!("a [[processes]] block with kind = \"{provider}\""));
-                    ctx.problems.push(problem);
-                }
-                Need::Scan => {
-                    let blind = |&&i: &&usize| robots.get(i).is_some_and(|r| r.spec.scan.is_none());
-                    for robot in r
-                        .spec
-                        .robots
-                        .iter()
-                        .filter(blind)
-                        .filter_map(|&i| robots.get(i))
-                    {
-                        let message = format!(
-                            "robot `{}` has no range scanner, but process `{}` ({}) steers by it",
-                            robot.spec.name, r.spec.name, kind.name
-                        );
-                        let problem = ctx
-                            .block_problem(
-                                robot.node.origin,
-                                &robot.path.then("scan"),
-                                Code::Requirement,
-                                message,
-                            )
-                            .expected("a `scan` table on the robot")
-                            .help("scan = {} is the TurtleBot3's scanner: 360 beams, 3.5 m");
-                        ctx.problems.push(problem);
-                    }
-                }
-                Need::Belief => {}
-            }
+        if !(kind.needs)(&r.spec.params).contains(&equipment.need) {
+            continue;
+        }
+        let driven = r.spec.robots.iter().filter_map(|&i| robots.get(i));
+        for robot in driven.filter(|robot| !(equipment.is_there)(robot)) {
+            let message = format!(
+                "robot `{}` has no {thing}, but process `{}` ({}) {use_of_it}",
+                robot.spec.name, r.spec.name, kind.name
+            );
+            let path = robot.path.then(equipment.key);
+            let problem = ctx
+                .block_problem(robot.node.origin, &path, Code::Requirement, message)
+                .expected(equipment.expected)
+                .help(equipment.help);
+            ctx.problems.push(problem);
         }
     }
 }

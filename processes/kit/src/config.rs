@@ -81,6 +81,8 @@ pub struct RobotInfo {
     pub beams: u32,
     /// Pose at the start.
     pub start: Pose2,
+    /// Where it shall arrive, if it shall arrive anywhere.
+    pub goal: Option<Region>,
 }
 
 /// How time passes.

@@ -12,6 +12,7 @@ pub mod lockstep;
 pub mod logging;
 pub mod maps;
 pub mod obstacle;
+pub mod optimiser_client;
 pub mod planner;
 pub mod seed;
 pub mod shapes;

@@ -67,6 +67,21 @@ pub trait Planner: Sized {
         let _ = (exits, capture_radius);
     }
 
+    /// Opens what it needs of the bus besides the topics of [`PlannerInputs`], for the robot with
+    /// this index. Called once, after [`Planner::rules`].
+    ///
+    /// # Errors
+    /// Ends the process before it is ready.
+    fn open(&mut self, config: &ProcessConfig, bus: &Bus, robot: u32) -> Result<(), ProcessError> {
+        let _ = (config, bus, robot);
+        Ok(())
+    }
+
+    /// Why it cannot go on, if it cannot; asked after every steering. Ends the process.
+    fn failure(&mut self) -> Option<ProcessError> {
+        None
+    }
+
     /// Called once if the run is in real time, where a planner may look at the clock. In lock-step
     /// it must not: the history would depend on the machine.
     fn in_real_time(&mut self) {}
@@ -127,7 +142,7 @@ impl<P: Planner> Wiring for PlannerProcess<P> {
             serde_json::from_value(config.params.clone()).map_err(|e| refused(e.to_string()))?;
         let inputs = P::inputs(&params);
         let robots = config.run.robots.len();
-        let driven = config
+        let mut driven = config
             .own_robots()
             .map(|(robot, info)| {
                 use rand::Rng as _;
@@ -144,6 +159,9 @@ impl<P: Planner> Wiring for PlannerProcess<P> {
             })
             .collect::<Result<Vec<_>, _>>()
             .map_err(refused)?;
+        for driven in &mut driven {
+            driven.planner.open(config, bus, driven.robot)?;
+        }
         Ok(Self {
             state: StateInput::open(bus, robots)?,
             map_input: MapInput::open(bus)?,
@@ -277,6 +295,9 @@ impl<P: Planner> Wiring for PlannerProcess<P> {
                 scan: scan.map(scan_view),
             };
             let steering = driven.planner.steer(map, &view);
+            if let Some(error) = driven.planner.failure() {
+                return Err(error);
+            }
             self.planned.clear();
             driven.planner.plan(&steering, &mut self.planned);
             outputs.send(driven.robot, &steering, &self.planned)?;

@@ -150,6 +150,19 @@ pub fn from_message(
             max_y,
         });
     }
+    let parts = pieces(announced, points)?;
+    let bounds = Aabb {
+        min: Point2::new(min_x, min_y),
+        max: Point2::new(max_x, max_y),
+    };
+    Ok((bounds, parts))
+}
+
+/// The pieces that points tell, `announced` in number: those that were sent, bit for bit.
+///
+/// # Errors
+/// [`ShapesMessageError`] if they make none.
+pub fn pieces(announced: u32, points: &[ShapePoint]) -> Result<Vec<Convex>, ShapesMessageError> {
     let mut parts = Vec::new();
     let mut at = 0;
     for group in points.chunk_by(|a, b| a.shape == b.shape) {
@@ -172,11 +185,7 @@ pub fn from_message(
             announced,
         });
     }
-    let bounds = Aabb {
-        min: Point2::new(min_x, min_y),
-        max: Point2::new(max_x, max_y),
-    };
-    Ok((bounds, parts))
+    Ok(parts)
 }
 
 fn part(shape: u32, group: &[ShapePoint]) -> Result<Convex, ShapesMessageError> {

@@ -51,6 +51,7 @@
 //! assert!(plan.min_clearance > -1e-3);
 //! ```
 
+pub mod answer;
 pub mod bound;
 pub mod candidate;
 pub mod check;
@@ -61,12 +62,16 @@ pub mod guide;
 pub mod knots;
 pub mod lgl;
 pub mod options;
+pub mod params;
 pub mod path;
 pub mod plan;
 pub mod planner;
 pub mod problem;
+pub mod process;
 pub mod program;
 pub mod refine;
+pub mod request;
+pub mod service;
 pub mod shape;
 pub mod spline;
 pub mod tangent;
@@ -77,6 +82,7 @@ pub mod warm;
 pub mod wavefront;
 
 pub use options::Options;
+pub use params::OptimiserParams;
 pub use plan::{Method, Plan, PlanError, Sample, Status};
 pub use planner::plan;
 pub use problem::{Problem, ProblemError, RobotLimits, Wheels};

@@ -7,6 +7,7 @@
 //! the stamps stay 0.
 
 mod channel;
+mod endpoint;
 mod message;
 mod ports;
 
@@ -17,17 +18,20 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use channel::Channel;
+pub(super) use endpoint::Endpoint;
 pub(super) use message::Message;
 pub(super) use ports::{Receiver, Sender};
 
 use super::{BusError, BusOptions};
 use crate::schema;
-use crate::topics::Topic;
+use crate::topics::{Service, Topic};
 
 /// The topics of one run in memory.
 pub(super) struct Hub {
     /// Every topic's [`Channel`], by its name.
     channels: RefCell<BTreeMap<&'static str, Rc<dyn Any>>>,
+    /// Every service's [`Endpoint`], by its name.
+    endpoints: RefCell<BTreeMap<&'static str, Rc<dyn Any>>>,
     /// What the processes share besides messages.
     pub(super) commons: Option<Arc<dyn Any + Send + Sync>>,
 }
@@ -36,6 +40,7 @@ impl Hub {
     pub(super) fn new(commons: Option<Arc<dyn Any + Send + Sync>>) -> Self {
         Self {
             channels: RefCell::default(),
+            endpoints: RefCell::default(),
             commons,
         }
     }
@@ -54,6 +59,21 @@ impl Hub {
         channel.downcast().map_err(|_| BusError::Mismatch {
             topic: T::NAME,
             ours: format!("schema {}", schema::hash::<T>()),
+            theirs: "another type of the same name".into(),
+        })
+    }
+
+    /// The endpoint of a service, made when it is first asked for.
+    pub(super) fn endpoint<S: Service>(&self) -> Result<Rc<Endpoint<S>>, BusError> {
+        let endpoint = Rc::clone(
+            self.endpoints
+                .borrow_mut()
+                .entry(S::NAME)
+                .or_insert_with(|| Rc::new(Endpoint::<S>::default())),
+        );
+        endpoint.downcast().map_err(|_| BusError::Mismatch {
+            topic: S::NAME,
+            ours: "this service's messages".into(),
             theirs: "another type of the same name".into(),
         })
     }

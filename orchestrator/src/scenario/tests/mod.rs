@@ -59,6 +59,7 @@ const fn kind(name: &'static str, drives_robots: bool, provides_belief: bool) ->
         summary: "",
         drives_robots,
         provides_belief,
+        provides_plans: false,
         check_params: |node| check_params(node, Params::validate),
         needs: |_| Vec::new(),
         caps: &[("particles", 1e6)],
@@ -88,6 +89,14 @@ static KINDS: &[KindInfo] = &[
         ..kind("evader_braitenberg", true, false)
     },
     kind("evader_potential", true, false),
+    KindInfo {
+        provides_plans: true,
+        ..kind("optimiser", false, false)
+    },
+    KindInfo {
+        needs: |_| vec![Need::Plans],
+        ..kind("navigator", true, false)
+    },
 ];
 
 /// A small scenario in which nothing is wrong.

@@ -80,7 +80,8 @@ impl Refinement<'_> {
             Node {
                 at: Point2::new(at[X], at[Y]),
                 theta: at[THETA],
-                v: at[V],
+                // What the solver leaves of the limit would be a robot that backs up.
+                v: at[V].max(0.0),
                 omega: at[OMEGA],
             }
         };

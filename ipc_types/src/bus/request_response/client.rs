@@ -1,0 +1,177 @@
+//! The asking side of a service.
+
+use core::cell::{Cell, RefCell};
+use std::rc::Rc;
+
+use iceoryx2::prelude::{Node, ipc};
+
+use super::{Answer, ClientPort, PendingPort, service};
+use crate::bus::local::Endpoint;
+use crate::bus::{BusError, ReceiveError, SendError};
+use crate::clock::StampClock;
+use crate::stamp::Header;
+use crate::topics::Service;
+
+/// The asking side.
+pub struct Client<S: Service> {
+    port: Port<S>,
+    source: u32,
+    capacity: usize,
+    sequence: Cell<u64>,
+}
+
+/// A client of one of the buses.
+enum Port<S: Service> {
+    Ipc(ClientPort<S>),
+    Local(Rc<Endpoint<S>>),
+}
+
+impl<S: Service> Client<S> {
+    pub(in crate::bus) fn open(
+        node: &Node<ipc::Service>,
+        source: u32,
+        capacity: usize,
+    ) -> Result<Self, BusError> {
+        let capacity = capacity.max(1);
+        let port = service::open::<S>(node)?
+            .client_builder()
+            .initial_max_slice_len(capacity)
+            .create()
+            .map_err(|e| BusError::Port {
+                topic: S::NAME,
+                port: "client",
+                reason: format!("{e:?}"),
+            })?;
+        Ok(Self {
+            port: Port::Ipc(port),
+            source,
+            capacity,
+            sequence: Cell::new(0),
+        })
+    }
+
+    pub(in crate::bus) fn open_local(
+        endpoint: Rc<Endpoint<S>>,
+        source: u32,
+        capacity: usize,
+    ) -> Self {
+        Self {
+            port: Port::Local(endpoint),
+            source,
+            capacity: capacity.max(1),
+            sequence: Cell::new(0),
+        }
+    }
+
+    /// Sends a request; the answer is polled from the returned handle. The stamp's sequence, source
+    /// and sending clock (0 on a bus in memory, where the answer is made at once) are filled in.
+    ///
+    /// # Errors
+    /// [`SendError::Capacity`] if it has more elements than the client was opened for,
+    /// [`SendError::Transport`] if iceoryx2 fails, e.g. with too many open requests.
+    pub fn ask(
+        &self,
+        mut header: S::RequestHeader,
+        elements: &[S::RequestElement],
+    ) -> Result<PendingResponse<S>, SendError> {
+        if elements.len() > self.capacity {
+            return Err(SendError::Capacity {
+                topic: S::NAME,
+                elements: elements.len(),
+                capacity: self.capacity,
+            });
+        }
+        let stamp = header.stamp_mut();
+        stamp.sequence = self.sequence.replace(self.sequence.get() + 1);
+        stamp.source = self.source;
+        stamp.reserved = 0;
+        let pending = match &self.port {
+            Port::Ipc(port) => {
+                stamp.sent_ns = StampClock::MONOTONIC.now_ns();
+                Pending::Ipc(send::<S>(port, header, elements)?)
+            }
+            Port::Local(endpoint) => {
+                stamp.sent_ns = StampClock::STANDING.now_ns();
+                Pending::Local(RefCell::new(endpoint.call(&header, elements)))
+            }
+        };
+        Ok(PendingResponse { pending })
+    }
+}
+
+fn send<S: Service>(
+    port: &ClientPort<S>,
+    header: S::RequestHeader,
+    elements: &[S::RequestElement],
+) -> Result<PendingPort<S>, SendError> {
+    let failed = |reason: String| SendError::Transport {
+        topic: S::NAME,
+        reason,
+    };
+    let mut request = port
+        .loan_slice_uninit(elements.len())
+        .map_err(|e| failed(format!("cannot loan memory: {e:?}")))?;
+    *request.user_header_mut() = header;
+    request
+        .write_from_slice(elements)
+        .send()
+        .map_err(|e| failed(format!("{e:?}")))
+}
+
+impl<S: Service> core::fmt::Debug for Client<S> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Client")
+            .field("service", &S::NAME)
+            .field("source", &self.source)
+            .finish_non_exhaustive()
+    }
+}
+
+/// A request that waits for its answer; dropping it tells the server to give up.
+pub struct PendingResponse<S: Service> {
+    pending: Pending<S>,
+}
+
+/// A request on one of the buses.
+enum Pending<S: Service> {
+    Ipc(PendingPort<S>),
+    /// The answer, until it is taken.
+    Local(RefCell<Option<Answer<S>>>),
+}
+
+impl<S: Service> PendingResponse<S> {
+    /// The answer, if it has come.
+    ///
+    /// # Errors
+    /// [`ReceiveError::Transport`] if iceoryx2 fails.
+    pub fn poll(&self) -> Result<Option<Answer<S>>, ReceiveError> {
+        match &self.pending {
+            Pending::Ipc(pending) => pending
+                .receive()
+                .map(|response| response.map(|r| (*r.user_header(), r.payload().to_vec())))
+                .map_err(|e| ReceiveError::Transport {
+                    topic: S::NAME,
+                    reason: format!("{e:?}"),
+                }),
+            Pending::Local(answer) => Ok(answer.take()),
+        }
+    }
+
+    /// Whether a server still works on it, or its answer waits on a bus in memory. Stays true after
+    /// a server was killed until its remains are cleaned up, so a client needs a deadline of its
+    /// own.
+    pub fn is_open(&self) -> bool {
+        match &self.pending {
+            Pending::Ipc(pending) => pending.is_connected(),
+            Pending::Local(answer) => answer.borrow().is_some(),
+        }
+    }
+}
+
+impl<S: Service> core::fmt::Debug for PendingResponse<S> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("PendingResponse")
+            .field("service", &S::NAME)
+            .finish_non_exhaustive()
+    }
+}

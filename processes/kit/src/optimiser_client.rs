@@ -1,0 +1,121 @@
+//! Asking the optimiser for plans.
+
+use std::time::{Duration, Instant};
+
+use ipc_types::bus::{Answer, Bus, Client, Listener, Notifier, PendingResponse};
+use ipc_types::messages::optimiser::PlanRequest;
+use ipc_types::messages::world::ShapePoint;
+use ipc_types::topics::{OptimiserPlan, PLAN_ANSWERED_EVENT, PLAN_ASKED_EVENT};
+
+use crate::error::ProcessError;
+
+/// How long a wake-up that was lost may go unnoticed.
+const LOOK_UP: Duration = Duration::from_millis(50);
+
+/// An answer of the optimiser: header and samples.
+pub type PlanAnswer = Answer<OptimiserPlan>;
+
+/// The asking side of `optimiser/plan`, with at most one question open. Belongs to the thread that
+/// opened it.
+#[derive(Debug)]
+pub struct OptimiserClient {
+    client: Client<OptimiserPlan>,
+    /// Wakes the optimiser; none on a bus in memory, where it answers at once.
+    wake: Option<Notifier>,
+    /// Is woken by the optimiser.
+    woken: Option<Listener>,
+    source: u32,
+    open: Option<PendingResponse<OptimiserPlan>>,
+}
+
+impl OptimiserClient {
+    /// The client of the process with index `source`.
+    ///
+    /// # Errors
+    /// [`ProcessError::Bus`] if the service or its events are not there.
+    pub fn open(bus: &Bus, source: u32) -> Result<Self, ProcessError> {
+        let between_processes = !bus.is_local();
+        let wake = between_processes.then(|| bus.notifier(PLAN_ASKED_EVENT));
+        let woken = between_processes.then(|| bus.listener(PLAN_ANSWERED_EVENT));
+        Ok(Self {
+            client: bus.client(source, PlanRequest::MAX_POINTS)?,
+            wake: wake.transpose()?,
+            woken: woken.transpose()?,
+            source,
+            open: None,
+        })
+    }
+
+    /// Asks, and gives an open question up.
+    ///
+    /// # Errors
+    /// [`ProcessError::Send`] if the request does not fit or the transport fails.
+    pub fn ask(&mut self, request: PlanRequest, points: &[ShapePoint]) -> Result<(), ProcessError> {
+        // Given up first: its place is needed.
+        self.open = None;
+        self.open = Some(self.client.ask(request, points)?);
+        if let Some(wake) = &self.wake {
+            wake.notify(self.source as usize)?;
+        }
+        Ok(())
+    }
+
+    /// Whether a question is open.
+    pub fn is_asking(&self) -> bool {
+        self.open.is_some()
+    }
+
+    /// Gives an open question up.
+    pub fn give_up(&mut self) {
+        self.open = None;
+    }
+
+    /// The answer, if it has come.
+    ///
+    /// # Errors
+    /// [`ProcessError::Receive`] if the transport fails.
+    pub fn poll(&mut self) -> Result<Option<PlanAnswer>, ProcessError> {
+        let Some(open) = &self.open else {
+            return Ok(None);
+        };
+        let answer = open.poll()?;
+        if answer.is_some() {
+            self.open = None;
+        }
+        Ok(answer)
+    }
+
+    /// Sleeps until the answer is there; `None` if nothing was asked.
+    ///
+    /// # Errors
+    /// [`ProcessError::Protocol`] if the optimiser does not answer within `time`, or has gone.
+    pub fn wait(&mut self, time: Duration) -> Result<Option<PlanAnswer>, ProcessError> {
+        let silent = |what: &str| {
+            ProcessError::Protocol(format!("the optimiser {what} to a request for a plan"))
+        };
+        if self.open.is_none() {
+            return Ok(None);
+        }
+        let deadline = Instant::now() + time;
+        loop {
+            // Looked at before the answer: who answers and goes has answered.
+            let gone = self.open.as_ref().is_some_and(|open| !open.is_open());
+            if let Some(answer) = self.poll()? {
+                return Ok(Some(answer));
+            }
+            if gone {
+                self.open = None;
+                return Err(silent("is gone and gave no answer"));
+            }
+            let left = deadline.saturating_duration_since(Instant::now());
+            if left.is_zero() {
+                self.open = None;
+                return Err(silent(&format!("gave no answer within {time:?}")));
+            }
+            if let Some(woken) = &self.woken {
+                // Whoever else is answered wakes this one, too.
+                woken.wait(left.min(LOOK_UP), |_| {})?;
+            }
+        }
+    }
+}

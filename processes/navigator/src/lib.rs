@@ -1,0 +1,21 @@
+//! Drives a robot to goals: asks the optimiser for trajectories, tracks them, and replans when the
+//! world changes.
+//!
+//! [`Navigator`] is the algorithm: it says what to ask, takes what was answered, and commands the
+//! robot, tick by tick. [`process`] wires it to its topics and to `optimiser/plan`.
+
+pub mod ask;
+pub mod drive;
+pub mod follow;
+pub mod navigator;
+pub mod params;
+pub mod process;
+pub mod tracking;
+pub mod traffic;
+pub mod trajectory;
+pub mod wire;
+
+pub use ask::{Ask, Unplanned};
+pub use navigator::{Decision, Navigator};
+pub use params::NavigatorParams;
+pub use trajectory::{Trajectory, TrajectoryError};

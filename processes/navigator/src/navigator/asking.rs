@@ -1,0 +1,149 @@
+//! What is asked, and from where.
+
+use guidance::free_space::FreeSpace;
+use guidance::view::{RobotView, View};
+use nalgebra::{Point2, Vector2};
+use sim_backend::shape::{Aabb, Convex};
+use sim_backend::spec::RobotModel;
+
+use super::{Asked, Navigator};
+use crate::ask::Ask;
+use crate::follow::{self, Motion, STANDING, Stops};
+use crate::trajectory::SAGITTA;
+
+/// How deep in contact a robot may be and still get a plan [m], beyond its margin.
+const CONTACT: f64 = 2e-3;
+/// By how much less than asked for a trajectory may keep away from obstacles [m]: what the check of
+/// plans allows, and that it is looked at in straight pieces here.
+const ROUNDING: f64 = 1e-3 + SAGITTA;
+
+impl Navigator {
+    /// The question of this tick, if there is one.
+    pub(super) fn ask(
+        &mut self,
+        space: &FreeSpace,
+        view: &View<'_>,
+        own: &RobotView,
+        stops: &Stops,
+    ) -> Option<Ask> {
+        let want = self.want?;
+        let goal = self.goal()?;
+        let stands = own.twist.v.abs() < STANDING;
+        let must_wait = view.time_s < self.not_before || self.halt && !stands;
+        if self.asked.is_some() || must_wait {
+            return None;
+        }
+        let ahead = self.ahead(view.dt);
+        let start = self.predict(own, stops, ahead, view.dt);
+        let clearance = self.drive.model().radius + self.params.margin;
+        let start_at = start.pose.position();
+        let depth = (clearance - space.distance(start_at)).max(0.0);
+        let robots = self.robots_in_the_way(clearance, start_at, goal);
+        let stands = start.twist.v.abs() < STANDING;
+        self.want = None;
+        self.asked = Some(Asked {
+            want,
+            due: view.time_s + ahead,
+            goal: self.goal,
+            clearance: clearance - depth - ROUNDING,
+            is_tight: depth > 0.0,
+            stands,
+            around_robots: !robots.is_empty(),
+        });
+        let inset = Vector2::repeat(clearance);
+        let bounds = space.bounds();
+        let parts = space.shapes().parts();
+        Some(Ask {
+            start: start.pose,
+            goal,
+            obstacles: parts.iter().cloned().chain(robots).collect(),
+            clearance,
+            bounds: Aabb {
+                min: bounds.min + inset,
+                max: bounds.max - inset,
+            },
+            start_tolerance: self.params.margin + CONTACT,
+            ..self.speeds(&start)
+        })
+    }
+
+    /// A question with the speeds of its start and its end filled in.
+    fn speeds(&self, start: &Motion) -> Ask {
+        let share = self.params.speed_fraction;
+        let model = self.drive.model();
+        let model = RobotModel {
+            v_max: share * model.v_max,
+            omega_max: share * model.omega_max,
+            wheel_speed_max: model.wheel_speed_max.map(|max| share * max),
+            ..*model
+        };
+        // A robot without inertia changes its speeds at once: they are free.
+        let turn = start.twist.omega.clamp(-model.omega_max, model.omega_max);
+        let turn = model.angular_acceleration.map(|_| turn);
+        let wheels = model.wheel_speed_max.map_or(f64::INFINITY, |max| {
+            let turning = 0.5 * turn.unwrap_or(0.0).abs() * model.wheel_separation;
+            (max - turning).max(0.0)
+        });
+        let fastest = model.v_max.min(wheels);
+        let speed = start.twist.v.clamp(0.0, fastest);
+        Ask {
+            start: start.pose,
+            start_speed: model.acceleration.map(|_| speed),
+            start_turn_rate: turn,
+            goal: Point2::origin(),
+            // It ends standing: nobody says what comes after it.
+            goal_speed: model.acceleration.map(|_| 0.0),
+            model,
+            obstacles: Vec::new(),
+            clearance: 0.0,
+            bounds: Aabb {
+                min: Point2::origin(),
+                max: Point2::origin(),
+            },
+            start_tolerance: 0.0,
+        }
+    }
+
+    /// Where the robot will be when the answer takes effect, with this tick's command and those
+    /// that follow from it.
+    fn predict(&self, own: &RobotView, stops: &Stops, ahead: f64, dt: f64) -> Motion {
+        let mut motion = Motion {
+            pose: own.pose,
+            twist: own.twist,
+        };
+        let ticks = (ahead / dt).round() as u32;
+        let mut follow = self.follow.clone();
+        for _ in 0..ticks {
+            match &mut follow {
+                Some(follow) => {
+                    let law = &self.params.tracking;
+                    let pace = follow.pace(law, &self.drive, &motion, stops, dt);
+                    follow.advance(&self.drive, &mut motion, &pace, dt);
+                }
+                None => follow::stop(&self.drive, &mut motion, dt),
+            }
+        }
+        motion
+    }
+
+    /// Discs for the robots that will not go away by themselves.
+    fn robots_in_the_way(
+        &self,
+        clearance: f64,
+        start: Point2<f64>,
+        goal: Point2<f64>,
+    ) -> Vec<Convex> {
+        if self.ignore_robots {
+            return Vec::new();
+        }
+        let blocker = self.held_up.map(|(_, who)| who);
+        let others = self.traffic.others().iter();
+        others
+            .filter(|other| other.parked || Some(other.index) == blocker)
+            .filter_map(|other| {
+                let radius = other.planned_radius(clearance, start, goal);
+                (radius > 0.0).then(|| Convex::disc(other.at, radius))
+            })
+            .collect()
+    }
+}

@@ -1,0 +1,176 @@
+//! Wires [`Navigator`] to its topics and to the optimiser.
+
+use std::time::Duration;
+
+use guidance::map::PlannerMap;
+use guidance::steering::Steering;
+use guidance::view::View;
+use ipc_types::bus::Bus;
+use ipc_types::stamp::Stamp;
+use kit::ProcessError;
+use kit::config::{Clock, ProcessConfig, RobotInfo};
+use kit::optimiser_client::OptimiserClient;
+use kit::planner::{MAX_PLAN_POINTS, PlannedPoint, Planner, PlannerInputs};
+use nalgebra::{Point2, Vector2};
+use sim_backend::spec::Region;
+
+use crate::navigator::Navigator;
+use crate::params::NavigatorParams;
+use crate::wire;
+
+/// One robot in its process.
+#[derive(Debug)]
+pub struct NavigatorPlanner {
+    navigator: Navigator,
+    params: NavigatorParams,
+    name: String,
+    link: Option<Link>,
+    failure: Option<ProcessError>,
+}
+
+/// The way to the optimiser.
+#[derive(Debug)]
+struct Link {
+    client: OptimiserClient,
+    robot: u32,
+    clock: Clock,
+}
+
+impl Planner for NavigatorPlanner {
+    type Params = NavigatorParams;
+
+    fn inputs(_: &NavigatorParams) -> PlannerInputs {
+        PlannerInputs {
+            shapes: true,
+            ..PlannerInputs::default()
+        }
+    }
+
+    fn new(params: &NavigatorParams, robot: &RobotInfo, _seed: u64) -> Result<Self, String> {
+        params.validate().map_err(|e| e.to_string())?;
+        let goals = if params.goals.is_empty() {
+            robot
+                .goal
+                .as_ref()
+                .map(Region::center)
+                .into_iter()
+                .collect()
+        } else {
+            params.goals.iter().copied().map(Point2::from).collect()
+        };
+        let navigator = Navigator::new(params.clone(), robot.model, goals)
+            .map_err(|reason| format!("{}: {reason}", robot.name))?;
+        Ok(Self {
+            navigator,
+            params: params.clone(),
+            name: robot.name.clone(),
+            link: None,
+            failure: None,
+        })
+    }
+
+    fn open(&mut self, config: &ProcessConfig, bus: &Bus, robot: u32) -> Result<(), ProcessError> {
+        let models = config.run.robots.iter().map(|robot| robot.model);
+        self.navigator.meet(models.collect());
+        self.link = Some(Link {
+            client: OptimiserClient::open(bus, config.index)?,
+            robot,
+            clock: config.run.clock,
+        });
+        Ok(())
+    }
+
+    fn failure(&mut self) -> Option<ProcessError> {
+        self.failure.take()
+    }
+
+    fn steer(&mut self, map: &PlannerMap, view: &View<'_>) -> Steering {
+        self.navigate(map, view).unwrap_or_else(|error| {
+            self.failure = Some(error);
+            Steering::stop()
+        })
+    }
+
+    fn plan(&self, _: &Steering, out: &mut Vec<PlannedPoint>) {
+        let Some(follow) = self.navigator.following() else {
+            return;
+        };
+        let left = follow.left();
+        let count = MAX_PLAN_POINTS - 1;
+        out.extend((0..=count).map(|i| {
+            let time_s = left * i as f64 / count as f64;
+            let (pose, twist) = follow.trajectory.at(follow.tau + time_s);
+            PlannedPoint {
+                at: pose.position(),
+                theta: sim_backend::math::wrap_angle(pose.theta),
+                time_s,
+                v: twist.v,
+            }
+        }));
+    }
+}
+
+impl NavigatorPlanner {
+    fn navigate(&mut self, map: &PlannerMap, view: &View<'_>) -> Result<Steering, ProcessError> {
+        let link = self
+            .link
+            .as_mut()
+            .ok_or_else(|| ProcessError::Algorithm("the navigator was not opened".into()))?;
+        let Some(space) = map.space() else {
+            let reason = "the navigator needs the map's exact pieces, and world/shapes says there \
+                          are too many";
+            return Err(ProcessError::Algorithm(reason.into()));
+        };
+        if self.navigator.is_due(view.time_s) {
+            let answer = match link.clock {
+                // In lock-step a plan takes effect at its tick, whenever it is there.
+                Clock::LockStep => {
+                    let time = Duration::from_secs_f64(self.params.answer_timeout_s);
+                    link.client.wait(time)?
+                }
+                Clock::RealTime { .. } => link.client.poll()?,
+            };
+            if let Some((header, samples)) = answer {
+                let planned = wire::decode(&header, &samples);
+                if let Err(reason) = &planned
+                    && self.navigator.is_news(reason)
+                {
+                    tracing::warn!("{}: {reason}", self.name);
+                }
+                self.navigator.take(planned, space, view.time_s);
+            }
+        }
+        let decision = self.navigator.step(space, map.revision(), view);
+        if let Some(ask) = &decision.ask {
+            let stamp = Stamp {
+                tick: (view.time_s / view.dt).round() as u64,
+                time_ns: (view.time_s * 1e9).round() as u64,
+                ..Stamp::default()
+            };
+            let deadline_ns = link.deadline_ns(self.params.planning_time_s);
+            let plan = &self.params.plan;
+            let (header, points) = wire::encode(ask, plan, link.robot, deadline_ns, stamp);
+            link.client.ask(header, &points)?;
+        }
+        Ok(Steering {
+            command: decision.command,
+            target: None,
+            aim: self.navigator.goal(),
+            waypoint: None,
+            field: Vector2::zeros(),
+        })
+    }
+}
+
+impl Link {
+    /// Time allowed for an answer [real ns]; 0 in lock-step, where time stands still meanwhile.
+    fn deadline_ns(&self, planning_time_s: f64) -> u64 {
+        match self.clock {
+            Clock::LockStep => 0,
+            Clock::RealTime { factor, .. } => {
+                let real_s = planning_time_s / factor.max(1e-3);
+                ((real_s * 1e9) as u64).max(1_000_000)
+            }
+        }
+    }
+}

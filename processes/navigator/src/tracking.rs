@@ -1,0 +1,118 @@
+//! Tracking a moving reference.
+//!
+//! The law of Kanayama, Kimura, Miyazaki and Noguchi (*A Stable Tracking Control Method for an
+//! Autonomous Mobile Robot*, ICRA 1990): with the reference's pose in the robot's frame (`e_x`,
+//! `e_y`, `e_θ`) and its speeds (`v_r`, `ω_r`),
+//!
+//! v = `v_r` cos `e_θ` + `k_x` `e_x`,  ω = `ω_r` + `v_r` (`k_y` `e_y` + `k_θ` sin `e_θ`).
+//!
+//! Its heading error is corrected by driving alone; while the reference turns on the spot, the term
+//! `k_turn` sin `e_θ` is added here, so that a turn ends where it should.
+
+use guidance::params::{ParamsError, not_negative, positive};
+use nalgebra::Vector2;
+use serde::{Deserialize, Serialize};
+use sim_backend::math;
+use sim_backend::pose::{Pose2, Twist2};
+
+/// Speed of the reference below which it counts as turning on the spot [m/s].
+const SPOT: f64 = 1e-3;
+
+/// Gains of the law.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct TrackingParams {
+    /// Of the error ahead [1/s], > 0.
+    pub k_x: f64,
+    /// Of the error to the side [1/m²], > 0.
+    pub k_y: f64,
+    /// Of the error of the heading [1/m], > 0. Critically damped at 2 √`k_y`.
+    pub k_theta: f64,
+    /// Of the error of the heading while the reference turns on the spot [1/s], ≥ 0.
+    pub k_turn: f64,
+}
+
+impl Default for TrackingParams {
+    fn default() -> Self {
+        Self {
+            k_x: 4.0,
+            k_y: 64.0,
+            k_theta: 16.0,
+            k_turn: 4.0,
+        }
+    }
+}
+
+impl TrackingParams {
+    /// Checks every field.
+    ///
+    /// # Errors
+    /// [`ParamsError`] naming the first field that is out of range.
+    pub fn validate(&self) -> Result<(), ParamsError> {
+        positive("k_x", self.k_x)?;
+        positive("k_y", self.k_y)?;
+        positive("k_theta", self.k_theta)?;
+        not_negative("k_turn", self.k_turn)
+    }
+
+    /// The speeds for a robot at `pose` whose reference is at `reference` and moves with
+    /// `reference_twist`.
+    pub fn command(&self, pose: &Pose2, reference: &Pose2, reference_twist: Twist2) -> Twist2 {
+        let error = error(pose, reference);
+        let (sin, cos) = math::sincos(error.theta);
+        let Twist2 { v, omega } = reference_twist;
+        let turn = if v.abs() < SPOT && omega != 0.0 {
+            self.k_turn * sin
+        } else {
+            0.0
+        };
+        Twist2 {
+            v: v * cos + self.k_x * error.x,
+            omega: omega + v * (self.k_y * error.y + self.k_theta * sin) + turn,
+        }
+    }
+}
+
+/// The reference's pose in the robot's own frame: how far ahead [m], to the left [m], turned [rad].
+pub fn error(pose: &Pose2, reference: &Pose2) -> Pose2 {
+    let forward = pose.forward();
+    let off: Vector2<f64> = reference.position() - pose.position();
+    Pose2 {
+        x: forward.dot(&off),
+        y: forward.perp(&off),
+        theta: math::angle_difference(reference.theta, pose.theta),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::drive::integrate;
+
+    #[test]
+    fn errors_vanish_along_a_straight_line_and_a_circle() {
+        let law = TrackingParams::default();
+        for omega in [0.0, 0.4, -0.4] {
+            let twist = Twist2::new(0.2, omega);
+            let mut reference = Pose2::new(1.0, 2.0, 0.5);
+            let mut pose = Pose2::new(0.97, 2.02, 0.3);
+            for _ in 0..400 {
+                let command = law.command(&pose, &reference, twist);
+                pose = integrate(&pose, command, 0.05);
+                reference = integrate(&reference, twist, 0.05);
+            }
+            let left = error(&pose, &reference);
+            let off = left.x.abs().max(left.y.abs()).max(left.theta.abs());
+            assert!(off < 1e-6, "{left:?}");
+        }
+    }
+
+    #[test]
+    fn without_error_it_is_the_reference() {
+        let law = TrackingParams::default();
+        let pose = Pose2::new(1.0, 2.0, 0.5);
+        for twist in [Twist2::new(0.2, -0.3), Twist2::new(0.0, 2.0), Twist2::STOP] {
+            assert_eq!(law.command(&pose, &pose, twist), twist);
+        }
+    }
+}

@@ -1,0 +1,246 @@
+//! Other robots: keeping apart without a word between them.
+//!
+//! Everybody decides at the same moment and sees the others as they were. A robot therefore drives
+//! only where it could still stop before any place that another can reach meanwhile; if both keep to
+//! that, they do not meet. Who has the higher index keeps more distance, so that it stands first and
+//! leaves the other the room to pass.
+
+use guidance::view::View;
+use nalgebra::Point2;
+use sim_backend::spec::RobotModel;
+
+use crate::drive::Drive;
+use crate::follow::STANDING;
+use crate::trajectory::Trajectory;
+
+/// Distance kept beyond what the others can reach [m].
+const GAP: f64 = 0.01;
+/// How much nearer to somebody who is too near already the way may lead [m]: the tracking error.
+const SLACK: f64 = 3e-3;
+/// Added to what others are planned around with [m], so that the plan can be driven.
+const EASE: f64 = 0.01;
+/// How long a robot stands until it counts as an obstacle [s].
+const PARKED_S: f64 = 1.0;
+
+/// Another robot, as of this tick.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Other {
+    /// Its index.
+    pub index: usize,
+    /// Its place [m].
+    pub at: Point2<f64>,
+    /// Its radius [m].
+    pub radius: f64,
+    /// Distance between the two centres that must be kept [m].
+    required: f64,
+    /// The least of it, when they are too near already [m].
+    least: f64,
+    /// Whether it will not move soon.
+    pub parked: bool,
+}
+
+impl Other {
+    /// Radius [m] of the disc that stands for it in a plan of a robot that is kept `clearance` [m]
+    /// away from it and whose start and goal are there.
+    pub fn planned_radius(&self, clearance: f64, start: Point2<f64>, goal: Point2<f64>) -> f64 {
+        let wanted = (self.required + EASE - clearance).max(self.radius);
+        // Both ends of the way must be possible.
+        let room = |p: Point2<f64>| (p - self.at).norm() - clearance - 1e-6;
+        wanted.min(room(start)).min(room(goal))
+    }
+}
+
+/// The other robots, and since when they have been standing.
+#[derive(Debug, Clone, Default)]
+pub struct Traffic {
+    others: Vec<Other>,
+    /// By index: since when it stands [s].
+    standing: Vec<Option<f64>>,
+}
+
+impl Traffic {
+    /// Looks around.
+    pub fn update(
+        &mut self,
+        view: &View<'_>,
+        own: &RobotModel,
+        models: &[RobotModel],
+        yield_distance: f64,
+    ) {
+        self.others.clear();
+        self.standing.resize(view.robots.len(), None);
+        for other in view.bodies().filter(|other| other.index != view.me) {
+            let speed = other.twist.v.abs();
+            let stands = !other.active || speed < STANDING && other.twist.omega == 0.0;
+            let Some(since) = self.standing.get_mut(other.index) else {
+                continue;
+            };
+            *since = stands.then(|| since.unwrap_or(view.time_s));
+            let parked =
+                !other.active || since.is_some_and(|since| view.time_s - since >= PARKED_S);
+            let reach = match models.get(other.index) {
+                Some(model) if other.active => Drive::new(*model).reach(speed, view.dt),
+                _ => 0.0,
+            };
+            let touch = own.radius + other.radius;
+            let yields = if other.active && other.index < view.me {
+                yield_distance
+            } else {
+                0.0
+            };
+            self.others.push(Other {
+                index: other.index,
+                at: other.pose.position(),
+                radius: other.radius,
+                required: touch + reach + GAP + yields,
+                least: touch + reach + 0.5 * GAP,
+                parked,
+            });
+        }
+    }
+
+    /// The other robots.
+    pub fn others(&self) -> &[Other] {
+        &self.others
+    }
+
+    /// How far [m] along a path a robot may go from the time `from` [s] on, and who is in the way;
+    /// looked for on the next `ahead` [m].
+    pub fn stop(&self, path: &Trajectory, from: f64, ahead: f64) -> Option<(f64, usize)> {
+        let start = path.along(from);
+        let here = path.at(from).0.position();
+        let near: Vec<(&Other, f64)> = self
+            .others
+            .iter()
+            .map(|other| (other, (other.at - here).norm()))
+            .filter(|(other, distance)| *distance <= other.required + ahead)
+            .collect();
+        if near.is_empty() {
+            return None;
+        }
+        let mut allowed = start;
+        for (t, place) in path.pieces(from).skip(1) {
+            let along = path.along(t);
+            for (other, before) in &near {
+                let distance = (place - other.at).norm();
+                let drawing_near = distance < before - SLACK;
+                let too_near = distance < other.required && drawing_near;
+                let far_too_near = distance < other.least && distance < *before;
+                if too_near || far_too_near {
+                    return Some((allowed, other.index));
+                }
+            }
+            allowed = along;
+            if along > start + ahead {
+                break;
+            }
+        }
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use guidance::view::RobotView;
+    use sim_backend::pose::{Pose2, Twist2};
+    use sim_backend::team::Team;
+
+    use super::*;
+    use crate::trajectory::Sample;
+
+    fn robot(index: usize, x: f64, v: f64) -> RobotView {
+        RobotView {
+            index,
+            team: Team::Neutral,
+            active: true,
+            present: true,
+            pose: Pose2::new(x, 0.0, 0.0),
+            twist: Twist2::new(v, 0.0),
+            radius: 0.1,
+            v_max: 0.2,
+        }
+    }
+
+    fn looks(me: usize, robots: &[RobotView], time_s: f64, traffic: &mut Traffic) {
+        let model = RobotModel {
+            radius: 0.1,
+            v_max: 0.2,
+            v_reverse_max: 0.2,
+            ..RobotModel::turtlebot3_burger()
+        };
+        let view = View {
+            time_s,
+            dt: 0.05,
+            me,
+            robots,
+            beliefs: &[],
+            exits: &[],
+            scan: None,
+        };
+        traffic.update(&view, &model, &[model; 3], 0.1);
+    }
+
+    /// Straight along x at 0.2 m/s.
+    fn along_x() -> Trajectory {
+        let sample = |t: f64| Sample {
+            t,
+            pose: Pose2::new(0.2 * t, 0.0, 0.0),
+            twist: Twist2::new(0.2, 0.0),
+        };
+        Trajectory::new(vec![sample(0.0), sample(20.0)]).unwrap()
+    }
+
+    #[test]
+    fn it_stops_before_what_the_other_can_reach_and_the_higher_index_first() {
+        let robots = [robot(0, 0.0, 0.2), robot(1, 1.0, 0.0)];
+        let path = along_x();
+        let mut traffic = Traffic::default();
+        looks(0, &robots, 0.0, &mut traffic);
+        assert_eq!(traffic.stop(&path, 0.0, 0.1), None);
+        // 1 m − two radii − 1 cm of reach − 1 cm.
+        let (stop, who) = traffic.stop(&path, 0.0, 2.0).unwrap();
+        assert!((stop - 0.78).abs() < 0.011 && who == 1, "{stop}");
+        let swapped = [robot(0, 1.0, 0.0), robot(1, 0.0, 0.2)];
+        looks(1, &swapped, 0.0, &mut traffic);
+        let (stop, _) = traffic.stop(&path, 0.0, 2.0).unwrap();
+        assert!((stop - 0.68).abs() < 0.011, "{stop}");
+    }
+
+    #[test]
+    fn it_may_drive_away_from_who_is_too_near() {
+        let mut traffic = Traffic::default();
+        looks(
+            1,
+            &[robot(0, -0.21, 0.0), robot(1, 0.0, 0.0)],
+            0.0,
+            &mut traffic,
+        );
+        assert_eq!(traffic.stop(&along_x(), 0.0, 2.0), None);
+        looks(
+            1,
+            &[robot(0, 0.21, 0.0), robot(1, 0.0, 0.0)],
+            0.0,
+            &mut traffic,
+        );
+        assert_eq!(traffic.stop(&along_x(), 0.0, 2.0), Some((0.0, 0)));
+    }
+
+    #[test]
+    fn who_stands_for_a_while_is_parked() {
+        let mut traffic = Traffic::default();
+        let mut parked = |time_s: f64, v: f64| {
+            looks(
+                0,
+                &[robot(0, 0.0, 0.0), robot(1, 1.0, v)],
+                time_s,
+                &mut traffic,
+            );
+            traffic.others()[0].parked
+        };
+        assert!(!parked(0.0, 0.0));
+        assert!(!parked(0.9, 0.0));
+        assert!(parked(1.0, 0.0));
+        assert!(!parked(1.1, 0.1));
+        assert!(!parked(2.0, 0.0));
+    }
+}

@@ -1,0 +1,319 @@
+//! A trajectory as the optimiser answers it.
+
+use guidance::free_space::FreeSpace;
+use nalgebra::Point2;
+use sim_backend::pose::{Pose2, Twist2};
+use thiserror::Error;
+
+use crate::drive::integrate;
+
+/// Longest piece of the path that is taken for straight [m], and most that it may bend [rad].
+const PIECE: (f64, f64) = (0.01, 0.1);
+/// How far such a piece may be from the path [m].
+pub const SAGITTA: f64 = PIECE.0 * PIECE.1 / 8.0;
+/// Most pieces of one path: nobody drives farther.
+const MAX_PIECES: usize = 1 << 20;
+/// Speed backwards that is taken for rounding [m/s].
+const ROUNDING: f64 = 1e-3;
+/// Halvings with which the end of what is free is found.
+const HALVINGS: u32 = 24;
+
+/// A point of a trajectory; between two of them both speeds change linearly in time, two of the
+/// same time are a step of the speeds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sample {
+    /// Time since the start [s].
+    pub t: f64,
+    /// Where the robot is; the heading is continuous along the trajectory, not wrapped.
+    pub pose: Pose2,
+    /// How it moves.
+    pub twist: Twist2,
+}
+
+/// Why samples make no trajectory.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+pub enum TrajectoryError {
+    /// There are none.
+    #[error("no samples")]
+    Empty,
+    /// A number is not finite, or time runs backwards.
+    #[error("sample {0} is not finite, drives backwards or comes before the one before it")]
+    Sample(usize),
+    /// It is longer than any robot drives.
+    #[error("a path of more than {MAX_PIECES} pieces")]
+    Long,
+}
+
+/// Where the robot shall be when.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trajectory {
+    samples: Vec<Sample>,
+    /// Length of the path up to each sample [m].
+    along: Vec<f64>,
+    /// Times [s] and places [m] so near each other that the path between them is straight.
+    pieces: Vec<(f64, Point2<f64>)>,
+}
+
+impl Trajectory {
+    /// A trajectory through samples that somebody sent.
+    ///
+    /// # Errors
+    /// [`TrajectoryError`] says which of them makes no sense.
+    pub fn new(mut samples: Vec<Sample>) -> Result<Self, TrajectoryError> {
+        let mut before = 0.0;
+        for (i, sample) in samples.iter_mut().enumerate() {
+            let finite = sample.pose.is_finite() && sample.twist.is_finite();
+            let forward = sample.twist.v >= -ROUNDING;
+            // Time begins at 0; not a number is in no order.
+            let in_order = sample.t >= before && (i > 0 || sample.t == 0.0);
+            if !(finite && forward && in_order && sample.t.is_finite()) {
+                return Err(TrajectoryError::Sample(i));
+            }
+            before = sample.t;
+            sample.twist.v = sample.twist.v.max(0.0);
+        }
+        let first = samples.first().ok_or(TrajectoryError::Empty)?;
+        let mut pieces = vec![(0.0, first.pose.position())];
+        let mut along = Vec::with_capacity(samples.len());
+        along.push(0.0);
+        let mut length = 0.0;
+        for pair in samples.windows(2) {
+            let (a, b) = (&pair[0], &pair[1]);
+            let way = 0.5 * (a.twist.v + b.twist.v) * (b.t - a.t);
+            // The speeds are what they say they are, but the places are where the robot will be.
+            let way = way.max((b.pose.position() - a.pose.position()).norm());
+            length += way;
+            along.push(length);
+            let bend = (b.pose.theta - a.pose.theta).abs();
+            let count = (way / PIECE.0).max(bend / PIECE.1).ceil().max(1.0);
+            let left = (MAX_PIECES - pieces.len()) as f64;
+            if count.is_nan() || count >= left {
+                return Err(TrajectoryError::Long);
+            }
+            if way > 0.0 {
+                pieces.extend((1..=count as usize).map(|i| {
+                    let part = i as f64 / count;
+                    let (pose, _) = between(a, b, part);
+                    (a.t + (b.t - a.t) * part, pose.position())
+                }));
+            }
+        }
+        Ok(Self {
+            samples,
+            along,
+            pieces,
+        })
+    }
+
+    /// Duration [s].
+    pub fn duration(&self) -> f64 {
+        self.samples.last().map_or(0.0, |last| last.t)
+    }
+
+    /// Length of the path [m].
+    pub fn length(&self) -> f64 {
+        self.along.last().copied().unwrap_or(0.0)
+    }
+
+    /// Where the robot shall be after `t` [s], and its speeds; before the start and after the end
+    /// it stands there.
+    pub fn at(&self, t: f64) -> (Pose2, Twist2) {
+        match self.find(t) {
+            Found::Between(i, part) => between(&self.samples[i], &self.samples[i + 1], part),
+            Found::At(i) => self
+                .samples
+                .get(i)
+                .map_or_else(Default::default, |sample| (sample.pose, Twist2::STOP)),
+        }
+    }
+
+    /// Length of the path up to the time `t` [m].
+    pub fn along(&self, t: f64) -> f64 {
+        match self.find(t) {
+            Found::At(i) => self.along.get(i).copied().unwrap_or(0.0),
+            Found::Between(i, part) => {
+                let (a, b) = (&self.samples[i], &self.samples[i + 1]);
+                let sum = a.twist.v + b.twist.v;
+                // The share of the way that lies within the share of the time.
+                let share = if sum > 0.0 {
+                    part * (2.0 * a.twist.v + (b.twist.v - a.twist.v) * part) / sum
+                } else {
+                    part
+                };
+                self.along[i] + (self.along[i + 1] - self.along[i]) * share.clamp(0.0, 1.0)
+            }
+        }
+    }
+
+    /// The time [s] of the next step of the speeds after the time `after` [s].
+    pub fn next_step(&self, after: f64) -> Option<f64> {
+        let first = self.samples.partition_point(|sample| sample.t <= after);
+        let ahead = self.samples.get(first..).unwrap_or_default();
+        let mut steps = ahead.windows(2).filter(|pair| pair[0].t == pair[1].t);
+        steps.next().map(|pair| pair[0].t)
+    }
+
+    /// The pieces of the path from a time [s] on: time and place of each end.
+    pub fn pieces(&self, from: f64) -> impl Iterator<Item = (f64, Point2<f64>)> {
+        let first = self.pieces.partition_point(|(t, _)| *t <= from);
+        let start = (from, self.at(from).0.position());
+        core::iter::once(start).chain(self.pieces.get(first..).unwrap_or_default().iter().copied())
+    }
+
+    /// How far [m] along the path a disc of this radius [m] can go from the time `from` [s] on;
+    /// `None` if to its end.
+    pub fn blocked(&self, space: &FreeSpace, from: f64, radius: f64) -> Option<f64> {
+        let mut pieces = self.pieces(from);
+        let (mut at, mut place) = pieces.next()?;
+        if !space.is_free(place, radius) {
+            return Some(self.along(from));
+        }
+        for (t, next) in pieces {
+            if !space.segment_is_free(place, next, radius) {
+                let (mut free, mut not) = (0.0, 1.0);
+                for _ in 0..HALVINGS {
+                    let middle = 0.5 * (free + not);
+                    let up_to = place + (next - place) * middle;
+                    if space.segment_is_free(place, up_to, radius) {
+                        free = middle;
+                    } else {
+                        not = middle;
+                    }
+                }
+                let (a, b) = (self.along(at), self.along(t));
+                return Some(a + (b - a) * free);
+            }
+            (at, place) = (t, next);
+        }
+        None
+    }
+
+    fn find(&self, t: f64) -> Found {
+        let after = self.samples.partition_point(|sample| sample.t <= t);
+        let Some(before) = after.checked_sub(1) else {
+            return Found::At(0);
+        };
+        match self.samples.get(after) {
+            None => Found::At(before),
+            Some(b) => {
+                let a = &self.samples[before];
+                Found::Between(before, (t - a.t) / (b.t - a.t))
+            }
+        }
+    }
+}
+
+enum Found {
+    /// At a sample beyond which there are none.
+    At(usize),
+    /// After a part of the time between a sample and the next.
+    Between(usize, f64),
+}
+
+/// A part of the time from one sample to the next.
+fn between(a: &Sample, b: &Sample, part: f64) -> (Pose2, Twist2) {
+    let duration = b.t - a.t;
+    let lerp = |from: f64, to: f64, part: f64| from + (to - from) * part;
+    // The mean of a linear change is what it is half way.
+    let mean = |part: f64| {
+        Twist2::new(
+            lerp(a.twist.v, b.twist.v, 0.5 * part),
+            lerp(a.twist.omega, b.twist.omega, 0.5 * part),
+        )
+    };
+    let reached = integrate(&a.pose, mean(part), part * duration);
+    // What is off at the end is off by its share on the way.
+    let end = integrate(&a.pose, mean(1.0), duration);
+    let turned = lerp(a.twist.omega, b.twist.omega, 0.5 * part) * part * duration;
+    let end_turned = 0.5 * (a.twist.omega + b.twist.omega) * duration;
+    let pose = Pose2 {
+        x: reached.x + (b.pose.x - end.x) * part,
+        y: reached.y + (b.pose.y - end.y) * part,
+        theta: a.pose.theta + turned + (b.pose.theta - a.pose.theta - end_turned) * part,
+    };
+    let twist = Twist2::new(
+        lerp(a.twist.v, b.twist.v, part),
+        lerp(a.twist.omega, b.twist.omega, part),
+    );
+    (pose, twist)
+}
+
+#[cfg(test)]
+mod tests {
+    use sim_backend::shape::{Aabb, Convex};
+
+    use super::*;
+
+    fn sample(t: f64, x: f64, y: f64, theta: f64, v: f64, omega: f64) -> Sample {
+        Sample {
+            t,
+            pose: Pose2 { x, y, theta },
+            twist: Twist2::new(v, omega),
+        }
+    }
+
+    /// 1 m ahead from rest to 1 m/s in 2 s, a quarter turn at π/4 rad/s, 1 m up.
+    fn corner() -> Trajectory {
+        let quarter = core::f64::consts::FRAC_PI_2;
+        Trajectory::new(vec![
+            sample(0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+            sample(2.0, 1.0, 0.0, 0.0, 1.0, 0.0),
+            sample(2.0, 1.0, 0.0, 0.0, 0.0, quarter / 2.0),
+            sample(4.0, 1.0, 0.0, quarter, 0.0, quarter / 2.0),
+            sample(4.0, 1.0, 0.0, quarter, 1.0, 0.0),
+            sample(5.0, 1.0, 1.0, quarter, 1.0, 0.0),
+        ])
+        .unwrap()
+    }
+
+    #[test]
+    fn places_and_lengths_follow_from_the_speeds() {
+        let corner = corner();
+        assert_eq!((corner.duration(), corner.length()), (5.0, 2.0));
+        let (pose, twist) = corner.at(1.0);
+        assert!((pose.x - 0.25).abs() < 1e-12 && (twist.v - 0.5).abs() < 1e-12);
+        assert!((corner.along(1.0) - 0.25).abs() < 1e-12);
+        let (pose, _) = corner.at(3.0);
+        assert!((pose.theta - core::f64::consts::FRAC_PI_4).abs() < 1e-12);
+        assert_eq!(corner.along(3.0), 1.0);
+        assert_eq!(corner.next_step(0.0), Some(2.0));
+        assert_eq!(corner.next_step(2.0), Some(4.0));
+        assert_eq!(corner.next_step(4.0), None);
+        // Before and after it stands.
+        assert_eq!(corner.at(-1.0).1, Twist2::STOP);
+        assert_eq!(corner.at(9.0).0.y, 1.0);
+    }
+
+    #[test]
+    fn what_blocks_it_is_found_to_the_point() {
+        let bounds = Aabb {
+            min: Point2::new(-5.0, -5.0),
+            max: Point2::new(5.0, 5.0),
+        };
+        let corner = corner();
+        let disc = Convex::disc(Point2::new(1.0, 0.8), 0.1);
+        let space = FreeSpace::new(vec![disc], bounds, 0.1).unwrap();
+        // 0.3 m before the disc's centre, on the way up from (1, 0).
+        let blocked = corner.blocked(&space, 0.0, 0.2).unwrap();
+        assert!((blocked - 1.5).abs() < 1e-6, "{blocked}");
+        assert!((corner.blocked(&space, 4.2, 0.2).unwrap() - 1.5).abs() < 1e-6);
+        // From within, it is where it is.
+        assert!((corner.blocked(&space, 4.8, 0.2).unwrap() - 1.8).abs() < 1e-9);
+        let free = FreeSpace::new(Vec::new(), bounds, 0.1).unwrap();
+        assert_eq!(corner.blocked(&free, 0.0, 0.2), None);
+    }
+
+    #[test]
+    fn nonsense_is_refused() {
+        let of = |samples: &[Sample]| Trajectory::new(samples.to_vec()).unwrap_err();
+        let good = sample(0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
+        assert_eq!(of(&[]), TrajectoryError::Empty);
+        let late = Sample { t: 1.0, ..good };
+        assert_eq!(of(&[late]), TrajectoryError::Sample(0));
+        assert_eq!(of(&[good, late, good]), TrajectoryError::Sample(2));
+        let nowhere = sample(1.0, f64::NAN, 0.0, 0.0, 0.0, 0.0);
+        assert_eq!(of(&[good, nowhere]), TrajectoryError::Sample(1));
+        let far = sample(1.0, 1e9, 0.0, 0.0, 0.0, 0.0);
+        assert_eq!(of(&[good, far]), TrajectoryError::Long);
+    }
+}

@@ -1,0 +1,301 @@
+//! The navigator without processes: an ideal world, and a planner that knows straight lines only.
+
+use guidance::free_space::FreeSpace;
+use guidance::view::{RobotView, View};
+use nalgebra::{Point2, Vector2};
+use navigator::drive::Drive;
+use navigator::params::AtPopup;
+use navigator::trajectory::Sample;
+use navigator::{Ask, Navigator, NavigatorParams, Trajectory, Unplanned};
+use sim_backend::math;
+use sim_backend::pose::{Pose2, Twist2};
+use sim_backend::shape::{Aabb, Convex};
+use sim_backend::spec::RobotModel;
+use sim_backend::team::Team;
+
+const DT: f64 = 0.05;
+
+/// A robot in its world.
+struct Rig {
+    navigator: Navigator,
+    space: FreeSpace,
+    revision: u64,
+    pose: Pose2,
+    twist: Twist2,
+    tick: u32,
+    asked: Option<Ask>,
+    /// Everything that was asked, with the time [s].
+    asks: Vec<(f64, Ask)>,
+    /// What is answered instead of a straight line.
+    refusal: Option<Unplanned>,
+    /// Ticks that every answer comes too late.
+    late: u32,
+    overdue: u32,
+}
+
+fn space(discs: &[(f64, f64, f64)]) -> FreeSpace {
+    let bounds = Aabb {
+        min: Point2::new(0.0, 0.0),
+        max: Point2::new(6.0, 4.0),
+    };
+    let discs = discs
+        .iter()
+        .map(|&(x, y, radius)| Convex::disc(Point2::new(x, y), radius));
+    FreeSpace::new(discs.collect(), bounds, 0.1).unwrap()
+}
+
+/// Turn on the spot, straight ahead at full speed.
+fn straight(ask: &Ask) -> Trajectory {
+    let way: Vector2<f64> = ask.goal - ask.start.position();
+    let heading = math::atan2(way.y, way.x);
+    let turn = math::angle_difference(heading, ask.start.theta);
+    let (v, omega) = (ask.model.v_max, turn.signum() * ask.model.omega_max);
+    let (turned, there) = (turn / omega, turn / omega + way.norm() / v);
+    let sample = |t: f64, at: Point2<f64>, theta: f64, v: f64, omega: f64| Sample {
+        t,
+        pose: Pose2 {
+            x: at.x,
+            y: at.y,
+            theta,
+        },
+        twist: Twist2::new(v, omega),
+    };
+    let (start, theta) = (ask.start.position(), ask.start.theta);
+    Trajectory::new(vec![
+        sample(0.0, start, theta, 0.0, omega),
+        sample(turned, start, theta + turn, 0.0, omega),
+        sample(turned, start, theta + turn, v, 0.0),
+        sample(there, ask.goal, theta + turn, v, 0.0),
+    ])
+    .unwrap()
+}
+
+impl Rig {
+    fn new(params: NavigatorParams, goals: &[[f64; 2]], discs: &[(f64, f64, f64)]) -> Self {
+        params.validate().unwrap();
+        let goals = goals.iter().copied().map(Point2::from).collect();
+        let model = RobotModel::turtlebot3_burger();
+        Self {
+            navigator: Navigator::new(params, model, goals).unwrap(),
+            space: space(discs),
+            revision: 1,
+            pose: Pose2::new(1.0, 1.0, 0.0),
+            twist: Twist2::STOP,
+            tick: 0,
+            asked: None,
+            asks: Vec::new(),
+            refusal: None,
+            late: 0,
+            overdue: 0,
+        }
+    }
+
+    fn time(&self) -> f64 {
+        f64::from(self.tick) * DT
+    }
+
+    fn popup(&mut self, discs: &[(f64, f64, f64)]) {
+        self.space = space(discs);
+        self.revision += 1;
+    }
+
+    fn step(&mut self) {
+        let time_s = self.time();
+        if self.navigator.is_due(time_s) {
+            self.overdue += 1;
+            if self.overdue > self.late {
+                self.overdue = 0;
+                let ask = self.asked.take().expect("something was asked");
+                let answer = self.refusal.clone().map_or_else(|| Ok(straight(&ask)), Err);
+                self.navigator.take(answer, &self.space, time_s);
+            }
+        }
+        let robots = [RobotView {
+            index: 0,
+            team: Team::Neutral,
+            active: true,
+            present: true,
+            pose: self.pose,
+            twist: self.twist,
+            radius: 0.105,
+            v_max: 0.22,
+        }];
+        let view = View {
+            time_s,
+            dt: DT,
+            me: 0,
+            robots: &robots,
+            beliefs: &[],
+            exits: &[],
+            scan: None,
+        };
+        let decision = self.navigator.step(&self.space, self.revision, &view);
+        if let Some(ask) = decision.ask {
+            self.asks.push((time_s, ask.clone()));
+            self.asked = Some(ask);
+        }
+        let drive = Drive::new(RobotModel::turtlebot3_burger());
+        self.twist = drive.execute(self.twist, decision.command, DT);
+        self.pose = navigator::drive::integrate(&self.pose, self.twist, DT);
+        self.tick += 1;
+    }
+
+    fn steps(&mut self, seconds: f64) {
+        for _ in 0..(seconds / DT).round() as u32 {
+            self.step();
+        }
+    }
+
+    fn distance(&self, x: f64, y: f64) -> f64 {
+        (self.pose.position() - Point2::new(x, y)).norm()
+    }
+}
+
+#[test]
+fn goals_are_reached_in_their_order_without_a_pause_between_them() {
+    let goals = [[3.0, 1.0], [3.0, 3.0], [1.0, 3.0]];
+    let mut rig = Rig::new(NavigatorParams::default(), &goals, &[]);
+    let mut nearest = [f64::INFINITY; 3];
+    let mut standing = 0;
+    while rig.navigator.goal().is_some() {
+        rig.step();
+        for (nearest, [x, y]) in nearest.iter_mut().zip(goals) {
+            *nearest = nearest.min(rig.distance(x, y));
+        }
+        standing += u32::from(rig.twist == Twist2::STOP);
+        assert!(rig.tick < 1000, "{:?}", rig.pose);
+    }
+    assert!(nearest.iter().all(|n| *n < 0.03), "{nearest:?}");
+    // 6 m and two quarter turns; at rest only before the first plan and at the end.
+    assert!(standing <= 3, "{standing}");
+    assert!(
+        rig.time() < 6.0 / 0.22 + 2.0 * 1.571 / 2.84 + 0.5,
+        "{}",
+        rig.time()
+    );
+    assert_eq!(rig.asks.len(), 3);
+}
+
+#[test]
+fn a_tour_begins_anew() {
+    let params = NavigatorParams {
+        goals: vec![[2.0, 1.0], [1.0, 1.0]],
+        repeat: true,
+        ..NavigatorParams::default()
+    };
+    let goals = params.goals.clone();
+    let mut rig = Rig::new(params, &goals, &[]);
+    rig.steps(40.0);
+    assert!(rig.asks.len() >= 6 && rig.navigator.goal().is_some());
+}
+
+#[test]
+fn a_plan_takes_effect_a_stated_time_after_it_was_asked_for_and_begins_there() {
+    let params = NavigatorParams {
+        planning_time_s: 0.42,
+        ..NavigatorParams::default()
+    };
+    let mut rig = Rig::new(params, &[[3.0, 1.0]], &[]);
+    rig.steps(0.45);
+    assert_eq!((rig.pose.x, rig.twist.v), (1.0, 0.0));
+    rig.step();
+    assert!((rig.twist.v - 0.22).abs() < 1e-9);
+    rig.steps(2.0);
+    rig.popup(&[(2.5, 1.05, 0.2)]);
+    rig.step();
+    let (asked_at, ask) = rig.asks.last().unwrap().clone();
+    assert!((asked_at - 2.5).abs() < 1e-9, "{asked_at}");
+    rig.steps(0.4);
+    let off = (ask.start.position() - rig.pose.position()).norm();
+    // One tick of the nine is still to come.
+    assert!(off < 0.012, "{off}");
+}
+
+#[test]
+fn at_a_popup_it_goes_on_as_far_as_the_way_is_free_or_stops_at_once() {
+    for (at_popup, stops_at) in [(AtPopup::Follow, 3.0 - 0.325), (AtPopup::Stop, 1.44)] {
+        let params = NavigatorParams {
+            at_popup,
+            ..NavigatorParams::default()
+        };
+        let mut rig = Rig::new(params, &[[5.0, 1.0]], &[]);
+        rig.steps(2.05);
+        rig.popup(&[(3.0, 1.0, 0.2)]);
+        // Nobody answers for long.
+        rig.late = 200;
+        rig.refusal = Some(Unplanned::NoPath);
+        rig.steps(9.0);
+        let off = (rig.pose.x - stops_at).abs();
+        assert!(off < 0.015, "{at_popup:?}: {:?}", rig.pose);
+        assert_eq!(rig.twist.v, 0.0);
+        // Then there is no way: asked again and again, but not all the time.
+        rig.late = 0;
+        rig.steps(5.0);
+        let asks = rig.asks.len();
+        assert!((5..10).contains(&asks), "{asks}");
+        // At once when the obstacle has gone.
+        rig.popup(&[]);
+        rig.refusal = None;
+        rig.steps(20.0);
+        assert!(rig.distance(5.0, 1.0) < 0.03, "{:?}", rig.pose);
+    }
+}
+
+#[test]
+fn who_is_told_that_there_is_no_way_stands() {
+    let mut rig = Rig::new(NavigatorParams::default(), &[[5.0, 1.0]], &[]);
+    rig.steps(2.05);
+    rig.popup(&[(3.0, 1.0, 0.2)]);
+    rig.refusal = Some(Unplanned::NoPath);
+    rig.steps(3.0);
+    assert!(rig.pose.x < 1.47 && rig.twist.v == 0.0, "{:?}", rig.pose);
+}
+
+#[test]
+fn an_obstacle_in_nobodys_way_changes_nothing() {
+    let run = |popup: bool| {
+        let mut rig = Rig::new(NavigatorParams::default(), &[[5.0, 1.0]], &[]);
+        rig.steps(2.0);
+        if popup {
+            rig.popup(&[(3.0, 3.0, 0.2)]);
+        }
+        rig.steps(20.0);
+        rig.pose
+    };
+    assert_eq!(run(true), run(false));
+}
+
+#[test]
+fn who_is_pushed_off_stops_and_plans_from_there() {
+    let mut rig = Rig::new(NavigatorParams::default(), &[[5.0, 1.0]], &[]);
+    rig.steps(2.0);
+    rig.pose.y += 0.1;
+    rig.step();
+    assert_eq!(rig.twist.v, 0.0);
+    rig.steps(25.0);
+    assert!(rig.distance(5.0, 1.0) < 0.03, "{:?}", rig.pose);
+    let (_, ask) = rig.asks.last().unwrap();
+    assert!((ask.start.y - 1.1).abs() < 0.02, "{ask:?}");
+}
+
+#[test]
+fn a_late_answer_is_taken_up_on_the_way() {
+    let mut rig = Rig::new(NavigatorParams::default(), &[[5.0, 1.0], [5.0, 3.0]], &[]);
+    rig.late = 7;
+    rig.steps(45.0);
+    assert!(rig.distance(5.0, 3.0) < 0.03, "{:?}", rig.pose);
+}
+
+#[test]
+fn without_goals_or_turns_there_is_no_navigator() {
+    let model = RobotModel::turtlebot3_burger();
+    let none = Navigator::new(NavigatorParams::default(), model, Vec::new());
+    assert!(none.unwrap_err().contains("goals"));
+    let stiff = RobotModel {
+        omega_max: 0.0,
+        ..model
+    };
+    let goals = vec![Point2::origin()];
+    let stiff = Navigator::new(NavigatorParams::default(), stiff, goals);
+    assert!(stiff.unwrap_err().contains("omega_max"));
+}

@@ -1,0 +1,82 @@
+//! The process: takes its turns, which ask nothing of it, while the service works beside it.
+
+use ipc_types::bus::{Attendant, Bus};
+use ipc_types::topics::OptimiserPlan;
+use kit::{ProcessConfig, ProcessError, Wiring};
+
+use crate::answer::{self, Refusal};
+use crate::params::OptimiserParams;
+use crate::request;
+use crate::service::{self, Dispatcher, Given};
+
+/// Serves `optimiser/plan`.
+#[derive(Debug)]
+pub struct OptimiserProcess {
+    service: Service,
+}
+
+#[derive(Debug)]
+enum Service {
+    /// Beside the process's own thread.
+    Threads(Dispatcher),
+    /// Within the question, in a run in one thread.
+    Call {
+        _attendant: Attendant<OptimiserPlan>,
+    },
+}
+
+impl Wiring for OptimiserProcess {
+    fn open(config: &ProcessConfig, bus: &Bus) -> Result<Self, ProcessError> {
+        let refused = |reason: String| ProcessError::Params {
+            process: config.name.clone(),
+            kind: config.kind.clone(),
+            reason,
+        };
+        let params: OptimiserParams =
+            serde_json::from_value(config.params.clone()).map_err(|e| refused(e.to_string()))?;
+        params.validate().map_err(|e| refused(e.to_string()))?;
+        let service = match bus.space() {
+            Some(space) => Service::Threads(Dispatcher::start(Given {
+                space: space.clone(),
+                options: *bus.options(),
+                name: config.name.clone(),
+                source: config.index,
+                workers: params.workers,
+            })?),
+            None => Service::Call {
+                _attendant: attend(bus)?,
+            },
+        };
+        Ok(Self { service })
+    }
+
+    fn connect(&mut self) -> Result<(), ProcessError> {
+        // Both sides of a service connect when they send and receive.
+        Ok(())
+    }
+
+    fn step(&mut self, _tick: u64) -> Result<(), ProcessError> {
+        match &mut self.service {
+            Service::Threads(dispatcher) => dispatcher.check(),
+            Service::Call { .. } => Ok(()),
+        }
+    }
+
+    fn rejected(&self) -> u64 {
+        match &self.service {
+            Service::Threads(dispatcher) => dispatcher.refused(),
+            Service::Call { .. } => 0,
+        }
+    }
+}
+
+/// Answers in the thread of who asks, without a clock: no time is over, none is measured.
+fn attend(bus: &Bus) -> Result<Attendant<OptimiserPlan>, ProcessError> {
+    let attendant = bus.attend::<OptimiserPlan>(|header, points| {
+        let result = request::decode(header, points)
+            .map_err(Refusal::from)
+            .and_then(|(problem, options)| service::solve(&problem, &options, &mut || false));
+        answer::encode(header, &result, 0)
+    })?;
+    Ok(attendant)
+}

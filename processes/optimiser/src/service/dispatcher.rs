@@ -1,0 +1,310 @@
+//! The thread that owns the ports.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc;
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use ipc_types::bus::{
+    ActiveRequest, Bus, BusOptions, Listener, Notifier, RunSpace, SendError, Server,
+};
+use ipc_types::clock;
+use ipc_types::messages::optimiser::{PlanRequest, PlanResponse};
+use ipc_types::topics::{MAX_EVENT_ID, OptimiserPlan, PLAN_ANSWERED_EVENT, PLAN_ASKED_EVENT};
+use kit::ProcessError;
+
+use super::pool::{Done, Job, Pool};
+use crate::answer::{self, Refusal};
+use crate::plan::Plan;
+use crate::request;
+
+/// How long a lost wake-up, a client that has gone, or the end of the run may go unnoticed.
+const LOOK_UP: Duration = Duration::from_millis(50);
+
+/// What the dispatcher is given.
+#[derive(Debug, Clone)]
+pub struct Given {
+    /// Where the run lives.
+    pub space: RunSpace,
+    /// How its buffers are laid out.
+    pub options: BusOptions,
+    /// Name of the process.
+    pub name: String,
+    /// Index of the process.
+    pub source: u32,
+    /// Threads that plan.
+    pub workers: u32,
+}
+
+/// A running dispatcher; it ends, with its workers, when this is dropped.
+#[derive(Debug)]
+pub struct Dispatcher {
+    thread: Option<JoinHandle<Result<(), ProcessError>>>,
+    stop: Arc<AtomicBool>,
+    refused: Arc<AtomicU64>,
+}
+
+impl Dispatcher {
+    /// Starts it and waits until its ports are open.
+    ///
+    /// # Errors
+    /// [`ProcessError`] if a port or a thread cannot be had.
+    pub fn start(given: Given) -> Result<Self, ProcessError> {
+        let stop = Arc::new(AtomicBool::new(false));
+        let refused = Arc::new(AtomicU64::new(0));
+        let (tell, opened) = mpsc::channel();
+        let flags = (Arc::clone(&stop), Arc::clone(&refused));
+        let thread = std::thread::Builder::new()
+            .name("dispatcher".to_owned())
+            .spawn(move || {
+                // Ports belong to the thread that opened them.
+                let mut desk = Desk::open(&given, flags)?;
+                let _ = tell.send(());
+                desk.serve()
+            })
+            .map_err(|e| ProcessError::system("cannot start the dispatcher", e))?;
+        let mut dispatcher = Self {
+            thread: Some(thread),
+            stop,
+            refused,
+        };
+        match opened.recv() {
+            Ok(()) => Ok(dispatcher),
+            // It ended before it said so.
+            Err(_) => dispatcher.end().map(|()| dispatcher),
+        }
+    }
+
+    /// Whether it still works.
+    ///
+    /// # Errors
+    /// What the thread ended with.
+    pub fn check(&mut self) -> Result<(), ProcessError> {
+        match &self.thread {
+            Some(thread) if !thread.is_finished() => Ok(()),
+            _ => self.end(),
+        }
+    }
+
+    /// Waits for its end, which must be near.
+    fn end(&mut self) -> Result<(), ProcessError> {
+        let ended = |what: &str| ProcessError::Algorithm(format!("the dispatcher {what}"));
+        let thread = self.thread.take().ok_or_else(|| ended("has ended"))?;
+        let result = thread.join().map_err(|_| ended("panicked"))?;
+        result.and_then(|()| Err(ended("ended before the run")))
+    }
+
+    /// Requests so far that made no sense.
+    pub fn refused(&self) -> u64 {
+        self.refused.load(Ordering::Relaxed)
+    }
+}
+
+impl Drop for Dispatcher {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take()
+            && let Ok(Err(error)) = thread.join()
+        {
+            tracing::error!("dispatcher: {error}");
+        }
+    }
+}
+
+/// A request that is being worked on.
+struct Open {
+    id: u64,
+    request: ActiveRequest<OptimiserPlan>,
+    cancelled: Arc<AtomicBool>,
+}
+
+/// The dispatcher's own side.
+struct Desk {
+    stop: Arc<AtomicBool>,
+    refused: Arc<AtomicU64>,
+    // Closed in this order: nobody answers before nobody plans any more.
+    pool: Pool,
+    open: Vec<Open>,
+    server: Server<OptimiserPlan>,
+    asked: Listener,
+    answered: Notifier,
+    next_id: u64,
+    done: Vec<Done>,
+}
+
+impl Desk {
+    fn open(
+        given: &Given,
+        (stop, refused): (Arc<AtomicBool>, Arc<AtomicU64>),
+    ) -> Result<Self, ProcessError> {
+        let bus = Bus::join(&given.space, given.options, &given.name)?;
+        let pool = Pool::start(given.workers)
+            .map_err(|e| ProcessError::system("cannot start the workers", e))?;
+        Ok(Self {
+            stop,
+            refused,
+            pool,
+            open: Vec::new(),
+            // Whoever asks before the listener stands is heard at the first look.
+            asked: bus.listener(PLAN_ASKED_EVENT)?,
+            answered: bus.notifier(PLAN_ANSWERED_EVENT)?,
+            server: bus.server(given.source, PlanResponse::MAX_SAMPLES)?,
+            next_id: 0,
+            done: Vec::new(),
+        })
+    }
+
+    /// Works until it is told to stop.
+    fn serve(&mut self) -> Result<(), ProcessError> {
+        while !self.stop.load(Ordering::Relaxed) {
+            while let Some(request) = self.server.receive()? {
+                self.take_up(request)?;
+            }
+            self.answer_what_is_done()?;
+            self.drop_unwanted();
+            self.asked.wait_or(self.pool.bell(), LOOK_UP, |_| {})?;
+        }
+        for open in &self.open {
+            open.cancelled.store(true, Ordering::Relaxed);
+        }
+        Ok(())
+    }
+
+    fn take_up(&mut self, request: ActiveRequest<OptimiserPlan>) -> Result<(), ProcessError> {
+        let header = *request.header();
+        self.cancel(header.robot)?;
+        let decoded = request::decode(&header, request.elements());
+        let (problem, options) = match decoded {
+            Ok(decoded) => decoded,
+            Err(error) => return self.answer(&request, &Err(error.into()), 0),
+        };
+        let id = self.next_id;
+        self.next_id += 1;
+        let cancelled = Arc::new(AtomicBool::new(false));
+        self.open.push(Open {
+            id,
+            request,
+            cancelled: Arc::clone(&cancelled),
+        });
+        self.pool.give(Job {
+            id,
+            problem,
+            options,
+            deadline_ns: deadline_ns(&header, clock::monotonic_ns()),
+            cancelled,
+        });
+        Ok(())
+    }
+
+    /// Answers the open request of a robot, of which there is a newer one.
+    fn cancel(&mut self, robot: u32) -> Result<(), ProcessError> {
+        let of_robot = |open: &Open| open.request.header().robot == robot;
+        while let Some(at) = self.open.iter().position(of_robot) {
+            let open = self.open.remove(at);
+            open.cancelled.store(true, Ordering::Relaxed);
+            self.pool.take_back(open.id);
+            self.answer(&open.request, &Err(Refusal::Cancelled { robot }), 0)?;
+        }
+        Ok(())
+    }
+
+    fn answer_what_is_done(&mut self) -> Result<(), ProcessError> {
+        let mut done = std::mem::take(&mut self.done);
+        self.pool.collect(&mut done);
+        for done in done.drain(..) {
+            // What was cancelled meanwhile has been answered.
+            if let Some(at) = self.open.iter().position(|open| open.id == done.id) {
+                let open = self.open.remove(at);
+                self.answer(&open.request, &done.result, done.solve_ns)?;
+            }
+        }
+        self.done = done;
+        Ok(())
+    }
+
+    /// Ends the work on what its client has given up.
+    fn drop_unwanted(&mut self) {
+        let pool = &self.pool;
+        self.open.retain(|open| {
+            let wanted = open.request.is_wanted();
+            if !wanted {
+                open.cancelled.store(true, Ordering::Relaxed);
+                pool.take_back(open.id);
+            }
+            wanted
+        });
+    }
+
+    /// Sends an answer and wakes who asked. What goes wrong with one client must not keep the
+    /// others from their answers.
+    fn answer(
+        &self,
+        request: &ActiveRequest<OptimiserPlan>,
+        result: &Result<Plan, Refusal>,
+        solve_ns: u64,
+    ) -> Result<(), ProcessError> {
+        let header = request.header();
+        if let Err(refusal) = result
+            && refusal.is_of_request()
+        {
+            self.refused.fetch_add(1, Ordering::Relaxed);
+            tracing::debug!("request of robot {} refused: {refusal}", header.robot);
+        }
+        let (response, samples) = answer::encode(header, result, solve_ns);
+        match request.answer(response, &samples) {
+            Ok(()) => {}
+            Err(SendError::Transport { reason, .. }) => {
+                tracing::warn!("robot {} gets no answer: {reason}", header.robot);
+                return Ok(());
+            }
+            Err(error) => return Err(error.into()),
+        }
+        let client = (header.stamp.source as usize).min(MAX_EVENT_ID);
+        if let Err(error) = self.answered.notify(client) {
+            // It looks by itself before long.
+            tracing::warn!("cannot wake who asked for robot {}: {error}", header.robot);
+        }
+        Ok(())
+    }
+}
+
+/// Monotonic clock when the time for a request is over [ns]: it runs from its sending, as far as
+/// that can be true.
+fn deadline_ns(header: &PlanRequest, now_ns: u64) -> Option<u64> {
+    let sent_ns = header.stamp.sent_ns;
+    let from = if sent_ns == 0 {
+        now_ns
+    } else {
+        sent_ns.min(now_ns)
+    };
+    (header.deadline_ns > 0).then(|| from.saturating_add(header.deadline_ns))
+}
+
+#[cfg(test)]
+mod tests {
+    use ipc_types::stamp::Stamp;
+
+    use super::*;
+
+    #[test]
+    fn time_runs_from_the_sending_unless_that_lies_ahead() {
+        let deadline = |sent_ns, deadline_ns| {
+            let stamp = Stamp {
+                sent_ns,
+                ..Stamp::default()
+            };
+            let header = PlanRequest {
+                stamp,
+                deadline_ns,
+                ..PlanRequest::default()
+            };
+            super::deadline_ns(&header, 1000)
+        };
+        assert_eq!(deadline(900, 0), None);
+        assert_eq!(deadline(900, 50), Some(950));
+        assert_eq!(deadline(0, 50), Some(1050));
+        assert_eq!(deadline(u64::MAX, 50), Some(1050));
+        assert_eq!(deadline(900, u64::MAX), Some(u64::MAX));
+    }
+}

@@ -1,0 +1,52 @@
+//! The optimiser as a service: requests in, answers out, several at once.
+//!
+//! A *dispatcher* thread owns the ports. It sleeps until a client or a worker wakes it, takes up
+//! requests, hands them to the *workers* of a pool, gives up those that nobody wants any more, and
+//! sends the answers. The process's own thread takes no part, so that it is never late for its turn.
+
+mod dispatcher;
+mod pool;
+
+use core::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+pub use dispatcher::{Dispatcher, Given};
+
+use crate::answer::Refusal;
+use crate::options::Options;
+use crate::plan::Plan;
+use crate::problem::Problem;
+
+/// Plans; a panic, which would be a bug, becomes an answer instead of the end of everybody's run.
+///
+/// Knows nothing of earlier requests: an answer depends on its request alone, whatever was asked,
+/// cancelled or late before it.
+///
+/// # Errors
+/// [`Refusal`] if there is no plan.
+pub fn solve(
+    problem: &Problem,
+    options: &Options,
+    stop: &mut dyn FnMut() -> bool,
+) -> Result<Plan, Refusal> {
+    // Nothing that the planning leaves half done outlives it.
+    let planned = catch_unwind(AssertUnwindSafe(|| {
+        crate::plan(problem, options, None, stop)
+    }));
+    match planned {
+        Ok(result) => result.map_err(Refusal::Plan),
+        Err(panic) => {
+            let words = words(panic.as_ref());
+            tracing::error!("the planning panicked: {words}");
+            Err(Refusal::Failed(words))
+        }
+    }
+}
+
+fn words(panic: &(dyn Any + Send)) -> String {
+    let text = panic
+        .downcast_ref::<String>()
+        .map(String::as_str)
+        .or_else(|| panic.downcast_ref::<&str>().copied());
+    text.unwrap_or("without words").to_owned()
+}

@@ -1,0 +1,176 @@
+//! Threads that plan.
+
+use std::collections::VecDeque;
+use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+use std::time::Instant;
+
+use ipc_types::clock;
+use rustix::event::{EventfdFlags, eventfd};
+
+use crate::answer::Refusal;
+use crate::options::Options;
+use crate::plan::Plan;
+use crate::problem::Problem;
+
+/// A request to be worked on.
+pub(super) struct Job {
+    /// Tells it from all others.
+    pub id: u64,
+    /// What is asked.
+    pub problem: Problem,
+    /// How it shall be answered.
+    pub options: Options,
+    /// Monotonic clock when the time for it is over [ns], if that counts.
+    pub deadline_ns: Option<u64>,
+    /// Set when the answer is not wanted any more.
+    pub cancelled: Arc<AtomicBool>,
+}
+
+/// What came of a request.
+pub(super) struct Done {
+    /// [`Job::id`].
+    pub id: u64,
+    /// The plan, or why there is none.
+    pub result: Result<Plan, Refusal>,
+    /// Time that it took [ns].
+    pub solve_ns: u64,
+}
+
+/// What all threads of a pool share.
+struct Shared {
+    jobs: Mutex<Jobs>,
+    /// There is a job, or no more will come.
+    changed: Condvar,
+    done: Mutex<Vec<Done>>,
+    /// Can be read when something is done.
+    bell: OwnedFd,
+}
+
+#[derive(Default)]
+struct Jobs {
+    waiting: VecDeque<Job>,
+    closed: bool,
+}
+
+/// Threads that plan; they end when it is dropped.
+pub(super) struct Pool {
+    shared: Arc<Shared>,
+    threads: Vec<JoinHandle<()>>,
+}
+
+impl Pool {
+    /// Starts the threads.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn start(workers: u32) -> std::io::Result<Self> {
+        let shared = Arc::new(Shared {
+            jobs: Mutex::default(),
+            changed: Condvar::new(),
+            done: Mutex::default(),
+            bell: eventfd(0, EventfdFlags::NONBLOCK | EventfdFlags::CLOEXEC)?,
+        });
+        let mut pool = Self {
+            shared,
+            threads: Vec::new(),
+        };
+        for worker in 0..workers {
+            let shared = Arc::clone(&pool.shared);
+            let thread = std::thread::Builder::new()
+                .name(format!("planner-{worker}"))
+                .spawn(move || shared.work())?;
+            pool.threads.push(thread);
+        }
+        Ok(pool)
+    }
+
+    /// Gives a job to the next thread that is free.
+    pub fn give(&self, job: Job) {
+        lock(&self.shared.jobs).waiting.push_back(job);
+        self.shared.changed.notify_one();
+    }
+
+    /// Takes a job back that no thread has begun.
+    pub fn take_back(&self, id: u64) {
+        lock(&self.shared.jobs).waiting.retain(|job| job.id != id);
+    }
+
+    /// What has been done since the last call, into `done`.
+    pub fn collect(&self, done: &mut Vec<Done>) {
+        let mut count = [0; 8];
+        // Read first: what is done after it rings again. Nothing to read is fine.
+        let _ = rustix::io::read(&self.shared.bell, &mut count);
+        done.append(&mut lock(&self.shared.done));
+    }
+
+    /// Can be read when something is done.
+    pub fn bell(&self) -> BorrowedFd<'_> {
+        self.shared.bell.as_fd()
+    }
+}
+
+impl Drop for Pool {
+    fn drop(&mut self) {
+        let mut jobs = lock(&self.shared.jobs);
+        jobs.closed = true;
+        jobs.waiting.clear();
+        drop(jobs);
+        self.shared.changed.notify_all();
+        for thread in self.threads.drain(..) {
+            // A panic in it was caught and told.
+            let _ = thread.join();
+        }
+    }
+}
+
+impl Shared {
+    fn work(&self) {
+        while let Some(job) = self.next() {
+            let done = work(&job);
+            lock(&self.done).push(done);
+            // An eventfd that is full can be read already.
+            let _ = rustix::io::write(&self.bell, &1u64.to_ne_bytes());
+        }
+    }
+
+    /// The next job; `None` if no more will come.
+    fn next(&self) -> Option<Job> {
+        let mut jobs = lock(&self.jobs);
+        loop {
+            if jobs.closed {
+                return None;
+            }
+            if let Some(job) = jobs.waiting.pop_front() {
+                return Some(job);
+            }
+            jobs = self
+                .changed
+                .wait(jobs)
+                .unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+}
+
+fn work(job: &Job) -> Done {
+    let start = Instant::now();
+    let mut stop = || {
+        job.cancelled.load(Ordering::Relaxed)
+            || job
+                .deadline_ns
+                .is_some_and(|deadline| clock::monotonic_ns() >= deadline)
+    };
+    let result = super::solve(&job.problem, &job.options, &mut stop);
+    Done {
+        id: job.id,
+        result,
+        solve_ns: clock::elapsed_ns(start),
+    }
+}
+
+/// Nothing in here can be left half done by a panic.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}

@@ -1,0 +1,129 @@
+//! The navigator process, with the test in the place of an optimiser that is silent, gone or hostile.
+
+use crate::process::send_map;
+use crate::support::rig::{Rig, World};
+use ipc_types::bus::{ActiveRequest, Server, Subscriber};
+use ipc_types::messages::optimiser::{PlanResponse, TrajectorySample};
+use ipc_types::topics::{Commands, OptimiserPlan};
+
+const ROOM: &str = r#"
+[world]
+map = "builtin:hello"
+[rules]
+time_limit = 10.0
+[[robots]]
+name = "scout"
+team = "neutral"
+start = { x = 0.5, y = 0.5, theta = 0.0 }
+goal = { circle = { center = [3.5, 0.5], radius = 0.2 } }
+[[processes]]
+kind = "optimiser"
+[[processes]]
+kind = "navigator"
+robots = ["scout"]
+params = { answer_timeout_s = 0.3 }
+"#;
+
+struct Navigator {
+    rig: Rig,
+    world: World,
+    commands: Subscriber<Commands>,
+    server: Option<Server<OptimiserPlan>>,
+}
+
+/// A navigator in the air, and who shall answer it.
+fn navigator(is_served: bool) -> Navigator {
+    let mut rig = Rig::new(ROOM, "navigator");
+    let server = is_served.then(|| rig.bus.server(1, 16).unwrap());
+    let (world, commands) = (World::open(&rig), rig.subscriber());
+    rig.take_off();
+    world.begin(&mut rig, send_map);
+    Navigator {
+        rig,
+        world,
+        commands,
+        server,
+    }
+}
+
+impl Navigator {
+    fn request(&self) -> ActiveRequest<OptimiserPlan> {
+        let server = self.server.as_ref().unwrap();
+        server.receive().unwrap().expect("a request")
+    }
+
+    fn command(&self) -> (f64, f64) {
+        let message = self.commands.receive().unwrap().expect("a command");
+        (message.elements()[0].v, message.elements()[0].omega)
+    }
+
+    /// The tick in which the answer is due must be its last, and the reason the optimiser.
+    #[track_caller]
+    fn ends(mut self, words: &str) {
+        self.world.send(1, &self.world.robots);
+        assert!(!self.world.turn(&self.rig, 1));
+        let (status, said) = self.rig.process.end();
+        assert!(!status.success(), "{said}");
+        assert!(
+            said.contains("the optimiser") && said.contains(words),
+            "{said}"
+        );
+    }
+}
+
+#[test]
+fn an_optimiser_that_is_silent_ends_the_navigator_by_name() {
+    let navigator = navigator(true);
+    navigator.world.tick(&navigator.rig, 0);
+    let _held = navigator.request();
+    navigator.ends("no answer within 300ms");
+}
+
+#[test]
+fn an_optimiser_that_is_gone_ends_the_navigator_by_name() {
+    let navigator = navigator(false);
+    navigator.world.tick(&navigator.rig, 0);
+    navigator.ends("gone");
+}
+
+#[test]
+fn answers_that_make_no_sense_leave_the_robot_standing() {
+    let navigator = navigator(true);
+    let sample = |time_s: f64, x: f64, v: f64| TrajectorySample {
+        time_s,
+        x,
+        y: 0.5,
+        v,
+        ..TrajectorySample::default()
+    };
+    let hostile: [&[TrajectorySample]; 5] = [
+        &[],
+        &[sample(f64::NAN, 0.5, 0.2)],
+        &[sample(0.0, 0.5, 0.2), sample(1.0, f64::INFINITY, 0.2)],
+        &[sample(0.0, 0.5, 0.2), sample(-1.0, 0.7, 0.2)],
+        &[sample(0.0, 0.5, 0.2), sample(1.0, 1e300, 0.2)],
+    ];
+    let mut tick = 0;
+    // The next request; the robot stands until then.
+    let mut asked = || loop {
+        navigator.world.tick(&navigator.rig, tick);
+        assert_eq!(navigator.command(), (0.0, 0.0));
+        tick += 1;
+        assert!(tick < 200, "it asks again");
+        let server = navigator.server.as_ref().unwrap();
+        if let Some(request) = server.receive().unwrap() {
+            return request;
+        }
+    };
+    for samples in hostile {
+        // It is answered nonsense, and asks again a second later.
+        asked().answer(PlanResponse::default(), samples).unwrap();
+    }
+    // What makes sense is driven.
+    let request = asked();
+    let sensible = [sample(0.0, 0.5, 0.2), sample(5.0, 1.5, 0.2)];
+    request.answer(PlanResponse::default(), &sensible).unwrap();
+    navigator.world.tick(&navigator.rig, tick);
+    let (v, omega) = navigator.command();
+    assert!((v - 0.2).abs() < 1e-9 && omega == 0.0, "{v} {omega}");
+}

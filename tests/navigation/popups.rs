@@ -1,0 +1,169 @@
+//! Random pop-ups before robots with and without inertia: nobody touches anything that he could
+//! have stopped before.
+
+use std::path::Path;
+
+use crate::support::geometry::between;
+use crate::support::history::History;
+use orchestrator::in_process::{InProcessOptions, run};
+use orchestrator::scenario;
+use proptest::prelude::*;
+
+/// Radius of the robot [m], and its speed [m/s].
+const RADIUS: f64 = 0.105;
+const SPEED: f64 = 0.4;
+
+#[derive(Debug, Clone)]
+struct Popup {
+    /// Way that the robot has made when it comes [m].
+    travelled: f64,
+    /// Where it comes [m], and its radius [m].
+    at: [f64; 2],
+    radius: f64,
+}
+
+fn popup() -> impl Strategy<Value = Popup> {
+    (0.05..3.5f64, 0.6..3.4f64, 0.4..2.6f64, 0.05..0.4f64).prop_map(|(travelled, x, y, radius)| {
+        Popup {
+            travelled,
+            at: [x, y],
+            radius,
+        }
+    })
+}
+
+fn scenario_text(popups: &[Popup], limits: &str, params: &str) -> String {
+    let events = popups.iter().enumerate().map(|(i, popup)| {
+        let Popup {
+            travelled,
+            at,
+            radius,
+        } = popup;
+        format!(
+            r#"
+[[events]]
+when = {{ robot = "scout", travelled = {travelled} }}
+action = "appear"
+obstacle = "popup_{i}"
+shape.circle = {{ center = {at:?}, radius = {radius} }}
+"#
+        )
+    });
+    let head = format!(
+        r#"
+[world.map.vector]
+bounds = {{ min = [0.0, 0.0], max = [4.0, 3.0] }}
+[[world.map.vector.obstacles]]
+shape.rectangle = {{ center = [2.0, 1.2], half_extents = [0.3, 0.2], angle = 0.4 }}
+[rules]
+time_limit = 25.0
+[[robots]]
+name = "scout"
+team = "neutral"
+start = {{ x = 0.4, y = 0.4, theta = 0.5 }}
+limits = {{ v_max = {SPEED}{limits} }}
+goal = {{ circle = {{ center = [3.6, 2.6], radius = 0.05 }} }}
+[[processes]]
+kind = "optimiser"
+[[processes]]
+kind = "navigator"
+robots = ["scout"]
+params = {{ {params} }}
+"#
+    );
+    events.fold(head, |text, event| text + &event)
+}
+
+/// Code of the event that a robot stood where an obstacle came.
+const PUSHED: u32 = 10;
+
+/// Whether the robot could stop before everything that came, when it came.
+fn could_stop(history: &History, popups: &[Popup], acceleration: f64) -> bool {
+    if history.events.iter().any(|event| event.kind == PUSHED) {
+        return false;
+    }
+    history.obstacles.iter().all(|change| {
+        let state = history.states.iter().find(|s| s.tick == change.tick);
+        let robot = &state.expect("a state at every tick").robots[0];
+        let popup = popups
+            .iter()
+            .find(|p| p.at == [change.x, change.y])
+            .expect("one of these");
+        let gap = between([robot.x, robot.y], popup.at) - popup.radius - RADIUS;
+        gap > robot.v * robot.v / (2.0 * acceleration)
+    })
+}
+
+fn fly(directory: &Path, text: &str) -> (History, u32, String) {
+    let file = directory.join("popups.toml");
+    std::fs::write(&file, text).unwrap();
+    let scenario = scenario::load(file.to_str().unwrap(), &[], None)
+        .unwrap_or_else(|problems| panic!("{problems}\n{text}"));
+    let log = directory.join("popups.mcap");
+    let options = InProcessOptions {
+        out: Some(log.clone()),
+        force: true,
+        ..InProcessOptions::default()
+    };
+    let report = run(&scenario, &options).unwrap();
+    let robot = &report.summary.robots[0];
+    (History::read(&log), robot.contacts, robot.outcome.clone())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig {
+        cases: 40,
+        max_shrink_iters: 60,
+        ..ProptestConfig::default()
+    })]
+
+    #[test]
+    fn nothing_is_touched_that_could_have_been_stopped_before(
+        popups in proptest::collection::vec(popup(), 1..5),
+        acceleration in proptest::option::of(0.1..2.0f64),
+        stop in any::<bool>(),
+        planning_time in prop_oneof![Just(0.05), Just(0.2), Just(0.5)],
+        method in prop_oneof![Just("bspline"), Just("lp"), Just("tangent")],
+    ) {
+        let limits = acceleration.map_or_else(String::new, |a| {
+            format!(", acceleration = {a}, angular_acceleration = {}", 10.0 * a)
+        });
+        let at_popup = if stop { "stop" } else { "follow" };
+        let params = format!(
+            r#"at_popup = "{at_popup}", planning_time_s = {planning_time}, plan = {{ method = "{method}" }}"#
+        );
+        let directory = tempfile::tempdir().unwrap();
+        let text = scenario_text(&popups, &limits, &params);
+        let (history, contacts, _) = fly(directory.path(), &text);
+        if could_stop(&history, &popups, acceleration.unwrap_or(f64::INFINITY)) {
+            prop_assert_eq!(contacts, 0, "{}", text);
+        }
+    }
+}
+
+/// Without pop-ups on the goal there is a way around, and it is taken.
+#[test]
+fn the_goal_is_reached_around_what_pops_up() {
+    let directory = tempfile::tempdir().unwrap();
+    let popups = [
+        Popup {
+            travelled: 0.6,
+            at: [1.4, 1.6],
+            radius: 0.3,
+        },
+        Popup {
+            travelled: 1.4,
+            at: [2.9, 2.0],
+            radius: 0.25,
+        },
+    ];
+    for limits in ["", ", acceleration = 0.5, angular_acceleration = 6.0"] {
+        for at_popup in ["follow", "stop"] {
+            let params = format!("at_popup = \"{at_popup}\"");
+            let text = scenario_text(&popups, limits, &params);
+            let (history, contacts, outcome) = fly(directory.path(), &text);
+            let found = (contacts, outcome.as_str(), history.obstacles.len());
+            assert_eq!(found, (0, "goal_reached", 2), "{limits} {at_popup}");
+        }
+    }
+}
