@@ -1,6 +1,6 @@
 //! The page that sets our plans beside the published ones: `docs/vmc-lp-results.md`.
 //!
-//! The published ones are those of N. Li, Y. Xu and K. Pham's report on motion camouflage and local
+//! The published ones are those of Y. Xu's report on motion camouflage and local
 //! pursuit: Table 2 (how sensitive the method is to its parameters), Tables 3 and 4 (both methods
 //! beside each other). [`page`] is a pure function of the [`Evidence`].
 

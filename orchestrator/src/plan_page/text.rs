@@ -40,7 +40,7 @@ pub fn page(evidence: &Evidence) -> Page {
 const HEAD: &str = "\
 # Motion camouflage and local pursuit, beside the published results
 
-N. Li, Y. Xu and K. Pham's report plans minimum-time trajectories of a small robot among obstacles with two
+Y. Xu's report plans minimum-time trajectories of a small robot among obstacles with two
 methods: virtual motion camouflage (VMC) and local pursuit (LP). Here its Tables 2 to 4 are repeated with as many
 and more random problems. Every plan is checked: within a millimetre of every obstacle's clearance, of the board,
 of start and goal, and within a thousandth of the speed and the turning rate, everywhere along the path.

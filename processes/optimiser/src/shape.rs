@@ -203,7 +203,9 @@ impl<'a> Search<'a> {
             (0.774_596_669_241_483_4, 5.0 / 9.0),
         ];
         // A curve that is no polynomial between breaks needs more of them.
-        let fine = if self.curve.is_linear() {
+        // Three points see squares of velocities of degree 2 at most: a higher degree with few
+        // breaks could otherwise move between them at no cost.
+        let fine = if self.curve.is_linear() && self.curve.degree() <= 3 {
             1.0
         } else {
             1.0 / 24.0

@@ -61,6 +61,9 @@ pub trait Curve {
     /// Number of variables.
     fn variables(&self) -> usize;
 
+    /// Degree of the polynomials between the breaks.
+    fn degree(&self) -> usize;
+
     /// Whether positions are linear in the variables.
     fn is_linear(&self) -> bool;
 

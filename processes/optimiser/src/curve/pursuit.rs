@@ -257,6 +257,10 @@ fn particular(values: &Values, r: usize, order: usize, degree: usize) -> f64 {
 }
 
 impl Curve for Pursuit {
+    fn degree(&self) -> usize {
+        self.basis.degree()
+    }
+
     fn variables(&self) -> usize {
         self.rays + 2 * (self.basis.len() - 1 - self.rays)
     }

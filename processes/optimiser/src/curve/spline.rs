@@ -225,6 +225,10 @@ impl Spline {
 }
 
 impl Curve for Spline {
+    fn degree(&self) -> usize {
+        self.basis.degree()
+    }
+
     fn variables(&self) -> usize {
         self.first_mu() + self.camouflage.as_ref().map_or(0, Camouflage::count)
     }
