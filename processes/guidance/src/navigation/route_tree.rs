@@ -1,11 +1,10 @@
 //! The shortest ways from one place to everywhere.
 
-use core::cmp::Reverse;
 use core::sync::atomic::{AtomicU32, Ordering};
-use std::collections::BinaryHeap;
 
 use nalgebra::Point2;
 
+use super::frontier::Frontier;
 use super::nav_grid::{NONE, NavGrid};
 use crate::map::PlannerMap;
 
@@ -66,8 +65,8 @@ pub struct RouteTree {
     /// Extra cost of a node as a fraction of the length of its edges, in 1/256; [`NONE`] until it
     /// is needed; empty when nothing threatens.
     extra: Vec<u32>,
-    /// Nodes on the rim: cost in the upper half, node in the lower.
-    queue: BinaryHeap<Reverse<u64>>,
+    /// Nodes on the rim.
+    queue: Frontier,
     /// Where the gates are seen from; nothing in a tree without gates.
     origin: Option<Point2<f64>>,
 }
@@ -84,7 +83,7 @@ impl Default for RouteTree {
             settled: 0,
             threats: Vec::new(),
             extra: Vec::new(),
-            queue: BinaryHeap::new(),
+            queue: Frontier::default(),
             origin: None,
         }
     }
@@ -125,7 +124,7 @@ impl RouteTree {
         for &root in roots.iter().filter(|&&root| root < nodes) {
             self.cost[root] = 0;
             self.length[root] = 0;
-            self.queue.push(Reverse(root as u64));
+            self.queue.push(0, root as u32);
         }
     }
 
@@ -148,8 +147,8 @@ impl RouteTree {
 
     /// Reaches one more node; false if there is none.
     fn settle_next(&mut self, grid: &NavGrid) -> bool {
-        while let Some(Reverse(next)) = self.queue.pop() {
-            let (cost, from) = ((next >> 32) as u32, next as u32 as usize);
+        while let Some((cost, from)) = self.queue.pop() {
+            let from = from as usize;
             if cost > self.cost[from] || self.knows(from) {
                 continue;
             }
@@ -162,8 +161,7 @@ impl RouteTree {
                     self.cost[to] = reached;
                     self.length[to] = self.length[from].saturating_add(edge.length);
                     self.parent[to] = from as u32;
-                    self.queue
-                        .push(Reverse(u64::from(reached) << 32 | u64::from(edge.to)));
+                    self.queue.push(reached, edge.to);
                 }
             }
             return true;
