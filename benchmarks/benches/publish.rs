@@ -66,7 +66,7 @@ fn transport(criterion: &mut Criterion) {
     publisher.update_connections().expect("connections");
 
     let node = NodeBuilder::new()
-        .config(&space.0.config().expect("a configuration"))
+        .config(&space.0.config(2).expect("a configuration"))
         .signal_handling_mode(SignalHandlingMode::Disabled)
         .create::<ipc::Service>()
         .expect("a node");

@@ -231,8 +231,9 @@ impl BlurredMap {
 /// Lower neighbour and fraction for a coordinate counted in cell centres, clamped to the grid.
 fn between(coordinate: f64, len: usize) -> (usize, f64) {
     let clamped = coordinate.clamp(0.0, (len - 1) as f64);
-    let low = clamped.floor();
-    (low as usize, clamped - low)
+    // Truncating is rounding down here, and unlike `floor` costs no call on the oldest x86-64.
+    let low = clamped as usize;
+    (low, clamped - low as f64)
 }
 
 struct Corners {

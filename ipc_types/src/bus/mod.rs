@@ -84,7 +84,7 @@ impl Bus {
         };
         let name = NodeName::new(process).map_err(|e| failed(format!("{e:?}")))?;
         let node = NodeBuilder::new()
-            .config(&space.config()?)
+            .config(&space.config(nodes(&options.size))?)
             .name(&name)
             // The processes handle their signals themselves.
             .signal_handling_mode(SignalHandlingMode::Disabled)

@@ -79,11 +79,12 @@ impl RunSpace {
         &self.prefix
     }
 
-    /// The iceoryx2 configuration of the run.
+    /// The iceoryx2 configuration of a run in which at most this many publishers of a topic come to
+    /// their end.
     ///
     /// # Errors
     /// [`BusError::Space`] if iceoryx2 refuses the names.
-    pub fn config(&self) -> Result<Config, BusError> {
+    pub fn config(&self, publishers: usize) -> Result<Config, BusError> {
         let refused = |reason: String| BusError::Space {
             path: self.root.clone(),
             reason,
@@ -95,9 +96,18 @@ impl RunSpace {
             .map_err(|e| refused(format!("{e:?}")))?;
         config.global.set_root_path(&root);
         // A node of this run never has dead nodes of another to clean up, and cleaning is
-        // expensive: the orchestrator does it when a process died.
+        // expensive: the orchestrator does it when a process died. Looking for the dead at every
+        // service that is opened would take a dozen system calls per process that lives.
         config.global.node.cleanup_dead_nodes_on_creation = false;
         config.global.node.cleanup_dead_nodes_on_destruction = false;
+        config.global.service.cleanup_dead_nodes_on_open = false;
+        // Room for what publishers that are gone have sent. Every subscriber makes it, with some
+        // kilobytes for each, whether or not anybody goes: the default of 128 costs more than all
+        // the rest of opening a port.
+        config
+            .defaults
+            .publish_subscribe
+            .subscriber_expired_connection_buffer = publishers.max(2);
         Ok(config)
     }
 

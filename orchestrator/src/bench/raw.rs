@@ -84,7 +84,7 @@ impl RawConfig {
 /// A node in a run space.
 pub fn node(space: &RunSpace) -> Result<Node<ipc::Service>, BenchError> {
     NodeBuilder::new()
-        .config(&space.config()?)
+        .config(&space.config(2)?)
         .signal_handling_mode(SignalHandlingMode::Disabled)
         .create::<ipc::Service>()
         .map_err(BenchError::raw("create a node"))

@@ -51,7 +51,7 @@ impl Record {
     ) -> Result<(), MissionError> {
         match self {
             Self::Log(recorder) => recorder.take(tick, observer)?,
-            Self::Tally(tally) => tally.take(observer)?,
+            Self::Tally(tally) => tally.take(Some(tick), observer)?,
         }
         Ok(())
     }

@@ -19,10 +19,85 @@ use super::run::MissionOptions;
 use super::{log_path, report};
 use crate::recorder::{
     Compression, LogError, LogOptions, Manifest, ManifestFile, Order, ProcessInfo, Recorder,
-    RecorderError, RecorderOptions, Recording, RobotInfo, Summary, ViewerOptions,
+    RecorderError, RecorderOptions, Recording, RobotInfo, Summary, Tally, ViewerOptions,
 };
 use crate::scenario::ResolvedScenario;
 use crate::scenario::spec;
+
+/// What is kept of a run with processes.
+pub(super) enum Kept {
+    /// A log.
+    Log(Box<Recording>),
+    /// What the run amounts to, counted by someone who knows these processes and robots.
+    Tally {
+        /// Everybody who sends.
+        processes: Vec<ProcessInfo>,
+        /// The robots.
+        robots: Vec<RobotInfo>,
+        /// Simulated time between two ticks [ns].
+        tick_period_ns: u64,
+    },
+}
+
+impl Kept {
+    /// Creates the log, if there is to be one.
+    ///
+    /// # Errors
+    /// As [`create_log`].
+    pub(super) fn create(
+        scenario: &ResolvedScenario,
+        plan: &Plan,
+        options: &MissionOptions,
+    ) -> Result<Self, MissionError> {
+        // In real time ticks have no end that everybody waits for: only a recording sorts them.
+        if options.without_log && plan.run.clock == Clock::LockStep {
+            return Ok(Self::Tally {
+                processes: processes(plan),
+                robots: robots(plan),
+                tick_period_ns: plan.run.tick_period_ns,
+            });
+        }
+        Ok(Self::Log(Box::new(create_log(scenario, plan, options)?)))
+    }
+}
+
+/// The recorder of a run with processes.
+enum Keeper {
+    Log(Box<Recorder>),
+    Tally(Box<Tally>),
+}
+
+impl Keeper {
+    fn open(bus: &Bus, kept: Kept) -> Result<Self, RecorderError> {
+        Ok(match kept {
+            Kept::Log(recording) => Self::Log(Box::new(Recorder::open(bus, *recording)?)),
+            Kept::Tally {
+                processes,
+                robots,
+                tick_period_ns,
+            } => {
+                // Maps in shared memory are never known from another run.
+                let beginnings = Arc::default();
+                let tally = Tally::open(bus, &processes, &robots, tick_period_ns, beginnings)?;
+                Self::Tally(Box::new(tally))
+            }
+        })
+    }
+
+    fn update_connections(&self) -> Result<(), RecorderError> {
+        match self {
+            Self::Log(recorder) => recorder.update_connections(),
+            Self::Tally(tally) => tally.update_connections(),
+        }
+    }
+
+    fn run(self, gate: &PageGate, printer: &mut EventPrinter) -> Result<Summary, RecorderError> {
+        match self {
+            Self::Log(recorder) => recorder.run(gate, printer),
+            Self::Tally(tally) => tally.run(gate, printer),
+        }
+    }
+}
 
 /// Creates the log. Without a name of its own it takes the first free one, also when another run
 /// takes names at the same time.
@@ -182,7 +257,7 @@ impl RecorderThread {
     pub(super) fn start(
         plan: &Plan,
         overseer: &Overseer,
-        recording: Recording,
+        kept: Kept,
         mut printer: EventPrinter,
     ) -> Result<Self, MissionError> {
         let system = |what: &str| {
@@ -205,7 +280,7 @@ impl RecorderThread {
                 // The ports of the bus belong to the thread that opened them.
                 let bus =
                     Bus::join(&space, bus_options, "recorder").map_err(RecorderError::Subscribe)?;
-                let recorder = Recorder::open(&bus, recording)?;
+                let recorder = Keeper::open(&bus, kept)?;
                 let _ = tell.send(());
                 // Both channels end when the run ends before it began.
                 if do_connect.recv().is_ok() {

@@ -22,7 +22,7 @@ use super::children::{RunningProcess, end_all, sleep_until_exit};
 use super::error::MissionError;
 use super::plan::Plan;
 use super::progress::Progress;
-use super::recording::{RecorderThread, create_log};
+use super::recording::{Kept, RecorderThread};
 use super::report;
 use super::spaces::{self, OwnedSpace};
 use crate::recorder::Summary;
@@ -43,7 +43,8 @@ pub struct MissionOptions {
     pub out: Option<PathBuf>,
     /// Whether an existing log may be overwritten.
     pub force: bool,
-    /// Whether no log is kept: the summary is the same, but for its log, which is empty.
+    /// Whether no log is kept: the summary is the same, but for its log and its latencies, which
+    /// are empty.
     pub without_log: bool,
     /// Whether nothing but errors is shown.
     pub quiet: bool,
@@ -91,7 +92,7 @@ pub fn run(
         space.space().prefix(),
         log_level,
     )?;
-    let recording = create_log(scenario, &plan, options)?;
+    let kept = Kept::create(scenario, &plan, options)?;
 
     let bus = Bus::join(space.space(), plan.run.bus_options(), "orchestrator")?;
     let services = create_services(&bus, &plan)?;
@@ -112,7 +113,7 @@ pub fn run(
         .map(|r| r.name.clone())
         .collect();
     let printer = progress.events(robots, options.quiet);
-    let recorder = RecorderThread::start(&plan, &overseer, recording, printer)?;
+    let recorder = RecorderThread::start(&plan, &overseer, kept, printer)?;
 
     let bridge = Bridge::start(&plan, &bus, &page)?;
 

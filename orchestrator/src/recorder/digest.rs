@@ -2,8 +2,8 @@
 
 use super::parts::Parts;
 
-/// Messages are gathered up to this size before they are hashed: BLAKE3 is fastest on many blocks
-/// at once. A multiple of its chunk of 1024 bytes.
+/// Messages are gathered to exactly this size before they are hashed: BLAKE3 is fastest on many of
+/// its chunks of 1024 bytes at once, and takes many at once only where a power of two of them ends.
 const BUFFER_BYTES: usize = 16 * 1024;
 
 /// Hashes messages apart by topic and source, in the order in which each source sent them, so that
@@ -108,14 +108,20 @@ impl Stream {
     }
 
     fn push(&mut self, bytes: &[u8]) {
-        if self.buffer.len() + bytes.len() > BUFFER_BYTES {
-            self.empty();
-        }
-        if bytes.len() > BUFFER_BYTES {
-            self.hasher.update(bytes);
-        } else {
+        let room = BUFFER_BYTES - self.buffer.len();
+        if bytes.len() < room {
             self.buffer.extend_from_slice(bytes);
+            return;
         }
+        let (fitting, mut rest) = bytes.split_at(room);
+        self.buffer.extend_from_slice(fitting);
+        self.empty();
+        if rest.len() >= BUFFER_BYTES {
+            let (whole, behind) = rest.split_at(rest.len() - rest.len() % BUFFER_BYTES);
+            self.hasher.update(whole);
+            rest = behind;
+        }
+        self.buffer.extend_from_slice(rest);
     }
 
     fn empty(&mut self) {

@@ -129,8 +129,8 @@ pub struct MapInput {
     subscriber: Subscriber<WorldMap>,
     /// Header of the newest map.
     pub header: MapHeader,
-    /// Cells of the newest map.
-    pub cells: Arc<[MapCell]>,
+    /// The newest map, where its sender wrote it: what is made of it is all that is copied.
+    newest: Option<Received<WorldMap>>,
     maps: Option<Arc<Maps>>,
     /// Maps that failed the checks.
     pub rejected: u64,
@@ -145,7 +145,7 @@ impl MapInput {
         Ok(Self {
             subscriber: bus.subscriber()?,
             header: MapHeader::default(),
-            cells: Arc::from([]),
+            newest: None,
             maps: bus.commons(),
             rejected: 0,
         })
@@ -159,6 +159,11 @@ impl MapInput {
         self.subscriber.update_connections()
     }
 
+    /// Cells of the newest map.
+    pub fn cells(&self) -> &[MapCell] {
+        self.newest.as_ref().map_or(&[], Received::elements)
+    }
+
     /// The planners' map of the newest message, made by `make` unless another process of the same
     /// thread has made it; `exact`: with the exact pieces of `world/shapes`.
     ///
@@ -169,14 +174,15 @@ impl MapInput {
         exact: bool,
         make: impl FnOnce(&Self) -> Result<PlannerMap, E>,
     ) -> Result<Arc<PlannerMap>, E> {
-        let Some(maps) = &self.maps else {
+        let shared = self.newest.as_ref().and_then(Received::shared);
+        let Some((maps, cells)) = self.maps.as_ref().zip(shared) else {
             return make(self).map(Arc::new);
         };
-        if let Some(map) = maps.known(&self.cells, exact) {
+        if let Some(map) = maps.known(cells, exact) {
             return Ok(map);
         }
         let map = make(self).map(Arc::new)?;
-        Ok(maps.keep(&self.cells, exact, map))
+        Ok(maps.keep(cells, exact, map))
     }
 
     /// Whether another process of this thread has checked these cells and made a map of them.
@@ -212,7 +218,7 @@ impl MapInput {
                         .all(|c| c.clearance.is_finite() && c.blurred.is_finite()));
             if sound {
                 self.header = *header;
-                self.cells = message.shared_elements();
+                self.newest = Some(message);
                 newer = true;
             } else {
                 self.rejected += 1;

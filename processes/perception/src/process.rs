@@ -176,7 +176,8 @@ impl Wiring for PerceptionProcess {
 
 impl PerceptionProcess {
     fn take_map(&mut self) -> Result<(), ProcessError> {
-        let map = blurred_map(&map_grids(&self.map))?;
+        let grids = map_grids(&self.map);
+        let map = blurred_map(grids.blurred, grids.occupied)?;
         if let Some(perception) = &mut self.perception {
             perception.set_map(&map);
             return Ok(());

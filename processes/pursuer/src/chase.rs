@@ -296,7 +296,7 @@ fn in_bounds(
 fn bearings<'a>(
     finder: &'a mut Wayfinder,
     params: &PursuerParams,
-    map: &PlannerMap,
+    map: &'a PlannerMap,
     here: Point2<f64>,
     targets: impl IntoIterator<Item = Point2<f64>>,
 ) -> Bearings<'a> {

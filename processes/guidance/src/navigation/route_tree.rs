@@ -1,10 +1,10 @@
 //! The shortest ways from one place to everywhere.
 
-use core::cmp::Reverse;
-use std::collections::BinaryHeap;
+use core::sync::atomic::{AtomicU32, Ordering};
 
 use nalgebra::Point2;
 
+use super::frontier::Frontier;
 use super::nav_grid::{NONE, NavGrid};
 use crate::map::PlannerMap;
 
@@ -41,7 +41,8 @@ pub struct Leg {
 /// Besides length and parent, a tree that was planted with gates knows every node's *gate*: the
 /// last node of the way to it up to which all of the way can be seen from the root, looking no
 /// further than [`NavGrid::sight`]. Heading for gates cuts off the corners of the grid's eight
-/// directions.
+/// directions. Gates are found when they are asked for: of all the nodes that a tree reaches, few
+/// are ever a destination.
 ///
 /// The tree grows outwards from the root and only as far as it is asked to ([`RouteTree::reach`]);
 /// what lies further is unknown, not unreachable.
@@ -55,7 +56,7 @@ pub struct RouteTree {
     /// How long the cheapest way is [mm].
     length: Vec<u32>,
     parent: Vec<u32>,
-    gate: Vec<u32>,
+    gates: Gates,
     /// Per node, how many were reached before it; [`NONE`] until it is reached.
     rank: Vec<u32>,
     /// How many nodes have been reached.
@@ -64,8 +65,8 @@ pub struct RouteTree {
     /// Extra cost of a node as a fraction of the length of its edges, in 1/256; [`NONE`] until it
     /// is needed; empty when nothing threatens.
     extra: Vec<u32>,
-    /// Nodes on the rim: cost in the upper half, node in the lower.
-    queue: BinaryHeap<Reverse<u64>>,
+    /// Nodes on the rim.
+    queue: Frontier,
     /// Where the gates are seen from; nothing in a tree without gates.
     origin: Option<Point2<f64>>,
 }
@@ -77,12 +78,12 @@ impl Default for RouteTree {
             cost: Vec::new(),
             length: Vec::new(),
             parent: Vec::new(),
-            gate: Vec::new(),
+            gates: Gates::default(),
             rank: Vec::new(),
             settled: 0,
             threats: Vec::new(),
             extra: Vec::new(),
-            queue: BinaryHeap::new(),
+            queue: Frontier::default(),
             origin: None,
         }
     }
@@ -92,6 +93,7 @@ impl RouteTree {
     /// Plants the tree anew at a root node, with gates, in the memory of the old one.
     pub fn plant(&mut self, grid: &NavGrid, root: usize) {
         self.plant_without_gates(grid, &[root], &[]);
+        self.gates.0.resize_with(grid.len(), Gates::unknown);
         self.origin = grid.point(root);
     }
 
@@ -104,12 +106,12 @@ impl RouteTree {
             (&mut self.cost, UNREACHED),
             (&mut self.length, UNREACHED),
             (&mut self.parent, NONE),
-            (&mut self.gate, NONE),
             (&mut self.rank, NONE),
         ] {
             values.clear();
             values.resize(nodes, fill);
         }
+        self.gates.0.clear();
         self.settled = 0;
         self.threats.clear();
         self.threats.extend_from_slice(threats);
@@ -122,15 +124,15 @@ impl RouteTree {
         for &root in roots.iter().filter(|&&root| root < nodes) {
             self.cost[root] = 0;
             self.length[root] = 0;
-            self.queue.push(Reverse(root as u64));
+            self.queue.push(0, root as u32);
         }
     }
 
-    /// Grows the tree until it reaches a node; whether it does. Must be given the map and graph
-    /// for which the tree was planted.
-    pub fn reach(&mut self, map: &PlannerMap, grid: &NavGrid, node: usize) -> bool {
+    /// Grows the tree until it reaches a node; whether it does. Must be given the graph for which
+    /// the tree was planted.
+    pub fn reach(&mut self, grid: &NavGrid, node: usize) -> bool {
         while !self.knows(node) {
-            if !self.settle_next(map, grid) {
+            if !self.settle_next(grid) {
                 return false;
             }
         }
@@ -139,18 +141,17 @@ impl RouteTree {
 
     /// Grows the tree until it has reached this many nodes, or all that can be reached. Like
     /// [`RouteTree::reach`].
-    pub fn settle(&mut self, map: &PlannerMap, grid: &NavGrid, nodes: u32) {
-        while self.settled < nodes && self.settle_next(map, grid) {}
+    pub fn settle(&mut self, grid: &NavGrid, nodes: u32) {
+        while self.settled < nodes && self.settle_next(grid) {}
     }
 
     /// Reaches one more node; false if there is none.
-    fn settle_next(&mut self, map: &PlannerMap, grid: &NavGrid) -> bool {
-        while let Some(Reverse(next)) = self.queue.pop() {
-            let (cost, from) = ((next >> 32) as u32, next as u32 as usize);
+    fn settle_next(&mut self, grid: &NavGrid) -> bool {
+        while let Some((cost, from)) = self.queue.pop() {
+            let from = from as usize;
             if cost > self.cost[from] || self.knows(from) {
                 continue;
             }
-            self.find_gate(map, grid, from);
             self.rank[from] = self.settled;
             self.settled += 1;
             for edge in grid.edges(from) {
@@ -160,8 +161,7 @@ impl RouteTree {
                     self.cost[to] = reached;
                     self.length[to] = self.length[from].saturating_add(edge.length);
                     self.parent[to] = from as u32;
-                    self.queue
-                        .push(Reverse(u64::from(reached) << 32 | u64::from(edge.to)));
+                    self.queue.push(reached, edge.to);
                 }
             }
             return true;
@@ -211,29 +211,50 @@ impl RouteTree {
             .map(|&parent| parent as usize)
     }
 
-    /// The last node on the way to this one that can be seen from the root.
-    pub fn gate(&self, node: usize) -> Option<usize> {
-        self.gate
-            .get(node)
-            .filter(|&&gate| gate != NONE)
-            .map(|&gate| gate as usize)
-    }
-
-    fn find_gate(&mut self, map: &PlannerMap, grid: &NavGrid, node: usize) {
-        let (Some(origin), Some(parent)) = (self.origin, self.parent(node)) else {
-            // A root, or a tree without gates.
-            self.gate[node] = node as u32;
-            return;
+    /// The last node on the way to this one that can be seen from the root; in a tree without gates
+    /// the node itself. `None` if the tree has not reached it. Must be given the map and graph for
+    /// which the tree was planted.
+    pub fn gate(&self, map: &PlannerMap, grid: &NavGrid, node: usize) -> Option<usize> {
+        self.rank(node)?;
+        let Some(origin) = self.origin else {
+            return Some(node);
         };
+        if let Some(known) = self.gates.get(node) {
+            return Some(known as usize);
+        }
+        // Gates are handed down from the root, so those of the way to the node come first.
+        let mut way = vec![node];
+        let mut next = self.parent(node);
+        let mut gate = None;
+        while let Some(before) = next {
+            gate = self.gates.get(before);
+            if gate.is_some() {
+                break;
+            }
+            way.push(before);
+            next = self.parent(before);
+        }
         let sight = (grid.sight() * 1000.0) as u32;
-        let inherited = self.gate[parent];
-        // The way is seen as far as this node if it is seen as far as the parent, and this node is.
-        let in_sight = inherited == parent as u32
-            && self.length[parent] < sight
-            && grid
-                .point(node)
-                .is_some_and(|point| map.line_is_clear(origin, point, grid.inflation()));
-        self.gate[node] = if in_sight { node as u32 } else { inherited };
+        let mut parent = next;
+        for &node in way.iter().rev() {
+            let found = match (parent, gate) {
+                (Some(parent), Some(inherited)) => {
+                    // The way is seen as far as this node if it is seen as far as the parent, and
+                    // this node is.
+                    let in_sight = inherited == parent as u32
+                        && self.length[parent] < sight
+                        && grid.point(node).is_some_and(|point| {
+                            map.line_is_clear(origin, point, grid.inflation())
+                        });
+                    if in_sight { node as u32 } else { inherited }
+                }
+                // The root.
+                _ => node as u32,
+            };
+            self.gates.set(node, found);
+            (parent, gate) = (Some(node), Some(found));
+        }
+        gate.map(|gate| gate as usize)
     }
 
     fn edge_cost(&mut self, grid: &NavGrid, from: usize, to: usize, length: u32) -> u32 {
@@ -264,12 +285,45 @@ impl RouteTree {
     }
 }
 
+/// Per node, its gate, or [`NONE`] until it is asked for; nothing in a tree without gates.
+///
+/// Those who look at the same tree may find the same gate at the same time: it is a function of the
+/// tree, so that all find the same.
+#[derive(Debug, Default)]
+struct Gates(Vec<AtomicU32>);
+
+impl Gates {
+    fn unknown() -> AtomicU32 {
+        AtomicU32::new(NONE)
+    }
+
+    fn get(&self, node: usize) -> Option<u32> {
+        let gate = self.0.get(node)?.load(Ordering::Relaxed);
+        (gate != NONE).then_some(gate)
+    }
+
+    fn set(&self, node: usize, gate: u32) {
+        if let Some(place) = self.0.get(node) {
+            place.store(gate, Ordering::Relaxed);
+        }
+    }
+}
+
+impl Clone for Gates {
+    fn clone(&self) -> Self {
+        let copy = |gate: &AtomicU32| AtomicU32::new(gate.load(Ordering::Relaxed));
+        Self(self.0.iter().map(copy).collect())
+    }
+}
+
 /// A tree together with its graph: shortest ways from a robot to points of the world.
 ///
 /// Answers for the points it was asked for (see [`super::Wayfinder::routes`]) and others that are
 /// no further; of the rest it says that no way is known.
 #[derive(Debug, Clone, Copy)]
 pub struct Routes<'a> {
+    /// The map that the graph is laid over.
+    pub(super) map: &'a PlannerMap,
     /// The graph.
     pub(super) grid: &'a NavGrid,
     /// The tree in it; others may have grown it further than was asked for here.
@@ -288,7 +342,7 @@ impl Routes<'_> {
     /// The first leg of the way to a point [m]; `None` if no way is known.
     pub fn leg_to(&self, to: Point2<f64>) -> Option<Leg> {
         let node = self.known(to)?;
-        let gate = self.tree.gate(node)?;
+        let gate = self.tree.gate(self.map, self.grid, node)?;
         let last = self.grid.point(node)?;
         if gate == node {
             return Some(Leg {

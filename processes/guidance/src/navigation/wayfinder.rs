@@ -107,36 +107,36 @@ impl Wayfinder {
     /// nowhere.
     ///
     /// [`prepare`]: Self::prepare
-    pub fn routes(
-        &mut self,
-        map: &PlannerMap,
+    pub fn routes<'a>(
+        &'a mut self,
+        map: &'a PlannerMap,
         slot: usize,
         root: Point2<f64>,
         targets: impl IntoIterator<Item = Point2<f64>>,
-    ) -> Option<Routes<'_>> {
+    ) -> Option<Routes<'a>> {
         self.grow(map, slot, root, targets, true)
     }
 
     /// As [`routes`](Self::routes), but good only for lengths and whole ways, and cheaper: the
     /// first leg of every way is its destination.
-    pub fn lengths(
-        &mut self,
-        map: &PlannerMap,
+    pub fn lengths<'a>(
+        &'a mut self,
+        map: &'a PlannerMap,
         slot: usize,
         root: Point2<f64>,
         targets: impl IntoIterator<Item = Point2<f64>>,
-    ) -> Option<Routes<'_>> {
+    ) -> Option<Routes<'a>> {
         self.grow(map, slot, root, targets, false)
     }
 
-    fn grow(
-        &mut self,
-        map: &PlannerMap,
+    fn grow<'a>(
+        &'a mut self,
+        map: &'a PlannerMap,
         slot: usize,
         root: Point2<f64>,
         targets: impl IntoIterator<Item = Point2<f64>>,
         gates: bool,
-    ) -> Option<Routes<'_>> {
+    ) -> Option<Routes<'a>> {
         let ways = self.ways.as_ref()?;
         let grid = &ways.grid;
         let node = grid.node_at(root)?;
@@ -164,9 +164,10 @@ impl Wayfinder {
             .into_iter()
             .filter_map(|target| grid.node_at(target))
         {
-            kept.reach(map, ways, target);
+            kept.reach(ways, target);
         }
         Some(Routes {
+            map,
             grid,
             tree: &kept.tree,
             horizon: kept.horizon,
@@ -209,7 +210,7 @@ impl Wayfinder {
             });
             kept.planted = Planted::Out(roots);
         }
-        if !kept.reach(map, ways, node) {
+        if !kept.reach(ways, node) {
             return None;
         }
         descend(map, grid, &kept.tree, from, node, exits)
@@ -235,7 +236,7 @@ impl Slot {
     }
 
     /// Grows the tree until it reaches a node; whether it does.
-    fn reach(&mut self, map: &PlannerMap, ways: &Ways, node: usize) -> bool {
+    fn reach(&mut self, ways: &Ways, node: usize) -> bool {
         loop {
             if let Some(rank) = self.tree.rank(node) {
                 self.horizon = self.horizon.max(rank + 1);
@@ -246,7 +247,7 @@ impl Slot {
                 return false;
             }
             let Some(seed) = &self.seed else {
-                Arc::make_mut(&mut self.tree).reach(map, &ways.grid, node);
+                Arc::make_mut(&mut self.tree).reach(&ways.grid, node);
                 continue;
             };
             let known = ways.tree(seed);
@@ -257,8 +258,8 @@ impl Slot {
             // A copy, if others look at it; so that copies are rare, it grows further than needed.
             let tree = Arc::make_mut(&mut self.tree);
             let before = tree.settled();
-            tree.reach(map, &ways.grid, node);
-            tree.settle(map, &ways.grid, before.saturating_mul(2));
+            tree.reach(&ways.grid, node);
+            tree.settle(&ways.grid, before.saturating_mul(2));
             ways.keep(seed, &self.tree);
         }
     }

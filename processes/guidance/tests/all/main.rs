@@ -10,5 +10,6 @@ mod field_goldens;
 mod free_space;
 mod navigation;
 mod shortest_path;
+mod sight_lines;
 mod walls_and_bodies;
 mod wavefront;

@@ -20,6 +20,7 @@ pub struct MapGrids {
 
 /// The grids of the newest map.
 pub fn map_grids(map: &MapInput) -> MapGrids {
+    let cells = map.cells();
     let frame = GridFrame {
         width: map.header.width as usize,
         height: map.header.height as usize,
@@ -29,25 +30,25 @@ pub fn map_grids(map: &MapInput) -> MapGrids {
     MapGrids {
         blurred: Grid {
             frame,
-            cells: map.cells.iter().map(|c| c.blurred).collect(),
+            cells: cells.iter().map(|c| c.blurred).collect(),
         },
         occupied: Grid {
             frame,
-            cells: map.cells.iter().map(|c| c.occupied != 0).collect(),
+            cells: cells.iter().map(|c| c.occupied != 0).collect(),
         },
         clearance: Grid {
             frame,
-            cells: map.cells.iter().map(|c| c.clearance).collect(),
+            cells: cells.iter().map(|c| c.clearance).collect(),
         },
     }
 }
 
-/// The blurred map of the newest map message.
+/// The blurred map of the layers of a map message.
 ///
 /// # Errors
-/// [`ProcessError::Protocol`] if the message makes no map.
-pub fn blurred_map(grids: &MapGrids) -> Result<BlurredMap, ProcessError> {
-    BlurredMap::from_parts(grids.blurred.clone(), grids.occupied.clone())
+/// [`ProcessError::Protocol`] if the layers make no map.
+pub fn blurred_map(blurred: Grid<f32>, occupied: Grid<bool>) -> Result<BlurredMap, ProcessError> {
+    BlurredMap::from_parts(blurred, occupied)
         .map_err(|e| ProcessError::Protocol(format!("world/map: {e}")))
 }
 
@@ -56,8 +57,12 @@ pub fn blurred_map(grids: &MapGrids) -> Result<BlurredMap, ProcessError> {
 /// # Errors
 /// [`ProcessError::Protocol`] if the message makes no map.
 pub fn planner_map(input: &MapInput) -> Result<PlannerMap, ProcessError> {
-    let grids = map_grids(input);
-    let blurred = blurred_map(&grids)?;
-    PlannerMap::new(blurred, grids.clearance, u64::from(input.header.revision))
+    let MapGrids {
+        blurred,
+        occupied,
+        clearance,
+    } = map_grids(input);
+    let blurred = blurred_map(blurred, occupied)?;
+    PlannerMap::new(blurred, clearance, u64::from(input.header.revision))
         .map_err(|e| ProcessError::Protocol(format!("world/map: {e}")))
 }
