@@ -73,11 +73,21 @@ pub trait Curve {
     /// The curve that the variables `z` stand for, for looking at many of its points.
     fn trace(&self, z: &[f64]) -> Trace<'_>;
 
-    /// The variable that is the speed at the start in the direction asked for, if there is one.
-    fn start_speed(&self) -> Option<usize>;
+    /// What it begins and ends with.
+    fn ends(&self) -> &Ends;
 
-    /// The variable that is the speed at the goal in the direction asked for, if there is one.
-    fn goal_speed(&self) -> Option<usize>;
+    /// The variable that is the speed at the start in the direction asked for, if there is one: the
+    /// first of all.
+    fn start_speed(&self) -> Option<usize> {
+        self.ends().start_heading.map(|_| 0)
+    }
+
+    /// The variable that is the speed at the goal in the direction asked for, if there is one: the
+    /// next.
+    fn goal_speed(&self) -> Option<usize> {
+        let before = usize::from(self.ends().start_heading.is_some());
+        self.ends().goal_heading.map(|_| before)
+    }
 
     /// The places between which the curve is smooth, with 0 and 1.
     fn breaks(&self) -> &[f64];

@@ -309,14 +309,8 @@ impl Curve for Pursuit {
         })
     }
 
-    fn start_speed(&self) -> Option<usize> {
-        self.ends.start_heading.map(|_| 0)
-    }
-
-    fn goal_speed(&self) -> Option<usize> {
-        self.ends
-            .goal_heading
-            .map(|_| usize::from(self.ends.start_heading.is_some()))
+    fn ends(&self) -> &Ends {
+        &self.ends
     }
 
     fn breaks(&self) -> &[f64] {
