@@ -202,6 +202,42 @@ fn two_clients_at_once_get_their_own_honest_plans() {
     }
 }
 
+#[test]
+fn a_request_that_names_the_plan_it_follows_begins_near_it() {
+    let rig = optimiser(2);
+    let mut client = client(&rig, 2);
+    let points = obstacles();
+    let first = PlanRequest {
+        method: PlanRequest::BSPLINE,
+        ..request(0)
+    };
+    client.ask(first, &points).unwrap();
+    let (header, samples) = answer(&mut client);
+    let middle = samples[samples.len() / 3];
+    let on = PlanRequest {
+        start_x: middle.x,
+        start_y: middle.y,
+        start_theta: middle.theta,
+        ..first
+    };
+    let mut ask = |last: u64| {
+        client.ask(PlanRequest { last, ..on }, &points).unwrap();
+        answer(&mut client)
+    };
+    let cold = ask(0);
+    // A plan that nobody was given is none.
+    let unknown = ask(1_000);
+    assert_eq!(as_samples(&unknown.1), as_samples(&cold.1));
+    let follows = header.stamp.sequence + 1;
+    let warm = ask(follows);
+    assert!(warm.0.is_plan() && warm.0.iterations <= cold.0.iterations);
+    // It does begin elsewhere, and ends about as well.
+    assert_ne!(as_samples(&warm.1), as_samples(&cold.1));
+    assert!((warm.0.final_time / cold.0.final_time - 1.0).abs() < 1e-3);
+    // What was asked in between makes no difference.
+    assert_eq!(as_samples(&ask(follows).1), as_samples(&warm.1));
+}
+
 /// What makes a request one to be refused.
 type Change = fn(&mut PlanRequest, &mut Vec<ShapePoint>);
 

@@ -34,6 +34,8 @@ struct Link {
     client: OptimiserClient,
     robot: u32,
     clock: Clock,
+    /// [`PlanRequest::last`](ipc_types::messages::optimiser::PlanRequest::last) of the newest plan.
+    last: u64,
 }
 
 impl Planner for NavigatorPlanner {
@@ -76,6 +78,7 @@ impl Planner for NavigatorPlanner {
             client: OptimiserClient::open(bus, config.index)?,
             robot,
             clock: config.run.clock,
+            last: 0,
         });
         Ok(())
     }
@@ -137,6 +140,9 @@ impl NavigatorPlanner {
                 {
                     tracing::warn!("{}: {reason}", self.name);
                 }
+                if planned.is_ok() {
+                    link.last = header.stamp.sequence.saturating_add(1);
+                }
                 self.navigator.take(planned, space, view.time_s);
             }
         }
@@ -149,7 +155,8 @@ impl NavigatorPlanner {
             };
             let deadline_ns = link.deadline_ns(self.params.planning_time_s);
             let plan = &self.params.plan;
-            let (header, points) = wire::encode(ask, plan, link.robot, deadline_ns, stamp);
+            let (header, points) =
+                wire::encode(ask, plan, link.robot, link.last, deadline_ns, stamp);
             link.client.ask(header, &points)?;
         }
         Ok(Steering {

@@ -10,11 +10,12 @@ use crate::ask::{Ask, Unplanned};
 use crate::params::{Guess, Method, PlanningParams};
 use crate::trajectory::{Sample, Trajectory};
 
-/// The request of a question.
+/// The request of a question; `last` as in [`PlanRequest::last`].
 pub fn encode(
     ask: &Ask,
     params: &PlanningParams,
     robot: u32,
+    last: u64,
     deadline_ns: u64,
     stamp: Stamp,
 ) -> (PlanRequest, Vec<ShapePoint>) {
@@ -50,6 +51,7 @@ pub fn encode(
         reference_x,
         reference_y,
         deadline_ns,
+        last,
         robot,
         method: match params.method {
             Method::Bspline => PlanRequest::BSPLINE,

@@ -18,6 +18,9 @@ use sim_backend::math;
 /// A gap to the lower bound below which nothing better is looked for, relative to it; besides what
 /// it costs to turn into the shortest path on the spot.
 const GOOD: f64 = 1e-3;
+/// Length of what is left of the last plan, relative to the shortest path, up to which the search
+/// begins there: what is longer goes another way.
+const DETOUR: f64 = 1.03;
 /// Most of these costs that is allowed, relative to the lower bound.
 const MOST_TURNING: f64 = 1.5e-3;
 
@@ -93,7 +96,9 @@ pub fn plan(
             guide: coarse.as_ref().unwrap_or(guide),
             shortest,
             options,
-            rest: last.and_then(|plan| warm::rest(problem, &ground, plan)),
+            rest: last
+                .and_then(|plan| warm::rest(problem, &ground, plan))
+                .filter(|rest| rest.guide.length() <= DETOUR * shortest),
             programs: 0,
         };
         let good = bound * (1.0 + GOOD) + turning_time(problem, guide).min(MOST_TURNING * bound);

@@ -7,7 +7,7 @@ use kit::{ProcessConfig, ProcessError, Wiring};
 use crate::answer::{self, Refusal};
 use crate::params::OptimiserParams;
 use crate::request;
-use crate::service::{self, Dispatcher, Given};
+use crate::service::{self, Dispatcher, Given, Memory};
 
 /// Serves `optimiser/plan`.
 #[derive(Debug)]
@@ -72,11 +72,19 @@ impl Wiring for OptimiserProcess {
 
 /// Answers in the thread of who asks, without a clock: no time is over, none is measured.
 fn attend(bus: &Bus) -> Result<Attendant<OptimiserPlan>, ProcessError> {
-    let attendant = bus.attend::<OptimiserPlan>(|header, points| {
+    let mut memory = Memory::default();
+    let attendant = bus.attend::<OptimiserPlan>(move |header, points| {
+        let last = memory.last(header);
         let result = request::decode(header, points)
             .map_err(Refusal::from)
-            .and_then(|(problem, options)| service::solve(&problem, &options, &mut || false));
-        answer::encode(header, &result, 0)
+            .and_then(|(problem, options)| {
+                service::solve(&problem, &options, last.as_deref(), &mut || false)
+            });
+        let answer = answer::encode(header, &result, 0);
+        if let Ok(plan) = result {
+            memory.keep(header, plan);
+        }
+        answer
     })?;
     Ok(attendant)
 }

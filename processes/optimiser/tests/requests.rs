@@ -54,7 +54,7 @@ fn serve(header: &PlanRequest, points: &[ShapePoint]) -> PlanResponse {
     };
     let decoded = request::decode(header, points).map_err(Refusal::from);
     let result = decoded.and_then(|(problem, options)| {
-        let plan = service::solve(&problem, &options, &mut stop)?;
+        let plan = service::solve(&problem, &options, None, &mut stop)?;
         let ground = Ground::new(&problem).expect("it was planned on");
         let report = check::report(&problem, &ground, &plan.samples);
         assert!(report.is_honest(), "{header:?}: {:?}", report.violations);

@@ -29,7 +29,7 @@ fuzz_target!(|bytes: &[u8]| {
     };
     let result = request::decode(&header, &points)
         .map_err(Refusal::from)
-        .and_then(|(problem, options)| service::solve(&problem, &options, &mut stop));
+        .and_then(|(problem, options)| service::solve(&problem, &options, None, &mut stop));
     let (response, samples) = answer::encode(&header, &result, 0);
     assert_ne!(response.status, PlanResponse::FAILED);
     assert_eq!(response.is_plan(), !samples.is_empty());

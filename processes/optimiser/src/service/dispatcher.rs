@@ -14,6 +14,7 @@ use ipc_types::messages::optimiser::{PlanRequest, PlanResponse};
 use ipc_types::topics::{MAX_EVENT_ID, OptimiserPlan, PLAN_ANSWERED_EVENT, PLAN_ASKED_EVENT};
 use kit::ProcessError;
 
+use super::memory::Memory;
 use super::pool::{Done, Job, Pool};
 use crate::answer::{self, Refusal};
 use crate::plan::Plan;
@@ -131,6 +132,7 @@ struct Desk {
     answered: Notifier,
     next_id: u64,
     done: Vec<Done>,
+    memory: Memory,
 }
 
 impl Desk {
@@ -152,6 +154,7 @@ impl Desk {
             server: bus.server(given.source, PlanResponse::MAX_SAMPLES)?,
             next_id: 0,
             done: Vec::new(),
+            memory: Memory::default(),
         })
     }
 
@@ -191,6 +194,7 @@ impl Desk {
             id,
             problem,
             options,
+            last: self.memory.last(&header),
             deadline_ns: deadline_ns(&header, clock::monotonic_ns()),
             cancelled,
         });
@@ -217,6 +221,9 @@ impl Desk {
             if let Some(at) = self.open.iter().position(|open| open.id == done.id) {
                 let open = self.open.remove(at);
                 self.answer(&open.request, &done.result, done.solve_ns)?;
+                if let Ok(plan) = done.result {
+                    self.memory.keep(open.request.header(), plan);
+                }
             }
         }
         self.done = done;

@@ -5,12 +5,14 @@
 //! sends the answers. The process's own thread takes no part, so that it is never late for its turn.
 
 mod dispatcher;
+mod memory;
 mod pool;
 
 use core::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 pub use dispatcher::{Dispatcher, Given};
+pub use memory::Memory;
 
 use crate::answer::Refusal;
 use crate::options::Options;
@@ -19,19 +21,20 @@ use crate::problem::Problem;
 
 /// Plans; a panic, which would be a bug, becomes an answer instead of the end of everybody's run.
 ///
-/// Knows nothing of earlier requests: an answer depends on its request alone, whatever was asked,
-/// cancelled or late before it.
+/// `last` is the plan that the robot follows. Nothing else is known of earlier requests: an answer
+/// depends on its request and on that plan alone, whatever was asked, cancelled or late before it.
 ///
 /// # Errors
 /// [`Refusal`] if there is no plan.
 pub fn solve(
     problem: &Problem,
     options: &Options,
+    last: Option<&Plan>,
     stop: &mut dyn FnMut() -> bool,
 ) -> Result<Plan, Refusal> {
     // Nothing that the planning leaves half done outlives it.
     let planned = catch_unwind(AssertUnwindSafe(|| {
-        crate::plan(problem, options, None, stop)
+        crate::plan(problem, options, last, stop)
     }));
     match planned {
         Ok(result) => result.map_err(Refusal::Plan),

@@ -23,6 +23,8 @@ pub(super) struct Job {
     pub problem: Problem,
     /// How it shall be answered.
     pub options: Options,
+    /// The plan that the robot follows.
+    pub last: Option<Arc<Plan>>,
     /// Monotonic clock when the time for it is over [ns], if that counts.
     pub deadline_ns: Option<u64>,
     /// Set when the answer is not wanted any more.
@@ -162,7 +164,7 @@ fn work(job: &Job) -> Done {
                 .deadline_ns
                 .is_some_and(|deadline| clock::monotonic_ns() >= deadline)
     };
-    let result = super::solve(&job.problem, &job.options, &mut stop);
+    let result = super::solve(&job.problem, &job.options, job.last.as_deref(), &mut stop);
     Done {
         id: job.id,
         result,
