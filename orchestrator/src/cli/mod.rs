@@ -10,9 +10,11 @@ mod plan;
 mod process;
 mod run;
 mod sweep;
+mod sweep_output;
 mod sweep_page;
 mod sweep_planning;
 mod sweep_plans;
+mod sweep_schedule;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -234,6 +236,11 @@ fn print(text: &str) {
     use std::io::Write as _;
     let mut out = std::io::stdout().lock();
     let _ = writeln!(out, "{text}").and_then(|()| out.flush());
+}
+
+/// How many things this machine can do at once.
+fn processors() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
 }
 
 /// Writes a JSON object to stdout.

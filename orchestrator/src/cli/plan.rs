@@ -11,7 +11,7 @@ use optimiser::Method;
 use optimiser::options::{Constraints, Guess};
 
 use super::run::handle_signals;
-use super::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, print};
+use super::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, print, processors};
 use crate::figures::save;
 use crate::planning::batch::{Settings, solve_all};
 use crate::planning::summary::Summary;
@@ -199,10 +199,6 @@ pub(super) fn plan(args: &PlanArgs) -> ExitCode {
         return ExitCode::from(EXIT_FAILED);
     }
     told.conclude(&settings.options, interrupted.load(Ordering::SeqCst))
-}
-
-fn processors() -> usize {
-    std::thread::available_parallelism().map_or(1, usize::from)
 }
 
 /// What has been said of the answers so far.

@@ -10,20 +10,22 @@ use clap::Subcommand;
 use serde_json::json;
 
 use super::run::handle_signals;
+use super::sweep_output::{self, Listing, known, list};
 use super::sweep_page::{self, PageArgs};
 use super::sweep_planning;
 use super::sweep_plans::{self, PlansArgs};
-use super::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, print, print_json};
+use super::sweep_schedule::schedule;
+use super::{EXIT_FAILED, EXIT_INVALID, print, processors};
 use crate::sweep::engine::{Engine, InProcess, Processes};
-use crate::sweep::launcher::{self, Plan, Scheduler};
+use crate::sweep::launcher::Scheduler;
 use crate::sweep::merge::merge;
 use crate::sweep::planning::is_planning;
 use crate::sweep::runner::{self, RunOptions};
 use crate::sweep::shard::Shard;
-use crate::sweep::spec::{LogPolicy, RunSpec};
+use crate::sweep::spec::LogPolicy;
 use crate::sweep::{
-    Experiment, Kind, LoadOptions, Manifest, Results, Seeds, SweepError, describe, figures,
-    kind_of, summary,
+    Experiment, Kind, LoadOptions, Manifest, Results, Row, Seeds, SweepError, figures, kind_of,
+    summary,
 };
 
 /// What stands below the options.
@@ -201,28 +203,7 @@ fn redrawn(directory: &Path) -> ExitCode {
 
 /// Prints what the results amount to.
 fn conclude(results: &Results, report: Option<&runner::RunReport>, as_json: bool) -> ExitCode {
-    for note in results.notes() {
-        eprintln!("note: {note}");
-    }
-    if as_json {
-        print_json(&summary::json(results, report));
-    } else {
-        let table = results.directory().join("results.csv");
-        print(&format!(
-            "{}\nresults   {}",
-            summary::text(results, report),
-            table.display()
-        ));
-    }
-    let failures = results.rows().any(|(_, row)| row.is_failed());
-    // A part has done its work when its own missions are done.
-    let interrupted = report.is_some_and(|report| report.interrupted);
-    let missing = report.is_none() && !results.missing().is_empty();
-    if failures || interrupted || missing {
-        ExitCode::from(EXIT_PARTIAL)
-    } else {
-        ExitCode::SUCCESS
-    }
+    sweep_output::conclude(results, report, as_json, summary::json, summary::text)
 }
 
 fn run(path: &Path, args: &SweepRunArgs) -> ExitCode {
@@ -269,25 +250,15 @@ fn run(path: &Path, args: &SweepRunArgs) -> ExitCode {
         eprintln!("note: {note}");
     }
     let out = place(args, &experiment.name, shard);
-    if args.dry_run {
-        return dry_run(&experiment, args, shard, &out);
-    }
-    match args.engine {
-        Scheduler::Local => match local(&experiment, path, args, shard, &out) {
-            Ok(code) => code,
-            Err(error) => failed(&error),
-        },
-        scheduler => match schedule(
-            (&experiment.name, &experiment.run),
-            path,
-            args,
-            scheduler,
-            &out,
-        ) {
-            Ok(code) => code,
-            Err(error) => failed(&error),
-        },
-    }
+    let ended = if args.dry_run {
+        dry_run(&experiment, args, shard, &out)
+    } else if args.engine == Scheduler::Local {
+        local(&experiment, path, args, shard, &out)
+    } else {
+        let what = (experiment.name.as_str(), &experiment.run);
+        schedule(what, path, args, args.engine, &out)
+    };
+    ended.unwrap_or_else(|error| failed(&error))
 }
 
 /// Where results go.
@@ -301,74 +272,29 @@ pub(super) fn place(args: &SweepRunArgs, name: &str, shard: Shard) -> PathBuf {
 }
 
 /// Lists the missions that are still to be carried out.
-fn dry_run(experiment: &Experiment, args: &SweepRunArgs, shard: Shard, out: &Path) -> ExitCode {
+fn dry_run(
+    experiment: &Experiment,
+    args: &SweepRunArgs,
+    shard: Shard,
+    out: &Path,
+) -> Result<ExitCode, SweepError> {
     let manifest = Manifest::of(experiment);
-    let results = if out.exists() {
-        match Results::read(out) {
-            Ok(results) => match manifest.difference(results.manifest()) {
-                None => Some(results),
-                Some(difference) => {
-                    return failed(&SweepError::Other {
-                        path: out.to_owned(),
-                        difference,
-                    });
-                }
-            },
-            Err(SweepError::NotResults { .. }) => None,
-            Err(error) => return failed(&error),
-        }
-    } else {
-        None
-    };
+    let results = known::<Row>(out, &manifest)?;
     let (open, known) = runner::to_do(experiment, results.as_ref(), shard, args.retry_failed);
-    let names: Vec<&str> = experiment
-        .parameters
-        .iter()
-        .map(|p| p.name.as_str())
-        .collect();
-    let cell = |index: usize| experiment.cells.get(index);
-    if args.json {
-        let missions: Vec<_> = open
-            .iter()
-            .map(|mission| {
-                let cell = cell(mission.cell);
-                json!({
-                    "case": cell.map(|c| &c.case),
-                    "parameters": cell.map(|c| names.iter().zip(&c.values).collect::<std::collections::BTreeMap<_, _>>()),
-                    "seed": mission.seed,
-                    "scenario": cell.map(|c| &c.target),
-                    "set": cell.map(|c| &c.overrides),
-                })
-            })
-            .collect();
-        print_json(&json!({
-            "experiment": experiment.name,
-            "blake3": manifest.blake3,
-            "cells": experiment.cells.len(),
-            "seeds": experiment.seeds,
-            "known": known,
-            "missions": missions,
-        }));
-        return ExitCode::SUCCESS;
-    }
-    for mission in &open {
-        if let Some(cell) = cell(mission.cell) {
-            let label = describe(&cell.case, &names, &cell.values);
-            print(&format!("{label}, seed {}", mission.seed));
-        }
-    }
-    eprintln!(
-        "{}: {} cells, seeds {}; {} missions to carry out, {known} done",
-        experiment.name,
-        experiment.cells.len(),
-        experiment.seeds,
-        open.len(),
-    );
-    ExitCode::SUCCESS
-}
-
-pub(super) fn processors() -> usize {
-    std::thread::available_parallelism().map_or(1, usize::from)
+    let listing = Listing {
+        manifest: &manifest,
+        open: &open,
+        known,
+        what: "missions to carry out",
+    };
+    list(&listing, args.json, |cell| {
+        let cell = experiment.cells.get(cell);
+        json!({
+            "scenario": cell.map(|c| &c.target),
+            "set": cell.map(|c| &c.overrides),
+        })
+    });
+    Ok(ExitCode::SUCCESS)
 }
 
 fn local(
@@ -417,95 +343,4 @@ fn local(
     written?;
     figures::write(&results)?;
     Ok(conclude(&results, Some(&report), args.json))
-}
-
-/// The words that every part is given.
-fn shared_arguments(path: &Path, args: &SweepRunArgs) -> Vec<String> {
-    let mut words = vec![path.display().to_string()];
-    for set in &args.set {
-        words.extend(["--set".to_owned(), set.clone()]);
-    }
-    if let Some(seeds) = &args.seeds {
-        words.extend(["--seeds".to_owned(), seeds.clone()]);
-    }
-    if let Some(log) = args.log {
-        let name = match log {
-            LogPolicy::None => "none",
-            LogPolicy::Failed => "failed",
-            LogPolicy::All => "all",
-        };
-        words.extend(["--log".to_owned(), name.to_owned()]);
-    }
-    for directory in &args.reuse {
-        words.extend(["--reuse".to_owned(), directory.display().to_string()]);
-    }
-    for (given, word) in [
-        (args.in_process, "--in-process"),
-        (args.retry_failed, "--retry-failed"),
-        (args.allow_external, "--allow-external"),
-        (args.allow_outside, "--allow-outside"),
-    ] {
-        words.extend(given.then(|| word.to_owned()));
-    }
-    words
-}
-
-/// Writes the scripts of a scheduler, and starts them if asked to.
-pub(super) fn schedule(
-    (name, run): (&str, &RunSpec),
-    path: &Path,
-    args: &SweepRunArgs,
-    scheduler: Scheduler,
-    out: &Path,
-) -> Result<ExitCode, SweepError> {
-    let launcher_error = |what: String| SweepError::Launcher {
-        program: "sweep".to_owned(),
-        what,
-        help: None,
-    };
-    let program = std::env::current_exe()
-        .map_err(|e| launcher_error(format!("cannot find this program: {e}")))?;
-    let folder = std::env::current_dir()
-        .map_err(|e| launcher_error(format!("cannot find the present folder: {e}")))?;
-    let default_jobs = if scheduler == Scheduler::Slurm {
-        1
-    } else {
-        processors()
-    };
-    let plan = Plan {
-        program,
-        arguments: shared_arguments(path, args),
-        out: folder.join(out),
-        folder,
-        name: name.to_owned(),
-        shards: args.shards as usize,
-        jobs: args
-            .jobs
-            .map(usize::from)
-            .or(run.jobs)
-            .unwrap_or(default_jobs),
-    };
-    if args.submit {
-        launcher::check(scheduler)?;
-    }
-    let scripts = match scheduler {
-        Scheduler::Slurm => plan.write_slurm()?,
-        _ => plan.write_parallel()?,
-    };
-    if !args.submit {
-        for file in &scripts.files {
-            print(&file.display().to_string());
-        }
-        eprintln!(
-            "start it with: sh {}, or with --submit",
-            scripts.start.display()
-        );
-        return Ok(ExitCode::SUCCESS);
-    }
-    let status = launcher::start(&scripts.start)?;
-    Ok(match status.code() {
-        Some(0) => ExitCode::SUCCESS,
-        Some(code) => ExitCode::from(u8::try_from(code).unwrap_or(EXIT_FAILED)),
-        None => ExitCode::from(EXIT_FAILED),
-    })
 }

@@ -8,9 +8,11 @@ use std::time::Duration;
 
 use serde_json::json;
 
+use super::processors;
 use super::run::handle_signals;
-use super::sweep::{SweepRunArgs, failed, invalid, place, processors, schedule};
-use super::{EXIT_PARTIAL, print, print_json};
+use super::sweep::{SweepRunArgs, failed, invalid, place};
+use super::sweep_output::{self, Listing, known, list};
+use super::sweep_schedule::schedule;
 use crate::sweep::launcher::Scheduler;
 use crate::sweep::merge::merge;
 use crate::sweep::planning::{
@@ -19,7 +21,7 @@ use crate::sweep::planning::{
 use crate::sweep::runner::{RunOptions, RunReport};
 use crate::sweep::shard::Shard;
 use crate::sweep::spec::LogPolicy;
-use crate::sweep::{LoadOptions, Record as _, SweepError, describe};
+use crate::sweep::{LoadOptions, SweepError};
 
 /// Runs an experiment of plans, or the part of it that was asked for.
 pub(super) fn run(path: &Path, args: &SweepRunArgs, load: &LoadOptions, shard: Shard) -> ExitCode {
@@ -57,57 +59,18 @@ fn dry_run(
     out: &Path,
 ) -> Result<ExitCode, SweepError> {
     let manifest = experiment.manifest();
-    let results = match PlanResults::read(out) {
-        Ok(results) => Some(results),
-        Err(SweepError::NotResults { .. }) => None,
-        Err(error) => return Err(error),
-    };
-    if let Some(results) = &results
-        && let Some(difference) = manifest.difference(results.manifest())
-    {
-        let path = out.to_owned();
-        return Err(SweepError::Other { path, difference });
-    }
+    let results = known::<PlanRow>(out, &manifest)?;
     let (open, known) = to_do(experiment, results.as_ref(), shard, args.retry_failed);
-    let names: Vec<&str> = manifest.parameters.iter().map(String::as_str).collect();
-    let cell = |index: usize| experiment.cells.get(index);
-    if args.json {
-        let missions: Vec<_> = open
-            .iter()
-            .filter_map(|mission| {
-                let cell = cell(mission.cell)?;
-                let parameters: std::collections::BTreeMap<_, _> =
-                    names.iter().zip(&cell.values).collect();
-                Some(json!({
-                    "case": cell.case,
-                    "parameters": parameters,
-                    "seed": mission.seed,
-                    "task": cell.task,
-                }))
-            })
-            .collect();
-        print_json(&json!({
-            "experiment": experiment.name,
-            "blake3": manifest.blake3,
-            "cells": experiment.cells.len(),
-            "seeds": experiment.seeds,
-            "known": known,
-            "missions": missions,
-        }));
-        return Ok(ExitCode::SUCCESS);
-    }
-    for mission in &open {
-        if let Some(cell) = cell(mission.cell) {
-            let label = describe(&cell.case, &names, &cell.values);
-            print(&format!("{label}, seed {}", mission.seed));
-        }
-    }
-    eprintln!(
-        "{}: {} cells, seeds {}; {} plans to make, {known} done",
-        experiment.name,
-        experiment.cells.len(),
-        experiment.seeds,
-        open.len(),
+    let listing = Listing {
+        manifest: &manifest,
+        open: &open,
+        known,
+        what: "plans to make",
+    };
+    list(
+        &listing,
+        args.json,
+        |cell| json!({ "task": experiment.cells.get(cell).map(|c| &c.task) }),
     );
     Ok(ExitCode::SUCCESS)
 }
@@ -154,22 +117,5 @@ fn local(
 
 /// Prints what the results amount to.
 fn conclude(results: &PlanResults, report: Option<&RunReport>, as_json: bool) -> ExitCode {
-    for note in results.notes() {
-        eprintln!("note: {note}");
-    }
-    if as_json {
-        print_json(&summary::json(results, report));
-    } else {
-        let table = results.directory().join("results.csv");
-        let text = summary::text(results, report);
-        print(&format!("{text}\nresults   {}", table.display()));
-    }
-    let broken = results.rows().any(|(_, row)| row.is_failed());
-    let interrupted = report.is_some_and(|report| report.interrupted);
-    let missing = report.is_none() && !results.missing().is_empty();
-    if broken || interrupted || missing {
-        ExitCode::from(EXIT_PARTIAL)
-    } else {
-        ExitCode::SUCCESS
-    }
+    sweep_output::conclude(results, report, as_json, summary::json, summary::text)
 }

@@ -11,28 +11,22 @@
 
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
-use rustix::fs::{FlockOperation, flock};
-
+use super::directory::{MANIFEST, lock, read_manifest, replace, write_manifest};
 use super::error::SweepError;
 use super::journal::{self, Entry, Journal};
-use super::manifest::{Kind, Manifest};
+use super::manifest::Manifest;
 use super::row::{Record, Row};
 use super::seeds::Seeds;
 use super::table;
 
-/// Name of the manifest.
-const MANIFEST: &str = "manifest.json";
 /// Name of the copy of the experiment file.
 const EXPERIMENT: &str = "experiment.toml";
 /// Name of the table.
 const TABLE: &str = "results.csv";
 /// Name of the table of CPU times.
 const TIMES: &str = "times.csv";
-/// Name of the file that is locked while a sweep is at work.
-const LOCK: &str = "lock";
 
 /// One mission of an experiment. Their order is that of the results.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -393,19 +387,6 @@ impl<R: Record> Results<R> {
     }
 }
 
-/// What the missions are whose results a directory holds.
-///
-/// # Errors
-/// [`SweepError`] if it holds none, or its manifest cannot be read.
-pub fn kind_of(directory: &Path) -> Result<Kind, SweepError> {
-    let manifest = read_manifest(directory)?.ok_or_else(|| SweepError::NotResults {
-        path: directory.to_owned(),
-        file: MANIFEST,
-        expected: "name the --out of a sweep",
-    })?;
-    Ok(manifest.kind)
-}
-
 /// All missions, in the order of the results.
 pub(super) fn missions(cells: usize, seeds: &Seeds) -> impl Iterator<Item = MissionId> {
     (0..cells).flat_map(|cell| seeds.iter().map(move |seed| MissionId { cell, seed }))
@@ -426,80 +407,4 @@ fn difference<R: Record>(known: &R, new: &R) -> String {
         })
         .next()
         .unwrap_or_default()
-}
-
-fn lock(directory: &Path) -> Result<File, SweepError> {
-    let path = directory.join(LOCK);
-    let file = File::create(&path).map_err(SweepError::io(&path, "cannot make the lock file"))?;
-    match flock(&file, FlockOperation::NonBlockingLockExclusive) {
-        Ok(()) => Ok(file),
-        Err(rustix::io::Errno::WOULDBLOCK) => Err(SweepError::InUse {
-            path: directory.to_owned(),
-        }),
-        Err(error) => Err(SweepError::io(&path, "cannot lock")(error.into())),
-    }
-}
-
-fn read_manifest(directory: &Path) -> Result<Option<Manifest>, SweepError> {
-    let path = directory.join(MANIFEST);
-    let text = match std::fs::read(&path) {
-        Ok(text) => text,
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
-        Err(error) => return Err(SweepError::io(&path, "cannot read the manifest")(error)),
-    };
-    let damaged = |what: String, line: usize| SweepError::Damaged {
-        path: path.clone(),
-        line,
-        what,
-        found: String::from_utf8_lossy(text.get(..text.len().min(60)).unwrap_or_default())
-            .into_owned(),
-        expected: "the manifest of a sweep's results",
-    };
-    // The format first: what else there is may have changed with it.
-    let json: serde_json::Value =
-        serde_json::from_slice(&text).map_err(|e| damaged(e.to_string(), e.line()))?;
-    let format = json.get("format").and_then(serde_json::Value::as_u64);
-    if let Some(format) = format.filter(|&format| format != u64::from(super::FORMAT)) {
-        return Err(SweepError::Other {
-            path: directory.to_owned(),
-            difference: format!(
-                "its files have format {format}, this program writes format {}",
-                super::FORMAT
-            ),
-        });
-    }
-    let manifest: Manifest =
-        serde_json::from_slice(&text).map_err(|e| damaged(e.to_string(), e.line()))?;
-    if manifest.blake3 != manifest.fingerprint() {
-        return Err(damaged(
-            "its fingerprint does not fit: it was changed by hand".into(),
-            1,
-        ));
-    }
-    Ok(Some(manifest))
-}
-
-fn write_manifest(directory: &Path, manifest: &Manifest) -> Result<(), SweepError> {
-    let path = directory.join(MANIFEST);
-    let mut text = serde_json::to_vec_pretty(manifest)
-        .map_err(|e| SweepError::io(&path, "cannot write the manifest")(e.into()))?;
-    text.push(b'\n');
-    replace(&path, &text)
-}
-
-/// Writes a file anew, as a whole or not at all.
-fn replace(path: &Path, bytes: &[u8]) -> Result<(), SweepError> {
-    let failed = || SweepError::io(path, "cannot be written");
-    let folder = path.parent().unwrap_or(Path::new("."));
-    let mut file = tempfile::NamedTempFile::new_in(folder).map_err(failed())?;
-    let mut writer = BufWriter::new(file.as_file_mut());
-    writer.write_all(bytes).map_err(failed())?;
-    writer.flush().map_err(failed())?;
-    drop(writer);
-    file.as_file().sync_all().map_err(failed())?;
-    // Temporary files are private; results are not.
-    let readable = std::os::unix::fs::PermissionsExt::from_mode(0o644);
-    file.as_file().set_permissions(readable).map_err(failed())?;
-    file.persist(path).map_err(|e| failed()(e.error))?;
-    Ok(())
 }

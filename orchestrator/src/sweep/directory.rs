@@ -1,0 +1,119 @@
+//! The files of a directory of results that are not results: its lock and its manifest.
+
+use std::fs::File;
+use std::io::{BufWriter, Write as _};
+use std::path::Path;
+
+use rustix::fs::{FlockOperation, flock};
+
+use super::error::SweepError;
+use super::manifest::{Kind, Manifest};
+
+/// Name of the manifest.
+pub(super) const MANIFEST: &str = "manifest.json";
+/// Name of the file that is locked while a sweep is at work.
+const LOCK: &str = "lock";
+
+/// What the missions are whose results a directory holds.
+///
+/// # Errors
+/// [`SweepError`] if it holds none, or its manifest cannot be read.
+pub fn kind_of(directory: &Path) -> Result<Kind, SweepError> {
+    let manifest = read_manifest(directory)?.ok_or_else(|| SweepError::NotResults {
+        path: directory.to_owned(),
+        file: MANIFEST,
+        expected: "name the --out of a sweep",
+    })?;
+    Ok(manifest.kind)
+}
+
+/// Locks a directory of results until the file is closed.
+///
+/// # Errors
+/// [`SweepError::InUse`] if another sweep is at work in it.
+pub(super) fn lock(directory: &Path) -> Result<File, SweepError> {
+    let path = directory.join(LOCK);
+    let file = File::create(&path).map_err(SweepError::io(&path, "cannot make the lock file"))?;
+    match flock(&file, FlockOperation::NonBlockingLockExclusive) {
+        Ok(()) => Ok(file),
+        Err(rustix::io::Errno::WOULDBLOCK) => Err(SweepError::InUse {
+            path: directory.to_owned(),
+        }),
+        Err(error) => Err(SweepError::io(&path, "cannot lock")(error.into())),
+    }
+}
+
+/// The manifest of a directory; `None` if it has none.
+///
+/// # Errors
+/// [`SweepError`] if it is damaged, or of another format.
+pub(super) fn read_manifest(directory: &Path) -> Result<Option<Manifest>, SweepError> {
+    let path = directory.join(MANIFEST);
+    let text = match std::fs::read(&path) {
+        Ok(text) => text,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+        Err(error) => return Err(SweepError::io(&path, "cannot read the manifest")(error)),
+    };
+    let damaged = |what: String, line: usize| SweepError::Damaged {
+        path: path.clone(),
+        line,
+        what,
+        found: String::from_utf8_lossy(text.get(..text.len().min(60)).unwrap_or_default())
+            .into_owned(),
+        expected: "the manifest of a sweep's results",
+    };
+    // The format first: what else there is may have changed with it.
+    let json: serde_json::Value =
+        serde_json::from_slice(&text).map_err(|e| damaged(e.to_string(), e.line()))?;
+    let format = json.get("format").and_then(serde_json::Value::as_u64);
+    if let Some(format) = format.filter(|&format| format != u64::from(super::FORMAT)) {
+        return Err(SweepError::Other {
+            path: directory.to_owned(),
+            difference: format!(
+                "its files have format {format}, this program writes format {}",
+                super::FORMAT
+            ),
+        });
+    }
+    let manifest: Manifest =
+        serde_json::from_slice(&text).map_err(|e| damaged(e.to_string(), e.line()))?;
+    if manifest.blake3 != manifest.fingerprint() {
+        return Err(damaged(
+            "its fingerprint does not fit: it was changed by hand".into(),
+            1,
+        ));
+    }
+    Ok(Some(manifest))
+}
+
+/// Writes the manifest of a directory anew.
+///
+/// # Errors
+/// [`SweepError`] if it cannot be written.
+pub(super) fn write_manifest(directory: &Path, manifest: &Manifest) -> Result<(), SweepError> {
+    let path = directory.join(MANIFEST);
+    let mut text = serde_json::to_vec_pretty(manifest)
+        .map_err(|e| SweepError::io(&path, "cannot write the manifest")(e.into()))?;
+    text.push(b'\n');
+    replace(&path, &text)
+}
+
+/// Writes a file anew, as a whole or not at all.
+///
+/// # Errors
+/// [`SweepError`] if it cannot be written.
+pub(super) fn replace(path: &Path, bytes: &[u8]) -> Result<(), SweepError> {
+    let failed = || SweepError::io(path, "cannot be written");
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let mut file = tempfile::NamedTempFile::new_in(folder).map_err(failed())?;
+    let mut writer = BufWriter::new(file.as_file_mut());
+    writer.write_all(bytes).map_err(failed())?;
+    writer.flush().map_err(failed())?;
+    drop(writer);
+    file.as_file().sync_all().map_err(failed())?;
+    // Temporary files are private; results are not.
+    let readable = std::os::unix::fs::PermissionsExt::from_mode(0o644);
+    file.as_file().set_permissions(readable).map_err(failed())?;
+    file.persist(path).map_err(|e| failed()(e.error))?;
+    Ok(())
+}
