@@ -47,8 +47,6 @@ pub struct Variant {
 pub struct Candidate {
     /// The trajectory.
     pub trajectory: Trajectory,
-    /// How far the path is from grown obstacles at least [m], once it has been checked.
-    pub min_clearance: f64,
     /// Points that control the curve.
     pub control_points: usize,
     /// Whether the limits of the accelerations are ignored: nothing to answer with, but something
@@ -122,8 +120,12 @@ impl Bench<'_> {
         }
     }
 
-    /// Makes a trajectory faster, if that succeeds.
-    pub fn refine(&mut self, candidate: &mut Candidate, stop: &mut dyn FnMut() -> bool) {
+    /// The trajectory made faster, or as it is if that does not succeed.
+    pub fn refine(
+        &mut self,
+        mut candidate: Candidate,
+        stop: &mut dyn FnMut() -> bool,
+    ) -> Candidate {
         // The last plan kept the same limits: it is nearer to what is sought than any curve.
         let rest = self.rest.as_ref().map(|rest| rest.samples.as_slice());
         let mut found = None;
@@ -143,6 +145,7 @@ impl Bench<'_> {
                 candidate.rough = false;
             }
         }
+        candidate
     }
 
     fn basis(&self, degree: usize, headings: Headings, level: u32) -> Basis {
@@ -249,7 +252,6 @@ impl Bench<'_> {
         trajectory.keep_ends(problem);
         Some(Candidate {
             trajectory,
-            min_clearance: f64::NEG_INFINITY,
             control_points: curve.control_points(),
             rough,
         })

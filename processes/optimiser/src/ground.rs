@@ -29,8 +29,6 @@ pub struct Ground {
     pub bounds: Aabb,
     /// Distance [m] that its centre keeps from obstacles.
     pub clearance: f64,
-    /// How deep [m] the start lay in the worst grown obstacle or beyond the bounds.
-    pub relaxed: f64,
     start: Point2<f64>,
     goal: Point2<f64>,
 }
@@ -48,7 +46,6 @@ impl Ground {
             obstacles: problem.obstacles.iter().map(with_inside).collect(),
             bounds: problem.bounds,
             clearance: problem.clearance,
-            relaxed: 0.0,
             start,
             goal,
         };
@@ -71,7 +68,6 @@ impl Ground {
         let bounds = &mut self.bounds;
         bounds.min = bounds.min.coords.inf(&start.coords).into();
         bounds.max = bounds.max.coords.sup(&start.coords).into();
-        self.relaxed = outside;
         for (i, obstacle) in self.obstacles.iter_mut().enumerate() {
             let contact = obstacle.contact(start);
             let depth = self.clearance - contact.distance;
@@ -84,7 +80,6 @@ impl Ground {
             }
             *obstacle = cut_back(obstacle, start, &contact, self.clearance)
                 .ok_or_else(|| refused(&what, depth))?;
-            self.relaxed = self.relaxed.max(depth);
         }
         Ok(())
     }

@@ -35,6 +35,18 @@ fn legendre(n: usize, x: f64) -> (f64, f64) {
     (now, before)
 }
 
+/// Weights of barycentric interpolation, 1 / ∏ (xⱼ − xₖ) over k ≠ j, scaled to a largest of 1.
+fn barycentric(nodes: &[f64]) -> Vec<f64> {
+    let weight = |j: usize| {
+        let others = nodes.iter().enumerate().filter(|&(k, _)| k != j);
+        // Twice the differences: their product neither over- nor underflows.
+        1.0 / others.map(|(_, x)| 2.0 * (nodes[j] - x)).product::<f64>()
+    };
+    let weights: Vec<f64> = (0..nodes.len()).map(weight).collect();
+    let most = weights.iter().fold(0.0, |m: f64, w| m.max(w.abs()));
+    weights.iter().map(|w| w / most).collect()
+}
+
 impl Lgl {
     /// The N + 1 nodes, N from 1 to [`MAX_NODES`] (other numbers are taken to the nearest).
     pub fn new(n: usize) -> Self {
@@ -71,28 +83,13 @@ impl Lgl {
             .iter()
             .map(|p| 2.0 / (nf * (nf + 1.0) * p * p))
             .collect();
-        // ∏_{k≠j} 1 / (xⱼ − xₖ), which is 1 / L_N(xⱼ) but for a common factor.
-        let barycentric = legendre.iter().map(|p| 1.0 / p).collect::<Vec<f64>>();
-        let barycentric = Self::ends_halved(barycentric, &nodes, n);
+        let barycentric = barycentric(&nodes);
         Self {
             nodes,
             weights,
             legendre,
             barycentric,
         }
-    }
-
-    /// Barycentric weights from their definition, scaled to a largest of 1.
-    fn ends_halved(mut weights: Vec<f64>, nodes: &[f64], n: usize) -> Vec<f64> {
-        for j in 0..=n {
-            let product: f64 = (0..=n)
-                .filter(|&k| k != j)
-                .map(|k| 2.0 * (nodes[j] - nodes[k]))
-                .product();
-            weights[j] = 1.0 / product;
-        }
-        let most = weights.iter().fold(0.0, |m: f64, w| m.max(w.abs()));
-        weights.iter().map(|w| w / most).collect()
     }
 
     /// N.

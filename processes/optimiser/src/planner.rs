@@ -24,39 +24,8 @@ const DETOUR: f64 = 1.03;
 /// Most of these costs that is allowed, relative to the lower bound.
 const MOST_TURNING: f64 = 1.5e-3;
 
-/// The tries, one after the other.
-const VARIANTS: [Variant; 6] = [
-    Variant {
-        turn_at_start: false,
-        turn_at_goal: false,
-        level: 0,
-    },
-    Variant {
-        turn_at_start: true,
-        turn_at_goal: false,
-        level: 0,
-    },
-    Variant {
-        turn_at_start: false,
-        turn_at_goal: true,
-        level: 0,
-    },
-    Variant {
-        turn_at_start: true,
-        turn_at_goal: true,
-        level: 0,
-    },
-    Variant {
-        turn_at_start: false,
-        turn_at_goal: false,
-        level: 1,
-    },
-    Variant {
-        turn_at_start: true,
-        turn_at_goal: true,
-        level: 1,
-    },
-];
+/// How often the breaks of splines are halved at most.
+const MOST_LEVEL: u32 = 1;
 
 /// Plans; `stop` is asked now and then whether to answer with what there is.
 ///
@@ -84,13 +53,13 @@ pub fn plan(
         Guess::Wavefront => wavefront::guide(&exact, problem.start.position(), problem.goal),
         Guess::Tangent => None,
     };
-    let mut programs = 0;
-    let mut best: Option<Candidate> = None;
-    let mut stopped = false;
+    let mut tried = Tried::default();
     if options.method != Method::Tangent
         && let Some(guide) = &guide
     {
-        let mut bench = Bench {
+        let inertia = !problem.limits.is_without_inertia();
+        let good = bound * (1.0 + GOOD) + turning_time(problem, guide).min(MOST_TURNING * bound);
+        let bench = Bench {
             problem,
             ground: &ground,
             guide: coarse.as_ref().unwrap_or(guide),
@@ -101,73 +70,119 @@ pub fn plan(
                 .filter(|rest| rest.guide.length() <= DETOUR * shortest),
             programs: 0,
         };
-        let good = bound * (1.0 + GOOD) + turning_time(problem, guide).min(MOST_TURNING * bound);
-        let tries = if options.fallbacks { VARIANTS.len() } else { 1 };
-        let inertia = !problem.limits.is_without_inertia();
-        for variant in variants(problem).take(tries) {
-            let mut candidate = bench.attempt(variant, stop);
-            if inertia
-                && options.refine
-                && let Some(first) = &mut candidate
-            {
-                bench.refine(first, stop);
-            }
-            stopped = stop();
-            if let Some(candidate) = candidate
-                && !candidate.rough
-            {
-                let time = candidate.trajectory.duration();
-                let better = best.as_ref().is_none_or(|b| time < b.trajectory.duration());
-                let report = check::report(problem, &ground, candidate.trajectory.samples());
-                if better && report.is_honest() {
-                    best = Some(Candidate {
-                        min_clearance: report.min_clearance,
-                        ..candidate
-                    });
-                    if time <= good || (inertia && options.refine) {
-                        break;
-                    }
-                }
-            }
-            if stopped {
-                break;
-            }
-        }
-        programs = bench.programs;
+        // What a search in the controls has found is a local optimum whatever the bound says.
+        let enough = if inertia && options.refine {
+            f64::INFINITY
+        } else {
+            good
+        };
+        tried = try_curves(bench, enough, stop);
     }
-    let finish = |method: Method, status: Status, candidate: Candidate| Plan {
+    let (checked, method, status) = match tried.best {
+        Some(best) if tried.stopped => (best, options.method, Status::Deadline),
+        Some(best) => (best, options.method, Status::Planned),
+        None if options.method == Method::Tangent || guide.is_none() || options.fallbacks => {
+            let certain = certain(problem, &ground, &exact, guide.as_ref())?;
+            let status = match options.method {
+                Method::Tangent => Status::Planned,
+                // Where there is no way to go, there is no curve to find.
+                _ if guide.is_none() => Status::Planned,
+                _ if tried.stopped => Status::Deadline,
+                _ => Status::Fallback,
+            };
+            (certain, Method::Tangent, status)
+        }
+        None if tried.stopped => return Err(PlanError::Stopped),
+        None => return Err(PlanError::NotHonest),
+    };
+    Ok(Plan {
         status,
         method,
-        final_time: candidate.trajectory.duration(),
+        final_time: checked.trajectory.duration(),
         lower_bound: bound,
-        length: candidate.trajectory.length(),
-        min_clearance: candidate.min_clearance,
-        iterations: programs,
-        control_points: candidate.control_points as u32,
-        samples: candidate.trajectory.into_samples(),
-    };
-    if let Some(best) = best {
-        let status = if stopped {
-            Status::Deadline
-        } else {
-            Status::Planned
-        };
-        return Ok(finish(options.method, status, best));
+        length: checked.trajectory.length(),
+        min_clearance: checked.min_clearance,
+        iterations: tried.programs,
+        control_points: checked.control_points as u32,
+        samples: checked.trajectory.into_samples(),
+    })
+}
+
+/// A trajectory that has passed the check.
+struct Checked {
+    trajectory: Trajectory,
+    /// How far the path is from grown obstacles at least [m].
+    min_clearance: f64,
+    control_points: usize,
+}
+
+impl Checked {
+    /// `None` if the trajectory does not pass.
+    fn new(
+        problem: &Problem,
+        ground: &Ground,
+        trajectory: Trajectory,
+        control_points: usize,
+    ) -> Option<Self> {
+        let report = check::report(problem, ground, trajectory.samples());
+        report.is_honest().then_some(Self {
+            trajectory,
+            min_clearance: report.min_clearance,
+            control_points,
+        })
     }
-    if !options.fallbacks && options.method != Method::Tangent && guide.is_some() {
-        return Err(if stopped {
-            PlanError::Stopped
-        } else {
-            PlanError::NotHonest
-        });
-    }
-    let certain = certain(problem, &ground, &exact, guide.as_ref())?;
-    let status = match options.method {
-        Method::Tangent => Status::Planned,
-        _ if stopped => Status::Deadline,
-        _ => Status::Fallback,
+}
+
+/// What came of the curves of a method.
+#[derive(Default)]
+struct Tried {
+    best: Option<Checked>,
+    /// Convex programs solved.
+    programs: u32,
+    /// Whether it was told to stop.
+    stopped: bool,
+}
+
+/// Tries one variant after the other until a plan takes no longer than `enough` [s].
+fn try_curves(mut bench: Bench<'_>, enough: f64, stop: &mut dyn FnMut() -> bool) -> Tried {
+    let mut tried = Tried::default();
+    let inertia = !bench.problem.limits.is_without_inertia();
+    let most = if bench.options.fallbacks {
+        usize::MAX
+    } else {
+        1
     };
-    Ok(finish(Method::Tangent, status, certain))
+    for variant in variants(bench.problem).take(most) {
+        let mut candidate = bench.attempt(variant, stop);
+        if inertia && bench.options.refine {
+            candidate = candidate.map(|candidate| bench.refine(candidate, stop));
+        }
+        tried.stopped = stop();
+        if let Some(Candidate {
+            trajectory,
+            control_points,
+            rough: false,
+        }) = candidate
+        {
+            let time = trajectory.duration();
+            let best = tried.best.as_ref();
+            let better = best.is_none_or(|best| time < best.trajectory.duration());
+            let checked = better
+                .then(|| Checked::new(bench.problem, bench.ground, trajectory, control_points))
+                .flatten();
+            if checked.is_some() {
+                tried.best = checked;
+                if time <= enough {
+                    break;
+                }
+            }
+        }
+        if tried.stopped {
+            break;
+        }
+    }
+    tried.programs = bench.programs;
+    tried
 }
 
 /// How long [s] it takes to turn on the spot into a path and out of it.
@@ -184,7 +199,8 @@ fn turning_time(problem: &Problem, guide: &Guide) -> f64 {
     time(into) + time(out)
 }
 
-/// The tries that make sense for a problem.
+/// The tries that make sense for a problem, one after the other: first those that turn least on the
+/// spot, then the same with finer splines.
 fn variants(problem: &Problem) -> impl Iterator<Item = Variant> {
     // Who turns on the spot stands: a robot with inertia must not be moving.
     let limits = &problem.limits;
@@ -192,10 +208,17 @@ fn variants(problem: &Problem) -> impl Iterator<Item = Variant> {
     let turns =
         problem.start_turn_rate.is_some_and(|w| w != 0.0) && limits.angular_acceleration.is_some();
     let leaves = problem.goal_speed.is_some_and(|v| v > 0.0) && limits.acceleration.is_some();
-    let goal = problem.goal_heading.is_some() && !leaves;
-    VARIANTS.into_iter().filter(move |variant| {
-        (!variant.turn_at_start || !(moves || turns)) && (!variant.turn_at_goal || goal)
-            || (variant.turn_at_start && variant.turn_at_goal && variant.level > 0)
+    let may_turn_at_start = !(moves || turns);
+    let may_turn_at_goal = problem.goal_heading.is_some() && !leaves;
+    let either = |may: bool| [Some(false), may.then_some(true)].into_iter().flatten();
+    (0..=MOST_LEVEL).flat_map(move |level| {
+        either(may_turn_at_goal).flat_map(move |turn_at_goal| {
+            either(may_turn_at_start).map(move |turn_at_start| Variant {
+                turn_at_start,
+                turn_at_goal,
+                level,
+            })
+        })
     })
 }
 
@@ -205,18 +228,9 @@ fn certain(
     ground: &Ground,
     exact: &ExactGround,
     guide: Option<&Guide>,
-) -> Result<Candidate, PlanError> {
-    let trajectory: Trajectory = tangent::trajectory(problem, exact, guide)?;
-    let report = check::report(problem, ground, trajectory.samples());
-    if !report.is_honest() {
-        return Err(PlanError::Infeasible(
-            "the shortest path cannot be driven within the limits",
-        ));
-    }
-    Ok(Candidate {
-        trajectory,
-        min_clearance: report.min_clearance,
-        control_points: 0,
-        rough: false,
-    })
+) -> Result<Checked, PlanError> {
+    let trajectory = tangent::trajectory(problem, exact, guide)?;
+    Checked::new(problem, ground, trajectory, 0).ok_or(PlanError::Infeasible(
+        "the shortest path cannot be driven within the limits",
+    ))
 }

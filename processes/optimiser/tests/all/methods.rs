@@ -161,6 +161,7 @@ fn start_and_goal_in_one_place_take_no_time_or_a_turn() {
     for method in Method::ALL {
         let still = plan(&problem, &options(method)).unwrap();
         assert_eq!((still.final_time, still.gap()), (0.0, 0.0));
+        assert_eq!(still.status, Status::Planned);
         let turned = Problem {
             goal_heading: Some(problem.start.theta + TAU / 4.0),
             ..problem.clone()
