@@ -72,7 +72,7 @@ fn number(value: Option<&Loose>, field: &str, range: Range, unit: &str) -> Resul
     };
     if number.abs() > MAX_PIXELS {
         let expected = format!("{} of at most {MAX_PIXELS:e} in size", expected());
-        return Err(FieldError::new(field, number, expected));
+        return Err(FieldError::new(field, format_args!("{number:e}"), expected));
     }
     if !range.has(number) {
         return Err(FieldError::new(field, number, expected()));

@@ -145,7 +145,11 @@ fn number(field: &str, value: f64) -> Result<(), ProblemError> {
         return Ok(());
     }
     let expected = format!("a number of at most {MAX_NUMBER:e} in size");
-    Err(ProblemError::new(field, value, expected))
+    Err(ProblemError::new(
+        field,
+        format_args!("{value:e}"),
+        expected,
+    ))
 }
 
 fn positive(field: &str, value: f64) -> Result<(), ProblemError> {
