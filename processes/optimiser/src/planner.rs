@@ -6,6 +6,7 @@ use crate::check;
 use crate::ground::{ExactGround, Ground};
 use crate::guide::Guide;
 use crate::options::{Guess, Options};
+use crate::path;
 use crate::plan::{Method, Plan, PlanError, Status};
 use crate::problem::Problem;
 use crate::tangent;
@@ -44,10 +45,13 @@ pub fn plan(
     options.validate()?;
     let ground = Ground::new(problem)?;
     let exact = ground.exact()?;
-    let path = exact.shortest(problem.start.position(), problem.goal)?;
-    let shortest = path.length;
+    let way = exact.shortest(problem.start.position(), problem.goal)?;
+    let shortest = way.length;
+    if shortest > path::LONGEST {
+        return Err(PlanError::Infeasible("the way is longer than 2 km"));
+    }
     let bound = lower_bound(problem, shortest);
-    let guide = Guide::new(path.legs);
+    let guide = Guide::new(way.legs);
     // Where the grid is too coarse for a wave to get through, the exact path is there.
     let coarse = match options.guess {
         Guess::Wavefront => wavefront::guide(&exact, problem.start.position(), problem.goal),

@@ -21,6 +21,9 @@ use crate::problem::{Problem, RobotLimits};
 use crate::timing;
 use crate::trajectory::Trajectory;
 
+/// Most that a robot may turn while it sheds its turning rate [rad]: what spins on for longer is
+/// not waited for.
+const MOST_SPIN: f64 = 100.0;
 /// Speeds [m/s, rad/s] that count as standing.
 const STANDING: f64 = 1e-9;
 
@@ -72,9 +75,15 @@ fn brake(
         return Ok(None);
     }
     let start = problem.start;
+    let duration = if rolls { linear.max(angular) } else { angular };
+    let too_long = 0.5 * v * duration > path::LONGEST || 0.5 * omega.abs() * duration > MOST_SPIN;
+    if too_long && (rolls || turns) {
+        return Err(PlanError::Infeasible(
+            "the robot takes too long to stop or to stop turning",
+        ));
+    }
     if !rolls {
         // V steps to 0, ω fades on the spot.
-        let duration = angular;
         trajectory.fade(omega, duration);
         return Ok(Some(Pose2::new(
             start.x,
@@ -85,7 +94,6 @@ fn brake(
     // Both fade together, so that the path is an arc (straight on, if ω can step). An unlimited V
     // would be shed at once and is not here.
     let omega = if turns { omega } else { 0.0 };
-    let duration = linear.max(angular);
     let length = 0.5 * v * duration;
     let kappa = omega / v;
     let leg = leg_ahead(&start, length, kappa);

@@ -50,6 +50,9 @@ const KEPT: [f64; 2] = [0.3, 0.8];
 const NO_DEPTH: f64 = 2e-5;
 /// What an obstacle is grown by beside the depth, when the way between nodes enters it [m].
 const REPAIR: f64 = 1e-4;
+/// Most samples of a trajectory: with more of them its steps are too long for the search to see
+/// what lies between nodes.
+const MOST_SAMPLES: f64 = 2e5;
 /// Largest turn [rad] between two samples.
 const TURN_SPACING: f64 = 0.05;
 
@@ -135,14 +138,17 @@ impl<'a> Refinement<'a> {
             let settled = (merit - found) <= CONVERGED * time;
             merit = found;
             if settled && self.gap() <= CLOSED {
-                let depth = self.repair();
+                let depth = self.repair()?;
                 if depth <= NO_DEPTH {
                     break;
                 }
                 merit = self.merit();
             }
         }
-        (self.gap() <= 100.0 * CLOSED).then(|| self.samples())
+        if self.gap() > 100.0 * CLOSED {
+            return None;
+        }
+        self.samples()
     }
 
     /// What turning costs [s].
@@ -197,8 +203,8 @@ impl<'a> Refinement<'a> {
     }
 
     /// Grows the obstacles that the way between nodes enters; how deep [m] it is at most.
-    fn repair(&mut self) -> f64 {
-        let samples = self.samples();
+    fn repair(&mut self) -> Option<f64> {
+        let samples = self.samples()?;
         let mut deepest: f64 = 0.0;
         for (index, obstacle) in self.ground.obstacles.iter().enumerate() {
             let depths = samples.iter().map(|s| {
@@ -216,12 +222,25 @@ impl<'a> Refinement<'a> {
                 deepest = deepest.max(depth);
             }
         }
-        deepest
+        Some(deepest)
     }
 
-    /// The trajectory, sampled.
-    fn samples(&self) -> Vec<Sample> {
+    /// The trajectory, sampled; `None` if that makes too many samples.
+    fn samples(&self) -> Option<Vec<Sample>> {
         let step_time = self.step_time();
+        let parts = |a: &Node, b: &Node| {
+            let way = a.v.max(b.v) * step_time;
+            let turn = a.omega.abs().max(b.omega.abs()) * step_time;
+            (way / SPACING).max(turn / TURN_SPACING).ceil().max(1.0)
+        };
+        let all: f64 = self
+            .nodes
+            .windows(2)
+            .map(|pair| parts(&pair[0], &pair[1]))
+            .sum();
+        if all > MOST_SAMPLES {
+            return None;
+        }
         let sample = |t: f64, node: &Node| Sample {
             t,
             x: node.at.x,
@@ -233,9 +252,7 @@ impl<'a> Refinement<'a> {
         let mut samples = vec![sample(0.0, &self.nodes[0])];
         for (k, pair) in self.nodes.windows(2).enumerate() {
             let (a, b) = (&pair[0], &pair[1]);
-            let way = a.v.max(b.v) * step_time;
-            let turn = a.omega.abs().max(b.omega.abs()) * step_time;
-            let parts = (way / SPACING).max(turn / TURN_SPACING).ceil().max(1.0);
+            let parts = parts(a, b);
             for i in 1..parts as usize {
                 let part = i as f64 / parts;
                 let node = rollout::within(a, b, step_time, part);
@@ -243,7 +260,7 @@ impl<'a> Refinement<'a> {
             }
             samples.push(sample((k + 1) as f64 * step_time, b));
         }
-        samples
+        Some(samples)
     }
 }
 

@@ -182,3 +182,36 @@ fn more_obstacles_than_allowed_are_refused() {
     problem.obstacles = vec![disc(3.0, 3.0, 0.01); 5000];
     refused(&problem, "obstacles");
 }
+
+#[test]
+fn what_spins_or_rolls_for_ever_is_not_waited_for() {
+    // Found by fuzzing: a trajectory of 10¹⁷ samples.
+    let mut spinning = cluttered();
+    spinning.limits.omega_max = 1e6;
+    spinning.limits.angular_acceleration = Some(1e-6);
+    spinning.start_turn_rate = Some(1e6);
+    let mut rolling = board();
+    rolling.limits.acceleration = Some(1e-9);
+    rolling.limits.v_max = 1e3;
+    rolling.start_speed = Some(1e3);
+    rolling.bounds.min = Point2::new(-1e6, -1e6);
+    rolling.bounds.max = Point2::new(1e6, 1e6);
+    let mut far = rolling.clone();
+    far.goal = Point2::new(1e6, 1e6);
+    far.start_speed = None;
+    // So slow that a step of the search would last for hours.
+    let mut slow = cluttered();
+    slow.limits.v_max = 1e-5;
+    slow.limits.acceleration = Some(1.0);
+    slow.limits.angular_acceleration = Some(1.0);
+    for method in Method::ALL {
+        for problem in [&spinning, &rolling, &far] {
+            match plan(problem, &options(method)) {
+                Err(PlanError::Infeasible(_)) => {}
+                other => panic!("{method:?}: {other:?}"),
+            }
+        }
+        let plan = plan(&slow, &options(method)).unwrap();
+        assert_eq!(faults(&slow, &plan), [""; 0], "{method:?}");
+    }
+}
