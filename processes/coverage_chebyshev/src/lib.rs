@@ -1,0 +1,1 @@
+//! Covers a workplace by chaotic sub-goals.

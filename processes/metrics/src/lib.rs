@@ -1,0 +1,12 @@
+//! How unpredictable, and how thorough, a path is: the numbers that planners, summaries, sweeps and
+//! tests share, each with its definition.
+//!
+//! - [`sequence`]: sequences of numbers and points (Lyapunov exponent, `v(xy)`);
+//! - [`path`]: a path against its reference (MAE, ANDC, MAA, RA);
+//! - [`coverage`]: how much of a workplace a path has covered, and how evenly;
+//! - [`prediction`]: how well somebody foretold where a robot would be.
+
+pub mod coverage;
+pub mod path;
+pub mod prediction;
+pub mod sequence;

@@ -1,0 +1,1 @@
+//! An adversary that watches robots and predicts where they will be.

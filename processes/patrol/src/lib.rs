@@ -1,0 +1,1 @@
+//! Patrols along a contour: the cat-map zig-zag, fictive obstacles, danger zones.

@@ -1,0 +1,1 @@
+//! Patrols along a zig-zag of additional waypoints.

@@ -1,0 +1,1 @@
+//! Patrols past fictive temporary obstacles.
