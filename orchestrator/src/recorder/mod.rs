@@ -32,6 +32,7 @@ mod summary;
 mod tally;
 mod topic_info;
 mod viewer;
+mod visits;
 
 #[cfg(test)]
 mod tests;
@@ -52,3 +53,4 @@ pub use summary::{
 };
 pub use tally::Tally;
 pub use viewer::ViewerOptions;
+pub use visits::{LapFigures, WaypointOutcome};

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use ipc_types::messages::world::RobotState;
 use ipc_types::topics::{
     Belief, Coverage, Dominance, ObstacleEvents, Plan, Scan, Shape, Status, Tree, Verdicts,
-    WorldEvents, WorldMap, WorldState,
+    Waypoints, WorldEvents, WorldMap, WorldState,
 };
 
 use super::error::LogError;
@@ -168,6 +168,11 @@ impl Sink {
                 if let Some((_, verdicts)) = view::<Verdicts>(bytes) {
                     let time_s = seconds(time_ns);
                     verdicts.for_each(|verdict| outcome.verdict(time_s, &verdict));
+                }
+            }
+            Role::Waypoint => {
+                if let Some((_, ends)) = view::<Waypoints>(bytes) {
+                    ends.for_each(|end| outcome.waypoint(&end));
                 }
             }
             Role::Status => {

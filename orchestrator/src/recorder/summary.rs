@@ -4,12 +4,15 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use ipc_types::messages::referee::Verdict;
+use ipc_types::messages::robot::WaypointEnd;
 use ipc_types::messages::world::{CoverageState, RobotState, WorldEvent, WorldHeader};
+use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 
 use super::judged::Judged;
 use super::latency::Percentiles;
 use super::options::RobotInfo;
+use super::visits::{Visits, WaypointOutcome};
 
 /// Most events that a summary lists; the log has all.
 const MAX_EVENTS: usize = 100_000;
@@ -77,6 +80,9 @@ pub struct RobotOutcome {
     /// could have in the end.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub escape_impossible_from_s: Option<f64>,
+    /// What became of its waypoints; absent unless its planner visits waypoints.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub waypoints: Option<WaypointOutcome>,
 }
 
 /// The area visited.
@@ -152,6 +158,8 @@ pub(super) struct Outcome {
     coverage: Option<CoverageOutcome>,
     /// What a referee said of each robot.
     judged: Vec<Judged>,
+    /// What became of each robot's waypoints.
+    visits: Vec<Visits>,
 }
 
 impl Outcome {
@@ -167,6 +175,10 @@ impl Outcome {
             omitted: 0,
             coverage: None,
             judged: vec![Judged::default(); robots.len()],
+            visits: robots
+                .iter()
+                .map(|robot| Visits::new(robot.visits_waypoints))
+                .collect(),
         }
     }
 
@@ -176,18 +188,26 @@ impl Outcome {
         }
     }
 
+    pub(super) fn waypoint(&mut self, end: &WaypointEnd) {
+        if let Some(visits) = self.visits.get_mut(end.robot as usize) {
+            visits.add(end);
+        }
+    }
+
     pub(super) fn state(&mut self, header: &WorldHeader, robots: &[RobotState]) {
         self.tick = header.stamp.tick;
         let now = self.time_s();
         for state in robots {
             let robot = state.robot as usize;
-            let (Some(known), Some(decided), Some(stops)) = (
+            let (Some(known), Some(decided), Some(stops), Some(visits)) = (
                 self.robots.get_mut(robot),
                 self.decided.get_mut(robot),
                 self.stops.get_mut(robot),
+                self.visits.get_mut(robot),
             ) else {
                 continue;
             };
+            visits.state(now, Point2::new(state.x, state.y));
             *stops += u32::from(state.fail_safe != 0 && known.fail_safe == 0);
             if state.status == 0 || known.status != state.status {
                 *decided = now;
@@ -243,8 +263,9 @@ impl Outcome {
             .zip(&self.decided)
             .zip(&self.stops)
             .zip(&self.judged)
+            .zip(self.visits)
             .map(
-                |((((name, state), &time_s), &stops), judged)| RobotOutcome {
+                |(((((name, state), &time_s), &stops), judged), visits)| RobotOutcome {
                     name,
                     team: team_name(state.team).to_owned(),
                     outcome: status_name(state.status).to_owned(),
@@ -254,6 +275,7 @@ impl Outcome {
                     fail_safe_stops: stops,
                     escape_possible_fraction: judged.fraction(),
                     escape_impossible_from_s: judged.impossible_from(state),
+                    waypoints: visits.finish(),
                 },
             )
             .collect();
