@@ -16,4 +16,8 @@
 
 pub mod decomposition;
 pub mod goal;
+pub mod legs;
+pub mod plan;
+pub mod tour;
+pub mod transit;
 pub mod workplace;

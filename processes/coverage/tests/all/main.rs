@@ -2,3 +2,5 @@
 
 mod division;
 mod random_map;
+mod tables;
+mod walks;
