@@ -6,6 +6,7 @@
 //! - [`alpha`]: how wide the zig-zag may be for the lap to be done in time;
 //! - [`forecast`]: where the robot will be, for an ally who has the key;
 //! - [`fto`]: fictive obstacles that the robot avoids as if they were real;
+//! - [`mission`]: a patrol as a scenario orders it, with everything chosen that was left open;
 //! - [`mixed`]: additional waypoints where obstacles are small, fictive obstacles along large ones.
 
 pub mod alpha;
@@ -14,4 +15,5 @@ pub mod contour;
 pub mod danger;
 pub mod forecast;
 pub mod fto;
+pub mod mission;
 pub mod mixed;

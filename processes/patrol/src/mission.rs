@@ -1,0 +1,177 @@
+//! A patrol as a scenario orders it: contour, time and key; the key and the width may be left open.
+
+mod trial;
+
+use generators::{Key, KeyError, KeyKind};
+use guidance::go_to::GoToParams;
+use guidance::limits::Limits;
+use guidance::params::{ParamsError, require};
+use nalgebra::Point2;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use crate::alpha::{AlphaError, LAPS, alpha_max_driven};
+use crate::awg::{Awg, AwgError, AwgParams, Preset};
+use crate::contour::{Contour, ContourError};
+use crate::danger::DangerZones;
+
+pub use trial::TrialDrive;
+
+/// Width with which a zig-zag is laid out before it is chosen [m]; of no consequence.
+const LAYOUT_ALPHA: f64 = 1.0;
+
+/// What a patrol is ordered to do.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct MissionParams {
+    /// The waypoints of the contour, x and y [m]; at least 2.
+    pub contour: Vec<[f64; 2]>,
+    /// Whether the last waypoint leads back to the first; otherwise the contour is walked there and
+    /// back.
+    pub closed: bool,
+    /// Time in which each lap shall be done [s], > 0.
+    pub t_max: f64,
+    /// Width of the zig-zag [m], > 0; as great as the robot can drive in the time if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub alpha: Option<f64>,
+    /// Share of the time that is kept in reserve where the width is chosen, 0 to 1.
+    pub margin: f64,
+    /// Key of the generator, such as `catp:0.4,0.644`; a `keyed` one from the run's seed if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub key: Option<Key>,
+    /// Which reading of the paper's formulas.
+    pub preset: Preset,
+    /// Where the patrol is under threat; everywhere if empty.
+    pub danger_zones: DangerZones,
+}
+
+impl Default for MissionParams {
+    fn default() -> Self {
+        Self {
+            contour: Vec::new(),
+            closed: true,
+            t_max: 120.0,
+            alpha: None,
+            margin: 0.06,
+            key: None,
+            preset: Preset::Default,
+            danger_zones: DangerZones::default(),
+        }
+    }
+}
+
+/// Why a patrol cannot be.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum MissionError {
+    /// Waypoints that are no contour.
+    #[error(transparent)]
+    Contour(#[from] ContourError),
+    /// A time, a width or a zone out of its range.
+    #[error(transparent)]
+    Awg(#[from] AwgError),
+    /// No width can be chosen.
+    #[error(transparent)]
+    Alpha(#[from] AlphaError),
+    /// A key that cannot be used.
+    #[error("`key`: {0}")]
+    Key(#[from] KeyError),
+    /// Another parameter out of its range.
+    #[error(transparent)]
+    Params(#[from] ParamsError),
+}
+
+/// A patrol with everything chosen.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mission {
+    /// The contour.
+    pub contour: Contour,
+    /// The zig-zag about it.
+    pub awg: Awg,
+    /// The key; with it and the above, an ally forecasts the patrol ([`crate::forecast`]).
+    pub key: Key,
+}
+
+/// What a robot's drive can do.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Drive {
+    /// Its speeds.
+    pub limits: Limits,
+    /// Its acceleration [m/s²], > 0; absent: it takes no time.
+    pub acceleration: Option<f64>,
+    /// Its angular acceleration [rad/s²], > 0; absent: it takes no time.
+    pub angular_acceleration: Option<f64>,
+}
+
+impl MissionParams {
+    /// Checks every field by itself.
+    ///
+    /// # Errors
+    /// [`MissionError`] for the first that does not do, saying what to change.
+    pub fn validate(&self) -> Result<(), MissionError> {
+        self.layout()?;
+        require(
+            (0.0..1.0).contains(&self.margin),
+            "margin",
+            &self.margin,
+            "a share of at least 0 and below 1",
+        )?;
+        if let Some(key) = &self.key {
+            key.validate()?;
+        }
+        Ok(())
+    }
+
+    /// Chooses what was left open, for a robot and the seed of its process.
+    ///
+    /// The width is tried by driving the first laps ([`TrialDrive`]), so that what is chosen is a
+    /// matter of scenario and key alone.
+    ///
+    /// # Errors
+    /// [`MissionError`] as for [`Self::validate`], and for a robot that is too slow.
+    pub fn prepare(
+        &self,
+        drive: &Drive,
+        go_to: &GoToParams,
+        seed: u64,
+    ) -> Result<Mission, MissionError> {
+        self.validate()?;
+        let (contour, mut awg) = self.layout()?;
+        let key = match &self.key {
+            Some(key) => *key,
+            None => Key::from_seed(KeyKind::Keyed, seed),
+        };
+        let v_max = drive.limits.v_max() * go_to.speed_fraction;
+        awg.check_speed(v_max)?;
+        // Without additional waypoints there is nothing to choose, and no width does harm.
+        if self.alpha.is_none() && awg.steps_per_lap() > 0 {
+            let mut trial = TrialDrive::new(drive, go_to);
+            let mut source = key.source()?;
+            let alpha = alpha_max_driven(&awg, v_max, self.margin, LAPS, &mut source, &mut trial)?;
+            awg = awg.with_alpha(alpha)?;
+        }
+        Ok(Mission { contour, awg, key })
+    }
+
+    fn layout(&self) -> Result<(Contour, Awg), MissionError> {
+        let points: Vec<Point2<f64>> = self
+            .contour
+            .iter()
+            .map(|p| Point2::new(p[0], p[1]))
+            .collect();
+        let contour = if self.closed {
+            Contour::closed(&points)?
+        } else {
+            Contour::open(&points)?
+        };
+        let params = AwgParams {
+            t_max: self.t_max,
+            alpha: self.alpha.unwrap_or(LAYOUT_ALPHA),
+            mode: self.preset.mode(),
+        };
+        let awg = Awg::new(&contour, &self.danger_zones, params)?;
+        Ok((contour, awg))
+    }
+}
+
+#[cfg(test)]
+mod tests;

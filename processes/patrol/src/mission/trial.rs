@@ -1,0 +1,60 @@
+//! Laps driven on trial, without obstacles, to know how long they take.
+
+use guidance::go_to::GoToParams;
+use guidance::limits::Limits;
+use guidance::waypoint_driver::lap_time;
+use nalgebra::Point2;
+use sim_backend::math;
+use sim_backend::pose::Pose2;
+
+use super::Drive;
+use crate::alpha::LapTimes;
+
+/// Tick of the trial drive [s]. Not that of the run: the width must not depend on it.
+const TICK_S: f64 = 0.05;
+
+/// A robot that is driven through laps as the waypoint driver does it, on empty ground.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TrialDrive {
+    limits: Limits,
+    go_to: GoToParams,
+    /// Time that each waypoint costs beyond the ideal drive [s].
+    loss_s: f64,
+}
+
+impl TrialDrive {
+    /// A robot with these limits. Where it accelerates in finite time, each waypoint costs it a stop
+    /// and a start, of wheels and of turning, which is more than it loses.
+    pub fn new(drive: &Drive, go_to: &GoToParams) -> Self {
+        let time = |speed: f64, acceleration: Option<f64>| {
+            acceleration.map_or(0.0, |acceleration| speed / acceleration)
+        };
+        Self {
+            limits: drive.limits,
+            go_to: *go_to,
+            loss_s: time(drive.limits.v_max(), drive.acceleration)
+                + time(drive.limits.omega_max(), drive.angular_acceleration),
+        }
+    }
+}
+
+impl LapTimes for TrialDrive {
+    fn lap_times(&mut self, laps: &[Vec<Point2<f64>>]) -> Option<Vec<f64>> {
+        let mut heading: Option<f64> = None;
+        let mut times = Vec::with_capacity(laps.len());
+        for lap in laps {
+            let (&start, rest) = lap.split_first()?;
+            let towards =
+                |from: Point2<f64>, to: Point2<f64>| math::atan2(to.y - from.y, to.x - from.x);
+            // It arrives in the direction of the last leg, and sets out in that of the first one.
+            let first = rest.first().map_or(0.0, |&to| towards(start, to));
+            let pose = Pose2::new(start.x, start.y, heading.unwrap_or(first));
+            let time = lap_time(&pose, rest, &self.limits, &self.go_to, TICK_S).ok()?;
+            times.push(time + self.loss_s * rest.len() as f64);
+            if let [.., from, to] = lap[..] {
+                heading = Some(towards(from, to));
+            }
+        }
+        Some(times)
+    }
+}
