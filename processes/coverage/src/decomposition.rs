@@ -95,7 +95,7 @@ impl Decomposition {
     }
 
     /// The same with one more bridge, for routes between rectangles that share no border: `rectangle`
-    /// [m] is free and overlaps both of `between` (the paper's T_BDF, by which case 2 returns).
+    /// [m] is free and overlaps both of `between` (the paper's `T_BDF`, by which case 2 returns).
     ///
     /// # Errors
     /// [`BridgeError`] if the bridge is not free, does not reach both or joins what is joined.

@@ -124,6 +124,26 @@ impl<S: generators::Source> CoveragePlan<S> {
         })
     }
 
+    /// Goes on in another workplace (the map has changed) from `start` [m]: a new tour, but the same
+    /// source, numbers of sub-goals and count of loops.
+    ///
+    /// # Errors
+    /// As [`CoveragePlan::new`].
+    pub fn moved(
+        self,
+        decomposition: Decomposition,
+        start: Point2<f64>,
+        spec: &PlanSpec,
+    ) -> Result<Self, PlanError> {
+        let done = self.phase == Phase::Done;
+        let mut plan = Self::new(decomposition, start, spec, self.source)?;
+        (plan.number, plan.lap, plan.dwell) = (self.number, self.lap, self.dwell);
+        if done {
+            plan.phase = Phase::Done;
+        }
+        Ok(plan)
+    }
+
     /// The free rectangles.
     pub fn decomposition(&self) -> &Decomposition {
         &self.decomposition
