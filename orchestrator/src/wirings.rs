@@ -33,6 +33,10 @@ pub fn visit<V: WiringVisitor>(kind: &str, visitor: V) -> Option<V::Output> {
         }
         "optimiser" => visitor.visit::<optimiser::process::OptimiserProcess>(),
         "navigator" => visitor.visit::<PlannerProcess<navigator::process::NavigatorPlanner>>(),
+        "patrol_awg" => visitor.visit::<PlannerProcess<patrol_awg::process::PatrolAwgPlanner>>(),
+        "coverage_chebyshev" => {
+            visitor.visit::<PlannerProcess<coverage_chebyshev::process::ChebyshevPlanner>>()
+        }
         _ => return None,
     })
 }

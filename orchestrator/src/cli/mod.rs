@@ -3,6 +3,7 @@
 mod bench;
 mod check;
 mod clean;
+mod coverage;
 mod instances;
 mod list;
 mod patrol;
@@ -107,6 +108,9 @@ enum Command {
     /// Make random instances to plan
     #[command(after_long_help = instances::HELP)]
     Instances(instances::InstancesArgs),
+    /// The sub-goals of a coverage, the rectangles that they lie in, and what they cover
+    #[command(subcommand)]
+    Coverage(coverage::CoverageCommand),
     /// The waypoints of a patrol: plan laps, foretell them with the key
     #[command(subcommand)]
     Patrol(patrol::PatrolCommand),
@@ -216,6 +220,7 @@ pub fn main() -> ExitCode {
         Some(Command::Bench { items, quick, json }) => bench::bench(&items, quick, json),
         Some(Command::Plan(args)) => plan::plan(&args),
         Some(Command::Instances(args)) => instances::instances(&args),
+        Some(Command::Coverage(command)) => coverage::coverage(&command),
         Some(Command::Patrol(command)) => patrol::patrol(command),
         Some(Command::Sweep(args)) => sweep::sweep(&args),
         Some(Command::Clean { json }) => clean::clean(json),

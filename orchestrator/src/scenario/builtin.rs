@@ -13,7 +13,7 @@ pub struct Builtin {
 pub const DEFAULT: &str = "chase";
 
 /// All built-in scenarios, the default first.
-pub const SCENARIOS: [Builtin; 11] = [
+pub const SCENARIOS: [Builtin; 17] = [
     Builtin {
         name: "chase",
         text: include_str!("../../../scenarios/chase.toml"),
@@ -53,6 +53,30 @@ pub const SCENARIOS: [Builtin; 11] = [
     Builtin {
         name: "popup_city",
         text: include_str!("../../../scenarios/popup_city.toml"),
+    },
+    Builtin {
+        name: "patrol_octagon",
+        text: include_str!("../../../scenarios/patrol_octagon.toml"),
+    },
+    Builtin {
+        name: "patrol_square",
+        text: include_str!("../../../scenarios/patrol_square.toml"),
+    },
+    Builtin {
+        name: "coverage_open",
+        text: include_str!("../../../scenarios/coverage_open.toml"),
+    },
+    Builtin {
+        name: "coverage_case1",
+        text: include_str!("../../../scenarios/coverage_case1.toml"),
+    },
+    Builtin {
+        name: "coverage_case2",
+        text: include_str!("../../../scenarios/coverage_case2.toml"),
+    },
+    Builtin {
+        name: "coverage_polygons",
+        text: include_str!("../../../scenarios/coverage_polygons.toml"),
     },
     Builtin {
         name: "hello",

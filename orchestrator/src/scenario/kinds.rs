@@ -1,5 +1,6 @@
 //! The kinds of processes that a scenario may name, and their parameters.
 
+use coverage_chebyshev::ChebyshevParams;
 use evader_braitenberg::BraitenbergParams;
 use evader_potential::EvaderParams;
 use evader_reach_avoid::ReachAvoidParams;
@@ -7,6 +8,8 @@ use evader_rrt_star::RrtStarParams;
 use guidance::params::ParamsError;
 use navigator::NavigatorParams;
 use optimiser::OptimiserParams;
+use patrol::mission::MissionError;
+use patrol_awg::{PatrolAwgParams, PatrolError};
 use perception::params::PerceptionParams;
 use pursuer::PursuerParams;
 use referee::RefereeParams;
@@ -65,8 +68,40 @@ pub enum ParamsFault {
     Read(ReadError),
     /// A value is out of its range.
     Field(FieldProblem),
+    /// Values that do not go together, or a table that makes no sense, in words that say what to
+    /// change.
+    Refused {
+        /// Dotted path of the parameter inside `params` at which it shows.
+        field: String,
+        /// What is wrong with it.
+        message: String,
+    },
     /// They cannot be written as JSON (a number that is not finite, say).
     Write(String),
+}
+
+impl<E: Into<FieldProblem>> From<E> for ParamsFault {
+    fn from(e: E) -> Self {
+        Self::Field(e.into())
+    }
+}
+
+/// A patrol that cannot be, at the parameter that its message names first.
+fn patrol_fault(error: PatrolError) -> ParamsFault {
+    match error {
+        PatrolError::Params(error) => error.into(),
+        PatrolError::Mission(MissionError::Params(error)) => error.within("mission").into(),
+        PatrolError::Mission(error) => {
+            let message = error.to_string();
+            let named = message.split('`').nth(1).unwrap_or_default();
+            let field = if named.is_empty() {
+                "mission".to_owned()
+            } else {
+                format!("mission.{named}")
+            };
+            ParamsFault::Refused { field, message }
+        }
+    }
 }
 
 /// Something that a process needs and another part of the scenario must provide.
@@ -124,10 +159,10 @@ pub fn check_params<P, E>(
 ) -> Result<Json, ParamsFault>
 where
     P: DeserializeOwned + Serialize,
-    E: Into<FieldProblem>,
+    E: Into<ParamsFault>,
 {
     let params: P = read_once(node).map_err(ParamsFault::Read)?;
-    validate(&params).map_err(|e| ParamsFault::Field(e.into()))?;
+    validate(&params).map_err(E::into)?;
     serde_json::to_value(&params).map_err(|e| ParamsFault::Write(e.to_string()))
 }
 
@@ -266,6 +301,34 @@ pub static KINDS: &[KindInfo] = &[
         },
         caps: &[],
         presets: &[("paper", || preset(&NavigatorParams::paper()))],
+    },
+    KindInfo {
+        name: "patrol_awg",
+        summary: "patrols a contour along a zig-zag that only its key foretells",
+        drives_robots: true,
+        provides_belief: false,
+        visits_waypoints: true,
+        provides_plans: false,
+        check_params: |node| {
+            check_params(node, |params: &PatrolAwgParams| {
+                params.validate().map_err(patrol_fault)
+            })
+        },
+        needs: |_| vec![Need::Scan],
+        caps: &[],
+        presets: &[],
+    },
+    KindInfo {
+        name: "coverage_chebyshev",
+        summary: "covers a workplace by chaotic sub-goals, rectangle after rectangle",
+        drives_robots: true,
+        provides_belief: false,
+        visits_waypoints: true,
+        provides_plans: false,
+        check_params: |node| check_params(node, ChebyshevParams::validate),
+        needs: |_| Vec::new(),
+        caps: &[],
+        presets: &[],
     },
 ];
 

@@ -209,6 +209,11 @@ fn read_params(
             ctx.refuse(params, &path, found);
             return None;
         }
+        Err(ParamsFault::Refused { field, message }) => {
+            let problem = ctx.problem(params, &path, &field, Code::OutOfRange, message);
+            ctx.problems.push(problem);
+            return None;
+        }
         Err(ParamsFault::Write(message)) => {
             let problem = ctx.problem(params, &path, "", Code::OutOfRange, message);
             ctx.problems.push(problem);

@@ -7,7 +7,7 @@ use coverage::workplace::Workplace;
 use generators::{AnySource, Key};
 use nalgebra::Point2;
 use serde::de::DeserializeOwned;
-use sim_backend::shape::Aabb;
+use sim_backend::shape::{Aabb, Convex};
 
 use crate::params::{ChebyshevParams, FollowParams};
 
@@ -20,6 +20,35 @@ pub struct Site {
     pub decomposition: Decomposition,
     /// Where the robot is [m], or the nearest place in free space.
     pub start: Point2<f64>,
+}
+
+impl Site {
+    /// The workplace within `bounds` [m] among obstacles, for a robot of this radius [m] at `here`.
+    ///
+    /// # Errors
+    /// A text that says what does not do and what to change.
+    pub fn new(
+        bounds: Aabb,
+        obstacles: &[Convex],
+        radius: f64,
+        follow: &FollowParams,
+        here: Point2<f64>,
+    ) -> Result<Self, String> {
+        let workplace =
+            Workplace::from_parts(bounds, radius + follow.margin, obstacles, follow.tolerance)
+                .map_err(|e| e.to_string())?;
+        let decomposition = Decomposition::new(&workplace).map_err(|e| e.to_string())?;
+        let nearest = decomposition
+            .nearest_rectangle(here)
+            .and_then(|(nearest, _)| decomposition.rectangles().get(nearest))
+            .ok_or("the robot is nowhere")?;
+        let start = here.sup(&nearest.min).inf(&nearest.max);
+        Ok(Self {
+            workplace,
+            decomposition,
+            start,
+        })
+    }
 }
 
 /// A kind of coverage planner: how to make its sub-goals. The process does the rest.
@@ -55,6 +84,26 @@ pub trait Design {
 #[derive(Debug)]
 pub struct Chebyshev;
 
+impl Chebyshev {
+    /// The free space of a site with the bridges that the parameters add.
+    ///
+    /// # Errors
+    /// A text that names the bridge that does not do.
+    pub fn lay_out(params: &ChebyshevParams, site: &Site) -> Result<Decomposition, String> {
+        let mut decomposition = site.decomposition.clone();
+        for bridge in &params.bridges {
+            let rectangle = Aabb {
+                min: Point2::from(bridge.min),
+                max: Point2::from(bridge.max),
+            };
+            decomposition = decomposition
+                .with_bridge(&site.workplace, bridge.between, rectangle)
+                .map_err(|e| e.to_string())?;
+        }
+        Ok(decomposition)
+    }
+}
+
 impl Design for Chebyshev {
     type Params = ChebyshevParams;
     type Goals = CoveragePlan<AnySource>;
@@ -73,16 +122,7 @@ impl Design for Chebyshev {
         seed: u64,
         before: Option<Self::Goals>,
     ) -> Result<Self::Goals, String> {
-        let mut decomposition = site.decomposition.clone();
-        for bridge in &params.bridges {
-            let rectangle = Aabb {
-                min: Point2::from(bridge.min),
-                max: Point2::from(bridge.max),
-            };
-            decomposition = decomposition
-                .with_bridge(&site.workplace, bridge.between, rectangle)
-                .map_err(|e| e.to_string())?;
-        }
+        let decomposition = Self::lay_out(params, site)?;
         let spec = PlanSpec {
             route: params.route.clone(),
             iterations: params.iterations.clone(),

@@ -1,9 +1,7 @@
 //! Wires planners of sub-goals to their topics: state and map in; command, plan and what became of
 //! the sub-goals out.
 
-use coverage::decomposition::Decomposition;
 use coverage::goal::{Goal, GoalSource};
-use coverage::workplace::Workplace;
 use guidance::limits::Limits;
 use guidance::map::PlannerMap;
 use guidance::steering::Steering;
@@ -193,24 +191,13 @@ fn site(
     let space = map.space().ok_or(
         "the map has more pieces than world/shapes holds: use a map with fewer obstacles or corners",
     )?;
-    let workplace = Workplace::from_parts(
+    Site::new(
         *space.bounds(),
-        radius + follow.margin,
         space.shapes().parts(),
-        follow.tolerance,
+        radius,
+        follow,
+        here,
     )
-    .map_err(|e| e.to_string())?;
-    let decomposition = Decomposition::new(&workplace).map_err(|e| e.to_string())?;
-    let nearest = decomposition
-        .nearest_rectangle(here)
-        .and_then(|(nearest, _)| decomposition.rectangles().get(nearest))
-        .ok_or("the robot is nowhere")?;
-    let start = here.sup(&nearest.min).inf(&nearest.max);
-    Ok(Site {
-        workplace,
-        decomposition,
-        start,
-    })
 }
 
 /// Says what of a workplace will not be covered.
