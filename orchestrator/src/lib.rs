@@ -10,6 +10,8 @@ pub mod picture;
 pub mod plan_page;
 pub mod planning;
 pub mod recorder;
+pub mod route_page;
+pub mod routes;
 pub mod scenario;
 pub mod statistics;
 mod storage;

@@ -5,6 +5,7 @@ mod check;
 mod clean;
 mod instances;
 mod list;
+mod patrol;
 mod picture;
 mod plan;
 mod process;
@@ -106,6 +107,9 @@ enum Command {
     /// Make random instances to plan
     #[command(after_long_help = instances::HELP)]
     Instances(instances::InstancesArgs),
+    /// The waypoints of a patrol: plan laps, foretell them with the key
+    #[command(subcommand)]
+    Patrol(patrol::PatrolCommand),
     /// Run an experiment: many missions from one file, and one table of results
     #[command(args_conflicts_with_subcommands = true, after_long_help = sweep::HELP)]
     Sweep(sweep::SweepArgs),
@@ -212,6 +216,7 @@ pub fn main() -> ExitCode {
         Some(Command::Bench { items, quick, json }) => bench::bench(&items, quick, json),
         Some(Command::Plan(args)) => plan::plan(&args),
         Some(Command::Instances(args)) => instances::instances(&args),
+        Some(Command::Patrol(command)) => patrol::patrol(command),
         Some(Command::Sweep(args)) => sweep::sweep(&args),
         Some(Command::Clean { json }) => clean::clean(json),
         Some(Command::Messages { python: _ }) => {

@@ -7,6 +7,7 @@ use super::{EXIT_FAILED, EXIT_INVALID, print};
 use crate::chase_page::{Evidence, MARK, Page, Plans, page};
 use crate::figures::{SaveError, draw, save};
 use crate::plan_page;
+use crate::route_page;
 use crate::sweep::planning::PlanResults;
 use crate::sweep::{Kind, Results, kind_of};
 
@@ -14,18 +15,21 @@ use crate::sweep::{Kind, Results, kind_of};
 const CHASE_PAGE: &str = "docs/chase-results.md";
 /// The page of the experiments with plans.
 const PLANS_PAGE: &str = "docs/vmc-lp-results.md";
+/// The page of the experiments with patrols and coverage.
+const ROUTES_PAGE: &str = "docs/patrol-results.md";
 
 /// What `protean sweep page` takes.
 #[derive(Debug, clap::Args)]
 pub(super) struct PageArgs {
-    /// The directories of the results: of the chase's experiments, or of those with plans
+    /// The directories of the results: of the chase's experiments, of those with plans, or of those
+    /// with patrols and coverage
     #[arg(required = true, value_name = "DIR")]
     results: Vec<PathBuf>,
     /// A table of single plans, as `protean sweep plans` writes it
     #[arg(long, value_name = "FILE")]
     plans: Option<PathBuf>,
-    /// The page; its pictures go to the folder images beside it [default: docs/chase-results.md, or
-    /// docs/vmc-lp-results.md for plans]
+    /// The page; its pictures go to the folder images beside it [default: docs/chase-results.md,
+    /// docs/vmc-lp-results.md for plans, docs/patrol-results.md for patrols and coverage]
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Overwrite a file that this command has not written
@@ -35,20 +39,21 @@ pub(super) struct PageArgs {
 
 /// Writes the page and prints what was written.
 pub(super) fn write(args: &PageArgs) -> ExitCode {
-    let plans = args
-        .results
-        .iter()
-        .any(|dir| matches!(kind_of(dir), Ok(Kind::Planning)));
-    let gathered = if plans {
-        gather_plans(args).map(|evidence| plan_page::page(&evidence))
-    } else {
-        gather(args).map(|evidence| page(&evidence))
+    let about = about(&args.results);
+    let gathered = match about {
+        About::Plans => gather_plans(args).map(|evidence| plan_page::page(&evidence)),
+        About::Routes => gather_routes(args).map(|evidence| route_page::page(&evidence)),
+        About::Chase => gather(args).map(|evidence| page(&evidence)),
     };
     let page = match gathered {
         Ok(page) => page,
         Err(error) => return refused(&error),
     };
-    let default = if plans { PLANS_PAGE } else { CHASE_PAGE };
+    let default = match about {
+        About::Plans => PLANS_PAGE,
+        About::Routes => ROUTES_PAGE,
+        About::Chase => CHASE_PAGE,
+    };
     let out = args.out.clone().unwrap_or_else(|| default.into());
     if !args.force && !is_ours(&out) {
         return refused(&format!(
@@ -71,6 +76,29 @@ pub(super) fn write(args: &PageArgs) -> ExitCode {
     }
 }
 
+/// Which page results belong to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum About {
+    Chase,
+    Plans,
+    Routes,
+}
+
+fn about(directories: &[PathBuf]) -> About {
+    let is_of_plans = |dir: &PathBuf| matches!(kind_of(dir), Ok(Kind::Planning));
+    let is_of_routes = |dir: &PathBuf| {
+        Results::read(dir)
+            .is_ok_and(|results| route_page::Evidence::is_about(&results.manifest().experiment))
+    };
+    if directories.iter().any(is_of_plans) {
+        About::Plans
+    } else if directories.iter().any(is_of_routes) {
+        About::Routes
+    } else {
+        About::Chase
+    }
+}
+
 fn refused(error: &dyn std::fmt::Display) -> ExitCode {
     eprintln!("error: {error}");
     ExitCode::from(EXIT_INVALID)
@@ -89,18 +117,33 @@ fn gather_plans(args: &PageArgs) -> Result<plan_page::Evidence, Box<dyn std::err
     Ok(evidence)
 }
 
+fn gather_routes(
+    args: &PageArgs,
+) -> Result<route_page::Evidence, Box<dyn std::error::Error>> {
+    let mut evidence = route_page::Evidence::default();
+    for directory in &args.results {
+        evidence.add(&read_missions(directory)?)?;
+    }
+    Ok(evidence)
+}
+
+/// Results of missions; says so if some are missing.
+fn read_missions(directory: &Path) -> Result<Results, Box<dyn std::error::Error>> {
+    let results = Results::read(directory)?;
+    let missing = results.missing().len();
+    if missing > 0 {
+        eprintln!(
+            "note: {}: {missing} missions are missing",
+            directory.display()
+        );
+    }
+    Ok(results)
+}
+
 fn gather(args: &PageArgs) -> Result<Evidence, Box<dyn std::error::Error>> {
     let mut evidence = Evidence::default();
     for directory in &args.results {
-        let results = Results::read(directory)?;
-        let missing = results.missing().len();
-        if missing > 0 {
-            eprintln!(
-                "note: {}: {missing} missions are missing",
-                directory.display()
-            );
-        }
-        evidence.add(&results)?;
+        evidence.add(&read_missions(directory)?)?;
     }
     if let Some(path) = &args.plans {
         evidence.plans = Some(Plans::read(path)?);

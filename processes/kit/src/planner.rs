@@ -155,10 +155,7 @@ impl<P: Planner> Wiring for PlannerProcess<P> {
         let mut driven = config
             .own_robots()
             .map(|(robot, info)| {
-                use rand::Rng as _;
-                let seed =
-                    crate::seed::stream(config.run.seed, &config.kind, &info.name, "planner")
-                        .next_u64();
+                let seed = planner_seed(config.run.seed, &config.kind, &info.name);
                 P::new(&params, info, seed).map(|mut planner| {
                     planner.rules(&config.run.exits, config.run.capture_radius);
                     if config.run.clock != Clock::LockStep {
@@ -409,6 +406,12 @@ pub fn robot_views(state: &StateInput, infos: &[RobotInfo], views: &mut Vec<Robo
     views.clear();
     let robots = state.robots.iter().zip(infos).enumerate();
     views.extend(robots.map(|(index, (state, info))| robot_view(index, state, info)));
+}
+
+/// The seed that the planner of a robot gets in a run.
+pub fn planner_seed(run_seed: u64, kind: &str, robot: &str) -> u64 {
+    use rand::Rng as _;
+    crate::seed::stream(run_seed, kind, robot, "planner").next_u64()
 }
 
 /// The limits of a robot as its planner sees them.

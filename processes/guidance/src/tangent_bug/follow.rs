@@ -1,11 +1,19 @@
 //! Following a boundary on one side, and when to leave it.
 
-use nalgebra::Point2;
+use nalgebra::{Point2, Vector2};
 
 use super::run::{Run, Side};
 use super::surroundings::{DIRECTIONS, Surroundings};
 use super::trail::Trail;
 use super::{Sight, TangentBugParams};
+
+/// A robot that moved less than this since it decided on a direction [m] turns on the spot.
+const STILL: f64 = 5e-3;
+/// Cosine of the bearing at which it has turned enough.
+const ALIGNED: f64 = 0.95;
+
+/// Parts of the jump that are tried where boundary is all there is to see.
+const FINER: [f64; 2] = [0.5, 0.25];
 
 /// A stretch along one boundary.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,6 +24,8 @@ pub(super) struct Follow {
     /// The point of the obstacle that was nearest at the last look [m].
     wall: Point2<f64>,
     trail: Trail,
+    /// Where the last decision was made, and for which direction.
+    decided: Option<(Point2<f64>, Vector2<f64>)>,
 }
 
 /// How following goes on.
@@ -40,6 +50,7 @@ impl Follow {
             least: distance,
             wall,
             trail: Trail::default(),
+            decided: None,
         }
     }
 
@@ -61,9 +72,19 @@ impl Follow {
         params: &TangentBugParams,
         grown: f64,
     ) -> Following {
-        let Some(run) = self.boundary(view, params, grown) else {
+        let Some(at) = self.boundary(view, grown) else {
             return Following::Lost;
         };
+        // Where boundary is all there is to see, the way on may hide behind a smaller jump.
+        let Some(run) = Run::around(view, at, params.jump) else {
+            return Following::Lost;
+        };
+        let finer = || {
+            FINER
+                .iter()
+                .find_map(|part| Run::around(view, at, part * params.jump)?.end(view, self.side))
+        };
+        let end = run.end(view, self.side).or_else(finer);
         if let Some(wall) = view.obstacle(run.nearest(view)) {
             self.wall = wall;
         }
@@ -77,17 +98,34 @@ impl Follow {
         if reach < self.least - params.leave_margin {
             return Following::Leave(point);
         }
-        let Some(end) = run.end(view, self.side) else {
+        let Some(end) = end else {
             return Following::Enclosed;
         };
+        if let Some(unit) = self.turning_to(view, sight, params) {
+            return Following::Along(view.here + unit * view.free_towards(unit));
+        }
+        self.decided = Some((view.here, end.unit));
         if self.trail.closes(view.here, end.unit, grown) {
             return Following::Closed;
         }
         Following::Along(view.here + end.unit * end.free)
     }
 
-    /// The piece of boundary that continues the one followed so far.
-    fn boundary(&self, view: &Surroundings, params: &TangentBugParams, grown: f64) -> Option<Run> {
+    /// The direction decided on before, while the robot still turns to it on the spot: turning
+    /// moves the beams, and a robot that changes its mind for that never moves off.
+    fn turning_to(
+        &self,
+        view: &Surroundings,
+        sight: &Sight,
+        params: &TangentBugParams,
+    ) -> Option<Vector2<f64>> {
+        let (at, unit) = self.decided?;
+        let turning = (view.here - at).norm() < STILL && unit.dot(&sight.forward) < ALIGNED;
+        (turning && view.free_towards(unit) > params.jump).then_some(unit)
+    }
+
+    /// A direction that ends at the boundary followed so far.
+    fn boundary(&self, view: &Surroundings, grown: f64) -> Option<usize> {
         let mut best: Option<(usize, f64)> = None;
         for k in (0..DIRECTIONS).filter(|&k| view.is_blocked(k)) {
             let Some(obstacle) = view.obstacle(k) else {
@@ -99,17 +137,14 @@ impl Follow {
             }
         }
         let (k, off) = best?;
-        if off > grown.max(view.reach) {
-            return None;
-        }
-        Run::around(view, k, params.jump)
+        (off <= grown.max(view.reach)).then_some(k)
     }
 
     /// `d_reach` and its point: of the free points in sight beside the followed boundary, the one
     /// nearest to the goal [m].
     fn reach(view: &Surroundings, sight: &Sight, run: &Run) -> (f64, Point2<f64>) {
         let mut best = (f64::INFINITY, view.here);
-        let mut consider = |unit: nalgebra::Vector2<f64>, free: f64| {
+        let mut consider = |unit: Vector2<f64>, free: f64| {
             let along = (sight.goal - view.here).dot(&unit).clamp(0.0, free);
             let point = view.here + unit * along;
             let distance = (sight.goal - point).norm();

@@ -185,8 +185,9 @@ impl TangentBug {
             self.reset();
             self.goal = Some(goal);
         }
-        self.view.look(pose, scan, self.grown, self.params.margin);
-        let sight = Sight::new(&self.view, goal, tolerance.max(0.0));
+        let margin = self.params.margin;
+        self.view.look(pose, scan, self.grown - margin, margin);
+        let sight = Sight::new(&self.view, pose, goal, tolerance.max(0.0));
         for _ in 0..MOST_CHANGES {
             let state = core::mem::replace(&mut self.state, State::Unreachable);
             match self.answer(state, &sight) {
@@ -239,15 +240,14 @@ impl TangentBug {
                 best = Some((side, end, cost));
             }
         }
-        let Some((side, end, _)) = best else {
-            return self.walled_in(State::ToGoal { side });
-        };
-        self.enclosed = 0;
-        if end.unit.dot(&sight.towards) < NO_NEARER {
+        let nearer = |end: &RunEnd| end.unit.dot(&sight.towards) >= NO_NEARER;
+        let Some((side, end, _)) = best.filter(|(_, end, _)| nearer(end)) else {
+            let side = best.map(|(side, ..)| side).or(side).unwrap_or(Side::Right);
             let wall = self.view.obstacle(run.nearest(&self.view));
             let follow = Follow::begin(side, sight.distance, wall.unwrap_or(self.view.here));
             return Change::To(State::Following(follow));
-        }
+        };
+        self.enclosed = 0;
         self.state = State::ToGoal { side: Some(side) };
         Change::Answer(Advice::Head {
             towards: self.view.here + end.unit * end.free,
@@ -260,7 +260,7 @@ impl TangentBug {
         match follow.step(&self.view, sight, &self.params, self.grown) {
             Following::Lost => Change::To(State::ToGoal { side: None }),
             Following::Leave(point) => Change::To(State::Leaving { point, follow }),
-            Following::Enclosed => self.walled_in(State::Following(follow)),
+            Following::Enclosed => self.walled_in(follow),
             Following::Closed => Change::To(State::Unreachable),
             Following::Along(towards) => {
                 self.enclosed = 0;
@@ -293,16 +293,13 @@ impl TangentBug {
     }
 
     /// Nothing but boundary all around: wait a little, for the sensor may err or a body move on.
-    fn walled_in(&mut self, state: State) -> Change {
+    fn walled_in(&mut self, follow: Follow) -> Change {
         self.enclosed += 1;
         if self.enclosed >= ENCLOSED_LOOKS {
             return Change::To(State::Unreachable);
         }
-        let mode = match &state {
-            State::Following(follow) => Mode::Boundary(follow.side()),
-            _ => Mode::ToGoal,
-        };
-        self.state = state;
+        let mode = Mode::Boundary(follow.side());
+        self.state = State::Following(follow);
         Change::Answer(self.wait(mode))
     }
 
@@ -322,6 +319,8 @@ struct Sight {
     distance: f64,
     /// Unit vector towards it.
     towards: Vector2<f64>,
+    /// Unit vector along the robot's heading.
+    forward: Vector2<f64>,
     /// How far the straight way there is free [m].
     free: f64,
     /// Whether it is free as far as can be seen, or to the goal.
@@ -331,7 +330,7 @@ struct Sight {
 }
 
 impl Sight {
-    fn new(view: &Surroundings, goal: Point2<f64>, tolerance: f64) -> Self {
+    fn new(view: &Surroundings, pose: &Pose2, goal: Point2<f64>, tolerance: f64) -> Self {
         let offset = goal - view.here;
         let distance = offset.norm();
         let towards = if distance > 0.0 {
@@ -345,6 +344,7 @@ impl Sight {
             goal,
             distance,
             towards,
+            forward: pose.forward(),
             free,
             is_open: free >= needed.min(view.reach),
             is_reachable: free >= needed,

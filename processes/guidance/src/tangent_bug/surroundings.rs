@@ -19,6 +19,9 @@ pub(super) const DIRECTIONS: usize = 360;
 /// Largest lean away from an obstacle that is too near (sine of the angle).
 const MOST_LEAN: f64 = 0.3;
 
+/// Shares of the margin that are tried where there is too little room.
+const MARGINS: [f64; 3] = [1.0, 0.5, 0.1];
+
 static UNITS: LazyLock<Vec<Vector2<f64>>> = LazyLock::new(|| {
     (0..DIRECTIONS)
         .map(|k| {
@@ -94,14 +97,34 @@ pub(super) struct Surroundings {
 }
 
 impl Surroundings {
-    /// Takes in a scan; `radius` [m] is the robot's plus `margin`.
+    /// Takes in a scan made by a robot of this radius [m].
+    ///
+    /// Between walls that are too near on both sides (it has strayed into its margin there) the
+    /// margin [m] is cut until there is a way out.
     pub(super) fn look(&mut self, pose: &Pose2, scan: &ScanView<'_>, radius: f64, margin: f64) {
         self.here = pose.position();
+        echoes(pose, scan, radius + margin, &mut self.echoes);
+        let nearest = self
+            .echoes
+            .iter()
+            .map(Vector2::norm)
+            .fold(f64::INFINITY, f64::min);
+        for share in MARGINS {
+            let grown = radius + share * margin;
+            self.grow(scan.range_max, grown, share * margin);
+            let squeezed = nearest < grown && self.free.iter().all(|&free| free < margin);
+            if !squeezed {
+                break;
+            }
+        }
+    }
+
+    /// Finds how far each direction is free with echoes grown to this radius [m].
+    fn grow(&mut self, range: f64, radius: f64, margin: f64) {
         self.radius = radius;
         self.lean_below = radius - 0.25 * margin;
         // Something just beyond the sensor's range stops the centre that much earlier.
-        self.reach = (scan.range_max - radius).max(0.25 * radius);
-        echoes(pose, scan, radius, &mut self.echoes);
+        self.reach = (range - radius).max(0.25 * radius);
         self.free.clear();
         self.free.resize(DIRECTIONS, self.reach);
         self.owner.clear();

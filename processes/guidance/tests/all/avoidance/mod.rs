@@ -13,6 +13,7 @@ use guidance::waypoint_driver::{DriverParams, Situation, WaypointDriver};
 use nalgebra::{Point2, Vector2};
 use sim_backend::math;
 use sim_backend::pose::{Pose2, Twist2};
+use sim_backend::random::Stream;
 use sim_backend::shape::{Aabb, Convex};
 
 pub const DT: f64 = 0.05;
@@ -25,6 +26,8 @@ pub struct Machine {
     pub omega_max: f64,
     pub range: f64,
     pub beams: usize,
+    /// Standard deviation of a measured distance [m].
+    pub noise: f64,
     /// Changes of speed and turning rate [m/s², rad/s²].
     pub accelerations: Option<(f64, f64)>,
 }
@@ -36,6 +39,7 @@ pub const PATROL: Machine = Machine {
     omega_max: 3.0,
     range: 0.5,
     beams: 180,
+    noise: 0.0,
     accelerations: None,
 };
 
@@ -76,13 +80,16 @@ impl Run {
     }
 
     pub fn scan(&self) -> Vec<f32> {
+        let mut noise = Stream::new(7, 0, u64::from(self.tick));
         let step = core::f64::consts::TAU / self.machine.beams as f64;
         (0..self.machine.beams)
             .map(|beam| {
                 let (sin, cos) = math::sincos(self.pose.theta + beam as f64 * step);
                 let (from, dir) = (self.pose.position(), Vector2::new(cos, sin));
                 let range = self.space.shapes().cast_ray(from, dir, self.machine.range);
-                range.map_or(f32::INFINITY, |range| range as f32)
+                range.map_or(f32::INFINITY, |range| {
+                    (range + self.machine.noise * noise.normal()) as f32
+                })
             })
             .collect()
     }
