@@ -1,12 +1,12 @@
 //! The laps of a patrol, and where an ally with the key knows it to be.
 
 use ::patrol::forecast::{Forecast, Predicted};
-use ::patrol::mission::Mission;
+use ::patrol::mission::{Drive, Mission};
 use generators::Key;
 use guidance::waypoint::{Waypoint, WaypointKind};
 use metrics::path::PathMetrics;
 use nalgebra::Point2;
-use patrol_awg::{PatrolAwgParams, drive_of};
+use patrol_awg::PatrolAwgParams;
 use serde_json::{Value as Json, json};
 
 use super::{RouteError, Router};
@@ -43,7 +43,7 @@ impl Patrol {
         if key.is_some() {
             params.mission.key = key;
         }
-        let drive = drive_of(&router.robot.model()).map_err(|e| refused(&e))?;
+        let drive = Drive::of(&router.robot.model()).map_err(|e| refused(&e))?;
         let mission = params
             .mission
             .prepare(&drive, &params.driver.go_to, router.seed(scenario))

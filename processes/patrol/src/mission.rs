@@ -8,6 +8,7 @@ use guidance::limits::Limits;
 use guidance::params::{ParamsError, require};
 use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
+use sim_backend::spec::RobotModel;
 use thiserror::Error;
 
 use crate::alpha::{AlphaError, LAPS, alpha_max_driven};
@@ -100,6 +101,26 @@ pub struct Drive {
     pub acceleration: Option<f64>,
     /// Its angular acceleration [rad/s²], > 0; absent: it takes no time.
     pub angular_acceleration: Option<f64>,
+}
+
+impl Drive {
+    /// That of a robot's body: no faster than its wheels.
+    ///
+    /// # Errors
+    /// [`ParamsError`] naming the limit that is out of range.
+    pub fn of(model: &RobotModel) -> Result<Self, ParamsError> {
+        let rim = model.wheel_speed_max.unwrap_or(f64::INFINITY);
+        let turning = 2.0 * rim / model.wheel_separation;
+        Ok(Self {
+            limits: Limits::new(
+                model.v_max.min(rim),
+                model.v_reverse_max.min(rim),
+                model.omega_max.min(turning),
+            )?,
+            acceleration: model.acceleration,
+            angular_acceleration: model.angular_acceleration,
+        })
+    }
 }
 
 impl MissionParams {

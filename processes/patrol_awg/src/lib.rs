@@ -1,1 +1,12 @@
-//! Patrols along a zig-zag of additional waypoints.
+//! Patrols along a zig-zag of additional waypoints (cat-map patrol paper): lap after lap, no two
+//! alike, around obstacles, within the time ordered.
+//!
+//! [`PatrolAwg`] is the planner: [`patrol`] makes the waypoints, the waypoint driver of [`guidance`]
+//! drives them. [`process`] wires it to its topics.
+
+mod params;
+mod planner;
+pub mod process;
+
+pub use params::PatrolAwgParams;
+pub use planner::{PatrolAwg, PatrolError, SHOWN};

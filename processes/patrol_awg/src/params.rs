@@ -1,0 +1,39 @@
+//! Parameters of the patrol.
+
+use guidance::waypoint_driver::DriverParams;
+use patrol::mission::MissionParams;
+use serde::{Deserialize, Serialize};
+
+use crate::PatrolError;
+
+/// Parameters of a [`PatrolAwg`](crate::PatrolAwg).
+///
+/// ```toml
+/// mission = { contour = [[5, 0], [0, 5], [5, 10]], t_max = 60 }
+/// obstacles_known = true
+/// driver = { go_to = { arrived = 0.1 } }
+/// ```
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct PatrolAwgParams {
+    /// What is patrolled, in which time, with which key.
+    pub mission: MissionParams,
+    /// Whether the robot knows the obstacles of the map: then additional waypoints inside them are
+    /// left out at once, otherwise when they are not reached in time.
+    pub obstacles_known: bool,
+    /// How waypoints are driven to; `driver.go_to.arrived` is the distance at which one is reached.
+    pub driver: DriverParams,
+}
+
+impl PatrolAwgParams {
+    /// Checks every field.
+    ///
+    /// # Errors
+    /// [`PatrolError`] with the path of the first that does not do.
+    pub fn validate(&self) -> Result<(), PatrolError> {
+        self.mission.validate()?;
+        self.driver
+            .validate()
+            .map_err(|error| PatrolError::Params(error.within("driver")))
+    }
+}

@@ -1,0 +1,122 @@
+//! The planner: waypoints of the zig-zag, handed to the driver one by one.
+
+use std::collections::VecDeque;
+
+use generators::AnySource;
+use guidance::map::PlannerMap;
+use guidance::params::ParamsError;
+use guidance::steering::Steering;
+use guidance::view::View;
+use guidance::waypoint::{Waypoint, WaypointReport};
+use guidance::waypoint_driver::{Situation, WaypointDriver};
+use nalgebra::Vector2;
+use patrol::awg::Laps;
+use patrol::mission::{Drive, Mission, MissionError};
+use sim_backend::spec::RobotModel;
+use thiserror::Error;
+
+use crate::PatrolAwgParams;
+
+/// Waypoints ahead that are shown.
+pub const SHOWN: usize = 12;
+
+/// Why a robot cannot patrol.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum PatrolError {
+    /// What was ordered cannot be.
+    #[error("mission: {0}")]
+    Mission(#[from] MissionError),
+    /// A parameter or a limit of the robot is out of its range.
+    #[error(transparent)]
+    Params(#[from] ParamsError),
+}
+
+/// One robot on patrol.
+#[derive(Debug, Clone)]
+pub struct PatrolAwg {
+    mission: Mission,
+    obstacles_known: bool,
+    laps: Laps<AnySource>,
+    /// Waypoints that have been planned and not been handed to the driver.
+    ahead: VecDeque<Waypoint>,
+    driver: WaypointDriver,
+    reports: Vec<WaypointReport>,
+}
+
+impl PatrolAwg {
+    /// A robot that has not set out yet.
+    ///
+    /// `seed` is its own; it makes the key if none is given.
+    ///
+    /// # Errors
+    /// [`PatrolError`] naming the parameter that does not do, and what to change.
+    pub fn new(
+        params: &PatrolAwgParams,
+        model: &RobotModel,
+        seed: u64,
+    ) -> Result<Self, PatrolError> {
+        params.validate()?;
+        let drive = Drive::of(model)?;
+        let go_to = &params.driver.go_to;
+        let mission = params.mission.prepare(&drive, go_to, seed)?;
+        let source = mission.key.source().map_err(MissionError::Key)?;
+        let mut laps = mission.awg.clone().laps(source);
+        Ok(Self {
+            obstacles_known: params.obstacles_known,
+            ahead: laps.by_ref().take(SHOWN).collect(),
+            laps,
+            mission,
+            driver: WaypointDriver::new(params.driver, drive.limits, model.radius)?,
+            reports: Vec::new(),
+        })
+    }
+
+    /// What it does, everything chosen.
+    pub fn mission(&self) -> &Mission {
+        &self.mission
+    }
+
+    /// The waypoint that it is on the way to, and those after it; those inside obstacles are still
+    /// among them.
+    pub fn ahead(&self) -> impl Iterator<Item = &Waypoint> {
+        let current = self.driver.current().into_iter();
+        current.chain(&self.ahead).take(SHOWN)
+    }
+
+    /// The waypoints that ended in the last tick.
+    pub fn reports(&self) -> &[WaypointReport] {
+        &self.reports
+    }
+
+    /// What it does in this tick; a stop if it does not know where it is.
+    pub fn steer(&mut self, map: &PlannerMap, view: &View<'_>) -> Steering {
+        self.reports.clear();
+        let Some(own) = view.own() else {
+            return Steering::stop();
+        };
+        let situation = Situation {
+            pose: own.pose,
+            twist: own.twist,
+            scan: view.scan,
+            known: map
+                .space()
+                .map(AsRef::as_ref)
+                .filter(|_| self.obstacles_known),
+            time_s: view.time_s,
+            dt: view.dt,
+        };
+        let (ahead, laps) = (&mut self.ahead, &mut self.laps);
+        let mut next = || {
+            ahead.extend(laps.next());
+            ahead.pop_front()
+        };
+        let driving = self.driver.drive(&mut next, &situation, &mut self.reports);
+        Steering {
+            command: driving.command,
+            target: None,
+            aim: self.driver.current().map(|waypoint| waypoint.point),
+            waypoint: driving.towards,
+            field: Vector2::zeros(),
+        }
+    }
+}

@@ -1,0 +1,183 @@
+//! Cases 1 and 2 of the paper, driven and not only planned.
+
+mod support;
+
+use guidance::map::PlannerMap;
+use guidance::steering::Steering;
+use guidance::view::View;
+use guidance::waypoint::{WaypointKind, WaypointOutcome, WaypointReport};
+use patrol::forecast::Forecast;
+use patrol_awg::{PatrolAwg, PatrolAwgParams};
+use sim_backend::pose::Pose2;
+use sim_backend::shape::Shape;
+use support::{Drive, Steers, drive, model};
+
+struct Awg(PatrolAwg);
+
+impl Steers for Awg {
+    fn steer(&mut self, map: &PlannerMap, view: &View<'_>) -> Steering {
+        self.0.steer(map, view)
+    }
+
+    fn reports(&self) -> &[WaypointReport] {
+        self.0.reports()
+    }
+}
+
+const OCTAGON: &str = "mission = { t_max = 120, contour = [[5, 0], [0, 5], [0, 10], [5, 15], \
+                       [10, 15], [15, 10], [15, 5], [10, 0]] }\n";
+const SQUARE: &str = "mission = { t_max = 100, contour = [[1, 1], [1, 11], [11, 11], [11, 1]] }\n";
+
+fn patrol(text: &str, more: &str, start: Pose2) -> Awg {
+    let params: PatrolAwgParams = toml::from_str(&(text.to_owned() + more)).unwrap();
+    Awg(PatrolAwg::new(&params, &model(start), 42).unwrap())
+}
+
+/// When each lap ended [s].
+fn lap_ends(drive: &Drive, per_lap: u64) -> Vec<f64> {
+    let ends = drive.reports.iter().filter(|r| {
+        let number = r.waypoint.number;
+        number > 0 && number.is_multiple_of(per_lap)
+    });
+    ends.map(|r| r.ended_s).collect()
+}
+
+#[test]
+fn the_octagon_is_driven_in_time_through_every_waypoint_without_contact() {
+    let start = Pose2::new(5.0, 0.0, 2.3);
+    let mut planner = patrol(OCTAGON, "[driver]\ngo_to = { arrived = 0.1 }", start);
+    let mission = planner.0.mission().clone();
+    let found = drive(vec![], start, 6.0 * 120.0, &mut planner);
+    assert_eq!(found.contacts(), 0);
+    let ends = lap_ends(&found, mission.awg.waypoints_per_lap());
+    assert!(ends.len() >= 6, "{ends:?}");
+    let mut before = 0.0;
+    for end in ends {
+        assert!(end - before <= 120.0, "{} s", end - before);
+        before = end;
+    }
+    // Off the contour by what the width allows.
+    let alpha = mission.awg.params().alpha;
+    println!("alpha {alpha:.3} m");
+    let off = found.poses.iter().map(|pose| {
+        let segments = mission.contour.segments().iter();
+        segments
+            .map(|s| s.along.perp(&(pose.position() - s.from)).abs())
+            .fold(f64::INFINITY, f64::min)
+    });
+    assert!(off.fold(0.0, f64::max) > 0.25 * alpha);
+    // Every waypoint, in order, within the tolerance, where an ally with the key expects it.
+    let forecast = Forecast::new(mission.awg, mission.key.source().unwrap());
+    for (number, report) in (0..).zip(&found.reports) {
+        assert_eq!(report.outcome, WaypointOutcome::Reached, "{report:?}");
+        assert!(report.closest <= 0.1);
+        assert_eq!(report.waypoint, forecast.waypoint(number).unwrap());
+    }
+}
+
+/// A post and a crate on the contour of case 2, and a wall beside it.
+fn obstacles() -> Vec<Shape> {
+    let block = |center, half_extents| Shape::Rectangle {
+        center,
+        half_extents,
+        angle: 0.0,
+    };
+    vec![
+        Shape::Circle {
+            center: [1.0, 4.0],
+            radius: 0.25,
+        },
+        block([6.0, 11.2], [0.8, 0.4]),
+        block([10.2, 6.0], [0.3, 1.5]),
+    ]
+}
+
+#[test]
+fn known_obstacles_are_gone_around_and_waypoints_inside_them_left_out_at_once() {
+    let start = Pose2::new(1.0, 1.0, 1.57);
+    let mut planner = patrol(SQUARE, "obstacles_known = true", start);
+    let found = drive(obstacles(), start, 220.0, &mut planner);
+    assert_eq!(found.contacts(), 0);
+    let count = |outcome| {
+        found
+            .reports
+            .iter()
+            .filter(|r| r.outcome == outcome)
+            .count()
+    };
+    assert!(count(WaypointOutcome::InsideObstacle) > 3);
+    assert!(count(WaypointOutcome::Reached) > 100);
+    // Nothing of the route is left out.
+    let route = found
+        .reports
+        .iter()
+        .filter(|r| r.waypoint.kind == WaypointKind::Route);
+    assert!(route.clone().count() >= 8);
+    assert!(route.clone().all(|r| r.outcome == WaypointOutcome::Reached));
+}
+
+#[test]
+fn waypoints_inside_unknown_obstacles_are_given_up_after_twice_their_time() {
+    let start = Pose2::new(1.0, 1.0, 1.57);
+    let mut planner = patrol(SQUARE, "", start);
+    let found = drive(obstacles(), start, 240.0, &mut planner);
+    assert_eq!(found.contacts(), 0);
+    let given_up = found.reports.iter().filter(|r| {
+        matches!(
+            r.outcome,
+            WaypointOutcome::TimedOut | WaypointOutcome::Unreachable
+        )
+    });
+    assert!(given_up.clone().count() > 2);
+    assert!(
+        given_up
+            .clone()
+            .all(|r| r.waypoint.kind == WaypointKind::Inserted)
+    );
+    assert!(
+        found
+            .reports
+            .iter()
+            .all(|r| r.outcome != WaypointOutcome::InsideObstacle)
+    );
+}
+
+#[test]
+fn the_waypoints_ahead_are_shown_and_a_robot_without_a_pose_stands() {
+    let start = Pose2::new(5.0, 0.0, 0.0);
+    let mut planner = patrol(OCTAGON, "", start);
+    let shown = |planner: &Awg| planner.0.ahead().map(|w| w.number).collect::<Vec<u64>>();
+    assert_eq!(shown(&planner), (0..12).collect::<Vec<u64>>());
+    let found = drive(vec![], start, 10.0, &mut planner);
+    let next = found.reports.len() as u64;
+    assert_eq!(shown(&planner), (next..next + 12).collect::<Vec<u64>>());
+    // Nobody is listed with the planner's index.
+    let view = View {
+        time_s: 10.0,
+        dt: 0.05,
+        me: 3,
+        robots: &[],
+        beliefs: &[],
+        exits: &[],
+        scan: None,
+    };
+    let steering = planner.steer(&support::planner_map(&found.world), &view);
+    assert_eq!(steering, Steering::stop());
+    assert!(planner.reports().is_empty());
+}
+
+#[test]
+fn a_patrol_that_cannot_be_names_the_field() {
+    let made = |text: &str| {
+        let params: PatrolAwgParams = toml::from_str(text).unwrap();
+        let start = Pose2::new(0.0, 0.0, 0.0);
+        PatrolAwg::new(&params, &model(start), 1)
+            .unwrap_err()
+            .to_string()
+    };
+    assert!(made("").starts_with("mission: `contour` has 0 waypoint(s)"));
+    let slow = "mission = { contour = [[0, 0], [100, 0]], t_max = 60 }";
+    assert!(made(slow).contains("at least 200.000 s"));
+    let driver = "mission = { contour = [[0, 0], [9, 0]] }\n[driver]\nstuck_s = -1";
+    assert!(made(driver).starts_with("`driver.stuck_s` is -1"));
+}

@@ -1,0 +1,61 @@
+//! Parameters of the patrol.
+
+use guidance::waypoint_driver::DriverParams;
+use patrol::fto::FtoParams;
+use patrol::mission::MissionParams;
+use patrol::mixed::MixedParams;
+use serde::{Deserialize, Serialize};
+
+use crate::PatrolFtoError;
+
+/// What makes the patrol hard to predict.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Protection {
+    /// Fictive obstacles wherever there is a threat: the baseline.
+    #[default]
+    FictiveObstacles,
+    /// Additional waypoints, and fictive obstacles along large real ones ([`patrol::mixed`]).
+    Mixed,
+}
+
+/// Parameters of a [`PatrolFto`](crate::PatrolFto).
+///
+/// ```toml
+/// protection = "mixed"
+/// mission = { contour = [[1, 1], [1, 11], [11, 11], [11, 1]], t_max = 100 }
+/// fto = { radius = 0.2 }
+/// ```
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct PatrolFtoParams {
+    /// What makes it hard to predict.
+    pub protection: Protection,
+    /// What is patrolled; width, key and preset are of use for the mixture only.
+    pub mission: MissionParams,
+    /// The fictive obstacles.
+    pub fto: FtoParams,
+    /// Which legs of the mixture get them.
+    pub mixed: MixedParams,
+    /// Whether the robot knows the obstacles of the map.
+    pub obstacles_known: bool,
+    /// How waypoints are driven to; `driver.go_to.arrived` is the distance at which one is reached.
+    pub driver: DriverParams,
+}
+
+impl PatrolFtoParams {
+    /// Checks every field.
+    ///
+    /// # Errors
+    /// [`PatrolFtoError`] with the path of the first that does not do.
+    pub fn validate(&self) -> Result<(), PatrolFtoError> {
+        self.mission.validate()?;
+        self.fto.validate()?;
+        self.mixed
+            .validate()
+            .map_err(|error| PatrolFtoError::Params(error.within("mixed")))?;
+        self.driver
+            .validate()
+            .map_err(|error| PatrolFtoError::Params(error.within("driver")))
+    }
+}

@@ -1,0 +1,231 @@
+//! The planner: waypoints for the driver, and a scan with obstacles that are not there.
+
+use std::collections::VecDeque;
+
+use generators::AnySource;
+use guidance::free_space::FreeSpace;
+use guidance::map::PlannerMap;
+use guidance::params::ParamsError;
+use guidance::steering::Steering;
+use guidance::view::View;
+use guidance::waypoint::{Waypoint, WaypointKind, WaypointReport};
+use guidance::waypoint_driver::{Situation, WaypointDriver};
+use nalgebra::{Point2, Vector2};
+use patrol::awg::{Awg, Laps};
+use patrol::fto::{Carrier, Disc, Fto, FtoError, merged};
+use patrol::mission::{Drive, Mission, MissionError};
+use patrol::mixed::{Method, MixedLaps};
+use sim_backend::spec::RobotModel;
+use thiserror::Error;
+
+use crate::{PatrolFtoParams, Protection};
+
+/// Why a robot cannot patrol.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum PatrolFtoError {
+    /// What was ordered cannot be.
+    #[error("mission: {0}")]
+    Mission(#[from] MissionError),
+    /// The fictive obstacles cannot be.
+    #[error("fto: {0}")]
+    Fto(#[from] FtoError),
+    /// A parameter or a limit of the robot is out of its range.
+    #[error(transparent)]
+    Params(#[from] ParamsError),
+}
+
+/// Where waypoints come from.
+#[derive(Debug, Clone)]
+enum Way {
+    /// The contour alone.
+    Contour(Laps<AnySource>),
+    /// The zig-zag, as far as it suits.
+    Mixed(Box<MixedLaps<AnySource>>),
+}
+
+impl Way {
+    fn awg(&self) -> &Awg {
+        match self {
+            Self::Contour(laps) => laps.awg(),
+            Self::Mixed(laps) => laps.awg(),
+        }
+    }
+
+    /// The next waypoint, and whether fictive obstacles protect the way to it.
+    fn next(&mut self, inside: impl Fn(Point2<f64>) -> bool) -> (Waypoint, bool) {
+        match self {
+            Self::Contour(laps) => {
+                let mut passed_over = Vec::new();
+                // Everything but the route counts as inside.
+                let waypoint = laps.next_outside(|_| true, &mut passed_over);
+                let awg = laps.awg();
+                let threatened = awg
+                    .place(waypoint.number)
+                    .and_then(|(_, leg, _)| awg.legs(waypoint.lap).get(leg))
+                    .is_some_and(|leg| leg.stretch.threatened);
+                (waypoint, threatened)
+            }
+            Self::Mixed(laps) => {
+                let (waypoint, method) = laps.next_waypoint(inside);
+                (waypoint, method == Method::FictiveObstacles)
+            }
+        }
+    }
+}
+
+/// One robot on patrol.
+#[derive(Debug, Clone)]
+pub struct PatrolFto {
+    mission: Mission,
+    obstacles_known: bool,
+    way: Way,
+    fto: Fto,
+    /// Numbers of the waypoints handed to the driver that have not ended, and whether the way to
+    /// them is protected by fictive obstacles.
+    handed: VecDeque<(u64, bool)>,
+    driver: WaypointDriver,
+    radius: f64,
+    disc: Option<Disc>,
+    ranges: Vec<f32>,
+    reports: Vec<WaypointReport>,
+}
+
+impl PatrolFto {
+    /// A robot that has not set out yet; `seed` is its own and makes the key if none is given.
+    ///
+    /// # Errors
+    /// [`PatrolFtoError`] naming the parameter that does not do, and what to change.
+    pub fn new(
+        params: &PatrolFtoParams,
+        drive: &Drive,
+        model: &RobotModel,
+        seed: u64,
+    ) -> Result<Self, PatrolFtoError> {
+        params.validate()?;
+        let mission = params.mission.prepare(drive, &params.driver.go_to, seed)?;
+        let source = mission.key.source().map_err(MissionError::Key)?;
+        let laps = mission.awg.clone().laps(source);
+        let way = match params.protection {
+            Protection::FictiveObstacles => Way::Contour(laps),
+            Protection::Mixed => {
+                let mixed =
+                    MixedLaps::new(params.mixed, laps).map_err(|error| error.within("mixed"))?;
+                Way::Mixed(Box::new(mixed))
+            }
+        };
+        Ok(Self {
+            mission,
+            obstacles_known: params.obstacles_known,
+            way,
+            fto: Fto::new(&params.fto)?,
+            handed: VecDeque::new(),
+            driver: WaypointDriver::new(params.driver, drive.limits, model.radius)?,
+            radius: model.radius,
+            disc: None,
+            ranges: Vec::new(),
+            reports: Vec::new(),
+        })
+    }
+
+    /// What it does, everything chosen.
+    pub fn mission(&self) -> &Mission {
+        &self.mission
+    }
+
+    /// The zig-zag of the mixture.
+    pub fn awg(&self) -> &Awg {
+        self.way.awg()
+    }
+
+    /// The waypoint that it is on the way to.
+    pub fn current(&self) -> Option<&Waypoint> {
+        self.driver.current()
+    }
+
+    /// The fictive obstacle that it saw in the last tick.
+    pub fn disc(&self) -> Option<&Disc> {
+        self.disc.as_ref()
+    }
+
+    /// The waypoints that ended in the last tick.
+    pub fn reports(&self) -> &[WaypointReport] {
+        &self.reports
+    }
+
+    /// What it does in this tick; a stop if it does not know where it is.
+    pub fn steer(&mut self, map: &PlannerMap, view: &View<'_>) -> Steering {
+        self.reports.clear();
+        self.disc = None;
+        let Some(own) = view.own() else {
+            return Steering::stop();
+        };
+        let current = self.driver.current().copied();
+        // Asked in every tick, so that its times do not depend on where the robot is.
+        let disc = self.fto.at(
+            view.time_s,
+            &Carrier {
+                pose: own.pose,
+                radius: self.radius,
+                reach: view.scan.map_or(0.0, |scan| scan.range_max),
+                goal: current.map(|waypoint| waypoint.point),
+            },
+        );
+        if current.is_some_and(|waypoint| self.is_protected(waypoint.number)) {
+            self.disc = disc;
+        }
+        let scan = view
+            .scan
+            .as_ref()
+            .map(|scan| merged(scan, &own.pose, self.disc.as_ref(), &mut self.ranges));
+        let known = map
+            .space()
+            .map(AsRef::as_ref)
+            .filter(|_| self.obstacles_known);
+        let situation = Situation {
+            pose: own.pose,
+            twist: own.twist,
+            scan,
+            known,
+            time_s: view.time_s,
+            dt: view.dt,
+        };
+        let (way, handed, radius) = (&mut self.way, &mut self.handed, self.radius);
+        let mut next = || {
+            let (waypoint, protected) = way.next(|p| is_inside(known, p, radius));
+            handed.push_back((waypoint.number, protected));
+            Some(waypoint)
+        };
+        let driving = self.driver.drive(&mut next, &situation, &mut self.reports);
+        self.take_note();
+        Steering {
+            command: driving.command,
+            target: None,
+            aim: self.driver.current().map(|waypoint| waypoint.point),
+            waypoint: driving.towards,
+            field: Vector2::zeros(),
+        }
+    }
+
+    fn is_protected(&self, number: u64) -> bool {
+        self.handed
+            .iter()
+            .any(|&(n, fictive)| n == number && fictive)
+    }
+
+    fn take_note(&mut self) {
+        for report in &self.reports {
+            let ended = report.waypoint.number;
+            self.handed.retain(|&(number, _)| number > ended);
+            if let Way::Mixed(laps) = &mut self.way
+                && report.waypoint.kind == WaypointKind::Inserted
+            {
+                laps.report(&report.waypoint, report.outcome);
+            }
+        }
+    }
+}
+
+/// Whether a robot of this radius cannot stand at a point, as far as it knows.
+fn is_inside(known: Option<&FreeSpace>, p: Point2<f64>, radius: f64) -> bool {
+    known.is_some_and(|known| !known.is_free(p, radius))
+}
