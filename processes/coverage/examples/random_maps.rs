@@ -10,7 +10,7 @@ use coverage::decomposition::Decomposition;
 use random_map::drive::drive;
 use random_map::{RandomMaps, free_components};
 
-#[path = "../tests/all/random_map.rs"]
+#[path = "../tests/all/random_map/mod.rs"]
 mod random_map;
 
 fn main() {
