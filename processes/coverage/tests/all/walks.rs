@@ -31,7 +31,7 @@ fn every_reachable_rectangle_is_visited_without_collisions() {
         let Ok(decomposition) = Decomposition::new(&workplace) else {
             continue;
         };
-        let driven: Driven = drive(&workplace, decomposition, &mut maps, 2);
+        let driven: Driven = drive(&workplace, &decomposition, &mut maps, 2);
         assert_eq!(driven.collisions, 0);
         assert_eq!(driven.missed, 0);
         legs += driven.legs;
