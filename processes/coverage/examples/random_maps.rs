@@ -10,7 +10,7 @@ use coverage::decomposition::Decomposition;
 use random_map::drive::drive;
 use random_map::{RandomMaps, free_components};
 
-#[path = "../tests/all/random_map.rs"]
+#[path = "../tests/all/random_map/mod.rs"]
 mod random_map;
 
 fn main() {
@@ -37,7 +37,7 @@ fn main() {
         connected += u64::from(components == 1);
         inexact += u64::from((decomposition.area() - area).abs() > 1e-9 * area);
         miscounted += u64::from(decomposition.components() != components);
-        let driven = drive(&workplace, decomposition, &mut maps, 1);
+        let driven = drive(&workplace, &decomposition, &mut maps, 1);
         legs += driven.legs;
         collisions += driven.collisions;
         missed += driven.missed;

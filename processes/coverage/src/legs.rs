@@ -67,17 +67,24 @@ pub struct RoundingError {
 pub struct Rounding {
     v: f64,
     omega: f64,
+    most_miss: f64,
     least_radius: f64,
 }
 
 impl Rounding {
     /// Arcs for a robot that drives at `v` [m/s] and turns at `omega` [rad/s]: of radius v/ω where
-    /// there is room. Arcs smaller than `least_radius` [m] are left out: the robot turns on the
-    /// spot.
+    /// there is room and the arc passes the corner by no more than `most_miss` [m] (at a sharp
+    /// corner a wide arc passes far from it). Arcs smaller than `least_radius` [m] are left out: the
+    /// robot turns on the spot.
     ///
     /// # Errors
     /// [`RoundingError`] if a value is not finite or not positive (the least radius may be 0).
-    pub fn new(v: f64, omega: f64, least_radius: f64) -> Result<Self, RoundingError> {
+    pub fn new(
+        v: f64,
+        omega: f64,
+        most_miss: f64,
+        least_radius: f64,
+    ) -> Result<Self, RoundingError> {
         let refuse = |field, value, expected| {
             Err(RoundingError {
                 field,
@@ -92,12 +99,16 @@ impl Rounding {
         if !positive(omega) {
             return refuse("omega", omega, "a finite number > 0 [rad/s]");
         }
+        if !positive(most_miss) {
+            return refuse("most_miss", most_miss, "a finite number > 0 [m]");
+        }
         if !(positive(least_radius) || least_radius == 0.0) {
             return refuse("least_radius", least_radius, "a finite number ≥ 0 [m]");
         }
         Ok(Self {
             v,
             omega,
+            most_miss,
             least_radius,
         })
     }
@@ -124,14 +135,15 @@ pub struct Fillet {
     pub arc: Arc,
 }
 
-/// The arc of at most `radius` [m] that replaces the corner at `b` on the way from `a` over `b` to
-/// `c` [m]; the legs run in the rectangles `first` and `second`. `None` if there is no corner or no
-/// room.
+/// The arc of at most `radius` [m], passing the corner by at most `most_miss` [m], that replaces
+/// the corner at `b` on the way from `a` over `b` to `c` [m]; the legs run in the rectangles `first`
+/// and `second`. `None` if there is no corner or no room.
 pub fn fillet(
     [a, b, c]: [Point2<f64>; 3],
     first: &Aabb,
     second: &Aabb,
     radius: f64,
+    most_miss: f64,
 ) -> Option<Fillet> {
     let (arriving, leaving) = (b - a, c - b);
     let (before, after) = (arriving.norm(), leaving.norm());
@@ -144,6 +156,9 @@ pub fn fillet(
     // Room for the triangle: F in the first leg's rectangle or E in the second one's.
     let room = run_within(first, b, w).max(run_within(second, b, -u));
     let half_turn = math::tan(0.5 * turn.abs());
+    // The arc passes B by radius · (1/cos(turn/2) − 1).
+    let miss = 1.0 / math::cos(0.5 * turn.abs()) - 1.0;
+    let radius = radius.min(most_miss / miss.max(0.0));
     let tangent = (radius * half_turn).min(0.5 * before.min(after)).min(room);
     let radius = tangent / half_turn;
     let usable = tangent > 0.0 && radius > 0.0;
@@ -296,7 +311,10 @@ impl Rounder {
         };
         let corner = within
             .zip(goal.within)
-            .and_then(|(first, second)| fillet([a, b, to], &first, &second, self.rounding.radius()))
+            .and_then(|(first, second)| {
+                let radius = self.rounding.radius();
+                fillet([a, b, to], &first, &second, radius, self.rounding.most_miss)
+            })
             .filter(|fillet| fillet.arc.radius >= self.rounding.least_radius);
         if let Some(corner) = corner {
             self.straight(corner.enter, out);

@@ -52,6 +52,8 @@ pub struct ArcDriver {
     limits: Limits,
     tracking: TrackingParams,
     rounding: Rounding,
+    /// Time that turning round takes [s].
+    half_turn_s: f64,
     time_limit_factor: f64,
     least_time_s: f64,
     rounder: Option<Rounder>,
@@ -77,7 +79,8 @@ impl ArcDriver {
         Ok(Self {
             limits,
             tracking,
-            rounding: Rounding::new(v, omega, params.least_radius)?,
+            rounding: Rounding::new(v, omega, params.most_miss, params.least_radius)?,
+            half_turn_s: core::f64::consts::PI / omega,
             time_limit_factor: params.driver.time_limit_factor,
             least_time_s: params.driver.least_time_s,
             rounder: None,
@@ -212,7 +215,9 @@ impl ArcDriver {
         let ahead = self.stretches.get(1).filter(|_| stretch.smooth);
         let beyond = ahead.into_iter().flat_map(|stretch| &stretch.points);
         let path = Path::new(stretch.points.iter().chain(beyond).copied());
-        let allowed = (self.time_limit_factor * stretch.duration).max(self.least_time_s);
+        // It may have to turn first: where it is is not quite where the path says.
+        let expected = stretch.duration + self.half_turn_s;
+        let allowed = (self.time_limit_factor * expected).max(self.least_time_s);
         self.leg = Some(Leg {
             started_s: time_s,
             until_s: time_s + allowed,

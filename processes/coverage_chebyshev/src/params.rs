@@ -32,6 +32,8 @@ pub struct FollowParams {
     pub margin: f64,
     /// The way between sub-goals.
     pub interpolation: Interpolation,
+    /// An arc passes its sub-goal by this at most [m], > 0.
+    pub most_miss: f64,
     /// Arcs of less than this radius are left out: the robot turns on the spot [m], ≥ 0.
     pub least_radius: f64,
     /// How straight legs are driven.
@@ -46,11 +48,14 @@ impl Default for FollowParams {
             tolerance: 0.1,
             margin: 0.05,
             interpolation: Interpolation::default(),
+            most_miss: 0.1,
             least_radius: 0.02,
             driver: DriverParams::default(),
             tracking: TrackingParams {
-                look_ahead: 0.1,
-                look_ahead_time_s: 0.2,
+                // Arcs are small; a far point of them would be reached by cutting across.
+                look_ahead: 0.05,
+                look_ahead_time_s: 0.1,
+                least_look_ahead: 0.03,
                 ..TrackingParams::default()
             },
         }
@@ -71,6 +76,7 @@ impl FollowParams {
             "a finite number of at least 0.000001 [m]",
         )?;
         not_negative("margin", self.margin)?;
+        positive("most_miss", self.most_miss)?;
         not_negative("least_radius", self.least_radius)?;
         self.driver.validate().map_err(|e| e.within("driver"))?;
         self.tracking.validate().map_err(|e| e.within("tracking"))?;

@@ -62,7 +62,7 @@ fn a_right_angle_with_room_gets_the_robots_own_circle() {
         Point2::new(5.0, 1.0),
         Point2::new(5.0, 6.0),
     ];
-    let fillet = fillet(corner, &all, &all, 0.5).unwrap();
+    let fillet = fillet(corner, &all, &all, 0.5, 1.0).unwrap();
     assert!((fillet.enter - Point2::new(4.5, 1.0)).norm() < 1e-12);
     assert!((fillet.leave - Point2::new(5.0, 1.5)).norm() < 1e-12);
     assert!((fillet.arc.center - Point2::new(4.5, 1.5)).norm() < 1e-12);
@@ -77,7 +77,7 @@ fn an_arc_takes_at_most_half_of_a_short_leg() {
         Point2::new(5.0, 1.0),
         Point2::new(5.0, 1.4),
     ];
-    let fillet = fillet(corner, &all, &all, 0.5).unwrap();
+    let fillet = fillet(corner, &all, &all, 0.5, 1.0).unwrap();
     assert!((fillet.arc.radius - 0.2).abs() < 1e-12);
 }
 
@@ -91,7 +91,7 @@ fn a_corner_between_rectangles_is_rounded_only_where_one_of_them_holds_the_trian
         Point2::new(5.0, 1.9),
         Point2::new(5.0, 6.0),
     ];
-    let fillet = fillet(corner, &left, &up, 1.0).unwrap();
+    let fillet = fillet(corner, &left, &up, 1.0, 1.0).unwrap();
     // Up to x = 4.8, where the second rectangle begins.
     assert!((fillet.arc.radius - 0.2).abs() < 1e-12);
     // No room at all: the corner lies in the corner of both.
@@ -101,13 +101,13 @@ fn a_corner_between_rectangles_is_rounded_only_where_one_of_them_holds_the_trian
         Point2::new(5.0, 2.0),
         Point2::new(5.0, 6.0),
     ];
-    assert_eq!(super::fillet(corner, &left, &up, 1.0), None);
+    assert_eq!(super::fillet(corner, &left, &up, 1.0, 1.0), None);
 }
 
 #[test]
 fn a_reversal_is_turned_on_the_spot() {
     let all = rectangle(0.0, 0.0, 9.0, 9.0);
-    let rounding = Rounding::new(1.0, 2.0, 0.01).unwrap();
+    let rounding = Rounding::new(1.0, 2.0, 1.0, 0.01).unwrap();
     let goals = [goal(5.0, 1.0, Some(all)), goal(2.0, 1.0, Some(all))];
     let pieces = path(rounding, Point2::new(1.0, 1.0), &goals);
     let [
@@ -126,7 +126,7 @@ fn a_reversal_is_turned_on_the_spot() {
 
 #[test]
 fn corners_of_legs_that_nobody_vouches_for_stay() {
-    let rounding = Rounding::new(1.0, 2.0, 0.01).unwrap();
+    let rounding = Rounding::new(1.0, 2.0, 1.0, 0.01).unwrap();
     let goals = [goal(5.0, 1.0, None), goal(5.0, 4.0, None)];
     let pieces = path(rounding, Point2::new(1.0, 1.0), &goals);
     assert!(!pieces.iter().any(|p| matches!(p, Piece::Arc(_))));
@@ -135,7 +135,7 @@ fn corners_of_legs_that_nobody_vouches_for_stay() {
 
 #[test]
 fn a_robot_that_looks_elsewhere_turns_first() {
-    let rounding = Rounding::new(1.0, 2.0, 0.01).unwrap();
+    let rounding = Rounding::new(1.0, 2.0, 1.0, 0.01).unwrap();
     let mut rounder = Rounder::new(rounding, Point2::new(1.0, 1.0), Some(1.0));
     let mut pieces = Vec::new();
     rounder.push(&goal(5.0, 1.0, None), &mut pieces);
@@ -149,16 +149,20 @@ fn a_robot_that_looks_elsewhere_turns_first() {
 
 #[test]
 fn limits_that_no_robot_has_are_refused() {
-    let error = Rounding::new(0.0, 1.0, 0.0).unwrap_err();
+    let error = Rounding::new(0.0, 1.0, 1.0, 0.0).unwrap_err();
     assert_eq!(
         error.to_string(),
         "v = 0: expected a finite number > 0 [m/s]"
     );
     assert_eq!(
-        Rounding::new(1.0, f64::NAN, 0.0).unwrap_err().field,
+        Rounding::new(1.0, f64::NAN, 1.0, 0.0).unwrap_err().field,
         "omega"
     );
-    let error = Rounding::new(1.0, 1.0, -1.0).unwrap_err();
+    assert_eq!(
+        Rounding::new(1.0, 1.0, 0.0, 0.0).unwrap_err().field,
+        "most_miss"
+    );
+    let error = Rounding::new(1.0, 1.0, 1.0, -1.0).unwrap_err();
     assert_eq!(error.field, "least_radius");
 }
 
@@ -168,6 +172,7 @@ proptest! {
         points in prop::array::uniform3((0.0..9.0, 0.0..9.0)),
         margins in prop::array::uniform4(0.0..1.0),
         radius in 0.001..5.0,
+        most_miss in 0.01..2.0,
     ) {
         let [a, b, c] = points.map(|(x, y)| Point2::new(x, y));
         let around = |p: Point2<f64>, q: Point2<f64>, low: f64, high: f64| Aabb {
@@ -176,10 +181,12 @@ proptest! {
         };
         let first = around(a, b, margins[0], margins[1]);
         let second = around(b, c, margins[2], margins[3]);
-        let Some(fillet) = fillet([a, b, c], &first, &second, radius) else {
+        let Some(fillet) = fillet([a, b, c], &first, &second, radius, most_miss) else {
             return Ok(());
         };
         prop_assert!(fillet.arc.radius <= radius * (1.0 + 1e-9));
+        let miss = (fillet.arc.at(0.5) - b).norm();
+        prop_assert!(miss <= most_miss * (1.0 + 1e-6), "{miss} {most_miss}");
         let (u, w) = ((b - a).normalize(), (c - b).normalize());
         prop_assert!((fillet.enter - b).norm() <= 0.5 * (b - a).norm() + 1e-9);
         prop_assert!((fillet.leave - b).norm() <= 0.5 * (c - b).norm() + 1e-9);
@@ -210,7 +217,7 @@ proptest! {
         omega in 0.5..4.0,
     ) {
         let all = rectangle(0.0, 0.0, 9.0, 9.0);
-        let rounding = Rounding::new(v, omega, 0.01).unwrap();
+        let rounding = Rounding::new(v, omega, 1.0, 0.01).unwrap();
         let start = Point2::new(points[0].0, points[0].1);
         let goals: Vec<Goal> = points[1..].iter().map(|&(x, y)| goal(x, y, Some(all))).collect();
         let pieces = path(rounding, start, &goals);

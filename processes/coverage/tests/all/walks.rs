@@ -7,6 +7,9 @@ use coverage::transit::Transit;
 use generators::{Key, KeyKind};
 use nalgebra::Point2;
 
+use coverage::workplace::Workplace;
+use sim_backend::shape::{Aabb, Convex};
+
 use crate::random_map::RandomMaps;
 use crate::random_map::drive::{Driven, drive};
 
@@ -28,7 +31,7 @@ fn every_reachable_rectangle_is_visited_without_collisions() {
         let Ok(decomposition) = Decomposition::new(&workplace) else {
             continue;
         };
-        let driven: Driven = drive(&workplace, decomposition, &mut maps, 2);
+        let driven: Driven = drive(&workplace, &decomposition, &mut maps, 2);
         assert_eq!(driven.collisions, 0);
         assert_eq!(driven.missed, 0);
         legs += driven.legs;
@@ -104,4 +107,50 @@ fn a_start_in_an_obstacle_and_a_wait_of_nothing_are_refused() {
         source(),
     );
     assert_eq!(plan.unwrap_err(), PlanError::NoWait);
+}
+
+#[test]
+fn obstacles_of_any_shape_are_passed_without_contact() {
+    let mut maps = RandomMaps::new(21);
+    let bounds = Aabb {
+        min: Point2::new(0.0, 0.0),
+        max: Point2::new(10.0, 10.0),
+    };
+    for tolerance in [0.05, 0.3].repeat(10) {
+        let mut within = |low: f64, high: f64| low + (high - low) * maps.unit();
+        let mut parts = Vec::new();
+        for _ in 0..3 {
+            let center = Point2::new(within(1.0, 9.0), within(1.0, 9.0));
+            parts.push(Convex::disc(center, within(0.2, 1.0)));
+            let center = Point2::new(within(1.0, 9.0), within(1.0, 9.0));
+            let half = [within(0.2, 1.5), within(0.2, 1.5)];
+            parts.push(Convex::rectangle(center, half, within(-3.0, 3.0)));
+            let corner = Point2::new(within(1.0, 7.0), within(1.0, 7.0));
+            let tip = corner + nalgebra::Vector2::new(within(-1.0, 2.0), within(1.0, 3.0));
+            parts.push(Convex::polygon(&[
+                corner,
+                corner + nalgebra::Vector2::new(2.0, 0.3),
+                tip,
+            ]));
+        }
+        let workplace = Workplace::from_parts(bounds, 0.1, &parts, tolerance).unwrap();
+        let loss = workplace.loss();
+        assert!(loss.area > 0.0 && loss.share < tolerance, "{loss:?}");
+        let decomposition = Decomposition::new(&workplace).unwrap();
+        let start = decomposition.rectangles()[0].center();
+        let source = Key::from_seed(KeyKind::Keyed, 1).source().unwrap();
+        let mut plan =
+            CoveragePlan::new(decomposition, start, &spec(Transit::Direct), source).unwrap();
+        let mut last = start;
+        while let Some(goal) = plan.step() {
+            let p = goal.waypoint.point;
+            for p in coverage::legs::interpolate(last, p, 0.05) {
+                assert!(
+                    parts.iter().all(|part| part.distance(p) >= 0.1 - 1e-9),
+                    "{p}"
+                );
+            }
+            last = p;
+        }
+    }
 }

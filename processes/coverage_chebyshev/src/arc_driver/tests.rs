@@ -69,8 +69,8 @@ fn sub_goals_are_passed_on_arcs_without_contact() {
     for (number, report) in reports.iter().enumerate() {
         assert_eq!(report.outcome, WaypointOutcome::Reached, "{report:?}");
         assert_eq!(report.waypoint.number, number as u64);
-        // The arc of v/ω passes a corner by less than this radius.
-        assert!(report.closest < 0.25, "{report:?}");
+        // Arcs miss by 0.1 m at most, and the tracker strays by half of that.
+        assert!(report.closest < 0.15, "{report:?}");
     }
     assert!(clearance > 0.105, "{clearance}");
     // It hardly ever stops.
@@ -106,8 +106,10 @@ fn a_goal_that_takes_too_long_is_given_up() {
     }
     assert_eq!(reports[0].outcome, WaypointOutcome::TimedOut);
     let expected = (reports[0].waypoint.point - start).norm() / 0.22;
+    // Twice the way, which the arc at its end shortens, and twice half a turn.
+    let taken = ticks * DT;
     assert!(
-        (ticks * DT - 2.0 * expected).abs() < 2.0,
-        "{ticks} {expected}"
+        taken > 1.5 * expected && taken < 2.0 * expected + 4.0,
+        "{taken} {expected}"
     );
 }

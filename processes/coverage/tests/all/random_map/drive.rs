@@ -25,7 +25,7 @@ pub struct Driven {
 /// size, by the distance from points 0.05 m apart on the legs.
 pub fn drive(
     workplace: &Workplace,
-    decomposition: Decomposition,
+    decomposition: &Decomposition,
     maps: &mut RandomMaps,
     loops: u32,
 ) -> Driven {
