@@ -34,6 +34,7 @@ pub fn visit<V: WiringVisitor>(kind: &str, visitor: V) -> Option<V::Output> {
         "optimiser" => visitor.visit::<optimiser::process::OptimiserProcess>(),
         "navigator" => visitor.visit::<PlannerProcess<navigator::process::NavigatorPlanner>>(),
         "patrol_awg" => visitor.visit::<PlannerProcess<patrol_awg::process::PatrolAwgPlanner>>(),
+        "patrol_fto" => visitor.visit::<PlannerProcess<patrol_fto::process::PatrolFtoPlanner>>(),
         "coverage_chebyshev" => {
             visitor.visit::<PlannerProcess<coverage_chebyshev::process::ChebyshevPlanner>>()
         }

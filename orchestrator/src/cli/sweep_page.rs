@@ -87,8 +87,9 @@ enum About {
 fn about(directories: &[PathBuf]) -> About {
     let is_of_plans = |dir: &PathBuf| matches!(kind_of(dir), Ok(Kind::Planning));
     let is_of_routes = |dir: &PathBuf| {
-        Results::read(dir)
-            .is_ok_and(|results| route_page::Evidence::is_about(&results.manifest().experiment))
+        Results::read(dir).is_ok_and(|results: Results| {
+            route_page::Evidence::is_about(&results.manifest().experiment)
+        })
     };
     if directories.iter().any(is_of_plans) {
         About::Plans
@@ -117,9 +118,7 @@ fn gather_plans(args: &PageArgs) -> Result<plan_page::Evidence, Box<dyn std::err
     Ok(evidence)
 }
 
-fn gather_routes(
-    args: &PageArgs,
-) -> Result<route_page::Evidence, Box<dyn std::error::Error>> {
+fn gather_routes(args: &PageArgs) -> Result<route_page::Evidence, Box<dyn std::error::Error>> {
     let mut evidence = route_page::Evidence::default();
     for directory in &args.results {
         evidence.add(&read_missions(directory)?)?;

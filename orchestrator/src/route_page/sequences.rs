@@ -7,8 +7,18 @@ use metrics::sequence::mean_difference;
 /// 10 000 of them, and the limit for independent coordinates.
 const TABLE_1: [(&str, Emission, [f64; 2], &str); 3] = [
     ("original", Emission::Raw, [0.8309, 0.8209], "8/π² = 0.8106"),
-    ("arcsine", Emission::Arcsine, [0.6830, 0.6758], "2/3 = 0.6667"),
-    ("arccosine", Emission::Arccosine, [0.6830, 0.6758], "2/3 = 0.6667"),
+    (
+        "arcsine",
+        Emission::Arcsine,
+        [0.6830, 0.6758],
+        "2/3 = 0.6667",
+    ),
+    (
+        "arccosine",
+        Emission::Arccosine,
+        [0.6830, 0.6758],
+        "2/3 = 0.6667",
+    ),
 ];
 /// The paper's first values.
 const FIRST: [f64; 2] = [0.1, 0.2];

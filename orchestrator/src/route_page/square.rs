@@ -5,7 +5,8 @@ use super::evidence::{Study, laps};
 use crate::sweep::Row;
 
 /// What the paper's text says of its second case without obstacles: path, MAE [m], MAA [rad].
-const PUBLISHED: [(&str, &str, &str); 2] = [("awg", "0.7120", "0.7854"), ("fto", "1.5769", "0.3681")];
+const PUBLISHED: [(&str, &str, &str); 2] =
+    [("awg", "0.7120", "0.7854"), ("fto", "1.5769", "0.3681")];
 
 /// The table.
 pub(super) fn text(study: &Study) -> String {
@@ -18,8 +19,7 @@ pub(super) fn text(study: &Study) -> String {
         let lap = |value: fn(&crate::recorder::LapFigures) -> f64| {
             mean(cell, move |row| laps(row, true).map(value))
         };
-        let waypoints =
-            |row: &Row| row.robots.iter().find_map(|r| r.waypoints.clone());
+        let waypoints = |row: &Row| row.robots.iter().find_map(|r| r.waypoints.clone());
         text += &format!(
             "| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n",
             cell.value,

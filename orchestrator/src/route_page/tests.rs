@@ -79,22 +79,35 @@ fn without_results_the_page_says_so_and_has_the_table_of_sequences() {
     // Beside the paper's 0.8309, 0.8074 in floating point.
     let original = line(&page, "| original | 2000 |");
     assert!(original.contains("0.8309 | 0.8074"), "{original}");
-    assert_eq!(line(&page, "| arcsine | 2000 |")[20..], line(&page, "| arccosine | 2000 |")[22..]);
+    assert_eq!(
+        line(&page, "| arcsine | 2000 |")[20..],
+        line(&page, "| arccosine | 2000 |")[22..]
+    );
 }
 
 #[test]
 fn means_stand_beside_the_published_values() {
     let evidence = Evidence {
-        alpha: Some(study("paper_fit", "1.7", vec![row(116.0, 0.9), row(118.0, 0.94)])),
+        alpha: Some(study(
+            "paper_fit",
+            "1.7",
+            vec![row(116.0, 0.9), row(118.0, 0.94)],
+        )),
         square: Some(study("awg", "small", vec![row(75.0, 0.71)])),
         coverage: Some(study("chebyshev_raw", "", vec![row(1.0, 1.0)])),
     };
     let page = page(&evidence);
     // 117 m in 120 s.
     let alpha = line(&page, "| paper_fit | 1.7 |");
-    assert!(alpha.contains("| 0.97 ±") && alpha.contains("| 0.92 ±"), "{alpha}");
+    assert!(
+        alpha.contains("| 0.97 ±") && alpha.contains("| 0.92 ±"),
+        "{alpha}"
+    );
     let square = line(&page, "| small | awg |");
-    assert!(square.contains("0.71 |") && square.contains("| 0.10 |"), "{square}");
+    assert!(
+        square.contains("0.71 |") && square.contains("| 0.10 |"),
+        "{square}"
+    );
     assert!(line(&page, "| chebyshev raw | – | – | 0.812 | – |").contains("0.50"));
     let names: Vec<_> = page.images.iter().map(|image| image.name).collect();
     assert_eq!(names, ["patrol-speed", "patrol-mae", "coverage-by-way"]);

@@ -105,9 +105,8 @@ fn reproduction(evidence: &Evidence) -> String {
     for name in [ALPHA, SQUARE, COVERAGE] {
         text += &format!("protean sweep experiments/{name}.toml --in-process\n");
     }
-    text += &format!(
-        "protean sweep page results/{ALPHA} results/{SQUARE} results/{COVERAGE}\n```\n\n"
-    );
+    text +=
+        &format!("protean sweep page results/{ALPHA} results/{SQUARE} results/{COVERAGE}\n```\n\n");
     let studies: [(&str, &Option<Study>); 3] = [
         (ALPHA, &evidence.alpha),
         (SQUARE, &evidence.square),

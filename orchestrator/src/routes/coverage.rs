@@ -111,8 +111,14 @@ impl Order<'_> {
         let map = WorldMap::recent(&self.scenario.world.map).map_err(|e| refused(&e))?;
         let robot = self.router.robot;
         let here = robot.start.position();
-        Site::new(*map.bounds(), map.parts(), robot.model().radius, follow, here)
-            .map_err(|e| refused(&e))
+        Site::new(
+            *map.bounds(),
+            map.parts(),
+            robot.model().radius,
+            follow,
+            here,
+        )
+        .map_err(|e| refused(&e))
     }
 
     fn plan<D: Design>(&self, params: &D::Params) -> Result<Planned, RouteError> {

@@ -7,7 +7,7 @@ pub mod patrol;
 use sim_backend::spec::RobotSpec;
 use thiserror::Error;
 
-use crate::scenario::{Program, ProcessSpec, ResolvedScenario};
+use crate::scenario::{ProcessSpec, Program, ResolvedScenario};
 
 /// Why there is nothing to say of a scenario's routes.
 #[derive(Debug, Error)]
@@ -35,7 +35,9 @@ pub enum RouteError {
         found: String,
     },
     /// Several would do.
-    #[error("{scenario} has several processes of kind {wanted}: name one of {found} with --process")]
+    #[error(
+        "{scenario} has several processes of kind {wanted}: name one of {found} with --process"
+    )]
     Several {
         /// Name of the scenario.
         scenario: String,
@@ -86,7 +88,10 @@ impl<'s> Router<'s> {
             .filter(|(_, kind)| kinds.contains(kind))
             .collect();
         let names = |of: &[(&ProcessSpec, &str)]| {
-            let names: Vec<&str> = of.iter().map(|(process, _)| process.name.as_str()).collect();
+            let names: Vec<&str> = of
+                .iter()
+                .map(|(process, _)| process.name.as_str())
+                .collect();
             names.join(", ")
         };
         let (scenario_name, wanted) = (scenario.name.clone(), kinds.join(" or "));

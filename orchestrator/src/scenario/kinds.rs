@@ -10,6 +10,7 @@ use navigator::NavigatorParams;
 use optimiser::OptimiserParams;
 use patrol::mission::MissionError;
 use patrol_awg::{PatrolAwgParams, PatrolError};
+use patrol_fto::{PatrolFtoError, PatrolFtoParams};
 use perception::params::PerceptionParams;
 use pursuer::PursuerParams;
 use referee::RefereeParams;
@@ -86,22 +87,38 @@ impl<E: Into<FieldProblem>> From<E> for ParamsFault {
     }
 }
 
-/// A patrol that cannot be, at the parameter that its message names first.
-fn patrol_fault(error: PatrolError) -> ParamsFault {
+/// A patrol along a zig-zag that cannot be.
+fn awg_fault(error: PatrolError) -> ParamsFault {
     match error {
         PatrolError::Params(error) => error.into(),
-        PatrolError::Mission(MissionError::Params(error)) => error.within("mission").into(),
-        PatrolError::Mission(error) => {
-            let message = error.to_string();
-            let named = message.split('`').nth(1).unwrap_or_default();
-            let field = if named.is_empty() {
-                "mission".to_owned()
-            } else {
-                format!("mission.{named}")
-            };
-            ParamsFault::Refused { field, message }
-        }
+        PatrolError::Mission(error) => mission_fault(error),
     }
+}
+
+/// A patrol past fictive obstacles that cannot be.
+fn fto_fault(error: PatrolFtoError) -> ParamsFault {
+    match error {
+        PatrolFtoError::Params(error) => error.into(),
+        PatrolFtoError::Mission(error) => mission_fault(error),
+        PatrolFtoError::Fto(error) => named_fault("fto", &error),
+    }
+}
+
+fn mission_fault(error: MissionError) -> ParamsFault {
+    match error {
+        MissionError::Params(error) => error.within("mission").into(),
+        error => named_fault("mission", &error),
+    }
+}
+
+/// A refusal at the parameter of a table that its text names first.
+fn named_fault(table: &str, error: &dyn core::fmt::Display) -> ParamsFault {
+    let message = error.to_string();
+    let field = match message.split('`').nth(1) {
+        Some(named) => format!("{table}.{named}"),
+        None => table.to_owned(),
+    };
+    ParamsFault::Refused { field, message }
 }
 
 /// Something that a process needs and another part of the scenario must provide.
@@ -311,7 +328,23 @@ pub static KINDS: &[KindInfo] = &[
         provides_plans: false,
         check_params: |node| {
             check_params(node, |params: &PatrolAwgParams| {
-                params.validate().map_err(patrol_fault)
+                params.validate().map_err(awg_fault)
+            })
+        },
+        needs: |_| vec![Need::Scan],
+        caps: &[],
+        presets: &[],
+    },
+    KindInfo {
+        name: "patrol_fto",
+        summary: "patrols a contour past fictive obstacles, or mixes them with a zig-zag",
+        drives_robots: true,
+        provides_belief: false,
+        visits_waypoints: true,
+        provides_plans: false,
+        check_params: |node| {
+            check_params(node, |params: &PatrolFtoParams| {
+                params.validate().map_err(fto_fault)
             })
         },
         needs: |_| vec![Need::Scan],
