@@ -14,6 +14,16 @@
 //!
 //! Planners of sub-goals of any kind have the one interface [`goal::GoalSource`].
 
+pub mod boustrophedon;
+mod counter;
 pub mod decomposition;
+mod draws;
+pub mod freshness;
 pub mod goal;
+pub mod keyed;
+pub mod random_bounce;
+pub mod space;
+#[cfg(test)]
+mod testing;
+pub mod uniform;
 pub mod workplace;
