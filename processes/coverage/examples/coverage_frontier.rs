@@ -90,7 +90,7 @@ fn run() -> Result<(), Failure> {
             Planner::Chebyshev(Emission::Arcsine),
         ),
     ];
-    planners.extend([1.0, 1.25, 1.5, 1.75, 2.0, 3.0].map(keyed));
+    planners.extend([1.0, 1.2, 1.4, 1.6, 2.0, 3.0].map(keyed));
     println!(
         "| planner | 250 m | 500 m | 800 m | 1000 m | to 0.95 [m] | goals | method | lower quartile \
          | hits | neighbour | per coordinate | velocity |"

@@ -34,7 +34,9 @@ pub struct Freshness {
     fresh: Vec<bool>,
     left: usize,
     /// Per row `columns + 1` sums of the worth left of a column.
-    sums: Vec<f32>,
+    along_rows: Vec<f32>,
+    /// Per column `rows + 1` sums of the worth below a row.
+    along_columns: Vec<f32>,
     worth: f64,
     /// Fresh cells left of and above each corner of the grid; kept to reuse its memory.
     corners: Vec<u32>,
@@ -69,7 +71,8 @@ impl Freshness {
             reachable,
             total,
             left: total,
-            sums: vec![0.0; (columns + 1) * rows],
+            along_rows: vec![0.0; (columns + 1) * rows],
+            along_columns: vec![0.0; (rows + 1) * columns],
             worth: 0.0,
             corners: vec![0; (columns + 1) * (rows + 1)],
         };
@@ -115,54 +118,80 @@ impl Freshness {
 
     /// Worth of what the disc would sweep on the straight leg between two finite points [m²].
     pub fn worth_of(&self, from: Point2<f64>, to: Point2<f64>) -> f64 {
-        let strip = Strip::new(from, to, self.radius + TOLERANCE);
+        // Fewer lines of cells cross the leg if they run along it.
+        let line = to - from;
+        let steep = line.y.abs() > line.x.abs();
+        let sums = if steep {
+            &self.along_columns
+        } else {
+            &self.along_rows
+        };
         let mut worth = 0.0_f64;
-        if let Some((first, last)) = self.rows_of(&strip) {
-            for row in first..=last {
-                if let Some((low, high)) = self.columns_of(&strip, row) {
-                    let start = row * (self.columns + 1);
-                    let sum = |column: usize| self.sums.get(start + column).copied();
-                    worth += f64::from(sum(high + 1).unwrap_or(0.0) - sum(low).unwrap_or(0.0));
-                }
-            }
-        }
+        self.each_span(from, to, steep, |span| {
+            let start = span.line * (span.cells + 1);
+            let sum = |cell: usize| sums.get(start + cell).copied().unwrap_or(0.0);
+            worth += f64::from(sum(span.last + 1) - sum(span.first));
+        });
         worth * self.side * self.side
     }
 
     /// Sweeps the disc along a straight leg between two finite points [m]; returns how many fresh
     /// cells it met.
     pub fn sweep(&mut self, from: Point2<f64>, to: Point2<f64>) -> usize {
-        let strip = Strip::new(from, to, self.radius + TOLERANCE);
-        let Some((first, last)) = self.rows_of(&strip) else {
-            return 0;
-        };
         let before = self.left;
-        for row in first..=last {
-            let Some((low, high)) = self.columns_of(&strip, row) else {
-                continue;
-            };
-            let start = row * self.columns;
-            let cells = self.fresh.get_mut(start + low..=start + high);
+        let mut fresh = core::mem::take(&mut self.fresh);
+        let mut swept = 0;
+        self.each_span(from, to, false, |span| {
+            let start = span.line * span.cells;
+            let cells = fresh.get_mut(start + span.first..=start + span.last);
             for cell in cells.into_iter().flatten() {
-                self.left -= usize::from(*cell);
+                swept += usize::from(*cell);
                 *cell = false;
             }
-        }
-        let swept = before - self.left;
+        });
+        self.fresh = fresh;
+        self.left = before - swept;
         if swept > 0 {
             self.weigh();
         }
         swept
     }
 
-    fn rows_of(&self, strip: &Strip) -> Option<(usize, usize)> {
+    /// The cells that the disc sweeps, by columns instead of rows on request.
+    fn each_span(
+        &self,
+        from: Point2<f64>,
+        to: Point2<f64>,
+        by_columns: bool,
+        mut visit: impl FnMut(Span),
+    ) {
+        let (from, to, origin, lines, cells) = if by_columns {
+            (
+                from.yx(),
+                to.yx(),
+                self.origin.yx(),
+                self.columns,
+                self.rows,
+            )
+        } else {
+            (from, to, self.origin, self.rows, self.columns)
+        };
+        let strip = Strip::new(from, to, self.radius + TOLERANCE);
         let (low, high) = strip.y_range();
-        self.indices(low - self.origin.y, high - self.origin.y, self.rows)
-    }
-
-    fn columns_of(&self, strip: &Strip, row: usize) -> Option<(usize, usize)> {
-        let (low, high) = strip.x_range(self.origin.y + row as f64 * self.side);
-        self.indices(low - self.origin.x, high - self.origin.x, self.columns)
+        let Some((first, last)) = self.indices(low - origin.y, high - origin.y, lines) else {
+            return;
+        };
+        for line in first..=last {
+            let (low, high) = strip.x_range(origin.y + line as f64 * self.side);
+            if let Some((first, last)) = self.indices(low - origin.x, high - origin.x, cells) {
+                visit(Span {
+                    line,
+                    cells,
+                    first,
+                    last,
+                });
+            }
+        }
     }
 
     /// The cells whose centres lie between two offsets [m] from the first one's, first and last.
@@ -203,21 +232,36 @@ impl Freshness {
             let (top, bottom) = (row.saturating_sub(reach), (row + reach + 1).min(self.rows));
             let mut sum = 0.0;
             for column in 0..self.columns {
+                let mut worth = 0.0;
                 if self.fresh.get(row * self.columns + column) == Some(&true) {
                     let left = column.saturating_sub(reach);
                     let right = (column + reach + 1).min(self.columns);
                     let around = corner(bottom, right) - corner(top, right) - corner(bottom, left)
                         + corner(top, left);
-                    sum += 1.0 + scale * (most - around);
+                    worth = 1.0 + scale * (most - around);
+                    sum += worth;
                 }
-                if let Some(own) = self.sums.get_mut(row * wide + column + 1) {
+                if let Some(own) = self.along_rows.get_mut(row * wide + column + 1) {
                     *own = sum as f32;
+                }
+                let cell = column * (self.rows + 1) + row;
+                if let Some([below, own]) = self.along_columns.get_mut(cell..cell + 2) {
+                    *own = *below + worth as f32;
                 }
             }
             total += sum;
         }
         self.worth = total;
     }
+}
+
+/// Cells in a row, or in a column.
+struct Span {
+    line: usize,
+    /// Cells of the whole line.
+    cells: usize,
+    first: usize,
+    last: usize,
 }
 
 /// What a disc sweeps on a straight leg.

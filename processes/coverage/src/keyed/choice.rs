@@ -11,7 +11,7 @@ use crate::space::Space;
 const SHORTEST_LEG: f64 = 0.01;
 
 /// Candidates per depth of foresight that are followed further.
-const WIDTHS: [usize; 3] = [12, 4, 2];
+const WIDTHS: [usize; 3] = [10, 4, 2];
 
 /// Probability that a candidate in a strip along a border lies close to that border.
 const NEAR_BORDER: f64 = 0.2;

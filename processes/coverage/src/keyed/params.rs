@@ -11,7 +11,7 @@ const MAX_CANDIDATES: usize = 4096;
 pub struct KeyedParams {
     /// Side of the cells in which coverage is remembered [m], > 0 and at most the robot's radius.
     pub cell: f64,
-    /// Orders drawn per sub-goal, of which the best is followed, in [1, 4]; 1.5 draws one or two by
+    /// Orders drawn per sub-goal, of which the best is followed, in [1, 4]; 1.4 draws one or two by
     /// turns of the key. The trade-off: more cover faster and are easier to foretell.
     pub choices: f64,
     /// Strips into which the workplace is cut along each axis, from 2 to 16. An order names an axis
@@ -40,13 +40,13 @@ impl Default for KeyedParams {
     fn default() -> Self {
         Self {
             cell: 0.1,
-            choices: 1.5,
+            choices: 1.4,
             strips: 4,
             foresight: 2,
-            candidates: 64,
-            thrift: 0.7,
-            rarity: 1.0,
-            sideways: 0.08,
+            candidates: 128,
+            thrift: 0.65,
+            rarity: 1.5,
+            sideways: 0.1,
             round_at: 0.99,
         }
     }

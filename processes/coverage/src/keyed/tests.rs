@@ -1,6 +1,8 @@
 use super::*;
 use crate::testing::{disc_coverage, empty};
 
+type Change = fn(&mut KeyedParams);
+
 const START: Point2<f64> = Point2::new(2.0, 7.0);
 
 fn planner(key: [u8; 32]) -> KeyedCoverage {
@@ -90,13 +92,13 @@ fn a_robot_that_is_elsewhere_is_led_back() {
 #[test]
 fn parameters_out_of_range_are_named() {
     let (workplace, parts) = empty();
-    let refused = |change: fn(&mut KeyedParams)| {
+    let refused = |change: Change| {
         let mut params = KeyedParams::default();
         change(&mut params);
         let planner = KeyedCoverage::new(&workplace, &parts, START, [0; 32], params);
         planner.unwrap_err().to_string()
     };
-    let cases: [(fn(&mut KeyedParams), &str); 10] = [
+    let cases: [(Change, &str); 10] = [
         (|p| p.cell = 0.0, "`cell` is 0"),
         (
             |p| p.cell = 0.2,
