@@ -49,7 +49,8 @@ pub use log_writer::{
 pub use options::{Order, ProcessInfo, RecorderOptions, RobotInfo};
 pub use recording::Recording;
 pub use summary::{
-    CoverageOutcome, EventEntry, RobotOutcome, Summary, TopicCount, status_name, team_name,
+    CoverageByWay, CoverageOutcome, EventEntry, RobotOutcome, Summary, TopicCount, status_name,
+    team_name,
 };
 pub use tally::Tally;
 pub use viewer::ViewerOptions;

@@ -302,7 +302,8 @@ fn result_entries(summary: &Summary) -> BTreeMap<String, String> {
     let json = |result: serde_json::Result<String>| result.unwrap_or_default();
     let coverage = summary
         .coverage
-        .map(|c| ("coverage", json(serde_json::to_string(&c))));
+        .as_ref()
+        .map(|c| ("coverage", json(serde_json::to_string(c))));
     [
         ("digest", summary.digest.clone()),
         ("ticks", summary.ticks.to_string()),

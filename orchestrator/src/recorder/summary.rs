@@ -86,7 +86,7 @@ pub struct RobotOutcome {
 }
 
 /// The area visited.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CoverageOutcome {
     /// Visited part of the free area, 0…1.
     pub fraction: f64,
@@ -100,7 +100,26 @@ pub struct CoverageOutcome {
     pub mean_idleness_s: f64,
     /// Longest that any coverable place has waited for a visit [s].
     pub worst_idleness_s: f64,
+    /// Standard deviation of the visits of a coverable cell, divided by their mean.
+    pub unevenness: f64,
+    /// Way driven by the robots that count, together [m].
+    pub way_m: f64,
+    /// What part of the area that the robots can visit had been visited when that way had become
+    /// 250, 500, 1000 and 2000 m; as far as the run came.
+    pub by_way: Vec<CoverageByWay>,
 }
+
+/// The area visited along a way.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct CoverageByWay {
+    /// The way [m].
+    pub way_m: f64,
+    /// Visited part of the area that can be visited, 0…1; between two reports, the straight line.
+    pub coverable_fraction: f64,
+}
+
+/// Ways at which coverage is noted [m].
+const WAYS: [f64; 4] = [250.0, 500.0, 1000.0, 2000.0];
 
 /// One event.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -233,6 +252,21 @@ impl Outcome {
     }
 
     pub(super) fn coverage(&mut self, report: &CoverageState) {
+        let before = self.coverage.take();
+        let (mut by_way, from) = match before {
+            Some(before) => (before.by_way, (before.way_m, before.coverable_fraction)),
+            None => (Vec::new(), (0.0, 0.0)),
+        };
+        for way_m in WAYS {
+            if from.0 < way_m && way_m <= report.way {
+                let part = (way_m - from.0) / (report.way - from.0);
+                let coverable_fraction = from.1 + part * (report.coverable_fraction - from.1);
+                by_way.push(CoverageByWay {
+                    way_m,
+                    coverable_fraction,
+                });
+            }
+        }
         self.coverage = Some(CoverageOutcome {
             fraction: report.fraction,
             coverable_fraction: report.coverable_fraction,
@@ -240,6 +274,9 @@ impl Outcome {
             visited_m2: f64::from(report.visited) * report.cell_area,
             mean_idleness_s: report.mean_idleness,
             worst_idleness_s: report.worst_idleness,
+            unevenness: report.unevenness,
+            way_m: report.way,
+            by_way,
         });
     }
 

@@ -36,6 +36,19 @@ pub struct WaypointOutcome {
     pub driven: Option<LapFigures>,
 }
 
+impl WaypointOutcome {
+    /// Waypoints left out, of all that ended, 0…1; 0 if there are none.
+    pub fn left_out_share(&self) -> f64 {
+        let left_out = self.inside_obstacle + self.timed_out + self.unreachable;
+        let all = left_out + self.reached;
+        if all == 0 {
+            0.0
+        } else {
+            left_out as f64 / all as f64
+        }
+    }
+}
+
 /// What laps are like: means over the laps.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct LapFigures {

@@ -89,6 +89,22 @@ impl Boustrophedon {
         })
     }
 
+    /// The same planner in a workplace that has changed, from `start` [m]: the round begins anew and
+    /// numbers go on.
+    ///
+    /// # Errors
+    /// [`BoustrophedonError`] if the lanes are too many.
+    pub fn moved(
+        self,
+        workplace: &Workplace,
+        decomposition: &Decomposition,
+        start: Point2<f64>,
+    ) -> Result<Self, BoustrophedonError> {
+        let mut other = Self::new(workplace, decomposition, start, self.rounds)?;
+        other.counter = self.counter;
+        Ok(other)
+    }
+
     /// The next rectangle of the walk; begins the next round when this one is over.
     fn next_rectangle(&mut self, home: usize) -> Option<usize> {
         loop {

@@ -15,7 +15,7 @@ mod merge;
 #[cfg(test)]
 mod tests;
 
-pub use bridge::Bridge;
+pub use bridge::{Bridge, BridgeError};
 
 use nalgebra::Point2;
 use sim_backend::shape::Aabb;
@@ -83,18 +83,7 @@ impl Decomposition {
             });
         }
         let bridges = bridge::between(&cells, &rectangles, &owners);
-        let mut neighbours = vec![Vec::new(); rectangles.len()];
-        for (index, bridge) in bridges.iter().enumerate() {
-            let [a, b] = bridge.between;
-            for (from, to) in [(a, b), (b, a)] {
-                if let Some(list) = neighbours.get_mut(from) {
-                    list.push((to, index));
-                }
-            }
-        }
-        for list in &mut neighbours {
-            list.sort_unstable();
-        }
+        let neighbours = neighbours(rectangles.len(), &bridges);
         let (components, component_count) = components(&neighbours);
         Ok(Self {
             rectangles: rectangles.iter().map(|r| cells.aabb(r)).collect(),
@@ -105,12 +94,48 @@ impl Decomposition {
         })
     }
 
+    /// The same with one more bridge, for routes between rectangles that share no border: `rectangle`
+    /// [m] is free and overlaps both of `between` (the paper's `T_BDF`, by which case 2 returns).
+    ///
+    /// # Errors
+    /// [`BridgeError`] if the bridge is not free, does not reach both or joins what is joined.
+    pub fn with_bridge(
+        mut self,
+        workplace: &Workplace,
+        between: [usize; 2],
+        rectangle: Aabb,
+    ) -> Result<Self, BridgeError> {
+        let [a, b] = [between[0].min(between[1]), between[0].max(between[1])];
+        let last = self.rectangles.len() - 1;
+        let (Some(first), Some(second)) = (self.rectangles.get(a), self.rectangles.get(b)) else {
+            return Err(BridgeError::NoSuchRectangle { rectangle: b, last });
+        };
+        if a == b || self.bridge(a, b).is_some() {
+            return Err(BridgeError::Joined { between: [a, b] });
+        }
+        if !bridge::is_free(&rectangle, workplace) {
+            return Err(BridgeError::NotFree { rectangle });
+        }
+        for (other, aabb) in [(a, first), (b, second)] {
+            if bridge::depth(&rectangle, aabb) <= SAME {
+                return Err(BridgeError::Apart { rectangle, other });
+            }
+        }
+        self.bridges.push(Bridge {
+            between: [a, b],
+            rectangle,
+        });
+        self.neighbours = neighbours(self.rectangles.len(), &self.bridges);
+        (self.components, self.component_count) = components(&self.neighbours);
+        Ok(self)
+    }
+
     /// The rectangles [m]; disjoint but for their borders. At least one.
     pub fn rectangles(&self) -> &[Aabb] {
         &self.rectangles
     }
 
-    /// The bridges, by the rectangles that they join.
+    /// The bridges, by the rectangles that they join; those added last.
     pub fn bridges(&self) -> &[Bridge] {
         &self.bridges
     }
@@ -209,6 +234,23 @@ pub struct Unreachable {
 fn area(r: &Aabb) -> f64 {
     let size = r.max - r.min;
     size.x * size.y
+}
+
+/// Per rectangle its neighbours and the bridges to them, by number.
+fn neighbours(rectangles: usize, bridges: &[Bridge]) -> Vec<Vec<(usize, usize)>> {
+    let mut neighbours = vec![Vec::new(); rectangles];
+    for (index, bridge) in bridges.iter().enumerate() {
+        let [a, b] = bridge.between;
+        for (from, to) in [(a, b), (b, a)] {
+            if let Some(list) = neighbours.get_mut(from) {
+                list.push((to, index));
+            }
+        }
+    }
+    for list in &mut neighbours {
+        list.sort_unstable();
+    }
+    neighbours
 }
 
 /// Numbers the components, in the order of their first rectangles.

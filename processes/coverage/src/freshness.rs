@@ -87,6 +87,22 @@ impl Freshness {
         self.weigh();
     }
 
+    /// Takes over what another one has covered, if its cells are the same.
+    pub fn keep_covered(&mut self, before: &Self) {
+        let same = self.origin == before.origin
+            && self.side == before.side
+            && (self.columns, self.rows) == (before.columns, before.rows);
+        if !same {
+            return;
+        }
+        let pairs = before.reachable.iter().zip(&before.fresh);
+        for (cell, (&reachable, &fresh)) in self.fresh.iter_mut().zip(pairs) {
+            *cell &= fresh || !reachable;
+        }
+        self.left = self.fresh.iter().filter(|&&cell| cell).count();
+        self.weigh();
+    }
+
     /// Share of the reachable cells that are fresh, from 0 to 1.
     pub fn share(&self) -> f64 {
         self.left as f64 / self.total.max(1) as f64

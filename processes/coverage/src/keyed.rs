@@ -139,6 +139,27 @@ impl KeyedCoverage {
         other
     }
 
+    /// The same planner in a workplace that has changed, from `start` [m]: key, numbers and round go
+    /// on, and what has been covered stays so where the cells are the same.
+    ///
+    /// # Errors
+    /// [`KeyedError`] if the cells do not suit the workplace or the robot.
+    pub fn moved(
+        self,
+        workplace: &Workplace,
+        decomposition: &Decomposition,
+        start: Point2<f64>,
+    ) -> Result<Self, KeyedError> {
+        let unused = [0; 32];
+        let params = self.params.clone();
+        let mut other = Self::new(workplace, decomposition, start, unused, params)?;
+        other.freshness.keep_covered(&self.freshness);
+        other.draws = self.draws;
+        other.orders = self.orders;
+        other.counter = self.counter;
+        Ok(other)
+    }
+
     /// Share of the reachable cells that this round has covered, from 0 to 1, if every leg to a
     /// sub-goal given out was driven.
     pub fn covered(&self) -> f64 {

@@ -42,6 +42,19 @@ impl UniformGoals {
         }
     }
 
+    /// The same planner in a workplace that has changed, from `start` [m]: stream and numbers go on.
+    #[must_use]
+    pub fn moved(
+        mut self,
+        workplace: &Workplace,
+        decomposition: &Decomposition,
+        start: Point2<f64>,
+    ) -> Self {
+        self.space = Space::new(workplace, decomposition, start);
+        self.way.clear();
+        self
+    }
+
     /// The same planner with a key of its own from here on, for an observer's guesses.
     #[must_use]
     pub fn with_key(&self, key: [u8; 32]) -> Self {

@@ -47,6 +47,12 @@ pub(super) fn merge(cells: &Cells) -> (Vec<Block>, Vec<u32>) {
     (blocks, owners)
 }
 
+/// Takes the next cell of a row into a run of free ones; `beside` is the run before it.
+fn count(run: &mut u32, free: bool, beside: &mut u32) {
+    *beside = *run;
+    *run = if free { *run + 1 } else { 0 };
+}
+
 /// A corner cell and the best block about it.
 #[derive(Clone, Copy)]
 struct Corner {
@@ -95,10 +101,6 @@ impl Rest<'_> {
     fn measure(&mut self, row: usize) {
         let width = self.cells.columns();
         let cells = row * width..(row + 1) * width;
-        fn count(run: &mut u32, free: bool, beside: &mut u32) {
-            *beside = *run;
-            *run = if free { *run + 1 } else { 0 };
-        }
         let free = self.free.get(cells.clone()).unwrap_or_default();
         let mut run = 0;
         let left = self.left.get_mut(cells.clone()).unwrap_or_default();

@@ -120,3 +120,50 @@ fn a_workplace_without_free_space_is_refused() {
     assert_eq!(error, DecompositionError::NoFreeSpace { radius: 0.1 });
     assert!(error.to_string().contains("take fewer"));
 }
+
+#[test]
+fn a_bridge_may_be_added_only_through_free_space() {
+    let workplace = workplace(0.1, &CASE_2);
+    let decomposition = Decomposition::new(&workplace).unwrap();
+    let add = |between: [usize; 2], [x0, y0, x1, y1]: [f64; 4]| {
+        let rectangle = Aabb {
+            min: Point2::new(x0, y0),
+            max: Point2::new(x1, y1),
+        };
+        decomposition
+            .clone()
+            .with_bridge(&workplace, between, rectangle)
+    };
+    let back = add([1, 0], [3.1, 0.1, 6.9, 9.9]).unwrap();
+    assert!(back.bridge(0, 1).is_some() && back.bridge(1, 0).is_some());
+    assert_eq!(
+        back.neighbours(0).map(|(to, _)| to).collect::<Vec<_>>(),
+        [1, 2]
+    );
+    let refusal = |between, corners| add(between, corners).unwrap_err();
+    for wrong in [
+        [3.0, 0.1, 6.9, 9.9],
+        [3.1, 0.0, 6.9, 9.9],
+        [6.9, 0.1, 3.1, 9.9],
+        [f64::NAN, 0.1, 6.9, 9.9],
+    ] {
+        let error = refusal([0, 1], wrong);
+        assert!(matches!(error, BridgeError::NotFree { .. }), "{error}");
+    }
+    let error = refusal([0, 1], [3.1, 0.1, 6.9, 6.6]);
+    assert!(
+        error
+            .to_string()
+            .ends_with("does not overlap rectangle 1; make it longer")
+    );
+    let error = refusal([0, 2], [3.1, 0.1, 6.9, 9.9]);
+    assert_eq!(error, BridgeError::Joined { between: [0, 2] });
+    let error = refusal([0, 3], [3.1, 0.1, 6.9, 9.9]);
+    assert_eq!(
+        error,
+        BridgeError::NoSuchRectangle {
+            rectangle: 3,
+            last: 2
+        }
+    );
+}

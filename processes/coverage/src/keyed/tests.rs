@@ -79,6 +79,20 @@ fn rounds_follow_each_other_without_end() {
 }
 
 #[test]
+fn a_changed_workplace_keeps_key_numbers_and_what_is_covered() {
+    let (workplace, parts) = empty();
+    let mut ours = planner([6; 32]);
+    let here = *goals(&mut ours, START, 40).last().unwrap();
+    let moved = ours.clone().moved(&workplace, &parts, here).unwrap();
+    assert_eq!(moved.covered(), ours.covered());
+    assert!(moved.covered() > 0.3);
+    let mut moved = moved;
+    let goal = moved.next_goal(here).unwrap();
+    assert_eq!(goal, ours.next_goal(here).unwrap());
+    assert_eq!(goal.waypoint.number, 40);
+}
+
+#[test]
 fn a_robot_that_is_elsewhere_is_led_back() {
     let mut planner = planner([6; 32]);
     let goal = planner.next_goal(Point2::new(-3.0, 4.0)).unwrap();

@@ -3,3 +3,5 @@
 mod division;
 mod planners;
 mod random_map;
+mod tables;
+mod walks;

@@ -9,7 +9,7 @@ use super::{CellGrid, TOLERANCE};
 pub struct Swept {
     grid: CellGrid,
     radius: f64,
-    swept: Vec<bool>,
+    reached: Vec<bool>,
     covered: usize,
 }
 
@@ -17,7 +17,7 @@ impl Swept {
     /// Nothing swept yet by a disc of `radius` [m].
     pub fn new(grid: CellGrid, radius: f64) -> Self {
         Self {
-            swept: vec![false; grid.len()],
+            reached: vec![false; grid.len()],
             grid,
             radius,
             covered: 0,
@@ -58,11 +58,11 @@ impl Swept {
             for column in columns {
                 let cell = row * self.grid.columns() + column;
                 let center = Point2::new(origin.x + column as f64 * side, y);
-                let Some(swept) = self.swept.get_mut(cell) else {
+                let Some(reached) = self.reached.get_mut(cell) else {
                     continue;
                 };
-                if !*swept && distance_squared(center, from, to) <= reach * reach {
-                    *swept = true;
+                if !*reached && distance_squared(center, from, to) <= reach * reach {
+                    *reached = true;
                     self.covered += usize::from(self.grid.is_coverable(cell));
                 }
             }
@@ -71,7 +71,7 @@ impl Swept {
 
     /// Per cell whether its centre has been swept.
     pub fn cells(&self) -> &[bool] {
-        &self.swept
+        &self.reached
     }
 
     /// Coverable cells that have been swept.

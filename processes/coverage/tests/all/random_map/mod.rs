@@ -3,6 +3,8 @@
 //! A square of 10 m with rectangles of 0.5 to 3 m, a robot of 0.1 m: maps as hard as these make the
 //! printed decomposition of the Chebyshev coverage paper stall.
 
+pub mod drive;
+
 use nalgebra::Point2;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
