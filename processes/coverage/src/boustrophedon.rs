@@ -55,8 +55,8 @@ pub struct Boustrophedon {
 }
 
 impl Boustrophedon {
-    /// A planner for the part of a workplace that can be reached from `start` [m]; it ends after
-    /// `rounds` ≥ 1.
+    /// A planner for the part of a workplace that can be reached from `start` [m], for a robot that
+    /// covers a disc of radius `disc` [m]; it ends after `rounds` ≥ 1.
     ///
     /// # Errors
     /// [`BoustrophedonError`] if the rounds are 0, or the lanes too many or not a distance apart.
@@ -64,6 +64,7 @@ impl Boustrophedon {
         workplace: &Workplace,
         decomposition: &Decomposition,
         start: Point2<f64>,
+        disc: f64,
         rounds: u32,
     ) -> Result<Self, BoustrophedonError> {
         let field = "rounds";
@@ -71,9 +72,9 @@ impl Boustrophedon {
             return Err(ParamsError::new(field, &rounds, "a whole number of at least 1").into());
         }
         let space = Space::new(workplace, decomposition, start);
-        let spacing = 2.0 * workplace.radius();
+        let spacing = 2.0 * disc;
         let lanes: f64 = space.rectangles().map(|r| lane_count(r, spacing)).sum();
-        let few = lanes <= MAX_LANES as f64;
+        let few = spacing > 0.0 && lanes <= MAX_LANES as f64;
         if !few {
             return Err(BoustrophedonError::TooManyLanes { spacing });
         }
@@ -100,7 +101,13 @@ impl Boustrophedon {
         decomposition: &Decomposition,
         start: Point2<f64>,
     ) -> Result<Self, BoustrophedonError> {
-        let mut other = Self::new(workplace, decomposition, start, self.rounds)?;
+        let mut other = Self::new(
+            workplace,
+            decomposition,
+            start,
+            0.5 * self.spacing,
+            self.rounds,
+        )?;
         other.counter = self.counter;
         Ok(other)
     }

@@ -64,12 +64,13 @@ pub enum KeyedError {
     Coverage(#[from] CoverageError),
     /// Cells too large for the disc to sweep them all.
     #[error(
-        "`cell` is {cell}, but must be at most the robot's radius of {radius} m: take smaller cells"
+        "`cell` is {cell}, but must be at most the radius that the robot covers, {radius} m: take \
+         smaller cells"
     )]
     Cell {
         /// Side found [m].
         cell: f64,
-        /// The robot's radius [m].
+        /// Radius of the disc [m].
         radius: f64,
     },
 }
@@ -91,8 +92,8 @@ pub struct KeyedCoverage {
 }
 
 impl KeyedCoverage {
-    /// A planner for the part of a workplace that can be reached from `start` [m], with the key of
-    /// its stream.
+    /// A planner for the part of a workplace that can be reached from `start` [m], for a robot that
+    /// covers a disc of radius `disc` [m], with the key of its stream.
     ///
     /// # Errors
     /// [`KeyedError`] if a parameter is out of range or the cells do not suit the workplace or the
@@ -101,12 +102,14 @@ impl KeyedCoverage {
         workplace: &Workplace,
         decomposition: &Decomposition,
         start: Point2<f64>,
+        disc: f64,
         key: [u8; 32],
         params: KeyedParams,
     ) -> Result<Self, KeyedError> {
         params.validate()?;
-        let (radius, cell) = (workplace.radius(), params.cell);
-        if cell > radius {
+        let (radius, cell) = (disc, params.cell);
+        let fine = cell <= radius && radius.is_finite();
+        if !fine {
             return Err(KeyedError::Cell { cell, radius });
         }
         let space = Space::new(workplace, decomposition, start);
@@ -152,7 +155,7 @@ impl KeyedCoverage {
     ) -> Result<Self, KeyedError> {
         let unused = [0; 32];
         let params = self.params.clone();
-        let mut other = Self::new(workplace, decomposition, start, unused, params)?;
+        let mut other = Self::new(workplace, decomposition, start, self.radius, unused, params)?;
         other.freshness.keep_covered(&self.freshness);
         other.draws = self.draws;
         other.orders = self.orders;

@@ -9,7 +9,8 @@ const MAX_CANDIDATES: usize = 4096;
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct KeyedParams {
-    /// Side of the cells in which coverage is remembered [m], > 0 and at most the robot's radius.
+    /// Side of the cells in which coverage is remembered [m], > 0 and at most the radius of the disc that
+    /// the robot covers.
     pub cell: f64,
     /// Orders drawn per sub-goal, of which the best is followed, in [1, 4]; 1.4 draws one or two by
     /// turns of the key. The trade-off: more cover faster and are easier to foretell.

@@ -7,7 +7,7 @@ const START: Point2<f64> = Point2::new(2.0, 7.0);
 
 fn planner(key: [u8; 32]) -> KeyedCoverage {
     let (workplace, parts) = empty();
-    KeyedCoverage::new(&workplace, &parts, START, key, KeyedParams::default()).unwrap()
+    KeyedCoverage::new(&workplace, &parts, START, 0.1, key, KeyedParams::default()).unwrap()
 }
 
 fn goals(planner: &mut KeyedCoverage, mut from: Point2<f64>, count: usize) -> Vec<Point2<f64>> {
@@ -109,14 +109,14 @@ fn parameters_out_of_range_are_named() {
     let refused = |change: Change| {
         let mut params = KeyedParams::default();
         change(&mut params);
-        let planner = KeyedCoverage::new(&workplace, &parts, START, [0; 32], params);
+        let planner = KeyedCoverage::new(&workplace, &parts, START, 0.1, [0; 32], params);
         planner.unwrap_err().to_string()
     };
     let cases: [(Change, &str); 10] = [
         (|p| p.cell = 0.0, "`cell` is 0"),
         (
             |p| p.cell = 0.2,
-            "`cell` is 0.2, but must be at most the robot's radius",
+            "`cell` is 0.2, but must be at most the radius that the robot covers, 0.1 m",
         ),
         (|p| p.choices = 0.5, "`choices` is 0.5"),
         (|p| p.strips = 1, "`strips` is 1"),

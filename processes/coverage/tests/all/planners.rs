@@ -70,9 +70,9 @@ fn drives_clear(workplace: &Workplace, planner: &mut dyn GoalSource, start: Poin
 fn no_planner_touches_an_obstacle() {
     for (workplace, parts, start) in scenes(12) {
         let key = [13; 32];
-        let keyed = KeyedCoverage::new(&workplace, &parts, start, key, thrifty());
+        let keyed = KeyedCoverage::new(&workplace, &parts, start, 0.1, key, thrifty());
         drives_clear(&workplace, &mut keyed.unwrap(), start);
-        let lanes = Boustrophedon::new(&workplace, &parts, start, 1);
+        let lanes = Boustrophedon::new(&workplace, &parts, start, 0.1, 1);
         drives_clear(&workplace, &mut lanes.unwrap(), start);
         let mut bounce = RandomBounce::new(&workplace, &parts, start, key);
         drives_clear(&workplace, &mut bounce, start);
@@ -88,7 +88,8 @@ fn keyed_coverage_reaches_all_that_can_be_reached() {
             round_at: 0.995,
             ..thrifty()
         };
-        let mut planner = KeyedCoverage::new(&workplace, &parts, start, [2; 32], params).unwrap();
+        let mut planner =
+            KeyedCoverage::new(&workplace, &parts, start, 0.1, [2; 32], params).unwrap();
         let mut from = start;
         let mut goals = 0;
         while planner.round() == 0 {
@@ -103,7 +104,7 @@ fn keyed_coverage_reaches_all_that_can_be_reached() {
 fn boustrophedon_covers_all_that_can_be_reached() {
     use metrics::coverage::{CellGrid, Swept};
     for (workplace, parts, start) in scenes(12) {
-        let mut planner = Boustrophedon::new(&workplace, &parts, start, 1).unwrap();
+        let mut planner = Boustrophedon::new(&workplace, &parts, start, 0.1, 1).unwrap();
         let grid = CellGrid::new(&workplace.ground().unwrap(), 0.1).unwrap();
         let mut swept = Swept::new(grid, workplace.radius());
         let mut from = start;
