@@ -220,15 +220,7 @@ fn one_key(planner: &Planner, number: u64, guesses: usize) -> Result<Run, Failur
             });
         }
         Planner::Chebyshev(emission) => {
-            // Known method: the state is recovered within some twenty sub-goals, the next is known.
-            let [a, b] = Keyed::new(secret).next_unit().map(|u| (u * 9.2e18) as u64);
-            let mut source = ChebP::new(a, b, *emission)?;
-            let inner = workplace.inner();
-            next = Box::new(move |_| {
-                let [x, y] = source.next_symmetric();
-                let goal = inner.center() + inner.half_extents().component_mul(&Vector2::new(x, y));
-                (Some(goal), vec![goal])
-            });
+            next = chebyshev(&workplace, secret, *emission)?;
         }
     }
     let mut run = Run {
@@ -267,6 +259,18 @@ fn one_key(planner: &Planner, number: u64, guesses: usize) -> Result<Run, Failur
         }
     }
     Ok(run)
+}
+
+/// Known method: the state is recovered within some twenty sub-goals, and the next one is known.
+fn chebyshev(workplace: &Workplace, secret: [u8; 32], emission: Emission) -> Result<Next, Failure> {
+    let [a, b] = Keyed::new(secret).next_unit().map(|u| (u * 9.2e18) as u64);
+    let mut source = ChebP::new(a, b, emission)?;
+    let inner = workplace.inner();
+    Ok(Box::new(move |_| {
+        let [x, y] = source.next_symmetric();
+        let goal = inner.center() + inner.half_extents().component_mul(&Vector2::new(x, y));
+        (Some(goal), vec![goal])
+    }))
 }
 
 /// Lets the observers guess `next`, the sub-goal after those in `history`.
