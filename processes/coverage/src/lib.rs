@@ -12,12 +12,29 @@
 //!    that stay in convex free rectangles ([`transit`]);
 //! 5. [`legs`]: the way between sub-goals, straight with stops or rounded by arcs.
 //!
-//! Planners of sub-goals of any kind have the one interface [`goal::GoalSource`].
+//! Planners of sub-goals of any kind have the one interface [`goal::GoalSource`]. Besides the plan of
+//! the paper:
+//!
+//! - [`keyed`]: fast, and hard to foretell for who knows the method but not the key;
+//! - [`boustrophedon`], [`random_bounce`], [`uniform`]: baselines, from the most efficient to the
+//!   least predictable.
+//!
+//! They move in a [`space::Space`]; what is left to cover is a [`freshness::Freshness`].
 
+pub mod boustrophedon;
+mod counter;
 pub mod decomposition;
+mod draws;
+pub mod freshness;
 pub mod goal;
+pub mod keyed;
 pub mod legs;
 pub mod plan;
+pub mod random_bounce;
+pub mod space;
+#[cfg(test)]
+mod testing;
 pub mod tour;
 pub mod transit;
+pub mod uniform;
 pub mod workplace;

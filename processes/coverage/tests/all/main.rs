@@ -1,6 +1,7 @@
 //! Tests of the crate as its users see it.
 
 mod division;
+mod planners;
 mod random_map;
 mod tables;
 mod walks;

@@ -1,0 +1,232 @@
+//! Boustrophedon: parallel lanes to and fro, the measure of efficiency and the easiest to foretell.
+
+#[cfg(test)]
+mod tests;
+
+use std::collections::{BTreeSet, VecDeque};
+
+use guidance::params::ParamsError;
+use guidance::waypoint::WaypointKind;
+use nalgebra::Point2;
+use sim_backend::shape::Aabb;
+use thiserror::Error;
+
+use crate::counter::Counter;
+use crate::decomposition::Decomposition;
+use crate::goal::{Goal, GoalSource};
+use crate::space::Space;
+use crate::workplace::Workplace;
+
+/// Most lanes in one round.
+pub const MAX_LANES: usize = 1_000_000;
+
+/// Subtracted from a number of lanes before it is rounded up, so that whole ones stay.
+const WHOLE: f64 = 1e-9;
+
+/// Why there are no lanes.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum BoustrophedonError {
+    /// A parameter out of range.
+    #[error(transparent)]
+    Params(#[from] ParamsError),
+    /// A robot too small for its workplace.
+    #[error(
+        "lanes {spacing} m apart would be more than {MAX_LANES}: take a larger robot or a smaller \
+         workplace"
+    )]
+    TooManyLanes {
+        /// Distance between lanes [m].
+        spacing: f64,
+    },
+}
+
+/// Lanes at most two radii apart, along the longer side of each rectangle of the decomposition,
+/// one rectangle after the other in the order of a depth-first walk.
+#[derive(Debug, Clone)]
+pub struct Boustrophedon {
+    space: Space,
+    spacing: f64,
+    rounds: u32,
+    /// Rectangles of this round still to be driven, the next one last.
+    open: Vec<usize>,
+    seen: BTreeSet<usize>,
+    way: VecDeque<(Point2<f64>, Aabb, WaypointKind)>,
+    counter: Counter,
+}
+
+impl Boustrophedon {
+    /// A planner for the part of a workplace that can be reached from `start` [m], for a robot that
+    /// covers a disc of radius `disc` [m]; it ends after `rounds` ≥ 1.
+    ///
+    /// # Errors
+    /// [`BoustrophedonError`] if the rounds are 0, or the lanes too many or not a distance apart.
+    pub fn new(
+        workplace: &Workplace,
+        decomposition: &Decomposition,
+        start: Point2<f64>,
+        disc: f64,
+        rounds: u32,
+    ) -> Result<Self, BoustrophedonError> {
+        let field = "rounds";
+        if rounds == 0 {
+            return Err(ParamsError::new(field, &rounds, "a whole number of at least 1").into());
+        }
+        let space = Space::new(workplace, decomposition, start);
+        let spacing = 2.0 * disc;
+        let lanes: f64 = space.rectangles().map(|r| lane_count(r, spacing)).sum();
+        let few = spacing > 0.0 && lanes <= MAX_LANES as f64;
+        if !few {
+            return Err(BoustrophedonError::TooManyLanes { spacing });
+        }
+        let home = space.member_at(start);
+        Ok(Self {
+            space,
+            spacing,
+            rounds,
+            open: vec![home],
+            seen: BTreeSet::new(),
+            way: VecDeque::new(),
+            counter: Counter::default(),
+        })
+    }
+
+    /// The same planner in a workplace that has changed, from `start` [m]: the round begins anew and
+    /// numbers go on.
+    ///
+    /// # Errors
+    /// [`BoustrophedonError`] if the lanes are too many.
+    pub fn moved(
+        self,
+        workplace: &Workplace,
+        decomposition: &Decomposition,
+        start: Point2<f64>,
+    ) -> Result<Self, BoustrophedonError> {
+        let mut other = Self::new(
+            workplace,
+            decomposition,
+            start,
+            0.5 * self.spacing,
+            self.rounds,
+        )?;
+        other.counter = self.counter;
+        Ok(other)
+    }
+
+    /// The next rectangle of the walk; begins the next round when this one is over.
+    fn next_rectangle(&mut self, home: usize) -> Option<usize> {
+        loop {
+            while let Some(rectangle) = self.open.pop() {
+                if self.seen.insert(rectangle) {
+                    let mut next: Vec<usize> = self
+                        .space
+                        .decomposition()
+                        .neighbours(rectangle)
+                        .map(|(other, _)| other)
+                        .collect();
+                    next.reverse();
+                    self.open.extend(next);
+                    return Some(rectangle);
+                }
+            }
+            if self.counter.round() + 1 >= self.rounds {
+                return None;
+            }
+            self.counter.begin_round();
+            self.seen.clear();
+            self.open.push(home);
+        }
+    }
+
+    /// Plans the way to a rectangle and its lanes.
+    fn plan(&mut self, from: Point2<f64>, home: usize, rectangle: usize) {
+        let Some(&r) = self.space.decomposition().rectangles().get(rectangle) else {
+            return;
+        };
+        let corners = lanes(&r, self.spacing, from);
+        let Some(&first) = corners.first() else {
+            return;
+        };
+        let legs = self.space.legs(home, rectangle, first, || 0.5);
+        let transit = legs.len().saturating_sub(1);
+        let there = legs.into_iter().take(transit);
+        self.way
+            .extend(there.map(|(to, within)| (to, within, WaypointKind::Transit)));
+        let lanes = corners.into_iter().map(|to| (to, r, WaypointKind::SubGoal));
+        self.way.extend(lanes);
+    }
+}
+
+impl GoalSource for Boustrophedon {
+    fn next_goal(&mut self, from: Point2<f64>) -> Option<Goal> {
+        if !(from.x.is_finite() && from.y.is_finite()) {
+            return None;
+        }
+        if !self.space.contains(from) {
+            let to = self.space.nearest(from);
+            return Some(self.counter.goal(WaypointKind::Transit, to, None));
+        }
+        if self.way.is_empty() {
+            let home = self.space.member_at(from);
+            let rectangle = self.next_rectangle(home)?;
+            self.plan(from, home, rectangle);
+        }
+        let &(to, within, kind) = self.way.front()?;
+        if !within.contains(from) {
+            // The robot is elsewhere, a goal was left out: back into the rectangle of this leg.
+            let (home, there) = (self.space.member_at(from), self.space.member_at(to));
+            let back = self.space.legs(home, there, to, || 0.5);
+            self.way.pop_front();
+            for (point, rectangle) in back.into_iter().rev() {
+                self.way
+                    .push_front((point, rectangle, WaypointKind::Transit));
+            }
+        }
+        let (to, within, kind) = self.way.pop_front().unwrap_or((to, within, kind));
+        Some(self.counter.goal(kind, to, Some(within)))
+    }
+}
+
+/// Lanes that a rectangle needs.
+fn lane_count(r: &Aabb, spacing: f64) -> f64 {
+    let size = r.max - r.min;
+    let width = size.x.min(size.y);
+    if width <= spacing {
+        1.0
+    } else {
+        (width / spacing - WHOLE).ceil() + 1.0
+    }
+}
+
+/// The ends of the lanes of a rectangle, in driving order, from the corner nearest to `from`.
+fn lanes(r: &Aabb, spacing: f64, from: Point2<f64>) -> Vec<Point2<f64>> {
+    let size = r.max - r.min;
+    let along = usize::from(size.y > size.x);
+    let across = 1 - along;
+    let count = lane_count(r, spacing) as usize;
+    let middle = r.center();
+    let ends = |axis: usize| {
+        if from[axis] > middle[axis] {
+            [r.max[axis], r.min[axis]]
+        } else {
+            [r.min[axis], r.max[axis]]
+        }
+    };
+    let (lengthwise, sideways) = (ends(along), ends(across));
+    let mut points = Vec::with_capacity(2 * count);
+    for lane in 0..count {
+        let offset = if count == 1 {
+            middle[across]
+        } else {
+            let part = lane as f64 / (count - 1) as f64;
+            (sideways[0] + (sideways[1] - sideways[0]) * part).clamp(r.min[across], r.max[across])
+        };
+        let there_and_back = if lane % 2 == 0 { [0, 1] } else { [1, 0] };
+        for end in there_and_back {
+            let mut p = Point2::origin();
+            p[along] = lengthwise[end];
+            p[across] = offset;
+            points.push(p);
+        }
+    }
+    points
+}

@@ -1,0 +1,265 @@
+//! Keyed coverage: fast to cover, hard to foretell even for who knows the method and all of its
+//! state but the key.
+//!
+//! Goals that are independent and uniform cannot be foretold but cover badly; the leg that sweeps
+//! the most new ground covers well but is known to who has watched. Here the key orders roughly
+//! where to go, whatever has been covered, and the planner is free only within that order:
+//!
+//! 1. Every sub-goal gets one or two *orders* (the parameter `choices`) from the keyed stream: an
+//!    axis, and one of the strips across it other than the robot's own. Legs near two directions
+//!    only overlap least: k directions that each sweep a share a leave (1 − a)ᵏ.
+//! 2. Of random points that follow an order, that one is taken whose leg sweeps the most new ground
+//!    less the cost of its length, where slivers count more ([`Freshness`]).
+//! 3. Orders are drawn ahead, so that legs are chosen along with the next ones. The holder of the
+//!    key gains from that; for an observer the orders to come are as unknown as this one.
+//! 4. Where obstacles stop a leg it ends before them. When legs have brought next to nothing
+//!    several times in a row, the way through free rectangles to a random fresh cell follows, so
+//!    that every part of the free space that can be reached is.
+//!
+//! Every number comes from a `ChaCha20` stream of the key.
+
+mod choice;
+mod params;
+#[cfg(test)]
+mod tests;
+
+pub use params::KeyedParams;
+
+use std::collections::VecDeque;
+
+use guidance::params::ParamsError;
+use guidance::waypoint::WaypointKind;
+use metrics::coverage::{CellGrid, CoverageError};
+use nalgebra::Point2;
+use sim_backend::shape::Aabb;
+use thiserror::Error;
+
+use crate::counter::Counter;
+use crate::decomposition::Decomposition;
+use crate::draws::Draws;
+use crate::freshness::Freshness;
+use crate::goal::{Goal, GoalSource};
+use crate::space::Space;
+use crate::workplace::Workplace;
+use choice::{Choice, Order, draw_orders};
+
+/// How many cells away along each axis cells are neighbours, for the worth of slivers.
+const NEIGHBOURHOOD: usize = 2;
+
+/// Idle legs in a row after which a fresh cell is headed for.
+const PATIENCE: u32 = 4;
+
+/// A leg is idle if what it sweeps is new by less than this share of what is left in all: a random
+/// leg would do better.
+const IDLE: f64 = 0.5;
+
+/// Why keyed coverage cannot start.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum KeyedError {
+    /// A parameter out of range.
+    #[error(transparent)]
+    Params(#[from] ParamsError),
+    /// The workplace cannot be divided into cells.
+    #[error(transparent)]
+    Coverage(#[from] CoverageError),
+    /// Cells too large for the disc to sweep them all.
+    #[error(
+        "`cell` is {cell}, but must be at most the radius that the robot covers, {radius} m: take \
+         smaller cells"
+    )]
+    Cell {
+        /// Side found [m].
+        cell: f64,
+        /// Radius of the disc [m].
+        radius: f64,
+    },
+}
+
+/// Plans sub-goals without end; see the module.
+#[derive(Debug, Clone)]
+pub struct KeyedCoverage {
+    params: KeyedParams,
+    space: Space,
+    freshness: Freshness,
+    radius: f64,
+    draws: Draws,
+    /// Orders of the next sub-goals.
+    orders: VecDeque<Vec<Order>>,
+    /// Legs to a fresh cell that are still to be driven, each with the rectangle that contains it.
+    way: VecDeque<(Point2<f64>, Aabb)>,
+    idle: u32,
+    counter: Counter,
+}
+
+impl KeyedCoverage {
+    /// A planner for the part of a workplace that can be reached from `start` [m], for a robot that
+    /// covers a disc of radius `disc` [m], with the key of its stream.
+    ///
+    /// # Errors
+    /// [`KeyedError`] if a parameter is out of range or the cells do not suit the workplace or the
+    /// robot.
+    pub fn new(
+        workplace: &Workplace,
+        decomposition: &Decomposition,
+        start: Point2<f64>,
+        disc: f64,
+        key: [u8; 32],
+        params: KeyedParams,
+    ) -> Result<Self, KeyedError> {
+        params.validate()?;
+        let (radius, cell) = (disc, params.cell);
+        let fine = cell <= radius && radius.is_finite();
+        if !fine {
+            return Err(KeyedError::Cell { cell, radius });
+        }
+        let space = Space::new(workplace, decomposition, start);
+        let grid = CellGrid::new(&workplace.ground()?, cell)?;
+        let freshness = Freshness::new(&grid, &space, radius, params.rarity, NEIGHBOURHOOD);
+        let mut planner = Self {
+            params,
+            space,
+            freshness,
+            radius,
+            draws: Draws::new(key),
+            orders: VecDeque::new(),
+            way: VecDeque::new(),
+            idle: 0,
+            counter: Counter::default(),
+        };
+        planner.fill_orders();
+        Ok(planner)
+    }
+
+    /// The same planner with the same state of coverage, but with a key of its own from here on:
+    /// what an observer who knows all but the key can ask for guesses of the next sub-goal.
+    #[must_use]
+    pub fn with_key(&self, key: [u8; 32]) -> Self {
+        let mut other = self.clone();
+        other.draws = Draws::new(key);
+        other.orders.clear();
+        other.way.clear();
+        other.fill_orders();
+        other
+    }
+
+    /// The same planner in a workplace that has changed, from `start` [m]: key, numbers and round go
+    /// on, and what has been covered stays so where the cells are the same.
+    ///
+    /// # Errors
+    /// [`KeyedError`] if the cells do not suit the workplace or the robot.
+    pub fn moved(
+        self,
+        workplace: &Workplace,
+        decomposition: &Decomposition,
+        start: Point2<f64>,
+    ) -> Result<Self, KeyedError> {
+        let unused = [0; 32];
+        let params = self.params.clone();
+        let mut other = Self::new(workplace, decomposition, start, self.radius, unused, params)?;
+        other.freshness.keep_covered(&self.freshness);
+        other.draws = self.draws;
+        other.orders = self.orders;
+        other.counter = self.counter;
+        Ok(other)
+    }
+
+    /// Share of the reachable cells that this round has covered, from 0 to 1, if every leg to a
+    /// sub-goal given out was driven.
+    pub fn covered(&self) -> f64 {
+        1.0 - self.freshness.share()
+    }
+
+    /// The round, from 0: a new one begins when [`KeyedParams::round_at`] is covered.
+    pub fn round(&self) -> u32 {
+        self.counter.round()
+    }
+
+    fn fill_orders(&mut self) {
+        while self.orders.len() <= self.params.foresight {
+            let orders = draw_orders(&self.params, &mut self.draws);
+            self.orders.push_back(orders);
+        }
+    }
+
+    /// Counts a leg as driven; whether it was idle.
+    fn sweep(&mut self, from: Point2<f64>, to: Point2<f64>) -> bool {
+        let left = self.freshness.share();
+        let swept = self.freshness.sweep(from, to) as f64 * self.params.cell * self.params.cell;
+        swept < IDLE * left * 2.0 * self.radius * (to - from).norm()
+    }
+
+    /// The sub-goal that the orders ask for; `None` if they lead nowhere or the last ones brought
+    /// nothing.
+    fn by_orders(&mut self, from: Point2<f64>) -> Option<Goal> {
+        if self.idle >= PATIENCE {
+            return None;
+        }
+        let choice = Choice {
+            params: &self.params,
+            space: &self.space,
+            freshness: &self.freshness,
+            radius: self.radius,
+        };
+        let best = choice.best(from, self.orders.make_contiguous(), &mut self.draws);
+        self.orders.pop_front();
+        self.fill_orders();
+        let to = best.filter(|&to| self.space.contains(to))?;
+        let idle = self.sweep(from, to);
+        self.idle = if idle { self.idle + 1 } else { 0 };
+        Some(self.counter.goal(WaypointKind::SubGoal, to, None))
+    }
+
+    /// The next leg on the way to a fresh cell.
+    fn by_way(&mut self, from: Point2<f64>) -> Option<Goal> {
+        let (to, within) = self.way.pop_front()?;
+        if !within.contains(from) {
+            // The robot is elsewhere: a goal was left out.
+            self.way.clear();
+            return None;
+        }
+        self.sweep(from, to);
+        let kind = if self.way.is_empty() {
+            WaypointKind::SubGoal
+        } else {
+            WaypointKind::Transit
+        };
+        Some(self.counter.goal(kind, to, Some(within)))
+    }
+
+    /// Plans the way to a random fresh cell.
+    fn plan_way(&mut self, from: Point2<f64>) {
+        self.idle = 0;
+        let index = self.draws.index(self.freshness.left());
+        let Some(cell) = self.freshness.nth(index) else {
+            return;
+        };
+        let (first, last) = (self.space.member_at(from), self.space.member_at(cell));
+        let draws = &mut self.draws;
+        self.way = self.space.legs(first, last, cell, || draws.unit()).into();
+    }
+}
+
+impl GoalSource for KeyedCoverage {
+    fn next_goal(&mut self, from: Point2<f64>) -> Option<Goal> {
+        if !(from.x.is_finite() && from.y.is_finite()) {
+            return None;
+        }
+        if !self.space.contains(from) {
+            self.way.clear();
+            let to = self.space.nearest(from);
+            return Some(self.counter.goal(WaypointKind::Transit, to, None));
+        }
+        if let Some(goal) = self.by_way(from) {
+            return Some(goal);
+        }
+        if 1.0 - self.freshness.share() >= self.params.round_at {
+            self.freshness.renew();
+            self.counter.begin_round();
+        }
+        if let Some(goal) = self.by_orders(from) {
+            return Some(goal);
+        }
+        self.plan_way(from);
+        self.by_way(from)
+    }
+}

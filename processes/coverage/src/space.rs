@@ -1,0 +1,238 @@
+//! The free space that a robot can reach, as planners that roam in it ask for it.
+
+#[cfg(test)]
+mod tests;
+
+use std::collections::VecDeque;
+
+use nalgebra::{Point2, Vector2};
+use sim_backend::shape::Aabb;
+
+use crate::decomposition::Decomposition;
+use crate::workplace::Workplace;
+
+/// Depth inside an obstacle that does not count as contact [m]: the rounding of coordinates.
+const TOUCH: f64 = 1e-9;
+
+/// How far in front of an obstacle a leg that would hit it ends [m].
+const STAND_OFF: f64 = 1e-6;
+
+/// The component of a workplace's free space that contains the start.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Space {
+    decomposition: Decomposition,
+    inflated: Vec<Aabb>,
+    members: Vec<usize>,
+    bounds: Aabb,
+}
+
+impl Space {
+    /// What can be reached from `start` [m], or from the free rectangle nearest to it.
+    pub fn new(workplace: &Workplace, decomposition: &Decomposition, start: Point2<f64>) -> Self {
+        let home = decomposition.nearest_rectangle(start).map_or(0, |(r, _)| r);
+        let component = decomposition.component_of(home).unwrap_or(0);
+        let members: Vec<usize> = decomposition.component(component).collect();
+        let rectangles = members
+            .iter()
+            .filter_map(|&r| decomposition.rectangles().get(r));
+        let bounds = rectangles
+            .copied()
+            .reduce(|a, b| Aabb {
+                min: a.min.inf(&b.min),
+                max: a.max.sup(&b.max),
+            })
+            .unwrap_or_else(|| workplace.inner());
+        Self {
+            decomposition: decomposition.clone(),
+            inflated: workplace.inflated().to_vec(),
+            members,
+            bounds,
+        }
+    }
+
+    /// The free space in rectangles; those of other components are no part of this.
+    pub fn decomposition(&self) -> &Decomposition {
+        &self.decomposition
+    }
+
+    /// The rectangles that can be reached, by their numbers in the decomposition.
+    pub fn members(&self) -> &[usize] {
+        &self.members
+    }
+
+    /// The rectangles that can be reached [m].
+    pub fn rectangles(&self) -> impl Iterator<Item = &Aabb> {
+        let all = self.decomposition.rectangles();
+        self.members.iter().filter_map(|&r| all.get(r))
+    }
+
+    /// The least rectangle around what can be reached [m].
+    pub fn bounds(&self) -> &Aabb {
+        &self.bounds
+    }
+
+    /// Whether the robot's centre may be at a point [m] that it can reach.
+    pub fn contains(&self, p: Point2<f64>) -> bool {
+        self.rectangles().any(|r| r.contains(p))
+    }
+
+    /// The point nearest to `p` [m] that can be reached; `p` itself if it can.
+    pub fn nearest(&self, p: Point2<f64>) -> Point2<f64> {
+        let clamped = self.rectangles().map(|r| clamp(r, p));
+        clamped
+            .min_by(|a, b| (a - p).norm_squared().total_cmp(&(b - p).norm_squared()))
+            .unwrap_or(p)
+    }
+
+    /// How far a robot gets on the straight leg from a free point to another [m]: `to` if nothing
+    /// is in the way, else a point a micrometre before the first obstacle or border.
+    pub fn clear_to(&self, from: Point2<f64>, to: Point2<f64>) -> Point2<f64> {
+        let to = clamp(&self.bounds, to);
+        let length = (to - from).norm();
+        let first = self
+            .inflated
+            .iter()
+            .filter_map(|o| entry(o, from, to))
+            .fold(1.0, f64::min);
+        if first >= 1.0 || length <= 0.0 {
+            return to;
+        }
+        let part = (first - STAND_OFF / length).max(0.0);
+        from + (to - from) * part
+    }
+
+    /// How far a robot gets from a free point along a direction [m], not necessarily of length 1;
+    /// the point itself for a direction of length 0.
+    pub fn ray_end(&self, from: Point2<f64>, direction: Vector2<f64>) -> Point2<f64> {
+        let reach = (0..2).map(|axis| match direction[axis] {
+            d if d > 0.0 => (self.bounds.max[axis] - from[axis]) / d,
+            d if d < 0.0 => (self.bounds.min[axis] - from[axis]) / d,
+            _ => f64::INFINITY,
+        });
+        let reach = reach.fold(f64::INFINITY, f64::min);
+        if reach.is_finite() && reach > 0.0 {
+            self.clear_to(from, from + direction * reach)
+        } else {
+            from
+        }
+    }
+
+    /// Whether the straight leg between two points [m] touches no obstacle.
+    pub fn is_clear(&self, from: Point2<f64>, to: Point2<f64>) -> bool {
+        !self.inflated.iter().any(|o| entry(o, from, to).is_some())
+    }
+
+    /// The rectangle that contains a point [m] among those that can be reached; the nearest to one
+    /// outside.
+    pub fn member_at(&self, p: Point2<f64>) -> usize {
+        let all = self.decomposition.rectangles();
+        let distances = self
+            .members
+            .iter()
+            .filter_map(|&r| Some((r, all.get(r)?.distance(p))));
+        distances
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .map_or(0, |(r, _)| r)
+    }
+
+    /// The rectangles on a way of fewest borders from one rectangle to another, both included; just
+    /// the last one if there is no way.
+    pub fn way(&self, from: usize, to: usize) -> Vec<usize> {
+        let count = self.decomposition.rectangles().len();
+        // The next rectangle towards `to`, found from there.
+        let mut next = vec![usize::MAX; count];
+        let mut open = VecDeque::from([to]);
+        if let Some(own) = next.get_mut(to) {
+            *own = to;
+        }
+        while let Some(rectangle) = open.pop_front() {
+            for (other, _) in self.decomposition.neighbours(rectangle) {
+                if let Some(unset) = next.get_mut(other).filter(|n| **n == usize::MAX) {
+                    *unset = rectangle;
+                    open.push_back(other);
+                }
+            }
+        }
+        let mut way = vec![];
+        let mut at = from;
+        while let Some(&following) = next.get(at)
+            && following != usize::MAX
+            && at != to
+        {
+            way.push(at);
+            at = following;
+        }
+        way.push(to);
+        way
+    }
+
+    /// Legs from a point in rectangle `from` to `goal` [m] in rectangle `to`, each within one free
+    /// rectangle: per border one point before and one behind it, at random where rectangles and
+    /// bridge overlap. `unit` gives uniform numbers in [0, 1).
+    pub fn legs(
+        &self,
+        from: usize,
+        to: usize,
+        goal: Point2<f64>,
+        mut unit: impl FnMut() -> f64,
+    ) -> Vec<(Point2<f64>, Aabb)> {
+        let way = self.way(from, to);
+        let all = self.decomposition.rectangles();
+        let mut legs = Vec::with_capacity(2 * way.len());
+        for pair in way.windows(2) {
+            let &[a, b] = pair else { continue };
+            let (Some(before), Some(behind), Some(bridge)) =
+                (all.get(a), all.get(b), self.decomposition.bridge(a, b))
+            else {
+                continue;
+            };
+            let across = bridge.rectangle;
+            let mut inside = |r: &Aabb| point_in(&overlap(r, &across), [unit(), unit()]);
+            legs.push((inside(before), *before));
+            legs.push((inside(behind), across));
+        }
+        if let Some(last) = way.last().and_then(|&r| all.get(r)) {
+            legs.push((clamp(last, goal), *last));
+        }
+        legs
+    }
+}
+
+/// The point of a rectangle nearest to a point.
+pub(crate) fn clamp(r: &Aabb, p: Point2<f64>) -> Point2<f64> {
+    p.sup(&r.min).inf(&r.max)
+}
+
+/// A point of a rectangle by its coordinates in the unit square.
+pub(crate) fn point_in(r: &Aabb, unit: [f64; 2]) -> Point2<f64> {
+    let size = r.max - r.min;
+    let p = Point2::new(r.min.x + size.x * unit[0], r.min.y + size.y * unit[1]);
+    clamp(r, p)
+}
+
+fn overlap(a: &Aabb, b: &Aabb) -> Aabb {
+    Aabb {
+        min: a.min.sup(&b.min),
+        max: a.max.inf(&b.max),
+    }
+}
+
+/// The part of the segment, from 0 to 1, at which it enters the inside of an obstacle.
+fn entry(o: &Aabb, from: Point2<f64>, to: Point2<f64>) -> Option<f64> {
+    let line = to - from;
+    let (mut enter, mut exit) = (0.0_f64, 1.0_f64);
+    for axis in 0..2 {
+        let (low, high) = (o.min[axis] + TOUCH, o.max[axis] - TOUCH);
+        let (start, rise) = (from[axis], line[axis]);
+        if rise == 0.0 {
+            if start <= low || start >= high {
+                return None;
+            }
+            continue;
+        }
+        let (a, b) = ((low - start) / rise, (high - start) / rise);
+        enter = enter.max(a.min(b));
+        exit = exit.min(a.max(b));
+    }
+    (enter < exit).then_some(enter)
+}

@@ -1,0 +1,123 @@
+//! Planners of sub-goals on random maps.
+
+use coverage::boustrophedon::Boustrophedon;
+use coverage::decomposition::Decomposition;
+use coverage::goal::GoalSource;
+use coverage::keyed::{KeyedCoverage, KeyedParams};
+use coverage::random_bounce::RandomBounce;
+use coverage::uniform::UniformGoals;
+use coverage::workplace::Workplace;
+use nalgebra::Point2;
+
+use crate::random_map::RandomMaps;
+
+/// A map that has free space, its division, and a free start.
+fn scenes(count: usize) -> Vec<(Workplace, Decomposition, Point2<f64>)> {
+    let mut maps = RandomMaps::new(21);
+    let mut scenes = Vec::new();
+    while scenes.len() < count {
+        let workplace = maps.next_map(3 + scenes.len() % 6);
+        if let Ok(parts) = Decomposition::new(&workplace) {
+            let start = parts.rectangles()[0].center();
+            scenes.push((workplace, parts, start));
+        }
+    }
+    scenes
+}
+
+fn thrifty() -> KeyedParams {
+    KeyedParams {
+        candidates: 16,
+        foresight: 1,
+        ..KeyedParams::default()
+    }
+}
+
+/// How deep the straight leg gets into an obstacle at worst [m], looked at every few millimetres.
+fn depth(workplace: &Workplace, from: Point2<f64>, to: Point2<f64>) -> f64 {
+    let steps = ((to - from).norm() / 0.004).ceil().max(1.0) as usize;
+    let points = (0..=steps).map(|step| from + (to - from) * (step as f64 / steps as f64));
+    let into = |p: Point2<f64>| {
+        let obstacles = workplace.inflated().iter().map(move |o| {
+            (p.x - o.min.x)
+                .min(o.max.x - p.x)
+                .min(p.y - o.min.y)
+                .min(o.max.y - p.y)
+        });
+        let inner = workplace.inner();
+        obstacles.fold(inner.distance(p), f64::max)
+    };
+    points.map(into).fold(0.0, f64::max)
+}
+
+fn drives_clear(workplace: &Workplace, planner: &mut dyn GoalSource, start: Point2<f64>) {
+    let mut from = start;
+    for _ in 0..150 {
+        let Some(goal) = planner.next_goal(from) else {
+            break;
+        };
+        let to = goal.waypoint.point;
+        let deep = depth(workplace, from, to);
+        assert!(deep < 1e-8, "{deep} m into an obstacle: {from} to {to}");
+        if let Some(within) = goal.within {
+            assert!(within.contains(from) && within.contains(to));
+        }
+        from = to;
+    }
+}
+
+#[test]
+fn no_planner_touches_an_obstacle() {
+    for (workplace, parts, start) in scenes(12) {
+        let key = [13; 32];
+        let keyed = KeyedCoverage::new(&workplace, &parts, start, 0.1, key, thrifty());
+        drives_clear(&workplace, &mut keyed.unwrap(), start);
+        let lanes = Boustrophedon::new(&workplace, &parts, start, 0.1, 1);
+        drives_clear(&workplace, &mut lanes.unwrap(), start);
+        let mut bounce = RandomBounce::new(&workplace, &parts, start, key);
+        drives_clear(&workplace, &mut bounce, start);
+        let mut uniform = UniformGoals::new(&workplace, &parts, start, key);
+        drives_clear(&workplace, &mut uniform, start);
+    }
+}
+
+#[test]
+fn keyed_coverage_reaches_all_that_can_be_reached() {
+    for (index, (workplace, parts, start)) in scenes(8).into_iter().enumerate() {
+        let params = KeyedParams {
+            round_at: 0.995,
+            ..thrifty()
+        };
+        let mut planner =
+            KeyedCoverage::new(&workplace, &parts, start, 0.1, [2; 32], params).unwrap();
+        let mut from = start;
+        let mut goals = 0;
+        while planner.round() == 0 {
+            from = planner.next_goal(from).unwrap().waypoint.point;
+            goals += 1;
+            assert!(goals < 5000, "map {index}: {} covered", planner.covered());
+        }
+    }
+}
+
+#[test]
+fn boustrophedon_covers_all_that_can_be_reached() {
+    use metrics::coverage::{CellGrid, Swept};
+    for (workplace, parts, start) in scenes(12) {
+        let mut planner = Boustrophedon::new(&workplace, &parts, start, 0.1, 1).unwrap();
+        let grid = CellGrid::new(&workplace.ground().unwrap(), 0.1).unwrap();
+        let mut swept = Swept::new(grid, workplace.radius());
+        let mut from = start;
+        while let Some(goal) = planner.next_goal(from) {
+            swept.sweep(from, goal.waypoint.point);
+            from = goal.waypoint.point;
+        }
+        let component = parts.component_of(0).unwrap();
+        for (cell, &covered) in swept.cells().iter().enumerate() {
+            let center = swept.grid().center(cell);
+            let mut mine = parts.component(component);
+            let reachable = mine.any(|r| parts.rectangles()[r].contains(center));
+            assert!(covered || !reachable, "{center} is left out");
+        }
+    }
+}

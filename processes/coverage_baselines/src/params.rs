@@ -1,0 +1,63 @@
+//! Parameters of the baselines.
+
+use coverage_chebyshev::params::FollowParams;
+use generators::Key;
+use guidance::params::{ParamsError, require};
+use serde::{Deserialize, Serialize};
+
+/// Parameters of the boustrophedon.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct BoustrophedonParams {
+    /// How often everything is covered, ≥ 1; the robot stops after that.
+    pub rounds: u32,
+    /// What all planners of sub-goals share.
+    pub follow: FollowParams,
+}
+
+impl Default for BoustrophedonParams {
+    fn default() -> Self {
+        Self {
+            rounds: 1,
+            follow: FollowParams::default(),
+        }
+    }
+}
+
+impl BoustrophedonParams {
+    /// Checks every field.
+    ///
+    /// # Errors
+    /// [`ParamsError`] with the path of the first field that is out of range.
+    pub fn validate(&self) -> Result<(), ParamsError> {
+        let expected = "a whole number of at least 1";
+        require(self.rounds > 0, "rounds", &self.rounds, expected)?;
+        self.follow.validate().map_err(|e| e.within("follow"))
+    }
+}
+
+/// Parameters of the random baselines.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct RandomParams {
+    /// The key, `keyed:` and 64 hexadecimal digits; absent: made from the seed of the run.
+    pub key: Option<Key>,
+    /// What all planners of sub-goals share.
+    pub follow: FollowParams,
+}
+
+impl RandomParams {
+    /// Checks every field.
+    ///
+    /// # Errors
+    /// [`ParamsError`] with the path of the first field that is out of range.
+    pub fn validate(&self) -> Result<(), ParamsError> {
+        if let Some(key) = self.key
+            && !matches!(key, Key::Keyed { .. })
+        {
+            let expected = "`keyed:` and 64 hexadecimal digits";
+            return Err(ParamsError::new("key", &key, expected));
+        }
+        self.follow.validate().map_err(|e| e.within("follow"))
+    }
+}

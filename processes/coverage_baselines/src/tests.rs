@@ -1,0 +1,72 @@
+use coverage::decomposition::Decomposition;
+use coverage::goal::GoalSource;
+use coverage::workplace::Workplace;
+use nalgebra::Point2;
+use sim_backend::shape::Aabb;
+
+use super::*;
+
+fn site() -> Site {
+    let bounds = Aabb {
+        min: Point2::origin(),
+        max: Point2::new(4.0, 4.0),
+    };
+    let workplace = Workplace::new(bounds, 0.155, &[], 0.1).unwrap();
+    let decomposition = Decomposition::new(&workplace).unwrap();
+    Site {
+        workplace,
+        decomposition,
+        start: Point2::new(1.0, 1.0),
+    }
+}
+
+fn points<D: Design>(text: &str, seed: u64) -> Vec<Point2<f64>> {
+    let params: D::Params = toml::from_str(text).unwrap();
+    D::validate(&params).unwrap();
+    let site = site();
+    let mut goals = D::goals(&params, &site, seed, None).unwrap();
+    let mut from = site.start;
+    let mut points = Vec::new();
+    for number in 0..10 {
+        let goal = goals.next_goal(from).unwrap();
+        assert_eq!(goal.waypoint.number, number);
+        from = goal.waypoint.point;
+        points.push(from);
+    }
+    let mut on = D::goals(&params, &site, seed, Some(goals)).unwrap();
+    assert_eq!(on.next_goal(from).unwrap().waypoint.number, 10);
+    points
+}
+
+#[test]
+fn the_key_decides_and_else_the_seed() {
+    let key = format!("key = \"keyed:{}\"", "07".repeat(32));
+    assert_eq!(
+        points::<RandomBounce>(&key, 1),
+        points::<RandomBounce>(&key, 2)
+    );
+    assert_ne!(points::<RandomBounce>("", 1), points::<RandomBounce>("", 2));
+    assert_eq!(points::<Uniform>(&key, 1), points::<Uniform>(&key, 2));
+    assert_ne!(points::<Uniform>("", 1), points::<Uniform>("", 2));
+}
+
+#[test]
+fn lanes_are_as_far_apart_as_the_body_is_wide() {
+    let points = points::<Boustrophedon>("", 1);
+    let across: Vec<f64> = points.windows(2).map(|p| (p[1].y - p[0].y).abs()).collect();
+    let widest = across.into_iter().fold(0.0, f64::max);
+    assert!(widest > 0.19 && widest <= 0.21 + 1e-12, "{widest}");
+}
+
+#[test]
+fn values_out_of_range_are_named() {
+    let params: BoustrophedonParams = toml::from_str("rounds = 0").unwrap();
+    let error = Boustrophedon::validate(&params).unwrap_err();
+    assert!(error.starts_with("`rounds` is 0"), "{error}");
+    let params: RandomParams = toml::from_str("key = \"catp:1,2\"").unwrap();
+    let error = Uniform::validate(&params).unwrap_err();
+    assert!(error.starts_with("`key` is catp:"), "{error}");
+    let params: RandomParams = toml::from_str("follow = { margin = -1.0 }").unwrap();
+    let error = RandomBounce::validate(&params).unwrap_err();
+    assert!(error.starts_with("`follow.margin` is -1"), "{error}");
+}

@@ -1,0 +1,65 @@
+//! Covers a workplace fast, and unforetold by an observer who knows the method but not the key, in
+//! a process of its own. The algorithm is [`coverage::keyed`]; the wiring is that of all planners
+//! of sub-goals.
+
+pub mod params;
+
+#[cfg(test)]
+mod tests;
+
+use coverage::keyed::KeyedCoverage;
+use coverage_chebyshev::design::{Design, Site};
+use coverage_chebyshev::params::FollowParams;
+use coverage_chebyshev::process::Follower;
+use generators::{Key, KeyKind};
+
+pub use params::KeyedCoverageParams;
+
+/// The keyed coverage planner in its process.
+pub type KeyedCoveragePlanner = Follower<Keyed>;
+
+/// Sub-goals of [`KeyedCoverage`].
+#[derive(Debug)]
+pub struct Keyed;
+
+impl Design for Keyed {
+    type Params = KeyedCoverageParams;
+    type Goals = KeyedCoverage;
+
+    fn validate(params: &KeyedCoverageParams) -> Result<(), String> {
+        params.validate().map_err(|e| e.to_string())
+    }
+
+    fn follow(params: &KeyedCoverageParams) -> FollowParams {
+        params.follow
+    }
+
+    fn goals(
+        params: &KeyedCoverageParams,
+        site: &Site,
+        seed: u64,
+        before: Option<KeyedCoverage>,
+    ) -> Result<KeyedCoverage, String> {
+        let (workplace, parts) = (&site.workplace, &site.decomposition);
+        let made = if let Some(before) = before {
+            before.moved(workplace, parts, site.start)
+        } else {
+            let chosen = params.key;
+            let key = chosen.unwrap_or_else(|| Key::from_seed(KeyKind::Keyed, seed));
+            let Key::Keyed { key } = key else {
+                return Err(format!("`key` is {key}, but must be keyed:<64 digits>"));
+            };
+            // Legs keep the margin; what is covered is covered by the body.
+            let disc = workplace.radius() - params.follow.margin;
+            KeyedCoverage::new(
+                workplace,
+                parts,
+                site.start,
+                disc,
+                key,
+                params.goals.clone(),
+            )
+        };
+        made.map_err(|e| e.to_string())
+    }
+}

@@ -1,0 +1,36 @@
+//! Parameters of the keyed coverage planner.
+
+use coverage::keyed::KeyedParams;
+use coverage_chebyshev::params::FollowParams;
+use generators::Key;
+use guidance::params::ParamsError;
+use serde::{Deserialize, Serialize};
+
+/// Parameters of the keyed coverage planner.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct KeyedCoverageParams {
+    /// The key, `keyed:` and 64 hexadecimal digits; absent: made from the seed of the run.
+    pub key: Option<Key>,
+    /// How sub-goals are chosen.
+    pub goals: KeyedParams,
+    /// What all planners of sub-goals share.
+    pub follow: FollowParams,
+}
+
+impl KeyedCoverageParams {
+    /// Checks every field that can be checked without the map.
+    ///
+    /// # Errors
+    /// [`ParamsError`] with the path of the first field that is out of range.
+    pub fn validate(&self) -> Result<(), ParamsError> {
+        if let Some(key) = self.key
+            && !matches!(key, Key::Keyed { .. })
+        {
+            let expected = "`keyed:` and 64 hexadecimal digits: no other generator is secret";
+            return Err(ParamsError::new("key", &key, expected));
+        }
+        self.goals.validate().map_err(|e| e.within("goals"))?;
+        self.follow.validate().map_err(|e| e.within("follow"))
+    }
+}

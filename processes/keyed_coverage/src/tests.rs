@@ -1,0 +1,69 @@
+use coverage::decomposition::Decomposition;
+use coverage::goal::GoalSource;
+use coverage::workplace::Workplace;
+use nalgebra::Point2;
+use sim_backend::shape::Aabb;
+
+use super::*;
+
+fn site() -> Site {
+    let bounds = Aabb {
+        min: Point2::origin(),
+        max: Point2::new(4.0, 4.0),
+    };
+    let workplace = Workplace::new(bounds, 0.155, &[], 0.1).unwrap();
+    let decomposition = Decomposition::new(&workplace).unwrap();
+    Site {
+        workplace,
+        decomposition,
+        start: Point2::new(1.0, 1.0),
+    }
+}
+
+fn points<D: Design>(text: &str, seed: u64) -> Vec<Point2<f64>> {
+    let params: D::Params = toml::from_str(text).unwrap();
+    D::validate(&params).unwrap();
+    let site = site();
+    let mut goals = D::goals(&params, &site, seed, None).unwrap();
+    let mut from = site.start;
+    let mut points = Vec::new();
+    for number in 0..10 {
+        let goal = goals.next_goal(from).unwrap();
+        assert_eq!(goal.waypoint.number, number);
+        from = goal.waypoint.point;
+        points.push(from);
+    }
+    let mut on = D::goals(&params, &site, seed, Some(goals)).unwrap();
+    assert_eq!(on.next_goal(from).unwrap().waypoint.number, 10);
+    points
+}
+
+fn refusal(text: &str) -> String {
+    let params: KeyedCoverageParams = toml::from_str(text).unwrap();
+    Keyed::validate(&params).unwrap_err()
+}
+
+#[test]
+fn the_key_decides_and_else_the_seed() {
+    let key = format!("key = \"keyed:{}\"", "07".repeat(32));
+    assert_eq!(points::<Keyed>(&key, 1), points::<Keyed>(&key, 2));
+    assert_ne!(points::<Keyed>("", 1), points::<Keyed>("", 2));
+    assert_eq!(points::<Keyed>("", 1), points::<Keyed>("", 1));
+}
+
+#[test]
+fn keys_that_are_no_secret_and_values_out_of_range_are_refused() {
+    let text = refusal("key = \"catp:0.4,0.644\"");
+    assert!(text.starts_with("`key` is catp:"), "{text}");
+    let text = refusal("goals = { choices = 9.0 }");
+    assert!(text.starts_with("`goals.choices` is 9"), "{text}");
+    let text = refusal("follow = { margin = -1.0 }");
+    assert!(text.starts_with("`follow.margin` is -1"), "{text}");
+}
+
+#[test]
+fn cells_too_large_for_the_body_are_refused() {
+    let params: KeyedCoverageParams = toml::from_str("goals = { cell = 0.12 }").unwrap();
+    let error = Keyed::goals(&params, &site(), 1, None).unwrap_err();
+    assert!(error.starts_with("`cell` is 0.12"), "{error}");
+}
