@@ -7,13 +7,13 @@ use evader_rrt_star::RrtStarParams;
 use guidance::params::ParamsError;
 use navigator::NavigatorParams;
 use optimiser::OptimiserParams;
-use perception::params::PerceptionParams;
 use pursuer::PursuerParams;
 use referee::RefereeParams;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value as Json;
 use sim_backend::spec::FieldError;
+use tracking::params::PerceptionParams;
 
 use super::text::{Node, ReadError, read_once};
 
@@ -28,8 +28,8 @@ pub struct FieldProblem {
     pub expected: String,
 }
 
-impl From<perception::params::ParamsError> for FieldProblem {
-    fn from(e: perception::params::ParamsError) -> Self {
+impl From<tracking::params::ParamsError> for FieldProblem {
+    fn from(e: tracking::params::ParamsError) -> Self {
         Self {
             field: e.field.to_owned(),
             value: e.value.to_string(),

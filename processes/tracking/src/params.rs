@@ -1,4 +1,4 @@
-//! Parameters of perception, with defaults, the paper's preset and validation.
+//! Parameters of sensors and filters, with defaults, the paper's preset and validation.
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
