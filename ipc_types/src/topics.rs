@@ -6,7 +6,9 @@ use crate::messages::optimiser::{PlanRequest, PlanResponse, TrajectorySample};
 use crate::messages::perception::{BeliefHeader, Particle, Sighting};
 use crate::messages::process::{ProcessStatus, RunControl};
 use crate::messages::referee::{DominanceCell, DominanceHeader, Verdict};
-use crate::messages::robot::{Command, PlanHeader, PlanPoint, ScanHeader, TreeEdge, TreeHeader};
+use crate::messages::robot::{
+    Command, PlanHeader, PlanPoint, ScanHeader, TreeEdge, TreeHeader, WaypointEnd,
+};
 use crate::messages::world::{
     CoverageState, MapCell, MapHeader, ObstacleEvent, RobotState, ShapePoint, ShapesHeader,
     WorldEvent, WorldHeader,
@@ -161,6 +163,9 @@ topics! {
     /// Search tree of one robot: planners → viewers.
     Tree = "robot/tree": Many, "edges", TreeHeader, TreeEdge, simulated true,
         qos |s| Qos { history: 0, per_tick: s.robots, publishers: s.processes, subscribers: 1 + ONLOOKERS };
+    /// Waypoints that ended at this tick: planners that visit waypoints → all.
+    Waypoints = "robot/waypoint": Many, "waypoints", PlainHeader, WaypointEnd, simulated true,
+        qos |s| Qos { history: 0, per_tick: s.robots, publishers: s.processes, subscribers: s.readers() };
     /// Who can still escape: referee → all.
     Verdicts = "world/verdict": Many, "verdicts", PlainHeader, Verdict, simulated true,
         qos |s| Qos { history: 1, per_tick: 1, publishers: s.processes, subscribers: s.readers() };

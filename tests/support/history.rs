@@ -8,7 +8,7 @@ use ipc_types::cdr;
 use ipc_types::stamp::{Header as _, Stamp};
 use ipc_types::topics::{
     Belief, Commands, Control, Coverage, Dominance, ObstacleEvents, Plan, Scan, Sightings, Status,
-    Topic, Tree, Verdicts, WorldEvents, WorldMap, WorldShapes, WorldState,
+    Topic, Tree, Verdicts, Waypoints, WorldEvents, WorldMap, WorldShapes, WorldState,
 };
 use mcap::sans_io::LinearReaderOptions;
 use serde::Deserialize;
@@ -188,6 +188,7 @@ impl History {
             Scan::NAME => stamp::<Scan>(bytes)?,
             Tree::NAME => stamp::<Tree>(bytes)?,
             Verdicts::NAME => stamp::<Verdicts>(bytes)?,
+            Waypoints::NAME => stamp::<Waypoints>(bytes)?,
             Dominance::NAME => stamp::<Dominance>(bytes)?,
             Status::NAME => stamp::<Status>(bytes)?,
             Control::NAME => stamp::<Control>(bytes)?,

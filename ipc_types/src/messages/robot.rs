@@ -71,4 +71,29 @@ message! {
     }
 }
 
+message! {
+    /// What became of a waypoint, in `robot/waypoint`.
+    pub struct WaypointEnd = "protean/WaypointEnd" {
+        x: f64 = "where it was, x [m]",
+        y: f64 = "where it was, y [m]",
+        started_s: f64 = "simulated time at which the robot set out for it [s]",
+        ended_s: f64 = "simulated time at which it ended [s]",
+        closest: f64 = "nearest that the robot's centre came to it [m]; infinite if it never set out",
+        number: u64 = "number of the waypoint in the run, from 0",
+        robot: u32 = "index of the robot",
+        lap: u32 = "lap (patrol) or large loop (coverage), from 0",
+        kind: u8 = "0 of the route, 1 put in, 2 sub-goal, 3 sub-goal in transit",
+        outcome: u8 = "0 reached, 1 left out: inside an obstacle, 2 left out: not in time, 3 left out: no way there",
+        reserved: [u8; 6] = "always 0",
+    }
+}
+
+impl WaypointEnd {
+    /// Names of the kinds.
+    pub const KINDS: [&'static str; 4] = ["route", "inserted", "sub_goal", "transit"];
+    /// Names of the outcomes.
+    pub const OUTCOMES: [&'static str; 4] =
+        ["reached", "inside_obstacle", "timed_out", "unreachable"];
+}
+
 headers!(ScanHeader, PlanHeader, TreeHeader);

@@ -12,6 +12,8 @@ const MAY_BE_INFINITE: &[(&str, &str)] = &[
     ("world/verdict", "margin"),
     ("world/verdict", "time"),
     ("world/dominance", "margin"),
+    // One left out before the robot set out for it.
+    ("robot/waypoint", "closest"),
 ];
 
 /// Topics whose elements are bare numbers that may be infinite: beams that hit nothing.

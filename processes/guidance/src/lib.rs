@@ -27,5 +27,5 @@ pub mod potential_field;
 pub mod steering;
 pub mod tangent_graph;
 pub mod view;
-pub mod waypoint;
 pub mod wavefront;
+pub mod waypoint;

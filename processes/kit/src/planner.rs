@@ -8,10 +8,11 @@ use guidance::limits::Limits;
 use guidance::map::PlannerMap;
 use guidance::steering::Steering;
 use guidance::view::{BeliefView, ParticleView, RobotView, ScanView, View};
+use guidance::waypoint::WaypointReport;
 use ipc_types::bus::{Bus, Publisher, PublisherOptions};
 use ipc_types::messages::robot::TreeEdge;
 use ipc_types::messages::world::RobotState;
-use ipc_types::topics::{Commands, Plan, Scan, Tree};
+use ipc_types::topics::{Commands, Plan, Scan, Tree, Waypoints};
 use nalgebra::Point2;
 use serde::de::DeserializeOwned;
 use sim_backend::pose::{Pose2, Twist2};
@@ -51,6 +52,9 @@ pub trait Planner: Sized {
 
     /// Most edges of a tree that it publishes; 0 for a planner without trees.
     const TREE_EDGES: usize = 0;
+
+    /// Most waypoints that may end in one tick; 0 for a planner without waypoints.
+    const WAYPOINTS: usize = 0;
 
     /// Which topics it reads, given its parameters.
     fn inputs(params: &Self::Params) -> PlannerInputs;
@@ -105,6 +109,11 @@ pub trait Planner: Sized {
     fn tree(&mut self) -> Option<&[TreeEdge]> {
         None
     }
+
+    /// The waypoints that ended in this tick. Those beyond [`Self::WAYPOINTS`] are not sent.
+    fn waypoints(&mut self) -> &[WaypointReport] {
+        &[]
+    }
 }
 
 struct Driven<P> {
@@ -122,6 +131,7 @@ pub struct PlannerProcess<P: Planner> {
     commands: Publisher<Commands>,
     plans: Publisher<Plan>,
     trees: Option<Publisher<Tree>>,
+    waypoints: Option<Publisher<Waypoints>>,
     config: ProcessConfig,
     map: Option<Arc<PlannerMap>>,
     exits: Vec<Point2<f64>>,
@@ -179,6 +189,9 @@ impl<P: Planner> Wiring for PlannerProcess<P> {
             trees: (P::TREE_EDGES > 0)
                 .then(|| bus.publisher(PublisherOptions::new(config.index, P::TREE_EDGES)))
                 .transpose()?,
+            waypoints: (P::WAYPOINTS > 0)
+                .then(|| bus.publisher(PublisherOptions::new(config.index, P::WAYPOINTS)))
+                .transpose()?,
             config: config.clone(),
             map: None,
             exits: config.run.exits.iter().map(Region::center).collect(),
@@ -205,6 +218,9 @@ impl<P: Planner> Wiring for PlannerProcess<P> {
         self.plans.update_connections()?;
         if let Some(trees) = &self.trees {
             trees.update_connections()?;
+        }
+        if let Some(waypoints) = &self.waypoints {
+            waypoints.update_connections()?;
         }
         Ok(())
     }
@@ -281,6 +297,7 @@ impl<P: Planner> Wiring for PlannerProcess<P> {
             commands: &self.commands,
             plans: &self.plans,
             trees: self.trees.as_ref(),
+            waypoints: self.waypoints.as_ref(),
             stamp,
         };
         for driven in &mut self.driven {
@@ -304,6 +321,7 @@ impl<P: Planner> Wiring for PlannerProcess<P> {
             if let Some(edges) = driven.planner.tree() {
                 outputs.send_tree(driven.robot, edges, P::TREE_EDGES)?;
             }
+            outputs.send_waypoints(driven.robot, driven.planner.waypoints(), P::WAYPOINTS)?;
         }
         Ok(())
     }

@@ -1,11 +1,14 @@
 //! What planners send: a command and a plan per robot and tick, a tree now and then.
 
 use guidance::steering::Steering;
+use guidance::waypoint::{WaypointKind, WaypointOutcome, WaypointReport};
 use ipc_types::bus::Publisher;
-use ipc_types::messages::robot::{Command, PlanHeader, PlanPoint, TreeEdge, TreeHeader};
+use ipc_types::messages::robot::{
+    Command, PlanHeader, PlanPoint, TreeEdge, TreeHeader, WaypointEnd,
+};
 use ipc_types::messages::world::WorldEvent;
 use ipc_types::stamp::{PlainHeader, Stamp};
-use ipc_types::topics::{Commands, Plan, Tree};
+use ipc_types::topics::{Commands, Plan, Tree, Waypoints};
 use nalgebra::Point2;
 use sim_backend::pose::Twist2;
 
@@ -42,6 +45,7 @@ pub(super) struct Outputs<'a> {
     pub(super) commands: &'a Publisher<Commands>,
     pub(super) plans: &'a Publisher<Plan>,
     pub(super) trees: Option<&'a Publisher<Tree>>,
+    pub(super) waypoints: Option<&'a Publisher<Waypoints>>,
     pub(super) stamp: Stamp,
 }
 
@@ -105,5 +109,54 @@ impl Outputs<'_> {
         };
         trees.send(header, edges.get(..most).unwrap_or(edges))?;
         Ok(())
+    }
+
+    /// Sends at most `most` waypoints that have ended, if there are any.
+    pub(super) fn send_waypoints(
+        &self,
+        robot: u32,
+        ended: &[WaypointReport],
+        most: usize,
+    ) -> Result<(), ProcessError> {
+        let Some(waypoints) = self.waypoints.filter(|_| !ended.is_empty()) else {
+            return Ok(());
+        };
+        let mut ended = ended.get(..most).unwrap_or(ended).iter();
+        waypoints.send_with(
+            PlainHeader { stamp: self.stamp },
+            ended.len(),
+            |_| match ended.next() {
+                Some(report) => waypoint_end(robot, report),
+                None => WaypointEnd::default(),
+            },
+        )?;
+        Ok(())
+    }
+}
+
+fn waypoint_end(robot: u32, report: &WaypointReport) -> WaypointEnd {
+    let waypoint = &report.waypoint;
+    WaypointEnd {
+        x: waypoint.point.x,
+        y: waypoint.point.y,
+        started_s: report.started_s,
+        ended_s: report.ended_s,
+        closest: report.closest,
+        number: waypoint.number,
+        robot,
+        lap: waypoint.lap,
+        kind: match waypoint.kind {
+            WaypointKind::Route => 0,
+            WaypointKind::Inserted => 1,
+            WaypointKind::SubGoal => 2,
+            WaypointKind::Transit => 3,
+        },
+        outcome: match report.outcome {
+            WaypointOutcome::Reached => 0,
+            WaypointOutcome::InsideObstacle => 1,
+            WaypointOutcome::TimedOut => 2,
+            WaypointOutcome::Unreachable => 3,
+        },
+        reserved: [0; 6],
     }
 }
