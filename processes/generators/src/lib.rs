@@ -1,16 +1,30 @@
 //! Keys and generators of points in the unit square: chaotic maps with integer state, the papers'
 //! floating-point forms of them, and a keyed stream for observers who know the method.
+//!
+//! - [`key::Key`] names a generator and its key in one line of text; [`Key::source`] starts it.
+//! - [`cat`]: Arnold's cat map modulo a prime, modulo 2⁶⁴, and in `f64` as the paper has it;
+//! - [`chebyshev`]: the Chebyshev map of degree 6, exact and in `f64`;
+//! - [`maps`]: logistic, standard and Hénon map, drop-in sources of the coverage papers;
+//! - [`keyed`]: a `ChaCha20` stream;
+//!
+//! None of the chaotic maps keeps a secret: each is public, and the cat and Chebyshev maps are
+//! linear, so that fewer than a hundred points give their state away. [`keyed::Keyed`] alone is
+//! meant for an observer who knows the method.
 
-/// A source of points in the plane, one per step.
-///
-/// A source has one native range; the other view of a point is the affine image of it. Stepping
-/// never fails and never ends: what would (a degenerate key) is refused where a source is made.
-pub trait Source {
-    /// The next point, each coordinate in [0, 1].
-    fn next_unit(&mut self) -> [f64; 2];
+pub mod cat;
+pub mod chebyshev;
+mod decimal;
+mod error;
+pub mod key;
+pub mod keyed;
+pub mod maps;
+pub mod modulus;
+mod source;
 
-    /// The next point, each coordinate in [−1, 1]. Takes the same step as [`Source::next_unit`].
-    fn next_symmetric(&mut self) -> [f64; 2] {
-        self.next_unit().map(|c| 2.0 * c - 1.0)
-    }
-}
+pub use cat::{Cat64, CatF64, CatP};
+pub use chebyshev::{ChebF64, ChebP, Emission};
+pub use error::KeyError;
+pub use key::{Key, KeyKind};
+pub use keyed::Keyed;
+pub use maps::{Henon, Logistic, Standard};
+pub use source::{AnySource, Source};

@@ -1,0 +1,256 @@
+//! Keys: a generator and its starting state, as one line of text.
+
+mod text;
+
+use rand::{Rng as _, SeedableRng as _};
+use rand_chacha::ChaCha20Rng;
+
+use crate::cat::{Cat64, CatF64, CatP};
+use crate::chebyshev::{ChebF64, ChebP, Emission};
+use crate::error::KeyError;
+use crate::keyed::Keyed;
+use crate::maps::{Henon, Logistic, Standard};
+use crate::modulus::P;
+use crate::source::AnySource;
+
+pub(crate) use text::KINDS;
+
+/// A generator and its key.
+///
+/// As text, and in TOML and JSON, `kind:values`, such as `catp:0.4,0.644` or
+/// `chebp-raw:123456789012345678,987654321098765432`. Reading checks the form only;
+/// [`Key::validate`] and [`Key::source`] refuse keys that the generator cannot use.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub enum Key {
+    /// `catp:a,b`: [`CatP`]; each value a whole number or a decimal `0.ddd` of at most 19 digits.
+    CatP {
+        /// First half of the state.
+        a: u64,
+        /// Second half.
+        b: u64,
+    },
+    /// `cat64:a,b`: [`Cat64`], whole numbers.
+    Cat64 {
+        /// First half of the state.
+        a: u64,
+        /// Second half.
+        b: u64,
+    },
+    /// `catf64:x,y`: [`CatF64`].
+    CatF64 {
+        /// Start, in [0, 1).
+        x: f64,
+        /// Start, in [0, 1).
+        y: f64,
+    },
+    /// `chebp:tx,ty` (arcsine), `chebp-raw:…`, `chebp-arccosine:…`: [`ChebP`], whole numbers.
+    ChebP {
+        /// State of the first axis.
+        tx: u64,
+        /// State of the second axis.
+        ty: u64,
+        /// What is given out.
+        emission: Emission,
+    },
+    /// `chebf64:x,y` (arcsine), `chebf64-raw:…`, `chebf64-arccosine:…`: [`ChebF64`].
+    ChebF64 {
+        /// Start, in [−1, 1].
+        x: f64,
+        /// Start, in [−1, 1].
+        y: f64,
+        /// What is given out.
+        emission: Emission,
+    },
+    /// `logistic:x,y` (arcsine), `logistic-raw:…`, `logistic-arccosine:…`: [`Logistic`].
+    Logistic {
+        /// Start, in (0, 1).
+        x: f64,
+        /// Start, in (0, 1).
+        y: f64,
+        /// What is given out.
+        emission: Emission,
+    },
+    /// `standard:x,y` or `standard:x,y,k`: [`Standard`], `k` 7 unless given.
+    Standard {
+        /// Start, in [0, 1).
+        x: f64,
+        /// Start, in [0, 1).
+        y: f64,
+        /// Parameter of the map.
+        k: f64,
+    },
+    /// `henon:x,y`: [`Henon`].
+    Henon {
+        /// Start.
+        x: f64,
+        /// Start.
+        y: f64,
+    },
+    /// `keyed:` and 64 hexadecimal digits: [`Keyed`].
+    Keyed {
+        /// The secret.
+        key: [u8; 32],
+    },
+}
+
+/// The name of a generator: what stands before the colon of a [`Key`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub enum KeyKind {
+    /// `catp`
+    CatP,
+    /// `cat64`
+    Cat64,
+    /// `catf64`
+    CatF64,
+    /// `chebp`, `chebp-raw`, `chebp-arccosine`
+    ChebP(Emission),
+    /// `chebf64`, `chebf64-raw`, `chebf64-arccosine`
+    ChebF64(Emission),
+    /// `logistic`, `logistic-raw`, `logistic-arccosine`
+    Logistic(Emission),
+    /// `standard`
+    Standard,
+    /// `henon`
+    Henon,
+    /// `keyed`
+    Keyed,
+}
+
+impl KeyKind {
+    /// Every kind there is.
+    pub const ALL: [Self; 15] = [
+        Self::CatP,
+        Self::Cat64,
+        Self::CatF64,
+        Self::ChebP(Emission::Arcsine),
+        Self::ChebP(Emission::Raw),
+        Self::ChebP(Emission::Arccosine),
+        Self::ChebF64(Emission::Arcsine),
+        Self::ChebF64(Emission::Raw),
+        Self::ChebF64(Emission::Arccosine),
+        Self::Logistic(Emission::Arcsine),
+        Self::Logistic(Emission::Raw),
+        Self::Logistic(Emission::Arccosine),
+        Self::Standard,
+        Self::Henon,
+        Self::Keyed,
+    ];
+}
+
+impl Key {
+    /// The generator.
+    pub const fn kind(&self) -> KeyKind {
+        match *self {
+            Self::CatP { .. } => KeyKind::CatP,
+            Self::Cat64 { .. } => KeyKind::Cat64,
+            Self::CatF64 { .. } => KeyKind::CatF64,
+            Self::ChebP { emission, .. } => KeyKind::ChebP(emission),
+            Self::ChebF64 { emission, .. } => KeyKind::ChebF64(emission),
+            Self::Logistic { emission, .. } => KeyKind::Logistic(emission),
+            Self::Standard { .. } => KeyKind::Standard,
+            Self::Henon { .. } => KeyKind::Henon,
+            Self::Keyed { .. } => KeyKind::Keyed,
+        }
+    }
+
+    /// The generator in its starting state.
+    ///
+    /// # Errors
+    /// [`KeyError`] for a key that the generator cannot use, saying what to change.
+    pub fn source(&self) -> Result<AnySource, KeyError> {
+        Ok(match *self {
+            Self::CatP { a, b } => AnySource::CatP(CatP::new(a, b)?),
+            Self::Cat64 { a, b } => AnySource::Cat64(Cat64::new(a, b)?),
+            Self::CatF64 { x, y } => AnySource::CatF64(CatF64::new(x, y)?),
+            Self::ChebP { tx, ty, emission } => AnySource::ChebP(ChebP::new(tx, ty, emission)?),
+            Self::ChebF64 { x, y, emission } => AnySource::ChebF64(ChebF64::new(x, y, emission)?),
+            Self::Logistic { x, y, emission } => {
+                AnySource::Logistic(Logistic::new(x, y, emission)?)
+            }
+            Self::Standard { x, y, k } => AnySource::Standard(Standard::new(x, y, k)?),
+            Self::Henon { x, y } => AnySource::Henon(Henon::new(x, y)?),
+            Self::Keyed { key } => AnySource::Keyed(Box::new(Keyed::new(key))),
+        })
+    }
+
+    /// Whether the generator can use the key.
+    ///
+    /// # Errors
+    /// As [`Key::source`].
+    pub fn validate(&self) -> Result<(), KeyError> {
+        self.source().map(drop)
+    }
+
+    /// A sound key of a kind from the seed of a run: the first one of a `ChaCha20` stream (of its own
+    /// for each kind) that is not degenerate.
+    pub fn from_seed(kind: KeyKind, seed: u64) -> Self {
+        let mut bytes = [0; 32];
+        bytes[..8].copy_from_slice(&seed.to_le_bytes());
+        // The name keeps the streams of the kinds apart.
+        for (byte, letter) in bytes[8..].iter_mut().zip(kind.to_string().bytes()) {
+            *byte = letter;
+        }
+        let mut stream = ChaCha20Rng::from_seed(bytes);
+        loop {
+            let key = Self::draw(kind, &mut stream);
+            if key.validate().is_ok() {
+                return key;
+            }
+        }
+    }
+
+    /// The next candidate of a stream; most are sound.
+    fn draw(kind: KeyKind, stream: &mut ChaCha20Rng) -> Self {
+        let mut integer = || stream.next_u64();
+        let unit = |bits: u64| (bits >> 11) as f64 / (1_u64 << 53) as f64;
+        match kind {
+            KeyKind::CatP => Self::CatP {
+                a: integer() % P,
+                b: integer() % P,
+            },
+            KeyKind::Cat64 => Self::Cat64 {
+                a: integer(),
+                b: integer(),
+            },
+            KeyKind::CatF64 => Self::CatF64 {
+                x: unit(integer()),
+                y: unit(integer()),
+            },
+            KeyKind::ChebP(emission) => Self::ChebP {
+                tx: integer() % P,
+                ty: integer() % P,
+                emission,
+            },
+            KeyKind::ChebF64(emission) => Self::ChebF64 {
+                x: 2.0 * unit(integer()) - 1.0,
+                y: 2.0 * unit(integer()) - 1.0,
+                emission,
+            },
+            KeyKind::Logistic(emission) => Self::Logistic {
+                x: unit(integer()),
+                y: unit(integer()),
+                emission,
+            },
+            KeyKind::Standard => Self::Standard {
+                x: unit(integer()),
+                y: unit(integer()),
+                k: Standard::K,
+            },
+            // A square well inside the basin.
+            KeyKind::Henon => Self::Henon {
+                x: 0.4 * unit(integer()) - 0.2,
+                y: 0.4 * unit(integer()) - 0.2,
+            },
+            KeyKind::Keyed => {
+                let mut key = [0; 32];
+                stream.fill_bytes(&mut key);
+                Self::Keyed { key }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,207 @@
+use super::*;
+use crate::source::Source as _;
+use proptest::prelude::*;
+
+const K: &str = "chebp:123456789012345678,987654321098765432";
+
+#[test]
+fn keys_read_as_they_are_written_in_the_documentation() {
+    let key = |text: &str| text.parse::<Key>().unwrap();
+    assert_eq!(
+        key("catp:0.4,0.644"),
+        Key::CatP {
+            a: 3_689_348_814_741_910_313,
+            b: 5_939_851_591_734_475_604
+        }
+    );
+    assert_eq!(key("catp:5,0.4"), key(" catp : 5 , 3689348814741910313 "));
+    assert_eq!(
+        key("cat64:12345,67890"),
+        Key::Cat64 {
+            a: 12_345,
+            b: 67_890
+        }
+    );
+    assert_eq!(
+        key(K),
+        Key::ChebP {
+            tx: 123_456_789_012_345_678,
+            ty: 987_654_321_098_765_432,
+            emission: Emission::Arcsine
+        }
+    );
+    assert_eq!(
+        key("chebf64-raw:0.1,-0.2").kind(),
+        KeyKind::ChebF64(Emission::Raw)
+    );
+    assert_eq!(key("standard:0.1,0.2"), key("standard:0.1,0.2,7"));
+    let secret = "00ff".repeat(16);
+    assert_eq!(
+        key(&format!("keyed:{secret}")).to_string(),
+        format!("keyed:{secret}")
+    );
+}
+
+#[test]
+fn serde_uses_the_same_text() {
+    let key: Key = serde_json::from_str(&format!("{K:?}")).unwrap();
+    assert_eq!(serde_json::to_string(&key).unwrap(), format!("{K:?}"));
+    let kind: KeyKind = serde_json::from_str("\"logistic-raw\"").unwrap();
+    assert_eq!(kind, KeyKind::Logistic(Emission::Raw));
+    let error = serde_json::from_str::<Key>("\"cat:1,2\"")
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("`cat` names no generator") && error.contains("catp"),
+        "{error}"
+    );
+}
+
+#[test]
+fn every_kind_is_named_in_messages_and_gives_sound_keys() {
+    for kind in KeyKind::ALL {
+        assert!(KINDS.split(", ").any(|name| name == kind.to_string()));
+        assert_eq!(kind.to_string().parse(), Ok(kind));
+        for seed in [0, 1, u64::MAX] {
+            let key = Key::from_seed(kind, seed);
+            assert_eq!(key.kind(), kind);
+            assert_eq!(key, Key::from_seed(kind, seed));
+            assert_ne!(key, Key::from_seed(kind, 5));
+            let mut source = key.source().unwrap();
+            for _ in 0..1000 {
+                assert!(source.next_unit().iter().all(|c| (0.0..=1.0).contains(c)));
+                assert!(
+                    source
+                        .next_symmetric()
+                        .iter()
+                        .all(|c| (-1.0..=1.0).contains(c))
+                );
+            }
+        }
+    }
+    assert_eq!(KINDS.split(", ").count(), KeyKind::ALL.len());
+}
+
+#[test]
+fn both_views_of_a_point_take_one_step() {
+    for kind in KeyKind::ALL {
+        let mut unit = Key::from_seed(kind, 3).source().unwrap();
+        let mut symmetric = unit.clone();
+        let mut ahead = unit.clone();
+        ahead.advance(5);
+        for _ in 0..5 {
+            let (u, s) = (unit.next_unit(), symmetric.next_symmetric());
+            assert!((0..2).all(|axis| (2.0 * u[axis] - 1.0 - s[axis]).abs() < 1e-15));
+        }
+        assert_eq!(unit.next_unit(), ahead.next_unit(), "{kind}");
+    }
+}
+
+#[test]
+fn text_that_is_no_key_is_refused_with_what_to_change() {
+    for (text, message) in [
+        ("", "names no generator"),
+        ("catp", "names no generator"),
+        ("lorenz:1,2", "`lorenz` names no generator"),
+        (
+            "catp:1",
+            "has two values, separated by commas, but `1` has 1",
+        ),
+        ("catp:1,2,3", "but `1,2,3` has 3"),
+        ("catp:1.5,2", "`1.5` is no decimal key"),
+        ("catp:-1,2", "`-1` is no whole number"),
+        (
+            "catp:0.12345678901234567890,2",
+            "20 digits after the point; at most 19",
+        ),
+        ("cat64:0.4,1", "`0.4` is no whole number"),
+        ("chebp:0.4,0.5", "`0.4` is no whole number"),
+        ("catf64:a,0.5", "`a` is no number"),
+        ("standard:1,2,3,4", "two or three values"),
+        (
+            "keyed:abc",
+            "64 hexadecimal digits (32 bytes), but has 3 characters",
+        ),
+        (
+            &format!("keyed:{}", "g".repeat(64)),
+            "some of which are no such digits",
+        ),
+        (
+            &format!("keyed:{}", "é".repeat(64)),
+            "some of which are no such digits",
+        ),
+    ] {
+        let error = text.parse::<Key>().unwrap_err().to_string();
+        assert!(error.contains(message), "{text:?}: {error}");
+    }
+}
+
+#[test]
+fn degenerate_keys_are_read_but_give_no_source() {
+    for (text, message) in [
+        ("catp:0,0", "all zero"),
+        ("catp:0.0,0.0", "all zero"),
+        ("cat64:2,4", "make one of them odd"),
+        ("catf64:0.5,0.25", "repeats after 3 steps"),
+        ("catf64:0.3125,0.6875", "repeats after 12 steps"),
+        ("catf64:NaN,0.4", "`x` of `catf64` is NaN"),
+        ("catf64:0.4,1", "at least 0 and below 1"),
+        ("chebp:5,9223372036854775778", "equal or mirrored"),
+        ("chebp-raw:0,1", "`tx` of `chebp-raw` is 0"),
+        ("chebf64:0.1,-0.1", "equal or mirrored"),
+        ("chebf64:0.5,0.2", "leads to a fixed point"),
+        ("chebf64:0.1,1.2", "between -1 and 1"),
+        ("logistic:0.2,0.8", "equal or mirrored"),
+        ("standard:0,0", "fixed point"),
+        ("henon:5,5", "escapes to infinity"),
+    ] {
+        let key: Key = text.parse().unwrap();
+        let error = key.validate().unwrap_err().to_string();
+        assert!(error.contains(message), "{text}: {error}");
+    }
+}
+
+/// Any key, sound or not.
+fn any_key() -> impl Strategy<Value = Key> {
+    let number = prop_oneof![
+        -2.0..2.0_f64,
+        any::<f64>().prop_filter("NaN", |x| !x.is_nan())
+    ];
+    (
+        0..KeyKind::ALL.len(),
+        any::<[u64; 2]>(),
+        [number.clone(), number.clone(), number],
+        any::<[u8; 32]>(),
+    )
+        .prop_map(|(kind, [a, b], [x, y, k], key)| match KeyKind::ALL[kind] {
+            KeyKind::CatP => Key::CatP { a, b },
+            KeyKind::Cat64 => Key::Cat64 { a, b },
+            KeyKind::CatF64 => Key::CatF64 { x, y },
+            KeyKind::ChebP(emission) => Key::ChebP {
+                tx: a,
+                ty: b,
+                emission,
+            },
+            KeyKind::ChebF64(emission) => Key::ChebF64 { x, y, emission },
+            KeyKind::Logistic(emission) => Key::Logistic { x, y, emission },
+            KeyKind::Standard => Key::Standard { x, y, k },
+            KeyKind::Henon => Key::Henon { x, y },
+            KeyKind::Keyed => Key::Keyed { key },
+        })
+}
+
+proptest! {
+    #[test]
+    fn text_reads_back_as_the_same_key(key in any_key()) {
+        prop_assert_eq!(key.to_string().parse::<Key>(), Ok(key));
+    }
+
+    #[test]
+    fn no_text_makes_the_reader_panic(text in "\\PC{0,80}", kind in 0..KeyKind::ALL.len()) {
+        let _ = text.parse::<Key>();
+        let key = format!("{}:{text}", KeyKind::ALL[kind]).parse::<Key>();
+        if let Ok(key) = key {
+            let _ = key.validate();
+        }
+    }
+}
