@@ -162,6 +162,8 @@ message! {
         mean_idleness: f64 = "mean time since the last visit over the coverable cells, since the start for cells not visited yet [s]",
         max_idleness: f64 = "largest of these times [s]",
         worst_idleness: f64 = "longest that any coverable cell has waited for a visit so far [s]",
+        unevenness: f64 = "standard deviation of the visits of a coverable cell, divided by their mean; 0 before any visit",
+        way: f64 = "way driven by the robots that count, together [m]",
         visits: u64 = "visits of all cells; a stay without interruption counts once",
         free: u32 = "free cells",
         visited: u32 = "free cells that have been visited",

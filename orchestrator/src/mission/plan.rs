@@ -163,6 +163,17 @@ impl Plan {
         self.launches.iter().any(serves)
     }
 
+    /// Whether the robot with this index may visit waypoints: by the kind of its process; nobody
+    /// knows it of a program of the user's own.
+    pub fn visits_waypoints(&self, robot: u32) -> bool {
+        let mut drivers = self
+            .launches
+            .iter()
+            .filter(|launch| launch.config.robots.contains(&robot));
+        drivers
+            .any(|launch| find(KINDS, &launch.config.kind).is_none_or(|kind| kind.visits_waypoints))
+    }
+
     /// Whether the beliefs of a tick are input of a process.
     pub fn reads_beliefs(&self, index: usize) -> bool {
         self.launches

@@ -225,11 +225,12 @@ pub(crate) fn processes(plan: &Plan) -> Vec<ProcessInfo> {
 
 /// The robots as the recorder knows them.
 pub(crate) fn robots(plan: &Plan) -> Vec<RobotInfo> {
-    let robots = plan.run.robots.iter();
+    let robots = plan.run.robots.iter().zip(0..);
     robots
-        .map(|r| RobotInfo {
+        .map(|(r, index)| RobotInfo {
             name: r.name.clone(),
             radius: r.model.radius,
+            visits_waypoints: plan.visits_waypoints(index),
         })
         .collect()
 }

@@ -7,7 +7,7 @@ use comfy_table::{CellAlignment, Table};
 use serde_json::{Value as Json, json};
 
 use super::run::MissionReport;
-use crate::recorder::Summary;
+use crate::recorder::{LapFigures, RobotOutcome, Summary, WaypointOutcome};
 use crate::scenario::ResolvedScenario;
 use crate::scenario::spec::Mode;
 
@@ -138,6 +138,48 @@ fn robots_table(s: &Summary) -> Table {
     robots
 }
 
+/// What became of a robot's waypoints, for people.
+fn waypoints_text(robot: &RobotOutcome, w: &WaypointOutcome) -> String {
+    let left_out = [
+        (w.inside_obstacle, "inside obstacles"),
+        (w.timed_out, "too late"),
+        (w.unreachable, "out of reach"),
+    ];
+    let reasons: Vec<String> = left_out
+        .iter()
+        .filter(|(count, _)| *count > 0)
+        .map(|(count, why)| format!("{count} {why}"))
+        .collect();
+    let mut text = format!(
+        "waypoints {}: {} reached within {:.2} m, {} left out{}",
+        robot.name,
+        w.reached,
+        w.farthest_m,
+        left_out.iter().map(|(count, _)| count).sum::<u64>(),
+        if reasons.is_empty() {
+            String::new()
+        } else {
+            format!(" ({})", reasons.join(", "))
+        },
+    );
+    if let Some(longest) = w.longest_lap_s {
+        text += &format!("; {} laps, the longest {longest:.1} s", w.laps);
+    }
+    text.push('\n');
+    let lap = |what: &str, f: &LapFigures| {
+        format!(
+            "          a lap {what}: {:.1} m, MAE {:.2} m, {:.0} turns of {:.2} rad\n",
+            f.length_m, f.mae_m, f.turns, f.maa,
+        )
+    };
+    for (what, figures) in [("as planned", &w.planned), ("as driven", &w.driven)] {
+        if let Some(figures) = figures {
+            text += &lap(what, figures);
+        }
+    }
+    text
+}
+
 /// The summary for people.
 pub fn text(scenario: &ResolvedScenario, report: &MissionReport) -> String {
     let s = &report.summary;
@@ -178,11 +220,17 @@ pub fn text(scenario: &ResolvedScenario, report: &MissionReport) -> String {
     }
     if let Some(coverage) = &s.coverage {
         text += &format!(
-            "coverage  {:.1} % of {:.1} m2 free, {:.1} % of what can be reached\n",
+            "coverage  {:.1} % of {:.1} m2 free, {:.1} % of what can be reached, by {:.0} m of way\n",
             100.0 * coverage.fraction,
             coverage.free_m2,
             100.0 * coverage.coverable_fraction,
+            coverage.way_m,
         );
+    }
+    for robot in &s.robots {
+        if let Some(waypoints) = &robot.waypoints {
+            text += &waypoints_text(robot, waypoints);
+        }
     }
     text += &format!("ticks     {}\n", s.ticks);
     text += &format!(

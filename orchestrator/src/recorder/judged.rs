@@ -70,6 +70,7 @@ mod tests {
             .map(|i| RobotInfo {
                 name: format!("evader_{i}"),
                 radius: 0.1,
+                visits_waypoints: false,
             })
             .collect();
         let mut outcome = Outcome::new(&infos, 1_000_000_000);

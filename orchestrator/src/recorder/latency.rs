@@ -104,6 +104,7 @@ impl Latency {
             Role::Sighting | Role::Belief | Role::Command => self.output(role, stamp),
             Role::Plan
             | Role::Tree
+            | Role::Waypoint
             | Role::Event
             | Role::Coverage
             | Role::Scan

@@ -32,6 +32,7 @@ mod summary;
 mod tally;
 mod topic_info;
 mod viewer;
+mod visits;
 
 #[cfg(test)]
 mod tests;
@@ -48,7 +49,9 @@ pub use log_writer::{
 pub use options::{Order, ProcessInfo, RecorderOptions, RobotInfo};
 pub use recording::Recording;
 pub use summary::{
-    CoverageOutcome, EventEntry, RobotOutcome, Summary, TopicCount, status_name, team_name,
+    CoverageByWay, CoverageOutcome, EventEntry, RobotOutcome, Summary, TopicCount, status_name,
+    team_name,
 };
 pub use tally::Tally;
 pub use viewer::ViewerOptions;
+pub use visits::{LapFigures, WaypointOutcome};

@@ -27,6 +27,8 @@ pub struct RobotInfo {
     pub name: String,
     /// Its radius [m], > 0.
     pub radius: f64,
+    /// Whether it may visit waypoints: then its way is kept for what the run amounts to.
+    pub visits_waypoints: bool,
 }
 
 /// When a tick counts as complete.

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use ipc_types::messages::world::RobotState;
 use ipc_types::topics::{
     Belief, Coverage, Dominance, ObstacleEvents, Plan, Scan, Shape, Status, Tree, Verdicts,
-    WorldEvents, WorldMap, WorldState,
+    Waypoints, WorldEvents, WorldMap, WorldState,
 };
 
 use super::error::LogError;
@@ -170,6 +170,11 @@ impl Sink {
                     verdicts.for_each(|verdict| outcome.verdict(time_s, &verdict));
                 }
             }
+            Role::Waypoint => {
+                if let Some((_, ends)) = view::<Waypoints>(bytes) {
+                    ends.for_each(|end| outcome.waypoint(&end));
+                }
+            }
             Role::Status => {
                 if let Some((header, mut status)) = view::<Status>(bytes)
                     && let Some(status) = status.next()
@@ -297,7 +302,8 @@ fn result_entries(summary: &Summary) -> BTreeMap<String, String> {
     let json = |result: serde_json::Result<String>| result.unwrap_or_default();
     let coverage = summary
         .coverage
-        .map(|c| ("coverage", json(serde_json::to_string(&c))));
+        .as_ref()
+        .map(|c| ("coverage", json(serde_json::to_string(c))));
     [
         ("digest", summary.digest.clone()),
         ("ticks", summary.ticks.to_string()),

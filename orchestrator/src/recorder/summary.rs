@@ -4,12 +4,15 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use ipc_types::messages::referee::Verdict;
+use ipc_types::messages::robot::WaypointEnd;
 use ipc_types::messages::world::{CoverageState, RobotState, WorldEvent, WorldHeader};
+use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 
 use super::judged::Judged;
 use super::latency::Percentiles;
 use super::options::RobotInfo;
+use super::visits::{Visits, WaypointOutcome};
 
 /// Most events that a summary lists; the log has all.
 const MAX_EVENTS: usize = 100_000;
@@ -77,10 +80,13 @@ pub struct RobotOutcome {
     /// could have in the end.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub escape_impossible_from_s: Option<f64>,
+    /// What became of its waypoints; absent unless its planner visits waypoints.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub waypoints: Option<WaypointOutcome>,
 }
 
 /// The area visited.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CoverageOutcome {
     /// Visited part of the free area, 0…1.
     pub fraction: f64,
@@ -94,7 +100,26 @@ pub struct CoverageOutcome {
     pub mean_idleness_s: f64,
     /// Longest that any coverable place has waited for a visit [s].
     pub worst_idleness_s: f64,
+    /// Standard deviation of the visits of a coverable cell, divided by their mean.
+    pub unevenness: f64,
+    /// Way driven by the robots that count, together [m].
+    pub way_m: f64,
+    /// What part of the area that the robots can visit had been visited when that way had become
+    /// 250, 500, 1000 and 2000 m; as far as the run came.
+    pub by_way: Vec<CoverageByWay>,
 }
+
+/// The area visited along a way.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct CoverageByWay {
+    /// The way [m].
+    pub way_m: f64,
+    /// Visited part of the area that can be visited, 0…1; between two reports, the straight line.
+    pub coverable_fraction: f64,
+}
+
+/// Ways at which coverage is noted [m].
+const WAYS: [f64; 4] = [250.0, 500.0, 1000.0, 2000.0];
 
 /// One event.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -152,6 +177,8 @@ pub(super) struct Outcome {
     coverage: Option<CoverageOutcome>,
     /// What a referee said of each robot.
     judged: Vec<Judged>,
+    /// What became of each robot's waypoints.
+    visits: Vec<Visits>,
 }
 
 impl Outcome {
@@ -167,6 +194,10 @@ impl Outcome {
             omitted: 0,
             coverage: None,
             judged: vec![Judged::default(); robots.len()],
+            visits: robots
+                .iter()
+                .map(|robot| Visits::new(robot.visits_waypoints))
+                .collect(),
         }
     }
 
@@ -176,18 +207,26 @@ impl Outcome {
         }
     }
 
+    pub(super) fn waypoint(&mut self, end: &WaypointEnd) {
+        if let Some(visits) = self.visits.get_mut(end.robot as usize) {
+            visits.add(end);
+        }
+    }
+
     pub(super) fn state(&mut self, header: &WorldHeader, robots: &[RobotState]) {
         self.tick = header.stamp.tick;
         let now = self.time_s();
         for state in robots {
             let robot = state.robot as usize;
-            let (Some(known), Some(decided), Some(stops)) = (
+            let (Some(known), Some(decided), Some(stops), Some(visits)) = (
                 self.robots.get_mut(robot),
                 self.decided.get_mut(robot),
                 self.stops.get_mut(robot),
+                self.visits.get_mut(robot),
             ) else {
                 continue;
             };
+            visits.state(now, Point2::new(state.x, state.y));
             *stops += u32::from(state.fail_safe != 0 && known.fail_safe == 0);
             if state.status == 0 || known.status != state.status {
                 *decided = now;
@@ -213,6 +252,21 @@ impl Outcome {
     }
 
     pub(super) fn coverage(&mut self, report: &CoverageState) {
+        let before = self.coverage.take();
+        let (mut by_way, from) = match before {
+            Some(before) => (before.by_way, (before.way_m, before.coverable_fraction)),
+            None => (Vec::new(), (0.0, 0.0)),
+        };
+        for way_m in WAYS {
+            if from.0 < way_m && way_m <= report.way {
+                let part = (way_m - from.0) / (report.way - from.0);
+                let coverable_fraction = from.1 + part * (report.coverable_fraction - from.1);
+                by_way.push(CoverageByWay {
+                    way_m,
+                    coverable_fraction,
+                });
+            }
+        }
         self.coverage = Some(CoverageOutcome {
             fraction: report.fraction,
             coverable_fraction: report.coverable_fraction,
@@ -220,6 +274,9 @@ impl Outcome {
             visited_m2: f64::from(report.visited) * report.cell_area,
             mean_idleness_s: report.mean_idleness,
             worst_idleness_s: report.worst_idleness,
+            unevenness: report.unevenness,
+            way_m: report.way,
+            by_way,
         });
     }
 
@@ -243,8 +300,9 @@ impl Outcome {
             .zip(&self.decided)
             .zip(&self.stops)
             .zip(&self.judged)
+            .zip(self.visits)
             .map(
-                |((((name, state), &time_s), &stops), judged)| RobotOutcome {
+                |(((((name, state), &time_s), &stops), judged), visits)| RobotOutcome {
                     name,
                     team: team_name(state.team).to_owned(),
                     outcome: status_name(state.status).to_owned(),
@@ -254,6 +312,7 @@ impl Outcome {
                     fail_safe_stops: stops,
                     escape_possible_fraction: judged.fraction(),
                     escape_impossible_from_s: judged.impossible_from(state),
+                    waypoints: visits.finish(),
                 },
             )
             .collect();

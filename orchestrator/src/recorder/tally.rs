@@ -9,10 +9,12 @@ use std::time::Duration;
 use ipc_types::bus::{Bus, BusError, ReceiveError, Received, Subscriber};
 use ipc_types::cdr::SequenceHead;
 use ipc_types::messages::referee::Verdict;
+use ipc_types::messages::robot::WaypointEnd;
 use ipc_types::messages::world::{CoverageState, RobotState, WorldEvent, WorldHeader};
 use ipc_types::stamp::Header as _;
 use ipc_types::topics::{
-    Coverage, Topic, TopicVisitor, Verdicts, WorldEvents, WorldMap, WorldState, for_each_topic,
+    Coverage, Topic, TopicVisitor, Verdicts, Waypoints, WorldEvents, WorldMap, WorldState,
+    for_each_topic,
 };
 use zerocopy::IntoBytes as _;
 
@@ -38,6 +40,7 @@ pub struct Tally {
     maps: Tap<WorldMap>,
     coverage: Tap<Coverage>,
     verdicts: Tap<Verdicts>,
+    waypoints: Tap<Waypoints>,
     /// All other topics.
     taps: Vec<Box<dyn AnyTap>>,
     ledger: Ledger,
@@ -71,6 +74,7 @@ impl Tally {
                     WorldMap::NAME,
                     Coverage::NAME,
                     Verdicts::NAME,
+                    Waypoints::NAME,
                 ];
                 if !own.contains(&T::NAME) {
                     self.1.push(Box::new(Tap::<T>::open(self.0)?));
@@ -86,6 +90,7 @@ impl Tally {
             maps: Tap::open(bus)?,
             coverage: Tap::open(bus)?,
             verdicts: Tap::open(bus)?,
+            waypoints: Tap::open(bus)?,
             taps: open.1,
             ledger: Ledger::new(processes, tick_period_ns),
             outcome: Outcome::new(robots, tick_period_ns),
@@ -100,12 +105,13 @@ impl Tally {
     /// # Errors
     /// [`RecorderError::Receive`].
     pub fn update_connections(&self) -> Result<(), RecorderError> {
-        let own: [&dyn AnyTap; 5] = [
+        let own: [&dyn AnyTap; 6] = [
             &self.states,
             &self.events,
             &self.maps,
             &self.coverage,
             &self.verdicts,
+            &self.waypoints,
         ];
         let others = self.taps.iter().map(AsRef::as_ref);
         for tap in own.into_iter().chain(others) {
@@ -182,6 +188,10 @@ impl Tally {
             .take(&mut self.ledger, |header, verdicts: &[Verdict]| {
                 let of = |verdict: &Verdict| (header.stamp.tick, header.stamp.source, *verdict);
                 undecided.extend(verdicts.iter().map(of));
+            })?;
+        self.waypoints
+            .take(&mut self.ledger, |_, ends: &[WaypointEnd]| {
+                ends.iter().for_each(|end| outcome.waypoint(end));
             })?;
         self.decide(completed);
         self.take_maps()?;

@@ -7,7 +7,8 @@ use std::sync::LazyLock;
 use ipc_types::message::Message;
 use ipc_types::topics::{
     Belief, Commands, Coverage, Dominance, ObstacleEvents, Plan, Scan, Shape, Sightings, Status,
-    Topic, TopicVisitor, Tree, Verdicts, WorldEvents, WorldMap, WorldState, for_each_topic,
+    Topic, TopicVisitor, Tree, Verdicts, Waypoints, WorldEvents, WorldMap, WorldState,
+    for_each_topic,
 };
 use ipc_types::{cdr, schema};
 
@@ -27,6 +28,7 @@ pub(super) enum Role {
     Command,
     Plan,
     Tree,
+    Waypoint,
     Verdict,
     Dominance,
     Status,
@@ -47,6 +49,7 @@ impl Role {
             Commands::NAME => Self::Command,
             Plan::NAME => Self::Plan,
             Tree::NAME => Self::Tree,
+            Waypoints::NAME => Self::Waypoint,
             Verdicts::NAME => Self::Verdict,
             Dominance::NAME => Self::Dominance,
             Status::NAME => Self::Status,

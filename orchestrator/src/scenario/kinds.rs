@@ -95,6 +95,8 @@ pub struct KindInfo {
     pub drives_robots: bool,
     /// Whether it publishes the beliefs that [`Need::Belief`] asks for.
     pub provides_belief: bool,
+    /// Whether it publishes what becomes of waypoints (`robot/waypoint`).
+    pub visits_waypoints: bool,
     /// Whether it makes the plans that [`Need::Plans`] asks for.
     pub provides_plans: bool,
     /// Reads and checks `params`, and gives them back complete: every default filled in.
@@ -141,6 +143,7 @@ pub static KINDS: &[KindInfo] = &[
         summary: "what the Police see, and what they believe about what they do not see",
         drives_robots: false,
         provides_belief: true,
+        visits_waypoints: false,
         provides_plans: false,
         check_params: |node| check_params(node, PerceptionParams::validate),
         needs: |_| Vec::new(),
@@ -155,6 +158,7 @@ pub static KINDS: &[KindInfo] = &[
         summary: "says who reaches what first, and which evader can still be sure of an escape",
         drives_robots: false,
         provides_belief: false,
+        visits_waypoints: false,
         provides_plans: false,
         check_params: |node| check_params(node, RefereeParams::validate),
         needs: |_| Vec::new(),
@@ -166,6 +170,7 @@ pub static KINDS: &[KindInfo] = &[
         summary: "chases evaders as one of a team",
         drives_robots: true,
         provides_belief: false,
+        visits_waypoints: false,
         provides_plans: false,
         check_params: |node| check_params(node, PursuerParams::validate),
         needs: |params| {
@@ -185,6 +190,7 @@ pub static KINDS: &[KindInfo] = &[
         summary: "flees by its range scan alone, away from what is near",
         drives_robots: true,
         provides_belief: false,
+        visits_waypoints: false,
         provides_plans: false,
         check_params: |node| check_params(node, BraitenbergParams::validate),
         needs: |_| vec![Need::Scan],
@@ -196,6 +202,7 @@ pub static KINDS: &[KindInfo] = &[
         summary: "flees to the nearest exit on a potential field",
         drives_robots: true,
         provides_belief: false,
+        visits_waypoints: false,
         provides_plans: false,
         check_params: |node| check_params(node, EvaderParams::validate),
         needs: |_| Vec::new(),
@@ -207,6 +214,7 @@ pub static KINDS: &[KindInfo] = &[
         summary: "flees by ways on which no pursuer can stop it, or to where it has most time",
         drives_robots: true,
         provides_belief: false,
+        visits_waypoints: false,
         provides_plans: false,
         check_params: |node| check_params(node, ReachAvoidParams::validate),
         needs: |_| Vec::new(),
@@ -218,6 +226,7 @@ pub static KINDS: &[KindInfo] = &[
         summary: "plans its way to an exit past the Police with RRT*",
         drives_robots: true,
         provides_belief: false,
+        visits_waypoints: false,
         provides_plans: false,
         check_params: |node| check_params(node, RrtStarParams::validate),
         needs: |_| Vec::new(),
@@ -232,6 +241,7 @@ pub static KINDS: &[KindInfo] = &[
         summary: "makes minimum-time trajectories for whoever asks",
         drives_robots: false,
         provides_belief: false,
+        visits_waypoints: false,
         provides_plans: true,
         check_params: |node| check_params(node, OptimiserParams::validate),
         needs: |_| Vec::new(),
@@ -243,6 +253,7 @@ pub static KINDS: &[KindInfo] = &[
         summary: "drives to goals on trajectories of the optimiser, around what pops up",
         drives_robots: true,
         provides_belief: false,
+        visits_waypoints: false,
         provides_plans: false,
         check_params: |node| check_params(node, NavigatorParams::validate),
         needs: |params| {

@@ -8,7 +8,7 @@ use super::experiment::Experiment;
 use super::seeds::Seeds;
 
 /// Version of the files in a directory of results; another one is refused.
-pub const FORMAT: u32 = 1;
+pub const FORMAT: u32 = 2;
 
 /// What the missions of an experiment are.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -3,6 +3,7 @@
 use super::row::Row;
 use super::spec::Metric;
 use crate::figures::Unit;
+use crate::recorder::{LapFigures, WaypointOutcome};
 use crate::statistics::{Mean, Sample, Z95};
 
 /// The value of a cell's games and the ends of its 95 % interval; `None` if they have none.
@@ -20,7 +21,30 @@ pub(super) fn measure(metric: Metric, rows: &[&Row]) -> Option<(f64, Option<(f64
         Metric::Contacts => mean(rows, |r| Some(f64::from(r.contacts))),
         Metric::EvaderMeanSpeed => mean(rows, |r| r.evader_mean_speed),
         Metric::EscapePossible => mean(rows, |r| r.escape_possible_fraction),
+        Metric::LapLength => mean(rows, |r| laps(r, |w| Some(w.planned?.length_m))),
+        Metric::LongestLap => mean(rows, |r| laps(r, |w| w.longest_lap_s)),
+        Metric::PlannedMae => mean(rows, |r| planned(r, |f| f.mae_m)),
+        Metric::DrivenMae => mean(rows, |r| driven(r, |f| f.mae_m)),
+        Metric::PlannedMaa => mean(rows, |r| planned(r, |f| f.maa)),
+        Metric::DrivenMaa => mean(rows, |r| driven(r, |f| f.maa)),
+        Metric::LeftOut => mean(rows, |r| laps(r, |w| Some(w.left_out_share()))),
+        Metric::Coverage => mean(rows, |r| Some(r.coverage.as_ref()?.coverable_fraction)),
     }
+}
+
+/// Mean over the robots of a mission that visit waypoints.
+fn laps(row: &Row, value: impl Fn(&WaypointOutcome) -> Option<f64>) -> Option<f64> {
+    let visits = row.robots.iter().filter_map(|r| r.waypoints.as_ref());
+    let values: Vec<f64> = visits.filter_map(value).collect();
+    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+}
+
+fn planned(row: &Row, value: fn(&LapFigures) -> f64) -> Option<f64> {
+    laps(row, |w| w.planned.as_ref().map(value))
+}
+
+fn driven(row: &Row, value: fn(&LapFigures) -> f64) -> Option<f64> {
+    laps(row, |w| w.driven.as_ref().map(value))
 }
 
 fn chance(rows: &[&Row], hits: fn(&Row) -> u32) -> Option<(f64, Option<(f64, f64)>)> {
@@ -51,6 +75,14 @@ impl Metric {
             Self::Contacts => "contacts per game",
             Self::EvaderMeanSpeed => "mean speed of the evaders [m/s]",
             Self::EscapePossible => "part of the game in which an escape is possible",
+            Self::LapLength => "length of a lap [m]",
+            Self::LongestLap => "longest lap [s]",
+            Self::PlannedMae => "distance from the route, as planned (MAE) [m]",
+            Self::DrivenMae => "distance from the route, as driven (MAE) [m]",
+            Self::PlannedMaa => "change of direction, as planned (MAA) [rad]",
+            Self::DrivenMaa => "change of direction, as driven (MAA) [rad]",
+            Self::LeftOut => "waypoints left out",
+            Self::Coverage => "area visited",
         }
     }
 
@@ -60,7 +92,9 @@ impl Metric {
             Self::EscapeChance
             | Self::CaptureChance
             | Self::HeldOutChance
-            | Self::EscapePossible => Unit::Share,
+            | Self::EscapePossible
+            | Self::LeftOut
+            | Self::Coverage => Unit::Share,
             _ => Unit::Number,
         }
     }

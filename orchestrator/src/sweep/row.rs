@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::manifest::Kind;
 use super::table::{COLUMNS, Field};
 use crate::mission::MissionReport;
-use crate::recorder::{RobotOutcome, Summary};
+use crate::recorder::{CoverageOutcome, RobotOutcome, Summary};
 
 /// A row of results. Nothing in it depends on the machine or on how it was carried out.
 pub trait Record: Clone + PartialEq + Serialize + DeserializeOwned {
@@ -82,6 +82,8 @@ pub struct Row {
     pub escape_possible_fraction: Option<f64>,
     /// Simulated time from which no escape was possible any more, if a referee watched [s].
     pub escape_impossible_from_s: Option<f64>,
+    /// The area visited, if the rules account for it.
+    pub coverage: Option<CoverageOutcome>,
     /// Fingerprint of the simulated history.
     pub digest: String,
     /// Why it failed.
@@ -130,6 +132,7 @@ impl Row {
             ticks: summary.ticks,
             escape_possible_fraction: summary.escape_possible_fraction,
             escape_impossible_from_s: summary.escape_impossible_from_s,
+            coverage: summary.coverage.clone(),
             digest: summary.digest.clone(),
             error: String::new(),
             robots: summary.robots.clone(),
@@ -153,6 +156,7 @@ impl Row {
             ticks: 0,
             escape_possible_fraction: None,
             escape_impossible_from_s: None,
+            coverage: None,
             digest: String::new(),
             error: error.into(),
             robots: Vec::new(),
@@ -196,6 +200,9 @@ impl Record for Row {
         fields.push(int(self.ticks));
         fields.push(self.escape_possible_fraction.into());
         fields.push(self.escape_impossible_from_s.into());
+        fields.push(self.coverage.as_ref().map(|c| c.fraction).into());
+        fields.push(self.coverage.as_ref().map(|c| c.coverable_fraction).into());
+        fields.push(self.coverage.as_ref().map(|c| c.way_m).into());
         fields.push(self.digest.as_str().into());
         fields.push(self.error.as_str().into());
         fields.push(if known {

@@ -164,4 +164,20 @@ pub enum Metric {
     EvaderMeanSpeed,
     /// Mean part of the game in which an escape was possible, 0 to 1; needs a `referee`.
     EscapePossible,
+    /// Mean length of a lap through all its waypoints, of the robots that complete laps [m].
+    LapLength,
+    /// Mean time of the longest lap [s].
+    LongestLap,
+    /// Mean distance of a lap through all its waypoints from the route, at equal times [m].
+    PlannedMae,
+    /// The same of laps as they were driven [m].
+    DrivenMae,
+    /// Mean change of direction on laps through all their waypoints [rad].
+    PlannedMaa,
+    /// The same on laps as they were driven [rad].
+    DrivenMaa,
+    /// Waypoints left out, of all, 0 to 1.
+    LeftOut,
+    /// Visited part of the area that can be visited, 0 to 1; needs `[rules.coverage]`.
+    Coverage,
 }

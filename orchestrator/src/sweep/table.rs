@@ -9,7 +9,7 @@ use super::row::Record;
 
 /// The columns that every table of results has, beside those of the parameters, which stand between
 /// `case` and `seed`.
-pub const COLUMNS: [&str; 19] = [
+pub const COLUMNS: [&str; 22] = [
     "case",
     "seed",
     "outcome",
@@ -26,6 +26,9 @@ pub const COLUMNS: [&str; 19] = [
     "ticks",
     "escape_possible_fraction",
     "escape_impossible_from_s",
+    "coverage_fraction",
+    "coverable_fraction",
+    "way_m",
     "digest",
     "error",
     "robots",

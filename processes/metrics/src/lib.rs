@@ -3,10 +3,12 @@
 //!
 //! - [`sequence`]: sequences of numbers and points (Lyapunov exponent, `v(xy)`);
 //! - [`path`]: a path against its reference (MAE, ANDC, MAA, RA);
+//! - [`driven`]: the path that a robot really drove;
 //! - [`coverage`]: how much of a workplace a path has covered, and how evenly;
 //! - [`prediction`]: how well somebody foretold where a robot would be.
 
 pub mod coverage;
+pub mod driven;
 pub mod path;
 pub mod prediction;
 pub mod sequence;

@@ -1,1 +1,17 @@
 //! Patrols along a contour: the cat-map zig-zag, fictive obstacles, danger zones.
+//!
+//! - [`contour`]: the route as it was ordered;
+//! - [`danger`]: which parts of it are under threat;
+//! - [`awg`]: additional waypoints that make it a zig-zag, lap after lap;
+//! - [`alpha`]: how wide the zig-zag may be for the lap to be done in time;
+//! - [`forecast`]: where the robot will be, for an ally who has the key;
+//! - [`fto`]: fictive obstacles that the robot avoids as if they were real;
+//! - [`mixed`]: additional waypoints where obstacles are small, fictive obstacles along large ones.
+
+pub mod alpha;
+pub mod awg;
+pub mod contour;
+pub mod danger;
+pub mod forecast;
+pub mod fto;
+pub mod mixed;

@@ -61,6 +61,8 @@ pub fn coverage_state(coverage: &Coverage, now: Duration) -> CoverageState {
         mean_idleness: figures.mean_idleness,
         max_idleness: figures.max_idleness,
         worst_idleness: figures.worst_idleness,
+        unevenness: figures.unevenness,
+        way: figures.way,
         visits: figures.visits,
         free: figures.free as u32,
         visited: figures.visited as u32,

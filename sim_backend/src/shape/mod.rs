@@ -1,5 +1,6 @@
 //! Shapes of obstacles: what a person writes, and the convex parts that geometry works on.
 
+mod band;
 mod convex;
 mod polygon;
 mod travel;

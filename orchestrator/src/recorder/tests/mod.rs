@@ -347,6 +347,7 @@ fn options(path: &Path) -> RecorderOptions {
             .map(|name| RobotInfo {
                 name: name.to_owned(),
                 radius: 0.1,
+                visits_waypoints: false,
             })
             .to_vec(),
         tick_period_ns: PERIOD_NS,

@@ -153,6 +153,7 @@ mod tests {
         let robots = [RobotInfo {
             name: "thief".to_owned(),
             radius: 0.1,
+            visits_waypoints: false,
         }];
         let mut state = RobotState::default();
         assert!(lines.draw(&robots, &[state], 0).is_none());

@@ -59,6 +59,7 @@ mod tests {
             .map(|name| RobotInfo {
                 name: name.to_owned(),
                 radius: 0.1,
+                visits_waypoints: false,
             })
             .to_vec();
         let say = |kind, robot, other| {

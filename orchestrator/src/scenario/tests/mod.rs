@@ -59,6 +59,7 @@ const fn kind(name: &'static str, drives_robots: bool, provides_belief: bool) ->
         summary: "",
         drives_robots,
         provides_belief,
+        visits_waypoints: false,
         provides_plans: false,
         check_params: |node| check_params(node, Params::validate),
         needs: |_| Vec::new(),

@@ -5,6 +5,7 @@ mod scenes;
 #[path = "../support/mod.rs"]
 mod support;
 
+mod avoidance;
 mod dominance;
 mod field_goldens;
 mod free_space;

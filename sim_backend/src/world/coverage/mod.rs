@@ -61,6 +61,11 @@ pub struct CoverageFigures {
     pub covered: usize,
     /// Visits of all cells.
     pub visits: u64,
+    /// How evenly the coverable cells are visited: standard deviation of their visits, divided by
+    /// the mean; 0 before any visit.
+    pub unevenness: f64,
+    /// Way driven by the counted robots together [m].
+    pub way: f64,
     /// Mean time since the last visit over the coverable cells [s]; since the start for those not
     /// visited yet.
     pub mean_idleness: f64,
@@ -102,6 +107,8 @@ pub struct Coverage {
     coverable: usize,
     covered: usize,
     visits: u64,
+    /// Way driven by the counted robots together [m].
+    way: f64,
     /// Longest gap between two visits of a coverable cell [ns].
     worst_gap_ns: u64,
 }
@@ -154,6 +161,7 @@ impl Coverage {
             coverable: 0,
             covered: 0,
             visits: 0,
+            way: 0.0,
             worst_gap_ns: 0,
         };
         coverage.follow_map(map, robots);
@@ -224,6 +232,11 @@ impl Coverage {
         tick: u64,
         time: Duration,
     ) {
+        self.way = self
+            .sweepers
+            .iter()
+            .map(|sweeper| robots[sweeper.robot].distance_travelled)
+            .sum();
         // 585 years.
         let now = u64::try_from(time.as_nanos()).unwrap_or(u64::MAX);
         for k in 0..self.sweepers.len() {
@@ -329,19 +342,32 @@ impl Coverage {
     /// The totals at the time `now` of the world. One pass over the cells.
     pub fn figures(&self, now: Duration) -> CoverageFigures {
         let (mut sum, mut largest) = (0.0, 0.0_f64);
+        let (mut visits, mut squares) = (0.0, 0.0);
         for (cell, idleness) in self.cells.iter().zip(self.idleness(now)) {
             if cell.coverable {
                 sum += idleness;
                 largest = largest.max(idleness);
+                let count = f64::from(cell.visits);
+                visits += count;
+                squares += count * count;
             }
         }
+        let cells = self.coverable.max(1) as f64;
+        let mean = visits / cells;
+        let variance = (squares / cells - mean * mean).max(0.0);
         CoverageFigures {
             free: self.free,
             visited: self.visited,
             coverable: self.coverable,
             covered: self.covered,
             visits: self.visits,
-            mean_idleness: sum / self.coverable.max(1) as f64,
+            unevenness: if mean > 0.0 {
+                variance.sqrt() / mean
+            } else {
+                0.0
+            },
+            way: self.way,
+            mean_idleness: sum / cells,
             max_idleness: largest,
             worst_idleness: largest.max(self.worst_gap_ns as f64 / 1e9),
         }

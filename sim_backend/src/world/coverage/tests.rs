@@ -97,6 +97,25 @@ fn at_the_start_the_footprints_are_visited() {
     assert_eq!(f.visits, f.visited as u64);
     assert_eq!(f.fraction(), f.visited as f64 / 4800.0);
     assert_eq!(f.max_idleness, 0.0);
+    assert_eq!(f.way, 0.0);
+    // A share p of the cells has one visit: √(p(1 − p))/p.
+    let p = f.covered as f64 / f.coverable as f64;
+    assert!((f.unevenness - ((1.0 - p) / p).sqrt()).abs() < 1e-9);
+}
+
+#[test]
+fn the_way_is_that_of_the_robots_that_count() {
+    let spec = CoverageSpec {
+        robots: vec!["walle".into()],
+        ..CoverageSpec::default()
+    };
+    let robots = vec![robot("walle", 0.5, 0.5, 0.0), robot("eve", 0.5, 2.0, 0.0)];
+    let mut world = world(room(), robots, spec);
+    let forward = Some(Twist2::new(0.2, 0.0));
+    for _ in 0..10 {
+        world.step(&[forward, forward], Duration::from_millis(100));
+    }
+    assert!((figures(&world).way - 0.2).abs() < 1e-9);
 }
 
 #[test]

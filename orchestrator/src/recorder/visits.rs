@@ -1,0 +1,369 @@
+//! What became of a robot's waypoints, over a run: how many were reached, how long laps took, how
+//! far the way strayed from the route and how it turned.
+
+use ipc_types::messages::robot::WaypointEnd;
+use metrics::driven::{STRAIGHT_WITHIN, Track, corners};
+use metrics::path::{self, POINTS_PER_LAP, Polyline, Turns};
+use nalgebra::Point2;
+use serde::{Deserialize, Serialize};
+
+/// Most waypoints, and most places of a robot, that are kept; what comes later is in the log only.
+const MOST_POINTS: usize = 4_000_000;
+
+/// What became of a robot's waypoints.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct WaypointOutcome {
+    /// Waypoints that the robot reached.
+    pub reached: u64,
+    /// Left out, because they lay inside an obstacle that the robot knows.
+    pub inside_obstacle: u64,
+    /// Left out, because they were not reached in the time allowed.
+    pub timed_out: u64,
+    /// Left out, because no way leads there.
+    pub unreachable: u64,
+    /// Greatest distance that a robot's centre kept from a waypoint that counts as reached [m].
+    pub farthest_m: f64,
+    /// Laps, from the first waypoint of the route to the last.
+    pub laps: u32,
+    /// Longest time that one of them took [s].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub longest_lap_s: Option<f64>,
+    /// The laps through all their waypoints, those put in included; absent without a lap.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub planned: Option<LapFigures>,
+    /// The laps as the robot drove them; absent without a lap.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub driven: Option<LapFigures>,
+}
+
+impl WaypointOutcome {
+    /// Waypoints left out, of all that ended, 0…1; 0 if there are none.
+    pub fn left_out_share(&self) -> f64 {
+        let left_out = self.inside_obstacle + self.timed_out + self.unreachable;
+        let all = left_out + self.reached;
+        if all == 0 {
+            0.0
+        } else {
+            left_out as f64 / all as f64
+        }
+    }
+}
+
+/// What laps are like: means over the laps.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct LapFigures {
+    /// Length [m].
+    pub length_m: f64,
+    /// Mean distance from where a robot would be that kept to the route, at equal times (MAE) [m].
+    pub mae_m: f64,
+    /// Changes of direction in a lap.
+    pub turns: f64,
+    /// Mean change of direction (MAA), in [0, π] [rad].
+    pub maa: f64,
+    /// Mean change of direction, each folded to an acute angle, in [0, π/2] [rad].
+    pub maa_fold: f64,
+}
+
+/// A lap that has been completed.
+#[derive(Debug)]
+struct Lap {
+    began_s: f64,
+    ended_s: f64,
+    /// The place where it begins, and its waypoints of the route.
+    route: Vec<Point2<f64>>,
+    /// The same with the waypoints between them.
+    way: Vec<Point2<f64>>,
+}
+
+/// The waypoints of a robot so far.
+#[derive(Debug)]
+pub(super) struct Visits {
+    /// Whether the way is kept. Not by the waypoints that have come: they may come before or after
+    /// the state of their tick.
+    keeps_track: bool,
+    counts: [u64; WaypointEnd::OUTCOMES.len()],
+    farthest: f64,
+    laps: Vec<Lap>,
+    open: Option<Open>,
+    track: Track,
+    waypoints: usize,
+}
+
+/// The lap under way.
+#[derive(Debug)]
+struct Open {
+    lap: u32,
+    began_s: f64,
+    route: Vec<Point2<f64>>,
+    way: Vec<Point2<f64>>,
+    /// When the last waypoint of the route ended [s], and how many points of the way came up to it.
+    closed: Option<(f64, usize)>,
+}
+
+impl Visits {
+    /// Of a robot that visits waypoints, or that does not.
+    pub(super) fn new(visits_waypoints: bool) -> Self {
+        Self {
+            keeps_track: visits_waypoints,
+            counts: Default::default(),
+            farthest: 0.0,
+            laps: Vec::new(),
+            open: None,
+            track: Track::default(),
+            waypoints: 0,
+        }
+    }
+
+    /// Takes up where the robot is at a time [s].
+    pub(super) fn state(&mut self, time_s: f64, at: Point2<f64>) {
+        if self.keeps_track && self.track.points().len() < MOST_POINTS {
+            self.track.push(time_s, at);
+        }
+    }
+
+    /// Takes up a waypoint that ended.
+    pub(super) fn add(&mut self, end: &WaypointEnd) {
+        if let Some(count) = self.counts.get_mut(usize::from(end.outcome)) {
+            *count += 1;
+        }
+        if end.outcome == 0 {
+            self.farthest = self.farthest.max(end.closest);
+        }
+        if self.waypoints >= MOST_POINTS {
+            return;
+        }
+        self.waypoints += 1;
+        let at = Point2::new(end.x, end.y);
+        let of_the_route = end.kind == 0;
+        let Some(open) = &mut self.open else {
+            // The way to the first waypoint belongs to no lap.
+            self.open = Some(Open::from(end.lap, end.ended_s, at));
+            return;
+        };
+        if end.lap != open.lap {
+            let next = match open.closed {
+                Some((ended_s, _)) => open
+                    .route
+                    .last()
+                    .map(|&last| Open::from(end.lap, ended_s, last)),
+                None => None,
+            };
+            let next = next.unwrap_or_else(|| Open::from(end.lap, end.ended_s, at));
+            let done = core::mem::replace(open, next);
+            self.laps.extend(done.lap());
+        }
+        // One inside an obstacle was never on the way.
+        if end.outcome != 1 {
+            open.way.push(at);
+        }
+        if of_the_route {
+            open.route.push(at);
+            open.closed = Some((end.ended_s, open.way.len()));
+        }
+    }
+
+    /// What became of the waypoints; `None` if there were none.
+    pub(super) fn finish(mut self) -> Option<WaypointOutcome> {
+        let open = self.open.take()?;
+        // The last lap is whole if it has come to where it began or to where the first one ended.
+        let last = open.route.last().copied();
+        let ends = [
+            open.route.first().copied(),
+            self.laps.first().and_then(|lap| lap.route.last().copied()),
+        ];
+        if last.is_some() && ends.contains(&last) {
+            self.laps.extend(open.lap());
+        }
+        let [reached, inside_obstacle, timed_out, unreachable] = self.counts;
+        let (planned, driven): (Vec<_>, Vec<_>) = self
+            .laps
+            .iter()
+            .map(|lap| (lap.planned(), lap.driven(&self.track)))
+            .unzip();
+        Some(WaypointOutcome {
+            reached,
+            inside_obstacle,
+            timed_out,
+            unreachable,
+            farthest_m: self.farthest,
+            laps: self.laps.len() as u32,
+            longest_lap_s: self
+                .laps
+                .iter()
+                .map(|lap| lap.ended_s - lap.began_s)
+                .max_by(f64::total_cmp),
+            planned: LapFigures::mean(&planned),
+            driven: LapFigures::mean(&driven),
+        })
+    }
+}
+
+impl Open {
+    fn from(lap: u32, began_s: f64, at: Point2<f64>) -> Self {
+        Self {
+            lap,
+            began_s,
+            route: vec![at],
+            way: vec![at],
+            closed: None,
+        }
+    }
+
+    /// The lap up to its last waypoint of the route; `None` if it has come to none.
+    fn lap(mut self) -> Option<Lap> {
+        let (ended_s, points) = self.closed?;
+        self.way.truncate(points);
+        Some(Lap {
+            began_s: self.began_s,
+            ended_s,
+            route: self.route,
+            way: self.way,
+        })
+    }
+}
+
+impl Lap {
+    fn planned(&self) -> Option<LapFigures> {
+        let mae = path::mae_time(
+            &self.route,
+            core::slice::from_ref(&self.way),
+            POINTS_PER_LAP,
+        )?;
+        Some(LapFigures::of(&self.way, &self.way, mae))
+    }
+
+    fn driven(&self, track: &Track) -> Option<LapFigures> {
+        let reference = Polyline::new(&self.route);
+        let mae = track.mae_time(&reference, self.began_s, self.ended_s, POINTS_PER_LAP)?;
+        let way = track.between(self.began_s, self.ended_s);
+        Some(LapFigures::of(&way, &corners(&way, STRAIGHT_WITHIN), mae))
+    }
+}
+
+impl LapFigures {
+    fn of(way: &[Point2<f64>], corners: &[Point2<f64>], mae_m: f64) -> Self {
+        let turns = Turns::of(corners);
+        Self {
+            length_m: Polyline::new(way).length(),
+            mae_m,
+            turns: turns.count as f64,
+            maa: turns.maa,
+            maa_fold: turns.maa_fold,
+        }
+    }
+
+    /// Mean over the laps that have figures.
+    fn mean(laps: &[Option<Self>]) -> Option<Self> {
+        let known: Vec<&Self> = laps.iter().flatten().collect();
+        let mean = |part: fn(&Self) -> f64| {
+            known.iter().map(|figures| part(figures)).sum::<f64>() / known.len() as f64
+        };
+        (!known.is_empty()).then(|| Self {
+            length_m: mean(|f| f.length_m),
+            mae_m: mean(|f| f.mae_m),
+            turns: mean(|f| f.turns),
+            maa: mean(|f| f.maa),
+            maa_fold: mean(|f| f.maa_fold),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Waypoints of laps around a square, each side with a point beside its middle.
+    fn laps(count: u32) -> Vec<WaypointEnd> {
+        let corners = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]];
+        let mut ends = vec![end(0, 0, [0.0, 0.0], 0.0)];
+        for lap in 0..count {
+            for side in 0..4 {
+                let (from, to) = (corners[side], corners[(side + 1) % 4]);
+                let time = f64::from(lap) * 16.0 + side as f64 * 4.0;
+                let middle = [(from[0] + to[0]) / 2.0, (from[1] + to[1]) / 2.0];
+                let beside = [middle[0] * 0.9 + 0.2, middle[1] * 0.9 + 0.2];
+                ends.push(end(lap, 1, beside, time + 2.0));
+                ends.push(end(lap, 0, to, time + 4.0));
+            }
+        }
+        ends
+    }
+
+    fn end(lap: u32, kind: u8, [x, y]: [f64; 2], ended_s: f64) -> WaypointEnd {
+        WaypointEnd {
+            x,
+            y,
+            ended_s,
+            lap,
+            kind,
+            closest: 0.05,
+            ..WaypointEnd::default()
+        }
+    }
+
+    fn visits(ends: &[WaypointEnd]) -> Option<WaypointOutcome> {
+        let mut visits = Visits::new(true);
+        for end in ends {
+            visits.state(end.ended_s, Point2::new(end.x, end.y));
+            visits.add(end);
+        }
+        // In another order, as when a state is late.
+        let mut late = Visits::new(true);
+        ends.iter().for_each(|end| late.add(end));
+        for end in ends {
+            late.state(end.ended_s, Point2::new(end.x, end.y));
+        }
+        let outcome = visits.finish();
+        assert_eq!(late.finish(), outcome);
+        outcome
+    }
+
+    #[test]
+    fn a_robot_without_waypoints_has_no_outcome() {
+        let mut idle = Visits::new(true);
+        idle.state(1.0, Point2::origin());
+        assert!(idle.finish().is_none());
+    }
+
+    #[test]
+    fn laps_are_counted_and_measured_as_planned_and_as_driven() {
+        let outcome = visits(&laps(3)).unwrap();
+        assert_eq!((outcome.laps, outcome.reached), (3, 25));
+        assert_eq!(outcome.longest_lap_s, Some(16.0));
+        assert_eq!(outcome.farthest_m, 0.05);
+        let (planned, driven) = (outcome.planned.unwrap(), outcome.driven.unwrap());
+        assert_eq!(planned.turns, 7.0);
+        // The robot was at every waypoint at the time at which it ended.
+        assert!((planned.length_m - driven.length_m).abs() < 1e-9);
+        assert!(
+            (planned.mae_m - driven.mae_m).abs() < 1e-9,
+            "{planned:?} {driven:?}"
+        );
+        assert!(planned.length_m > 16.0 && planned.mae_m > 0.01);
+    }
+
+    #[test]
+    fn a_lap_that_is_not_complete_does_not_count() {
+        let mut ends = laps(2);
+        ends.truncate(ends.len() - 3);
+        assert_eq!(visits(&ends).unwrap().laps, 1);
+    }
+
+    #[test]
+    fn what_was_left_out_is_counted_and_not_on_the_way() {
+        let mut ends = laps(2);
+        ends[3].outcome = 1;
+        ends[3].closest = f64::INFINITY;
+        ends[5].outcome = 2;
+        let outcome = visits(&ends).unwrap();
+        let counts = (
+            outcome.inside_obstacle,
+            outcome.timed_out,
+            outcome.unreachable,
+        );
+        assert_eq!(counts, (1, 1, 0));
+        assert_eq!(outcome.farthest_m, 0.05);
+        let whole = visits(&laps(2)).unwrap();
+        assert!(outcome.planned.unwrap().turns < whole.planned.unwrap().turns);
+    }
+}

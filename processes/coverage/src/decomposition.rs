@@ -1,0 +1,279 @@
+//! The free space of a workplace as disjoint rectangles, and how to get from one to the next.
+//!
+//! After the Chebyshev coverage paper, §5.1, with three repairs without which it stalls:
+//!
+//! - a *corner cell* is one that has not both neighbours along x and not both along y, so that there
+//!   always is one (the printed extremes of coordinates may all be blocked);
+//! - of all corner cells' largest rectangles the largest is taken, ties by position, so that the
+//!   result does not depend on an order of search;
+//! - merged rectangles are disjoint, so that a transition rectangle is a *bridge* across the shared
+//!   border rather than an overlap.
+
+mod bridge;
+mod cells;
+mod merge;
+#[cfg(test)]
+mod tests;
+
+pub use bridge::{Bridge, BridgeError};
+
+use nalgebra::Point2;
+use sim_backend::shape::Aabb;
+use thiserror::Error;
+
+use crate::workplace::Workplace;
+use cells::Cells;
+
+/// Lines nearer to each other than this [m] are one; borders must share more than this.
+pub(crate) const SAME: f64 = 1e-9;
+
+/// Most cells that the borders of obstacles may cut a workplace into.
+pub const MAX_CELLS: usize = 1_000_000;
+
+/// Why a workplace cannot be divided.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum DecompositionError {
+    /// Obstacles everywhere.
+    #[error(
+        "the obstacles, grown by the robot's radius of {radius} m, leave no free space: take fewer \
+         or smaller obstacles, a smaller robot, or a smaller tolerance of the conversion to \
+         rectangles"
+    )]
+    NoFreeSpace {
+        /// The robot's radius [m].
+        radius: f64,
+    },
+    /// Too many different borders of obstacles.
+    #[error(
+        "the borders of {obstacles} rectangles cut the workplace into {cells} cells: expected at \
+         most {MAX_CELLS}; take a larger tolerance of the conversion to rectangles"
+    )]
+    TooManyCells {
+        /// Rectangles that stand for the obstacles.
+        obstacles: usize,
+        /// Cells.
+        cells: usize,
+    },
+}
+
+/// Free space in rectangles.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Decomposition {
+    rectangles: Vec<Aabb>,
+    bridges: Vec<Bridge>,
+    /// Per rectangle its neighbours, by index, and the bridge to each.
+    neighbours: Vec<Vec<(usize, usize)>>,
+    /// Per rectangle the component it belongs to.
+    components: Vec<usize>,
+    component_count: usize,
+}
+
+impl Decomposition {
+    /// Divides the free space of a workplace. Rectangles are numbered in the order in which they
+    /// were taken.
+    ///
+    /// # Errors
+    /// [`DecompositionError`] if there is no free space or the borders are too many.
+    pub fn new(workplace: &Workplace) -> Result<Self, DecompositionError> {
+        let cells = Cells::new(workplace)?;
+        let (rectangles, owners) = merge::merge(&cells);
+        if rectangles.is_empty() {
+            return Err(DecompositionError::NoFreeSpace {
+                radius: workplace.radius(),
+            });
+        }
+        let bridges = bridge::between(&cells, &rectangles, &owners);
+        let neighbours = neighbours(rectangles.len(), &bridges);
+        let (components, component_count) = components(&neighbours);
+        Ok(Self {
+            rectangles: rectangles.iter().map(|r| cells.aabb(r)).collect(),
+            bridges,
+            neighbours,
+            components,
+            component_count,
+        })
+    }
+
+    /// The same with one more bridge, for routes between rectangles that share no border: `rectangle`
+    /// [m] is free and overlaps both of `between` (the paper's T_BDF, by which case 2 returns).
+    ///
+    /// # Errors
+    /// [`BridgeError`] if the bridge is not free, does not reach both or joins what is joined.
+    pub fn with_bridge(
+        mut self,
+        workplace: &Workplace,
+        between: [usize; 2],
+        rectangle: Aabb,
+    ) -> Result<Self, BridgeError> {
+        let [a, b] = [between[0].min(between[1]), between[0].max(between[1])];
+        let last = self.rectangles.len() - 1;
+        let (Some(first), Some(second)) = (self.rectangles.get(a), self.rectangles.get(b)) else {
+            return Err(BridgeError::NoSuchRectangle { rectangle: b, last });
+        };
+        if a == b || self.bridge(a, b).is_some() {
+            return Err(BridgeError::Joined { between: [a, b] });
+        }
+        if !bridge::is_free(&rectangle, workplace) {
+            return Err(BridgeError::NotFree { rectangle });
+        }
+        for (other, aabb) in [(a, first), (b, second)] {
+            if bridge::depth(&rectangle, aabb) <= SAME {
+                return Err(BridgeError::Apart { rectangle, other });
+            }
+        }
+        self.bridges.push(Bridge {
+            between: [a, b],
+            rectangle,
+        });
+        self.neighbours = neighbours(self.rectangles.len(), &self.bridges);
+        (self.components, self.component_count) = components(&self.neighbours);
+        Ok(self)
+    }
+
+    /// The rectangles [m]; disjoint but for their borders. At least one.
+    pub fn rectangles(&self) -> &[Aabb] {
+        &self.rectangles
+    }
+
+    /// The bridges, by the rectangles that they join; those added last.
+    pub fn bridges(&self) -> &[Bridge] {
+        &self.bridges
+    }
+
+    /// The rectangles that share a border with one, by index, each with the bridge to it.
+    pub fn neighbours(&self, rectangle: usize) -> impl Iterator<Item = (usize, &Bridge)> {
+        let list = self
+            .neighbours
+            .get(rectangle)
+            .map_or(&[][..], Vec::as_slice);
+        list.iter()
+            .filter_map(|&(to, bridge)| Some((to, self.bridges.get(bridge)?)))
+    }
+
+    /// The bridge between two rectangles, if they share a border.
+    pub fn bridge(&self, from: usize, to: usize) -> Option<&Bridge> {
+        self.neighbours(from)
+            .find(|&(other, _)| other == to)
+            .map(|(_, bridge)| bridge)
+    }
+
+    /// Area of a rectangle [m²]; 0 for one that there is not.
+    pub fn area_of(&self, rectangle: usize) -> f64 {
+        self.rectangles.get(rectangle).map_or(0.0, area)
+    }
+
+    /// Free area [m²].
+    pub fn area(&self) -> f64 {
+        self.rectangles.iter().map(area).sum()
+    }
+
+    /// Components of the free space: parts between which there is no way.
+    pub fn components(&self) -> usize {
+        self.component_count
+    }
+
+    /// The component of a rectangle, numbered by their first rectangles.
+    pub fn component_of(&self, rectangle: usize) -> Option<usize> {
+        self.components.get(rectangle).copied()
+    }
+
+    /// The rectangles of a component, by index.
+    pub fn component(&self, component: usize) -> impl Iterator<Item = usize> {
+        let members = self.components.iter().enumerate();
+        members
+            .filter(move |&(_, &c)| c == component)
+            .map(|(rectangle, _)| rectangle)
+    }
+
+    /// Area of a component [m²].
+    pub fn component_area(&self, component: usize) -> f64 {
+        self.component(component).map(|r| self.area_of(r)).sum()
+    }
+
+    /// What cannot be reached from a rectangle.
+    pub fn unreachable_from(&self, rectangle: usize) -> Unreachable {
+        let Some(own) = self.component_of(rectangle) else {
+            return Unreachable::default();
+        };
+        let rectangles: Vec<usize> = (0..self.rectangles.len())
+            .filter(|&r| self.component_of(r) != Some(own))
+            .collect();
+        Unreachable {
+            components: self.component_count - 1,
+            area: rectangles.iter().map(|&r| self.area_of(r)).sum(),
+            rectangles,
+        }
+    }
+
+    /// The first rectangle that contains a point [m], borders included.
+    pub fn rectangle_at(&self, p: Point2<f64>) -> Option<usize> {
+        self.rectangles.iter().position(|r| r.contains(p))
+    }
+
+    /// The rectangle nearest to a point [m] and its distance [m]; 0 inside. `None` for a point that
+    /// is not finite.
+    pub fn nearest_rectangle(&self, p: Point2<f64>) -> Option<(usize, f64)> {
+        let distances = self.rectangles.iter().map(|r| r.distance(p)).enumerate();
+        distances
+            .filter(|_| p.x.is_finite() && p.y.is_finite())
+            .min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)))
+    }
+}
+
+/// Free space that cannot be reached.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Unreachable {
+    /// Components other than one's own.
+    pub components: usize,
+    /// Their rectangles.
+    pub rectangles: Vec<usize>,
+    /// Their area [m²].
+    pub area: f64,
+}
+
+fn area(r: &Aabb) -> f64 {
+    let size = r.max - r.min;
+    size.x * size.y
+}
+
+/// Per rectangle its neighbours and the bridges to them, by number.
+fn neighbours(rectangles: usize, bridges: &[Bridge]) -> Vec<Vec<(usize, usize)>> {
+    let mut neighbours = vec![Vec::new(); rectangles];
+    for (index, bridge) in bridges.iter().enumerate() {
+        let [a, b] = bridge.between;
+        for (from, to) in [(a, b), (b, a)] {
+            if let Some(list) = neighbours.get_mut(from) {
+                list.push((to, index));
+            }
+        }
+    }
+    for list in &mut neighbours {
+        list.sort_unstable();
+    }
+    neighbours
+}
+
+/// Numbers the components, in the order of their first rectangles.
+fn components(neighbours: &[Vec<(usize, usize)>]) -> (Vec<usize>, usize) {
+    const NONE: usize = usize::MAX;
+    let mut component = vec![NONE; neighbours.len()];
+    let mut count = 0;
+    for first in 0..neighbours.len() {
+        if component.get(first).copied() != Some(NONE) {
+            continue;
+        }
+        let mut open = vec![first];
+        while let Some(rectangle) = open.pop() {
+            let Some(mine) = component.get_mut(rectangle) else {
+                continue;
+            };
+            if *mine == NONE {
+                *mine = count;
+                let next = neighbours.get(rectangle).map_or(&[][..], Vec::as_slice);
+                open.extend(next.iter().map(|&(to, _)| to));
+            }
+        }
+        count += 1;
+    }
+    (component, count)
+}

@@ -1,0 +1,123 @@
+//! The grid that the borders of obstacles make, and which of its cells are free.
+
+use nalgebra::Point2;
+use sim_backend::shape::Aabb;
+
+use super::{DecompositionError, MAX_CELLS, SAME};
+use crate::workplace::Workplace;
+
+/// Cells between lines along both axes.
+pub(super) struct Cells {
+    /// Lines across x [m], increasing; at least 2.
+    xs: Vec<f64>,
+    /// Lines across y [m], increasing; at least 2.
+    ys: Vec<f64>,
+    /// Per cell, row after row.
+    free: Vec<bool>,
+}
+
+/// A rectangle of cells: columns `x0..=x1`, rows `y0..=y1`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Block {
+    // Compared in this order where two areas are the same.
+    pub x0: usize,
+    pub y0: usize,
+    pub x1: usize,
+    pub y1: usize,
+}
+
+impl Block {
+    pub fn meets(&self, other: &Self) -> bool {
+        self.x0 <= other.x1 && other.x0 <= self.x1 && self.y0 <= other.y1 && other.y0 <= self.y1
+    }
+}
+
+impl Cells {
+    /// Lines at all sides of the workplace and of the grown obstacles; a cell is free if its centre
+    /// lies in no obstacle.
+    pub fn new(workplace: &Workplace) -> Result<Self, DecompositionError> {
+        let inner = workplace.inner();
+        let lines = |axis: usize| {
+            let sides = workplace.inflated().iter();
+            let mut all: Vec<f64> = sides.flat_map(|o| [o.min[axis], o.max[axis]]).collect();
+            all.extend([inner.min[axis], inner.max[axis]]);
+            all.sort_by(f64::total_cmp);
+            // Against the line kept last, so that a row of near ones does not melt into one.
+            all.dedup_by(|next, kept| *next - *kept <= SAME);
+            all
+        };
+        let (xs, ys) = (lines(0), lines(1));
+        let (columns, rows) = (xs.len().saturating_sub(1), ys.len().saturating_sub(1));
+        if columns * rows > MAX_CELLS {
+            return Err(DecompositionError::TooManyCells {
+                obstacles: workplace.inflated().len(),
+                cells: columns * rows,
+            });
+        }
+        let mut cells = Self {
+            xs,
+            ys,
+            free: vec![true; columns * rows],
+        };
+        for obstacle in workplace.inflated() {
+            cells.block(obstacle);
+        }
+        Ok(cells)
+    }
+
+    /// Marks the cells whose centres lie in an obstacle.
+    fn block(&mut self, obstacle: &Aabb) {
+        let span = |lines: &[f64], low: f64, high: f64| {
+            let middles = || lines.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
+            let first = middles().take_while(|&m| m < low).count();
+            first..middles().take_while(|&m| m <= high).count()
+        };
+        let columns = span(&self.xs, obstacle.min.x, obstacle.max.x);
+        let width = self.columns();
+        for row in span(&self.ys, obstacle.min.y, obstacle.max.y) {
+            for column in columns.clone() {
+                if let Some(free) = self.free.get_mut(row * width + column) {
+                    *free = false;
+                }
+            }
+        }
+    }
+
+    pub fn columns(&self) -> usize {
+        self.xs.len().saturating_sub(1)
+    }
+
+    pub fn rows(&self) -> usize {
+        self.ys.len().saturating_sub(1)
+    }
+
+    pub fn free(&self) -> &[bool] {
+        &self.free
+    }
+
+    /// Width [m] of columns `first..=last`.
+    pub fn width(&self, first: usize, last: usize) -> f64 {
+        distance(&self.xs, first, last)
+    }
+
+    /// Height [m] of rows `first..=last`.
+    pub fn height(&self, first: usize, last: usize) -> f64 {
+        distance(&self.ys, first, last)
+    }
+
+    /// The rectangle of a block of cells [m].
+    pub fn aabb(&self, block: &Block) -> Aabb {
+        let line = |lines: &[f64], index: usize| lines.get(index).copied().unwrap_or(f64::NAN);
+        Aabb {
+            min: Point2::new(line(&self.xs, block.x0), line(&self.ys, block.y0)),
+            max: Point2::new(line(&self.xs, block.x1 + 1), line(&self.ys, block.y1 + 1)),
+        }
+    }
+}
+
+fn distance(lines: &[f64], first: usize, last: usize) -> f64 {
+    match (lines.get(first), lines.get(last + 1)) {
+        (Some(low), Some(high)) => high - low,
+        _ => 0.0,
+    }
+}

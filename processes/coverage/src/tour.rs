@@ -1,0 +1,210 @@
+//! In which order a large loop visits the rectangles, and how many sub-goals each gets.
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use crate::decomposition::Decomposition;
+
+/// Order of the rectangles of a large loop.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Route {
+    /// A depth-first walk from the start's rectangle through all that can be reached from it:
+    /// neighbours by number, back through the rectangle from which one was entered.
+    #[default]
+    Walk,
+    /// These rectangles, again and again; the loop begins at the start's rectangle. Neighbours in
+    /// the list (and the last and the first) must be joined by a bridge.
+    Cycle(Vec<usize>),
+}
+
+/// Sub-goals that rectangles get in a large loop.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Iterations {
+    /// This many in all, each rectangle of the tour according to its area, at least one each.
+    InAll(u32),
+    /// This many in each rectangle.
+    Each(u32),
+    /// As many as stand here for each rectangle, by its number.
+    By(Vec<u32>),
+}
+
+/// Why there is no tour.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum TourError {
+    /// A rectangle that there is not.
+    #[error("rectangle {rectangle}: the workplace is divided into rectangles 0 to {last}")]
+    NoSuchRectangle {
+        /// The number given.
+        rectangle: usize,
+        /// The largest number.
+        last: usize,
+    },
+    /// A route that does not pass where the robot starts.
+    #[error(
+        "route: the robot starts in rectangle {start}, which the cycle does not visit; add it or \
+         start elsewhere"
+    )]
+    StartNotOnRoute {
+        /// The start's rectangle.
+        start: usize,
+    },
+    /// Two rectangles in sequence that do not touch.
+    #[error(
+        "route: no bridge joins rectangles {from} and {to}; add one to `bridges` or visit a \
+         rectangle between them"
+    )]
+    NotJoined {
+        /// The one before.
+        from: usize,
+        /// The one after.
+        to: usize,
+    },
+    /// A list of iterations of the wrong length.
+    #[error("iterations: {found} numbers for {rectangles} rectangles; expected one for each")]
+    IterationsMissing {
+        /// Numbers found.
+        found: usize,
+        /// Rectangles.
+        rectangles: usize,
+    },
+    /// Nothing would ever be visited.
+    #[error("iterations: no rectangle of the tour gets a sub-goal; expected at least one")]
+    NothingToDo,
+}
+
+/// A rectangle of a tour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Stop {
+    /// The rectangle.
+    pub rectangle: usize,
+    /// Sub-goals in it; 0 to pass through.
+    pub iterations: u32,
+}
+
+/// A large loop: each stop is joined to the next by a bridge (or is the same rectangle), the last
+/// one to the first.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Tour {
+    stops: Vec<Stop>,
+}
+
+impl Tour {
+    /// The tour from the rectangle `start`.
+    ///
+    /// # Errors
+    /// [`TourError`] names what does not fit the decomposition.
+    pub fn new(
+        decomposition: &Decomposition,
+        start: usize,
+        route: &Route,
+        iterations: &Iterations,
+    ) -> Result<Self, TourError> {
+        let count = decomposition.rectangles().len();
+        let exists = |rectangle: usize| {
+            let last = count.saturating_sub(1);
+            (rectangle < count)
+                .then_some(())
+                .ok_or(TourError::NoSuchRectangle { rectangle, last })
+        };
+        exists(start)?;
+        let order = match route {
+            Route::Walk => walk(decomposition, start),
+            Route::Cycle(cycle) => {
+                cycle.iter().try_for_each(|&rectangle| exists(rectangle))?;
+                let first = cycle.iter().position(|&r| r == start);
+                let first = first.ok_or(TourError::StartNotOnRoute { start })?;
+                let (before, after) = cycle.split_at(first);
+                [after, before].concat()
+            }
+        };
+        let next = order.iter().skip(1).chain(order.first());
+        for (&from, &to) in order.iter().zip(next) {
+            if from != to && decomposition.bridge(from, to).is_none() {
+                return Err(TourError::NotJoined { from, to });
+            }
+        }
+        let shares = shares(decomposition, &order, iterations)?;
+        let mut seen = vec![false; count];
+        let stops: Vec<Stop> = order
+            .into_iter()
+            .map(|rectangle| {
+                let first = seen
+                    .get_mut(rectangle)
+                    .is_some_and(|seen| !core::mem::replace(seen, true));
+                let share = shares.get(rectangle).copied().unwrap_or(0);
+                Stop {
+                    rectangle,
+                    iterations: if first { share } else { 0 },
+                }
+            })
+            .collect();
+        if stops.iter().all(|stop| stop.iterations == 0) {
+            return Err(TourError::NothingToDo);
+        }
+        Ok(Self { stops })
+    }
+
+    /// The stops of a loop; at least one.
+    pub fn stops(&self) -> &[Stop] {
+        &self.stops
+    }
+
+    /// Sub-goals of a loop, transits not counted.
+    pub fn iterations(&self) -> u64 {
+        self.stops.iter().map(|s| u64::from(s.iterations)).sum()
+    }
+}
+
+/// Depth-first walk over a component; the way back to the start is part of it, the start itself is
+/// not repeated.
+fn walk(decomposition: &Decomposition, start: usize) -> Vec<usize> {
+    let mut seen = vec![false; decomposition.rectangles().len()];
+    let mut order = Vec::new();
+    let mut trunk = vec![start];
+    while let Some(&here) = trunk.last() {
+        if let Some(seen) = seen.get_mut(here) {
+            *seen = true;
+        }
+        order.push(here);
+        let new = |&(to, _): &(usize, _)| seen.get(to) == Some(&false);
+        match decomposition.neighbours(here).find(new) {
+            Some((to, _)) => trunk.push(to),
+            None => {
+                trunk.pop();
+            }
+        }
+    }
+    if order.len() > 1 {
+        order.pop();
+    }
+    order
+}
+
+/// Sub-goals by rectangle.
+fn shares(
+    decomposition: &Decomposition,
+    order: &[usize],
+    iterations: &Iterations,
+) -> Result<Vec<u32>, TourError> {
+    let rectangles = decomposition.rectangles().len();
+    Ok(match iterations {
+        Iterations::Each(each) => vec![*each; rectangles],
+        Iterations::By(numbers) if numbers.len() == rectangles => numbers.clone(),
+        Iterations::By(numbers) => {
+            let found = numbers.len();
+            return Err(TourError::IterationsMissing { found, rectangles });
+        }
+        Iterations::InAll(0) => vec![0; rectangles],
+        Iterations::InAll(all) => {
+            let toured = (0..rectangles).filter(|r| order.contains(r));
+            let area: f64 = toured.map(|r| decomposition.area_of(r)).sum();
+            let share = |r| (f64::from(*all) * decomposition.area_of(r) / area).round();
+            (0..rectangles).map(|r| share(r).max(1.0) as u32).collect()
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,194 @@
+//! All rates of coverage of one path, kept while it grows.
+
+use nalgebra::Point2;
+
+use super::{CellGrid, CoverageError, Ground, Swept, Visits};
+
+/// Sides of the cells by which goals and path are counted [m].
+pub const CELL_SIDES: [f64; 3] = [0.1, 0.25, 0.5];
+
+/// Side of the cells by which the disc is counted [m].
+pub const DISC_CELL_SIDE: f64 = 0.1;
+
+/// Subtracted from a number of steps before it is rounded up, so that whole ones stay.
+const WHOLE_STEPS: f64 = 1e-12;
+
+/// Covered cells out of those that can be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Rate {
+    /// Coverable cells that are covered.
+    pub covered: usize,
+    /// Coverable cells, ≥ 1.
+    pub coverable: usize,
+}
+
+impl Rate {
+    /// Share that is covered, from 0 to 1.
+    pub fn share(self) -> f64 {
+        self.covered as f64 / self.coverable as f64
+    }
+}
+
+/// What a [`Meter`] has counted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Figures {
+    /// Length of the path [m].
+    pub length: f64,
+    /// Cells with a sub-goal, for each of [`CELL_SIDES`].
+    pub goals: [Rate; 3],
+    /// Cells with a point of the path, for each of [`CELL_SIDES`].
+    pub path: [Rate; 3],
+    /// Cells of [`DISC_CELL_SIDE`] whose centres came within the robot's radius of the path.
+    pub disc: Rate,
+    /// Standard deviation over mean of the points of the path per cell, for each of
+    /// [`CELL_SIDES`]; infinite before the first point.
+    pub variation: [f64; 3],
+}
+
+/// Measures the coverage of a path that grows leg by leg.
+///
+/// A leg counts by points at equal distances along it: `⌈d/step − 10⁻¹²⌉` parts (at least one); its
+/// start is the end of the leg before. The disc is swept along the leg itself.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Meter {
+    step: f64,
+    goals: [Visits; 3],
+    path: [Visits; 3],
+    disc: Swept,
+    last: Option<Point2<f64>>,
+    length: f64,
+}
+
+impl Meter {
+    /// Nothing driven yet; points of the path are at most `step` [m] apart (0.125 m in the
+    /// Chebyshev coverage paper, §4).
+    ///
+    /// # Errors
+    /// [`CoverageError`] if the step is not positive or no cell of some size can be covered.
+    pub fn new(ground: &Ground, step: f64) -> Result<Self, CoverageError> {
+        let usable = step > 0.0 && step.is_finite();
+        if !usable {
+            return Err(CoverageError::Step { step });
+        }
+        let [a, b, c] = CELL_SIDES.map(|side| CellGrid::new(ground, side).map(Visits::new));
+        let visits = [a?, b?, c?];
+        Ok(Self {
+            step,
+            goals: visits.clone(),
+            path: visits,
+            disc: Swept::new(CellGrid::new(ground, DISC_CELL_SIDE)?, ground.radius()),
+            last: None,
+            length: 0.0,
+        })
+    }
+
+    /// Drives straight to a sub-goal [m]; the first call is where the path starts, which counts as
+    /// a sub-goal too.
+    pub fn goal(&mut self, p: Point2<f64>) {
+        self.drive(p);
+        self.mark_goal(p);
+    }
+
+    /// Counts a sub-goal [m] to which the path does not lead straight.
+    pub fn mark_goal(&mut self, p: Point2<f64>) {
+        for visits in &mut self.goals {
+            visits.add(p);
+        }
+    }
+
+    /// Drives straight to a point [m] that is no sub-goal; the first call is where the path starts.
+    /// Points that are not finite are left out.
+    pub fn drive(&mut self, p: Point2<f64>) {
+        if !(p.x.is_finite() && p.y.is_finite()) {
+            return;
+        }
+        let Some(from) = self.last else {
+            self.disc.sweep(p, p);
+            self.pass(p);
+            self.last = Some(p);
+            return;
+        };
+        let line = p - from;
+        let length = line.norm();
+        let parts = (length / self.step - WHOLE_STEPS).ceil().max(1.0);
+        let mut part = 1.0;
+        while part < parts {
+            self.pass(from + line * (part / parts));
+            part += 1.0;
+        }
+        self.pass(p);
+        self.disc.sweep(from, p);
+        self.length += length;
+        self.last = Some(p);
+    }
+
+    /// Drives towards a sub-goal [m] until the path is `limit` [m] long; `true` if it got there
+    /// before that, which counts the sub-goal.
+    pub fn goal_within(&mut self, p: Point2<f64>, limit: f64) -> bool {
+        let Some(from) = self.last else {
+            self.goal(p);
+            return true;
+        };
+        let (line, left) = (p - from, limit - self.length);
+        let length = line.norm();
+        if length <= left {
+            self.goal(p);
+            return true;
+        }
+        if left > 0.0 {
+            self.drive(from + line * (left / length));
+        }
+        false
+    }
+
+    fn pass(&mut self, p: Point2<f64>) {
+        for visits in &mut self.path {
+            visits.add(p);
+        }
+    }
+
+    /// Length of the path [m].
+    pub fn length(&self) -> f64 {
+        self.length
+    }
+
+    /// Where the path ends [m], once it has begun.
+    pub fn last(&self) -> Option<Point2<f64>> {
+        self.last
+    }
+
+    /// The counts of sub-goals, for each of [`CELL_SIDES`].
+    pub fn goals(&self) -> &[Visits; 3] {
+        &self.goals
+    }
+
+    /// The counts of points of the path, for each of [`CELL_SIDES`].
+    pub fn path(&self) -> &[Visits; 3] {
+        &self.path
+    }
+
+    /// What the disc has swept.
+    pub fn disc(&self) -> &Swept {
+        &self.disc
+    }
+
+    /// Everything counted so far.
+    pub fn figures(&self) -> Figures {
+        let rates = |visits: &[Visits; 3]| {
+            visits.each_ref().map(|v| Rate {
+                covered: v.covered(),
+                coverable: v.grid().coverable(),
+            })
+        };
+        Figures {
+            length: self.length,
+            goals: rates(&self.goals),
+            path: rates(&self.path),
+            disc: Rate {
+                covered: self.disc.covered(),
+                coverable: self.disc.grid().coverable(),
+            },
+            variation: self.path.each_ref().map(Visits::variation),
+        }
+    }
+}

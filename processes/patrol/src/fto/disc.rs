@@ -1,0 +1,53 @@
+//! A disc that is not there, and a range scan that shows it.
+
+use guidance::view::ScanView;
+use nalgebra::{Point2, Vector2};
+use sim_backend::math;
+use sim_backend::pose::Pose2;
+use sim_backend::shape::Convex;
+
+/// A fictive obstacle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Disc {
+    /// Centre [m].
+    pub center: Point2<f64>,
+    /// Radius [m], > 0.
+    pub radius: f64,
+}
+
+/// The scan with a disc in it: each beam that meets the disc before anything real ends there. The
+/// ranges are kept in `buffer`, whose contents do not matter.
+///
+/// Without a disc, with a disc out of reach or around the sensor itself, or with a pose that is not
+/// finite, the ranges are the real ones. A range never grows.
+pub fn merged<'a>(
+    scan: &ScanView<'_>,
+    pose: &Pose2,
+    disc: Option<&Disc>,
+    buffer: &'a mut Vec<f32>,
+) -> ScanView<'a> {
+    buffer.clear();
+    buffer.extend_from_slice(scan.ranges);
+    let origin = pose.position();
+    let seen = disc.filter(|disc| {
+        let distance = (disc.center - origin).norm();
+        distance > disc.radius && distance - disc.radius <= scan.range_max
+    });
+    if let Some(disc) = seen {
+        let shape = Convex::disc(disc.center, disc.radius);
+        for (i, range) in buffer.iter_mut().enumerate() {
+            let angle = pose.theta + scan.angle_min + scan.angle_increment * i as f64;
+            let (sin, cos) = math::sincos(angle);
+            let Some(hit) = shape.ray(origin, Vector2::new(cos, sin)) else {
+                continue;
+            };
+            if hit >= scan.range_min && hit <= scan.range_max && hit < f64::from(*range) {
+                *range = hit as f32;
+            }
+        }
+    }
+    ScanView {
+        ranges: buffer,
+        ..*scan
+    }
+}
