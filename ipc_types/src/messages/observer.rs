@@ -22,6 +22,21 @@ message! {
 }
 
 impl Prediction {
+    /// Code of the Kalman filter of constant velocity.
+    pub const KALMAN: u8 = 0;
+    /// Code of the particle filter.
+    pub const PARTICLES: u8 = 1;
+    /// Code of what followed the most similar stretch of the way.
+    pub const SIMILAR_STRETCH: u8 = 2;
+    /// Code of the goal that followed the most similar one.
+    pub const SIMILAR_GOAL: u8 = 3;
+    /// Code of the same, each coordinate for itself.
+    pub const SIMILAR_GOAL_PER_AXIS: u8 = 4;
+    /// Code of the recovered key of a cat map.
+    pub const CAT_KEY: u8 = 5;
+    /// Code of the recovered key of Chebyshev maps.
+    pub const CHEBYSHEV_KEY: u8 = 6;
+
     /// The methods by their code.
     pub const METHODS: [&'static str; 7] = [
         "kalman",
