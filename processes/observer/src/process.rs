@@ -257,7 +257,7 @@ impl ObserverProcess {
                     SimilarStretch::new(params.stretch_s, params.stretch_step_s),
                 ),
                 Method::SimilarGoal => {
-                    watched.add(Prediction::SIMILAR_GOAL, SimilarGoal::new(View::Plane))
+                    watched.add(Prediction::SIMILAR_GOAL, SimilarGoal::new(View::Plane));
                 }
                 Method::SimilarGoalPerAxis => watched.add(
                     Prediction::SIMILAR_GOAL_PER_AXIS,
