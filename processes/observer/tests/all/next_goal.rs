@@ -47,19 +47,16 @@ fn maps_give_the_next_goal_away_and_independent_goals_do_not() {
         Emission::Arcsine,
     );
     let [plane, axes] = medians(AnySource::ChebP(chebyshev.unwrap()));
-    println!("{plane:?} {axes:?}");
     near(plane, [0.39, 0.17, 0.12], 1.4);
     near(axes, [0.021, 0.0036, 0.0020], 1.5);
     let cat = Cat64::new(0x9e37_79b9_7f4a_7c15, 0x0123_4567_89ab_cdef).unwrap();
     let [plane, axes] = medians(AnySource::Cat64(cat));
-    println!("{plane:?} {axes:?}");
     near(plane, [0.11, 0.043, 0.033], 1.4);
     near(axes, [0.54, 0.56, 0.60], 1.2);
     let key: Key = "keyed:000102030405060708090a0b0c0d0e0f101112131415161718191a1b1c1d1e1f"
         .parse()
         .unwrap();
     let [plane, axes] = medians(key.source().unwrap());
-    println!("{plane:?} {axes:?}");
     near(plane, [1.07; 3], 1.12);
     near(axes, [0.60; 3], 1.12);
     // What chance gives, without any sequence.
