@@ -15,17 +15,17 @@ use std::time::{Duration, Instant};
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use nalgebra::Point2;
-use perception::memo::VisibilityMemo;
-use perception::params::{FilterParams, SensorParams};
-use perception::particle_filter::{MotionLimits, ParticleFilter};
-use perception::sighting::{Measurement, Sighting};
-use perception::space::Space;
-use perception::watch::Watch;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sim_backend::blur::BlurredMap;
 use sim_backend::pose::Pose2;
 use streets::{BLUR, RESOLUTION, SIDE, streets};
+use tracking::memo::VisibilityMemo;
+use tracking::params::{FilterParams, SensorParams};
+use tracking::particle_filter::{MotionLimits, ParticleFilter};
+use tracking::sighting::{Measurement, Sighting};
+use tracking::space::Space;
+use tracking::watch::Watch;
 
 const DT: f64 = 0.05;
 const LIMITS: MotionLimits = MotionLimits {

@@ -2,6 +2,7 @@
 //! service by a string of its own.
 
 use crate::message::Message;
+use crate::messages::observer::Prediction;
 use crate::messages::optimiser::{PlanRequest, PlanResponse, TrajectorySample};
 use crate::messages::perception::{BeliefHeader, Particle, Sighting};
 use crate::messages::process::{ProcessStatus, RunControl};
@@ -171,6 +172,9 @@ topics! {
         qos |s| Qos { history: 1, per_tick: 1, publishers: s.processes, subscribers: s.readers() };
     /// Who reaches every place first: referee → viewers.
     Dominance = "world/dominance": Many, "cells", DominanceHeader, DominanceCell, simulated true,
+        qos |s| Qos { history: 1, per_tick: 1, publishers: s.processes, subscribers: s.readers() };
+    /// Where watched robots will be, and how wrong that was: observer → all.
+    Predictions = "observer/prediction": Many, "predictions", PlainHeader, Prediction, simulated true,
         qos |s| Qos { history: 1, per_tick: 1, publishers: s.processes, subscribers: s.readers() };
     /// Heartbeats: all → orchestrator.
     Status = "process/status": One, "status", PlainHeader, ProcessStatus, simulated false,

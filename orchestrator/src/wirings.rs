@@ -17,6 +17,7 @@ pub trait WiringVisitor {
 pub fn visit<V: WiringVisitor>(kind: &str, visitor: V) -> Option<V::Output> {
     Some(match kind {
         "perception" => visitor.visit::<perception::process::PerceptionProcess>(),
+        "observer" => visitor.visit::<observer::process::ObserverProcess>(),
         "referee" => visitor.visit::<referee::process::RefereeProcess>(),
         "pursuer" => visitor.visit::<PlannerProcess<pursuer::process::PursuerPlanner>>(),
         "evader_potential" => {

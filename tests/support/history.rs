@@ -7,8 +7,9 @@ use std::path::Path;
 use ipc_types::cdr;
 use ipc_types::stamp::{Header as _, Stamp};
 use ipc_types::topics::{
-    Belief, Commands, Control, Coverage, Dominance, ObstacleEvents, Plan, Scan, Sightings, Status,
-    Topic, Tree, Verdicts, Waypoints, WorldEvents, WorldMap, WorldShapes, WorldState,
+    Belief, Commands, Control, Coverage, Dominance, ObstacleEvents, Plan, Predictions, Scan,
+    Sightings, Status, Topic, Tree, Verdicts, Waypoints, WorldEvents, WorldMap, WorldShapes,
+    WorldState,
 };
 use mcap::sans_io::LinearReaderOptions;
 use serde::Deserialize;
@@ -189,6 +190,7 @@ impl History {
             Tree::NAME => stamp::<Tree>(bytes)?,
             Verdicts::NAME => stamp::<Verdicts>(bytes)?,
             Waypoints::NAME => stamp::<Waypoints>(bytes)?,
+            Predictions::NAME => stamp::<Predictions>(bytes)?,
             Dominance::NAME => stamp::<Dominance>(bytes)?,
             Status::NAME => stamp::<Status>(bytes)?,
             Control::NAME => stamp::<Control>(bytes)?,

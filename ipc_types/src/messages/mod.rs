@@ -1,6 +1,7 @@
 //! The messages, by who speaks: the world, robots and their planners, perception, the referee, the
-//! optimiser, the processes themselves.
+//! observer, the optimiser, the processes themselves.
 
+pub mod observer;
 pub mod optimiser;
 pub mod perception;
 pub mod process;

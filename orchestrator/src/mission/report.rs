@@ -7,7 +7,7 @@ use comfy_table::{CellAlignment, Table};
 use serde_json::{Value as Json, json};
 
 use super::run::MissionReport;
-use crate::recorder::{LapFigures, RobotOutcome, Summary, WaypointOutcome};
+use crate::recorder::{LapFigures, PredictionOutcome, RobotOutcome, Summary, WaypointOutcome};
 use crate::scenario::ResolvedScenario;
 use crate::scenario::spec::Mode;
 
@@ -70,6 +70,9 @@ pub fn json(scenario: &ResolvedScenario, report: &MissionReport) -> Json {
     });
     if let Some(coverage) = &s.coverage {
         json["coverage"] = json!(coverage);
+    }
+    if let Some(predictions) = &s.predictions {
+        json["predictions"] = json!(predictions);
     }
     for (key, value) in [
         ("escape_possible_fraction", s.escape_possible_fraction),
@@ -180,6 +183,40 @@ fn waypoints_text(robot: &RobotOutcome, w: &WaypointOutcome) -> String {
     text
 }
 
+/// How well observers foretold where robots would be, for people.
+fn predictions_table(predictions: &[PredictionOutcome]) -> Table {
+    let mut found = table(&[
+        "predicted",
+        "method",
+        "ahead [s]",
+        "predictions",
+        "without",
+        "median [m]",
+        "mean [m]",
+        "rms [m]",
+        "key known",
+    ]);
+    let metres = |value: Option<f64>| value.map_or_else(String::new, |v| format!("{v:.2}"));
+    for p in predictions {
+        let key = match (p.key_recovered_s, p.key_recovered_after) {
+            (Some(time_s), Some(goals)) => format!("{time_s:.1} s, {goals} goals"),
+            _ => String::new(),
+        };
+        found.add_row([
+            p.robot.clone(),
+            p.method.replace('_', " "),
+            format!("{}", p.horizon_s),
+            p.predictions.to_string(),
+            p.without.to_string(),
+            metres(p.median_m),
+            metres(p.mean_m),
+            metres(p.rms_m),
+            key,
+        ]);
+    }
+    found
+}
+
 /// The summary for people.
 pub fn text(scenario: &ResolvedScenario, report: &MissionReport) -> String {
     let s = &report.summary;
@@ -211,6 +248,9 @@ pub fn text(scenario: &ResolvedScenario, report: &MissionReport) -> String {
             ""
         },
     );
+    if let Some(predictions) = &s.predictions {
+        text += &format!("{}\n\n", predictions_table(predictions));
+    }
     if !s.latency_us.is_empty() {
         text += &format!("{latency}\n\n");
     }

@@ -12,6 +12,10 @@ const MAY_BE_INFINITE: &[(&str, &str)] = &[
     ("world/verdict", "margin"),
     ("world/verdict", "time"),
     ("world/dominance", "margin"),
+    // A method that makes no prediction.
+    ("observer/prediction", "x"),
+    ("observer/prediction", "y"),
+    ("observer/prediction", "error"),
     // One left out before the robot set out for it.
     ("robot/waypoint", "closest"),
 ];

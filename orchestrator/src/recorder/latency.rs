@@ -109,6 +109,7 @@ impl Latency {
             | Role::Coverage
             | Role::Scan
             | Role::Verdict
+            | Role::Prediction
             | Role::Dominance => {}
             Role::Map | Role::Obstacle | Role::Status | Role::Other => return,
         }

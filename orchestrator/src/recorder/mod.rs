@@ -24,6 +24,7 @@ mod log_writer;
 mod malformed;
 mod options;
 mod parts;
+mod predicted;
 mod recording;
 mod replacement;
 mod sequence;
@@ -47,6 +48,7 @@ pub use log_writer::{
     ManifestFile,
 };
 pub use options::{Order, ProcessInfo, RecorderOptions, RobotInfo};
+pub use predicted::PredictionOutcome;
 pub use recording::Recording;
 pub use summary::{
     CoverageByWay, CoverageOutcome, EventEntry, RobotOutcome, Summary, TopicCount, status_name,

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 
 use ipc_types::messages::world::RobotState;
 use ipc_types::topics::{
-    Belief, Coverage, Dominance, ObstacleEvents, Plan, Scan, Shape, Status, Tree, Verdicts,
-    Waypoints, WorldEvents, WorldMap, WorldState,
+    Belief, Coverage, Dominance, ObstacleEvents, Plan, Predictions, Scan, Shape, Status, Tree,
+    Verdicts, Waypoints, WorldEvents, WorldMap, WorldState,
 };
 
 use super::error::LogError;
@@ -170,6 +170,12 @@ impl Sink {
                     verdicts.for_each(|verdict| outcome.verdict(time_s, &verdict));
                 }
             }
+            Role::Prediction => {
+                if let Some((header, predictions)) = view::<Predictions>(bytes) {
+                    let (observer, time_s) = (header.stamp.source, seconds(time_ns));
+                    predictions.for_each(|p| outcome.prediction(observer, time_s, &p));
+                }
+            }
             Role::Waypoint => {
                 if let Some((_, ends)) = view::<Waypoints>(bytes) {
                     ends.for_each(|end| outcome.waypoint(&end));
@@ -304,6 +310,10 @@ fn result_entries(summary: &Summary) -> BTreeMap<String, String> {
         .coverage
         .as_ref()
         .map(|c| ("coverage", json(serde_json::to_string(c))));
+    let predictions = summary
+        .predictions
+        .as_ref()
+        .map(|p| ("predictions", json(serde_json::to_string(p))));
     [
         ("digest", summary.digest.clone()),
         ("ticks", summary.ticks.to_string()),
@@ -316,6 +326,7 @@ fn result_entries(summary: &Summary) -> BTreeMap<String, String> {
     ]
     .into_iter()
     .chain(coverage)
+    .chain(predictions)
     .map(|(key, value)| (key.to_owned(), value))
     .collect()
 }

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+use ipc_types::messages::observer::Prediction;
 use ipc_types::messages::referee::Verdict;
 use ipc_types::messages::robot::WaypointEnd;
 use ipc_types::messages::world::{CoverageState, RobotState, WorldEvent, WorldHeader};
@@ -12,6 +13,7 @@ use serde::{Deserialize, Serialize};
 use super::judged::Judged;
 use super::latency::Percentiles;
 use super::options::RobotInfo;
+use super::predicted::{Predicted, PredictionOutcome};
 use super::visits::{Visits, WaypointOutcome};
 
 /// Most events that a summary lists; the log has all.
@@ -44,6 +46,10 @@ pub struct Summary {
     /// The area visited, if the rules account for it: as last reported.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coverage: Option<CoverageOutcome>,
+    /// How well observers foretold where robots would be, by observer, robot, method and time ahead;
+    /// absent unless one ran.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub predictions: Option<Vec<PredictionOutcome>>,
     /// Every channel of the log that holds messages.
     pub topics: BTreeMap<String, TopicCount>,
     /// Latencies by name [µs].
@@ -179,6 +185,7 @@ pub(super) struct Outcome {
     judged: Vec<Judged>,
     /// What became of each robot's waypoints.
     visits: Vec<Visits>,
+    predicted: Predicted,
 }
 
 impl Outcome {
@@ -198,7 +205,12 @@ impl Outcome {
                 .iter()
                 .map(|robot| Visits::new(robot.visits_waypoints))
                 .collect(),
+            predicted: Predicted::default(),
         }
+    }
+
+    pub(super) fn prediction(&mut self, observer: u32, time_s: f64, prediction: &Prediction) {
+        self.predicted.add(observer, time_s, prediction);
     }
 
     pub(super) fn verdict(&mut self, time_s: f64, verdict: &Verdict) {
@@ -293,6 +305,7 @@ impl Outcome {
         log_bytes: u64,
     ) -> Summary {
         let sim_time_s = self.time_s();
+        let predictions = self.predicted.finish(&self.names);
         let robots = self
             .names
             .into_iter()
@@ -335,6 +348,7 @@ impl Outcome {
             events: self.events,
             events_omitted: self.omitted,
             coverage: self.coverage,
+            predictions,
             topics,
             latency_us,
             log,

@@ -8,13 +8,14 @@ use std::time::Duration;
 
 use ipc_types::bus::{Bus, BusError, ReceiveError, Received, Subscriber};
 use ipc_types::cdr::SequenceHead;
+use ipc_types::messages::observer::Prediction;
 use ipc_types::messages::referee::Verdict;
 use ipc_types::messages::robot::WaypointEnd;
 use ipc_types::messages::world::{CoverageState, RobotState, WorldEvent, WorldHeader};
 use ipc_types::stamp::Header as _;
 use ipc_types::topics::{
-    Coverage, Topic, TopicVisitor, Verdicts, Waypoints, WorldEvents, WorldMap, WorldState,
-    for_each_topic,
+    Coverage, Predictions, Topic, TopicVisitor, Verdicts, Waypoints, WorldEvents, WorldMap,
+    WorldState, for_each_topic,
 };
 use zerocopy::IntoBytes as _;
 
@@ -41,6 +42,7 @@ pub struct Tally {
     coverage: Tap<Coverage>,
     verdicts: Tap<Verdicts>,
     waypoints: Tap<Waypoints>,
+    predictions: Tap<Predictions>,
     /// All other topics.
     taps: Vec<Box<dyn AnyTap>>,
     ledger: Ledger,
@@ -75,6 +77,7 @@ impl Tally {
                     Coverage::NAME,
                     Verdicts::NAME,
                     Waypoints::NAME,
+                    Predictions::NAME,
                 ];
                 if !own.contains(&T::NAME) {
                     self.1.push(Box::new(Tap::<T>::open(self.0)?));
@@ -91,6 +94,7 @@ impl Tally {
             coverage: Tap::open(bus)?,
             verdicts: Tap::open(bus)?,
             waypoints: Tap::open(bus)?,
+            predictions: Tap::open(bus)?,
             taps: open.1,
             ledger: Ledger::new(processes, tick_period_ns),
             outcome: Outcome::new(robots, tick_period_ns),
@@ -105,13 +109,14 @@ impl Tally {
     /// # Errors
     /// [`RecorderError::Receive`].
     pub fn update_connections(&self) -> Result<(), RecorderError> {
-        let own: [&dyn AnyTap; 6] = [
+        let own: [&dyn AnyTap; 7] = [
             &self.states,
             &self.events,
             &self.maps,
             &self.coverage,
             &self.verdicts,
             &self.waypoints,
+            &self.predictions,
         ];
         let others = self.taps.iter().map(AsRef::as_ref);
         for tap in own.into_iter().chain(others) {
@@ -192,6 +197,14 @@ impl Tally {
         self.waypoints
             .take(&mut self.ledger, |_, ends: &[WaypointEnd]| {
                 ends.iter().for_each(|end| outcome.waypoint(end));
+            })?;
+        self.predictions
+            .take(&mut self.ledger, |header, predictions: &[Prediction]| {
+                let stamp = &header.stamp;
+                let time_s = seconds(stamp.tick.saturating_mul(*tick_period_ns));
+                for prediction in predictions {
+                    outcome.prediction(stamp.source, time_s, prediction);
+                }
             })?;
         self.decide(completed);
         self.take_maps()?;

@@ -6,9 +6,9 @@ use std::sync::LazyLock;
 
 use ipc_types::message::Message;
 use ipc_types::topics::{
-    Belief, Commands, Coverage, Dominance, ObstacleEvents, Plan, Scan, Shape, Sightings, Status,
-    Topic, TopicVisitor, Tree, Verdicts, Waypoints, WorldEvents, WorldMap, WorldState,
-    for_each_topic,
+    Belief, Commands, Coverage, Dominance, ObstacleEvents, Plan, Predictions, Scan, Shape,
+    Sightings, Status, Topic, TopicVisitor, Tree, Verdicts, Waypoints, WorldEvents, WorldMap,
+    WorldState, for_each_topic,
 };
 use ipc_types::{cdr, schema};
 
@@ -30,6 +30,7 @@ pub(super) enum Role {
     Tree,
     Waypoint,
     Verdict,
+    Prediction,
     Dominance,
     Status,
     Other,
@@ -51,6 +52,7 @@ impl Role {
             Tree::NAME => Self::Tree,
             Waypoints::NAME => Self::Waypoint,
             Verdicts::NAME => Self::Verdict,
+            Predictions::NAME => Self::Prediction,
             Dominance::NAME => Self::Dominance,
             Status::NAME => Self::Status,
             _ => Self::Other,

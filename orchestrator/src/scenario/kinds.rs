@@ -7,17 +7,18 @@ use evader_reach_avoid::ReachAvoidParams;
 use evader_rrt_star::RrtStarParams;
 use guidance::params::ParamsError;
 use navigator::NavigatorParams;
+use observer::ObserverParams;
 use optimiser::OptimiserParams;
 use patrol::mission::MissionError;
 use patrol_awg::{PatrolAwgParams, PatrolError};
 use patrol_fto::{PatrolFtoError, PatrolFtoParams};
-use perception::params::PerceptionParams;
 use pursuer::PursuerParams;
 use referee::RefereeParams;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value as Json;
 use sim_backend::spec::FieldError;
+use tracking::params::PerceptionParams;
 
 use super::text::{Node, ReadError, read_once};
 
@@ -32,8 +33,8 @@ pub struct FieldProblem {
     pub expected: String,
 }
 
-impl From<perception::params::ParamsError> for FieldProblem {
-    fn from(e: perception::params::ParamsError) -> Self {
+impl From<tracking::params::ParamsError> for FieldProblem {
+    fn from(e: tracking::params::ParamsError) -> Self {
         Self {
             field: e.field.to_owned(),
             value: e.value.to_string(),
@@ -215,6 +216,21 @@ pub static KINDS: &[KindInfo] = &[
         check_params: |node| check_params(node, RefereeParams::validate),
         needs: |_| Vec::new(),
         caps: &[],
+        presets: &[],
+    },
+    KindInfo {
+        name: "observer",
+        summary: "watches robots, predicts where they will be, and measures how wrong it was",
+        drives_robots: false,
+        provides_belief: false,
+        provides_plans: false,
+        visits_waypoints: false,
+        check_params: |node| check_params(node, ObserverParams::validate),
+        needs: |_| Vec::new(),
+        caps: &[
+            ("filter.particles", super::spec::MAX_PARTICLES as f64),
+            ("filter.adaptive.most", super::spec::MAX_PARTICLES as f64),
+        ],
         presets: &[],
     },
     KindInfo {
@@ -440,6 +456,16 @@ mod tests {
                 "referee",
                 json!({ "dominance": { "wave": { "sight": -1.0 } } }),
                 "dominance.wave.sight",
+            ),
+            (
+                "observer",
+                json!({ "horizons_s": [1.0, -1.0] }),
+                "horizons_s.1",
+            ),
+            (
+                "observer",
+                json!({ "cat": { "alpha": 1.7 } }),
+                "cat.contour",
             ),
             ("optimiser", json!({ "workers": 0 }), "workers"),
             ("navigator", json!({ "margin": -1.0 }), "margin"),

@@ -1,1 +1,20 @@
 //! An adversary that watches robots and predicts where they will be.
+//!
+//! It sees poses with noise, along lines of sight, and foretells positions some seconds ahead by
+//! several methods at once ([`predictors`]): from knowing nothing but physics to knowing everything
+//! about how a robot's goals are made except the key. Each prediction is kept until its time has come
+//! and is then scored against the truth ([`score`]): "unpredictable" becomes a measured number.
+
+pub mod eyes;
+pub mod knowledge;
+pub mod layout;
+pub mod legs;
+pub mod moment;
+pub mod params;
+pub mod predictors;
+pub mod process;
+pub mod score;
+pub mod travel;
+pub mod watched;
+
+pub use params::ObserverParams;

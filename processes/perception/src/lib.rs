@@ -1,17 +1,5 @@
-//! Line-of-sight perception: visibility, sightings and one particle filter per opponent.
+//! The process of a team's line-of-sight perception: sightings and one belief per opponent.
 //!
-//! A team sees its opponents through a simulated sensor whose quality depends on the line of sight
-//! ([`sighting`], on [`sim_backend::visibility`]), and keeps one belief per opponent
-//! ([`particle_filter`]). [`tracker::Perception`] does both for a tick. Everything is a function of
-//! its inputs and a ChaCha8 stream per opponent.
+//! What it computes is in the `tracking` crate; here it meets its topics.
 
-pub mod belief;
-pub mod fast;
-pub mod memo;
-pub mod params;
-pub mod particle_filter;
 pub mod process;
-pub mod sighting;
-pub mod space;
-pub mod tracker;
-pub mod watch;

@@ -1,4 +1,4 @@
-//! Wires [`Perception`] to its topics: state and map in, sightings and beliefs out.
+//! Wires [`tracking::tracker::Perception`] to its topics: state and map in, sightings and beliefs out.
 
 use ipc_types::bus::{Bus, Publisher, PublisherOptions};
 use ipc_types::messages::perception::{BeliefHeader, Particle, Sighting};
@@ -11,9 +11,9 @@ use kit::{Clock, ProcessConfig, ProcessError, Wiring};
 use sim_backend::pose::Pose2;
 use sim_backend::team::Team;
 
-use crate::params::PerceptionParams;
-use crate::particle_filter::MotionLimits;
-use crate::tracker::{Perception, TargetSetup, TargetTruth, Track};
+use tracking::params::PerceptionParams;
+use tracking::particle_filter::MotionLimits;
+use tracking::tracker::{Perception, TargetSetup, TargetTruth, Track};
 
 /// Perception of one team: what its members see together, and what they believe.
 pub struct PerceptionProcess {

@@ -18,6 +18,7 @@
 
 mod adapt;
 mod cloud;
+mod foresee;
 mod predict;
 mod recover;
 mod resample;

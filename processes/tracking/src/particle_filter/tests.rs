@@ -56,6 +56,30 @@ fn seen_at(pose: Pose2, sigma: f64) -> Sighting {
 }
 
 #[test]
+fn the_belief_moves_on_along_the_heading_and_stops_at_walls() {
+    let space = Space::new(&room());
+    let mut pose = Pose2::new(-3.0, 2.0, 0.0);
+    let params = FilterParams::default();
+    let mut filter = ParticleFilter::new(&params, LIMITS, Some(pose), &space, rng(8));
+    let watch = watch_from(&space, &[Pose2::new(-3.0, 2.5, 0.0)]);
+    for _ in 0..60 {
+        pose = drive(pose, 0.45, 0.0, DT);
+        filter.update(&space, &watch, &seen_at(pose, 0.0), None, DT);
+    }
+    let now = filter.mean_after(&space, 0.0);
+    assert!((now - pose.position()).norm() < 1e-5);
+    assert_eq!(now, filter.mean_after(&space, f64::NAN));
+    let ahead = drive(pose, 0.45, 0.0, 2.0).position();
+    let foreseen = filter.mean_after(&space, 2.0);
+    assert!((foreseen - ahead).norm() < 0.15, "{foreseen} {ahead}");
+    // The room ends at x = 4: nothing drives on.
+    let stopped = filter.mean_after(&space, 60.0);
+    assert!(stopped.x < 4.0 && space.is_valid(stopped), "{stopped}");
+    let later = filter.mean_after(&space, 90.0);
+    assert!((later - stopped).norm() < 0.1, "{later} {stopped}");
+}
+
+#[test]
 fn exact_sightings_are_taken_over_and_teach_the_heading() {
     let space = Space::new(&room());
     let watch = watch_from(&space, &[]);

@@ -1,14 +1,14 @@
 //! A team's perception over several opponents.
 
 use nalgebra::Point2;
-use perception::params::{HeadingModel, PerceptionParams};
-use perception::particle_filter::MotionLimits;
-use perception::tracker::{Perception, PerceptionError, TargetSetup, TargetTruth, Track};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use sim_backend::blur::BlurredMap;
 use sim_backend::grid::{Grid, GridFrame};
 use sim_backend::pose::Pose2;
+use tracking::params::{HeadingModel, PerceptionParams};
+use tracking::particle_filter::MotionLimits;
+use tracking::tracker::{Perception, PerceptionError, TargetSetup, TargetTruth, Track};
 
 const LIMITS: MotionLimits = MotionLimits {
     v_max: 0.5,

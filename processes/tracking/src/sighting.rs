@@ -95,7 +95,7 @@ pub fn sense(
 }
 
 /// Two independent standard normal numbers (Box–Muller).
-pub(crate) fn gaussian_pair(rng: &mut ChaCha8Rng) -> (f64, f64) {
+pub fn gaussian_pair(rng: &mut ChaCha8Rng) -> (f64, f64) {
     // 1 − u is in (0, 1]: its logarithm is finite.
     let (u, angle) = (
         1.0 - rng.random::<f64>(),

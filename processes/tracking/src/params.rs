@@ -1,4 +1,4 @@
-//! Parameters of perception, with defaults, the paper's preset and validation.
+//! Parameters of sensors and filters, with defaults, the paper's preset and validation.
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -283,7 +283,11 @@ impl SensorParams {
 pub const MOST_PARTICLES: usize = 1_000_000;
 
 impl FilterParams {
-    fn validate(&self) -> Result<(), ParamsError> {
+    /// Checks every range.
+    ///
+    /// # Errors
+    /// [`ParamsError`] with the first field out of range, as a path from `filter`.
+    pub fn validate(&self) -> Result<(), ParamsError> {
         let count = |n: usize| (1..=MOST_PARTICLES).contains(&n);
         let n = self.particles;
         check("filter.particles", n as f64, "1 to 1000000", |_| count(n))?;

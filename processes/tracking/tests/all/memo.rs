@@ -1,15 +1,15 @@
 //! The per-cell memo against exact rays, in the chasing game's city with four observers.
 
 use nalgebra::Point2;
-use perception::memo::VisibilityMemo;
-use perception::params::SensorParams;
-use perception::space::Space;
-use perception::watch::Watch;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use sim_backend::blur::{BlurredMap, PAPER_SIGMA};
 use sim_backend::grid::{Grid, GridFrame};
 use sim_backend::pose::Pose2;
+use tracking::memo::VisibilityMemo;
+use tracking::params::SensorParams;
+use tracking::space::Space;
+use tracking::watch::Watch;
 
 /// 25 blocks of 2 m in streets of 1 m, an outer wall with an exit, on 300 × 300 cells.
 fn city() -> Space {

@@ -67,6 +67,15 @@ impl Motion {
         }
     }
 
+    /// The same motion without noise.
+    pub fn quiet(self) -> Self {
+        Self {
+            step_v: 0.0,
+            step_omega: 0.0,
+            ..self
+        }
+    }
+
     /// Ends of the walks: lowest and highest v [m/s], highest |ω| [rad/s].
     pub fn ends(&self) -> (f32, f32, f32) {
         (self.v_low, self.v_top, self.omega_top)

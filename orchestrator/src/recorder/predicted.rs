@@ -1,0 +1,168 @@
+//! How well observers foretold where robots would be, over a run.
+
+use std::collections::BTreeMap;
+
+use ipc_types::messages::observer::Prediction;
+use metrics::prediction::ErrorStatistics;
+use serde::{Deserialize, Serialize};
+
+/// Most errors that are kept per method and time ahead; what comes later is in the log only.
+const MOST_ERRORS: usize = 1_000_000;
+
+/// How well one method foretold where one robot would be, for one time ahead.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PredictionOutcome {
+    /// Index of the observer's process.
+    pub observer: u32,
+    /// Name of the robot.
+    pub robot: String,
+    /// Name of the method: [`Prediction::METHODS`].
+    pub method: String,
+    /// How far ahead [s].
+    pub horizon_s: f64,
+    /// Predictions that came due.
+    pub predictions: u64,
+    /// Times at which the method could not say.
+    pub without: u64,
+    /// Mean error [m]; absent without a prediction, like the others.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mean_m: Option<f64>,
+    /// Median error [m].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub median_m: Option<f64>,
+    /// Root mean square error [m].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rms_m: Option<f64>,
+    /// Goals that the method made out.
+    pub goals_observed: u32,
+    /// When it first knew the key [s]; absent if it never did.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub key_recovered_s: Option<f64>,
+    /// Goals that it had made out by then.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub key_recovered_after: Option<u32>,
+}
+
+/// The predictions of one method for one time ahead so far.
+#[derive(Debug, Default)]
+struct Series {
+    errors: Vec<f64>,
+    goals_observed: u32,
+    /// When the key was first known [s], and the goals made out by then.
+    recovered: Option<(f64, u32)>,
+}
+
+/// All predictions so far, by observer, robot, method and the bits of the time ahead, which sort as
+/// the times do.
+#[derive(Debug, Default)]
+pub(super) struct Predicted(BTreeMap<(u32, u32, u8, u64), Series>);
+
+impl Predicted {
+    /// Takes up a prediction of an observer at a moment [s].
+    pub(super) fn add(&mut self, observer: u32, time_s: f64, prediction: &Prediction) {
+        let key = (
+            observer,
+            prediction.robot,
+            prediction.method,
+            prediction.horizon_s.to_bits(),
+        );
+        let series = self.0.entry(key).or_default();
+        if prediction.due != 0 && series.errors.len() < MOST_ERRORS {
+            series.errors.push(prediction.error);
+        }
+        series.goals_observed = prediction.goals_observed;
+        if prediction.key_recovered != 0 && series.recovered.is_none() {
+            series.recovered = Some((time_s, prediction.goals_observed));
+        }
+    }
+
+    /// What it amounts to, for robots of these names; `None` without an observer.
+    pub(super) fn finish(&self, robots: &[String]) -> Option<Vec<PredictionOutcome>> {
+        let outcomes: Vec<_> = self
+            .0
+            .iter()
+            .filter_map(|(&(observer, robot, method, horizon), series)| {
+                let statistics = ErrorStatistics::of(&series.errors);
+                let count = statistics.map_or(0, |s| s.count);
+                Some(PredictionOutcome {
+                    observer,
+                    robot: robots.get(robot as usize)?.clone(),
+                    method: Prediction::method_name(method).to_owned(),
+                    horizon_s: f64::from_bits(horizon),
+                    predictions: count as u64,
+                    without: (series.errors.len() - count) as u64,
+                    mean_m: statistics.map(|s| s.mean),
+                    median_m: statistics.map(|s| s.median),
+                    rms_m: statistics.map(|s| s.rms),
+                    goals_observed: series.goals_observed,
+                    key_recovered_s: series.recovered.map(|(time_s, _)| time_s),
+                    key_recovered_after: series.recovered.map(|(_, goals)| goals),
+                })
+            })
+            .collect();
+        (!outcomes.is_empty()).then_some(outcomes)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn prediction(method: u8, horizon_s: f64, error: Option<f64>, recovered: bool) -> Prediction {
+        Prediction {
+            horizon_s,
+            error: error.unwrap_or(f64::INFINITY),
+            robot: 1,
+            goals_observed: 40,
+            method,
+            due: 1,
+            key_recovered: u8::from(recovered),
+            ..Prediction::default()
+        }
+    }
+
+    #[test]
+    fn errors_are_counted_by_method_and_time_ahead_and_the_key_when_first_known() {
+        let mut predicted = Predicted::default();
+        let names = ["a".to_owned(), "b".to_owned()];
+        assert_eq!(predicted.finish(&names), None);
+        let not_due = Prediction {
+            due: 0,
+            ..prediction(0, 0.5, None, false)
+        };
+        predicted.add(3, 0.0, &not_due);
+        for (time_s, error) in [(1.0, 3.0), (2.0, 4.0), (3.0, 5.0)] {
+            predicted.add(3, time_s, &prediction(0, 0.5, Some(error), false));
+        }
+        predicted.add(3, 1.0, &prediction(5, 2.0, None, false));
+        predicted.add(3, 2.0, &prediction(5, 2.0, Some(0.1), true));
+        predicted.add(3, 3.0, &prediction(5, 2.0, Some(0.3), true));
+        // A robot that does not exist is none.
+        let stranger = Prediction {
+            robot: 9,
+            ..prediction(0, 0.5, None, false)
+        };
+        predicted.add(3, 0.0, &stranger);
+        let found = predicted.finish(&names).unwrap();
+        assert_eq!(found.len(), 2);
+        let kalman = &found[0];
+        assert_eq!(
+            (kalman.robot.as_str(), kalman.method.as_str()),
+            ("b", "kalman")
+        );
+        assert_eq!((kalman.predictions, kalman.without), (3, 0));
+        assert_eq!((kalman.mean_m, kalman.median_m), (Some(4.0), Some(4.0)));
+        assert_eq!(kalman.key_recovered_s, None);
+        let key = &found[1];
+        assert_eq!(
+            (key.method.as_str(), key.predictions, key.without),
+            ("cat_key", 2, 1)
+        );
+        assert_eq!(
+            (key.key_recovered_s, key.key_recovered_after),
+            (Some(2.0), Some(40))
+        );
+        let json = serde_json::to_string(kalman).unwrap();
+        assert!(!json.contains("key_recovered"), "{json}");
+    }
+}

@@ -1,0 +1,138 @@
+//! Errors of predictions in a few numbers.
+
+/// Errors in a few numbers. All are in the unit of the errors.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ErrorStatistics {
+    /// Errors that are finite numbers; the others count as predictions that were not made.
+    pub count: usize,
+    /// Predictions that were not made.
+    pub missing: usize,
+    /// Mean.
+    pub mean: f64,
+    /// Median.
+    pub median: f64,
+    /// Root mean square.
+    pub rms: f64,
+    /// What 10 % of the errors do not exceed.
+    pub q10: f64,
+    /// What 90 % of the errors do not exceed.
+    pub q90: f64,
+    /// Greatest error.
+    pub max: f64,
+}
+
+impl ErrorStatistics {
+    /// Of errors in any order; `None` without a finite one.
+    pub fn of(errors: &[f64]) -> Option<Self> {
+        let mut finite: Vec<f64> = errors.iter().copied().filter(|e| e.is_finite()).collect();
+        // Sorted first: the sums do not depend on the order in which the errors came.
+        finite.sort_unstable_by(f64::total_cmp);
+        let n = finite.len() as f64;
+        let max = *finite.last()?;
+        Some(Self {
+            count: finite.len(),
+            missing: errors.len() - finite.len(),
+            mean: finite.iter().sum::<f64>() / n,
+            median: quantile(&finite, 0.5)?,
+            rms: (finite.iter().map(|e| e * e).sum::<f64>() / n).sqrt(),
+            q10: quantile(&finite, 0.1)?,
+            q90: quantile(&finite, 0.9)?,
+            max,
+        })
+    }
+}
+
+/// The quantile of a share (0 to 1) of ascending numbers, linear between neighbours; `None` of no
+/// numbers, or if the share is no share.
+pub fn quantile(ascending: &[f64], share: f64) -> Option<f64> {
+    if !(0.0..=1.0).contains(&share) {
+        return None;
+    }
+    let at = share * (ascending.len().checked_sub(1)?) as f64;
+    let (low, high) = (at.floor() as usize, at.ceil() as usize);
+    let (a, b) = (*ascending.get(low)?, *ascending.get(high)?);
+    Some(a + (at - low as f64) * (b - a))
+}
+
+/// Errors of predictions for several times ahead.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ErrorsByHorizon {
+    horizons: Vec<f64>,
+    errors: Vec<Vec<f64>>,
+}
+
+impl ErrorsByHorizon {
+    /// For these times ahead [s].
+    pub fn new(horizons: &[f64]) -> Self {
+        Self {
+            horizons: horizons.to_vec(),
+            errors: vec![Vec::new(); horizons.len()],
+        }
+    }
+
+    /// Takes up the error [m] of a prediction for the horizon with this index; one that is not
+    /// finite stands for a prediction that was not made. An index that does not exist is passed over.
+    pub fn add(&mut self, horizon: usize, error: f64) {
+        if let Some(errors) = self.errors.get_mut(horizon) {
+            errors.push(error);
+        }
+    }
+
+    /// Every horizon [s] with its statistics, `None` where no prediction was made.
+    pub fn statistics(&self) -> impl Iterator<Item = (f64, Option<ErrorStatistics>)> + '_ {
+        let statistics = self.errors.iter().map(|e| ErrorStatistics::of(e));
+        self.horizons.iter().copied().zip(statistics)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    #[test]
+    fn known_errors_have_known_statistics() {
+        let s = ErrorStatistics::of(&[4.0, 0.0, f64::INFINITY, 3.0, 1.0, 2.0]).unwrap();
+        assert_eq!((s.count, s.missing), (5, 1));
+        assert_eq!((s.mean, s.median, s.max), (2.0, 2.0, 4.0));
+        assert_eq!(s.rms, 6.0_f64.sqrt());
+        assert!((s.q10 - 0.4).abs() < 1e-12 && (s.q90 - 3.6).abs() < 1e-12);
+        assert_eq!(ErrorStatistics::of(&[f64::NAN]), None);
+        assert_eq!(quantile(&[1.0], 1.5), None);
+        assert_eq!(quantile(&[], 0.5), None);
+    }
+
+    #[test]
+    fn horizons_are_kept_apart() {
+        let mut errors = ErrorsByHorizon::new(&[0.5, 2.0, 5.0]);
+        for (horizon, error) in [(0, 1.0), (1, 5.0), (0, 3.0), (1, f64::INFINITY), (9, 1.0)] {
+            errors.add(horizon, error);
+        }
+        let found: Vec<_> = errors
+            .statistics()
+            .map(|(horizon, s)| (horizon, s.map(|s| (s.mean, s.count, s.missing))))
+            .collect();
+        assert_eq!(
+            found,
+            [
+                (0.5, Some((2.0, 2, 0))),
+                (2.0, Some((5.0, 1, 1))),
+                (5.0, None)
+            ]
+        );
+    }
+
+    proptest! {
+        #[test]
+        fn statistics_are_ordered_and_do_not_depend_on_the_order(
+            mut errors in prop::collection::vec(0.0..1e3_f64, 1..40),
+        ) {
+            let s = ErrorStatistics::of(&errors).unwrap();
+            prop_assert!(s.q10 <= s.median && s.median <= s.q90 && s.q90 <= s.max);
+            prop_assert!(s.mean <= s.rms * (1.0 + 1e-12));
+            errors.reverse();
+            prop_assert_eq!(ErrorStatistics::of(&errors).unwrap(), s);
+        }
+    }
+}

@@ -1,0 +1,74 @@
+//! Who looks, and what is seen.
+
+use nalgebra::Point2;
+use rand_chacha::ChaCha8Rng;
+use sim_backend::math;
+use sim_backend::pose::Pose2;
+use tracking::params::SensorParams;
+use tracking::sighting::gaussian_pair;
+use tracking::space::Space;
+use tracking::watch::Watch;
+
+use crate::moment::Seen;
+use crate::params::EyesParams;
+
+/// The places from which is looked, at one tick.
+#[derive(Debug, Clone)]
+pub struct Eyes {
+    params: EyesParams,
+    /// Whether lines of sight matter.
+    limited: bool,
+    watch: Watch,
+}
+
+impl Eyes {
+    /// With observers that `limited` says there are; without any, everything is seen always.
+    pub fn new(params: &EyesParams, limited: bool) -> Self {
+        let sensor = SensorParams {
+            unseen_below: params.least_visibility,
+            range: params.range,
+            ..SensorParams::default()
+        };
+        Self {
+            params: params.clone(),
+            limited,
+            watch: Watch::new(&sensor),
+        }
+    }
+
+    /// Moves the observers to these places [m].
+    pub fn set(&mut self, space: &Space, places: impl IntoIterator<Item = Point2<f64>>) {
+        let poses: Vec<Pose2> = places
+            .into_iter()
+            .map(|place| Pose2::new(place.x, place.y, 0.0))
+            .collect();
+        self.watch.set(space.field(), &poses);
+    }
+
+    /// The observers, for the particle filter.
+    pub fn watch(&self) -> &Watch {
+        &self.watch
+    }
+
+    /// Looks at a robot: how well it is seen (0…1), and the measurement if well enough. As many
+    /// numbers are drawn whether it is seen or not.
+    pub fn look(&self, space: &Space, truth: Pose2, rng: &mut ChaCha8Rng) -> (f64, Option<Seen>) {
+        let ((x, y), (turn, _)) = (gaussian_pair(rng), gaussian_pair(rng));
+        let visibility = if self.limited {
+            self.watch
+                .best(space.field(), truth.position())
+                .map_or(0.0, |(visibility, _)| visibility)
+        } else {
+            1.0
+        };
+        let (sigma, heading_sigma) = (self.params.noise, self.params.heading_noise);
+        let seen = Seen {
+            position: Point2::new(truth.x + sigma * x, truth.y + sigma * y),
+            heading: math::wrap_angle(truth.theta + heading_sigma * turn),
+            sigma,
+            heading_sigma,
+        };
+        let well = visibility > 0.0 && visibility >= self.params.least_visibility;
+        (visibility, well.then_some(seen))
+    }
+}

@@ -1,0 +1,127 @@
+//! What is publicly known of how goals are made: everything but the key.
+
+use nalgebra::{Point2, Vector2};
+
+/// A goal that is made from one output of a generator, in the unit square or in [−1, 1]²: an affine
+/// image of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Frame {
+    /// Image of the output (0, 0) [m].
+    pub origin: Point2<f64>,
+    /// Image of the first axis [m].
+    pub first: Vector2<f64>,
+    /// Image of the second axis [m]; not parallel to the first.
+    pub second: Vector2<f64>,
+}
+
+impl Frame {
+    /// The goal of an output.
+    pub fn goal(&self, [x, y]: [f64; 2]) -> Point2<f64> {
+        self.origin + self.first * x + self.second * y
+    }
+
+    /// The output of a goal; `None` if the axes are parallel.
+    pub fn output(&self, goal: Point2<f64>) -> Option<[f64; 2]> {
+        let area = self.first.perp(&self.second);
+        let offset = goal - self.origin;
+        (area != 0.0 && area.is_finite()).then(|| {
+            [
+                offset.perp(&self.second) / area,
+                self.first.perp(&offset) / area,
+            ]
+        })
+    }
+}
+
+/// One of the goals, in the order in which they are visited.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Slot {
+    /// Always at the same place.
+    Fixed(Point2<f64>),
+    /// Where the generator's next output says.
+    Drawn(Frame),
+}
+
+/// The goals of a route that repeats itself.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Layout {
+    slots: Vec<Slot>,
+}
+
+impl Layout {
+    /// A route that begins anew after the last of these goals; `None` of no goals.
+    pub fn new(slots: Vec<Slot>) -> Option<Self> {
+        (!slots.is_empty()).then_some(Self { slots })
+    }
+
+    /// The goal with this number, counted from 0 over all rounds.
+    pub fn slot(&self, number: u64) -> Slot {
+        let at = (number % self.slots.len() as u64) as usize;
+        self.slots
+            .get(at)
+            .copied()
+            .unwrap_or(Slot::Fixed(Point2::origin()))
+    }
+
+    /// Goals of a round.
+    pub fn round(&self) -> u64 {
+        self.slots.len() as u64
+    }
+
+    /// Number in the round of a fixed goal within `tolerance` [m] of a place; the nearest one, of
+    /// equals the first.
+    pub fn fixed_near(&self, place: Point2<f64>, tolerance: f64) -> Option<u64> {
+        let mut best: Option<(f64, u64)> = None;
+        for (number, slot) in (0..).zip(&self.slots) {
+            let Slot::Fixed(point) = slot else { continue };
+            let distance = (place - point).norm();
+            if distance <= tolerance && best.is_none_or(|(least, _)| distance < least) {
+                best = Some((distance, number));
+            }
+        }
+        best.map(|(_, number)| number)
+    }
+
+    /// Whether every goal is drawn, so that it does not matter where in the round the robot is.
+    pub fn is_uniform(&self) -> bool {
+        self.slots.len() == 1 && matches!(self.slots.first(), Some(Slot::Drawn(_)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_are_inverted() {
+        let frame = Frame {
+            origin: Point2::new(1.0, 2.0),
+            first: Vector2::new(1.2, -0.7),
+            second: Vector2::new(0.7, 1.2),
+        };
+        let [x, y] = frame.output(frame.goal([0.3, -0.8])).unwrap();
+        assert!((x - 0.3).abs() < 1e-14 && (y + 0.8).abs() < 1e-14);
+        let flat = Frame {
+            second: frame.first,
+            ..frame
+        };
+        assert_eq!(flat.output(Point2::origin()), None);
+    }
+
+    #[test]
+    fn rounds_repeat_and_fixed_goals_are_found() {
+        let corner = Point2::new(3.0, 0.0);
+        let frame = Frame {
+            origin: Point2::origin(),
+            first: Vector2::x(),
+            second: Vector2::y(),
+        };
+        let layout = Layout::new(vec![Slot::Drawn(frame), Slot::Fixed(corner)]).unwrap();
+        assert_eq!(layout.slot(7), Slot::Fixed(corner));
+        assert_eq!(layout.fixed_near(Point2::new(3.05, 0.0), 0.1), Some(1));
+        assert_eq!(layout.fixed_near(Point2::new(3.5, 0.0), 0.1), None);
+        assert!(!layout.is_uniform());
+        assert!(Layout::new(vec![Slot::Drawn(frame)]).unwrap().is_uniform());
+        assert_eq!(Layout::new(Vec::new()), None);
+    }
+}

@@ -1,0 +1,262 @@
+//! Which goals a robot has reached, from its poses alone.
+//!
+//! A robot that goes from goal to goal drives straight legs, each of which aims at its goal to the
+//! end. It turns away before it is quite there: as soon as the goal is within its tolerance. Where a
+//! straight leg ends, the goal therefore lies ahead by that tolerance, less half the way of a tick on
+//! average; it does not matter how the robot turns afterwards.
+//!
+//! Goals that are near to each other leave no straight leg between them. There the turning rate
+//! tells: a robot that turns towards its goal does so ever more slowly, and when it turns faster
+//! again, or the other way, it has got another goal.
+
+use std::collections::VecDeque;
+
+use nalgebra::{Point2, Vector2};
+use sim_backend::math;
+
+use crate::moment::{Look, ReachedGoal, Seen};
+
+/// Changes of heading below this [rad] are none.
+const LEAST_TURN: f64 = 0.02;
+/// The same in standard deviations of the heading.
+const TURN_SIGMAS: f64 = 5.0;
+/// A turn at the end of a short leg is at least this many times as large.
+const CLEAR_TURN: f64 = 2.0;
+/// Poses of a short leg.
+const SHORT: usize = 4;
+/// Changes of the turning rate per look that are more than noise, in standard deviations of the
+/// heading: a change takes three of them.
+const JUMP_SIGMAS: f64 = 8.0;
+/// Way that makes a leg of poses with one heading [m], and more of it in standard deviations.
+const LEAST_LEG: f64 = 0.01;
+const LEG_SIGMAS: f64 = 4.0;
+/// Poses of a leg's end that are averaged.
+const END: usize = 8;
+/// Poses after which a leg is one whatever it looks like.
+const SETTLED: usize = 20;
+/// Poses that say which heading a leg has.
+const HEADINGS: usize = 5;
+/// Below this the last position is better than an average [m].
+const EXACT: f64 = 1e-3;
+
+#[derive(Debug, Clone, Copy)]
+struct Sample {
+    time: f64,
+    seen: Seen,
+}
+
+/// Watches the legs of one robot.
+#[derive(Debug, Clone)]
+pub struct Legs {
+    /// Distance from its goal at which the robot turns to the next [m].
+    arrival: f64,
+    /// The last poses with one heading, oldest first.
+    samples: VecDeque<Sample>,
+    /// Whether they make a leg.
+    straight: bool,
+    /// Poses since the leg may have begun.
+    age: usize,
+    /// A pose that does not fit in: the first of a turn, or one that was measured badly.
+    odd: Option<Sample>,
+    /// The last two poses in sight, the newer first.
+    before: Option<(Sample, Option<Sample>)>,
+    /// Whether the robot has turned more slowly since the last goal.
+    slowing: bool,
+    /// The last goal [m].
+    last: Option<Point2<f64>>,
+    lost: bool,
+}
+
+impl Legs {
+    /// For a robot that turns to its next goal within `arrival` [m], ≥ 0, of the last.
+    pub fn new(arrival: f64) -> Self {
+        Self {
+            arrival,
+            samples: VecDeque::new(),
+            straight: false,
+            age: 0,
+            odd: None,
+            before: None,
+            slowing: false,
+            last: None,
+            lost: false,
+        }
+    }
+
+    /// Takes up a look; returns the goal that the robot has turned away from.
+    pub fn observe(&mut self, look: &Look) -> Option<ReachedGoal> {
+        let Some(seen) = look.seen else {
+            self.lost = true;
+            self.before = None;
+            self.slowing = false;
+            self.restart(&[]);
+            return None;
+        };
+        let sample = Sample {
+            time: look.time,
+            seen,
+        };
+        let goal = self.take(sample, look.dt);
+        let newest = self.before.map(|(newest, _)| newest);
+        self.before = Some((sample, newest));
+        if let Some(goal) = goal {
+            self.last = Some(goal.point);
+            self.slowing = false;
+        }
+        goal
+    }
+
+    fn take(&mut self, sample: Sample, dt: f64) -> Option<ReachedGoal> {
+        let jump = self.jumps(&sample);
+        let turned = self.turned(&sample);
+        if jump
+            && self.odd.is_none()
+            && let Some(goal) = self.goal_before_jump(dt)
+        {
+            self.restart(&[sample]);
+            return Some(goal);
+        }
+        if turned > 1.0 {
+            if !self.straight {
+                self.restart(&[sample]);
+                return None;
+            }
+            let Some(first) = self.odd else {
+                self.odd = Some(sample);
+                return None;
+            };
+            // What seems to be a leg may be the end of the turn before, which slows down.
+            let settled = self.age >= SETTLED || (self.age >= SHORT && turned > CLEAR_TURN);
+            let goal = settled.then(|| self.goal(dt)).flatten();
+            self.restart(&[first]);
+            if self.turned(&sample) > 1.0 {
+                self.restart(&[]);
+            }
+            self.samples.push_back(sample);
+            return goal;
+        }
+        self.odd = None;
+        if self.samples.len() == END {
+            self.samples.pop_front();
+        }
+        self.samples.push_back(sample);
+        self.age += 1;
+        if let Some(first) = self.samples.front() {
+            let way = (sample.seen.position - first.seen.position).norm();
+            self.straight |= way > LEAST_LEG + LEG_SIGMAS * sample.seen.sigma;
+        }
+        None
+    }
+
+    /// Whether the robot has been out of sight since this was asked last: goals may be missing.
+    pub fn take_lost(&mut self) -> bool {
+        core::mem::take(&mut self.lost)
+    }
+
+    fn restart(&mut self, with: &[Sample]) {
+        self.samples.clear();
+        self.samples.extend(with);
+        self.age = with.len();
+        self.straight = false;
+        self.odd = None;
+    }
+
+    /// Mean heading of the leg's end [rad].
+    fn heading(&self) -> f64 {
+        let Some(last) = self.samples.back() else {
+            return 0.0;
+        };
+        let heading = last.seen.heading;
+        let count = self.samples.len().min(HEADINGS);
+        let off: f64 = self
+            .samples
+            .iter()
+            .rev()
+            .take(count)
+            .map(|sample| math::angle_difference(sample.seen.heading, heading))
+            .sum();
+        heading + off / count as f64
+    }
+
+    /// How far a heading is off that of the leg, in changes that are more than noise; 0 if there is
+    /// no leg.
+    fn turned(&self, sample: &Sample) -> f64 {
+        if self.samples.is_empty() {
+            return 0.0;
+        }
+        let off = math::angle_difference(sample.seen.heading, self.heading());
+        off.abs() / LEAST_TURN.max(TURN_SIGMAS * sample.seen.heading_sigma)
+    }
+
+    /// Whether the robot suddenly turns faster, or the other way.
+    fn jumps(&mut self, sample: &Sample) -> bool {
+        let Some((newest, Some(older))) = self.before else {
+            return false;
+        };
+        let turn =
+            |from: &Sample, to: &Sample| math::angle_difference(to.seen.heading, from.seen.heading);
+        let (was, is) = (turn(&older, &newest), turn(&newest, sample));
+        let least = LEAST_TURN.max(JUMP_SIGMAS * sample.seen.heading_sigma);
+        let same_way = if was < 0.0 { -is } else { is };
+        let jump = self.slowing && (same_way > was.abs() + least || same_way < -least);
+        self.slowing |= is.abs() < least || is.abs() < was.abs() - 0.5 * least;
+        jump
+    }
+
+    /// The goal of a robot that has begun to turn at the last pose.
+    fn goal_before_jump(&self, dt: f64) -> Option<ReachedGoal> {
+        if self.straight && self.age >= END {
+            return self.goal(dt);
+        }
+        let (newest, older) = self.before?;
+        let way = (newest.seen.position - older?.seen.position).norm();
+        let (sin, cos) = math::sincos(newest.seen.heading);
+        let point = newest.seen.position + Vector2::new(cos, sin) * (self.arrival - 0.5 * way);
+        let apart = self
+            .last
+            .is_none_or(|last| (point - last).norm() > self.arrival);
+        apart.then_some(ReachedGoal {
+            time: newest.time,
+            point,
+        })
+    }
+
+    /// The goal at the end of the present leg.
+    fn goal(&self, dt: f64) -> Option<ReachedGoal> {
+        let last = self.samples.back()?;
+        let (end, velocity) = self.end()?;
+        let (sin, cos) = math::sincos(self.heading());
+        let ahead = self.arrival - 0.5 * velocity.norm() * dt;
+        Some(ReachedGoal {
+            time: last.time,
+            point: end + Vector2::new(cos, sin) * ahead,
+        })
+    }
+
+    /// The last position [m] and the velocity [m/s] of the leg's end, by least squares in time.
+    fn end(&self) -> Option<(Point2<f64>, Vector2<f64>)> {
+        let last = self.samples.back()?;
+        let n = self.samples.len() as f64;
+        let (mut time, mut way) = (0.0, Vector2::zeros());
+        for sample in &self.samples {
+            time += (sample.time - last.time) / n;
+            way += (sample.seen.position - last.seen.position) / n;
+        }
+        let (mut squares, mut products) = (0.0, Vector2::zeros());
+        for sample in &self.samples {
+            let t = sample.time - last.time - time;
+            squares += t * t;
+            products += (sample.seen.position - last.seen.position - way) * t;
+        }
+        if squares <= 0.0 {
+            return None;
+        }
+        let velocity = products / squares;
+        let end = if last.seen.sigma < EXACT {
+            last.seen.position
+        } else {
+            last.seen.position + way - velocity * time
+        };
+        Some((end, velocity))
+    }
+}

@@ -1,0 +1,55 @@
+//! The particle filter of the chasing game, its particles moved on.
+
+use nalgebra::Point2;
+use rand_chacha::ChaCha8Rng;
+use sim_backend::pose::Pose2;
+use tracking::params::FilterParams;
+use tracking::particle_filter::{MotionLimits, ParticleFilter};
+use tracking::sighting::{Measurement, Sighting};
+use tracking::space::Space;
+
+use super::Predictor;
+use crate::moment::Moment;
+
+/// A belief about a robot, and its mean as prediction.
+#[derive(Debug, Clone)]
+pub struct Particles {
+    filter: ParticleFilter,
+}
+
+impl Particles {
+    /// For a robot with these limits that starts at a known pose; `params` must be valid.
+    pub fn new(
+        params: &FilterParams,
+        limits: MotionLimits,
+        start: Pose2,
+        space: &Space,
+        rng: ChaCha8Rng,
+    ) -> Self {
+        Self {
+            filter: ParticleFilter::new(params, limits, Some(start), space, rng),
+        }
+    }
+}
+
+impl Predictor for Particles {
+    fn observe(&mut self, moment: &Moment<'_>) {
+        let look = &moment.look;
+        let measurement = look.seen.map(|seen| Measurement {
+            position: seen.position,
+            sigma: seen.sigma,
+            heading: Some((seen.heading, seen.heading_sigma)),
+        });
+        let sighting = Sighting {
+            visibility: look.visibility,
+            observer: None,
+            measurement,
+        };
+        self.filter
+            .update(moment.space, moment.watch, &sighting, None, look.dt);
+    }
+
+    fn predict(&self, horizon: f64, moment: &Moment<'_>) -> Option<Point2<f64>> {
+        Some(self.filter.mean_after(moment.space, horizon))
+    }
+}

@@ -1,0 +1,318 @@
+//! Wires an observer to its topics: state and map in, predictions out.
+
+use ipc_types::bus::{Bus, Publisher, PublisherOptions};
+use ipc_types::messages::observer::Prediction;
+use ipc_types::stamp::PlainHeader;
+use ipc_types::topics::Predictions;
+use kit::inputs::{MapInput, StateInput, reply_stamp};
+use kit::planner::{blurred_map, map_grids};
+use kit::{Clock, ProcessConfig, ProcessError, Wiring};
+use metrics::prediction::View;
+use nalgebra::Point2;
+use rand_chacha::ChaCha8Rng;
+use sim_backend::pose::Pose2;
+use tracking::particle_filter::MotionLimits;
+use tracking::space::Space;
+
+use crate::eyes::Eyes;
+use crate::moment::Look;
+use crate::params::{Method, ObserverParams};
+use crate::predictors::kalman::Kalman;
+use crate::predictors::key::KeyHunter;
+use crate::predictors::particles::Particles;
+use crate::predictors::similar_goal::SimilarGoal;
+use crate::predictors::similar_stretch::SimilarStretch;
+use crate::watched::{Foretold, Watched};
+
+/// A robot that is watched.
+struct Target {
+    robot: usize,
+    watched: Watched,
+    noise: ChaCha8Rng,
+    visible: bool,
+}
+
+/// An observer in its process.
+pub struct ObserverProcess {
+    config: ProcessConfig,
+    params: ObserverParams,
+    /// Robots that are watched, and from which it looks.
+    robots: Vec<usize>,
+    from_robots: Vec<usize>,
+    eyes: Eyes,
+    space: Option<Space>,
+    targets: Vec<Target>,
+    state: StateInput,
+    map: MapInput,
+    predictions: Publisher<Predictions>,
+    /// Ticks between two reports.
+    every: u64,
+    reported: Option<u64>,
+    last_tick: Option<u64>,
+    report: Vec<Prediction>,
+}
+
+impl Wiring for ObserverProcess {
+    fn open(config: &ProcessConfig, bus: &Bus) -> Result<Self, ProcessError> {
+        let refuse = |reason: String| ProcessError::Params {
+            process: config.name.clone(),
+            kind: config.kind.clone(),
+            reason,
+        };
+        let params: ObserverParams =
+            serde_json::from_value(config.params.clone()).map_err(|e| refuse(e.to_string()))?;
+        params.validate().map_err(|e| refuse(e.to_string()))?;
+        let run = &config.run;
+        let indices = |field: &str, names: &[String]| {
+            names
+                .iter()
+                .map(|name| {
+                    run.robots
+                        .iter()
+                        .position(|robot| robot.name == *name)
+                        .ok_or_else(|| {
+                            refuse(format!(
+                                "`{field}` names `{name}`, but must name robots of the scenario"
+                            ))
+                        })
+                })
+                .collect::<Result<Vec<usize>, _>>()
+        };
+        let from_robots = indices("from_robots", &params.from_robots)?;
+        let mut robots = indices("watch", &params.watch)?;
+        if robots.is_empty() {
+            robots = (0..run.robots.len())
+                .filter(|robot| !from_robots.contains(robot))
+                .collect();
+        }
+        robots.sort_unstable();
+        robots.dedup();
+        let knowledge = usize::from(params.cat.is_some()) + usize::from(params.chebyshev.is_some());
+        let methods = params.methods.len() + knowledge;
+        let capacity = robots.len() * methods * params.horizons_s.len();
+        let limited = !(params.from_points.is_empty() && from_robots.is_empty());
+        Ok(Self {
+            eyes: Eyes::new(&params.eyes, limited),
+            every: ticks(params.period_s, run.tick_period()),
+            state: StateInput::open(bus, run.robots.len())?,
+            map: MapInput::open(bus)?,
+            predictions: bus.publisher(PublisherOptions::new(config.index, capacity))?,
+            config: config.clone(),
+            params,
+            robots,
+            from_robots,
+            space: None,
+            targets: Vec::new(),
+            reported: None,
+            last_tick: None,
+            report: Vec::with_capacity(capacity),
+        })
+    }
+
+    fn connect(&mut self) -> Result<(), ProcessError> {
+        self.state.connect()?;
+        self.map.connect()?;
+        self.predictions.update_connections()?;
+        Ok(())
+    }
+
+    fn prepare(&mut self) -> Result<(), ProcessError> {
+        if self.map.update()? {
+            let grids = map_grids(&self.map);
+            let space = Space::new(&blurred_map(grids.blurred, grids.occupied)?);
+            if self.targets.is_empty() {
+                self.targets = self
+                    .robots
+                    .iter()
+                    .map(|&robot| self.target(robot, &space))
+                    .collect::<Result<_, _>>()?;
+            }
+            self.space = Some(space);
+        }
+        Ok(())
+    }
+
+    fn step(&mut self, tick: u64) -> Result<(), ProcessError> {
+        let clock = self.config.run.clock;
+        self.state.take_turn(tick, clock)?;
+        let newest = self.state.header.stamp.tick;
+        self.prepare()?;
+        let Some(space) = &self.space else {
+            if clock == Clock::LockStep {
+                let text = "it is the turn of a tick, but no sound world/map has come";
+                return Err(ProcessError::Protocol(text.into()));
+            }
+            return Ok(());
+        };
+        // In real time ticks may have been missed, or nothing new may have come.
+        let passed = match self.last_tick {
+            Some(last) if newest <= last => return Ok(()),
+            Some(last) => newest - last,
+            None => 1,
+        };
+        self.last_tick = Some(newest);
+        let period = self.config.run.tick_period();
+        let robots = &self.state.robots;
+        let active = |robot: usize| robots.get(robot).filter(|state| state.status == 0);
+        let from_robots = self.from_robots.iter().filter_map(|&robot| active(robot));
+        self.eyes.set(
+            space,
+            self.params
+                .from_points
+                .iter()
+                .map(|&point| Point2::from(point))
+                .chain(from_robots.map(|state| Point2::new(state.x, state.y))),
+        );
+        for target in &mut self.targets {
+            let Some(state) = active(target.robot) else {
+                continue;
+            };
+            let truth = Pose2::new(state.x, state.y, state.theta);
+            let (visibility, seen) = self.eyes.look(space, truth, &mut target.noise);
+            target.visible = seen.is_some();
+            let look = Look {
+                time: newest as f64 * period,
+                dt: passed as f64 * period,
+                seen,
+                visibility,
+            };
+            let scene = (space, self.eyes.watch());
+            target
+                .watched
+                .observe(newest, look, truth.position(), scene);
+        }
+        let turn = newest / self.every;
+        if self.reported == Some(turn) {
+            return Ok(());
+        }
+        self.reported = Some(turn);
+        let report = &mut self.report;
+        report.clear();
+        for target in &mut self.targets {
+            if active(target.robot).is_none() {
+                continue;
+            }
+            let (robot, visible) = (target.robot, target.visible);
+            let scene = (space, self.eyes.watch());
+            target.watched.report(newest, scene, |foretold| {
+                report.push(prediction(robot, visible, &foretold));
+            });
+        }
+        if !report.is_empty() {
+            let stamp = reply_stamp(&self.state.header, self.state.received_ns);
+            self.predictions
+                .send_with(PlainHeader { stamp }, report.len(), |i| {
+                    report.get(i).copied().unwrap_or_default()
+                })?;
+        }
+        Ok(())
+    }
+
+    fn rejected(&self) -> u64 {
+        self.state.rejected + self.map.rejected
+    }
+}
+
+impl ObserverProcess {
+    /// Sets up the predictors of a robot.
+    fn target(&self, robot: usize, space: &Space) -> Result<Target, ProcessError> {
+        let (run, params) = (&self.config.run, &self.params);
+        let algorithm = |e: guidance::params::ParamsError| ProcessError::Algorithm(e.to_string());
+        let Some(info) = run.robots.get(robot) else {
+            return Err(ProcessError::Algorithm(format!(
+                "there is no robot {robot}"
+            )));
+        };
+        let stream =
+            |purpose: &str| kit::seed::stream(run.seed, &self.config.name, &info.name, purpose);
+        let tick_s = run.tick_period();
+        let horizons = params
+            .horizons_s
+            .iter()
+            .map(|&horizon| (horizon, ticks(horizon, tick_s)))
+            .collect();
+        let mut watched = Watched::new(params.arrival, horizons);
+        for method in &params.methods {
+            match method {
+                Method::Kalman => {
+                    watched.add(
+                        Prediction::KALMAN,
+                        Kalman::new(params.acceleration, info.model.v_max),
+                    );
+                }
+                Method::Particles => {
+                    let limits = MotionLimits {
+                        v_max: info.model.v_max,
+                        v_reverse_max: info.model.v_reverse_max,
+                        omega_max: info.model.omega_max,
+                    };
+                    let rng = stream("particles");
+                    watched.add(
+                        Prediction::PARTICLES,
+                        Particles::new(&params.filter, limits, info.start, space, rng),
+                    );
+                }
+                Method::SimilarStretch => watched.add(
+                    Prediction::SIMILAR_STRETCH,
+                    SimilarStretch::new(params.stretch_s, params.stretch_step_s),
+                ),
+                Method::SimilarGoal => {
+                    watched.add(Prediction::SIMILAR_GOAL, SimilarGoal::new(View::Plane));
+                }
+                Method::SimilarGoalPerAxis => watched.add(
+                    Prediction::SIMILAR_GOAL_PER_AXIS,
+                    SimilarGoal::new(View::PerAxis),
+                ),
+            }
+        }
+        if let Some(cat) = &params.cat {
+            let layout = cat.layout().map_err(|e| algorithm(e.within("cat")))?;
+            let finder = cat.finder();
+            watched.add(
+                Prediction::CAT_KEY,
+                KeyHunter::new(layout, finder, params.goal_error),
+            );
+        }
+        if let Some(chebyshev) = &params.chebyshev {
+            let layout = chebyshev
+                .layout()
+                .map_err(|e| algorithm(e.within("chebyshev")))?;
+            let finder = chebyshev.finder();
+            watched.add(
+                Prediction::CHEBYSHEV_KEY,
+                KeyHunter::new(layout, finder, params.goal_error),
+            );
+        }
+        Ok(Target {
+            robot,
+            watched,
+            noise: stream("eyes"),
+            visible: false,
+        })
+    }
+}
+
+/// A time in whole ticks, at least one.
+fn ticks(time_s: f64, tick_s: f64) -> u64 {
+    // A cast of a float saturates; NaN becomes 0.
+    ((time_s / tick_s).round() as u64).max(1)
+}
+
+fn prediction(robot: usize, visible: bool, foretold: &Foretold) -> Prediction {
+    let position = foretold
+        .position
+        .unwrap_or(Point2::new(f64::INFINITY, f64::INFINITY));
+    Prediction {
+        horizon_s: foretold.horizon,
+        x: position.x,
+        y: position.y,
+        error: foretold.error.unwrap_or(f64::INFINITY),
+        robot: robot as u32,
+        goals_observed: foretold.goals_observed,
+        method: foretold.method,
+        due: u8::from(foretold.error.is_some()),
+        visible: u8::from(visible),
+        key_recovered: u8::from(foretold.key_recovered),
+        ..Prediction::default()
+    }
+}

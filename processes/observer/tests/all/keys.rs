@@ -1,0 +1,205 @@
+//! Keys are recovered from poses: of the maps, and never of a keyed stream.
+
+use generators::{AnySource, Cat64, CatF64, CatP, ChebP, Emission, Key, Source};
+use nalgebra::Point2;
+use observer::knowledge::{CatKind, CatKnowledge, ChebyshevForm, ChebyshevKnowledge};
+use observer::layout::{Layout, Slot};
+use observer::predictors::Predictor;
+use observer::predictors::key::{Finder, KeyHunter};
+
+use crate::support::{Onlooker, Robot};
+
+const GOAL_ERROR: f64 = 0.03;
+
+/// The octagon of the cat-map patrol paper, case 1.
+fn octagon(generator: CatKind) -> CatKnowledge {
+    let contour = [
+        [4.0, 0.0],
+        [0.0, 4.0],
+        [0.0, 9.0],
+        [4.0, 13.0],
+        [9.0, 13.0],
+        [13.0, 9.0],
+        [13.0, 4.0],
+        [9.0, 0.0],
+    ];
+    CatKnowledge {
+        contour: contour.to_vec(),
+        t_max: 120.0,
+        alpha: 1.7,
+        generator,
+        ..CatKnowledge::default()
+    }
+}
+
+/// The goals of a layout with a generator.
+fn goals(layout: Layout, mut source: AnySource) -> impl Iterator<Item = Point2<f64>> {
+    (0..).map(move |number| match layout.slot(number) {
+        Slot::Fixed(point) => point,
+        Slot::Drawn(frame) => frame.goal(source.next_unit()),
+    })
+}
+
+struct Hunt {
+    /// Goals that the robot had reached when the key was known.
+    recovered_after: Option<usize>,
+    /// Errors of the predictions 5 s ahead from then on [m].
+    errors: Vec<f64>,
+    made_out: u32,
+}
+
+/// Watches a robot for some goals.
+fn hunt<F: Finder>(
+    layout: &Layout,
+    finder: F,
+    source: AnySource,
+    start: Point2<f64>,
+    (sigma, heading_sigma): (f64, f64),
+    most: usize,
+) -> Hunt {
+    let mut robot = Robot::new(start, goals(layout.clone(), source));
+    let mut onlooker = Onlooker::new(sigma, heading_sigma, 7);
+    let mut hunter = KeyHunter::new(layout.clone(), finder, GOAL_ERROR);
+    let (mut recovered_after, mut errors) = (None, Vec::new());
+    let mut pending: Vec<(u64, Point2<f64>)> = Vec::new();
+    for tick in 0_u64.. {
+        robot.tick();
+        onlooker.look(robot.pose, true, &mut hunter);
+        if hunter.key_recovered() && recovered_after.is_none() {
+            recovered_after = Some(robot.reached.len());
+        }
+        if let Some(at) = onlooker.predict(&hunter, 5.0) {
+            assert!(hunter.key_recovered());
+            pending.push((tick + 100, at));
+        }
+        if let Some(k) = pending.iter().position(|(due, _)| *due == tick) {
+            errors.push((pending.swap_remove(k).1 - robot.pose.position()).norm());
+        }
+        if robot.reached.len() >= most {
+            break;
+        }
+    }
+    Hunt {
+        recovered_after,
+        errors,
+        made_out: hunter.goals_observed(),
+    }
+}
+
+fn median(errors: &[f64]) -> f64 {
+    metrics::prediction::ErrorStatistics::of(errors).map_or(f64::NAN, |s| s.median)
+}
+
+#[test]
+fn the_key_of_a_cat_map_is_recovered_within_a_lap_and_foretells_the_way() {
+    for (kind, source) in [
+        (
+            CatKind::CatP,
+            AnySource::CatP(
+                CatP::new(3_689_348_814_741_910_313, 5_939_851_591_734_475_604).unwrap(),
+            ),
+        ),
+        (
+            CatKind::Cat64,
+            AnySource::Cat64(Cat64::new(0x9e37_79b9_7f4a_7c15, 0xbf58_476d_1ce4_e5b9).unwrap()),
+        ),
+        (
+            CatKind::CatF64,
+            AnySource::CatF64(CatF64::new(0.4, 0.644).unwrap()),
+        ),
+    ] {
+        for (noise, within) in [
+            ((0.0, 0.0), 120),
+            ((0.005, 0.005), 120),
+            ((0.01, 0.01), 240),
+        ] {
+            let knowledge = octagon(kind);
+            let layout = knowledge.layout().unwrap();
+            assert_eq!(layout.round(), 120);
+            let start = Point2::from(knowledge.contour[0]);
+            let found = hunt(
+                &layout,
+                knowledge.finder(),
+                source.clone(),
+                start,
+                noise,
+                300,
+            );
+            let after = found.recovered_after;
+            eprintln!(
+                "{kind:?} {noise:?}: after {after:?} goals, {} made out, median {}",
+                found.made_out,
+                median(&found.errors)
+            );
+            assert!(
+                after.is_some_and(|after| after < within),
+                "{kind:?} {noise:?} {after:?}"
+            );
+            assert!(median(&found.errors) < 0.6);
+        }
+    }
+}
+
+#[test]
+fn the_key_of_chebyshev_maps_is_recovered_within_thirty_sub_goals() {
+    for (form, emission) in [
+        (ChebyshevForm::Arcsine, Emission::Arcsine),
+        (ChebyshevForm::Arccosine, Emission::Arccosine),
+    ] {
+        let knowledge = ChebyshevKnowledge {
+            rectangle: [0.1, 0.1, 9.9, 9.9],
+            form,
+        };
+        let layout = knowledge.layout().unwrap();
+        let source =
+            ChebP::new(123_456_789_012_345_678, 987_654_321_098_765_432, emission).unwrap();
+        let start = Point2::new(5.0, 5.0);
+        let found = hunt(
+            &layout,
+            knowledge.finder(),
+            AnySource::ChebP(source),
+            start,
+            (0.01, 0.01),
+            60,
+        );
+        let after = found.recovered_after;
+        println!(
+            "{form:?}: after {after:?} goals, median {}",
+            median(&found.errors)
+        );
+        assert!(after.is_some_and(|after| after < 30), "{form:?} {after:?}");
+        assert!(median(&found.errors) < 0.6);
+    }
+}
+
+#[test]
+fn a_keyed_stream_gives_nothing_away() {
+    let key: Key = "keyed:000102030405060708090a0b0c0d0e0f101112131415161718191a1b1c1d1e1f"
+        .parse()
+        .unwrap();
+    let cat = octagon(CatKind::CatP);
+    let layout = cat.layout().unwrap();
+    let start = Point2::from(cat.contour[0]);
+    let found = hunt(
+        &layout,
+        cat.finder(),
+        key.source().unwrap(),
+        start,
+        (0.0, 0.0),
+        400,
+    );
+    assert_eq!(found.recovered_after, None);
+    assert!(found.errors.is_empty() && found.made_out > 300);
+    let chebyshev = ChebyshevKnowledge::default();
+    let layout = chebyshev.layout().unwrap();
+    let found = hunt(
+        &layout,
+        chebyshev.finder(),
+        key.source().unwrap(),
+        start,
+        (0.0, 0.0),
+        120,
+    );
+    assert_eq!(found.recovered_after, None);
+    assert!(found.made_out > 100);
+}

@@ -1,0 +1,7 @@
+//! Observers of robots that drive; one program, to be linked once.
+
+mod keys;
+mod next_goal;
+mod pieces;
+mod process;
+mod support;
