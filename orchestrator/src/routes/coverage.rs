@@ -3,12 +3,15 @@
 use ::coverage::goal::{Goal, GoalSource};
 use ::coverage::tour::Tour;
 use ::metrics::coverage::{CELL_SIDES, Figures, Meter, Rate};
-use coverage_chebyshev::design::{Chebyshev, Design, Site};
-use coverage_chebyshev::{ChebyshevParams, FollowParams};
+use coverage_baselines::{Boustrophedon, RandomBounce, Uniform};
+use coverage_chebyshev::{Chebyshev, ChebyshevParams};
+use keyed_coverage::Keyed;
 use nalgebra::Point2;
 use serde_json::{Value as Json, json};
 use sim_backend::map::WorldMap;
 use sim_backend::shape::Aabb;
+use sub_goals::FollowParams;
+use sub_goals::design::{Design, Site};
 
 use super::patrol::kind_name;
 use super::{RouteError, Router};
@@ -53,7 +56,13 @@ pub struct Planned {
 type Kind = (&'static str, fn(&Order<'_>) -> Result<Planned, RouteError>);
 
 /// The kinds, as scenarios name them.
-const KINDS: [Kind; 1] = [("coverage_chebyshev", chebyshev)];
+const KINDS: [Kind; 5] = [
+    ("coverage_chebyshev", chebyshev),
+    ("keyed_coverage", any::<Keyed>),
+    ("coverage_boustrophedon", any::<Boustrophedon>),
+    ("coverage_random_bounce", any::<RandomBounce>),
+    ("coverage_uniform", any::<Uniform>),
+];
 
 /// What is to be planned.
 struct Order<'s> {
@@ -98,6 +107,11 @@ fn chebyshev(order: &Order<'_>) -> Result<Planned, RouteError> {
         planned.tour = Some(tour);
     }
     Ok(planned)
+}
+
+fn any<D: Design>(order: &Order<'_>) -> Result<Planned, RouteError> {
+    let params: D::Params = order.params()?;
+    order.plan::<D>(&params)
 }
 
 impl Order<'_> {

@@ -1,10 +1,10 @@
 //! Parameters of the keyed coverage planner.
 
 use coverage::keyed::KeyedParams;
-use coverage_chebyshev::params::FollowParams;
 use generators::Key;
 use guidance::params::ParamsError;
 use serde::{Deserialize, Serialize};
+use sub_goals::params::FollowParams;
 
 /// Parameters of the keyed coverage planner.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]

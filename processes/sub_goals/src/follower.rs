@@ -15,11 +15,8 @@ use nalgebra::Point2;
 use sim_backend::pose::Pose2;
 
 use crate::arc_driver::ArcDriver;
-use crate::design::{Chebyshev, Design, Site};
+use crate::design::{Design, Site};
 use crate::params::{FollowParams, Interpolation};
-
-/// The chaotic coverage planner in its process.
-pub type ChebyshevPlanner = Follower<Chebyshev>;
 
 /// How the robot is driven.
 #[derive(Debug)]
@@ -228,6 +225,3 @@ fn report(site: &Site) {
         );
     }
 }
-
-#[cfg(test)]
-mod tests;
