@@ -138,10 +138,18 @@ impl Order<'_> {
     fn plan<D: Design>(&self, params: &D::Params) -> Result<Planned, RouteError> {
         let refused = |reason: &dyn std::fmt::Display| self.router.refused(reason);
         D::validate(params).map_err(|e| refused(&e))?;
-        let site = self.site(&D::follow(params))?;
+        let follow = D::follow(params);
+        let site = self.site(&follow)?;
+        // What the robot's body covers; the margin is for its drive only.
+        let bare = FollowParams {
+            margin: 0.0,
+            ..follow
+        };
+        let ground = self.site(&bare)?.workplace.ground();
+        let meter = ground.and_then(|ground| Meter::new(&ground, STEP)).ok();
         let seed = self.router.seed(self.scenario);
         let mut source = D::goals(params, &site, seed, None).map_err(|e| refused(&e))?;
-        let (goals, figures) = self.take(&site, &mut source);
+        let (goals, figures) = self.take(site.start, &mut source, meter);
         Ok(Planned {
             process: self.router.process.name.clone(),
             robot: self.router.robot.name.clone(),
@@ -153,10 +161,13 @@ impl Order<'_> {
     }
 
     /// The sub-goals up to the extent asked for.
-    fn take(&self, site: &Site, source: &mut impl GoalSource) -> (Vec<Goal>, Option<Figures>) {
-        let meter = site.workplace.ground().and_then(|g| Meter::new(&g, STEP));
-        let mut meter = meter.ok();
-        let (mut here, mut way) = (site.start, 0.0);
+    fn take(
+        &self,
+        start: Point2<f64>,
+        source: &mut impl GoalSource,
+        mut meter: Option<Meter>,
+    ) -> (Vec<Goal>, Option<Figures>) {
+        let (mut here, mut way) = (start, 0.0);
         if let Some(meter) = &mut meter {
             meter.goal(here);
         }
@@ -176,6 +187,7 @@ impl Order<'_> {
                 break;
             }
             way += length;
+            source.driven(here, there);
             here = there;
             if let Some(meter) = &mut meter {
                 meter.goal(there);

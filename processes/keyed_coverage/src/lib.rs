@@ -60,6 +60,13 @@ impl Design for Keyed {
                 params.goals.clone(),
             )
         };
+        let made = made.map(|planner| {
+            if params.track {
+                planner.tracking()
+            } else {
+                planner
+            }
+        });
         made.map_err(|e| e.to_string())
     }
 }

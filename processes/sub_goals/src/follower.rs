@@ -38,6 +38,8 @@ pub struct Follower<D: Design> {
     revision: Option<u64>,
     /// Where the last goal is, at which the next leg begins [m].
     last: Option<Point2<f64>>,
+    /// Where the robot was a tick ago [m].
+    before: Option<Point2<f64>>,
     reports: Vec<WaypointReport>,
     failure: Option<ProcessError>,
 }
@@ -113,6 +115,7 @@ impl<D: Design> Planner for Follower<D> {
             goals: None,
             revision: None,
             last: None,
+            before: None,
             reports: Vec::new(),
             failure: None,
         })
@@ -137,6 +140,7 @@ impl<D: Design> Planner for Follower<D> {
         let Some(goals) = &mut self.goals else {
             return Steering::stop();
         };
+        goals.driven(self.before.replace(here).unwrap_or(here), here);
         let situation = Situation {
             pose: me.pose,
             twist: me.twist,

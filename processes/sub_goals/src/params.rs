@@ -1,5 +1,6 @@
 //! Parameters that all planners of sub-goals share.
 
+use guidance::go_to::GoToParams;
 use guidance::params::{ParamsError, not_negative, positive, require};
 use guidance::path_tracking::TrackingParams;
 use guidance::waypoint_driver::DriverParams;
@@ -47,7 +48,14 @@ impl Default for FollowParams {
             interpolation: Interpolation::default(),
             most_miss: 0.1,
             least_radius: 0.02,
-            driver: DriverParams::default(),
+            // Turned towards the next sub-goal before it sets out, it does not bulge out of its leg.
+            driver: DriverParams {
+                go_to: GoToParams {
+                    turn_on_spot: 0.2,
+                    ..GoToParams::default()
+                },
+                ..DriverParams::default()
+            },
             tracking: TrackingParams {
                 // Arcs are small; a far point of them would be reached by cutting across.
                 look_ahead: 0.05,
