@@ -362,6 +362,30 @@ fn options(path: &Path) -> RecorderOptions {
     }
 }
 
+/// Records a run of so many ticks, in chunks of this size [bytes]; `change` may change what is said.
+pub(crate) fn record_run(
+    path: &Path,
+    ticks: u64,
+    chunk_bytes: u64,
+    change: impl Fn(&mut Command, u64),
+) -> super::Summary {
+    let mut options = options(path);
+    options.log.chunk_bytes = chunk_bytes;
+    let mut recording = Recording::create(&options).unwrap();
+    for mut sent in run(ticks, 1) {
+        if let Sent::Command(header, commands) = &mut sent {
+            commands
+                .iter_mut()
+                .for_each(|c| change(c, header.stamp.tick));
+        }
+        sent.push(&mut recording);
+    }
+    for tick in 0..ticks {
+        recording.advance(tick, &mut ()).unwrap();
+    }
+    recording.finish(&mut ()).unwrap()
+}
+
 /// A command message with as many elements as it must not have.
 fn command_element_count(elements: usize) -> Sent {
     let mut header = PlainHeader::default();
