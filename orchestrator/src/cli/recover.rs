@@ -12,7 +12,7 @@ Writes everything that can be read into a new log with an index and a summary: e
 fits, and what can be decompressed of a chunk that was still open when the run was killed. The messages
 keep their order, times and numbers. The log itself stays as it is.
 
-Exit codes: 0 nothing was missing, 1 the new log cannot be written, 2 the file cannot be read or is not
+Exit codes: 0 no data were missing, 1 the new log cannot be written, 2 the file cannot be read or is not
 an MCAP file, 3 something is lost: what, is said.";
 
 /// What `protean recover` takes.
@@ -43,7 +43,7 @@ pub fn run(args: &RecoverArgs) -> ExitCode {
             print_json(&serde_json::json!(done));
         } else {
             let lost = match done.lost {
-                Some(0) => String::new(),
+                _ if done.source.data => String::new(),
                 Some(lost) => format!(", {lost} lost"),
                 None => ", how many are lost is not known".to_owned(),
             };

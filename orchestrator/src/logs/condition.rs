@@ -34,6 +34,8 @@ pub struct Condition {
     pub file_bytes: u64,
     /// Whether the file ends as an MCAP file does.
     pub complete: bool,
+    /// Whether all its data are there and hold: only the summary can be missing.
+    pub data: bool,
     /// Whether it has a summary.
     pub summary: bool,
     /// Whether every chunk is in its index.
@@ -69,6 +71,11 @@ impl Condition {
         } else {
             self.faults_omitted += 1;
         }
+    }
+
+    /// What the data section held is all there, if it ends here.
+    pub(super) fn data_end(&mut self) {
+        self.data = self.faults.is_empty();
     }
 
     /// What is missing or wrong, a line each, for people.

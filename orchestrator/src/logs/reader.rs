@@ -226,6 +226,7 @@ impl<'w> Reader<'w> {
             }
         }
         if hasher.finalize() != expected {
+            self.condition.data = false;
             self.condition.fault(
                 end,
                 "the checksum of the data section does not fit: something in it has changed",
@@ -536,6 +537,7 @@ impl<'w> Reader<'w> {
             }
             op::DATA_END => {
                 self.data_end = Some((at, fields.u32().ok_or(())?));
+                self.condition.data_end();
                 Ok(None)
             }
             op::CHUNK_INDEX => {

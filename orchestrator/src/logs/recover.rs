@@ -87,7 +87,7 @@ pub fn recover(
         None => Output::create(out, log, force, "")?,
     };
     for result in results {
-        let result = if source.is_whole() {
+        let result = if source.data {
             result
         } else {
             no_longer_whole(result)

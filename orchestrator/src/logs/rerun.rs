@@ -67,6 +67,7 @@ struct Recorded {
     filtered: bool,
     /// Whether the last state of the world is that of its end.
     over: bool,
+    /// Whether all its messages are there.
     whole: bool,
 }
 
@@ -168,7 +169,7 @@ impl Recorded {
                 _ => {}
             }
         }
-        recorded.whole = reader.condition().is_whole();
+        recorded.whole = reader.condition().data;
         let foreign = |missing| LogsError::Foreign {
             path: log.to_owned(),
             missing,

@@ -54,6 +54,7 @@ fn a_log_cut_at_any_byte_keeps_every_whole_chunk_and_invents_nothing() {
             }
             let (read, condition) = ours(&cut);
             assert!(!condition.complete && !condition.is_whole(), "{length}");
+            assert!(!condition.data || read == all, "{length}");
             assert!(all.starts_with(&read), "{length}");
             let kept = ends.iter().filter(|(end, _)| *end <= length as u64);
             let kept = kept.map(|(_, messages)| *messages).max().unwrap_or(0);
@@ -147,7 +148,18 @@ fn a_run_that_was_cut_short_says_so_and_has_no_digest() {
     assert_eq!((whole.start_s, whole.end_s), (0.0, 0.55));
 
     let bytes = std::fs::read(&log).unwrap();
-    let cut = file(&folder, "cut.mcap", &bytes[..bytes.len() * 2 / 3]);
+    // Without the end of the summary nothing is lost.
+    let cut = file(&folder, "cut.mcap", &bytes[..bytes.len() - 100]);
+    let info = LogInfo::read(&cut, &mut watch()).unwrap();
+    assert!(info.condition.data && !info.condition.complete && !info.condition.index);
+    let out = folder.path().join("out.mcap");
+    let done = recover(&cut, &out, false, &mut watch()).unwrap();
+    assert_eq!((done.messages, done.salvaged), (whole.messages, 0));
+    let info = LogInfo::read(&out, &mut watch()).unwrap();
+    assert_eq!((&info.digest, &info.topics), (&whole.digest, &whole.topics));
+
+    let (end, _) = chunk_ends(&bytes).into_iter().nth(4).unwrap();
+    let cut = file(&folder, "cut.mcap", &bytes[..end as usize + 300]);
     let info = LogInfo::read(&cut, &mut watch()).unwrap();
     assert!(!info.condition.complete && info.condition.cut_at.is_some());
     assert_eq!(info.digest, None);

@@ -27,7 +27,7 @@ fn the_first_difference_of_every_topic_is_named() {
     });
     record_run(&path("d"), 6, 4_000, |_, _| {});
     let same = compare(&path("a"), &path("b"), false, &mut watch()).unwrap();
-    assert!(same.differences.is_empty() && same.equal > 100, "{same:?}");
+    assert!(same.differences.is_empty() && same.equal > 90, "{same:?}");
     let differs = compare(&path("a"), &path("c"), false, &mut watch()).unwrap();
     assert_eq!(differs.differences.len(), 1);
     let (topic, first) = differs.first().unwrap();
@@ -120,8 +120,19 @@ fn a_log_that_was_cut_short_is_compared_as_far_as_it_goes() {
     let folder = tempfile::tempdir().unwrap();
     let (log, cut) = (folder.path().join("a.mcap"), folder.path().join("cut.mcap"));
     play(&log);
-    let bytes = std::fs::read(&log).unwrap();
-    std::fs::write(&cut, &bytes[..bytes.len() * 2 / 3]).unwrap();
+    // Killed in the middle of a tick: no more messages, no result, no summary.
+    let total = super::theirs(&log).len();
+    let (mut seen, short) = (0, folder.path().join("short.mcap"));
+    let keep = |_: &_, _: &mut Vec<u8>| {
+        seen += 1;
+        seen < total * 2 / 3
+    };
+    let lose = |record: &mut mcap::records::Metadata| {
+        record.metadata.remove("digest");
+    };
+    rewrite(&log, &short, keep, lose, |_| true);
+    let bytes = std::fs::read(&short).unwrap();
+    std::fs::write(&cut, &bytes[..bytes.len() - 1_000]).unwrap();
     let recovered = folder.path().join("recovered.mcap");
     recover(&cut, &recovered, false, &mut watch()).unwrap();
     for log in [&cut, &recovered] {
@@ -186,6 +197,7 @@ fn runs_that_cannot_be_done_again_are_refused_with_the_reason() {
     refused("unknown key");
     rewrite(&log, &other, |_, _| true, |_| {}, |_| false);
     assert!(matches!(refused("no scenario"), LogsError::Foreign { .. }));
+    std::fs::remove_file(&other).unwrap();
     record_run(&other, 2, 4_000, |_, _| {});
     refused("the scenario in it is not one for this version");
 }
