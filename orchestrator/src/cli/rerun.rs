@@ -18,6 +18,10 @@ as the log goes, but it does not go to the end of its run; or interrupted.";
 
 /// What `protean rerun` takes.
 #[derive(Debug, clap::Args)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "one per switch of the command line"
+)]
 pub(super) struct RerunArgs {
     /// A log of a run in lock-step
     log: PathBuf,

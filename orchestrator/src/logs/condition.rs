@@ -29,6 +29,10 @@ pub struct Chunks {
 
 /// In what condition a file is that has been read to its end.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each says of another part of the file whether it is there"
+)]
 pub struct Condition {
     /// Size of the file [bytes].
     pub file_bytes: u64,

@@ -90,6 +90,7 @@ impl States {
 ///
 /// # Errors
 /// [`LogsError`]; then there is no new log.
+#[expect(clippy::too_many_lines, reason = "one kind of item after the other")]
 pub fn filter(
     log: &Path,
     out: &Path,
@@ -178,7 +179,7 @@ pub fn filter(
     }
     options
         .topics
-        .check(reader.channels().map(|channel| channel.topic.as_str()))?;
+        .check(&reader.channels().map(|channel| channel.topic.as_str()))?;
     with_messages.extend(states.last.keys().map(|(channel, _)| *channel));
     let mut output = match output {
         Some(output) => output,

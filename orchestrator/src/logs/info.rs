@@ -252,9 +252,10 @@ impl LogInfo {
         for (id, topic) in channels {
             if let Some(tally) = tallies.remove(&id) {
                 // Other tools write several channels with one topic.
-                let name = match topics.contains_key(&topic) {
-                    true => format!("{topic} (channel {id})"),
-                    false => topic,
+                let name = if topics.contains_key(&topic) {
+                    format!("{topic} (channel {id})")
+                } else {
+                    topic
                 };
                 topics.insert(name, tally.finish(whole));
             }

@@ -26,7 +26,7 @@ impl Topics {
     /// Every name must be that of a topic.
     pub(super) fn check<'a>(
         &self,
-        known: impl Iterator<Item = &'a str> + Clone,
+        known: &(impl Iterator<Item = &'a str> + Clone),
     ) -> Result<(), LogsError> {
         for (option, patterns) in [("--topics", &self.only), ("--exclude", &self.without)] {
             for pattern in patterns {
@@ -37,9 +37,10 @@ impl Topics {
                     return Err(LogsError::Topic {
                         option,
                         wanted: pattern.clone(),
-                        known: match names.is_empty() {
-                            true => "none".to_owned(),
-                            false => names.join(", "),
+                        known: if names.is_empty() {
+                            "none".to_owned()
+                        } else {
+                            names.join(", ")
                         },
                     });
                 }

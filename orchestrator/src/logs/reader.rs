@@ -370,14 +370,11 @@ impl<'w> Reader<'w> {
             _ => Ok(self.take_other(opcode, body, place, at)),
         };
         self.buffer = buffer;
-        match found? {
-            Ok(found) => Ok(found),
-            Err(()) => {
-                let what = format!("{} makes no sense and is passed over", name_of(opcode));
-                self.condition.fault(at, what);
-                Ok(None)
-            }
-        }
+        Ok(found?.unwrap_or_else(|()| {
+            let what = format!("{} makes no sense and is passed over", name_of(opcode));
+            self.condition.fault(at, what);
+            None
+        }))
     }
 
     fn take_schema(

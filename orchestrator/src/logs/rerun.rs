@@ -110,13 +110,15 @@ pub fn rerun(log: &Path, options: RerunOptions, watch: &mut Watch) -> Result<Rer
     }
     let digest = report.summary.digest;
     let ended = recorded.over && recorded.result.contains_key("digest") && recorded.whole;
-    let digest_logged = match recorded.filtered {
-        true => recorded.result.get(RUN_DIGEST),
-        false => recorded.result.get("digest").filter(|_| ended),
+    let digest_logged = if recorded.filtered {
+        recorded.result.get(RUN_DIGEST)
+    } else {
+        recorded.result.get("digest").filter(|_| ended)
     };
-    let comparison = match recorded.filtered {
-        true => None,
-        false => Some(compare(log, &again, !ended, watch)?),
+    let comparison = if recorded.filtered {
+        None
+    } else {
+        Some(compare(log, &again, !ended, watch)?)
     };
     let digests_agree = digest_logged.is_none_or(|logged| *logged == digest);
     let same = digests_agree && comparison.as_ref().is_none_or(|c| c.differences.is_empty());

@@ -292,9 +292,10 @@ fn json_one(
         Cell::F64(v) => v.is_finite(),
         _ => true,
     };
-    text.push_str(&match plain {
-        true => cell.to_string(),
-        false => serde_json::Value::from(cell.to_string()).to_string(),
+    text.push_str(&if plain {
+        cell.to_string()
+    } else {
+        serde_json::Value::from(cell.to_string()).to_string()
     });
     Ok(())
 }

@@ -98,6 +98,7 @@ struct Open {
 ///
 /// # Errors
 /// [`LogsError`]; then there are no tables.
+#[expect(clippy::too_many_lines, reason = "one kind of item after the other")]
 pub fn export(
     log: &Path,
     out: &Path,
@@ -189,7 +190,7 @@ pub fn export(
     }
     options
         .topics
-        .check(reader.channels().map(|channel| channel.topic.as_str()))?;
+        .check(&reader.channels().map(|channel| channel.topic.as_str()))?;
     let mut done = BTreeMap::new();
     let mut finished = Vec::new();
     for fate in fates.into_values() {
@@ -198,9 +199,10 @@ pub fn export(
         {
             let file = rows.finish().map_err(|e| place.failed(e))?;
             finished.push((place, file));
-            let name = match done.contains_key(&open.topic) {
-                true => format!("{} ({})", open.topic, open.table.file.display()),
-                false => open.topic,
+            let name = if done.contains_key(&open.topic) {
+                format!("{} ({})", open.topic, open.table.file.display())
+            } else {
+                open.topic
             };
             done.insert(name, open.table);
         }

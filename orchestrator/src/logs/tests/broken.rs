@@ -60,7 +60,7 @@ fn a_log_cut_at_any_byte_keeps_every_whole_chunk_and_invents_nothing() {
             let kept = kept.map(|(_, messages)| *messages).max().unwrap_or(0);
             assert!(read.len() >= kept, "{length}: {} of {kept}", read.len());
             // Every so often the new file itself: each is synced to the disk.
-            if length % 41 == 0 {
+            if length.is_multiple_of(41) {
                 let out = folder.path().join("out.mcap");
                 let done = recover(&cut, &out, true, &mut watch()).unwrap();
                 assert_eq!(theirs(&out), read, "{length}");

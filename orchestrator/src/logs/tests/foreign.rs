@@ -30,7 +30,7 @@ float32[2] size
 fn encode(points: &[(f64, [f32; 2])]) -> Vec<u8> {
     let mut body = Vec::new();
     let align = |body: &mut Vec<u8>, to: usize| {
-        while body.len() % to != 0 {
+        while !body.len().is_multiple_of(to) {
             body.push(0);
         }
     };
@@ -42,7 +42,9 @@ fn encode(points: &[(f64, [f32; 2])]) -> Vec<u8> {
     for (x, size) in points {
         align(&mut body, 8);
         body.extend(x.to_le_bytes());
-        size.iter().for_each(|s| body.extend(s.to_le_bytes()));
+        for s in size {
+            body.extend(s.to_le_bytes());
+        }
     }
     align(&mut body, 4);
     body.extend(2_u32.to_le_bytes());

@@ -95,7 +95,7 @@ fn small(options: WriteOptions, chunks: u32, per_chunk: u32) -> Vec<u8> {
         for index in 0..per_chunk {
             let n = chunk * per_chunk + index;
             let header = MessageHeader {
-                channel_id: if n % 3 == 0 { b } else { a },
+                channel_id: if n.is_multiple_of(3) { b } else { a },
                 sequence: n,
                 log_time: 1_000 + u64::from(n),
                 publish_time: 7,

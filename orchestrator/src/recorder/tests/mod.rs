@@ -374,9 +374,9 @@ pub(crate) fn record_run(
     let mut recording = Recording::create(&options).unwrap();
     for mut sent in run(ticks, 1) {
         if let Sent::Command(header, commands) = &mut sent {
-            commands
-                .iter_mut()
-                .for_each(|c| change(c, header.stamp.tick));
+            for command in commands {
+                change(command, header.stamp.tick);
+            }
         }
         sent.push(&mut recording);
     }
