@@ -11,6 +11,7 @@ mod chase;
 mod external;
 mod in_process;
 mod lifecycle;
+mod logs;
 mod missions;
 mod navigation;
 mod plan;

@@ -455,7 +455,14 @@ mod tests {
                 "{}",
                 kind.name
             );
-            let defaults = complete(kind, &json!({}));
+            // A patrol must say where.
+            let least = match kind.name {
+                "patrol_awg" | "patrol_fto" => {
+                    json!({ "mission": { "contour": [[0.0, 0.0], [4.0, 0.0], [4.0, 3.0]] } })
+                }
+                _ => json!({}),
+            };
+            let defaults = complete(kind, &least);
             assert_eq!(complete(kind, &defaults), defaults, "{}", kind.name);
             for (name, values) in kind.presets {
                 let preset = complete(kind, &values());
