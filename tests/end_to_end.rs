@@ -8,11 +8,13 @@ mod support;
 
 mod bad_input;
 mod chase;
+mod coverage;
 mod external;
 mod in_process;
 mod lifecycle;
 mod missions;
 mod navigation;
+mod patrol;
 mod plan;
 mod planning;
 mod process;
