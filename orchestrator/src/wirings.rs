@@ -37,8 +37,16 @@ pub fn visit<V: WiringVisitor>(kind: &str, visitor: V) -> Option<V::Output> {
         "patrol_awg" => visitor.visit::<PlannerProcess<patrol_awg::process::PatrolAwgPlanner>>(),
         "patrol_fto" => visitor.visit::<PlannerProcess<patrol_fto::process::PatrolFtoPlanner>>(),
         "coverage_chebyshev" => {
-            visitor.visit::<PlannerProcess<coverage_chebyshev::process::ChebyshevPlanner>>()
+            visitor.visit::<PlannerProcess<coverage_chebyshev::ChebyshevPlanner>>()
         }
+        "keyed_coverage" => visitor.visit::<PlannerProcess<keyed_coverage::KeyedCoveragePlanner>>(),
+        "coverage_boustrophedon" => {
+            visitor.visit::<PlannerProcess<coverage_baselines::BoustrophedonPlanner>>()
+        }
+        "coverage_random_bounce" => {
+            visitor.visit::<PlannerProcess<coverage_baselines::RandomBouncePlanner>>()
+        }
+        "coverage_uniform" => visitor.visit::<PlannerProcess<coverage_baselines::UniformPlanner>>(),
         _ => return None,
     })
 }

@@ -19,8 +19,9 @@ pub(super) enum CoverageCommand {
 const HELP: &str = "\
 Coverage is that of driving straight from sub-goal to sub-goal: the part of the cells with a sub-goal in them
 (goals), with a point of the path in them (path), and with a centre that the robot's disc has swept (disc,
-cells of 0.1 m). With `follow.margin` the planner keeps so much farther from obstacles and walls than the
-robot's radius; set it to 0 for the workplace of the Chebyshev coverage paper.";
+cells of 0.1 m), of the cells that the robot's body can cover. With `follow.margin` the planner keeps so much
+farther from obstacles and walls than the robot's radius; set it to 0 for the workplace of the Chebyshev
+coverage paper.";
 
 /// What `protean coverage plan` takes.
 #[derive(Debug, clap::Args)]

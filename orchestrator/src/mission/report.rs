@@ -183,36 +183,39 @@ fn waypoints_text(robot: &RobotOutcome, w: &WaypointOutcome) -> String {
     text
 }
 
-/// How well observers foretold where robots would be, for people.
+/// How well observers foretold robots: a row per robot and method, the mean errors side by side.
 fn predictions_table(predictions: &[PredictionOutcome]) -> Table {
-    let mut found = table(&[
-        "predicted",
-        "method",
-        "ahead [s]",
-        "predictions",
-        "without",
-        "median [m]",
-        "mean [m]",
-        "rms [m]",
-        "key known",
-    ]);
-    let metres = |value: Option<f64>| value.map_or_else(String::new, |v| format!("{v:.2}"));
-    for p in predictions {
-        let key = match (p.key_recovered_s, p.key_recovered_after) {
-            (Some(time_s), Some(goals)) => format!("{time_s:.1} s, {goals} goals"),
-            _ => String::new(),
+    let mut ahead: Vec<f64> = predictions.iter().map(|p| p.horizon_s).collect();
+    ahead.sort_by(f64::total_cmp);
+    ahead.dedup();
+    let columns: Vec<String> = ahead.iter().map(|s| format!("{s} s ahead [m]")).collect();
+    let mut header = vec!["foretold", "by"];
+    header.extend(columns.iter().map(String::as_str));
+    let keys = predictions.iter().any(|p| p.key_recovered_s.is_some());
+    if keys {
+        header.push("key known");
+    }
+    let mut found = table(&header);
+    let same = |a: &PredictionOutcome, b: &PredictionOutcome| {
+        (a.observer, &a.robot, &a.method) == (b.observer, &b.robot, &b.method)
+    };
+    for of_a_method in predictions.chunk_by(same) {
+        let Some(first) = of_a_method.first() else {
+            continue;
         };
-        found.add_row([
-            p.robot.clone(),
-            p.method.replace('_', " "),
-            format!("{}", p.horizon_s),
-            p.predictions.to_string(),
-            p.without.to_string(),
-            metres(p.median_m),
-            metres(p.mean_m),
-            metres(p.rms_m),
-            key,
-        ]);
+        let mut row = vec![first.robot.clone(), first.method.replace('_', " ")];
+        row.extend(ahead.iter().map(|horizon| {
+            let outcome = of_a_method.iter().find(|p| p.horizon_s == *horizon);
+            let mean = outcome.and_then(|p| p.mean_m);
+            mean.map_or_else(String::new, |mean| format!("{mean:.2}"))
+        }));
+        if keys {
+            row.push(match (first.key_recovered_s, first.key_recovered_after) {
+                (Some(time_s), Some(goals)) => format!("after {goals} goals, {time_s:.0} s"),
+                _ => String::new(),
+            });
+        }
+        found.add_row(row);
     }
     found
 }

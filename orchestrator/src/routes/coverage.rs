@@ -3,12 +3,15 @@
 use ::coverage::goal::{Goal, GoalSource};
 use ::coverage::tour::Tour;
 use ::metrics::coverage::{CELL_SIDES, Figures, Meter, Rate};
-use coverage_chebyshev::design::{Chebyshev, Design, Site};
-use coverage_chebyshev::{ChebyshevParams, FollowParams};
+use coverage_baselines::{Boustrophedon, RandomBounce, Uniform};
+use coverage_chebyshev::{Chebyshev, ChebyshevParams};
+use keyed_coverage::Keyed;
 use nalgebra::Point2;
 use serde_json::{Value as Json, json};
 use sim_backend::map::WorldMap;
 use sim_backend::shape::Aabb;
+use sub_goals::FollowParams;
+use sub_goals::design::{Design, Site};
 
 use super::patrol::kind_name;
 use super::{RouteError, Router};
@@ -53,7 +56,13 @@ pub struct Planned {
 type Kind = (&'static str, fn(&Order<'_>) -> Result<Planned, RouteError>);
 
 /// The kinds, as scenarios name them.
-const KINDS: [Kind; 1] = [("coverage_chebyshev", chebyshev)];
+const KINDS: [Kind; 5] = [
+    ("coverage_chebyshev", chebyshev),
+    ("keyed_coverage", any::<Keyed>),
+    ("coverage_boustrophedon", any::<Boustrophedon>),
+    ("coverage_random_bounce", any::<RandomBounce>),
+    ("coverage_uniform", any::<Uniform>),
+];
 
 /// What is to be planned.
 struct Order<'s> {
@@ -100,6 +109,11 @@ fn chebyshev(order: &Order<'_>) -> Result<Planned, RouteError> {
     Ok(planned)
 }
 
+fn any<D: Design>(order: &Order<'_>) -> Result<Planned, RouteError> {
+    let params: D::Params = order.params()?;
+    order.plan::<D>(&params)
+}
+
 impl Order<'_> {
     fn params<P: serde::de::DeserializeOwned>(&self) -> Result<P, RouteError> {
         serde_json::from_value(self.router.process.params.clone())
@@ -124,10 +138,18 @@ impl Order<'_> {
     fn plan<D: Design>(&self, params: &D::Params) -> Result<Planned, RouteError> {
         let refused = |reason: &dyn std::fmt::Display| self.router.refused(reason);
         D::validate(params).map_err(|e| refused(&e))?;
-        let site = self.site(&D::follow(params))?;
+        let follow = D::follow(params);
+        let site = self.site(&follow)?;
+        // What the robot's body covers; the margin is for its drive only.
+        let bare = FollowParams {
+            margin: 0.0,
+            ..follow
+        };
+        let ground = self.site(&bare)?.workplace.ground();
+        let meter = ground.and_then(|ground| Meter::new(&ground, STEP)).ok();
         let seed = self.router.seed(self.scenario);
         let mut source = D::goals(params, &site, seed, None).map_err(|e| refused(&e))?;
-        let (goals, figures) = self.take(&site, &mut source);
+        let (goals, figures) = self.take(site.start, &mut source, meter);
         Ok(Planned {
             process: self.router.process.name.clone(),
             robot: self.router.robot.name.clone(),
@@ -139,10 +161,13 @@ impl Order<'_> {
     }
 
     /// The sub-goals up to the extent asked for.
-    fn take(&self, site: &Site, source: &mut impl GoalSource) -> (Vec<Goal>, Option<Figures>) {
-        let meter = site.workplace.ground().and_then(|g| Meter::new(&g, STEP));
-        let mut meter = meter.ok();
-        let (mut here, mut way) = (site.start, 0.0);
+    fn take(
+        &self,
+        start: Point2<f64>,
+        source: &mut impl GoalSource,
+        mut meter: Option<Meter>,
+    ) -> (Vec<Goal>, Option<Figures>) {
+        let (mut here, mut way) = (start, 0.0);
         if let Some(meter) = &mut meter {
             meter.goal(here);
         }
@@ -162,6 +187,7 @@ impl Order<'_> {
                 break;
             }
             way += length;
+            source.driven(here, there);
             here = there;
             if let Some(meter) = &mut meter {
                 meter.goal(there);

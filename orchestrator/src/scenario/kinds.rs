@@ -1,11 +1,13 @@
 //! The kinds of processes that a scenario may name, and their parameters.
 
+use coverage_baselines::{BoustrophedonParams, RandomParams};
 use coverage_chebyshev::ChebyshevParams;
 use evader_braitenberg::BraitenbergParams;
 use evader_potential::EvaderParams;
 use evader_reach_avoid::ReachAvoidParams;
 use evader_rrt_star::RrtStarParams;
 use guidance::params::ParamsError;
+use keyed_coverage::KeyedCoverageParams;
 use navigator::NavigatorParams;
 use observer::ObserverParams;
 use optimiser::OptimiserParams;
@@ -375,6 +377,54 @@ pub static KINDS: &[KindInfo] = &[
         visits_waypoints: true,
         provides_plans: false,
         check_params: |node| check_params(node, ChebyshevParams::validate),
+        needs: |_| Vec::new(),
+        caps: &[],
+        presets: &[],
+    },
+    KindInfo {
+        name: "keyed_coverage",
+        summary: "covers a workplace fast, by sub-goals that only its key foretells",
+        drives_robots: true,
+        provides_belief: false,
+        visits_waypoints: true,
+        provides_plans: false,
+        check_params: |node| check_params(node, KeyedCoverageParams::validate),
+        needs: |_| Vec::new(),
+        caps: &[],
+        presets: &[],
+    },
+    KindInfo {
+        name: "coverage_boustrophedon",
+        summary: "covers a workplace in parallel lanes: the fastest, and the easiest to foretell",
+        drives_robots: true,
+        provides_belief: false,
+        visits_waypoints: true,
+        provides_plans: false,
+        check_params: |node| check_params(node, BoustrophedonParams::validate),
+        needs: |_| Vec::new(),
+        caps: &[],
+        presets: &[],
+    },
+    KindInfo {
+        name: "coverage_random_bounce",
+        summary: "drives straight from wall to wall, away at random angles",
+        drives_robots: true,
+        provides_belief: false,
+        visits_waypoints: true,
+        provides_plans: false,
+        check_params: |node| check_params(node, RandomParams::validate),
+        needs: |_| Vec::new(),
+        caps: &[],
+        presets: &[],
+    },
+    KindInfo {
+        name: "coverage_uniform",
+        summary: "drives to independent, uniformly random sub-goals",
+        drives_robots: true,
+        provides_belief: false,
+        visits_waypoints: true,
+        provides_plans: false,
+        check_params: |node| check_params(node, RandomParams::validate),
         needs: |_| Vec::new(),
         caps: &[],
         presets: &[],

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::manifest::Kind;
 use super::table::{COLUMNS, Field};
 use crate::mission::MissionReport;
-use crate::recorder::{CoverageOutcome, RobotOutcome, Summary};
+use crate::recorder::{CoverageOutcome, PredictionOutcome, RobotOutcome, Summary};
 
 /// A row of results. Nothing in it depends on the machine or on how it was carried out.
 pub trait Record: Clone + PartialEq + Serialize + DeserializeOwned {
@@ -84,6 +84,8 @@ pub struct Row {
     pub escape_impossible_from_s: Option<f64>,
     /// The area visited, if the rules account for it.
     pub coverage: Option<CoverageOutcome>,
+    /// How well observers foretold where robots would be, if there were any.
+    pub predictions: Vec<PredictionOutcome>,
     /// Fingerprint of the simulated history.
     pub digest: String,
     /// Why it failed.
@@ -133,6 +135,7 @@ impl Row {
             escape_possible_fraction: summary.escape_possible_fraction,
             escape_impossible_from_s: summary.escape_impossible_from_s,
             coverage: summary.coverage.clone(),
+            predictions: summary.predictions.clone().unwrap_or_default(),
             digest: summary.digest.clone(),
             error: String::new(),
             robots: summary.robots.clone(),
@@ -157,6 +160,7 @@ impl Row {
             escape_possible_fraction: None,
             escape_impossible_from_s: None,
             coverage: None,
+            predictions: Vec::new(),
             digest: String::new(),
             error: error.into(),
             robots: Vec::new(),
@@ -209,6 +213,11 @@ impl Record for Row {
             Field::Text(serde_json::to_string(&self.robots)?)
         } else {
             Field::Nothing
+        });
+        fields.push(if self.predictions.is_empty() {
+            Field::Nothing
+        } else {
+            Field::Text(serde_json::to_string(&self.predictions)?)
         });
         Ok(fields)
     }

@@ -9,7 +9,7 @@ use super::row::Record;
 
 /// The columns that every table of results has, beside those of the parameters, which stand between
 /// `case` and `seed`.
-pub const COLUMNS: [&str; 22] = [
+pub const COLUMNS: [&str; 23] = [
     "case",
     "seed",
     "outcome",
@@ -32,6 +32,7 @@ pub const COLUMNS: [&str; 22] = [
     "digest",
     "error",
     "robots",
+    "predictions",
 ];
 
 /// The header of a table.

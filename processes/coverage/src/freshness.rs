@@ -173,6 +173,17 @@ impl Freshness {
         swept
     }
 
+    /// Fresh cells that the disc would sweep from one place to another [m].
+    pub fn fresh_on(&self, from: Point2<f64>, to: Point2<f64>) -> usize {
+        let mut found = 0;
+        self.each_span(from, to, false, |span| {
+            let start = span.line * span.cells;
+            let cells = self.fresh.get(start + span.first..=start + span.last);
+            found += cells.into_iter().flatten().filter(|cell| **cell).count();
+        });
+        found
+    }
+
     /// The cells that the disc sweeps, by columns instead of rows on request.
     fn each_span(
         &self,

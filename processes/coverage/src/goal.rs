@@ -22,4 +22,10 @@ pub trait GoalSource {
     /// The straight leg from the goal before to this one is free of obstacles as far as the
     /// workplace knows them.
     fn next_goal(&mut self, from: Point2<f64>) -> Option<Goal>;
+
+    /// Takes note that the robot has driven straight from one place to another [m], whatever it was
+    /// sent to. Planners that go by what has been covered may use it; the rest do without.
+    fn driven(&mut self, from: Point2<f64>, to: Point2<f64>) {
+        let _ = (from, to);
+    }
 }

@@ -81,6 +81,8 @@ pub struct KeyedCoverage {
     params: KeyedParams,
     space: Space,
     freshness: Freshness,
+    /// Whether what is covered is told by [`GoalSource::driven`], instead of taken from the legs.
+    tracked: bool,
     radius: f64,
     draws: Draws,
     /// Orders of the next sub-goals.
@@ -119,6 +121,7 @@ impl KeyedCoverage {
             params,
             space,
             freshness,
+            tracked: false,
             radius,
             draws: Draws::new(key),
             orders: VecDeque::new(),
@@ -157,10 +160,20 @@ impl KeyedCoverage {
         let params = self.params.clone();
         let mut other = Self::new(workplace, decomposition, start, self.radius, unused, params)?;
         other.freshness.keep_covered(&self.freshness);
+        other.tracked = self.tracked;
         other.draws = self.draws;
         other.orders = self.orders;
         other.counter = self.counter;
         Ok(other)
+    }
+
+    /// The same planner, going by where the robot really was ([`GoalSource::driven`]) instead of the
+    /// legs that it was sent along: what a robot on wheels misses is seen to. The sub-goals then
+    /// follow from key and robot, and an ally with the key alone cannot foretell them.
+    #[must_use]
+    pub fn tracking(mut self) -> Self {
+        self.tracked = true;
+        self
     }
 
     /// Share of the reachable cells that this round has covered, from 0 to 1, if every leg to a
@@ -181,10 +194,15 @@ impl KeyedCoverage {
         }
     }
 
-    /// Counts a leg as driven; whether it was idle.
+    /// Counts a leg as driven, unless the robot tells itself; whether it is idle.
     fn sweep(&mut self, from: Point2<f64>, to: Point2<f64>) -> bool {
         let left = self.freshness.share();
-        let swept = self.freshness.sweep(from, to) as f64 * self.params.cell * self.params.cell;
+        let cells = if self.tracked {
+            self.freshness.fresh_on(from, to)
+        } else {
+            self.freshness.sweep(from, to)
+        };
+        let swept = cells as f64 * self.params.cell * self.params.cell;
         swept < IDLE * left * 2.0 * self.radius * (to - from).norm()
     }
 
@@ -261,5 +279,12 @@ impl GoalSource for KeyedCoverage {
         }
         self.plan_way(from);
         self.by_way(from)
+    }
+
+    fn driven(&mut self, from: Point2<f64>, to: Point2<f64>) {
+        let finite = |p: Point2<f64>| p.x.is_finite() && p.y.is_finite();
+        if self.tracked && finite(from) && finite(to) {
+            self.freshness.sweep(from, to);
+        }
     }
 }

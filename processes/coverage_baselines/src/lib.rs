@@ -8,10 +8,10 @@ pub mod params;
 mod tests;
 
 use coverage::{boustrophedon, random_bounce, uniform};
-use coverage_chebyshev::design::{Design, Site};
-use coverage_chebyshev::params::FollowParams;
-use coverage_chebyshev::process::Follower;
 use generators::{Key, KeyKind};
+use sub_goals::design::{Design, Site};
+use sub_goals::follower::Follower;
+use sub_goals::params::FollowParams;
 
 pub use params::{BoustrophedonParams, RandomParams};
 

@@ -1,9 +1,9 @@
 //! Parameters of the baselines.
 
-use coverage_chebyshev::params::FollowParams;
 use generators::Key;
 use guidance::params::{ParamsError, require};
 use serde::{Deserialize, Serialize};
+use sub_goals::params::FollowParams;
 
 /// Parameters of the boustrophedon.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -1,13 +1,13 @@
 //! Covers a workplace by chaotic sub-goals (Chebyshev coverage paper), in a process of its own.
 //!
-//! - [`params`]: what can be set;
-//! - [`design`]: what a kind of coverage planner must say of itself, and the chaotic one;
-//! - [`arc_driver`]: driving through sub-goals without stopping at them;
-//! - [`process`]: the wiring, shared by all planners of sub-goals.
+//! [`design`] makes the sub-goals, by the plans of [`coverage`]; the process is that of all planners
+//! of sub-goals ([`sub_goals`]).
 
-pub mod arc_driver;
 pub mod design;
 pub mod params;
-pub mod process;
 
-pub use params::{ChebyshevParams, FollowParams};
+#[cfg(test)]
+mod tests;
+
+pub use design::{Chebyshev, ChebyshevPlanner};
+pub use params::ChebyshevParams;

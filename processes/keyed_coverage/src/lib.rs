@@ -8,10 +8,10 @@ pub mod params;
 mod tests;
 
 use coverage::keyed::KeyedCoverage;
-use coverage_chebyshev::design::{Design, Site};
-use coverage_chebyshev::params::FollowParams;
-use coverage_chebyshev::process::Follower;
 use generators::{Key, KeyKind};
+use sub_goals::design::{Design, Site};
+use sub_goals::follower::Follower;
+use sub_goals::params::FollowParams;
 
 pub use params::KeyedCoverageParams;
 
@@ -60,6 +60,13 @@ impl Design for Keyed {
                 params.goals.clone(),
             )
         };
+        let made = made.map(|planner| {
+            if params.track {
+                planner.tracking()
+            } else {
+                planner
+            }
+        });
         made.map_err(|e| e.to_string())
     }
 }

@@ -1,21 +1,35 @@
 //! Parameters of the keyed coverage planner.
 
 use coverage::keyed::KeyedParams;
-use coverage_chebyshev::params::FollowParams;
 use generators::Key;
 use guidance::params::ParamsError;
 use serde::{Deserialize, Serialize};
+use sub_goals::params::FollowParams;
 
 /// Parameters of the keyed coverage planner.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct KeyedCoverageParams {
     /// The key, `keyed:` and 64 hexadecimal digits; absent: made from the seed of the run.
     pub key: Option<Key>,
     /// How sub-goals are chosen.
     pub goals: KeyedParams,
+    /// Whether the planner goes by where the robot really was instead of by the legs that it was
+    /// sent along: covers what was missed, but an ally with the key alone cannot foretell it.
+    pub track: bool,
     /// What all planners of sub-goals share.
     pub follow: FollowParams,
+}
+
+impl Default for KeyedCoverageParams {
+    fn default() -> Self {
+        Self {
+            key: None,
+            goals: KeyedParams::default(),
+            track: true,
+            follow: FollowParams::default(),
+        }
+    }
 }
 
 impl KeyedCoverageParams {

@@ -15,11 +15,8 @@ use nalgebra::Point2;
 use sim_backend::pose::Pose2;
 
 use crate::arc_driver::ArcDriver;
-use crate::design::{Chebyshev, Design, Site};
+use crate::design::{Design, Site};
 use crate::params::{FollowParams, Interpolation};
-
-/// The chaotic coverage planner in its process.
-pub type ChebyshevPlanner = Follower<Chebyshev>;
 
 /// How the robot is driven.
 #[derive(Debug)]
@@ -41,6 +38,8 @@ pub struct Follower<D: Design> {
     revision: Option<u64>,
     /// Where the last goal is, at which the next leg begins [m].
     last: Option<Point2<f64>>,
+    /// Where the robot was a tick ago [m].
+    before: Option<Point2<f64>>,
     reports: Vec<WaypointReport>,
     failure: Option<ProcessError>,
 }
@@ -116,6 +115,7 @@ impl<D: Design> Planner for Follower<D> {
             goals: None,
             revision: None,
             last: None,
+            before: None,
             reports: Vec::new(),
             failure: None,
         })
@@ -140,6 +140,7 @@ impl<D: Design> Planner for Follower<D> {
         let Some(goals) = &mut self.goals else {
             return Steering::stop();
         };
+        goals.driven(self.before.replace(here).unwrap_or(here), here);
         let situation = Situation {
             pose: me.pose,
             twist: me.twist,
@@ -228,6 +229,3 @@ fn report(site: &Site) {
         );
     }
 }
-
-#[cfg(test)]
-mod tests;

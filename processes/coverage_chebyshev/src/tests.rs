@@ -12,8 +12,16 @@ use sim_backend::shape::{Aabb, Convex};
 use sim_backend::spec::RobotModel;
 use sim_backend::team::Team;
 
+use guidance::map::PlannerMap;
+use guidance::view::View;
+use guidance::waypoint::WaypointReport;
+use kit::config::RobotInfo;
+use kit::planner::Planner as _;
+use nalgebra::Point2;
+use sim_backend::pose::Pose2;
+use sub_goals::follower::Follower;
+
 use super::*;
-use crate::params::ChebyshevParams;
 
 const DT: f64 = 0.05;
 
