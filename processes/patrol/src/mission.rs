@@ -60,7 +60,7 @@ impl Default for MissionParams {
             closed: true,
             t_max: 120.0,
             alpha: None,
-            margin: 0.12,
+            margin: 0.15,
             key: None,
             preset: Preset::Default,
             danger_zones: DangerZones::default(),

@@ -29,7 +29,7 @@ fn what_is_left_open_is_chosen_from_robot_and_seed() {
     // A robot that needs time to turn gets less.
     let heavy = Drive {
         acceleration: Some(4.0),
-        angular_acceleration: Some(30.0),
+        angular_acceleration: Some(40.0),
         ..drive(1.0)
     };
     let slower = case_1().prepare(&heavy, &go_to, 7).unwrap();
