@@ -376,7 +376,17 @@ pub static KINDS: &[KindInfo] = &[
         provides_belief: false,
         visits_waypoints: true,
         provides_plans: false,
-        check_params: |node| check_params(node, ChebyshevParams::validate),
+        check_params: |node| {
+            check_params(node, |params: &ChebyshevParams| {
+                if let Some(key) = &params.key {
+                    key.validate().map_err(|error| ParamsFault::Refused {
+                        field: "key".into(),
+                        message: format!("`key`: {error}"),
+                    })?;
+                }
+                params.validate().map_err(ParamsFault::from)
+            })
+        },
         needs: |_| Vec::new(),
         caps: &[],
         presets: &[],
