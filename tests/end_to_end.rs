@@ -12,6 +12,7 @@ mod coverage;
 mod external;
 mod in_process;
 mod lifecycle;
+mod logs;
 mod missions;
 mod navigation;
 mod patrol;

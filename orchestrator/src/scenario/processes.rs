@@ -5,7 +5,7 @@ use sim_backend::team::Team;
 
 use super::context::Context;
 use super::fits;
-use super::kinds::{KindInfo, ParamsFault, find};
+use super::kinds::{KindInfo, ParamsFault, Product, find};
 use super::process_checks::{check_drivers, check_names, check_needs};
 use super::resolved::{ProcessSpec, Program};
 use super::robots::{Robot, check_name};
@@ -56,7 +56,7 @@ pub fn resolve(
     }
     // Those that others wait for come first; otherwise the order of the file.
     let kinds = ctx.kinds;
-    let provides = |p: &ProcessSpec| kind_of(kinds, p).is_some_and(|k| k.provides_belief);
+    let provides = |p: &ProcessSpec| kind_of(kinds, p).is_some_and(|k| k.makes(Product::Beliefs));
     read.sort_by_key(|r| !provides(&r.spec));
     read.into_iter().map(|r| r.spec).collect()
 }

@@ -103,7 +103,11 @@ impl<D: Design> Planner for Follower<D> {
 
     fn new(params: &D::Params, robot: &RobotInfo, seed: u64) -> Result<Self, String> {
         D::validate(params)?;
-        let follow = D::follow(params);
+        let mut follow = D::follow(params);
+        let model = &robot.model;
+        follow.driver = follow
+            .driver
+            .for_drive(model.acceleration, model.angular_acceleration);
         let (limits, radius) = (limits(robot)?, robot.model.radius);
         Ok(Self {
             params: params.clone(),

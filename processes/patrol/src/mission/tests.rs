@@ -37,6 +37,26 @@ fn what_is_left_open_is_chosen_from_robot_and_seed() {
 }
 
 #[test]
+fn laps_by_the_clock_end_before_the_time_is_over() {
+    let go_to = GoToParams::default();
+    let prepared = |params: MissionParams| params.prepare(&drive(1.0), &go_to, 7).unwrap();
+    // Sides of 6.5 s are rounded to 7 waypoints, which would be more than the time.
+    let square = MissionParams {
+        contour: vec![[0.0, 0.0], [3.3, 0.0], [3.3, 3.3], [0.0, 3.3]],
+        t_max: 26.4,
+        margin: 0.1,
+        ..MissionParams::default()
+    };
+    assert!((prepared(square).awg.lap_time() - 0.95 * 26.4).abs() < 1e-9);
+    assert!((prepared(case_1()).awg.lap_time() - 118.0).abs() < 1e-9);
+    let printed = MissionParams {
+        preset: Preset::Printed,
+        ..case_1()
+    };
+    assert_eq!(prepared(printed).awg.lap_time(), 116.0);
+}
+
+#[test]
 fn what_is_given_is_taken() {
     let params: MissionParams = toml::from_str(
         "contour = [[0, 0], [8, 0], [8, 6]]\nclosed = false\nt_max = 30\nalpha = 0.7\n\
