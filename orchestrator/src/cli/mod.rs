@@ -29,6 +29,8 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory as _, Parser, Subcommand};
 
+use crate::scenario::text::Diagnostics;
+
 /// Exit code of a run that failed.
 pub const EXIT_FAILED: u8 = 1;
 /// Exit code for wrong usage or input.
@@ -177,6 +179,14 @@ enum Command {
 
 /// Scenario that runs when none is named.
 const DEFAULT_SCENARIO: &str = "chase";
+
+/// Says on stderr why a command is refused; a scenario's problems are texts of their own.
+fn complain(error: &(dyn std::error::Error + 'static)) {
+    match error.downcast_ref::<Diagnostics>() {
+        Some(problems) => eprintln!("{problems}"),
+        None => eprintln!("error: {error}"),
+    }
+}
 
 /// Changes to a scenario.
 #[derive(Debug, Clone, Default, clap::Args)]

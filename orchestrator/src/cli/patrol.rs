@@ -6,7 +6,7 @@ use clap::Subcommand;
 use generators::Key;
 use serde_json::{Value as Json, json};
 
-use super::{EXIT_INVALID, OverrideArgs, print, print_json};
+use super::{EXIT_INVALID, OverrideArgs, complain, print, print_json};
 use crate::routes::RouteError;
 use crate::routes::patrol::{Laps, Patrol, kind_name, waypoint_json};
 use crate::scenario::Loader;
@@ -34,10 +34,15 @@ pub(super) enum PatrolCommand {
         #[command(flatten)]
         which: WhichArgs,
         /// Time after the robot set out from the start of the contour [s]; may be given several times
-        #[arg(long, value_name = "T", required_unless_present = "waypoint")]
+        #[arg(
+            long,
+            value_name = "T",
+            required_unless_present = "waypoint",
+            allow_negative_numbers = true
+        )]
         at: Vec<f64>,
         /// Number of a waypoint, 0 for the start; may be given several times
-        #[arg(long, value_name = "N")]
+        #[arg(long, value_name = "N", allow_negative_numbers = true)]
         waypoint: Vec<u64>,
         /// Print one JSON object
         #[arg(long)]
@@ -83,7 +88,7 @@ pub(super) fn patrol(command: PatrolCommand) -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {error}");
+            complain(&*error);
             ExitCode::from(EXIT_INVALID)
         }
     }

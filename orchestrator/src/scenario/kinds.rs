@@ -364,7 +364,17 @@ pub static KINDS: &[KindInfo] = &[
         summary: "covers a workplace by chaotic sub-goals, rectangle after rectangle",
         drives_robots: true,
         makes: &[Product::Waypoints],
-        check_params: |node| check_params(node, ChebyshevParams::validate),
+        check_params: |node| {
+            check_params(node, |params: &ChebyshevParams| {
+                if let Some(key) = &params.key {
+                    key.validate().map_err(|error| ParamsFault::Refused {
+                        field: "key".into(),
+                        message: format!("`key`: {error}"),
+                    })?;
+                }
+                params.validate().map_err(ParamsFault::from)
+            })
+        },
         needs: |_| Vec::new(),
         caps: &[],
         presets: &[],

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use sim_backend::spec::RobotModel;
 use thiserror::Error;
 
-use crate::alpha::{AlphaError, LAPS, alpha_max_driven};
+use crate::alpha::{AlphaError, LAPS, alpha_max_driven, check_driven};
 use crate::awg::{Awg, AwgError, AwgParams, Preset};
 use crate::contour::{Contour, ContourError};
 use crate::danger::DangerZones;
@@ -171,10 +171,7 @@ impl MissionParams {
     ) -> Result<Mission, MissionError> {
         self.validate()?;
         let (contour, mut awg) = self.layout()?;
-        let key = match &self.key {
-            Some(key) => *key,
-            None => Key::from_seed(KeyKind::Keyed, seed),
-        };
+        let key = self.key_or(seed);
         let v_max = drive.limits.v_max() * go_to.speed_fraction;
         awg.check_speed(v_max)?;
         // Without additional waypoints there is nothing to choose, and no width does harm.
@@ -189,6 +186,28 @@ impl MissionParams {
         let tempo = (self.t_max - reserve_s) / awg.lap_time();
         let awg = awg.with_tempo(tempo.min(1.0))?;
         Ok(Mission { contour, awg, key })
+    }
+
+    /// Whether [`Self::prepare`] would succeed, in a small part of its time.
+    ///
+    /// # Errors
+    /// As for [`Self::prepare`].
+    pub fn check(&self, drive: &Drive, go_to: &GoToParams, seed: u64) -> Result<(), MissionError> {
+        self.validate()?;
+        let (_, awg) = self.layout()?;
+        let v_max = drive.limits.v_max() * go_to.speed_fraction;
+        awg.check_speed(v_max)?;
+        if self.alpha.is_none() && awg.steps_per_lap() > 0 {
+            let mut trial = TrialDrive::new(drive, go_to);
+            let mut source = self.key_or(seed).source()?;
+            check_driven(&awg, v_max, self.margin, LAPS, &mut source, &mut trial)?;
+        }
+        Ok(())
+    }
+
+    fn key_or(&self, seed: u64) -> Key {
+        self.key
+            .unwrap_or_else(|| Key::from_seed(KeyKind::Keyed, seed))
     }
 
     fn layout(&self) -> Result<(Contour, Awg), MissionError> {

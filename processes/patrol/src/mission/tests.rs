@@ -109,3 +109,26 @@ fn a_patrol_that_cannot_be_says_what_to_change() {
         assert!(error.contains(part), "{error}");
     }
 }
+
+#[test]
+fn a_check_says_what_preparing_would() {
+    let go_to = GoToParams::default();
+    for (t_max, v_max) in [
+        (120.0, 1.0),
+        (40.0, 1.0),
+        (50.0, 1.0),
+        (120.0, 0.3),
+        (400.0, 0.2),
+    ] {
+        for alpha in [None, Some(1.0)] {
+            let order = MissionParams {
+                t_max,
+                alpha,
+                ..case_1()
+            };
+            let prepared = order.prepare(&drive(v_max), &go_to, 3).map(drop);
+            let checked = order.check(&drive(v_max), &go_to, 3);
+            assert_eq!(checked, prepared, "{t_max} s, {v_max} m/s, {alpha:?}");
+        }
+    }
+}
