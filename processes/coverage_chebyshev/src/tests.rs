@@ -124,13 +124,13 @@ fn a_new_map_goes_on_with_the_same_numbers() {
     let mut planner = planner("");
     let pillar = |x: f64| vec![Convex::disc(Point2::new(x, 2.0), 0.5)];
     planner.prepare(&map(pillar(2.0), 1, true), &robot());
-    let goals = planner.goals.as_mut().unwrap();
+    let goals = planner.goals().unwrap();
     for number in 0..5 {
         let goal = goals.next_goal(Point2::origin()).unwrap();
         assert_eq!(goal.waypoint.number, number);
     }
     planner.prepare(&map(pillar(3.0), 2, true), &robot());
-    let goals = planner.goals.as_mut().unwrap();
+    let goals = planner.goals().unwrap();
     assert_eq!(
         goals.next_goal(Point2::origin()).unwrap().waypoint.number,
         5
