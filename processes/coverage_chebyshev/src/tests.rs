@@ -146,13 +146,16 @@ fn maps_that_cannot_be_covered_end_the_process_with_what_to_change() {
     };
     let block = Convex::rectangle(Point2::new(2.0, 2.0), [1.95, 1.95], 0.0);
     let text = failure("", &map(vec![block], 1, true));
-    assert!(text.contains("leave no free space: take fewer"), "{text}");
+    assert!(
+        text.contains("leave no free space; keep less margin"),
+        "{text}"
+    );
     let text = failure("", &map(vec![], 1, false));
     assert!(text.contains("more pieces than"), "{text}");
     let text = failure("route = { cycle = [0, 3] }", &map(vec![], 1, true));
     assert!(text.contains("rectangle 3"), "{text}");
     let text = failure("follow = { margin = 2.0 }", &map(vec![], 1, true));
-    assert!(text.contains("radius = 2.105"), "{text}");
+    assert!(text.contains("`follow.margin` is 2 m"), "{text}");
 }
 
 #[test]
