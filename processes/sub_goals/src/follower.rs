@@ -45,6 +45,11 @@ pub struct Follower<D: Design> {
 }
 
 impl<D: Design> Follower<D> {
+    /// Its sub-goals from now on; `None` before it knows a map.
+    pub fn goals(&mut self) -> Option<&mut D::Goals> {
+        self.goals.as_mut()
+    }
+
     fn driver(follow: &FollowParams, limits: Limits, radius: f64) -> Result<Drive, String> {
         Ok(match follow.interpolation {
             Interpolation::Linear => {
