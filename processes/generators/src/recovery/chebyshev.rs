@@ -21,7 +21,8 @@ const NOISE: core::ops::RangeInclusive<f64> = 0.002..=0.04;
 /// Steps that the estimate is made from: with more, the wraps would not fit 64 bits.
 const MAX_ESTIMATED: usize = 23;
 
-/// Bits that the observations after these must test at least.
+/// Bits that the observations after these must test at least, beyond those that tell the histories
+/// apart.
 const CHECKED_BITS: f64 = 14.0;
 
 /// Observations kept while several orbits remain that agree with all of them.
@@ -250,9 +251,9 @@ struct Fit {
     squares: f64,
 }
 
-/// The observations of one axis that the estimate is made from, and the steps between the first and
-/// the last of them; none if they do not suffice, or if those after them test too little.
-fn estimated(observed: &[Observed]) -> Option<(&[Observed], usize)> {
+/// The observations of one axis that the estimate is made from, the steps between the first and the
+/// last of them, and the bits that those after them test; none if they do not suffice.
+fn estimated(observed: &[Observed]) -> Option<(&[Observed], usize, f64)> {
     let (mut steps, mut most) = (0, None);
     for (count, o) in observed.iter().enumerate() {
         if count > 0 {
@@ -273,19 +274,26 @@ fn estimated(observed: &[Observed]) -> Option<(&[Observed], usize)> {
     }
     let (count, steps) = most?;
     let (made_from, tests) = observed.split_at_checked(count + 1)?;
-    let bits: f64 = tests.iter().map(|o| o.bits()).sum();
-    (bits >= CHECKED_BITS).then_some((made_from, steps))
+    let bits = tests.iter().map(|o| o.bits()).sum();
+    Some((made_from, steps, bits))
 }
 
 /// The state at the last of the observations of one axis, if exactly one exact orbit runs through
 /// all of them.
 fn recover_axis(observed: &[Observed]) -> Option<u64> {
-    let (made_from, steps) = estimated(observed)?;
+    let (made_from, steps, bits) = estimated(observed)?;
+    if bits < CHECKED_BITS {
+        return None;
+    }
+    let histories = histories(made_from);
+    if bits < CHECKED_BITS + libm::log2(histories.len() as f64) {
+        return None;
+    }
     let scale = 6_i128.pow(steps as u32);
     let limit = max_squares(observed.len());
     let mut best: Option<Fit> = None;
     let mut second = f64::INFINITY;
-    for history in histories(made_from) {
+    for history in histories {
         // θ_n·P is some four bits above the spacing: f64 suffices.
         let numerator =
             i128::from(history.wraps) * i128::from(P) + (history.theta * P as f64) as i128;
