@@ -3,6 +3,8 @@
 
 #[path = "bad_input/failing_runs.rs"]
 mod failing_runs;
+#[path = "bad_input/routes.rs"]
+mod routes;
 
 use crate::support::Sandbox;
 use crate::support::call::Outcome;

@@ -8,11 +8,14 @@ mod support;
 
 mod bad_input;
 mod chase;
+mod coverage;
 mod external;
 mod in_process;
 mod lifecycle;
+mod logs;
 mod missions;
 mod navigation;
+mod patrol;
 mod plan;
 mod planning;
 mod process;

@@ -12,7 +12,7 @@ struct Case {
     seeds: &'static [&'static str],
 }
 
-const CASES: [Case; 13] = [
+const CASES: [Case; 23] = [
     Case {
         scenario: "chase",
         set: &["rules.time_limit=5"],
@@ -83,6 +83,64 @@ const CASES: [Case; 13] = [
     Case {
         scenario: "popup_city",
         set: &["rules.time_limit=20"],
+        seeds: &["1"],
+    },
+    // Waypoints, and predictions of an observer.
+    Case {
+        scenario: "patrol_octagon",
+        set: &["rules.time_limit=30"],
+        seeds: &["1"],
+    },
+    Case {
+        scenario: "patrol_square",
+        set: &["rules.time_limit=30"],
+        seeds: &["2"],
+    },
+    Case {
+        scenario: "patrol_square",
+        set: &["rules.time_limit=30", "processes.patrol.kind=patrol_fto"],
+        seeds: &["1"],
+    },
+    Case {
+        scenario: "patrol_square",
+        set: &[
+            "rules.time_limit=30",
+            "processes.patrol.kind=patrol_fto",
+            "processes.patrol.params.protection=mixed",
+        ],
+        seeds: &["1"],
+    },
+    Case {
+        scenario: "coverage_open",
+        set: &["rules.time_limit=30"],
+        seeds: &["1"],
+    },
+    Case {
+        scenario: "coverage_case1",
+        set: &["rules.time_limit=30"],
+        seeds: &["1"],
+    },
+    Case {
+        scenario: "coverage_case1",
+        set: &[
+            "rules.time_limit=30",
+            "processes.cover.params.follow.interpolation=arc",
+        ],
+        seeds: &["3"],
+    },
+    Case {
+        scenario: "coverage_case2",
+        set: &["rules.time_limit=30"],
+        seeds: &["1"],
+    },
+    Case {
+        scenario: "coverage_polygons",
+        set: &["rules.time_limit=30", "processes.cover.params.map=keyed"],
+        seeds: &["1"],
+    },
+    Case {
+        scenario: "coverage_polygons",
+        set: &["rules.time_limit=30"],
         seeds: &["1"],
     },
     Case {

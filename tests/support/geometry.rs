@@ -12,6 +12,10 @@ pub enum Obstacle {
         angle: f64,
     },
     Polygon(Vec<[f64; 2]>),
+    Circle {
+        center: [f64; 2],
+        radius: f64,
+    },
 }
 
 /// A map of vectors.
@@ -25,6 +29,7 @@ pub struct Walls {
 #[derive(Deserialize)]
 struct MapFile {
     bounds: Bounds,
+    #[serde(default)]
     obstacles: Vec<Entry>,
 }
 
@@ -51,6 +56,10 @@ enum ShapeEntry {
     Polygon {
         vertices: Vec<[f64; 2]>,
     },
+    Circle {
+        center: [f64; 2],
+        radius: f64,
+    },
 }
 
 impl Walls {
@@ -74,9 +83,16 @@ impl Walls {
                         angle,
                     },
                     ShapeEntry::Polygon { vertices } => Obstacle::Polygon(vertices),
+                    ShapeEntry::Circle { center, radius } => Obstacle::Circle { center, radius },
                 })
                 .collect(),
         }
+    }
+
+    /// The map that is written out in a scenario.
+    pub fn of_scenario(scenario: &toml::Table) -> Self {
+        let map = scenario["world"]["map"]["vector"].as_table().unwrap();
+        Self::parse(&map.to_string())
     }
 
     /// The city of the built-in scenarios.
@@ -132,14 +148,21 @@ impl Obstacle {
                 }
                 if inside { -least } else { least }
             }
+            Self::Circle { center, radius } => between(p, *center) - radius,
         }
     }
 }
 
-fn to_segment(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
+/// Distance from a point to a segment [m].
+pub fn to_segment(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     let (ex, ey) = (b[0] - a[0], b[1] - a[1]);
-    let along = ((p[0] - a[0]) * ex + (p[1] - a[1]) * ey) / (ex * ex + ey * ey);
-    let along = along.clamp(0.0, 1.0);
+    let square = ex * ex + ey * ey;
+    let along = ((p[0] - a[0]) * ex + (p[1] - a[1]) * ey) / square;
+    let along = if square > 0.0 {
+        along.clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
     let (dx, dy) = (p[0] - a[0] - along * ex, p[1] - a[1] - along * ey);
     (dx * dx + dy * dy).sqrt()
 }

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use ipc_types::cdr;
+use ipc_types::messages::robot::WaypointEnd;
 use ipc_types::stamp::{Header as _, Stamp};
 use ipc_types::topics::{
     Belief, Commands, Control, Coverage, Dominance, ObstacleEvents, Plan, Predictions, Scan,
@@ -26,6 +27,9 @@ pub struct History {
     pub sightings: Vec<Look>,
     pub maps: Vec<Map>,
     pub obstacles: Vec<Change>,
+    /// Waypoints that ended, in the order of their messages.
+    #[serde(default)]
+    pub waypoints: Vec<Visit>,
     /// Messages and bytes by topic, viewer topics included.
     pub counts: BTreeMap<String, (u64, u64)>,
 }
@@ -134,6 +138,22 @@ pub struct Change {
     pub half_y: f64,
 }
 
+/// A waypoint that ended.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct Visit {
+    pub tick: u64,
+    pub robot: u32,
+    pub number: u64,
+    pub lap: u32,
+    pub kind: String,
+    pub outcome: String,
+    pub x: f64,
+    pub y: f64,
+    pub started_s: f64,
+    pub ended_s: f64,
+    pub closest: f64,
+}
+
 impl History {
     /// Reads a finished log with the `mcap` crate, every checksum checked.
     #[track_caller]
@@ -189,7 +209,7 @@ impl History {
             Scan::NAME => stamp::<Scan>(bytes)?,
             Tree::NAME => stamp::<Tree>(bytes)?,
             Verdicts::NAME => stamp::<Verdicts>(bytes)?,
-            Waypoints::NAME => stamp::<Waypoints>(bytes)?,
+            Waypoints::NAME => self.visit(bytes)?,
             Predictions::NAME => stamp::<Predictions>(bytes)?,
             Dominance::NAME => stamp::<Dominance>(bytes)?,
             Status::NAME => stamp::<Status>(bytes)?,
@@ -317,6 +337,30 @@ impl History {
             v: c.v,
             omega: c.omega,
         }));
+        Ok(header.stamp)
+    }
+
+    fn visit(&mut self, bytes: &[u8]) -> Result<Stamp, String> {
+        let (header, ended) = decode::<Waypoints>(bytes)?;
+        for end in &ended {
+            let name = |of: &[&str], code: u8| {
+                let name = of.get(usize::from(code)).map(|&name| name.to_owned());
+                name.ok_or_else(|| format!("{end:?}: no such code as {code}"))
+            };
+            self.waypoints.push(Visit {
+                tick: header.stamp.tick,
+                robot: end.robot,
+                number: end.number,
+                lap: end.lap,
+                kind: name(&WaypointEnd::KINDS, end.kind)?,
+                outcome: name(&WaypointEnd::OUTCOMES, end.outcome)?,
+                x: end.x,
+                y: end.y,
+                started_s: end.started_s,
+                ended_s: end.ended_s,
+                closest: end.closest,
+            });
+        }
         Ok(header.stamp)
     }
 

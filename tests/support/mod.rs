@@ -10,6 +10,7 @@ pub mod invariants;
 pub mod python;
 pub mod rig;
 pub mod sandbox;
+pub mod ways;
 
 use std::time::{Duration, Instant};
 

@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use clap::Subcommand;
 
-use super::{EXIT_INVALID, OverrideArgs, print};
+use super::{EXIT_INVALID, OverrideArgs, complain, print};
 use crate::routes::coverage::{Extent, plan};
 use crate::scenario::Loader;
 
@@ -66,7 +66,7 @@ pub(super) fn coverage(command: &CoverageCommand) -> ExitCode {
             ExitCode::SUCCESS
         }
         Err(error) => {
-            eprintln!("error: {error}");
+            complain(&*error);
             ExitCode::from(EXIT_INVALID)
         }
     }

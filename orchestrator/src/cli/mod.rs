@@ -4,12 +4,18 @@ mod bench;
 mod check;
 mod clean;
 mod coverage;
+mod export;
+mod filter;
+mod info;
 mod instances;
 mod list;
+mod logs;
 mod patrol;
 mod picture;
 mod plan;
 mod process;
+mod recover;
+mod rerun;
 mod run;
 mod sweep;
 mod sweep_output;
@@ -22,6 +28,8 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{CommandFactory as _, Parser, Subcommand};
+
+use crate::scenario::text::Diagnostics;
 
 /// Exit code of a run that failed.
 pub const EXIT_FAILED: u8 = 1;
@@ -89,6 +97,30 @@ enum Command {
         #[arg(long)]
         force: bool,
     },
+    /// Say what a log holds and in what condition it is
+    #[command(after_long_help = info::HELP)]
+    Info {
+        /// A log
+        log: PathBuf,
+        /// Print one JSON object
+        #[arg(long)]
+        json: bool,
+        /// Show no progress
+        #[arg(long, short)]
+        quiet: bool,
+    },
+    /// Save what is left of a log that ends in the middle or is damaged
+    #[command(after_long_help = recover::HELP)]
+    Recover(recover::RecoverArgs),
+    /// Write a part of a log into a new one: some time, some topics
+    #[command(after_long_help = filter::HELP)]
+    Filter(filter::FilterArgs),
+    /// Write the messages of a log as tables
+    #[command(after_long_help = export::HELP)]
+    Export(export::ExportArgs),
+    /// Do the run in a log again and prove that it is the same
+    #[command(after_long_help = rerun::HELP)]
+    Rerun(rerun::RerunArgs),
     /// Measure this machine: real-time factor, ticks/s, hops, start, memory, beside their baselines
     #[command(after_long_help = bench::HELP)]
     Bench {
@@ -147,6 +179,14 @@ enum Command {
 
 /// Scenario that runs when none is named.
 const DEFAULT_SCENARIO: &str = "chase";
+
+/// Says on stderr why a command is refused; a scenario's problems are texts of their own.
+fn complain(error: &(dyn std::error::Error + 'static)) {
+    match error.downcast_ref::<Diagnostics>() {
+        Some(problems) => eprintln!("{problems}"),
+        None => eprintln!("error: {error}"),
+    }
+}
 
 /// Changes to a scenario.
 #[derive(Debug, Clone, Default, clap::Args)]
@@ -217,6 +257,11 @@ pub fn main() -> ExitCode {
             at,
             force,
         }) => picture::picture(&log, out, at, force),
+        Some(Command::Info { log, json, quiet }) => info::info(&log, json, quiet),
+        Some(Command::Recover(args)) => recover::run(&args),
+        Some(Command::Filter(args)) => filter::run(args),
+        Some(Command::Export(args)) => export::run(args),
+        Some(Command::Rerun(args)) => rerun::run(&args),
         Some(Command::Bench { items, quick, json }) => bench::bench(&items, quick, json),
         Some(Command::Plan(args)) => plan::plan(&args),
         Some(Command::Instances(args)) => instances::instances(&args),

@@ -6,7 +6,7 @@ use clap::Subcommand;
 use generators::Key;
 use serde_json::{Value as Json, json};
 
-use super::{EXIT_INVALID, OverrideArgs, print, print_json};
+use super::{EXIT_INVALID, OverrideArgs, complain, print, print_json};
 use crate::routes::RouteError;
 use crate::routes::patrol::{Laps, Patrol, kind_name, waypoint_json};
 use crate::scenario::Loader;
@@ -33,11 +33,16 @@ pub(super) enum PatrolCommand {
     Predict {
         #[command(flatten)]
         which: WhichArgs,
-        /// Time after the start of the patrol [s]; may be given several times
-        #[arg(long, value_name = "T", required_unless_present = "waypoint")]
+        /// Time after the robot set out from the start of the contour [s]; may be given several times
+        #[arg(
+            long,
+            value_name = "T",
+            required_unless_present = "waypoint",
+            allow_negative_numbers = true
+        )]
         at: Vec<f64>,
         /// Number of a waypoint, 0 for the start; may be given several times
-        #[arg(long, value_name = "N")]
+        #[arg(long, value_name = "N", allow_negative_numbers = true)]
         waypoint: Vec<u64>,
         /// Print one JSON object
         #[arg(long)]
@@ -48,8 +53,10 @@ pub(super) enum PatrolCommand {
 const PREDICT_HELP: &str = "\
 The key is a generator and its state in one word: catp:0.4,0.644, cat64:1,2, catf64:0.4,0.644,
 keyed:<64 hexadecimal digits>. Waypoints are exact, however far ahead. Times go by the clock of the
-waypoints, at which every stretch between two of them takes as long (about a second): a robot with
-pace = \"clock\" keeps it as far as its drive and obstacles let it.";
+waypoints, at which every stretch between two of them takes as long (about a second, so that laps end
+within t_max). It starts when the robot sets out from the start of the contour: with the run, if it
+stands there. A robot with pace = \"clock\" (the default) keeps it as far as its drive and obstacles
+let it: after a long stretch it is late until it has caught up.";
 
 /// Which patrol is meant.
 #[derive(Debug, clap::Args)]
@@ -81,7 +88,7 @@ pub(super) fn patrol(command: PatrolCommand) -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {error}");
+            complain(&*error);
             ExitCode::from(EXIT_INVALID)
         }
     }

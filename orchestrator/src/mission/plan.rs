@@ -13,7 +13,7 @@ pub use super::changes::Replay;
 
 use super::changes;
 use super::children::Executable;
-use crate::scenario::kinds::{KINDS, Need, find};
+use crate::scenario::kinds::{KINDS, Need, Product, find};
 use crate::scenario::spec::{self, Mode};
 use crate::scenario::{Program, ResolvedScenario};
 
@@ -158,7 +158,7 @@ impl Plan {
     /// Whether the run has somebody who makes plans on request.
     pub fn serves_plans(&self) -> bool {
         let serves = |launch: &Launch| {
-            find(KINDS, &launch.config.kind).is_some_and(|kind| kind.provides_plans)
+            find(KINDS, &launch.config.kind).is_some_and(|kind| kind.makes(Product::Plans))
         };
         self.launches.iter().any(serves)
     }
@@ -170,8 +170,9 @@ impl Plan {
             .launches
             .iter()
             .filter(|launch| launch.config.robots.contains(&robot));
-        drivers
-            .any(|launch| find(KINDS, &launch.config.kind).is_none_or(|kind| kind.visits_waypoints))
+        drivers.any(|launch| {
+            find(KINDS, &launch.config.kind).is_none_or(|kind| kind.makes(Product::Waypoints))
+        })
     }
 
     /// Whether the beliefs of a tick are input of a process.
@@ -224,7 +225,7 @@ fn launches(scenario: &ResolvedScenario, run: &RunConfig) -> Result<Vec<Launch>,
         .processes
         .iter()
         .enumerate()
-        .filter(|(_, p)| kind_of(&p.program).is_some_and(|kind| kind.provides_belief))
+        .filter(|(_, p)| kind_of(&p.program).is_some_and(|kind| kind.makes(Product::Beliefs)))
         .map(|(position, _)| index(position))
         .collect();
     let mut drivers: Vec<Option<u32>> = vec![None; scenario.world.robots.len()];

@@ -36,7 +36,7 @@ mod viewer;
 mod visits;
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 pub use beginnings::Beginnings;
 pub use bus::Recorder;

@@ -196,7 +196,9 @@ impl Tally {
             })?;
         self.waypoints
             .take(&mut self.ledger, |_, ends: &[WaypointEnd]| {
-                ends.iter().for_each(|end| outcome.waypoint(end));
+                for end in ends {
+                    outcome.waypoint(end);
+                }
             })?;
         self.predictions
             .take(&mut self.ledger, |header, predictions: &[Prediction]| {

@@ -280,7 +280,7 @@ mod tests {
             for side in 0..4 {
                 let (from, to) = (corners[side], corners[(side + 1) % 4]);
                 let time = f64::from(lap) * 16.0 + side as f64 * 4.0;
-                let middle = [(from[0] + to[0]) / 2.0, (from[1] + to[1]) / 2.0];
+                let middle = [f64::midpoint(from[0], to[0]), f64::midpoint(from[1], to[1])];
                 let beside = [middle[0] * 0.9 + 0.2, middle[1] * 0.9 + 0.2];
                 ends.push(end(lap, 1, beside, time + 2.0));
                 ends.push(end(lap, 0, to, time + 4.0));
@@ -309,7 +309,9 @@ mod tests {
         }
         // In another order, as when a state is late.
         let mut late = Visits::new(true);
-        ends.iter().for_each(|end| late.add(end));
+        for end in ends {
+            late.add(end);
+        }
         for end in ends {
             late.state(end.ended_s, Point2::new(end.x, end.y));
         }

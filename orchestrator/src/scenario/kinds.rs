@@ -140,6 +140,17 @@ pub enum Need {
 /// A name and the parameters that it stands for.
 pub type Preset = (&'static str, fn() -> Json);
 
+/// Something that a kind of process makes for others.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Product {
+    /// The beliefs that [`Need::Belief`] asks for.
+    Beliefs,
+    /// The plans that [`Need::Plans`] asks for.
+    Plans,
+    /// What becomes of waypoints (`robot/waypoint`).
+    Waypoints,
+}
+
 /// A kind of process.
 pub struct KindInfo {
     /// The name that scenarios use (`kind = "…"`).
@@ -148,12 +159,8 @@ pub struct KindInfo {
     pub summary: &'static str,
     /// Whether it commands robots (and then must be given some).
     pub drives_robots: bool,
-    /// Whether it publishes the beliefs that [`Need::Belief`] asks for.
-    pub provides_belief: bool,
-    /// Whether it publishes what becomes of waypoints (`robot/waypoint`).
-    pub visits_waypoints: bool,
-    /// Whether it makes the plans that [`Need::Plans`] asks for.
-    pub provides_plans: bool,
+    /// What it makes for others.
+    pub makes: &'static [Product],
     /// Reads and checks `params`, and gives them back complete: every default filled in.
     pub check_params: fn(&Node) -> Result<Json, ParamsFault>,
     /// What it needs, given its complete parameters.
@@ -186,6 +193,13 @@ where
     serde_json::to_value(&params).map_err(|e| ParamsFault::Write(e.to_string()))
 }
 
+impl KindInfo {
+    /// Whether it makes something for others.
+    pub fn makes(&self, product: Product) -> bool {
+        self.makes.contains(&product)
+    }
+}
+
 /// The kind with this name.
 pub fn find<'k>(kinds: &'k [KindInfo], name: &str) -> Option<&'k KindInfo> {
     kinds.iter().find(|k| k.name == name)
@@ -197,9 +211,7 @@ pub static KINDS: &[KindInfo] = &[
         name: "perception",
         summary: "what the Police see, and what they believe about what they do not see",
         drives_robots: false,
-        provides_belief: true,
-        visits_waypoints: false,
-        provides_plans: false,
+        makes: &[Product::Beliefs],
         check_params: |node| check_params(node, PerceptionParams::validate),
         needs: |_| Vec::new(),
         caps: &[
@@ -212,9 +224,7 @@ pub static KINDS: &[KindInfo] = &[
         name: "referee",
         summary: "says who reaches what first, and which evader can still be sure of an escape",
         drives_robots: false,
-        provides_belief: false,
-        visits_waypoints: false,
-        provides_plans: false,
+        makes: &[],
         check_params: |node| check_params(node, RefereeParams::validate),
         needs: |_| Vec::new(),
         caps: &[],
@@ -224,9 +234,7 @@ pub static KINDS: &[KindInfo] = &[
         name: "observer",
         summary: "watches robots, predicts where they will be, and measures how wrong it was",
         drives_robots: false,
-        provides_belief: false,
-        provides_plans: false,
-        visits_waypoints: false,
+        makes: &[],
         check_params: |node| check_params(node, ObserverParams::validate),
         needs: |_| Vec::new(),
         caps: &[
@@ -239,9 +247,7 @@ pub static KINDS: &[KindInfo] = &[
         name: "pursuer",
         summary: "chases evaders as one of a team",
         drives_robots: true,
-        provides_belief: false,
-        visits_waypoints: false,
-        provides_plans: false,
+        makes: &[],
         check_params: |node| check_params(node, PursuerParams::validate),
         needs: |params| {
             let by_belief = |at: &str| params.pointer(at).and_then(Json::as_str) == Some("belief");
@@ -259,9 +265,7 @@ pub static KINDS: &[KindInfo] = &[
         name: "evader_braitenberg",
         summary: "flees by its range scan alone, away from what is near",
         drives_robots: true,
-        provides_belief: false,
-        visits_waypoints: false,
-        provides_plans: false,
+        makes: &[],
         check_params: |node| check_params(node, BraitenbergParams::validate),
         needs: |_| vec![Need::Scan],
         caps: &[],
@@ -271,9 +275,7 @@ pub static KINDS: &[KindInfo] = &[
         name: "evader_potential",
         summary: "flees to the nearest exit on a potential field",
         drives_robots: true,
-        provides_belief: false,
-        visits_waypoints: false,
-        provides_plans: false,
+        makes: &[],
         check_params: |node| check_params(node, EvaderParams::validate),
         needs: |_| Vec::new(),
         caps: &[],
@@ -283,9 +285,7 @@ pub static KINDS: &[KindInfo] = &[
         name: "evader_reach_avoid",
         summary: "flees by ways on which no pursuer can stop it, or to where it has most time",
         drives_robots: true,
-        provides_belief: false,
-        visits_waypoints: false,
-        provides_plans: false,
+        makes: &[],
         check_params: |node| check_params(node, ReachAvoidParams::validate),
         needs: |_| Vec::new(),
         caps: &[],
@@ -295,9 +295,7 @@ pub static KINDS: &[KindInfo] = &[
         name: "evader_rrt_star",
         summary: "plans its way to an exit past the Police with RRT*",
         drives_robots: true,
-        provides_belief: false,
-        visits_waypoints: false,
-        provides_plans: false,
+        makes: &[],
         check_params: |node| check_params(node, RrtStarParams::validate),
         needs: |_| Vec::new(),
         caps: &[],
@@ -310,9 +308,7 @@ pub static KINDS: &[KindInfo] = &[
         name: "optimiser",
         summary: "makes minimum-time trajectories for whoever asks",
         drives_robots: false,
-        provides_belief: false,
-        visits_waypoints: false,
-        provides_plans: true,
+        makes: &[Product::Plans],
         check_params: |node| check_params(node, OptimiserParams::validate),
         needs: |_| Vec::new(),
         caps: &[],
@@ -322,9 +318,7 @@ pub static KINDS: &[KindInfo] = &[
         name: "navigator",
         summary: "drives to goals on trajectories of the optimiser, around what pops up",
         drives_robots: true,
-        provides_belief: false,
-        visits_waypoints: false,
-        provides_plans: false,
+        makes: &[],
         check_params: |node| check_params(node, NavigatorParams::validate),
         needs: |params| {
             let goals = params.get("goals").and_then(Json::as_array);
@@ -341,9 +335,7 @@ pub static KINDS: &[KindInfo] = &[
         name: "patrol_awg",
         summary: "patrols a contour along a zig-zag that only its key foretells",
         drives_robots: true,
-        provides_belief: false,
-        visits_waypoints: true,
-        provides_plans: false,
+        makes: &[Product::Waypoints],
         check_params: |node| {
             check_params(node, |params: &PatrolAwgParams| {
                 params.validate().map_err(awg_fault)
@@ -357,9 +349,7 @@ pub static KINDS: &[KindInfo] = &[
         name: "patrol_fto",
         summary: "patrols a contour past fictive obstacles, or mixes them with a zig-zag",
         drives_robots: true,
-        provides_belief: false,
-        visits_waypoints: true,
-        provides_plans: false,
+        makes: &[Product::Waypoints],
         check_params: |node| {
             check_params(node, |params: &PatrolFtoParams| {
                 params.validate().map_err(fto_fault)
@@ -373,10 +363,18 @@ pub static KINDS: &[KindInfo] = &[
         name: "coverage_chebyshev",
         summary: "covers a workplace by chaotic sub-goals, rectangle after rectangle",
         drives_robots: true,
-        provides_belief: false,
-        visits_waypoints: true,
-        provides_plans: false,
-        check_params: |node| check_params(node, ChebyshevParams::validate),
+        makes: &[Product::Waypoints],
+        check_params: |node| {
+            check_params(node, |params: &ChebyshevParams| {
+                if let Some(key) = &params.key {
+                    key.validate().map_err(|error| ParamsFault::Refused {
+                        field: "key".into(),
+                        message: format!("`key`: {error}"),
+                    })?;
+                }
+                params.validate().map_err(ParamsFault::from)
+            })
+        },
         needs: |_| Vec::new(),
         caps: &[],
         presets: &[],
@@ -385,9 +383,7 @@ pub static KINDS: &[KindInfo] = &[
         name: "keyed_coverage",
         summary: "covers a workplace fast, by sub-goals that only its key foretells",
         drives_robots: true,
-        provides_belief: false,
-        visits_waypoints: true,
-        provides_plans: false,
+        makes: &[Product::Waypoints],
         check_params: |node| check_params(node, KeyedCoverageParams::validate),
         needs: |_| Vec::new(),
         caps: &[],
@@ -397,9 +393,7 @@ pub static KINDS: &[KindInfo] = &[
         name: "coverage_boustrophedon",
         summary: "covers a workplace in parallel lanes: the fastest, and the easiest to foretell",
         drives_robots: true,
-        provides_belief: false,
-        visits_waypoints: true,
-        provides_plans: false,
+        makes: &[Product::Waypoints],
         check_params: |node| check_params(node, BoustrophedonParams::validate),
         needs: |_| Vec::new(),
         caps: &[],
@@ -409,9 +403,7 @@ pub static KINDS: &[KindInfo] = &[
         name: "coverage_random_bounce",
         summary: "drives straight from wall to wall, away at random angles",
         drives_robots: true,
-        provides_belief: false,
-        visits_waypoints: true,
-        provides_plans: false,
+        makes: &[Product::Waypoints],
         check_params: |node| check_params(node, RandomParams::validate),
         needs: |_| Vec::new(),
         caps: &[],
@@ -421,9 +413,7 @@ pub static KINDS: &[KindInfo] = &[
         name: "coverage_uniform",
         summary: "drives to independent, uniformly random sub-goals",
         drives_robots: true,
-        provides_belief: false,
-        visits_waypoints: true,
-        provides_plans: false,
+        makes: &[Product::Waypoints],
         check_params: |node| check_params(node, RandomParams::validate),
         needs: |_| Vec::new(),
         caps: &[],
@@ -455,7 +445,14 @@ mod tests {
                 "{}",
                 kind.name
             );
-            let defaults = complete(kind, &json!({}));
+            // A patrol must say where.
+            let least = match kind.name {
+                "patrol_awg" | "patrol_fto" => {
+                    json!({ "mission": { "contour": [[0.0, 0.0], [4.0, 0.0], [4.0, 3.0]] } })
+                }
+                _ => json!({}),
+            };
+            let defaults = complete(kind, &least);
             assert_eq!(complete(kind, &defaults), defaults, "{}", kind.name);
             for (name, values) in kind.presets {
                 let preset = complete(kind, &values());

@@ -193,7 +193,9 @@ pub(super) fn resolve(
     }
     let ground = world::resolve(ctx, base);
     let robots = robots::resolve(ctx);
-    let processes = processes::resolve(ctx, robots.as_deref());
+    let seed = run.as_ref().map_or(0, |run| run.seed);
+    let map = ground.as_ref().map(|g| &g.map);
+    let processes = processes::resolve(ctx, robots.as_deref(), map, seed);
     let events = events::resolve(ctx, ground.as_ref().map(|g| &g.map), robots.as_deref());
     let (top, run, log, rules) = (top?, run?, log?, rules?);
     let (ground, robots) = (ground?, robots?);

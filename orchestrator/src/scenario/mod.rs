@@ -14,6 +14,7 @@ mod context;
 mod draft;
 pub mod events;
 pub mod files;
+mod fits;
 mod geometry;
 pub mod jitter;
 pub mod kinds;

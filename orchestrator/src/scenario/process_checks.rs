@@ -1,7 +1,7 @@
 //! Whether the processes fit each other and the robots.
 
 use super::context::Context;
-use super::kinds::{KindInfo, Need};
+use super::kinds::{KindInfo, Need, Product};
 use super::processes::{Read, kind_of};
 use super::robots::Robot;
 use super::text::Code;
@@ -77,13 +77,13 @@ struct Provision {
 const PROVISIONS: [Provision; 2] = [
     Provision {
         need: Need::Belief,
-        makes: |kind| kind.provides_belief,
+        makes: |kind| kind.makes(Product::Beliefs),
         both: "publish beliefs",
         goes_by: "goes by beliefs",
     },
     Provision {
         need: Need::Plans,
-        makes: |kind| kind.provides_plans,
+        makes: |kind| kind.makes(Product::Plans),
         both: "make plans",
         goes_by: "asks for plans",
     },

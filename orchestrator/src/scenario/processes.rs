@@ -1,9 +1,11 @@
 //! `[[processes]]`: who runs, and who drives which robot.
 
+use sim_backend::map::MapSpec;
 use sim_backend::team::Team;
 
 use super::context::Context;
-use super::kinds::{KindInfo, ParamsFault, find};
+use super::fits;
+use super::kinds::{KindInfo, ParamsFault, Product, find};
 use super::process_checks::{check_drivers, check_names, check_needs};
 use super::resolved::{ProcessSpec, Program};
 use super::robots::{Robot, check_name};
@@ -20,9 +22,14 @@ pub struct Read {
     pub path: FieldPath,
 }
 
-/// Reads all processes and checks that every robot is driven by exactly one; everything wrong is
-/// reported.
-pub fn resolve(ctx: &mut Context<'_>, robots: Option<&[Robot]>) -> Vec<ProcessSpec> {
+/// Reads all processes, checks that every robot is driven by exactly one, and that it can do on this
+/// map what its process is told to; everything wrong is reported.
+pub fn resolve(
+    ctx: &mut Context<'_>,
+    robots: Option<&[Robot]>,
+    map: Option<&MapSpec>,
+    seed: u64,
+) -> Vec<ProcessSpec> {
     let mut read: Vec<Read> = Vec::new();
     let before = ctx.problems.len();
     for (path, node) in ctx.blocks("processes") {
@@ -43,10 +50,13 @@ pub fn resolve(ctx: &mut Context<'_>, robots: Option<&[Robot]>) -> Vec<ProcessSp
     {
         check_drivers(ctx, &read, robots);
         check_needs(ctx, &read, robots);
+        if let Some(map) = map.filter(|_| ctx.problems.len() == before) {
+            fits::check(ctx, map, robots, &read, seed);
+        }
     }
     // Those that others wait for come first; otherwise the order of the file.
     let kinds = ctx.kinds;
-    let provides = |p: &ProcessSpec| kind_of(kinds, p).is_some_and(|k| k.provides_belief);
+    let provides = |p: &ProcessSpec| kind_of(kinds, p).is_some_and(|k| k.makes(Product::Beliefs));
     read.sort_by_key(|r| !provides(&r.spec));
     read.into_iter().map(|r| r.spec).collect()
 }

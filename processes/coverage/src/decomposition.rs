@@ -200,7 +200,7 @@ impl Decomposition {
             .collect();
         Unreachable {
             components: self.component_count - 1,
-            area: rectangles.iter().map(|&r| self.area_of(r)).sum(),
+            area: rectangles.iter().fold(0.0, |sum, &r| sum + self.area_of(r)),
             rectangles,
         }
     }

@@ -34,7 +34,10 @@ pub enum Iterations {
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum TourError {
     /// A rectangle that there is not.
-    #[error("rectangle {rectangle}: the workplace is divided into rectangles 0 to {last}")]
+    #[error(
+        "route: there is no rectangle {rectangle}; the workplace is divided into rectangles 0 to \
+         {last}: name those"
+    )]
     NoSuchRectangle {
         /// The number given.
         rectangle: usize,

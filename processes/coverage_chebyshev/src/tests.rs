@@ -124,13 +124,13 @@ fn a_new_map_goes_on_with_the_same_numbers() {
     let mut planner = planner("");
     let pillar = |x: f64| vec![Convex::disc(Point2::new(x, 2.0), 0.5)];
     planner.prepare(&map(pillar(2.0), 1, true), &robot());
-    let goals = planner.goals.as_mut().unwrap();
+    let goals = planner.goals().unwrap();
     for number in 0..5 {
         let goal = goals.next_goal(Point2::origin()).unwrap();
         assert_eq!(goal.waypoint.number, number);
     }
     planner.prepare(&map(pillar(3.0), 2, true), &robot());
-    let goals = planner.goals.as_mut().unwrap();
+    let goals = planner.goals().unwrap();
     assert_eq!(
         goals.next_goal(Point2::origin()).unwrap().waypoint.number,
         5
@@ -146,13 +146,16 @@ fn maps_that_cannot_be_covered_end_the_process_with_what_to_change() {
     };
     let block = Convex::rectangle(Point2::new(2.0, 2.0), [1.95, 1.95], 0.0);
     let text = failure("", &map(vec![block], 1, true));
-    assert!(text.contains("leave no free space: take fewer"), "{text}");
+    assert!(
+        text.contains("leave no free space; keep less margin"),
+        "{text}"
+    );
     let text = failure("", &map(vec![], 1, false));
     assert!(text.contains("more pieces than"), "{text}");
     let text = failure("route = { cycle = [0, 3] }", &map(vec![], 1, true));
     assert!(text.contains("rectangle 3"), "{text}");
     let text = failure("follow = { margin = 2.0 }", &map(vec![], 1, true));
-    assert!(text.contains("radius = 2.105"), "{text}");
+    assert!(text.contains("`follow.margin` is 2 m"), "{text}");
 }
 
 #[test]

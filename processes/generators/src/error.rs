@@ -14,6 +14,12 @@ pub enum KeyError {
         /// The text found.
         found: String,
     },
+    /// A name that no generator has.
+    #[error("`{found}` names no generator; use one of {}", crate::key::KINDS)]
+    KindName {
+        /// The text found.
+        found: String,
+    },
     /// Too few or too many values.
     #[error("a key of `{kind}` has {expected}, separated by commas, but `{found}` has {count}")]
     Count {

@@ -221,7 +221,7 @@ pub struct Tracking {
     pub off_path: f64,
     /// What is left of the path [m].
     pub remaining: f64,
-    /// Whether the end has been reached.
+    /// Whether the end has been reached, by the path and not past it.
     pub arrived: bool,
 }
 
@@ -275,7 +275,8 @@ impl PathTracker {
         self.progress = progress;
         let end = *self.path.points.last()?;
         let remaining = self.path.length() - progress;
-        let arrived = (here - end).norm() <= params.arrived;
+        // The end may lie beside a part of the path that is far from it.
+        let arrived = remaining <= 2.0 * ahead && (here - end).norm() <= params.arrived;
 
         let mut look = ahead;
         let target = loop {

@@ -164,50 +164,100 @@ pub fn alpha_max_driven(
     source: &mut impl Source,
     robot: &mut impl LapTimes,
 ) -> Result<f64, AlphaError> {
-    check_laps(laps)?;
-    check_speed(v_max)?;
-    if !(0.0..1.0).contains(&margin) {
-        return Err(AlphaError::Value {
-            field: "margin",
-            value: margin,
-            expected: "a share of at least 0 and below 1",
-        });
+    let mut search = Search::new(awg, v_max, margin, laps, source, robot)?;
+    for _ in 0..DRIVEN_HALVINGS {
+        let middle = 0.5 * (search.low + search.high);
+        if search
+            .slowest(middle)
+            .is_some_and(|lap_s| lap_s <= search.limit_s)
+        {
+            search.low = middle;
+        } else {
+            search.high = middle;
+        }
     }
-    awg.check_speed(v_max)?;
-    let trial = Trial::new(awg, laps, source)?;
-    let t_max = awg.params().t_max;
-    let limit_s = t_max * (1.0 - margin);
-    let mut slowest = |alpha: f64| -> Option<f64> {
-        let times = robot.lap_times(&trial.paths(alpha))?;
-        Some(times.into_iter().fold(0.0, f64::max))
-    };
-    // A robot that rounds its corners drives less than the path's length: twice what that allows is
-    // beyond any.
-    let mut high = 2.0 * v_max / awg.v();
-    while trial.mean_length(high) < 2.0 * v_max * t_max {
-        high *= 2.0;
-    }
-    let mut low = high * 1e-6;
-    match slowest(low) {
-        Some(lap_s) if lap_s <= limit_s => {}
-        Some(lap_s) => {
-            return Err(AlphaError::TooSlow {
+    Ok(search.low)
+}
+
+/// Whether [`alpha_max_driven`] would find a width: the laps are driven once, with hardly any
+/// zig-zag.
+///
+/// # Errors
+/// As for [`alpha_max_driven`].
+pub fn check_driven(
+    awg: &Awg,
+    v_max: f64,
+    margin: f64,
+    laps: u32,
+    source: &mut impl Source,
+    robot: &mut impl LapTimes,
+) -> Result<(), AlphaError> {
+    Search::new(awg, v_max, margin, laps, source, robot).map(drop)
+}
+
+/// The interval in which the width lies.
+struct Search<'r, R> {
+    trial: Trial,
+    robot: &'r mut R,
+    /// Time that a lap may take [s].
+    limit_s: f64,
+    /// A width that has been tried and can be driven [m].
+    low: f64,
+    /// A width that is too great [m].
+    high: f64,
+}
+
+impl<'r, R: LapTimes> Search<'r, R> {
+    fn new(
+        awg: &Awg,
+        v_max: f64,
+        margin: f64,
+        laps: u32,
+        source: &mut impl Source,
+        robot: &'r mut R,
+    ) -> Result<Self, AlphaError> {
+        check_laps(laps)?;
+        check_speed(v_max)?;
+        if !(0.0..1.0).contains(&margin) {
+            return Err(AlphaError::Value {
+                field: "margin",
+                value: margin,
+                expected: "a share of at least 0 and below 1",
+            });
+        }
+        awg.check_speed(v_max)?;
+        let trial = Trial::new(awg, laps, source)?;
+        let t_max = awg.params().t_max;
+        let limit_s = t_max * (1.0 - margin);
+        // A robot that rounds its corners drives less than the path's length: twice what that allows
+        // is beyond any.
+        let mut high = 2.0 * v_max / awg.v();
+        while trial.mean_length(high) < 2.0 * v_max * t_max {
+            high *= 2.0;
+        }
+        let mut search = Self {
+            trial,
+            robot,
+            limit_s,
+            low: high * 1e-6,
+            high,
+        };
+        match search.slowest(search.low) {
+            Some(lap_s) if lap_s <= limit_s => Ok(search),
+            Some(lap_s) => Err(AlphaError::TooSlow {
                 lap_s,
                 t_max,
                 limit_s,
-            });
-        }
-        None => return Err(AlphaError::NotFinished),
-    }
-    for _ in 0..DRIVEN_HALVINGS {
-        let middle = 0.5 * (low + high);
-        if slowest(middle).is_some_and(|lap_s| lap_s <= limit_s) {
-            low = middle;
-        } else {
-            high = middle;
+            }),
+            None => Err(AlphaError::NotFinished),
         }
     }
-    Ok(low)
+
+    /// Time of the slowest lap at a width [s]; `None` if the robot does not finish.
+    fn slowest(&mut self, alpha: f64) -> Option<f64> {
+        let times = self.robot.lap_times(&self.trial.paths(alpha))?;
+        Some(times.into_iter().fold(0.0, f64::max))
+    }
 }
 
 fn check_laps(laps: u32) -> Result<(), AlphaError> {

@@ -112,6 +112,8 @@ pub struct Awg {
     params: AwgParams,
     v: f64,
     length: f64,
+    /// Part of the paper's time that the clock of the waypoints takes.
+    tempo: f64,
     start: Point2<f64>,
     forward: Vec<Leg>,
     /// The legs of the way back; empty for a closed contour.
@@ -159,6 +161,7 @@ impl Awg {
             params,
             v,
             length,
+            tempo: 1.0,
             start,
             forward,
             backward,
@@ -233,6 +236,49 @@ impl Awg {
     pub fn waypoints_per_lap(&self) -> u64 {
         let last = self.forward.last();
         last.map_or(0, |leg| leg.waypoints_before + leg.waypoints())
+    }
+
+    /// The same with a clock that runs faster: each lap takes this part of its time, > 0 and ≤ 1.
+    ///
+    /// # Errors
+    /// [`AwgError::Tempo`] for another one.
+    pub fn with_tempo(mut self, tempo: f64) -> Result<Self, AwgError> {
+        if !(tempo > 0.0 && tempo <= 1.0) {
+            return Err(AwgError::Tempo { value: tempo });
+        }
+        self.tempo = tempo;
+        Ok(self)
+    }
+
+    /// Time between two waypoints of a leg [s], if all are visited in time:
+    /// [`Leg::seconds_per_waypoint`], the paper's, unless the clock runs faster
+    /// ([`Self::with_tempo`]).
+    pub fn seconds_per_waypoint(&self, leg: &Leg) -> f64 {
+        self.tempo * leg.seconds_per_waypoint(self.v)
+    }
+
+    /// Time of a whole leg [s], if all its waypoints are visited in time.
+    pub(crate) fn leg_seconds(&self, leg: &Leg) -> f64 {
+        self.seconds_per_waypoint(leg) * leg.waypoints() as f64
+    }
+
+    /// Time of a lap by the clock of the waypoints [s], the same for all laps.
+    pub fn lap_time(&self) -> f64 {
+        self.forward.iter().map(|leg| self.leg_seconds(leg)).sum()
+    }
+
+    /// When a waypoint is due by that clock [s]; the start, number 0, at 0.
+    pub fn due_s(&self, number: u64) -> f64 {
+        let Some((lap, index, j)) = self.place(number) else {
+            return 0.0;
+        };
+        let legs = self.legs((lap % 2) as u32);
+        let before = legs.iter().take(index);
+        let begun: f64 = before.map(|leg| self.leg_seconds(leg)).sum();
+        let within = legs
+            .get(index)
+            .map_or(0.0, |leg| self.seconds_per_waypoint(leg) * f64::from(j));
+        lap as f64 * self.lap_time() + begun + within
     }
 
     /// All laps from the first, with a generator at its beginning.

@@ -2,8 +2,11 @@
 //! paper, §3.1 and §4).
 //!
 //! Any waypoint is found at once, however far ahead: the generators jump. Two clocks are offered:
-//! the paper's, by which every waypoint that is put in takes a second, and the way driven, for a
-//! robot that drives at its own speed.
+//! that of the waypoints, by which every one that is put in takes a second (or a little less, so that
+//! laps end in time: [`Awg::with_tempo`]), and the way driven, for a robot that drives at its own
+//! speed. The former starts when the robot sets out from the start of the contour; a robot that keeps
+//! it is where the forecast says, except that a leg may be longer than it can drive in its second:
+//! then it is late until it has caught up.
 
 use generators::AnySource;
 use guidance::waypoint::{Waypoint, WaypointKind};
@@ -80,12 +83,9 @@ impl Forecast {
         &self.awg
     }
 
-    /// Time of a lap by the paper's clock [s], the same for all laps; [`Leg::seconds_per_waypoint`].
+    /// Time of a lap by the clock of the waypoints [s], the same for all laps; [`Awg::lap_time`].
     pub fn lap_time(&self) -> f64 {
-        let v = self.awg.v();
-        let legs = self.awg.legs(0).iter();
-        legs.map(|leg| leg.seconds_per_waypoint(v) * leg.waypoints() as f64)
-            .sum()
+        self.awg.lap_time()
     }
 
     /// The waypoint with this number; 0 is the start.
@@ -115,7 +115,8 @@ impl Forecast {
         Ok(waypoints)
     }
 
-    /// Where the robot is `t` [s] after it set out, by the paper's clock.
+    /// Where the robot is `t` [s] after it set out from the start of the contour, by the clock of the
+    /// waypoints ([`Awg::due_s`]).
     ///
     /// # Errors
     /// [`ForecastError`] for a time that is none or too far ahead.
@@ -128,20 +129,19 @@ impl Forecast {
         }
         let lap = laps as u32;
         let rest = (t - laps * lap_time).max(0.0);
-        let v = self.awg.v();
         let mut begun = 0.0;
         let mut found: Option<(&Leg, f64)> = None;
         for leg in self.awg.legs(lap) {
             if rest >= begun {
                 found = Some((leg, begun));
             }
-            begun += leg.seconds_per_waypoint(v) * leg.waypoints() as f64;
+            begun += self.awg.leg_seconds(leg);
         }
         let Some((leg, begun)) = found else {
             let start = self.waypoint(0)?;
             return Ok(between(start, start, 0.0));
         };
-        let waypoints = (rest - begun) / leg.seconds_per_waypoint(v);
+        let waypoints = (rest - begun) / self.awg.seconds_per_waypoint(leg);
         let passed = waypoints.floor().min((leg.waypoints() - 1) as f64);
         // The waypoint that it comes from is the one before, of this leg or of the last.
         let number = self.awg.first_of_lap(lap) + leg.waypoints_before + passed as u64 - 1;

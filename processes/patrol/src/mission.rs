@@ -6,12 +6,13 @@ use generators::{Key, KeyError, KeyKind};
 use guidance::go_to::GoToParams;
 use guidance::limits::Limits;
 use guidance::params::{ParamsError, require};
+use guidance::waypoint_driver::DriverParams;
 use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 use sim_backend::spec::RobotModel;
 use thiserror::Error;
 
-use crate::alpha::{AlphaError, LAPS, alpha_max_driven};
+use crate::alpha::{AlphaError, LAPS, alpha_max_driven, check_driven};
 use crate::awg::{Awg, AwgError, AwgParams, Preset};
 use crate::contour::{Contour, ContourError};
 use crate::danger::DangerZones;
@@ -20,6 +21,11 @@ pub use trial::TrialDrive;
 
 /// Width with which a zig-zag is laid out before it is chosen [m]; of no consequence.
 const LAYOUT_ALPHA: f64 = 1.0;
+
+/// By how much less than `t_max` a lap takes by the clock of the waypoints [s], though never by more
+/// than half of the margin: with waypoints about a second apart, the ends of laps are late or early by
+/// up to 1.5 s.
+const CLOCK_RESERVE_S: f64 = 2.0;
 
 /// What a patrol is ordered to do.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -35,7 +41,8 @@ pub struct MissionParams {
     /// Width of the zig-zag [m], > 0; as great as the robot can drive in the time if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub alpha: Option<f64>,
-    /// Share of the time that is kept in reserve where the width is chosen, 0 to 1.
+    /// Share of the time that is kept in reserve where the width is chosen, 0 to 1: what a robot that
+    /// is late catches up with. The less, the wider the zig-zag and the later the robot.
     pub margin: f64,
     /// Key of the generator, such as `catp:0.4,0.644`; a `keyed` one from the run's seed if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -53,7 +60,7 @@ impl Default for MissionParams {
             closed: true,
             t_max: 120.0,
             alpha: None,
-            margin: 0.06,
+            margin: 0.15,
             key: None,
             preset: Preset::Default,
             danger_zones: DangerZones::default(),
@@ -121,6 +128,12 @@ impl Drive {
             angular_acceleration: model.angular_acceleration,
         })
     }
+
+    /// Parameters of a waypoint driver for this drive: what they leave open about its accelerations
+    /// is filled in.
+    pub fn driver(&self, params: &DriverParams) -> DriverParams {
+        params.for_drive(self.acceleration, self.angular_acceleration)
+    }
 }
 
 impl MissionParams {
@@ -142,7 +155,8 @@ impl MissionParams {
         Ok(())
     }
 
-    /// Chooses what was left open, for a robot and the seed of its process.
+    /// Chooses what was left open, for a robot and the seed of its process; the clock of the waypoints
+    /// is made to run so fast that laps driven by it end within `t_max`.
     ///
     /// The width is tried by driving the first laps ([`TrialDrive`]), so that what is chosen is a
     /// matter of scenario and key alone.
@@ -157,10 +171,7 @@ impl MissionParams {
     ) -> Result<Mission, MissionError> {
         self.validate()?;
         let (contour, mut awg) = self.layout()?;
-        let key = match &self.key {
-            Some(key) => *key,
-            None => Key::from_seed(KeyKind::Keyed, seed),
-        };
+        let key = self.key_or(seed);
         let v_max = drive.limits.v_max() * go_to.speed_fraction;
         awg.check_speed(v_max)?;
         // Without additional waypoints there is nothing to choose, and no width does harm.
@@ -170,7 +181,33 @@ impl MissionParams {
             let alpha = alpha_max_driven(&awg, v_max, self.margin, LAPS, &mut source, &mut trial)?;
             awg = awg.with_alpha(alpha)?;
         }
+        // A lap ends some moments before or after it is due, and shall end in time all the same.
+        let reserve_s = CLOCK_RESERVE_S.min(0.5 * self.margin * self.t_max);
+        let tempo = (self.t_max - reserve_s) / awg.lap_time();
+        let awg = awg.with_tempo(tempo.min(1.0))?;
         Ok(Mission { contour, awg, key })
+    }
+
+    /// Whether [`Self::prepare`] would succeed, in a small part of its time.
+    ///
+    /// # Errors
+    /// As for [`Self::prepare`].
+    pub fn check(&self, drive: &Drive, go_to: &GoToParams, seed: u64) -> Result<(), MissionError> {
+        self.validate()?;
+        let (_, awg) = self.layout()?;
+        let v_max = drive.limits.v_max() * go_to.speed_fraction;
+        awg.check_speed(v_max)?;
+        if self.alpha.is_none() && awg.steps_per_lap() > 0 {
+            let mut trial = TrialDrive::new(drive, go_to);
+            let mut source = self.key_or(seed).source()?;
+            check_driven(&awg, v_max, self.margin, LAPS, &mut source, &mut trial)?;
+        }
+        Ok(())
+    }
+
+    fn key_or(&self, seed: u64) -> Key {
+        self.key
+            .unwrap_or_else(|| Key::from_seed(KeyKind::Keyed, seed))
     }
 
     fn layout(&self) -> Result<(Contour, Awg), MissionError> {

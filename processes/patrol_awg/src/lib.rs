@@ -8,5 +8,5 @@ mod params;
 mod planner;
 pub mod process;
 
-pub use params::PatrolAwgParams;
+pub use params::{Pace, PatrolAwgParams};
 pub use planner::{PatrolAwg, PatrolError, SHOWN};

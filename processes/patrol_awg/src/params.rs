@@ -6,6 +6,19 @@ use serde::{Deserialize, Serialize};
 
 use crate::PatrolError;
 
+/// How fast the patrol goes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Pace {
+    /// Each waypoint when it is due ([`patrol::awg::Awg::due_s`]), so that an ally with the key knows
+    /// where the robot is at any time. The clock starts when the robot sets out from the start of
+    /// the contour; before, and when it is late, it drives as fast as it can.
+    #[default]
+    Clock,
+    /// As fast as the robot can.
+    Fastest,
+}
+
 /// Parameters of a [`PatrolAwg`](crate::PatrolAwg).
 ///
 /// ```toml
@@ -18,6 +31,8 @@ use crate::PatrolError;
 pub struct PatrolAwgParams {
     /// What is patrolled, in which time, with which key.
     pub mission: MissionParams,
+    /// How fast it goes.
+    pub pace: Pace,
     /// Whether the robot knows the obstacles of the map: then additional waypoints inside them are
     /// left out at once, otherwise when they are not reached in time.
     pub obstacles_known: bool,

@@ -15,7 +15,7 @@ use patrol::mission::{Drive, Mission, MissionError};
 use sim_backend::spec::RobotModel;
 use thiserror::Error;
 
-use crate::PatrolAwgParams;
+use crate::{Pace, PatrolAwgParams};
 
 /// Waypoints ahead that are shown.
 pub const SHOWN: usize = 12;
@@ -35,6 +35,9 @@ pub enum PatrolError {
 #[derive(Debug, Clone)]
 pub struct PatrolAwg {
     mission: Mission,
+    pace: Pace,
+    /// When the robot set out from the start of the contour, simulated time [s].
+    set_out_s: Option<f64>,
     obstacles_known: bool,
     laps: Laps<AnySource>,
     /// Waypoints that have been planned and not been handed to the driver.
@@ -62,11 +65,13 @@ impl PatrolAwg {
         let source = mission.key.source().map_err(MissionError::Key)?;
         let mut laps = mission.awg.clone().laps(source);
         Ok(Self {
+            pace: params.pace,
+            set_out_s: None,
             obstacles_known: params.obstacles_known,
             ahead: laps.by_ref().take(SHOWN).collect(),
             laps,
             mission,
-            driver: WaypointDriver::new(params.driver, drive.limits, model.radius)?,
+            driver: WaypointDriver::new(drive.driver(&params.driver), drive.limits, model.radius)?,
             reports: Vec::new(),
         })
     }
@@ -74,6 +79,11 @@ impl PatrolAwg {
     /// What it does, everything chosen.
     pub fn mission(&self) -> &Mission {
         &self.mission
+    }
+
+    /// When it set out from the start of the contour, simulated time [s]: a forecast's time 0.
+    pub fn set_out_s(&self) -> Option<f64> {
+        self.set_out_s
     }
 
     /// The waypoint that it is on the way to, and those after it; those inside obstacles are still
@@ -110,7 +120,20 @@ impl PatrolAwg {
             ahead.extend(laps.next());
             ahead.pop_front()
         };
-        let driving = self.driver.drive(&mut next, &situation, &mut self.reports);
+        let (awg, set_out_s) = (&self.mission.awg, &mut self.set_out_s);
+        let pace = self.pace;
+        let mut due = |waypoint: &Waypoint| {
+            if waypoint.number == 0 {
+                return None;
+            }
+            // Once the start has ended: whoever asks for more sets out in this tick.
+            let set_out_s = *set_out_s.get_or_insert(view.time_s);
+            (pace == Pace::Clock).then(|| set_out_s + awg.due_s(waypoint.number))
+        };
+        let reports = &mut self.reports;
+        let driving = self
+            .driver
+            .drive_on_time(&mut next, &mut due, &situation, reports);
         Steering {
             command: driving.command,
             target: None,

@@ -181,3 +181,82 @@ fn a_patrol_that_cannot_be_names_the_field() {
     let driver = "mission = { contour = [[0, 0], [9, 0]] }\n[driver]\nstuck_s = -1";
     assert!(made(driver).starts_with("`driver.stuck_s` is -1"));
 }
+
+/// Distances of the robot from where its forecast says it is, tick by tick [m].
+fn errors(drive: &Drive, planner: &Awg) -> Vec<f64> {
+    let mission = planner.0.mission();
+    let forecast = Forecast::new(mission.awg.clone(), mission.key.source().unwrap());
+    let set_out_s = planner.0.set_out_s().unwrap();
+    let ticks = drive.poses.iter().enumerate();
+    ticks
+        .map(|(tick, pose)| (tick as f64 * 0.05 - set_out_s, pose))
+        .filter(|(t, _)| *t >= 0.0)
+        .map(|(t, pose)| (forecast.at_time(t).unwrap().point - pose.position()).norm())
+        .collect()
+}
+
+fn mean_and_max(errors: &[f64]) -> (f64, f64) {
+    let sum: f64 = errors.iter().sum();
+    (
+        sum / errors.len() as f64,
+        errors.iter().copied().fold(0.0, f64::max),
+    )
+}
+
+#[test]
+fn by_the_clock_the_robot_is_where_its_forecast_says() {
+    // Two metres beside the contour: the clock does not run before it is there.
+    let start = Pose2::new(7.0, 0.0, core::f64::consts::PI);
+    let mut planner = patrol(OCTAGON, "[driver]\ngo_to = { arrived = 0.1 }", start);
+    let found = drive(vec![], start, 12.0 * 118.0 + 5.0, &mut planner);
+    let set_out_s = planner.0.set_out_s().unwrap();
+    assert!((1.8..2.2).contains(&set_out_s), "{set_out_s}");
+    let (mean, max) = mean_and_max(&errors(&found, &planner));
+    println!("mean {mean:.3} m, max {max:.3} m");
+    assert!(mean < 0.2 && max < 1.8, "{mean} {max}");
+    // It waits for nothing, but does not hurry either.
+    let awg = &planner.0.mission().awg;
+    let lateness = |r: &WaypointReport| r.ended_s - set_out_s - awg.due_s(r.waypoint.number);
+    let late = found.reports.iter().map(lateness);
+    assert!(late.clone().fold(f64::INFINITY, f64::min) > -2.5);
+    assert!(late.fold(f64::NEG_INFINITY, f64::max) < 3.0);
+    let ends = lap_ends(&found, awg.waypoints_per_lap());
+    assert_eq!(ends.len(), 12);
+    let mut before = set_out_s;
+    for end in ends {
+        assert!(end - before <= 120.0, "{} s", end - before);
+        before = end;
+    }
+}
+
+#[test]
+fn at_the_fastest_pace_the_robot_is_ahead_of_its_forecast() {
+    let start = Pose2::new(5.0, 0.0, 2.3);
+    let mut planner = patrol(OCTAGON, "pace = \"fastest\"", start);
+    let found = drive(vec![], start, 120.0, &mut planner);
+    let (mean, _) = mean_and_max(&errors(&found, &planner));
+    assert!(mean > 1.0, "{mean}");
+    let per_lap = planner.0.mission().awg.waypoints_per_lap();
+    assert!(lap_ends(&found, per_lap)[0] < 110.0);
+}
+
+#[test]
+fn a_robot_that_obstacles_have_made_late_catches_up() {
+    let start = Pose2::new(1.0, 1.0, 1.57);
+    // What it does not know costs it more: it tries to reach waypoints inside for a while.
+    for (known, most_mean, most_max) in [(true, 0.3, 2.0), (false, 3.0, 7.0)] {
+        let mut planner = patrol(SQUARE, &format!("obstacles_known = {known}"), start);
+        let found = drive(obstacles(), start, 310.0, &mut planner);
+        assert_eq!(found.contacts(), 0);
+        let (mean, max) = mean_and_max(&errors(&found, &planner));
+        println!("known: {known}; mean {mean:.3} m, max {max:.3} m");
+        assert!(mean < most_mean && max < most_max, "{mean} {max}");
+        let awg = &planner.0.mission().awg;
+        let ends = lap_ends(&found, awg.waypoints_per_lap());
+        assert_eq!(ends.len(), 3);
+        for (lap, end) in (1..).zip(ends) {
+            let late = end - awg.lap_time() * f64::from(lap);
+            assert!(late < 7.0, "{late}");
+        }
+    }
+}

@@ -119,7 +119,7 @@ impl PatrolFto {
             way,
             fto: Fto::new(&params.fto)?,
             handed: VecDeque::new(),
-            driver: WaypointDriver::new(params.driver, drive.limits, model.radius)?,
+            driver: WaypointDriver::new(drive.driver(&params.driver), drive.limits, model.radius)?,
             radius: model.radius,
             disc: None,
             ranges: Vec::new(),

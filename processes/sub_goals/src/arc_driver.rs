@@ -135,8 +135,10 @@ impl ArcDriver {
                     .track(&pose, &self.limits, &self.tracking, |pose, target| {
                         sees(&rectangles, pose.position(), target)
                     });
-            let passed = tracking.is_none_or(|tracking| {
-                tracking.arrived || stretch.smooth && self.tracker.progress() >= leg.end - 1e-9
+            let passed = tracking.is_none_or(|tracking| match ahead {
+                // The tracked path goes on, and may end near the part that the robot is on.
+                Some(_) => self.tracker.progress() >= leg.end - 1e-9,
+                None => tracking.arrived,
             });
             let outcome = if passed {
                 WaypointOutcome::Reached

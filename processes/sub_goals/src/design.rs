@@ -1,8 +1,8 @@
 //! What a kind of coverage planner must say of itself, and the site that it plans for.
 
-use coverage::decomposition::Decomposition;
+use coverage::decomposition::{Decomposition, DecompositionError};
 use coverage::goal::GoalSource;
-use coverage::workplace::Workplace;
+use coverage::workplace::{Workplace, WorkplaceError};
 use nalgebra::Point2;
 use serde::de::DeserializeOwned;
 use sim_backend::shape::{Aabb, Convex};
@@ -34,8 +34,24 @@ impl Site {
     ) -> Result<Self, String> {
         let workplace =
             Workplace::from_parts(bounds, radius + follow.margin, obstacles, follow.tolerance)
-                .map_err(|e| e.to_string())?;
-        let decomposition = Decomposition::new(&workplace).map_err(|e| e.to_string())?;
+                .map_err(|e| match e {
+                    WorkplaceError::Radius { limit, .. } => format!(
+                        "`follow.margin` is {} m and the robot's radius {radius} m, but together \
+                         they must be below {limit} m, half the shorter side of the workplace: \
+                         enlarge it, keep less margin or take a smaller robot",
+                        follow.margin
+                    ),
+                    e => e.to_string(),
+                })?;
+        let decomposition = Decomposition::new(&workplace).map_err(|e| match e {
+            DecompositionError::NoFreeSpace { .. } => format!(
+                "`follow.margin` is {} m and the robot's radius {radius} m: the obstacles, grown by \
+                 both, leave no free space; keep less margin, take fewer or smaller obstacles, a \
+                 smaller robot, or a smaller `follow.tolerance`",
+                follow.margin
+            ),
+            e => e.to_string(),
+        })?;
         let nearest = decomposition
             .nearest_rectangle(here)
             .and_then(|(nearest, _)| decomposition.rectangles().get(nearest))

@@ -45,6 +45,11 @@ pub struct Follower<D: Design> {
 }
 
 impl<D: Design> Follower<D> {
+    /// Its sub-goals from now on; `None` before it knows a map.
+    pub fn goals(&mut self) -> Option<&mut D::Goals> {
+        self.goals.as_mut()
+    }
+
     fn driver(follow: &FollowParams, limits: Limits, radius: f64) -> Result<Drive, String> {
         Ok(match follow.interpolation {
             Interpolation::Linear => {
@@ -103,7 +108,11 @@ impl<D: Design> Planner for Follower<D> {
 
     fn new(params: &D::Params, robot: &RobotInfo, seed: u64) -> Result<Self, String> {
         D::validate(params)?;
-        let follow = D::follow(params);
+        let mut follow = D::follow(params);
+        let model = &robot.model;
+        follow.driver = follow
+            .driver
+            .for_drive(model.acceleration, model.angular_acceleration);
         let (limits, radius) = (limits(robot)?, robot.model.radius);
         Ok(Self {
             params: params.clone(),

@@ -9,11 +9,12 @@ mod strangers;
 
 use std::path::Path;
 
+use ipc_types::messages::observer::Prediction;
 use ipc_types::messages::perception::{BeliefHeader, Particle, Sighting};
 use ipc_types::messages::process::{ProcessStatus, RunControl};
 use ipc_types::messages::referee::{DominanceCell, DominanceHeader, Verdict};
 use ipc_types::messages::robot::{
-    Command, PlanHeader, PlanPoint, ScanHeader, TreeEdge, TreeHeader,
+    Command, PlanHeader, PlanPoint, ScanHeader, TreeEdge, TreeHeader, WaypointEnd,
 };
 use ipc_types::messages::world::{
     CoverageState, MapCell, MapHeader, ObstacleEvent, RobotState, ShapePoint, ShapesHeader,
@@ -21,8 +22,8 @@ use ipc_types::messages::world::{
 };
 use ipc_types::stamp::{PlainHeader, Stamp};
 use ipc_types::topics::{
-    Belief, Commands, Control, Coverage, Dominance, ObstacleEvents, Plan, Scan, Sightings, Status,
-    Tree, Verdicts, WorldEvents, WorldMap, WorldShapes, WorldState,
+    Belief, Commands, Control, Coverage, Dominance, ObstacleEvents, Plan, Predictions, Scan,
+    Sightings, Status, Tree, Verdicts, Waypoints, WorldEvents, WorldMap, WorldShapes, WorldState,
 };
 
 use super::{
@@ -52,6 +53,8 @@ enum Sent {
     Command(PlainHeader, Vec<Command>),
     Plan(PlanHeader, Vec<PlanPoint>),
     Tree(TreeHeader, Vec<TreeEdge>),
+    Waypoint(PlainHeader, Vec<WaypointEnd>),
+    Prediction(PlainHeader, Vec<Prediction>),
     Verdict(PlainHeader, Vec<Verdict>),
     Dominance(DominanceHeader, Vec<DominanceCell>),
     Status(PlainHeader, ProcessStatus),
@@ -73,6 +76,8 @@ impl Sent {
             Self::Command(h, e) => recording.push::<Commands>(h, e),
             Self::Plan(h, e) => recording.push::<Plan>(h, e),
             Self::Tree(h, e) => recording.push::<Tree>(h, e),
+            Self::Waypoint(h, e) => recording.push::<Waypoints>(h, e),
+            Self::Prediction(h, e) => recording.push::<Predictions>(h, e),
             Self::Verdict(h, e) => recording.push::<Verdicts>(h, e),
             Self::Dominance(h, e) => recording.push::<Dominance>(h, e),
             Self::Status(h, e) => recording.push::<Status>(h, &[*e]),
@@ -90,6 +95,8 @@ impl Sent {
             | Self::Obstacle(h, _)
             | Self::Sighting(h, _)
             | Self::Verdict(h, _)
+            | Self::Waypoint(h, _)
+            | Self::Prediction(h, _)
             | Self::Command(h, _)
             | Self::Status(h, _)
             | Self::Control(h, _) => &h.stamp,
@@ -276,6 +283,13 @@ fn run(ticks: u64, clock: u64) -> Vec<Sent> {
             ..TreeHeader::default()
         };
         sent.push(Sent::Tree(tree, vec![TreeEdge::default(); 5]));
+        let waypoint = WaypointEnd {
+            closest: f64::INFINITY,
+            outcome: 1,
+            ..WaypointEnd::default()
+        };
+        let header = plain(tick, FIRST_ROBOT, tick);
+        sent.push(Sent::Waypoint(header, vec![waypoint]));
         if last {
             let verdict = Verdict {
                 margin: f64::NEG_INFINITY,
@@ -285,6 +299,12 @@ fn run(ticks: u64, clock: u64) -> Vec<Sent> {
             };
             let header = plain(tick, PERCEPTION, 0);
             sent.push(Sent::Verdict(header, vec![verdict]));
+            let prediction = Prediction {
+                horizon_s: 1.0,
+                error: f64::INFINITY,
+                ..Prediction::default()
+            };
+            sent.push(Sent::Prediction(header, vec![prediction]));
             let header = DominanceHeader {
                 stamp: stamp(tick, PERCEPTION, 0),
                 resolution: 0.5,
@@ -360,6 +380,30 @@ fn options(path: &Path) -> RecorderOptions {
             ..ObstacleEvent::default()
         }],
     }
+}
+
+/// Records a run of so many ticks, in chunks of this size [bytes]; `change` may change what is said.
+pub(crate) fn record_run(
+    path: &Path,
+    ticks: u64,
+    chunk_bytes: u64,
+    change: impl Fn(&mut Command, u64),
+) -> super::Summary {
+    let mut options = options(path);
+    options.log.chunk_bytes = chunk_bytes;
+    let mut recording = Recording::create(&options).unwrap();
+    for mut sent in run(ticks, 1) {
+        if let Sent::Command(header, commands) = &mut sent {
+            for command in commands {
+                change(command, header.stamp.tick);
+            }
+        }
+        sent.push(&mut recording);
+    }
+    for tick in 0..ticks {
+        recording.advance(tick, &mut ()).unwrap();
+    }
+    recording.finish(&mut ()).unwrap()
 }
 
 /// A command message with as many elements as it must not have.

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use sim_backend::spec::FieldError;
 
 use super::files::Base;
-use super::kinds::{KindInfo, Need, check_params};
+use super::kinds::{KindInfo, Need, Product, check_params};
 use super::{Loader, ResolvedScenario};
 
 /// Parameters of the kinds below.
@@ -58,9 +58,11 @@ const fn kind(name: &'static str, drives_robots: bool, provides_belief: bool) ->
         name,
         summary: "",
         drives_robots,
-        provides_belief,
-        visits_waypoints: false,
-        provides_plans: false,
+        makes: if provides_belief {
+            &[Product::Beliefs]
+        } else {
+            &[]
+        },
         check_params: |node| check_params(node, Params::validate),
         needs: |_| Vec::new(),
         caps: &[("particles", 1e6)],
@@ -91,7 +93,7 @@ static KINDS: &[KindInfo] = &[
     },
     kind("evader_potential", true, false),
     KindInfo {
-        provides_plans: true,
+        makes: &[Product::Plans],
         ..kind("optimiser", false, false)
     },
     KindInfo {

@@ -15,7 +15,8 @@ use crate::workplace::Workplace;
 pub enum BridgeError {
     /// A rectangle that there is not.
     #[error(
-        "bridge to rectangle {rectangle}: the workplace is divided into rectangles 0 to {last}"
+        "bridge to rectangle {rectangle}: the workplace is divided into rectangles 0 to {last}: name \
+         two of those"
     )]
     NoSuchRectangle {
         /// The number given.

@@ -46,8 +46,8 @@ impl FromStr for KeyKind {
         Self::ALL
             .into_iter()
             .find(|kind| kind.to_string() == text)
-            .ok_or_else(|| KeyError::Kind {
-                found: text.to_owned(),
+            .ok_or_else(|| KeyError::KindName {
+                found: text.chars().take(24).collect(),
             })
     }
 }
@@ -77,7 +77,9 @@ impl FromStr for Key {
         let (kind, rest) = text.split_once(':').ok_or_else(|| KeyError::Kind {
             found: text.chars().take(24).collect(),
         })?;
-        let kind: KeyKind = kind.trim().parse()?;
+        let kind: KeyKind = kind.trim().parse().map_err(|_| KeyError::Kind {
+            found: kind.trim().chars().take(24).collect(),
+        })?;
         let values = Values {
             kind,
             text: rest.trim(),

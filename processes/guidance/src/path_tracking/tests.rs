@@ -119,6 +119,26 @@ fn a_path_is_found_again_where_it_crosses_itself() {
 }
 
 #[test]
+fn an_end_beside_an_earlier_part_of_the_path_is_not_arrived_at_there() {
+    let loop_back = path(&[(0.0, 0.0), (3.0, 0.0), (3.0, 1.0), (1.0, 1.0), (1.0, 0.03)]);
+    let length = loop_back.length();
+    let mut tracker = PathTracker::default();
+    tracker.set_path(loop_back);
+    let params = TrackingParams::default();
+    tracker.progress = 0.95;
+    let beside = Pose2::new(1.0, 0.0, 0.0);
+    let passing = tracker
+        .track(&beside, &limits(), &params, |_, _| true)
+        .unwrap();
+    assert!(!passing.arrived && passing.remaining > 4.0, "{passing:?}");
+    tracker.progress = length - 0.1;
+    let there = tracker
+        .track(&beside, &limits(), &params, |_, _| true)
+        .unwrap();
+    assert!(there.arrived, "{there:?}");
+}
+
+#[test]
 fn nothing_to_follow_gives_no_command() {
     let params = TrackingParams::default();
     let mut tracker = PathTracker::default();

@@ -15,6 +15,16 @@ const ALIGNED: f64 = 0.95;
 /// Parts of the jump that are tried where boundary is all there is to see.
 const FINER: [f64; 2] = [0.5, 0.25];
 
+/// Whether the robot still turns on the spot where it decided to head in a direction (a unit vector).
+pub(super) fn is_turning(
+    view: &Surroundings,
+    sight: &Sight,
+    decided_at: Point2<f64>,
+    unit: Vector2<f64>,
+) -> bool {
+    (view.here - decided_at).norm() < STILL && unit.dot(&sight.forward) < ALIGNED
+}
+
 /// A stretch along one boundary.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Follow {
@@ -120,8 +130,7 @@ impl Follow {
         params: &TangentBugParams,
     ) -> Option<Vector2<f64>> {
         let (at, unit) = self.decided?;
-        let turning = (view.here - at).norm() < STILL && unit.dot(&sight.forward) < ALIGNED;
-        (turning && view.free_towards(unit) > params.jump).then_some(unit)
+        (is_turning(view, sight, at, unit) && view.free_towards(unit) > params.jump).then_some(unit)
     }
 
     /// A direction that ends at the boundary followed so far.

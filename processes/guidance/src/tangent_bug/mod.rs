@@ -24,7 +24,7 @@ use sim_backend::pose::Pose2;
 
 use crate::params::{ParamsError, positive};
 use crate::view::ScanView;
-use follow::{Follow, Following};
+use follow::{Follow, Following, is_turning};
 pub use run::Side;
 use run::{Run, RunEnd};
 pub(crate) use surroundings::echoes;
@@ -106,9 +106,16 @@ pub enum Advice {
 
 #[derive(Debug, Clone, PartialEq)]
 enum State {
-    ToGoal { side: Option<Side> },
+    ToGoal {
+        side: Option<Side>,
+    },
     Following(Follow),
-    Leaving { point: Point2<f64>, follow: Follow },
+    Leaving {
+        point: Point2<f64>,
+        follow: Follow,
+        /// Where that was decided [m].
+        from: Point2<f64>,
+    },
     Unreachable,
 }
 
@@ -205,7 +212,11 @@ impl TangentBug {
             State::Unreachable => Change::Answer(Advice::Unreachable),
             State::ToGoal { side } => self.approach(side, sight),
             State::Following(follow) => self.follow(follow, sight),
-            State::Leaving { point, follow } => self.leave(point, follow, sight),
+            State::Leaving {
+                point,
+                follow,
+                from,
+            } => self.leave((point, from), follow, sight),
         }
     }
 
@@ -259,7 +270,11 @@ impl TangentBug {
     fn follow(&mut self, mut follow: Follow, sight: &Sight) -> Change {
         match follow.step(&self.view, sight, &self.params, self.grown) {
             Following::Lost => Change::To(State::ToGoal { side: None }),
-            Following::Leave(point) => Change::To(State::Leaving { point, follow }),
+            Following::Leave(point) => Change::To(State::Leaving {
+                point,
+                follow,
+                from: self.view.here,
+            }),
             Following::Enclosed => self.walled_in(follow),
             Following::Closed => Change::To(State::Unreachable),
             Following::Along(towards) => {
@@ -272,7 +287,12 @@ impl TangentBug {
     }
 
     /// The transition from a boundary to motion towards the goal.
-    fn leave(&mut self, point: Point2<f64>, follow: Follow, sight: &Sight) -> Change {
+    fn leave(
+        &mut self,
+        (point, from): (Point2<f64>, Point2<f64>),
+        follow: Follow,
+        sight: &Sight,
+    ) -> Change {
         let to = point - self.view.here;
         let left = to.norm();
         let nearer = sight.distance < follow.least() - 0.5 * self.params.leave_margin;
@@ -281,11 +301,18 @@ impl TangentBug {
                 side: Some(follow.side()),
             });
         }
-        if self.view.free_towards(to / left) + self.params.jump < left.min(self.view.reach) {
+        let free = self.view.free_towards(to / left);
+        // Turning on the spot moves the beams: what they say is believed when it has turned.
+        let turning = is_turning(&self.view, sight, from, to / left) && free > self.params.jump;
+        if !turning && free + self.params.jump < left.min(self.view.reach) {
             // Something has come between: on along the boundary.
             return Change::To(State::Following(follow));
         }
-        self.state = State::Leaving { point, follow };
+        self.state = State::Leaving {
+            point,
+            follow,
+            from,
+        };
         Change::Answer(Advice::Head {
             towards: point,
             mode: Mode::Leaving,

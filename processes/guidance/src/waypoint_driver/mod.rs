@@ -6,17 +6,20 @@
 //! sensor. What became of each waypoint is reported.
 
 mod guard;
+mod pace;
 mod params;
 mod time_model;
+mod turning;
 
 use nalgebra::{Point2, Vector2};
 use sim_backend::pose::{Pose2, Twist2};
 
+use guard::Guard;
 pub use params::DriverParams;
 pub use time_model::{lap_time, time_without_obstacles};
 
 use crate::free_space::FreeSpace;
-use crate::go_to::{distance_to_segment, go_to};
+use crate::go_to::{GoToParams, distance_to_segment, go_to};
 use crate::limits::Limits;
 use crate::params::{ParamsError, positive};
 use crate::tangent_bug::{Advice, Mode, TangentBug, echoes};
@@ -68,6 +71,10 @@ impl Driving {
 struct Leg {
     waypoint: Waypoint,
     started_s: f64,
+    /// When it is due [s], if it is.
+    due_s: Option<f64>,
+    /// For how long it is tried after that [s].
+    spare_s: f64,
     /// When it is given up [s]; infinite for a waypoint of the route.
     until_s: f64,
     closest: f64,
@@ -134,6 +141,23 @@ impl WaypointDriver {
         situation: &Situation<'_>,
         reports: &mut Vec<WaypointReport>,
     ) -> Driving {
+        self.drive_on_time(next, &mut |_| None, situation, reports)
+    }
+
+    /// As [`Self::drive`], with waypoints that are due at a time [s]: `due` tells when, each tick
+    /// for the waypoint on the way; `None` is as soon as possible.
+    ///
+    /// The robot drives no faster than that it arrives when it is due, and does not stand still to
+    /// wait; if it is late, it drives as fast as it can, and likewise around obstacles. The time
+    /// allowed for a waypoint is not over before it is due, and as much later as it would be if it
+    /// were due as soon as possible.
+    pub fn drive_on_time(
+        &mut self,
+        next: &mut dyn FnMut() -> Option<Waypoint>,
+        due: &mut dyn FnMut(&Waypoint) -> Option<f64>,
+        situation: &Situation<'_>,
+        reports: &mut Vec<WaypointReport>,
+    ) -> Driving {
         let Situation {
             pose, time_s, dt, ..
         } = *situation;
@@ -155,12 +179,12 @@ impl WaypointDriver {
                 from = here;
                 continue;
             };
+            leg.take_due(due(&leg.waypoint));
             if let Some(outcome) = leg.passed(from, here, time_s, &self.params, self.radius) {
                 self.end(outcome, time_s, reports);
                 continue;
             }
-            let goal = leg.waypoint.point;
-            match self.head(goal, situation) {
+            match self.head(situation) {
                 Some(driving) => return driving,
                 None => self.end(WaypointOutcome::Unreachable, time_s, reports),
             }
@@ -188,11 +212,14 @@ impl WaypointDriver {
         }
         let (point, time_s) = (waypoint.point, situation.time_s);
         let go_to = &self.params.go_to;
-        let expected = time_without_obstacles(&situation.pose, point, &self.limits, go_to);
+        let expected = time_without_obstacles(&situation.pose, point, &self.limits, go_to)
+            + self.params.ramps_s(&self.limits);
         let allowed = (self.params.time_limit_factor * expected).max(self.params.least_time_s);
         let leg = Leg {
             waypoint,
             started_s: time_s,
+            due_s: None,
+            spare_s: ((self.params.time_limit_factor - 1.0) * expected).max(0.0),
             until_s: match waypoint.kind {
                 WaypointKind::Route => f64::INFINITY,
                 _ => time_s + allowed,
@@ -214,14 +241,30 @@ impl WaypointDriver {
         })
     }
 
-    /// The command towards the goal; `None` if it cannot be reached.
-    fn head(&mut self, goal: Point2<f64>, situation: &Situation<'_>) -> Option<Driving> {
-        let Situation { pose, dt, .. } = *situation;
+    /// The command towards the waypoint; `None` if it cannot be reached.
+    fn head(&mut self, situation: &Situation<'_>) -> Option<Driving> {
+        let leg = self.leg.as_mut()?;
+        let goal = leg.waypoint.point;
+        let part = leg.pace(situation, &self.params, &self.limits);
+        let Situation {
+            pose, twist, dt, ..
+        } = *situation;
         let onward = self.onward.map(|waypoint| waypoint.point);
         let go_to_params = &self.params.go_to;
+        let on_time = GoToParams {
+            speed_fraction: go_to_params.speed_fraction * part,
+            ..*go_to_params
+        };
+        let steer = |towards, beyond, params: &GoToParams| {
+            let command = go_to(&pose, towards, beyond, &self.limits, params, dt);
+            match self.params.angular_acceleration {
+                Some(rate) => turning::ease(command, &pose, towards, rate, dt),
+                None => command,
+            }
+        };
         let Some(scan) = &situation.scan else {
             return Some(Driving {
-                command: go_to(&pose, goal, onward, &self.limits, go_to_params, dt),
+                command: steer(goal, onward, &on_time),
                 towards: Some(goal),
                 mode: None,
             });
@@ -234,15 +277,28 @@ impl WaypointDriver {
             return None;
         };
         // A point on the way around is not stopped at.
-        let beyond = match mode {
-            Mode::ToGoal => onward,
-            _ => Some(towards + (towards - pose.position())),
+        let command = if mode == Mode::ToGoal {
+            steer(towards, onward, &on_time)
+        } else {
+            let beyond = towards + (towards - pose.position());
+            steer(towards, Some(beyond), go_to_params)
         };
-        let command = go_to(&pose, towards, beyond, &self.limits, go_to_params, dt);
         echoes(&pose, scan, self.radius, &mut self.echoes);
-        let command = guard::slow_down(command, &pose, &self.echoes, self.radius, &self.params);
+        let guard = Guard {
+            theta: pose.theta,
+            twist: if twist.is_finite() {
+                twist
+            } else {
+                Twist2::STOP
+            },
+            echoes: &self.echoes,
+            range: scan.range_max,
+            radius: self.radius,
+            dt,
+            params: &self.params,
+        };
         Some(Driving {
-            command: self.limits.clip(command),
+            command: self.limits.clip(guard.slow_down(command)),
             towards: Some(towards),
             mode: Some(mode),
         })
@@ -250,6 +306,31 @@ impl WaypointDriver {
 }
 
 impl Leg {
+    /// Takes note of when the waypoint is due [s]; it is given up the later for it.
+    fn take_due(&mut self, due_s: Option<f64>) {
+        self.due_s = due_s;
+        if let Some(due_s) = due_s {
+            // NaN does not count.
+            self.until_s = self.until_s.max(due_s + self.spare_s);
+        }
+    }
+
+    /// Part of the speed at which the waypoint is reached when it is due.
+    fn pace(&mut self, situation: &Situation<'_>, params: &DriverParams, limits: &Limits) -> f64 {
+        let Some(due_s) = self.due_s else {
+            return 1.0;
+        };
+        let (here, now) = (situation.pose.position(), situation.time_s);
+        let distance = (self.waypoint.point - here).norm();
+        let v_max = limits.v_max() * params.go_to.speed_fraction;
+        let part = pace::part(distance, due_s - now, v_max);
+        if part < 1.0 {
+            // It is slow on purpose, not stuck.
+            self.stirred = (here, now);
+        }
+        part
+    }
+
     /// Takes in the segment driven; how the waypoint ended, if it did.
     fn passed(
         &mut self,

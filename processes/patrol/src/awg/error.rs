@@ -22,6 +22,12 @@ pub enum AwgError {
         /// The width given [m].
         value: f64,
     },
+    /// A clock that does not run, or runs late.
+    #[error("the tempo is {value}, but must be a number above 0 and of at most 1")]
+    Tempo {
+        /// The tempo given.
+        value: f64,
+    },
     /// A contour so short, or so long, for its time that its speed is no number.
     #[error(
         "`contour` is {length} m long, which in `t_max` = {t_max} s is no speed that can be \

@@ -139,3 +139,29 @@ fn what_cannot_be_foretold_is_refused() {
     ));
     slow.lap(1000).unwrap();
 }
+
+#[test]
+fn a_waypoint_is_where_the_forecast_is_when_it_is_due() {
+    for (contour, tempo) in [(octagon(), 1.0), (open(), 1.0), (open(), 0.9)] {
+        let awg = awg(&contour, 60.0, 1.3, Mode::default())
+            .with_tempo(tempo)
+            .unwrap();
+        let forecast = Forecast::new(awg.clone(), catp());
+        assert_eq!(awg.due_s(0), 0.0);
+        let mut before = 0.0;
+        for number in 1..300 {
+            let due = awg.due_s(number);
+            assert!(due > before);
+            before = due;
+            let found = forecast.at_time(due).unwrap();
+            let waypoint = forecast.waypoint(number).unwrap();
+            assert!((found.point - waypoint.point).norm() < 1e-9);
+        }
+        let lap = awg.waypoints_per_lap();
+        assert!((awg.due_s(3 * lap) - 3.0 * forecast.lap_time()).abs() < 1e-9);
+    }
+    for tempo in [0.0, 1.1, f64::NAN] {
+        let made = awg(&open(), 60.0, 1.3, Mode::default()).with_tempo(tempo);
+        assert!(made.is_err());
+    }
+}

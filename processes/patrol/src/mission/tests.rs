@@ -29,11 +29,31 @@ fn what_is_left_open_is_chosen_from_robot_and_seed() {
     // A robot that needs time to turn gets less.
     let heavy = Drive {
         acceleration: Some(4.0),
-        angular_acceleration: Some(30.0),
+        angular_acceleration: Some(40.0),
         ..drive(1.0)
     };
     let slower = case_1().prepare(&heavy, &go_to, 7).unwrap();
     assert!(slower.awg.params().alpha < alpha);
+}
+
+#[test]
+fn laps_by_the_clock_end_before_the_time_is_over() {
+    let go_to = GoToParams::default();
+    let prepared = |params: MissionParams| params.prepare(&drive(1.0), &go_to, 7).unwrap();
+    // Sides of 6.5 s are rounded to 7 waypoints, which would be more than the time.
+    let square = MissionParams {
+        contour: vec![[0.0, 0.0], [3.3, 0.0], [3.3, 3.3], [0.0, 3.3]],
+        t_max: 26.4,
+        margin: 0.1,
+        ..MissionParams::default()
+    };
+    assert!((prepared(square).awg.lap_time() - 0.95 * 26.4).abs() < 1e-9);
+    assert!((prepared(case_1()).awg.lap_time() - 118.0).abs() < 1e-9);
+    let printed = MissionParams {
+        preset: Preset::Printed,
+        ..case_1()
+    };
+    assert_eq!(prepared(printed).awg.lap_time(), 116.0);
 }
 
 #[test]
@@ -87,5 +107,28 @@ fn a_patrol_that_cannot_be_says_what_to_change() {
         (refused(&|p| p.t_max = 49.0), "t_max"),
     ] {
         assert!(error.contains(part), "{error}");
+    }
+}
+
+#[test]
+fn a_check_says_what_preparing_would() {
+    let go_to = GoToParams::default();
+    for (t_max, v_max) in [
+        (120.0, 1.0),
+        (40.0, 1.0),
+        (50.0, 1.0),
+        (120.0, 0.3),
+        (400.0, 0.2),
+    ] {
+        for alpha in [None, Some(1.0)] {
+            let order = MissionParams {
+                t_max,
+                alpha,
+                ..case_1()
+            };
+            let prepared = order.prepare(&drive(v_max), &go_to, 3).map(drop);
+            let checked = order.check(&drive(v_max), &go_to, 3);
+            assert_eq!(checked, prepared, "{t_max} s, {v_max} m/s, {alpha:?}");
+        }
     }
 }

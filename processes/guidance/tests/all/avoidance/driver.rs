@@ -1,7 +1,7 @@
 //! What the driver makes of waypoints.
 
 use super::{DT, DriverParams, PATROL, Run, route, square};
-use guidance::go_to::GoToParams;
+use guidance::go_to::{GoToParams, coast};
 use guidance::limits::Limits;
 use guidance::waypoint::WaypointOutcome::{InsideObstacle, Reached, TimedOut, Unreachable};
 use guidance::waypoint::{Waypoint, WaypointKind, WaypointOutcome};
@@ -185,6 +185,111 @@ fn inserted_waypoints_time_out_after_twice_the_time_and_points_of_the_route_neve
     assert_eq!(outcomes(&patient), [(0, Unreachable), (1, Reached)]);
     assert!(patient.reports[0].ended_s > 8.0);
     assert!(patient.least_clearance > 0.0);
+}
+
+/// Drives through waypoints ahead that are due every two seconds; lowest speed under way.
+fn on_time(run: &mut Run, waypoints: &[Waypoint], start_s: f64) -> f64 {
+    let mut next = waypoints.iter().copied();
+    let mut slowest = f64::INFINITY;
+    loop {
+        let situation = Situation {
+            pose: run.pose,
+            twist: run.twist,
+            scan: None,
+            known: None,
+            time_s: f64::from(run.tick) * DT,
+            dt: DT,
+        };
+        let mut due = |waypoint: &Waypoint| Some(start_s + 2.0 * (waypoint.number + 1) as f64);
+        let reports = &mut run.reports;
+        let driving =
+            (run.driver).drive_on_time(&mut || next.next(), &mut due, &situation, reports);
+        if run.driver.current().is_none() {
+            return slowest;
+        }
+        run.twist = driving.command;
+        run.pose = coast(&run.pose, run.twist, DT);
+        run.tick += 1;
+        slowest = slowest.min(run.twist.v);
+    }
+}
+
+#[test]
+fn a_robot_with_time_to_spare_slows_down_and_arrives_when_it_is_due() {
+    let ways = [0.8, 1.6, 0.3, 1.2, 1.9, 0.1, 1.0];
+    let mut x = -4.0;
+    let mut waypoints = Vec::new();
+    for (number, way) in (0..).zip(ways) {
+        x += way;
+        waypoints.push(inserted(number, x, 0.0));
+    }
+    let mut robot = run(vec![], DriverParams::default());
+    let slowest = on_time(&mut robot, &waypoints, 0.0);
+    // It does not stand still to wait.
+    assert!((0.02..0.1).contains(&slowest), "{slowest}");
+    assert_eq!(robot.reports.len(), ways.len());
+    for (report, way) in robot.reports.iter().zip(ways) {
+        assert_eq!(report.outcome, Reached);
+        let due = 2.0 * (report.waypoint.number + 1) as f64;
+        // It has arrived when it is within the tolerance.
+        let early = 2.0 * 0.05 / way + 2.0 * DT;
+        let late = report.ended_s - due;
+        assert!((-early..=DT).contains(&late), "{late} {report:?}");
+    }
+}
+
+#[test]
+fn a_late_robot_hurries_until_it_has_caught_up() {
+    let waypoints: Vec<_> = (0..10).map(|i| inserted(i, -3.0 + i as f64, 0.0)).collect();
+    let mut robot = run(vec![], DriverParams::default());
+    on_time(&mut robot, &waypoints, -3.5);
+    let late = |i: usize| robot.reports[i].ended_s - (2.0 * (i + 1) as f64 - 3.5);
+    assert!((late(0) - 2.5).abs() < 0.2 && (late(1) - 1.5).abs() < 0.2);
+    assert!((2..10).all(|i| late(i) < late(1)));
+    assert!((4..10).all(|i| late(i).abs() < 0.2));
+}
+
+#[test]
+fn the_time_limit_waits_for_what_is_due_late() {
+    // A robot that does not move: half a metre takes it half a second, and it is due after ten.
+    let limits = Limits::new(1.0, 0.0, 3.0).unwrap();
+    let mut driver = WaypointDriver::new(DriverParams::default(), limits, 0.1).unwrap();
+    let mut reports = Vec::new();
+    let mut point = Some(inserted(0, 0.5, 0.0));
+    let mut tick = 0_u32;
+    while reports.is_empty() {
+        let situation = Situation {
+            pose: Pose2::default(),
+            twist: Twist2::STOP,
+            scan: None,
+            known: None,
+            time_s: DT * f64::from(tick),
+            dt: DT,
+        };
+        let mut due = |_: &Waypoint| Some(10.0);
+        driver.drive_on_time(&mut || point.take(), &mut due, &situation, &mut reports);
+        tick += 1;
+    }
+    assert_eq!(reports[0].outcome, TimedOut);
+    assert!((reports[0].ended_s - 10.5).abs() < 1.5 * DT);
+}
+
+#[test]
+fn what_a_drive_can_do_is_filled_in_where_it_is_left_open() {
+    let given = DriverParams {
+        braking: Some(0.4),
+        ..DriverParams::default()
+    };
+    let filled = given.for_drive(Some(1.0), Some(8.0));
+    assert_eq!(
+        (filled.braking, filled.angular_acceleration),
+        (Some(0.4), Some(8.0))
+    );
+    let wrong = DriverParams {
+        angular_acceleration: Some(0.0),
+        ..given
+    };
+    assert_eq!(wrong.validate().unwrap_err().field, "angular_acceleration");
 }
 
 #[test]

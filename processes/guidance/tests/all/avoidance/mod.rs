@@ -43,6 +43,14 @@ pub const PATROL: Machine = Machine {
     accelerations: None,
 };
 
+impl Machine {
+    /// The driver's parameters, with the accelerations of this drive.
+    pub fn driver(&self) -> DriverParams {
+        let (linear, angular) = self.accelerations.unzip();
+        DriverParams::default().for_drive(linear, angular)
+    }
+}
+
 /// A drive through a world.
 pub struct Run {
     pub machine: Machine,

@@ -2,7 +2,7 @@
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use super::{DriverParams, Machine, PATROL, Run, square, wall};
+use super::{Machine, PATROL, Run, square, wall};
 use guidance::tangent_bug::{Advice, Mode, TangentBug, TangentBugParams};
 use guidance::view::ScanView;
 use guidance::waypoint::WaypointOutcome::{self, Reached, Unreachable};
@@ -18,7 +18,7 @@ fn p(x: f64, y: f64) -> Point2<f64> {
 /// Drives from a point to a point; no contact, and the outcome.
 fn outcome_of(machine: Machine, parts: Vec<Convex>, from: Point2<f64>, to: Point2<f64>) -> Run {
     let pose = Pose2::new(from.x, from.y, 0.4);
-    let mut run = Run::new(machine, square(6.0, parts), pose, DriverParams::default());
+    let mut run = Run::new(machine, square(6.0, parts), pose, machine.driver());
     let outcome = run.go(to, 600.0);
     assert!(
         outcome.is_some(),

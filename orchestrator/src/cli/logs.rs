@@ -1,0 +1,67 @@
+//! What `info`, `recover`, `filter`, `export` and `rerun` have in common.
+
+use std::path::Path;
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use super::run::handle_signals;
+use super::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL};
+use crate::logs::{Condition, LogsError, Topics, Watch};
+
+/// Which topics.
+#[derive(Debug, clap::Args)]
+pub(super) struct TopicArgs {
+    /// Only these topics; `*` stands for any letters: `--topics 'world/*,robot/command'`
+    #[arg(long, value_name = "TOPIC", value_delimiter = ',')]
+    topics: Vec<String>,
+    /// Without these topics
+    #[arg(long, value_name = "TOPIC", value_delimiter = ',')]
+    exclude: Vec<String>,
+}
+
+impl From<TopicArgs> for Topics {
+    fn from(args: TopicArgs) -> Self {
+        Self {
+            only: args.topics,
+            without: args.exclude,
+        }
+    }
+}
+
+/// Does something with a log that can be interrupted, and says how it ended.
+pub(super) fn command(
+    quiet: bool,
+    work: impl FnOnce(&mut Watch) -> Result<ExitCode, LogsError>,
+) -> ExitCode {
+    let interrupted = Arc::new(AtomicBool::new(false));
+    if let Err(error) = handle_signals(&interrupted) {
+        eprintln!("error: cannot handle signals: {error}");
+        return ExitCode::from(EXIT_FAILED);
+    }
+    let mut watch = Watch::new(interrupted, quiet);
+    work(&mut watch).unwrap_or_else(|error| {
+        eprintln!("error: {error}");
+        ExitCode::from(match error {
+            LogsError::Write { .. } | LogsError::Mission(_) => EXIT_FAILED,
+            LogsError::Interrupted => EXIT_PARTIAL,
+            _ => EXIT_INVALID,
+        })
+    })
+}
+
+/// Warns of a log that is not whole; the exit code says whether messages may be missing.
+pub(super) fn of_condition(log: &Path, condition: &Condition) -> ExitCode {
+    if condition.is_whole() {
+        return ExitCode::SUCCESS;
+    }
+    eprintln!("warning: {} is not whole:", log.display());
+    for line in condition.lines() {
+        eprintln!("    {line}");
+    }
+    if condition.data {
+        eprintln!("    nothing of its data is missing");
+        return ExitCode::SUCCESS;
+    }
+    ExitCode::from(EXIT_PARTIAL)
+}

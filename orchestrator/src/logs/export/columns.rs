@@ -1,0 +1,301 @@
+//! From the fields of a message to rows of a table.
+
+use std::fmt::Write as _;
+use std::io;
+
+use crate::logs::ros2::{Cdr, Cell, Count, DecodeError, Field, Kind, Number, Schema, SchemaError};
+
+/// Most columns of a table.
+const MOST_COLUMNS: usize = 2048;
+/// Longest array of numbers, and of messages, that has a column for every number.
+const LONGEST_NUMBERS: usize = 64;
+const LONGEST_MESSAGES: usize = 16;
+
+/// The type of a column.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Type {
+    Bool,
+    Int,
+    UInt,
+    F32,
+    F64,
+    Text,
+}
+
+/// A column.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Column {
+    pub(super) name: String,
+    pub(super) kind: Type,
+}
+
+/// How the messages of a topic become rows.
+#[derive(Debug)]
+pub(super) struct Layout {
+    before: Vec<Field>,
+    /// The sequence whose elements have a row each.
+    elements: Option<Field>,
+    after: Vec<Field>,
+    columns: Vec<Column>,
+    /// Columns of an element.
+    element_columns: usize,
+}
+
+impl Layout {
+    /// The first sequence of the message that is not of bytes is the one with the rows.
+    pub(super) fn new(schema: &Schema) -> Result<Self, SchemaError> {
+        let many = |field: &Field| field.count == Count::Many && !is_bytes(field);
+        let at = schema.fields.iter().position(many);
+        let (before, rest) = schema.fields.split_at(at.unwrap_or(schema.fields.len()));
+        let (elements, after) = match rest.split_first() {
+            Some((elements, after)) => (Some(elements.clone()), after),
+            None => (None, rest),
+        };
+        let mut columns: Vec<Column> = ["log_time_ns", "publish_time_ns", "sequence"]
+            .map(|name| column(name, Type::UInt))
+            .to_vec();
+        for field in before.iter().chain(after) {
+            flatten(field, &field.name, &mut columns)?;
+        }
+        let count = columns.len();
+        if let Some(field) = &elements {
+            columns.push(column(&format!("{}.index", field.name), Type::UInt));
+            flatten_one(&field.kind, &field.name, &mut columns)?;
+        }
+        let element_columns = columns.len() - count;
+        Ok(Self {
+            before: before.to_vec(),
+            elements,
+            after: after.to_vec(),
+            columns,
+            element_columns,
+        })
+    }
+
+    pub(super) fn columns(&self) -> &[Column] {
+        &self.columns
+    }
+
+    /// Hands out the rows of a message, each beginning with the cells in `first`; a message with
+    /// no elements has one row without them. A message that cannot be decoded has none.
+    pub(super) fn rows(
+        &self,
+        first: &[Cell],
+        message: &[u8],
+        take: &mut dyn FnMut(&[Cell]) -> io::Result<()>,
+    ) -> Result<io::Result<()>, DecodeError> {
+        let mut cdr = Cdr::new(message)?;
+        let mut row = first.to_vec();
+        for field in &self.before {
+            cells(&mut cdr, field, &mut row)?;
+        }
+        let Some(field) = &self.elements else {
+            return Ok(take(&row));
+        };
+        let count = cdr.count(field)?;
+        // Once to the fields behind the elements, then over them.
+        let mut elements = cdr;
+        for _ in 0..count {
+            cdr.skip(&field.kind, &field.name)?;
+        }
+        for field in &self.after {
+            cells(&mut cdr, field, &mut row)?;
+        }
+        let of_message = row.len();
+        if count == 0 {
+            row.resize(of_message + self.element_columns, Cell::Empty);
+            return Ok(take(&row));
+        }
+        for index in 0..count {
+            row.truncate(of_message);
+            row.push(Cell::UInt(index as u64));
+            cells_of_one(&mut elements, &field.kind, &field.name, &mut row)?;
+            if let Err(error) = take(&row) {
+                return Ok(Err(error));
+            }
+        }
+        Ok(Ok(()))
+    }
+}
+
+fn column(name: &str, kind: Type) -> Column {
+    Column {
+        name: name.to_owned(),
+        kind,
+    }
+}
+
+/// How a field is laid out.
+enum Form {
+    One,
+    /// A column, or several, for each of so many.
+    Each(usize),
+    /// Bytes in one column.
+    Bytes,
+    /// JSON in one column.
+    Json,
+}
+
+fn form(field: &Field) -> Form {
+    match (field.count, &field.kind) {
+        (Count::One, _) => Form::One,
+        (_, Kind::Number(Number::U8)) => Form::Bytes,
+        (Count::Fixed(n), Kind::Number(_)) if n <= LONGEST_NUMBERS => Form::Each(n),
+        (Count::Fixed(n), Kind::Message(_)) if n <= LONGEST_MESSAGES => Form::Each(n),
+        _ => Form::Json,
+    }
+}
+
+fn is_bytes(field: &Field) -> bool {
+    matches!(field.kind, Kind::Number(Number::U8))
+}
+
+fn flatten(field: &Field, name: &str, columns: &mut Vec<Column>) -> Result<(), SchemaError> {
+    match form(field) {
+        Form::One => flatten_one(&field.kind, name, columns),
+        Form::Each(count) => {
+            (0..count).try_for_each(|i| flatten_one(&field.kind, &format!("{name}.{i}"), columns))
+        }
+        Form::Bytes | Form::Json => add(column(name, Type::Text), columns),
+    }
+}
+
+fn flatten_one(kind: &Kind, name: &str, columns: &mut Vec<Column>) -> Result<(), SchemaError> {
+    let kind = match kind {
+        Kind::Message(fields) => {
+            return fields
+                .iter()
+                .try_for_each(|field| flatten(field, &format!("{name}.{}", field.name), columns));
+        }
+        Kind::Text => Type::Text,
+        Kind::Number(Number::Bool) => Type::Bool,
+        Kind::Number(Number::U8 | Number::U16 | Number::U32 | Number::U64) => Type::UInt,
+        Kind::Number(Number::I8 | Number::I16 | Number::I32 | Number::I64) => Type::Int,
+        Kind::Number(Number::F32) => Type::F32,
+        Kind::Number(Number::F64) => Type::F64,
+    };
+    add(column(name, kind), columns)
+}
+
+fn add(column: Column, columns: &mut Vec<Column>) -> Result<(), SchemaError> {
+    if columns.len() >= MOST_COLUMNS {
+        return Err(SchemaError(format!("more than {MOST_COLUMNS} columns")));
+    }
+    columns.push(column);
+    Ok(())
+}
+
+fn cells(cdr: &mut Cdr<'_>, field: &Field, row: &mut Vec<Cell>) -> Result<(), DecodeError> {
+    match form(field) {
+        Form::One => cells_of_one(cdr, &field.kind, &field.name, row),
+        Form::Each(count) => {
+            (0..count).try_for_each(|_| cells_of_one(cdr, &field.kind, &field.name, row))
+        }
+        Form::Bytes => {
+            let mut bytes = Vec::new();
+            for _ in 0..cdr.count(field)? {
+                if let Cell::UInt(byte) = cdr.number(Number::U8, &field.name)? {
+                    bytes.push(byte as u8);
+                }
+            }
+            row.push(Cell::Text(bytes_text(&bytes)));
+            Ok(())
+        }
+        Form::Json => {
+            let mut text = String::new();
+            json(cdr, field, &mut text)?;
+            row.push(Cell::Text(text));
+            Ok(())
+        }
+    }
+}
+
+fn cells_of_one(
+    cdr: &mut Cdr<'_>,
+    kind: &Kind,
+    name: &str,
+    row: &mut Vec<Cell>,
+) -> Result<(), DecodeError> {
+    match kind {
+        Kind::Number(number) => row.push(cdr.number(*number, name)?),
+        Kind::Text => row.push(cdr.text(name)?),
+        Kind::Message(fields) => {
+            return fields.iter().try_for_each(|field| cells(cdr, field, row));
+        }
+    }
+    Ok(())
+}
+
+/// Bytes as the text that they are, zeros behind it left away, or in hexadecimal.
+fn bytes_text(bytes: &[u8]) -> String {
+    let end = bytes
+        .iter()
+        .rposition(|&b| b != 0)
+        .map_or(0, |last| last + 1);
+    let text = bytes
+        .get(..end)
+        .and_then(|bytes| str::from_utf8(bytes).ok());
+    match text.filter(|text| !text.chars().any(char::is_control)) {
+        Some(text) => text.to_owned(),
+        None => bytes.iter().fold("0x".to_owned(), |mut text, byte| {
+            // A write to a String cannot fail.
+            let _ = write!(text, "{byte:02x}");
+            text
+        }),
+    }
+}
+
+/// A field with its elements as JSON; numbers that are not finite as text.
+fn json(cdr: &mut Cdr<'_>, field: &Field, text: &mut String) -> Result<(), DecodeError> {
+    if field.count == Count::One {
+        return json_one(cdr, &field.kind, &field.name, text);
+    }
+    text.push('[');
+    for index in 0..cdr.count(field)? {
+        if index > 0 {
+            text.push(',');
+        }
+        json_one(cdr, &field.kind, &field.name, text)?;
+    }
+    text.push(']');
+    Ok(())
+}
+
+fn json_one(
+    cdr: &mut Cdr<'_>,
+    kind: &Kind,
+    name: &str,
+    text: &mut String,
+) -> Result<(), DecodeError> {
+    let cell = match kind {
+        Kind::Message(fields) => {
+            text.push('{');
+            for (index, field) in fields.iter().enumerate() {
+                if index > 0 {
+                    text.push(',');
+                }
+                text.push_str(&format!(
+                    "{}:",
+                    serde_json::Value::from(field.name.as_str())
+                ));
+                json(cdr, field, text)?;
+            }
+            text.push('}');
+            return Ok(());
+        }
+        Kind::Number(number) => cdr.number(*number, name)?,
+        Kind::Text => cdr.text(name)?,
+    };
+    let plain = match &cell {
+        Cell::Text(_) => false,
+        Cell::F32(v) => v.is_finite(),
+        Cell::F64(v) => v.is_finite(),
+        _ => true,
+    };
+    text.push_str(&if plain {
+        cell.to_string()
+    } else {
+        serde_json::Value::from(cell.to_string()).to_string()
+    });
+    Ok(())
+}

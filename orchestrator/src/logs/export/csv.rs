@@ -1,0 +1,48 @@
+//! Tables as text.
+
+use std::fmt::Write as _;
+use std::io::{self, BufWriter};
+
+use tempfile::NamedTempFile;
+
+use super::Rows;
+use super::columns::Column;
+use crate::logs::ros2::Cell;
+
+pub(super) struct CsvRows {
+    writer: csv::Writer<BufWriter<NamedTempFile>>,
+    /// Scratch.
+    text: String,
+}
+
+impl CsvRows {
+    pub(super) fn new(file: NamedTempFile, columns: &[Column]) -> io::Result<Self> {
+        let mut writer = csv::Writer::from_writer(BufWriter::new(file));
+        writer.write_record(columns.iter().map(|column| &column.name))?;
+        Ok(Self {
+            writer,
+            text: String::new(),
+        })
+    }
+}
+
+impl Rows for CsvRows {
+    fn row(&mut self, cells: &[Cell]) -> io::Result<()> {
+        for cell in cells {
+            self.text.clear();
+            // A write to a String cannot fail.
+            let _ = write!(self.text, "{cell}");
+            self.writer.write_field(&self.text)?;
+        }
+        self.writer.write_record(None::<&[u8]>)?;
+        Ok(())
+    }
+
+    fn finish(self: Box<Self>) -> io::Result<NamedTempFile> {
+        let buffer = self
+            .writer
+            .into_inner()
+            .map_err(csv::IntoInnerError::into_error)?;
+        buffer.into_inner().map_err(io::IntoInnerError::into_error)
+    }
+}

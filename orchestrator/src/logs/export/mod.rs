@@ -1,0 +1,345 @@
+//! The messages of a log as tables: a file for every topic.
+
+mod columns;
+mod csv;
+#[cfg(feature = "parquet")]
+mod parquet;
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use tempfile::NamedTempFile;
+
+use self::columns::{Column, Layout};
+use super::condition::Condition;
+use super::error::LogsError;
+use super::pattern::Topics;
+use super::place::Place;
+use super::reader::{Channel, Item, Reader};
+use super::ros2::{Cell, Schema};
+use super::watch::Watch;
+
+/// Most tables that are written at once: each is an open file.
+const MOST_TABLES: usize = 500;
+
+/// The form of a table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Format {
+    /// Text, a line for every row.
+    Csv,
+    /// Apache Parquet, with a type for every column.
+    Parquet,
+}
+
+/// Which tables are written, and how.
+#[derive(Debug, Clone)]
+pub struct ExportOptions {
+    /// Their form.
+    pub format: Format,
+    /// Which topics.
+    pub topics: Topics,
+    /// Whether tables that are there may be overwritten.
+    pub force: bool,
+}
+
+/// One table.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Table {
+    /// Its file.
+    pub file: PathBuf,
+    /// Messages in it.
+    pub messages: u64,
+    /// Its rows.
+    pub rows: u64,
+    /// Messages that do not have the form that their schema says: they are left out.
+    pub undecodable: u64,
+}
+
+/// What was written.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Exported {
+    /// The tables, by topic.
+    pub tables: BTreeMap<String, Table>,
+    /// Topics with messages that have no table, and why.
+    pub skipped: BTreeMap<String, String>,
+    /// In what condition the log is.
+    pub source: Condition,
+}
+
+/// Takes rows of a table.
+trait Rows {
+    fn row(&mut self, cells: &[Cell]) -> std::io::Result<()>;
+    /// Writes what is left.
+    fn finish(self: Box<Self>) -> std::io::Result<NamedTempFile>;
+}
+
+/// What becomes of a channel.
+enum Fate {
+    /// It is not wanted.
+    Ignored,
+    /// There is no table of it.
+    Skipped,
+    /// It has a table, perhaps with its first message.
+    Table(Box<Open>),
+}
+
+/// A table that is being written.
+struct Open {
+    topic: String,
+    layout: Layout,
+    sink: Option<(Box<dyn Rows>, Place)>,
+    table: Table,
+}
+
+/// Writes a table for every topic of ROS 2 messages into a directory: a row for every element of
+/// every message, with the fields of the message before those of the element.
+///
+/// # Errors
+/// [`LogsError`]; then there are no tables.
+#[expect(clippy::too_many_lines, reason = "one kind of item after the other")]
+pub fn export(
+    log: &Path,
+    out: &Path,
+    options: &ExportOptions,
+    watch: &mut Watch,
+) -> Result<Exported, LogsError> {
+    if options.format == Format::Parquet && !cfg!(feature = "parquet") {
+        return Err(LogsError::Argument(
+            "--format parquet: this program was built without Parquet; build it with \
+             `--features parquet`, or use --format csv"
+                .to_owned(),
+        ));
+    }
+    let mut reader = Reader::open(log, Some(watch))?;
+    let folder = Folder::make(out, options.force)?;
+    let mut fates: BTreeMap<u16, Fate> = BTreeMap::new();
+    let mut skipped: BTreeMap<String, String> = BTreeMap::new();
+    let mut names = BTreeMap::new();
+    let mut channels: BTreeMap<u16, (String, String)> = BTreeMap::new();
+    let mut tables = 0;
+    while let Some(item) = reader.next()? {
+        let (header, data) = match item {
+            Item::Message(header, data) => (header, data),
+            Item::Channel(channel) => {
+                let schema = reader.schema(channel.schema_id);
+                let fate = if options.topics.take(&channel.topic) {
+                    match layout(&channel, schema.as_deref()) {
+                        Ok(layout) => {
+                            let extension = match options.format {
+                                Format::Csv => "csv",
+                                Format::Parquet => "parquet",
+                            };
+                            let file = out.join(file_name(&channel, extension, &mut names));
+                            Fate::Table(Box::new(Open {
+                                topic: channel.topic.clone(),
+                                layout,
+                                sink: None,
+                                table: Table {
+                                    file,
+                                    messages: 0,
+                                    rows: 0,
+                                    undecodable: 0,
+                                },
+                            }))
+                        }
+                        Err(why) => {
+                            if options.topics.names(&channel.topic) {
+                                return Err(LogsError::Argument(format!(
+                                    "--topics {}: {why}",
+                                    channel.topic
+                                )));
+                            }
+                            channels.insert(channel.id, (channel.topic.clone(), why));
+                            Fate::Skipped
+                        }
+                    }
+                } else {
+                    Fate::Ignored
+                };
+                fates.insert(channel.id, fate);
+                continue;
+            }
+            _ => continue,
+        };
+        match fates.get_mut(&header.channel_id) {
+            None | Some(Fate::Ignored) => {}
+            Some(Fate::Skipped) => {
+                if let Some((topic, why)) = channels.remove(&header.channel_id) {
+                    skipped.insert(topic, why);
+                }
+            }
+            Some(Fate::Table(open)) => {
+                if open.sink.is_none() {
+                    tables += 1;
+                    if tables > MOST_TABLES {
+                        return Err(LogsError::Argument(format!(
+                            "--topics: the log has more than {MOST_TABLES} topics; choose some"
+                        )));
+                    }
+                    let (place, file) = Place::new(&open.table.file, log, options.force)?;
+                    let columns = open.layout.columns();
+                    let rows = sink(options.format, file, columns);
+                    let rows = rows.map_err(|e| place.failed(e))?;
+                    open.sink = Some((rows, place));
+                }
+                open.take(&header, data)?;
+            }
+        }
+    }
+    options
+        .topics
+        .check(&reader.channels().map(|channel| channel.topic.as_str()))?;
+    let mut done = BTreeMap::new();
+    let mut finished = Vec::new();
+    for fate in fates.into_values() {
+        if let Fate::Table(open) = fate
+            && let Some((rows, place)) = open.sink
+        {
+            let file = rows.finish().map_err(|e| place.failed(e))?;
+            finished.push((place, file));
+            let name = if done.contains_key(&open.topic) {
+                format!("{} ({})", open.topic, open.table.file.display())
+            } else {
+                open.topic
+            };
+            done.insert(name, open.table);
+        }
+    }
+    // All are complete: only now do they take their places.
+    for (place, file) in finished {
+        place.take(file)?;
+    }
+    folder.keep();
+    Ok(Exported {
+        tables: done,
+        skipped,
+        source: reader.condition().clone(),
+    })
+}
+
+impl Open {
+    fn take(
+        &mut self,
+        header: &mcap::records::MessageHeader,
+        data: &[u8],
+    ) -> Result<(), LogsError> {
+        let Some((rows, place)) = &mut self.sink else {
+            return Ok(());
+        };
+        let first = [
+            Cell::UInt(header.log_time),
+            Cell::UInt(header.publish_time),
+            Cell::UInt(u64::from(header.sequence)),
+        ];
+        let mut written = 0;
+        let result = self.layout.rows(&first, data, &mut |cells| {
+            written += 1;
+            rows.row(cells)
+        });
+        self.table.rows += written;
+        match result {
+            Ok(Ok(())) => {
+                self.table.messages += 1;
+                Ok(())
+            }
+            Ok(Err(error)) => Err(place.failed(error)),
+            Err(_) => {
+                self.table.undecodable += 1;
+                Ok(())
+            }
+        }
+    }
+}
+
+/// How the messages of a channel become rows, or why they do not.
+fn layout(channel: &Channel, schema: Option<&super::reader::Schema>) -> Result<Layout, String> {
+    let Some(schema) = schema else {
+        return Err("it has no schema".to_owned());
+    };
+    if channel.message_encoding != "cdr" || schema.encoding != "ros2msg" {
+        return Err(format!(
+            "its messages are `{}` with a schema in `{}`; only those of ROS 2 (`cdr` with \
+             `ros2msg`) become tables",
+            channel.message_encoding, schema.encoding
+        ));
+    }
+    let schema = Schema::parse(&schema.data).map_err(|e| e.to_string())?;
+    Layout::new(&schema).map_err(|e| e.to_string())
+}
+
+fn sink(format: Format, file: NamedTempFile, columns: &[Column]) -> std::io::Result<Box<dyn Rows>> {
+    match format {
+        Format::Csv => Ok(Box::new(csv::CsvRows::new(file, columns)?)),
+        #[cfg(feature = "parquet")]
+        Format::Parquet => Ok(Box::new(parquet::ParquetRows::new(file, columns)?)),
+        #[cfg(not(feature = "parquet"))]
+        Format::Parquet => Err(std::io::ErrorKind::Unsupported.into()),
+    }
+}
+
+/// `world/state` is in `world.state.csv`; a name that was taken gets the channel's number.
+fn file_name(channel: &Channel, extension: &str, names: &mut BTreeMap<String, u16>) -> String {
+    let safe = |c: char| match c {
+        '/' => '.',
+        c if c.is_ascii_alphanumeric() || "._-".contains(c) => c,
+        _ => '_',
+    };
+    let name: String = channel
+        .topic
+        .trim_matches('/')
+        .chars()
+        .map(safe)
+        .take(200)
+        .collect();
+    let name = name.trim_start_matches('.');
+    let name = if name.is_empty() { "topic" } else { name };
+    let mut name = name.to_owned();
+    if names.contains_key(&name) {
+        name = format!("{name}-{}", channel.id);
+    }
+    names.insert(name.clone(), channel.id);
+    format!("{name}.{extension}")
+}
+
+/// The directory of the tables; one that was made for them goes if there are none.
+struct Folder<'a> {
+    path: &'a Path,
+    made: bool,
+}
+
+impl<'a> Folder<'a> {
+    fn make(path: &'a Path, force: bool) -> Result<Self, LogsError> {
+        let failed = |source| LogsError::Write {
+            path: path.to_owned(),
+            source,
+        };
+        let made = match fs::create_dir(path) {
+            Ok(()) => true,
+            Err(e) if e.kind() == std::io::ErrorKind::AlreadyExists && path.is_dir() => {
+                if !force && fs::read_dir(path).map_err(failed)?.next().is_some() {
+                    return Err(LogsError::Exists {
+                        path: path.to_owned(),
+                    });
+                }
+                false
+            }
+            Err(e) => return Err(failed(e)),
+        };
+        Ok(Self { path, made })
+    }
+
+    fn keep(mut self) {
+        self.made = false;
+    }
+}
+
+impl Drop for Folder<'_> {
+    fn drop(&mut self) {
+        if self.made {
+            // Only if it is empty: the tables in it have been removed, or are not ours.
+            let _ = fs::remove_dir(self.path);
+        }
+    }
+}

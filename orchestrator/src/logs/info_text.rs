@@ -1,0 +1,169 @@
+//! What a log holds, for people.
+
+use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
+use comfy_table::{CellAlignment, Table};
+
+use super::info::LogInfo;
+
+/// The summary for people.
+pub fn text(info: &LogInfo) -> String {
+    let mut text = head(info);
+    let mut table = Table::new();
+    table.load_style(UTF8_HORIZONTAL_ONLY).set_header([
+        "topic",
+        "messages",
+        "bytes",
+        "rate [Hz]",
+        "first [s]",
+        "last [s]",
+        "longest pause [s]",
+        "lost",
+    ]);
+    for column in table.column_iter_mut().skip(1) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    let number = |value: Option<f64>| value.map_or_else(String::new, |value| format!("{value:.2}"));
+    let with = info.topics.iter().filter(|(_, topic)| topic.messages > 0);
+    for (name, topic) in with {
+        table.add_row([
+            name.clone(),
+            topic.messages.to_string(),
+            topic.bytes.to_string(),
+            number(topic.rate_hz),
+            number(topic.first_s),
+            number(topic.last_s),
+            number(topic.longest_pause_s),
+            topic
+                .gaps
+                .map_or_else(|| "?".to_owned(), |gaps| gaps.to_string()),
+        ]);
+    }
+    text += &format!("\n{table}\n");
+    let without = info.topics.values().filter(|topic| topic.messages == 0);
+    let without = without.count();
+    if without > 0 {
+        text += &format!("and {without} topics without messages\n");
+    }
+    for (name, topic) in &info.topics {
+        if topic.gaps_by_source.len() > 1 || topic.gaps.is_some_and(|gaps| gaps > 0) {
+            let of: Vec<String> = topic
+                .gaps_by_source
+                .iter()
+                .map(|(source, gaps)| format!("{gaps} of source {source}"))
+                .collect();
+            text += &format!("lost      {name}: {}\n", of.join(", "));
+        }
+    }
+    text += &condition(info);
+    text.trim_end().to_owned()
+}
+
+fn head(info: &LogInfo) -> String {
+    let mut text = match (&info.scenario, info.seed) {
+        (Some(scenario), Some(seed)) => format!("{scenario} (seed {seed})"),
+        (Some(scenario), None) => scenario.clone(),
+        _ if info.ours => "a log of protean".to_owned(),
+        _ => "an MCAP file of another program: scenario, seed, digest and outcome are not known"
+            .to_owned(),
+    };
+    text += &format!(
+        ": {:.2} s, from {:.2} to {:.2} s\n",
+        info.duration_s, info.start_s, info.end_s
+    );
+    let mut line = |name: &str, value: &str| {
+        if !value.is_empty() {
+            text += &format!("{name:<10}{value}\n");
+        }
+    };
+    line("written by", &format!(" {}", info.library));
+    line("profile", &info.profile);
+    line("mode", info.mode.as_deref().unwrap_or_default());
+    line("machine", info.machine.as_deref().unwrap_or_default());
+    match (&info.digest, &info.run_digest) {
+        (Some(digest), _) => line("digest", digest),
+        (None, Some(digest)) => line(
+            "digest",
+            &format!("{digest} (of the run, not of this part of it)"),
+        ),
+        _ if info.ours => line("digest", "none: the run did not come to its end"),
+        _ => {}
+    }
+    let list = |map: &std::collections::BTreeMap<String, String>| {
+        let entries = map.iter().filter(|(key, _)| *key != "faults");
+        let entries: Vec<String> = entries.map(|(k, v)| format!("{k} {v}")).collect();
+        entries.join(", ")
+    };
+    line("cut", &list(&info.filtered));
+    line("recovered", &list(&info.recovered));
+    for robot in &info.robots {
+        let outcome = robot.outcome.replace('_', " ");
+        let what = format!("{} {outcome} at {:.2} s", robot.name, robot.time_s);
+        line("outcome", &what);
+    }
+    for (name, bytes) in &info.attachments {
+        line("attached", &format!("{name} ({bytes} bytes)"));
+    }
+    text
+}
+
+fn condition(info: &LogInfo) -> String {
+    let c = &info.condition;
+    let chunks: Vec<String> = c
+        .chunks
+        .iter()
+        .map(|(name, chunks)| {
+            let name = if name.is_empty() {
+                "uncompressed"
+            } else {
+                name
+            };
+            format!(
+                "{} {name} ({:.2} MB for {:.2} MB)",
+                chunks.count,
+                chunks.compressed_bytes as f64 * 1e-6,
+                chunks.uncompressed_bytes as f64 * 1e-6
+            )
+        })
+        .collect();
+    let mut text = format!(
+        "messages  {} in {:.2} MB\nchunks    {}{}\n",
+        info.messages,
+        c.file_bytes as f64 * 1e-6,
+        if chunks.is_empty() {
+            "none".to_owned()
+        } else {
+            chunks.join(", ")
+        },
+        match c.chunks_unchecked {
+            0 => String::new(),
+            n => format!("; {n} without a checksum"),
+        }
+    );
+    if info.unsorted > 0 {
+        text += &format!(
+            "order     {} messages stand behind a later one of their topic\n",
+            info.unsorted
+        );
+    }
+    let has = |there: bool| if there { "yes" } else { "no" };
+    text += &format!(
+        "summary   {}, index of all chunks: {}\n",
+        has(c.summary),
+        has(c.index)
+    );
+    if c.is_whole() {
+        text += "condition whole: every checksum fits\n";
+    } else {
+        text += "condition NOT WHOLE: `protean recover` makes a log of what is left\n";
+        for line in c.lines() {
+            text += &format!("          {line}\n");
+        }
+        if let Some(lost) = c
+            .claimed_messages
+            .and_then(|n| n.checked_sub(info.messages))
+        {
+            text += &format!("          {lost} messages are lost\n");
+        }
+    }
+    text
+}

@@ -1,0 +1,67 @@
+//! What is known of our own topics.
+
+use std::convert::Infallible;
+use std::sync::LazyLock;
+
+use ipc_types::schema;
+use ipc_types::stamp::Stamp;
+use ipc_types::topics::{RunSize, Topic, TopicVisitor, for_each_topic};
+use zerocopy::FromBytes as _;
+
+use super::reader::Channel;
+
+/// Bytes in front of a message's first field: the encapsulation of CDR.
+pub(super) const ENCAPSULATION: usize = 4;
+
+/// One of our topics.
+#[derive(Debug)]
+pub(super) struct Known {
+    pub(super) name: &'static str,
+    /// Whether it is part of the simulated history.
+    pub(super) simulated: bool,
+    /// Whether whoever comes late gets the last message: it describes a state that lasts.
+    pub(super) latched: bool,
+    pub(super) hash: String,
+}
+
+/// Our topic with this name.
+pub(super) fn find(name: &str) -> Option<&'static Known> {
+    static ALL: LazyLock<Vec<Known>> = LazyLock::new(collect);
+    ALL.iter().find(|known| known.name == name)
+}
+
+fn collect() -> Vec<Known> {
+    struct Collect(Vec<Known>);
+    impl TopicVisitor for Collect {
+        type Error = Infallible;
+        fn visit<T: Topic>(&mut self) -> Result<(), Infallible> {
+            let size = RunSize {
+                robots: 1,
+                processes: 1,
+                events: 1,
+            };
+            self.0.push(Known {
+                name: T::NAME,
+                simulated: T::SIMULATED,
+                latched: T::qos(&size).history > 0,
+                hash: schema::hash::<T>(),
+            });
+            Ok(())
+        }
+    }
+    let mut collect = Collect(Vec::new());
+    let Ok(()) = for_each_topic(&mut collect);
+    collect.0
+}
+
+/// Whether a channel's messages begin with a [`Stamp`] as this version knows it.
+pub(super) fn is_stamped(channel: &Channel) -> bool {
+    let hash = channel.metadata.get("schema_hash");
+    find(&channel.topic).is_some_and(|known| hash == Some(&known.hash))
+}
+
+/// The stamp of a message of such a channel.
+pub(super) fn stamp(data: &[u8]) -> Option<Stamp> {
+    let (stamp, _) = Stamp::read_from_prefix(data.get(ENCAPSULATION..)?).ok()?;
+    Some(stamp)
+}

@@ -1,0 +1,44 @@
+//! Logs after the run: what is in them, what can be saved of a damaged one, parts of them, tables
+//! of them, and the run in them once more.
+//!
+//! Everything here reads a log from its beginning to its end ([`reader`](self::reader)), believes
+//! no length in it, keeps no more in memory than a chunk, and goes as far as a damaged or foreign
+//! file allows; what could not be read is in the [`Condition`].
+
+mod compare;
+mod condition;
+mod error;
+mod export;
+mod fields;
+mod filter;
+mod info;
+mod info_text;
+mod known;
+mod output;
+mod pattern;
+mod place;
+mod reader;
+mod recover;
+mod rerun;
+mod ros2;
+mod watch;
+
+#[cfg(test)]
+mod tests;
+
+pub use compare::{Comparison, Difference};
+pub use condition::{Chunks, Condition, Fault};
+pub use error::LogsError;
+pub use export::{ExportOptions, Exported, Format, Table, export};
+pub use filter::{FilterOptions, Filtered, filter};
+pub use info::{LogInfo, TopicInfo};
+pub use info_text::text as info_text;
+pub use pattern::Topics;
+pub use recover::{Recovered, recover};
+pub use rerun::{Rerun, RerunOptions, rerun};
+pub use watch::Watch;
+
+/// Seconds of nanoseconds.
+fn seconds(nanoseconds: u64) -> f64 {
+    nanoseconds as f64 * 1e-9
+}

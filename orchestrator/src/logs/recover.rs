@@ -1,0 +1,122 @@
+//! A log that can be opened, from one that ends in the middle or is damaged.
+
+use std::path::Path;
+
+use serde::Serialize;
+
+use super::condition::Condition;
+use super::error::LogsError;
+use super::output::{Output, RECOVERED, no_longer_whole};
+use super::reader::{Item, Reader};
+use super::watch::Watch;
+
+/// What was saved of a log, and what was not.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Recovered {
+    /// Messages in the new log.
+    pub messages: u64,
+    /// Of these, from the chunk that was open at the end.
+    pub salvaged: u64,
+    /// Messages that the old log says it held beyond these; absent if it does not say.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lost: Option<u64>,
+    /// Attachments in the new log.
+    pub attachments: u64,
+    /// Metadata records in the new log, without the one that tells of the repair.
+    pub metadata: u64,
+    /// Time of the last message [s].
+    pub end_s: f64,
+    /// Size of the new log [bytes].
+    pub bytes: u64,
+    /// What was wrong with the old one.
+    pub source: Condition,
+}
+
+/// Writes everything that can be read of a log into a new one, in the same order, with an index and
+/// a summary.
+///
+/// # Errors
+/// [`LogsError`]; then there is no new log.
+pub fn recover(
+    log: &Path,
+    out: &Path,
+    force: bool,
+    watch: &mut Watch,
+) -> Result<Recovered, LogsError> {
+    let mut reader = Reader::open(log, Some(watch))?;
+    let mut output: Option<Output> = None;
+    let (mut messages, mut attachments, mut metadata, mut end_ns) = (0, 0, 0, 0);
+    // The result comes last, when it is known whether anything is missing.
+    let mut results = Vec::new();
+    while let Some(item) = reader.next()? {
+        let output = match (&mut output, &item) {
+            (Some(output), _) => output,
+            (none, Item::Header { profile, .. }) => {
+                *none = Some(Output::create(out, log, force, profile)?);
+                continue;
+            }
+            (none, _) => none.insert(Output::create(out, log, force, "")?),
+        };
+        match item {
+            Item::Header { .. } => {}
+            Item::Schema(id, schema) => output.schema(id, &schema)?,
+            Item::Channel(channel) => output.channel(&channel)?,
+            Item::Message(header, data) => {
+                messages += 1;
+                end_ns = end_ns.max(header.log_time);
+                output.message(&header, data)?;
+            }
+            Item::Attachment(header, data) => {
+                attachments += 1;
+                output.attachment(&header, data)?;
+            }
+            Item::Metadata(record) => {
+                metadata += 1;
+                if record.name == super::output::RESULT {
+                    results.push(record);
+                } else {
+                    output.metadata(&record)?;
+                }
+            }
+        }
+    }
+    reader.check_all()?;
+    let source = reader.condition().clone();
+    let mut output = match output {
+        Some(output) => output,
+        None => Output::create(out, log, force, "")?,
+    };
+    for result in results {
+        let result = if source.data {
+            result
+        } else {
+            no_longer_whole(result)
+        };
+        output.metadata(&result)?;
+    }
+    let lost = source
+        .claimed_messages
+        .map(|claimed| claimed.saturating_sub(messages));
+    if !source.is_whole() {
+        let name = log.file_name().unwrap_or_default().to_string_lossy();
+        output.note(
+            RECOVERED,
+            [
+                ("from", name.into_owned()),
+                ("messages", messages.to_string()),
+                ("salvaged", source.salvaged.to_string()),
+                ("faults", source.lines().join("\n")),
+            ],
+        )?;
+    }
+    Ok(Recovered {
+        messages,
+        salvaged: source.salvaged,
+        lost,
+        attachments,
+        metadata,
+        end_s: super::seconds(end_ns),
+        bytes: output.finish()?,
+        source,
+    })
+}

@@ -1,0 +1,8 @@
+//! Messages in ROS 2 CDR, decoded by the schema in the log and nothing else: ours and those of
+//! ROS 2.
+
+mod decode;
+mod schema;
+
+pub(super) use decode::{Cdr, Cell, DecodeError, field_at};
+pub(super) use schema::{Count, Field, Kind, Number, Schema, SchemaError};

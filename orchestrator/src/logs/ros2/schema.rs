@@ -1,0 +1,218 @@
+//! The message definitions of ROS 2 (`ros2msg`).
+
+use std::collections::BTreeMap;
+use std::rc::Rc;
+
+/// Deepest nesting of messages.
+const DEEPEST: usize = 16;
+/// Most fields of a definition with everything that is nested in it.
+const MOST_FIELDS: usize = 4096;
+/// Longest definition [bytes].
+const LONGEST: usize = 4 << 20;
+
+/// Why a schema cannot be used.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("its schema: {0}")]
+pub(in crate::logs) struct SchemaError(pub(in crate::logs) String);
+
+/// A number, or what travels like one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::logs) enum Number {
+    Bool,
+    U8,
+    I8,
+    U16,
+    I16,
+    U32,
+    I32,
+    U64,
+    I64,
+    F32,
+    F64,
+}
+
+impl Number {
+    /// Size and alignment [bytes].
+    pub(in crate::logs) fn size(self) -> usize {
+        match self {
+            Self::Bool | Self::U8 | Self::I8 => 1,
+            Self::U16 | Self::I16 => 2,
+            Self::U32 | Self::I32 | Self::F32 => 4,
+            Self::U64 | Self::I64 | Self::F64 => 8,
+        }
+    }
+
+    fn named(name: &str) -> Option<Self> {
+        Some(match name {
+            "bool" => Self::Bool,
+            "uint8" | "byte" | "char" => Self::U8,
+            "int8" => Self::I8,
+            "uint16" => Self::U16,
+            "int16" => Self::I16,
+            "uint32" => Self::U32,
+            "int32" => Self::I32,
+            "uint64" => Self::U64,
+            "int64" => Self::I64,
+            "float32" => Self::F32,
+            "float64" => Self::F64,
+            _ => return None,
+        })
+    }
+}
+
+/// What a field is.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(in crate::logs) enum Kind {
+    Number(Number),
+    Text,
+    Message(Rc<[Field]>),
+}
+
+/// How many of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::logs) enum Count {
+    One,
+    Fixed(usize),
+    Many,
+}
+
+/// A field.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(in crate::logs) struct Field {
+    pub(in crate::logs) name: String,
+    pub(in crate::logs) kind: Kind,
+    pub(in crate::logs) count: Count,
+}
+
+/// A message definition with everything nested in it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(in crate::logs) struct Schema {
+    pub(in crate::logs) fields: Rc<[Field]>,
+}
+
+impl Schema {
+    /// Reads a definition: the fields of the message, then behind lines of `=` those of the
+    /// messages in it.
+    ///
+    /// # Errors
+    /// [`SchemaError`] says what is not understood.
+    pub(in crate::logs) fn parse(text: &[u8]) -> Result<Self, SchemaError> {
+        if text.len() > LONGEST {
+            return Err(SchemaError(format!("longer than {LONGEST} bytes")));
+        }
+        let text = str::from_utf8(text).map_err(|e| SchemaError(e.to_string()))?;
+        let mut sections: Vec<(String, Vec<&str>)> = vec![(String::new(), Vec::new())];
+        let mut named = true;
+        for line in text.lines() {
+            if line.len() >= 3 && line.bytes().all(|b| b == b'=') {
+                named = false;
+            } else if !named && let Some(name) = line.strip_prefix("MSG:") {
+                sections.push((name.trim().to_owned(), Vec::new()));
+                named = true;
+            } else if let Some((_, lines)) = sections.last_mut() {
+                lines.push(line);
+            }
+        }
+        let mut parser = Parser {
+            sections: sections
+                .iter()
+                .map(|(n, l)| (short(n), l.as_slice()))
+                .collect(),
+            done: BTreeMap::new(),
+            fields: 0,
+        };
+        let root = sections.first().map_or(&[][..], |(_, lines)| lines);
+        Ok(Self {
+            fields: parser.fields(root, 0)?,
+        })
+    }
+}
+
+struct Parser<'a> {
+    sections: BTreeMap<String, &'a [&'a str]>,
+    done: BTreeMap<String, (Rc<[Field]>, usize)>,
+    /// Fields so far, every use of a nested message counted.
+    fields: usize,
+}
+
+impl Parser<'_> {
+    fn fields(&mut self, lines: &[&str], depth: usize) -> Result<Rc<[Field]>, SchemaError> {
+        if depth > DEEPEST {
+            return Err(SchemaError(format!("nested deeper than {DEEPEST}")));
+        }
+        let mut fields = Vec::new();
+        for line in lines {
+            // A constant's text may contain a `#`, but then it is a constant.
+            let line = line.split('#').next().unwrap_or_default().trim();
+            let mut words = line.split_whitespace();
+            let (Some(kind), Some(name)) = (words.next(), words.next()) else {
+                if line.is_empty() {
+                    continue;
+                }
+                return Err(SchemaError(format!("`{line}` is not a field")));
+            };
+            if name.contains('=') || words.next().is_some_and(|word| word.starts_with('=')) {
+                continue;
+            }
+            self.fields += 1;
+            if self.fields > MOST_FIELDS {
+                return Err(SchemaError(format!("more than {MOST_FIELDS} fields")));
+            }
+            let (kind, count) = match kind.strip_suffix(']').and_then(|k| k.split_once('[')) {
+                None => (kind, Count::One),
+                Some((kind, "")) => (kind, Count::Many),
+                Some((kind, bound)) if bound.starts_with("<=") => (kind, Count::Many),
+                Some((kind, count)) => {
+                    let count = count
+                        .parse()
+                        .map_err(|_| SchemaError(format!("`{line}`: not a length")))?;
+                    (kind, Count::Fixed(count))
+                }
+            };
+            fields.push(Field {
+                name: name.to_owned(),
+                kind: self.kind(kind, depth)?,
+                count,
+            });
+        }
+        Ok(fields.into())
+    }
+
+    fn kind(&mut self, name: &str, depth: usize) -> Result<Kind, SchemaError> {
+        if let Some(number) = Number::named(name) {
+            return Ok(Kind::Number(number));
+        }
+        if name == "string" || name.starts_with("string<=") {
+            return Ok(Kind::Text);
+        }
+        let name = short(name);
+        let key = if self.sections.contains_key(&name) || name.contains('/') {
+            name.clone()
+        } else {
+            // A name without its package.
+            let end = format!("/{name}");
+            let found = self.sections.keys().find(|key| key.ends_with(&end));
+            found.cloned().unwrap_or_else(|| name.clone())
+        };
+        if let Some((fields, count)) = self.done.get(&key) {
+            self.fields += count;
+            return Ok(Kind::Message(Rc::clone(fields)));
+        }
+        let lines = match self.sections.get(&key) {
+            Some(lines) => *lines,
+            None if key == "builtin_interfaces/Time" => &["int32 sec", "uint32 nanosec"],
+            None if key == "builtin_interfaces/Duration" => &["int32 sec", "uint32 nanosec"],
+            None => return Err(SchemaError(format!("the type `{name}` is not defined"))),
+        };
+        let before = self.fields;
+        let fields = self.fields(lines, depth + 1)?;
+        self.done
+            .insert(key, (Rc::clone(&fields), self.fields - before));
+        Ok(Kind::Message(fields))
+    }
+}
+
+/// `pkg/msg/Name` is also called `pkg/Name`.
+fn short(name: &str) -> String {
+    name.replacen("/msg/", "/", 1)
+}

@@ -1,0 +1,232 @@
+//! Coverage as runs of real processes: sub-goals as planned, free space kept, area counted anew.
+
+use crate::support::Sandbox;
+use crate::support::geometry::{Walls, between, to_segment};
+use crate::support::ways::Drive;
+use serde_json::Value as Json;
+
+/// Side of the cells in which area is counted [m]: the maps' own.
+const CELL: f64 = 0.1;
+
+/// The area of a workplace by the map alone, and what of it a disc has swept.
+struct Count {
+    min: [f64; 2],
+    /// Columns and rows.
+    size: [usize; 2],
+    /// Row by row: whether a cell's centre is free, and whether it has been swept.
+    cells: Vec<(bool, bool)>,
+}
+
+impl Count {
+    fn new(walls: &Walls) -> Self {
+        let size = [0, 1].map(|i| ((walls.max[i] - walls.min[i]) / CELL).round() as usize);
+        let mut count = Self {
+            min: walls.min,
+            size,
+            cells: vec![(false, false); size[0] * size[1]],
+        };
+        for cell in 0..count.cells.len() {
+            let center = count.center(cell % size[0], cell / size[0]);
+            count.cells[cell].0 = walls.clearance(center) > 0.0;
+        }
+        count
+    }
+
+    fn center(&self, col: usize, row: usize) -> [f64; 2] {
+        let at = |i: usize, n: usize| self.min[i] + (n as f64 + 0.5) * CELL;
+        [at(0, col), at(1, row)]
+    }
+
+    /// A disc of this radius [m] along a track.
+    fn sweep(&mut self, track: &[[f64; 2]], radius: f64) {
+        for pair in track.windows(2) {
+            let reach = radius + between(pair[0], pair[1]);
+            let range = |i: usize| {
+                let cell = |p: f64| ((p - self.min[i]) / CELL).max(0.0) as usize;
+                cell(pair[0][i] - reach)..(cell(pair[0][i] + reach) + 1).min(self.size[i])
+            };
+            let (cols, rows) = (range(0), range(1));
+            for (col, row) in rows.flat_map(|row| cols.clone().map(move |col| (col, row))) {
+                if to_segment(self.center(col, row), pair[0], pair[1]) <= radius {
+                    self.cells[row * self.size[0] + col].1 = true;
+                }
+            }
+        }
+    }
+
+    /// Free area [m²].
+    fn free(&self) -> f64 {
+        self.cells.iter().filter(|(free, _)| *free).count() as f64 * CELL * CELL
+    }
+
+    /// Swept part of it.
+    fn fraction(&self) -> f64 {
+        let swept = self.cells.iter().filter(|cell| **cell == (true, true));
+        swept.count() as f64 * CELL * CELL / self.free()
+    }
+}
+
+fn number(json: &Json, key: &str) -> f64 {
+    json[key].as_f64().unwrap()
+}
+
+/// The sub-goals of the log are those that another process plans from the same scenario, and the
+/// straight legs between them stay in the free space.
+#[track_caller]
+fn goals_are_as_planned(sandbox: &Sandbox, drive: &Drive, scenario: &str, set: &[&str]) {
+    let ends = &drive.history.waypoints;
+    let goals = (ends.len() + 1).to_string();
+    let words = ["coverage", "plan", scenario, "--json", "--goals", &goals];
+    let call = set
+        .iter()
+        .fold(sandbox.protean(words), |call, change| call.set(change));
+    let outcome = call.run();
+    assert_eq!(outcome.code, Some(0), "{outcome}");
+    let planned = outcome.json();
+    let planned = planned["sub_goals"].as_array().unwrap();
+    assert!(
+        planned.len() > ends.len() && ends.len() >= 10,
+        "{}",
+        ends.len()
+    );
+    for (end, goal) in ends.iter().zip(planned) {
+        let same = |key: &str, value: f64| number(goal, key).to_bits() == value.to_bits();
+        assert!(same("x", end.x) && same("y", end.y), "{end:?} {goal}");
+        assert_eq!(goal["number"], end.number);
+        assert_eq!(goal["loop"], end.lap);
+        assert_eq!(goal["kind"], *end.kind);
+        assert_eq!(end.outcome, "reached", "{end:?}");
+    }
+    let start = drive.track()[0];
+    let places = std::iter::once(start).chain(ends.iter().map(|end| [end.x, end.y]));
+    let places: Vec<[f64; 2]> = places.collect();
+    for leg in places.windows(2) {
+        let steps = (between(leg[0], leg[1]) / 0.01).ceil().max(1.0);
+        for step in 0..=steps as u32 {
+            let part = f64::from(step) / steps;
+            let p = [0, 1].map(|i| leg[0][i] + part * (leg[1][i] - leg[0][i]));
+            let clearance = drive.walls.clearance(p);
+            assert!(
+                clearance >= drive.radius - 1e-9,
+                "{clearance} m at {p:?} on {leg:?}"
+            );
+        }
+    }
+}
+
+/// The area that the summary tells is the area that the poses have swept.
+#[track_caller]
+fn area_is_as_driven(drive: &Drive) {
+    let told = &drive.summary["coverage"];
+    let mut count = Count::new(&drive.walls);
+    let free = count.free();
+    assert!(
+        (number(told, "free_m2") - free).abs() < 0.01 * free,
+        "{free} {told}"
+    );
+    let track = drive.track();
+    count.sweep(&track, drive.radius);
+    let fraction = count.fraction();
+    assert!(
+        (number(told, "fraction") - fraction).abs() < 0.005,
+        "{fraction} {told}"
+    );
+    assert!(number(told, "coverable_fraction") >= number(told, "fraction") - 1e-12);
+    let way: f64 = track.windows(2).map(|pair| between(pair[0], pair[1])).sum();
+    assert!(
+        (number(told, "way_m") / way - 1.0).abs() < 0.01,
+        "{way} {told}"
+    );
+
+    // On the way there: what had been swept when the way had become so long.
+    for by_way in told["by_way"].as_array().unwrap() {
+        let states = &drive.history.states;
+        let longer =
+            |s: &&crate::support::history::State| s.robots[0].distance <= number(by_way, "way_m");
+        let ticks = states.iter().take_while(longer).count();
+        let mut count = Count::new(&drive.walls);
+        count.sweep(&track[..ticks], drive.radius);
+        let fraction = count.fraction();
+        let told = number(by_way, "coverable_fraction");
+        assert!((told - fraction).abs() < 0.01, "{fraction} {by_way}");
+    }
+}
+
+#[test]
+fn the_empty_workplace_is_covered_as_planned_and_counted() {
+    let sandbox = Sandbox::new();
+    let drive = Drive::run(&sandbox, "coverage_open", &["rules.time_limit=280"]);
+    goals_are_as_planned(&sandbox, &drive, "coverage_open", &[]);
+    area_is_as_driven(&drive);
+    let by_way = drive.summary["coverage"]["by_way"].as_array().unwrap();
+    assert_eq!(by_way.len(), 1, "250 m: {by_way:?}");
+}
+
+#[test]
+fn workplaces_with_obstacles_are_covered_as_planned_and_counted() {
+    let sandbox = Sandbox::new();
+    for scenario in ["coverage_case1", "coverage_case2", "coverage_polygons"] {
+        let few = "processes.cover.params.iterations={ in_all = 12 }";
+        let set = ["rules.time_limit=150", few];
+        let drive = Drive::run(&sandbox, scenario, &set);
+        goals_are_as_planned(&sandbox, &drive, scenario, &set);
+        area_is_as_driven(&drive);
+        // Through passages and around corners, not in one part only.
+        let transits = drive
+            .history
+            .waypoints
+            .iter()
+            .filter(|end| end.kind == "transit");
+        assert!(transits.count() >= 2, "{scenario}");
+    }
+}
+
+#[test]
+fn arcs_in_place_of_corners_are_driven_without_stopping() {
+    let sandbox = Sandbox::new();
+    let arc = "processes.cover.params.follow.interpolation=arc";
+    let time = "rules.time_limit=120";
+    let standing = |drive: &Drive| {
+        let states = drive.history.states.iter();
+        states.filter(|state| state.robots[0].v < 0.05).count()
+    };
+    for scenario in ["coverage_case1", "coverage_polygons"] {
+        let straight = Drive::run(&sandbox, scenario, &[time]);
+        let round = Drive::run(&sandbox, scenario, &[time, arc]);
+        goals_are_as_planned(&sandbox, &round, scenario, &[arc]);
+        area_is_as_driven(&round);
+        assert!(
+            standing(&round) * 2 < standing(&straight),
+            "{scenario}: {} ticks and {}",
+            standing(&round),
+            standing(&straight)
+        );
+    }
+}
+
+#[test]
+fn an_obstacle_that_pops_up_is_driven_around_from_then_on() {
+    let sandbox = Sandbox::new();
+    let listed = sandbox.protean(["list", "--show", "coverage_case2"]).run();
+    assert_eq!(listed.code, Some(0), "{listed}");
+    let event = r#"
+[[events]]
+time_s = 40.0
+action = "appear"
+obstacle = "crate"
+shape.rectangle = { center = [5.0, 8.2], half_extents = [0.8, 0.5] }
+"#;
+    sandbox.file("popup.toml", listed.stdout + event);
+    let drive = Drive::run(&sandbox, "popup.toml", &["rules.time_limit=160"]);
+    let appeared: Vec<u64> = drive.history.obstacles.iter().map(|c| c.tick).collect();
+    assert_eq!(appeared, [800]);
+    // `Drive` has judged the distance to it; that it was in the way is judged here.
+    let crossed = |from: usize, to: usize| {
+        let inside = |p: &&[f64; 2]| (p[0] - 5.0).abs() < 0.8 && (p[1] - 8.2).abs() < 0.5;
+        drive.track()[from..to].iter().filter(inside).count()
+    };
+    assert!(crossed(0, 800) > 0, "the robot had been there before");
+    assert_eq!(crossed(801, drive.history.states.len()), 0);
+    let later = drive.history.waypoints.iter().filter(|end| end.tick > 900);
+    assert!(later.clone().count() >= 10 && later.clone().all(|end| end.outcome == "reached"));
+}

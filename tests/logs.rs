@@ -1,0 +1,175 @@
+//! What can be done with a log once it is there.
+
+use crate::support::history::History;
+use crate::support::{Sandbox, python};
+use serde_json::Value as Json;
+
+/// A short chase with a log.
+fn chase(sandbox: &Sandbox) -> Json {
+    sandbox
+        .protean(["run", "chase_exact", "--seed", "3", "--out", "run.mcap"])
+        .set("rules.time_limit=1.5")
+        .json()
+}
+
+#[test]
+fn a_log_tells_what_it_holds_and_is_run_again_the_same() {
+    let sandbox = Sandbox::new();
+    let summary = chase(&sandbox);
+    let info = sandbox.protean(["info", "run.mcap"]).json();
+    for key in ["scenario", "seed", "digest", "ticks", "robots"] {
+        assert_eq!(info[key], summary[key], "{key}");
+    }
+    for (name, topic) in summary["topics"].as_object().unwrap() {
+        for key in ["messages", "bytes"] {
+            assert_eq!(info["topics"][name][key], topic[key], "{name} {key}");
+        }
+    }
+    assert_eq!(info["condition"]["complete"], true);
+    assert_eq!(info["condition"]["faults"], Json::Array(Vec::new()));
+
+    // Recorded by processes, done again by processes and within one.
+    for more in [&["--json"][..], &["--json", "--in-process"]] {
+        let words = ["rerun", "run.mcap", "--quiet"].into_iter();
+        let outcome = sandbox.protean(words.chain(more.iter().copied())).run();
+        assert_eq!(outcome.code, Some(0), "{outcome}");
+        let rerun = outcome.json();
+        assert_eq!(rerun["digest"], summary["digest"]);
+        assert_eq!(
+            (&rerun["same"], &rerun["whole"]),
+            (&true.into(), &true.into())
+        );
+        assert!(
+            rerun["comparison"]["equal"].as_u64().unwrap() > 100,
+            "{rerun}"
+        );
+    }
+    let files = sandbox.files();
+    assert_eq!(
+        files,
+        [sandbox.path().join("run.mcap")],
+        "nothing else is left"
+    );
+    sandbox.assert_nothing_left();
+}
+
+#[test]
+fn what_is_left_of_a_truncated_log_is_recovered_and_read_by_python() {
+    let sandbox = Sandbox::new();
+    chase(&sandbox);
+    let bytes = std::fs::read(sandbox.path().join("run.mcap")).unwrap();
+    let summary = mcap::Summary::read(&bytes).unwrap().unwrap();
+    let starts = summary.chunk_indexes.iter().map(|i| i.chunk_start_offset);
+    let last = starts.max().unwrap() as usize;
+    sandbox.file("cut.mcap", &bytes[..last + 20]);
+    let info = sandbox.protean(["info", "cut.mcap"]).run();
+    assert_eq!(info.code, Some(3), "{info}");
+    for words in [
+        "NOT WHOLE",
+        "ends in the middle",
+        "the run did not come to its end",
+    ] {
+        assert!(info.stdout.contains(words), "{words}: {info}");
+    }
+    let recovered = sandbox
+        .protean(["recover", "cut.mcap", "--out", "ok.mcap", "--json"])
+        .run();
+    assert_eq!(recovered.code, Some(3), "{recovered}");
+    assert!(recovered.stderr.contains("is not whole"), "{recovered}");
+    let path = sandbox.path().join("ok.mcap");
+    let history = History::read(&path);
+    let messages: u64 = history.counts.values().map(|(messages, _)| messages).sum();
+    assert_eq!(recovered.json()["messages"], messages);
+    assert!(!history.states.is_empty());
+    if let Some(read) = python::read(&path) {
+        assert_eq!(read.history, history);
+    }
+    // It goes as far as the log: then it is the same.
+    let rerun = sandbox
+        .protean(["rerun", "ok.mcap", "--in-process", "--quiet"])
+        .run();
+    assert_eq!(rerun.code, Some(3), "{rerun}");
+    assert!(rerun.stdout.contains("the same up to tick"), "{rerun}");
+}
+
+#[test]
+fn parts_and_tables_of_a_log() {
+    let sandbox = Sandbox::new();
+    let summary = chase(&sandbox);
+    let part = sandbox
+        .protean([
+            "filter",
+            "run.mcap",
+            "--out",
+            "part.mcap",
+            "--start",
+            "0.5",
+            "--end",
+            "1",
+        ])
+        .arg("--exclude")
+        .arg("perception/*,/viewer/particles/*")
+        .json();
+    let history = History::read(&sandbox.path().join("part.mcap"));
+    let messages: u64 = history.counts.values().map(|(messages, _)| messages).sum();
+    assert_eq!(part["messages"], messages);
+    assert_eq!(history.maps.len(), 1, "the map from before the start");
+    assert!(history.sightings.is_empty() && !history.commands.is_empty());
+    let info = sandbox.protean(["info", "part.mcap"]).json();
+    assert_eq!(
+        (&info["digest"], &info["run_digest"]),
+        (&Json::Null, &summary["digest"])
+    );
+
+    let tables = sandbox
+        .protean(["export", "run.mcap", "--out", "tables"])
+        .json();
+    let states = History::read(&sandbox.path().join("run.mcap")).states;
+    let rows: usize = states.iter().map(|state| state.robots.len()).sum();
+    assert_eq!(tables["tables"]["world/state"]["rows"], rows);
+    let text = std::fs::read_to_string(sandbox.path().join("tables/world.state.csv")).unwrap();
+    assert_eq!(text.lines().count(), rows + 1);
+}
+
+#[test]
+fn what_is_not_a_log_or_cannot_be_done_is_refused() {
+    let sandbox = Sandbox::new();
+    sandbox.file("empty.mcap", "");
+    sandbox.file("text.mcap", "hello, everybody");
+    let before = sandbox.files();
+    for (name, words) in [
+        ("nope.mcap", "No such file"),
+        ("empty.mcap", "it is empty"),
+        ("text.mcap", "not an MCAP file"),
+    ] {
+        for command in [
+            &["info"][..],
+            &["rerun"],
+            &["recover", "--out", "x.mcap"],
+            &["filter", "--out", "x.mcap"],
+            &["export", "--out", "x"],
+        ] {
+            let outcome = sandbox.protean(command.iter().copied()).arg(name).run();
+            outcome.refused(2, &["error: ", name, words]);
+            assert_eq!(sandbox.files(), before, "{command:?} {name}");
+        }
+    }
+    let real_time = sandbox
+        .protean([
+            "run",
+            "chase_exact",
+            "--real-time",
+            "50",
+            "--out",
+            "rt.mcap",
+            "--quiet",
+        ])
+        .set("rules.time_limit=1")
+        .run();
+    assert!(
+        real_time.code.is_some_and(|code| code != 1 && code != 2),
+        "{real_time}"
+    );
+    let outcome = sandbox.protean(["rerun", "rt.mcap"]).run();
+    outcome.refused(2, &["rt.mcap", "recorded in real time"]);
+}

@@ -1,0 +1,202 @@
+//! Patrols as runs of real processes: what they promise, seen in their logs alone.
+
+use crate::support::Sandbox;
+use crate::support::geometry::{between, to_segment};
+use crate::support::history::Visit;
+use crate::support::ways::{Drive, EPSILON};
+use serde_json::Value as Json;
+
+/// The octagon's corners [m].
+const OCTAGON: [[f64; 2]; 8] = [
+    [5.0, 0.0],
+    [0.0, 5.0],
+    [0.0, 10.0],
+    [5.0, 15.0],
+    [10.0, 15.0],
+    [15.0, 10.0],
+    [15.0, 5.0],
+    [10.0, 0.0],
+];
+
+/// Distance from a point to the octagon's contour [m].
+fn off_contour(p: [f64; 2]) -> f64 {
+    let sides = (0..8).map(|i| to_segment(p, OCTAGON[i], OCTAGON[(i + 1) % 8]));
+    sides.fold(f64::INFINITY, f64::min)
+}
+
+/// What `protean patrol` prints in a process of its own.
+#[track_caller]
+fn ally(sandbox: &Sandbox, words: &[&str]) -> Json {
+    let all = std::iter::once("patrol").chain(words.iter().copied());
+    sandbox.protean(all).json()
+}
+
+/// Whether a waypoint of the log is the one that was foretold, to the bit.
+fn is_foretold(end: &Visit, waypoint: &Json) -> bool {
+    let same = |key: &str, value: f64| waypoint[key].as_f64().unwrap().to_bits() == value.to_bits();
+    waypoint["number"] == end.number
+        && waypoint["lap"] == end.lap
+        && waypoint["kind"] == end.kind
+        && same("x", end.x)
+        && same("y", end.y)
+}
+
+#[test]
+fn an_ally_with_the_key_foretells_the_octagon_and_nobody_else_does() {
+    let sandbox = Sandbox::new();
+    let drive = Drive::run(&sandbox, "patrol_octagon", &["rules.time_limit=250"]);
+    let ends = &drive.history.waypoints;
+
+    // All laps in time, at the width that the robot chose; nothing left out.
+    let laps = drive.lap_times();
+    assert_eq!(laps.len(), 2, "{laps:?}");
+    assert!(laps.iter().all(|&time| time <= 120.0), "{laps:?}");
+    let longest = laps.iter().copied().fold(0.0, f64::max);
+    assert_eq!(drive.told()["laps"], laps.len());
+    let told = drive.told()["longest_lap_s"].as_f64().unwrap();
+    assert!((told - longest).abs() < EPSILON, "{told} {longest}");
+    assert_eq!(drive.count("reached"), ends.len());
+
+    // Nothing but the key is needed beside the scenario: not the seed that made it.
+    let plan = ["plan", "patrol_octagon"];
+    let key = ally(&sandbox, &plan)["key"].as_str().unwrap().to_owned();
+    let elsewhere = ["--seed", "77", "--laps", "3"];
+    let with_key = [&plan[..], &elsewhere, &["--key", &key]].concat();
+    let foretold = ally(&sandbox, &with_key[..]);
+    let waypoints = foretold["waypoints"].as_array().unwrap();
+    assert!(ends.len() > 240 && waypoints.len() > ends.len());
+    for (end, waypoint) in ends.iter().zip(waypoints) {
+        assert!(is_foretold(end, waypoint), "{end:?} {waypoint}");
+    }
+    let numbers = ends.iter().step_by(50).map(|end| end.number.to_string());
+    let numbers: Vec<String> = numbers.collect();
+    let mut predict = vec!["predict", "patrol_octagon", "--seed", "77", "--key", &key];
+    for number in &numbers {
+        predict.extend(["--waypoint", number]);
+    }
+    let one_by_one = ally(&sandbox, &predict);
+    let one_by_one = one_by_one["waypoints"].as_array().unwrap();
+    assert_eq!(one_by_one.len(), numbers.len());
+    for (end, waypoint) in ends.iter().step_by(50).zip(one_by_one) {
+        assert!(is_foretold(end, waypoint), "{end:?} {waypoint}");
+    }
+
+    // Without it, only the contour itself is known.
+    let without_key = ally(&sandbox, &[&plan[..], &elsewhere].concat());
+    let guesses = without_key["waypoints"].as_array().unwrap();
+    let (mut hits, mut inserted) = (0, 0);
+    for (end, guess) in ends.iter().zip(guesses) {
+        if end.kind == "route" {
+            continue;
+        }
+        assert!(!is_foretold(end, guess), "{end:?} {guess}");
+        let at = ["x", "y"].map(|axis| guess[axis].as_f64().unwrap());
+        inserted += 1;
+        hits += u32::from(between(at, [end.x, end.y]) < 0.05);
+    }
+    assert!(
+        inserted > 200 && 20 * hits < inserted,
+        "{hits} of {inserted}"
+    );
+
+    // The width of the plan is as far as the robot strays, and no farther but for its turns.
+    let alpha = foretold["alpha"].as_f64().unwrap();
+    let farthest = drive
+        .track()
+        .into_iter()
+        .map(off_contour)
+        .fold(0.0, f64::max);
+    assert!(
+        farthest > 0.4 * alpha && farthest < alpha + 0.3,
+        "{farthest} {alpha}"
+    );
+}
+
+#[test]
+fn outside_the_danger_zones_a_patrol_keeps_to_its_contour() {
+    const CENTER: [f64; 2] = [0.0, 7.5];
+    const RADIUS: f64 = 2.0;
+    let sandbox = Sandbox::new();
+    let zone = "processes.patrol.params.mission.danger_zones=[{ circle = { center = [0.0, 7.5], radius = 2.0 } }]";
+    let width = "processes.patrol.params.mission.alpha=1.0";
+    let set = ["rules.time_limit=130", zone, width];
+    let drive = Drive::run(&sandbox, "patrol_octagon", &set);
+    let (mut inside, mut outside) = (0.0_f64, 0.0_f64);
+    for p in drive.track() {
+        // The zig-zag of the threatened stretch may stick out of the zone by its width.
+        let from_zone = between(p, CENTER) - RADIUS;
+        if from_zone > 1.0 {
+            outside = outside.max(off_contour(p));
+        } else if from_zone < 0.0 {
+            inside = inside.max(off_contour(p));
+        }
+    }
+    assert!(inside > 0.3, "{inside}");
+    assert!(outside < 0.15, "{outside}");
+    // Where it enters and leaves the zone are waypoints, and only between them any are put in.
+    let corners = |end: &&Visit| OCTAGON.contains(&[end.x, end.y]);
+    let ends = &drive.history.waypoints;
+    let on_border = |end: &&Visit| (between([end.x, end.y], CENTER) - RADIUS).abs() < 1e-6;
+    for end in ends.iter().filter(|end| end.kind == "route") {
+        assert!(corners(&end) || on_border(&end), "{end:?}");
+    }
+    assert!(ends.iter().filter(on_border).count() >= 2);
+    let put_in: Vec<&Visit> = ends.iter().filter(|end| end.kind == "inserted").collect();
+    assert!(put_in.len() >= 3, "{}", put_in.len());
+    for end in put_in {
+        assert!(between([end.x, end.y], CENTER) < RADIUS + 1.0, "{end:?}");
+    }
+}
+
+#[test]
+fn zig_zag_fictive_obstacles_and_their_mixture_get_around_a_square_of_obstacles() {
+    let sandbox = Sandbox::new();
+    let run = |set: &[&str]| {
+        let set = [&["rules.time_limit=230"], set].concat();
+        Drive::run(&sandbox, "patrol_square", &set)
+    };
+    let fto = "processes.patrol.kind=patrol_fto";
+
+    // Contacts, tolerances and counts are judged by `Drive` for each.
+    let awg = run(&[]);
+    let in_the_way = |drive: &Drive| {
+        let ends = drive.history.waypoints.iter();
+        ends.filter(|end| drive.walls.clearance([end.x, end.y]) < 0.0)
+            .count()
+    };
+    assert!(in_the_way(&awg) >= 5 && awg.count("timed_out") >= in_the_way(&awg));
+    assert_eq!(awg.count("inside_obstacle"), 0, "it knows none of them");
+
+    let informed = run(&["processes.patrol.params.obstacles_known=true"]);
+    assert!(informed.count("inside_obstacle") >= in_the_way(&informed));
+    assert!(in_the_way(&informed) >= 5);
+
+    let fictive = run(&[fto]);
+    assert_eq!(in_the_way(&fictive), 0, "the contour's corners stand free");
+    assert!(
+        fictive
+            .history
+            .waypoints
+            .iter()
+            .all(|end| end.kind == "route")
+    );
+    assert_eq!(fictive.count("reached"), fictive.history.waypoints.len());
+
+    let mixed = run(&[fto, "processes.patrol.params.protection=mixed"]);
+    let put_in = |drive: &Drive| {
+        let ends = drive.history.waypoints.iter();
+        ends.filter(|end| end.kind == "inserted").count()
+    };
+    assert!(put_in(&mixed) > 0);
+    for drive in [&awg, &informed, &fictive, &mixed] {
+        assert!(!drive.lap_times().is_empty(), "once around");
+        // Once seen, the map makes no difference to who does not use it.
+        let corners = drive.history.waypoints.iter().filter(|e| e.kind == "route");
+        assert!(corners.clone().count() >= 5 && corners.clone().all(|e| e.outcome == "reached"));
+    }
+    // Four ways to go that have nothing in common but the corners.
+    let digests = [&awg, &informed, &fictive, &mixed].map(|d| d.summary["digest"].clone());
+    for (i, digest) in digests.iter().enumerate() {
+        assert!(!digests[..i].contains(digest));
+    }
+}
