@@ -21,9 +21,8 @@ const NOISE: core::ops::RangeInclusive<f64> = 0.002..=0.04;
 /// Steps that the estimate is made from: with more, the wraps would not fit 64 bits.
 const MAX_ESTIMATED: usize = 23;
 
-/// Bits that the observations after these must test at least, beyond those that tell the histories
-/// apart.
-const CHECKED_BITS: f64 = 14.0;
+/// Bits that the observations after these must test at least.
+const CHECKED_BITS: f64 = 17.0;
 
 /// Observations kept while several orbits remain that agree with all of them.
 const MAX_WINDOW: usize = 34;
@@ -285,15 +284,11 @@ fn recover_axis(observed: &[Observed]) -> Option<u64> {
     if bits < CHECKED_BITS {
         return None;
     }
-    let histories = histories(made_from);
-    if bits < CHECKED_BITS + libm::log2(histories.len() as f64) {
-        return None;
-    }
     let scale = 6_i128.pow(steps as u32);
     let limit = max_squares(observed.len());
     let mut best: Option<Fit> = None;
     let mut second = f64::INFINITY;
-    for history in histories {
+    for history in histories(made_from) {
         // θ_n·P is some four bits above the spacing: f64 suffices.
         let numerator =
             i128::from(history.wraps) * i128::from(P) + (history.theta * P as f64) as i128;

@@ -240,7 +240,7 @@ fn points_that_are_missing_cost_nothing_before_a_claim_nor_after_it() {
         } else {
             recovery.observe(point);
         }
-        assert_eq!(recovery.state().is_some(), count >= 28, "{count}");
+        assert_eq!(recovery.state().is_some(), count >= 29, "{count}");
     }
     assert_eq!(
         recovery.state().unwrap().clone().next_symmetric(),

@@ -30,6 +30,9 @@ const STRANGERS_TO_KEY: u32 = 12;
 const MARGIN: f64 = 20.0;
 /// The same for one that is believed.
 const MARGIN_OF_CLAIM: f64 = 10.0;
+/// Outputs that differ by less are those of the same state: the sign of a Chebyshev map's state is
+/// seen in the last bits only.
+const SAME: f64 = 1e-9;
 /// Guesses followed at a time.
 const MOST_GUESSES: usize = 24;
 /// Guesses that agree on so many of the last goals are not told apart.
@@ -227,18 +230,26 @@ impl<F: Finder> KeyHunter<F> {
         }
     }
 
-    /// Believes the likeliest guess whose search has found the state.
+    /// Believes the likeliest guesses if their searches have found the state, and the same.
     fn claim(&mut self) {
         let Some(best) = self.guesses.first().map(Guess::score) else {
             return;
         };
-        let found = self
+        let mut found = self
             .guesses
             .iter()
             .take_while(|guess| guess.score() <= best + MARGIN_OF_CLAIM)
             .filter(|guess| guess.strangers == 0)
-            .find_map(|guess| Some((guess.at, guess.finder.source()?)));
-        if let Some((at, source)) = found {
+            .filter_map(|guess| Some((guess.at, guess.finder.source()?)));
+        let Some((at, source)) = found.next() else {
+            return;
+        };
+        let next = source.clone().next_unit();
+        let agree = found.all(|(other, mut source)| {
+            let ([x, y], [u, v]) = (source.next_unit(), next);
+            other == at && (x - u).abs() < SAME && (y - v).abs() < SAME
+        });
+        if agree {
             self.forget();
             self.source = Some(source);
             self.look_ahead(at + 1);
