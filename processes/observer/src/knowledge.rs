@@ -40,6 +40,8 @@ pub struct CatKnowledge {
     pub alpha: f64,
     /// The formulas' variant.
     pub preset: Preset,
+    /// Where waypoints are put in: only on the parts of the route in these zones; empty: everywhere.
+    pub danger_zones: DangerZones,
     /// The map.
     pub generator: CatKind,
 }
@@ -52,6 +54,7 @@ impl Default for CatKnowledge {
             t_max: 120.0,
             alpha: 1.0,
             preset: Preset::default(),
+            danger_zones: DangerZones::default(),
             generator: CatKind::default(),
         }
     }
@@ -85,8 +88,8 @@ impl CatKnowledge {
             alpha: self.alpha,
             mode: self.preset.mode(),
         };
-        let awg = Awg::new(&contour, &DangerZones::default(), params)
-            .map_err(|e| ParamsError::new("t_max", &e, "a time that makes a zig-zag"))?;
+        let awg = Awg::new(&contour, &self.danger_zones, params)
+            .map_err(|e| ParamsError::new("t_max", &e, "a time and zones that make a zig-zag"))?;
         let laps = if self.closed { 1 } else { 2 };
         let mut slots = Vec::new();
         for leg in (0..laps).flat_map(|lap| awg.legs(lap)) {

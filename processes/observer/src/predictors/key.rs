@@ -62,7 +62,7 @@ pub trait Finder: Clone {
 /// A guess at which goals of the route those made out were.
 #[derive(Debug, Clone)]
 struct Guess<F> {
-    /// Number of the last one.
+    /// Number of the last one, in the round.
     at: u64,
     finder: F,
     /// What it takes to be overlooked or no goal, and fixed goals.
@@ -183,6 +183,8 @@ impl<F: Finder> KeyHunter<F> {
             }
             let (mut finder, mut cost) = (guess.finder.clone(), guess.cost);
             for number in guess.at + 1..=guess.at + 1 + OVERLOOKED {
+                // One lap is like the other.
+                let number = number % self.layout.round();
                 let slot = self.layout.slot(number);
                 if let Some((finder, extra)) = self.place(&finder, &slot, goal) {
                     next.push(guess.with(self.goals, number, finder, cost + extra));

@@ -1,4 +1,4 @@
-//! A robot in the simulated world, driven by its real planner.
+//! A robot in the simulated world, driven by its real planner, and an observer of its key.
 
 use core::time::Duration;
 use std::sync::Arc;
@@ -9,15 +9,27 @@ use guidance::view::{RobotView, ScanView, View};
 use guidance::waypoint::WaypointReport;
 use kit::RobotInfo;
 use kit::planner::Planner;
+use nalgebra::Point2;
+use observer::layout::Layout;
+use observer::legs::Legs;
+use observer::moment::{Look, Moment, Seen};
+use observer::predictors::Predictor as _;
+use observer::predictors::key::{Finder, KeyHunter};
+use rand::SeedableRng as _;
+use rand_chacha::ChaCha8Rng;
 use serde::Deserialize as _;
 use sim_backend::blur::BlurredMap;
-use sim_backend::grid::Grid;
+use sim_backend::grid::{Grid, GridFrame};
 use sim_backend::map::{MapSpec, ObstacleSpec, VectorMap};
 use sim_backend::pose::Pose2;
 use sim_backend::shape::Shape;
 use sim_backend::spec::{LimitsSpec, RobotSpec, RulesSpec, ScanSpec, WorldSpec};
 use sim_backend::team::Team;
 use sim_backend::world::World;
+use tracking::params::SensorParams;
+use tracking::sighting::gaussian_pair;
+use tracking::space::Space;
+use tracking::watch::Watch;
 
 /// Tick [s].
 pub const DT: f64 = 0.05;
@@ -151,4 +163,154 @@ fn planner_map(world: &World) -> PlannerMap {
     PlannerMap::new(blurred, Grid::filled(*map.frame(), 1.0), 1)
         .unwrap()
         .with_space(Arc::new(space))
+}
+
+/// Distance from its goal at which a robot turns to the next [m]: that of the drivers.
+const ARRIVAL: f64 = 0.05;
+
+/// Goals that are compared with those driven to once a key is claimed, and how many of them the robot
+/// may have had by then.
+const COMPARED: usize = 35;
+const BEHIND: usize = 2;
+
+/// An octagon of 48 m (cat-map patrol paper, case 1) [m].
+pub const OCTAGON: [[f64; 2]; 8] = [
+    [5.0, 0.0],
+    [0.0, 5.0],
+    [0.0, 10.0],
+    [5.0, 15.0],
+    [10.0, 15.0],
+    [15.0, 10.0],
+    [15.0, 5.0],
+    [10.0, 0.0],
+];
+
+/// A patrol of the octagon.
+pub fn patrol(
+    alpha: f64,
+    (v_max, omega_max): (f64, f64),
+    key: &str,
+) -> Drive<patrol_awg::process::PatrolAwgPlanner> {
+    let place = Place {
+        bounds: [[-2.0, -2.0], [17.0, 17.0]],
+        obstacles: Vec::new(),
+        start: Pose2::new(5.0, 0.0, 2.356),
+        radius: 0.22,
+        v_max,
+        omega_max,
+        range: Some(0.5),
+    };
+    let mission = format!(
+        "mission = {{ contour = {OCTAGON:?}, t_max = 120.0, alpha = {alpha}, key = \"{key}\" }}"
+    );
+    Drive::new(&place, &mission)
+}
+
+/// Where the sub-goals of [`coverage`] lie [m].
+pub const COVERED: [f64; 4] = [0.15, 0.15, 9.85, 9.85];
+
+/// A coverage of 10 m by 10 m.
+pub fn coverage(key: &str) -> Drive<coverage_chebyshev::ChebyshevPlanner> {
+    let place = Place {
+        bounds: [[0.0, 0.0], [10.0, 10.0]],
+        obstacles: Vec::new(),
+        start: Pose2::new(5.0, 5.0, 0.0),
+        radius: 0.1,
+        v_max: 1.0,
+        omega_max: 5.0,
+        range: None,
+    };
+    Drive::new(&place, &format!("key = \"{key}\""))
+}
+
+/// How the search for a key went.
+pub struct Found {
+    /// Goals that the robot had reached when the key was claimed.
+    pub after: Option<usize>,
+    /// Goals made out per goal reached.
+    pub made_out: f64,
+    /// Whether the goals foretold were others than those driven to.
+    pub wrong: bool,
+}
+
+/// Watches a robot until its key is claimed or it has reached so many goals; `unseen` says when it is
+/// out of sight [s].
+pub fn watch<P: Planner, F: Finder>(
+    mut drive: Drive<P>,
+    layout: &Layout,
+    finder: F,
+    (noise, seed): (f64, u64),
+    unseen: impl Fn(f64) -> bool,
+    most: usize,
+) -> Found {
+    let frame = GridFrame {
+        width: 10,
+        height: 10,
+        resolution: 0.1,
+        origin: Point2::new(0.0, 0.0),
+    };
+    let map = BlurredMap::new(&Grid::filled(frame, true), 0.1).unwrap();
+    let (space, who) = (Space::new(&map), Watch::new(&SensorParams::default()));
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut legs = Legs::new(ARRIVAL);
+    let mut hunter = KeyHunter::new(layout.clone(), finder, ARRIVAL, 0.03);
+    for tick in 0_u64.. {
+        let pose = drive.pose();
+        let ((x, y), (turn, _)) = (gaussian_pair(&mut rng), gaussian_pair(&mut rng));
+        let time = tick as f64 * DT;
+        let look = Look {
+            time,
+            dt: DT,
+            seen: (!unseen(time)).then(|| Seen {
+                position: Point2::new(pose.x + noise * x, pose.y + noise * y),
+                heading: pose.theta + noise * turn,
+                sigma: noise,
+                heading_sigma: noise,
+            }),
+            visibility: 1.0,
+        };
+        let goal = legs.observe(&look);
+        let goals_lost = look.seen.is_some() && legs.take_lost();
+        hunter.observe(&Moment {
+            look,
+            goal,
+            goals_lost,
+            space: &space,
+            watch: &who,
+        });
+        drive.tick();
+        let reached = drive.reports.len();
+        let made_out = f64::from(hunter.goals_observed()) / reached.max(1) as f64;
+        if hunter.key_recovered() {
+            return Found {
+                after: Some(reached),
+                made_out,
+                wrong: !drive.goes_through(hunter.upcoming().take(COMPARED).collect()),
+            };
+        }
+        if reached >= most {
+            return Found {
+                after: None,
+                made_out,
+                wrong: false,
+            };
+        }
+    }
+    unreachable!("ticks do not end")
+}
+
+impl<P: Planner> Drive<P> {
+    /// Whether the robot drives to these goals.
+    fn goes_through(&mut self, goals: Vec<Point2<f64>>) -> bool {
+        let reached = self.reports.len();
+        while self.reports.len() < reached + COMPARED + 10 {
+            self.tick();
+        }
+        let ahead = &self.reports[reached.saturating_sub(BEHIND)..];
+        let missing = goals.iter().filter(|goal| {
+            let near = |point: Point2<f64>| (point - **goal).norm() < 1e-3;
+            !ahead.iter().any(|report| near(report.waypoint.point))
+        });
+        missing.count() <= BEHIND
+    }
 }

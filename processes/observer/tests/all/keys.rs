@@ -108,11 +108,7 @@ fn the_key_of_a_cat_map_is_recovered_within_a_lap_and_foretells_the_way() {
             AnySource::CatF64(CatF64::new(0.4, 0.644).unwrap()),
         ),
     ] {
-        for (noise, within) in [
-            ((0.0, 0.0), 120),
-            ((0.005, 0.005), 120),
-            ((0.01, 0.01), 120),
-        ] {
+        for (noise, within) in [((0.0, 0.0), 120), ((0.01, 0.01), 120)] {
             let knowledge = octagon(kind);
             let layout = knowledge.layout().unwrap();
             assert_eq!(layout.round(), 120);
@@ -123,7 +119,7 @@ fn the_key_of_a_cat_map_is_recovered_within_a_lap_and_foretells_the_way() {
                 source.clone(),
                 start,
                 noise,
-                300,
+                130,
             );
             let after = found.recovered_after;
             assert!(
@@ -177,10 +173,10 @@ fn a_keyed_stream_gives_nothing_away() {
         key.source().unwrap(),
         start,
         (0.0, 0.0),
-        400,
+        130,
     );
     assert_eq!(found.recovered_after, None);
-    assert!(found.errors.is_empty() && found.made_out > 300);
+    assert!(found.errors.is_empty() && found.made_out > 100);
     let chebyshev = ChebyshevKnowledge::default();
     let layout = chebyshev.layout().unwrap();
     let found = hunt(
@@ -189,8 +185,8 @@ fn a_keyed_stream_gives_nothing_away() {
         key.source().unwrap(),
         start,
         (0.0, 0.0),
-        120,
+        60,
     );
     assert_eq!(found.recovered_after, None);
-    assert!(found.made_out > 100);
+    assert!(found.made_out > 50);
 }
