@@ -9,7 +9,6 @@ use patrol::awg::{Awg, AwgParams, Preset};
 use patrol::contour::Contour;
 use patrol::danger::DangerZones;
 use serde::{Deserialize, Serialize};
-use sim_backend::math;
 
 use crate::layout::{Frame, Layout, Slot};
 use crate::predictors::key::Finder;
@@ -41,6 +40,8 @@ pub struct CatKnowledge {
     pub alpha: f64,
     /// The formulas' variant.
     pub preset: Preset,
+    /// Where waypoints are put in: only on the parts of the route in these zones; empty: everywhere.
+    pub danger_zones: DangerZones,
     /// The map.
     pub generator: CatKind,
 }
@@ -53,6 +54,7 @@ impl Default for CatKnowledge {
             t_max: 120.0,
             alpha: 1.0,
             preset: Preset::default(),
+            danger_zones: DangerZones::default(),
             generator: CatKind::default(),
         }
     }
@@ -86,8 +88,8 @@ impl CatKnowledge {
             alpha: self.alpha,
             mode: self.preset.mode(),
         };
-        let awg = Awg::new(&contour, &DangerZones::default(), params)
-            .map_err(|e| ParamsError::new("t_max", &e, "a time that makes a zig-zag"))?;
+        let awg = Awg::new(&contour, &self.danger_zones, params)
+            .map_err(|e| ParamsError::new("t_max", &e, "a time and zones that make a zig-zag"))?;
         let laps = if self.closed { 1 } else { 2 };
         let mut slots = Vec::new();
         for leg in (0..laps).flat_map(|lap| awg.legs(lap)) {
@@ -112,102 +114,30 @@ impl CatKnowledge {
     }
 
     /// A search for the state of the map.
-    pub fn finder(&self) -> CatFinder {
-        CatFinder {
-            recovery: CatRecovery::new(match self.generator {
-                CatKind::CatP => CatModulus::Prime,
-                CatKind::Cat64 => CatModulus::Wrapping64,
-                CatKind::CatF64 => CatModulus::F64,
-            }),
-            last: None,
-            missed: 0,
-        }
+    pub fn finder(&self) -> CatRecovery {
+        CatRecovery::new(match self.generator {
+            CatKind::CatP => CatModulus::Prime,
+            CatKind::Cat64 => CatModulus::Wrapping64,
+            CatKind::CatF64 => CatModulus::F64,
+        })
     }
 }
 
-/// Most outputs in a row that can be restored from those around them.
-const MOST_RESTORED: u32 = 2;
-
-/// Finds the state of a cat map.
-#[derive(Debug, Clone)]
-pub struct CatFinder {
-    recovery: CatRecovery,
-    last: Option<[f64; 2]>,
-    /// Outputs passed over since.
-    missed: u32,
-}
-
-impl CatFinder {
-    /// Restores the outputs that were passed over between two: along the direction in which the map
-    /// expands from the later one, along that in which it contracts from the earlier one. Both
-    /// shrink the noise.
-    fn restore(&mut self, output: [f64; 2]) {
-        let Some(last) = self.last else { return };
-        let golden = 0.5 * (1.0 + 5.0_f64.sqrt());
-        let expanding = Vector2::new(1.0, golden).normalize();
-        let mut ahead = last;
-        for nth in 1..=self.missed {
-            ahead = step(ahead);
-            let mut back = output;
-            for _ in nth..=self.missed {
-                back = [2.0 * back[0] - back[1], back[1] - back[0]].map(|c| c - c.floor());
-            }
-            let apart = Vector2::new(back[0] - ahead[0], back[1] - ahead[1]).map(|c| c - c.round());
-            let restored = Vector2::from(ahead) + expanding * expanding.dot(&apart);
-            self.recovery
-                .observe([restored.x, restored.y].map(|c| c - c.floor()));
-        }
-    }
-}
-
-/// The cat map on the torus.
-fn step([x, y]: [f64; 2]) -> [f64; 2] {
-    [x + y, x + 2.0 * y].map(|c| c - c.floor())
-}
-
-impl Finder for CatFinder {
-    fn observe(&mut self, output: [f64; 2]) {
-        if self.missed > 0 {
-            if self.recovery.state().is_some() || self.missed > MOST_RESTORED {
-                for _ in 0..self.missed {
-                    self.recovery.gap();
-                }
-            } else {
-                self.restore(output);
-            }
-        }
-        self.missed = 0;
-        self.last = Some(output);
-        self.recovery.observe(output);
+impl Finder for CatRecovery {
+    fn observe(&mut self, output: [f64; 2], [x, y]: [f64; 2]) -> bool {
+        self.observe_with(output, x.max(y))
     }
 
     fn gap(&mut self) {
-        self.missed += 1;
+        self.gap();
     }
 
-    fn reset(&mut self) {
-        self.recovery.forget();
-        self.last = None;
-        self.missed = 0;
+    fn cost(&self) -> f64 {
+        self.cost()
     }
 
     fn source(&self) -> Option<AnySource> {
-        (self.missed == 0)
-            .then(|| self.recovery.state().cloned())
-            .flatten()
-    }
-
-    fn step(&self, output: [f64; 2]) -> [f64; 2] {
-        step(output)
-    }
-
-    fn distance(&self, a: [f64; 2], b: [f64; 2]) -> f64 {
-        let [x, y] = [a[0] - b[0], a[1] - b[1]].map(|c| c - c.round());
-        math::hypot(x, y)
-    }
-
-    fn growth(&self) -> f64 {
-        2.618_033_988_749_895
+        self.state().cloned()
     }
 }
 
@@ -277,79 +207,29 @@ impl ChebyshevKnowledge {
     }
 
     /// A search for the state of the maps.
-    pub fn finder(&self) -> ChebyshevFinder {
-        let emission = match self.form {
+    pub fn finder(&self) -> ChebyshevRecovery {
+        ChebyshevRecovery::new(match self.form {
             ChebyshevForm::Arcsine => Emission::Arcsine,
             ChebyshevForm::Arccosine => Emission::Arccosine,
             ChebyshevForm::Raw => Emission::Raw,
-        };
-        ChebyshevFinder {
-            recovery: ChebyshevRecovery::new(emission),
-            form: self.form,
-        }
+        })
     }
 }
 
-/// Finds the state of two Chebyshev maps.
-#[derive(Debug, Clone)]
-pub struct ChebyshevFinder {
-    recovery: ChebyshevRecovery,
-    form: ChebyshevForm,
-}
-
-impl ChebyshevFinder {
-    /// Distance along a circle of length 1 from the point whose cosine an output stands for: what
-    /// the map multiplies by 6.
-    fn angle(&self, unit: f64) -> f64 {
-        let unit = unit.clamp(0.0, 1.0);
-        match self.form {
-            ChebyshevForm::Arcsine => 0.5 * (1.0 - unit),
-            ChebyshevForm::Arccosine => 0.5 * unit,
-            ChebyshevForm::Raw => math::acos(2.0 * unit - 1.0) / core::f64::consts::TAU,
-        }
-    }
-
-    fn unit(&self, angle: f64) -> f64 {
-        match self.form {
-            ChebyshevForm::Arcsine => 1.0 - 2.0 * angle,
-            ChebyshevForm::Arccosine => 2.0 * angle,
-            ChebyshevForm::Raw => 0.5 * (math::cos(core::f64::consts::TAU * angle) + 1.0),
-        }
-    }
-}
-
-impl Finder for ChebyshevFinder {
-    fn observe(&mut self, output: [f64; 2]) {
-        self.recovery.observe(output.map(|c| 2.0 * c - 1.0));
+impl Finder for ChebyshevRecovery {
+    fn observe(&mut self, output: [f64; 2], sd: [f64; 2]) -> bool {
+        self.observe_with(output.map(|c| 2.0 * c - 1.0), sd.map(|sd| 2.0 * sd))
     }
 
     fn gap(&mut self) {
-        self.recovery.gap();
+        self.gap();
     }
 
-    fn reset(&mut self) {
-        self.recovery.forget();
+    fn cost(&self) -> f64 {
+        self.cost()
     }
 
     fn source(&self) -> Option<AnySource> {
-        self.recovery.state().cloned()
-    }
-
-    fn step(&self, output: [f64; 2]) -> [f64; 2] {
-        output.map(|c| {
-            let six = 6.0 * self.angle(c);
-            let turns = six - six.floor();
-            self.unit(turns.min(1.0 - turns))
-        })
-    }
-
-    fn distance(&self, a: [f64; 2], b: [f64; 2]) -> f64 {
-        // Twice the angle, in which the uniform forms are linear and a step grows by 6 everywhere.
-        let along = |k: usize| 2.0 * (self.angle(a[k]) - self.angle(b[k])).abs();
-        along(0).max(along(1))
-    }
-
-    fn growth(&self) -> f64 {
-        6.0
+        self.state().cloned()
     }
 }

@@ -68,6 +68,15 @@ impl Layout {
         self.slots.len() as u64
     }
 
+    /// Area in which a drawn goal lies [m²]: that of the first; 1 if none is drawn.
+    pub fn area(&self) -> f64 {
+        let areas = self.slots.iter().filter_map(|slot| match slot {
+            Slot::Drawn(frame) => Some(frame.first.perp(&frame.second).abs()),
+            Slot::Fixed(_) => None,
+        });
+        areas.into_iter().find(|area| *area > 0.0).unwrap_or(1.0)
+    }
+
     /// Number in the round of a fixed goal within `tolerance` [m] of a place; the nearest one, of
     /// equals the first.
     pub fn fixed_near(&self, place: Point2<f64>, tolerance: f64) -> Option<u64> {

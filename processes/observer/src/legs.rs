@@ -39,10 +39,26 @@ const HEADINGS: usize = 5;
 /// Below this the last position is better than an average [m].
 const EXACT: f64 = 1e-3;
 
+/// Error of a goal in standard deviations of a position, and without any [m].
+const NOISE_KEPT: f64 = 1.2;
+const LEAST_ERROR: f64 = 0.003;
+
 #[derive(Debug, Clone, Copy)]
 struct Sample {
     time: f64,
     seen: Seen,
+}
+
+/// The goal that was reached with this sample, after a tick of this way [m].
+fn reached(sample: Sample, point: Point2<f64>, way: f64) -> ReachedGoal {
+    // Anywhere in the way of a tick: way²/12 along it.
+    let noise = NOISE_KEPT * sample.seen.sigma;
+    let variance = way * way / 24.0 + noise * noise + LEAST_ERROR * LEAST_ERROR;
+    ReachedGoal {
+        time: sample.time,
+        point,
+        sd: variance.sqrt(),
+    }
 }
 
 /// Watches the legs of one robot.
@@ -215,10 +231,7 @@ impl Legs {
         let apart = self
             .last
             .is_none_or(|last| (point - last).norm() > self.arrival);
-        apart.then_some(ReachedGoal {
-            time: newest.time,
-            point,
-        })
+        apart.then(|| reached(newest, point, way))
     }
 
     /// The goal at the end of the present leg.
@@ -226,11 +239,9 @@ impl Legs {
         let last = self.samples.back()?;
         let (end, velocity) = self.end()?;
         let (sin, cos) = math::sincos(self.heading());
-        let ahead = self.arrival - 0.5 * velocity.norm() * dt;
-        Some(ReachedGoal {
-            time: last.time,
-            point: end + Vector2::new(cos, sin) * ahead,
-        })
+        let way = velocity.norm() * dt;
+        let ahead = self.arrival - 0.5 * way;
+        Some(reached(*last, end + Vector2::new(cos, sin) * ahead, way))
     }
 
     /// The last position [m] and the velocity [m/s] of the leg's end, by least squares in time.

@@ -37,6 +37,8 @@ pub struct ReachedGoal {
     pub time: f64,
     /// Where it must have been [m].
     pub point: Point2<f64>,
+    /// Standard deviation of x and of y [m].
+    pub sd: f64,
 }
 
 /// A look with its surroundings.

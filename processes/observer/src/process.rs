@@ -270,7 +270,7 @@ impl ObserverProcess {
             let finder = cat.finder();
             watched.add(
                 Prediction::CAT_KEY,
-                KeyHunter::new(layout, finder, params.goal_error),
+                KeyHunter::new(layout, finder, params.arrival, params.goal_error),
             );
         }
         if let Some(chebyshev) = &params.chebyshev {
@@ -280,7 +280,7 @@ impl ObserverProcess {
             let finder = chebyshev.finder();
             watched.add(
                 Prediction::CHEBYSHEV_KEY,
-                KeyHunter::new(layout, finder, params.goal_error),
+                KeyHunter::new(layout, finder, params.arrival, params.goal_error),
             );
         }
         Ok(Target {

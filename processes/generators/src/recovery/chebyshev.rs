@@ -18,22 +18,27 @@ use crate::source::AnySource;
 /// point would tell hardly more than the map takes away.
 const NOISE: core::ops::RangeInclusive<f64> = 0.002..=0.04;
 
-/// Observations that the estimate is made from. 23 steps are worth 59.5 bits, the last observation
-/// the four that remain.
-const ESTIMATED: usize = 24;
+/// Steps that the estimate is made from: with more, the wraps would not fit 64 bits.
+const MAX_ESTIMATED: usize = 23;
 
-/// Observations after these that at least must test it.
-const CHECKED_AFTER: usize = 4;
+/// Bits that the observations after these must test at least.
+const CHECKED_BITS: f64 = 17.0;
 
 /// Observations kept while several orbits remain that agree with all of them.
-const MAX_WINDOW: usize = ESTIMATED + CHECKED_AFTER + 6;
+const MAX_WINDOW: usize = 34;
 
-/// By how much [variances of the fit, or tenths of those reckoned with] the sum of squares of every other orbit must exceed that of the one
-/// claimed: odds of e⁻¹⁰.
+/// Steps over which an orbit can be followed without an observation.
+const MAX_STEPS: u32 = 4;
+
+/// Largest square of a deviation from what was foretold [variances].
+const GATE: f64 = 18.0;
+
+/// By how much [variances of the fit, or tenths of those reckoned with] the sum of squares of every
+/// other orbit must exceed that of the one claimed: odds of e⁻¹⁰.
 const MARGIN: f64 = 20.0;
 
 /// Histories followed at a time.
-const MAX_HISTORIES: usize = 4096;
+const MAX_HISTORIES: usize = 2048;
 
 /// Largest deviation [standard deviations] of an observation from a claimed orbit.
 const MAX_DEVIATION: f64 = 5.0;
@@ -45,16 +50,17 @@ fn max_squares(count: usize) -> f64 {
     count + 4.0 * (2.0 * count).sqrt()
 }
 
-/// An observation: `s`, and the variance with which it is known.
+/// An observation: `s`, the variance with which it is known, and the steps since the one before.
 #[derive(Debug, Clone, Copy)]
 struct Observed {
     s: f64,
     variance: f64,
+    steps: u32,
 }
 
 impl Observed {
     /// From a coordinate in [−1, 1] with noise (which may carry it outside) of a standard deviation.
-    fn new(emission: Emission, c: f64, sd: f64) -> Self {
+    fn new(emission: Emission, c: f64, sd: f64, steps: u32) -> Self {
         let (s, slope) = match emission {
             Emission::Arcsine => (0.25 * (1.0 - c), 0.25),
             Emission::Arccosine => (0.25 * (1.0 + c), 0.25),
@@ -69,7 +75,14 @@ impl Observed {
         Self {
             s,
             variance: sd * sd,
+            steps,
         }
+    }
+
+    /// Bits by which it tells orbits apart: it agrees within four standard deviations with this share
+    /// of all.
+    fn bits(self) -> f64 {
+        -libm::log2((16.0 * self.variance.sqrt()).min(1.0))
     }
 
     /// The square of the deviation of a state, in variances.
@@ -80,18 +93,21 @@ impl Observed {
 }
 
 /// A history of wraps that fits the observations so far.
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy)]
 struct History {
     /// Estimate of `t/P` now, in [−1/2, 1/2], and its variance.
     theta: f64,
     variance: f64,
-    /// `Σ k_j 6^(n−1−j)`.
+    /// `Σ k_j 6^(n−1−j)`; whole turns of 64 bits are lost when it is followed for long.
     wraps: i64,
     /// Sum of squares of the innovations, in variances.
     cost: f64,
+    /// Minus the logarithm of the likelihood, as against observations that lie anywhere.
+    surprise: f64,
 }
 
-/// Recovers the state of a [`ChebP`] from consecutive noisy points; needs 28 of them, seldom more.
+/// Recovers the state of a [`ChebP`] from consecutive noisy points; needs 26 to 28 of them, seldom
+/// more. One or two that are missing among them do not matter.
 ///
 /// Both axes must be recovered from the same points: the chance that points that come from
 /// elsewhere pass as an orbit is below 2⁻²⁵ per axis.
@@ -100,6 +116,10 @@ pub struct ChebyshevRecovery {
     emission: Emission,
     sd: f64,
     window: VecDeque<[Observed; 2]>,
+    /// What the observations allow of each axis.
+    now: [Vec<History>; 2],
+    /// Steps since the last point that was seen.
+    missed: u32,
     found: Option<Tracked>,
 }
 
@@ -121,6 +141,8 @@ impl ChebyshevRecovery {
             emission,
             sd: sd.min(*NOISE.end()).max(*NOISE.start()),
             window: VecDeque::with_capacity(MAX_WINDOW),
+            now: [Vec::new(), Vec::new()],
+            missed: 0,
             found: None,
         }
     }
@@ -128,49 +150,78 @@ impl ChebyshevRecovery {
     /// Takes the next point as observed, in units of the square [−1, 1]²; noise may carry it
     /// outside.
     ///
-    /// Non-finite numbers count as a [`ChebyshevRecovery::gap`].
-    pub fn observe(&mut self, point: [f64; 2]) {
+    /// Says whether it fits those before, if there are any; otherwise the collection has started over
+    /// with it. Non-finite numbers count as a [`ChebyshevRecovery::gap`].
+    pub fn observe(&mut self, point: [f64; 2]) -> bool {
+        self.observe_with(point, [self.sd; 2])
+    }
+
+    /// As [`ChebyshevRecovery::observe`], with the noise of this point's coordinates.
+    pub fn observe_with(&mut self, point: [f64; 2], sd: [f64; 2]) -> bool {
         if !point.iter().all(|c| c.is_finite()) {
             self.gap();
-            return;
+            return true;
         }
+        let sd = sd.map(|sd| sd.min(*NOISE.end()).max(*NOISE.start()));
         if let Some(found) = &mut self.found {
-            let limit = MAX_DEVIATION * self.sd;
             if found.follow(|expected| {
-                point
-                    .iter()
-                    .zip(expected)
-                    .all(|(a, b)| (a - b).abs() <= limit)
+                (0..2).all(|k| (point[k] - expected[k]).abs() <= MAX_DEVIATION * sd[k])
             }) {
-                return;
+                return true;
             }
             self.forget();
+        }
+        let steps = self.missed + 1;
+        self.missed = 0;
+        let seen = [0, 1].map(|k| Observed::new(self.emission, point[k], sd[k], steps));
+        for (now, seen) in self.now.iter_mut().zip(seen) {
+            *now = extended(now, &seen, f64::INFINITY);
+        }
+        let goes_on = !self.now.iter().any(Vec::is_empty);
+        let fits = goes_on || self.window.is_empty();
+        if !goes_on {
+            self.window.clear();
+            self.now = seen.map(|seen| vec![History::new(&seen)]);
         }
         if self.window.len() == MAX_WINDOW {
             self.window.pop_front();
         }
-        self.window
-            .push_back(point.map(|c| Observed::new(self.emission, c, self.sd)));
+        self.window.push_back(seen);
         self.found = self
             .recover()
             .map(|map| Tracked::new(AnySource::ChebP(map)));
+        fits
     }
 
     /// Says that the next point was not seen.
     ///
-    /// A recovered orbit goes on; otherwise the collection starts over.
+    /// After too many of them in a row the collection starts over; a recovered orbit goes on.
     pub fn gap(&mut self) {
         match &mut self.found {
             Some(found) => {
                 found.follow(|_| true);
             }
-            None => self.window.clear(),
+            None => {
+                self.missed += 1;
+                if self.missed >= MAX_STEPS {
+                    self.forget();
+                }
+            }
         }
+    }
+
+    /// What the points cost, as minus the logarithm of their likelihood against that of points that
+    /// lie anywhere: negative if they look like an orbit.
+    pub fn cost(&self) -> f64 {
+        let least = |now: &Vec<History>| now.first().map_or(0.0, |best| best.surprise);
+        self.now.iter().map(least).sum()
     }
 
     /// Starts over, for when it is not known how many points were missed.
     pub fn forget(&mut self) {
         self.window.clear();
+        self.now.iter_mut().for_each(Vec::clear);
+        self.missed = 0;
         self.found = None;
     }
 
@@ -182,9 +233,6 @@ impl ChebyshevRecovery {
     }
 
     fn recover(&self) -> Option<ChebP> {
-        if self.window.len() < ESTIMATED + CHECKED_AFTER {
-            return None;
-        }
         let axis = |axis: fn(&[Observed; 2]) -> Observed| {
             recover_axis(&self.window.iter().map(axis).collect::<Vec<_>>())
         };
@@ -202,15 +250,45 @@ struct Fit {
     squares: f64,
 }
 
+/// The observations of one axis that the estimate is made from, the steps between the first and the
+/// last of them, and the bits that those after them test; none if they do not suffice.
+fn estimated(observed: &[Observed]) -> Option<(&[Observed], usize, f64)> {
+    let (mut steps, mut most) = (0, None);
+    for (count, o) in observed.iter().enumerate() {
+        if count > 0 {
+            steps += o.steps as usize;
+        }
+        if steps > MAX_ESTIMATED {
+            break;
+        }
+        // log₂ 6 bits a step. The last should tell the first state to a twelfth of the spacing of
+        // the integers; a little less does, as the others test it.
+        let bits = 2.585 * steps as f64 - libm::log2(12.0 * o.variance.sqrt());
+        if bits >= 62.0 {
+            most = Some((count, steps));
+        }
+        if bits >= 63.0 {
+            break;
+        }
+    }
+    let (count, steps) = most?;
+    let (made_from, tests) = observed.split_at_checked(count + 1)?;
+    let bits = tests.iter().map(|o| o.bits()).sum();
+    Some((made_from, steps, bits))
+}
+
 /// The state at the last of the observations of one axis, if exactly one exact orbit runs through
 /// all of them.
 fn recover_axis(observed: &[Observed]) -> Option<u64> {
-    let steps = ESTIMATED.min(observed.len()).checked_sub(1)?;
+    let (made_from, steps, bits) = estimated(observed)?;
+    if bits < CHECKED_BITS {
+        return None;
+    }
     let scale = 6_i128.pow(steps as u32);
     let limit = max_squares(observed.len());
     let mut best: Option<Fit> = None;
     let mut second = f64::INFINITY;
-    for history in histories(observed.get(..=steps)?) {
+    for history in histories(made_from) {
         // θ_n·P is some four bits above the spacing: f64 suffices.
         let numerator =
             i128::from(history.wraps) * i128::from(P) + (history.theta * P as f64) as i128;
@@ -238,15 +316,16 @@ fn recover_axis(observed: &[Observed]) -> Option<u64> {
 
 /// The orbit from `t` against the observations; none once it deviates by more than `limit`.
 fn follow(t: u64, observed: &[Observed], limit: f64) -> Option<Fit> {
-    let (mut next, mut state, mut squares) = (t, t, 0.0);
-    for o in observed {
-        state = next;
+    let (mut state, mut squares) = (t, 0.0);
+    for (number, o) in observed.iter().enumerate() {
+        for _ in 0..if number == 0 { 0 } else { o.steps } {
+            let triple = add(add(state, state), state);
+            state = add(triple, triple);
+        }
         squares += o.square(state);
         if squares > limit {
             return None;
         }
-        let triple = add(add(state, state), state);
-        next = add(triple, triple);
     }
     Some(Fit { state, squares })
 }
@@ -256,40 +335,63 @@ fn histories(observed: &[Observed]) -> Vec<History> {
     let Some((first, rest)) = observed.split_first() else {
         return Vec::new();
     };
-    // The sign of the first state is free: the orbits of t and −t show the same points.
-    let mut histories = vec![History {
-        theta: first.s,
-        variance: first.variance,
-        wraps: 0,
-        cost: 0.0,
-    }];
     let limit = max_squares(observed.len());
-    for o in rest {
-        histories = histories
-            .iter()
-            .flat_map(|history| [o.s, -o.s].map(|signed| history.extended(signed, o.variance)))
-            .filter(|history| history.cost <= limit)
-            .collect();
-        if histories.len() > MAX_HISTORIES {
-            histories.select_nth_unstable_by(MAX_HISTORIES, |a, b| a.cost.total_cmp(&b.cost));
-            histories.truncate(MAX_HISTORIES);
+    rest.iter().fold(vec![History::new(first)], |histories, o| {
+        extended(&histories, o, limit)
+    })
+}
+
+/// The histories with one more observation, the likeliest first, that cost no more than `limit`.
+fn extended(histories: &[History], o: &Observed, limit: f64) -> Vec<History> {
+    let mut next = Vec::new();
+    for history in histories {
+        for signed in [o.s, -o.s] {
+            history.extend(signed, o, limit, &mut next);
         }
     }
-    histories
+    next.sort_by(|a, b| a.surprise.total_cmp(&b.surprise));
+    next.truncate(MAX_HISTORIES);
+    next
 }
 
 impl History {
-    /// The history with one more observation, taken with a sign (Kalman filter of one number).
-    fn extended(&self, signed: f64, variance: f64) -> Self {
-        let (predicted, prior) = (6.0 * self.theta, 36.0 * self.variance);
-        let wrap = (predicted - signed).round();
-        let innovation = predicted - wrap - signed;
-        let sum = prior + variance;
+    /// The sign of the first state is free: the orbits of t and −t show the same points.
+    fn new(first: &Observed) -> Self {
         Self {
-            theta: signed + innovation * variance / sum,
-            variance: prior * variance / sum,
-            wraps: 6 * self.wraps + wrap as i64,
-            cost: self.cost + innovation * innovation / sum,
+            theta: first.s,
+            variance: first.variance,
+            wraps: 0,
+            cost: 0.0,
+            surprise: 0.0,
+        }
+    }
+
+    /// Appends the histories with one more observation, taken with a sign (Kalman filter of one
+    /// number), to `into`.
+    fn extend(&self, signed: f64, o: &Observed, limit: f64, into: &mut Vec<Self>) {
+        let growth = 6_i64.saturating_pow(o.steps);
+        let factor = growth as f64;
+        let (predicted, prior) = (factor * self.theta, factor * factor * self.variance);
+        let sum = prior + o.variance;
+        let spread = (GATE * sum).sqrt();
+        let (low, high) = (predicted - signed - spread, predicted - signed + spread);
+        for wrap in low.ceil() as i64..=high.floor() as i64 {
+            let innovation = predicted - wrap as f64 - signed;
+            let square = innovation * innovation / sum;
+            if self.cost + square > limit {
+                continue;
+            }
+            into.push(Self {
+                theta: signed + innovation * o.variance / sum,
+                variance: prior * o.variance / sum,
+                wraps: growth.wrapping_mul(self.wraps).wrapping_add(wrap),
+                cost: self.cost + square,
+                // Against s that is anywhere between 0 and 1/2.
+                surprise: self.surprise
+                    + 0.5 * square
+                    + 0.5 * libm::log(core::f64::consts::TAU * sum)
+                    + core::f64::consts::LN_2,
+            });
         }
     }
 }

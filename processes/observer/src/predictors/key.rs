@@ -1,87 +1,139 @@
 //! Whoever knows how goals are made from a generator's outputs can undo that, find the generator's
 //! state, and foretell every goal that follows: the attack on linear and on polynomial maps.
+//!
+//! Goals are overlooked where the robot hardly turns at them, and some that are made out are none.
+//! Which goal of the route each one is is therefore not decided at once: all guesses that the
+//! outputs allow are followed until the outputs decide among them.
 
 use std::collections::VecDeque;
 
 use generators::{AnySource, Source as _};
+use guidance::go_to::distance_to_segment;
 use nalgebra::Point2;
 
 use super::Predictor;
-use crate::layout::{Layout, Slot};
-use crate::moment::Moment;
+use crate::layout::{Frame, Layout, Slot};
+use crate::moment::{Moment, ReachedGoal};
 use crate::travel::{Pace, along};
 
 /// Goals that may be overlooked between two that are made out.
-const OVERLOOKED: u64 = 3;
-/// Goals that fit nowhere, one after the other, until the search begins anew.
-const STRANGERS: u32 = 3;
-/// The same when the key has been found: until it is given up.
+const OVERLOOKED: u64 = 4;
+/// What an overlooked goal costs, and one that is made out where there is none: minus the logarithm
+/// of the probability.
+const COST_OF_OVERLOOKED: f64 = 2.0;
+const COST_OF_STRANGER: f64 = 4.0;
+/// Goals that fit nowhere, one after the other, until a guess is given up.
+const STRANGERS: u32 = 6;
+/// The same when the key has been found.
 const STRANGERS_TO_KEY: u32 = 12;
+/// By how much a guess may cost more than the best one.
+const MARGIN: f64 = 20.0;
+/// The same for one that is believed.
+const MARGIN_OF_CLAIM: f64 = 10.0;
+/// Outputs that differ by less are those of the same state: the sign of a Chebyshev map's state is
+/// seen in the last bits only.
+const SAME: f64 = 1e-9;
+/// Guesses followed at a time.
+const MOST_GUESSES: usize = 24;
+/// Guesses that agree on so many of the last goals are not told apart.
+const RECENT: usize = 3;
+/// Largest deviation of a goal from where it is known to be [standard deviations].
+const MOST_DEVIATION: f64 = 4.5;
 /// Goals that are computed ahead.
 const AHEAD: usize = 64;
-/// An output that is foretold worse than this, as a share of the square, is not foretold.
-const VAGUE: f64 = 0.35;
 
 /// Finds the state of a generator from its noisy outputs in the unit square.
-pub trait Finder {
-    /// Takes up the next output.
-    fn observe(&mut self, output: [f64; 2]);
+pub trait Finder: Clone {
+    /// Takes up the next output, its coordinates with these standard deviations; says whether it fits
+    /// those before.
+    fn observe(&mut self, output: [f64; 2], sd: [f64; 2]) -> bool;
 
     /// Passes over an output that was not made out.
     fn gap(&mut self);
 
-    /// Forgets all outputs.
-    fn reset(&mut self);
+    /// Minus the logarithm of the outputs' likelihood as against outputs anywhere in the square.
+    fn cost(&self) -> f64;
 
     /// The generator after the last output taken up or passed over; `None` while its state is not
     /// known.
     fn source(&self) -> Option<AnySource>;
+}
 
-    /// The output that follows, as far as a noisy one tells.
-    fn step(&self, output: [f64; 2]) -> [f64; 2];
+/// A guess at which goals of the route those made out were.
+#[derive(Debug, Clone)]
+struct Guess<F> {
+    /// Number of the last one, in the round.
+    at: u64,
+    finder: F,
+    /// What it takes to be overlooked or no goal, and fixed goals.
+    cost: f64,
+    /// Goals made out since the last that fitted.
+    strangers: u32,
+    /// The last ones: which of those made out is which of the route.
+    recent: [(u32, u64); RECENT],
+}
 
-    /// Distance of two outputs; no step makes errors grow by more than [`Finder::growth`] in it.
-    fn distance(&self, a: [f64; 2], b: [f64; 2]) -> f64;
+impl<F: Finder> Guess<F> {
+    fn score(&self) -> f64 {
+        self.cost + self.finder.cost()
+    }
 
-    /// By what factor a step makes errors grow.
-    fn growth(&self) -> f64;
+    fn with(&self, nth: u32, number: u64, finder: F, cost: f64) -> Self {
+        let [_, recent @ ..] = self.recent;
+        let [b, c] = recent;
+        Self {
+            at: number,
+            finder,
+            cost,
+            strangers: 0,
+            recent: [b, c, (nth, number)],
+        }
+    }
 }
 
 /// Finds the key of a robot's goals and goes on with them.
 #[derive(Debug, Clone)]
 pub struct KeyHunter<F> {
     layout: Layout,
-    finder: F,
+    /// A search that has seen nothing.
+    blank: F,
+    /// Distance from its goal at which the robot turns to the next [m].
+    arrival: f64,
     /// Greatest error of a goal that is made out [m].
     goal_error: f64,
     pace: Pace,
     goals: u32,
-    /// Number of the last goal that was made out.
-    at: Option<u64>,
-    /// The last output, and outputs passed over since.
-    last: Option<([f64; 2], u32)>,
-    strangers: u32,
+    guesses: Vec<Guess<F>>,
+    /// What it costs that none of the goals so far belongs to the route.
+    strange: f64,
     begun: bool,
+    /// Where the robot was seen last [m].
+    last: Option<Point2<f64>>,
     /// The goals to come, once the key is known, and the generator that makes more.
     upcoming: VecDeque<(u64, Point2<f64>)>,
     source: Option<AnySource>,
+    /// Goals made out since one to come was reached.
+    strangers: u32,
 }
 
 impl<F: Finder> KeyHunter<F> {
-    /// For goals of this layout, made out with errors up to `goal_error` [m], > 0.
-    pub fn new(layout: Layout, finder: F, goal_error: f64) -> Self {
+    /// For goals of this layout: the robot turns to the next within `arrival` [m], ≥ 0, of one, and
+    /// they are made out with errors up to `goal_error` [m], > 0, for the most part.
+    pub fn new(layout: Layout, finder: F, arrival: f64, goal_error: f64) -> Self {
         Self {
             layout,
-            finder,
+            blank: finder,
+            arrival,
             goal_error,
             pace: Pace::default(),
             goals: 0,
-            at: None,
-            last: None,
-            strangers: 0,
+            guesses: Vec::new(),
+            strange: 0.0,
             begun: false,
+            last: None,
             upcoming: VecDeque::new(),
             source: None,
+            strangers: 0,
         }
     }
 
@@ -91,85 +143,119 @@ impl<F: Finder> KeyHunter<F> {
     }
 
     fn forget(&mut self) {
-        self.finder.reset();
-        self.at = None;
-        self.last = None;
+        self.guesses.clear();
+        self.strange = 0.0;
         self.strangers = 0;
         self.upcoming.clear();
         self.source = None;
     }
 
-    fn begin_at_fixed(&mut self, place: Point2<f64>) {
-        self.forget();
-        self.at = self.layout.fixed_near(place, 2.0 * self.goal_error);
+    /// A guess that begins with a goal.
+    fn begin(&self, number: u64, finder: F, cost: f64) -> Guess<F> {
+        Guess {
+            at: number,
+            finder,
+            cost,
+            strangers: 0,
+            recent: [(self.goals, number); RECENT],
+        }
     }
 
-    /// A goal before the key is known.
-    fn hunt(&mut self, goal: Point2<f64>) {
-        let Some(at) = self.at else {
-            if self.layout.is_uniform() {
-                self.forget();
-                self.at = Some(0);
-                self.take_drawn(goal, 0);
-            } else {
-                self.begin_at_fixed(goal);
+    /// Patrols begin at a fixed goal more often than not.
+    fn begin_at_fixed(&mut self, place: Point2<f64>) {
+        if let Some(number) = self.layout.fixed_near(place, 2.0 * self.goal_error) {
+            let guess = self.begin(number, self.blank.clone(), 0.0);
+            self.guesses.push(guess);
+        }
+    }
+
+    /// A goal before the key is known; after a time out of sight if `lost`.
+    fn hunt(&mut self, goal: &ReachedGoal, lost: bool) {
+        let mut next: Vec<Guess<F>> = Vec::new();
+        let overlooked = if lost { 0.0 } else { COST_OF_OVERLOOKED };
+        for guess in &self.guesses {
+            if guess.strangers + 1 < STRANGERS {
+                next.push(Guess {
+                    cost: guess.cost + COST_OF_STRANGER,
+                    strangers: guess.strangers + 1,
+                    ..guess.clone()
+                });
             }
+            let (mut finder, mut cost) = (guess.finder.clone(), guess.cost);
+            for number in guess.at + 1..=guess.at + 1 + OVERLOOKED {
+                // One lap is like the other.
+                let number = number % self.layout.round();
+                let slot = self.layout.slot(number);
+                if let Some((finder, extra)) = self.place(&finder, &slot, goal) {
+                    next.push(guess.with(self.goals, number, finder, cost + extra));
+                }
+                cost += overlooked;
+                if matches!(slot, Slot::Drawn(_)) {
+                    finder.gap();
+                }
+            }
+        }
+        let best = next.iter().map(Guess::score).fold(f64::INFINITY, f64::min);
+        if self.strange <= best + MARGIN {
+            for number in 0..self.layout.round() {
+                let slot = self.layout.slot(number);
+                if let Some((finder, extra)) = self.place(&self.blank, &slot, goal) {
+                    next.push(self.begin(number, finder, self.strange + extra));
+                }
+            }
+        }
+        self.strange += COST_OF_STRANGER;
+        self.guesses = likeliest(next);
+    }
+
+    /// The search once it has taken up a goal in this place of the route, and what that costs besides;
+    /// `None` if it does not fit.
+    fn place(&self, finder: &F, slot: &Slot, goal: &ReachedGoal) -> Option<(F, f64)> {
+        match slot {
+            Slot::Fixed(point) => {
+                let off = (goal.point - point).norm() / goal.sd;
+                // As against goals anywhere in a drawn one's frame.
+                let area = self.layout.area();
+                let spread = core::f64::consts::TAU * goal.sd * goal.sd / area;
+                let cost = 0.5 * off * off + sim_backend::math::ln(spread);
+                (off <= MOST_DEVIATION).then(|| (finder.clone(), cost))
+            }
+            Slot::Drawn(frame) => {
+                let (output, sd) = (frame.output(goal.point)?, sd_of(frame, goal));
+                let inside = (0..2).all(|k| {
+                    let slack = MOST_DEVIATION * sd[k];
+                    (-slack..=1.0 + slack).contains(&output[k])
+                });
+                let mut finder = finder.clone();
+                (inside && finder.observe(output, sd)).then_some((finder, 0.0))
+            }
+        }
+    }
+
+    /// Believes the likeliest guesses if their searches have found the state, and the same.
+    fn claim(&mut self) {
+        let Some(best) = self.guesses.first().map(Guess::score) else {
             return;
         };
-        let mut passed = 0;
-        for number in at + 1..=at + 1 + OVERLOOKED {
-            if self.fits(goal, number, passed) {
-                for _ in 0..passed {
-                    self.finder.gap();
-                }
-                if let Some((_, since)) = &mut self.last {
-                    *since += passed;
-                }
-                self.at = Some(number);
-                self.strangers = 0;
-                self.take_drawn(goal, number);
-                return;
-            }
-            passed += u32::from(matches!(self.layout.slot(number), Slot::Drawn(_)));
-        }
-        self.strangers += 1;
-        if self.strangers >= STRANGERS {
-            self.begin_at_fixed(goal);
-        }
-    }
-
-    /// Feeds a goal to the search if it was drawn.
-    fn take_drawn(&mut self, goal: Point2<f64>, number: u64) {
-        if let Slot::Drawn(frame) = self.layout.slot(number)
-            && let Some(output) = frame.output(goal)
-        {
-            self.finder.observe(output);
-            self.last = Some((output, 0));
-        }
-    }
-
-    /// Whether a goal can be the one with this number, with `passed` drawn ones before it overlooked.
-    fn fits(&self, goal: Point2<f64>, number: u64, passed: u32) -> bool {
-        let frame = match self.layout.slot(number) {
-            Slot::Fixed(point) => return (goal - point).norm() <= 2.0 * self.goal_error,
-            Slot::Drawn(frame) => frame,
+        let mut found = self
+            .guesses
+            .iter()
+            .take_while(|guess| guess.score() <= best + MARGIN_OF_CLAIM)
+            .filter(|guess| guess.strangers == 0)
+            .filter_map(|guess| Some((guess.at, guess.finder.source()?)));
+        let Some((at, source)) = found.next() else {
+            return;
         };
-        let Some(output) = frame.output(goal) else {
-            return false;
-        };
-        let side = frame.first.norm().min(frame.second.norm());
-        let error = self.goal_error / side;
-        let inside = output.iter().all(|c| (-error..=1.0 + error).contains(c));
-        let Some((before, since)) = self.last else {
-            return inside && passed == 0;
-        };
-        let steps = since + passed + 1;
-        let grown = (0..steps).fold(error, |error, _| error * self.finder.growth());
-        if grown + error > VAGUE {
-            return inside && passed == 0;
+        let next = source.clone().next_unit();
+        let agree = found.all(|(other, mut source)| {
+            let ([x, y], [u, v]) = (source.next_unit(), next);
+            other == at && (x - u).abs() < SAME && (y - v).abs() < SAME
+        });
+        if agree {
+            self.forget();
+            self.source = Some(source);
+            self.look_ahead(at + 1);
         }
-        let foretold = (0..steps).fold(before, |output, _| self.finder.step(output));
-        inside && self.finder.distance(foretold, output) <= grown + error
     }
 
     /// A goal now that the key is known: which of the goals to come it is.
@@ -185,65 +271,95 @@ impl<F: Finder> KeyHunter<F> {
             .take(window)
             .position(|(_, point)| (goal - point).norm() <= 2.0 * self.goal_error);
         if let Some(found) = found {
-            self.upcoming.drain(..=found);
-            self.strangers = 0;
+            self.reach(found + 1);
             return;
         }
         self.strangers += 1;
         if self.strangers >= STRANGERS_TO_KEY {
+            self.forget();
             self.begin_at_fixed(goal);
         }
     }
 
-    /// Computes goals ahead, if the key is known.
-    fn look_ahead(&mut self) {
-        if self.source.is_none()
-            && let Some(source) = self.finder.source()
+    /// Drops goals to come that the robot is seen to reach.
+    fn keep_pace(&mut self, from: Point2<f64>, to: Point2<f64>, sigma: f64) {
+        let reach = self.arrival + 3.0 * sigma;
+        while let Some(&(_, goal)) = self.upcoming.front()
+            && distance_to_segment(goal, from, to) <= reach
         {
-            self.source = Some(source);
-            self.strangers = 0;
+            self.reach(1);
         }
+    }
+
+    /// Drops so many of the goals to come.
+    fn reach(&mut self, count: usize) {
+        self.strangers = 0;
+        let next = self.upcoming.back().map_or(0, |(number, _)| number + 1);
+        self.upcoming.drain(..count.min(self.upcoming.len()));
+        self.look_ahead(next);
+    }
+
+    /// Computes goals ahead, if the key is known; `number` is the first that has not been.
+    fn look_ahead(&mut self, mut number: u64) {
         let Some(source) = &mut self.source else {
             return;
         };
         while self.upcoming.len() < AHEAD {
-            let last = self.upcoming.back().map(|(number, _)| *number).or(self.at);
-            let number = last.map_or(0, |last| last + 1);
             let goal = match self.layout.slot(number) {
                 Slot::Fixed(point) => point,
                 Slot::Drawn(frame) => frame.goal(source.next_unit()),
             };
             self.upcoming.push_back((number, goal));
+            number += 1;
         }
-        self.at = self
-            .upcoming
-            .front()
-            .map(|(number, _)| number.saturating_sub(1));
     }
+}
+
+/// Standard deviations of an output that is made from a goal.
+fn sd_of(frame: &Frame, goal: &ReachedGoal) -> [f64; 2] {
+    [frame.first, frame.second].map(|axis| goal.sd / axis.norm())
+}
+
+/// The guesses that are worth following, the likeliest first.
+fn likeliest<F: Finder>(mut guesses: Vec<Guess<F>>) -> Vec<Guess<F>> {
+    guesses.sort_by(|a, b| a.score().total_cmp(&b.score()));
+    let limit = guesses.first().map_or(0.0, Guess::score) + MARGIN;
+    let mut kept: Vec<Guess<F>> = Vec::with_capacity(MOST_GUESSES);
+    for guess in guesses {
+        if guess.score() > limit || kept.len() == MOST_GUESSES {
+            break;
+        }
+        let known =
+            |other: &Guess<F>| other.recent == guess.recent && other.strangers == guess.strangers;
+        if !kept.iter().any(known) {
+            kept.push(guess);
+        }
+    }
+    kept
 }
 
 impl<F: Finder> Predictor for KeyHunter<F> {
     fn observe(&mut self, moment: &Moment<'_>) {
         self.pace.observe(moment);
-        if !self.begun
-            && let Some(seen) = moment.look.seen
-        {
-            // Patrols begin at a fixed goal more often than not.
-            self.begun = true;
-            self.begin_at_fixed(seen.position);
-        }
-        let known = self.source.is_some();
-        if moment.goals_lost && !known {
-            self.forget();
+        if let Some(seen) = moment.look.seen {
+            let from = self.last.unwrap_or(seen.position);
+            self.last = Some(seen.position);
+            if !self.begun {
+                self.begun = true;
+                self.begin_at_fixed(seen.position);
+            }
+            self.keep_pace(from, seen.position, seen.sigma);
+        } else {
+            self.last = None;
         }
         let Some(goal) = moment.goal else { return };
         self.goals = self.goals.saturating_add(1);
-        if known {
+        if self.source.is_some() {
             self.follow(goal.point, moment.goals_lost);
         } else {
-            self.hunt(goal.point);
+            self.hunt(&goal, moment.goals_lost);
+            self.claim();
         }
-        self.look_ahead();
     }
 
     fn predict(&self, horizon: f64, _: &Moment<'_>) -> Option<Point2<f64>> {

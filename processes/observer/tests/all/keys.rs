@@ -7,7 +7,7 @@ use observer::layout::{Layout, Slot};
 use observer::predictors::Predictor;
 use observer::predictors::key::{Finder, KeyHunter};
 
-use crate::support::{Onlooker, Robot};
+use crate::support::{ARRIVAL, Onlooker, Robot};
 
 const GOAL_ERROR: f64 = 0.03;
 
@@ -59,7 +59,7 @@ fn hunt<F: Finder>(
 ) -> Hunt {
     let mut robot = Robot::new(start, goals(layout.clone(), source));
     let mut onlooker = Onlooker::new(sigma, heading_sigma, 7);
-    let mut hunter = KeyHunter::new(layout.clone(), finder, GOAL_ERROR);
+    let mut hunter = KeyHunter::new(layout.clone(), finder, ARRIVAL, GOAL_ERROR);
     let (mut recovered_after, mut errors) = (None, Vec::new());
     let mut pending: Vec<(u64, Point2<f64>)> = Vec::new();
     for tick in 0_u64.. {
@@ -108,11 +108,7 @@ fn the_key_of_a_cat_map_is_recovered_within_a_lap_and_foretells_the_way() {
             AnySource::CatF64(CatF64::new(0.4, 0.644).unwrap()),
         ),
     ] {
-        for (noise, within) in [
-            ((0.0, 0.0), 120),
-            ((0.005, 0.005), 120),
-            ((0.01, 0.01), 240),
-        ] {
+        for (noise, within) in [((0.0, 0.0), 120), ((0.01, 0.01), 120)] {
             let knowledge = octagon(kind);
             let layout = knowledge.layout().unwrap();
             assert_eq!(layout.round(), 120);
@@ -123,14 +119,9 @@ fn the_key_of_a_cat_map_is_recovered_within_a_lap_and_foretells_the_way() {
                 source.clone(),
                 start,
                 noise,
-                300,
+                130,
             );
             let after = found.recovered_after;
-            eprintln!(
-                "{kind:?} {noise:?}: after {after:?} goals, {} made out, median {}",
-                found.made_out,
-                median(&found.errors)
-            );
             assert!(
                 after.is_some_and(|after| after < within),
                 "{kind:?} {noise:?} {after:?}"
@@ -163,10 +154,6 @@ fn the_key_of_chebyshev_maps_is_recovered_within_thirty_sub_goals() {
             60,
         );
         let after = found.recovered_after;
-        println!(
-            "{form:?}: after {after:?} goals, median {}",
-            median(&found.errors)
-        );
         assert!(after.is_some_and(|after| after < 30), "{form:?} {after:?}");
         assert!(median(&found.errors) < 0.6);
     }
@@ -186,10 +173,10 @@ fn a_keyed_stream_gives_nothing_away() {
         key.source().unwrap(),
         start,
         (0.0, 0.0),
-        400,
+        130,
     );
     assert_eq!(found.recovered_after, None);
-    assert!(found.errors.is_empty() && found.made_out > 300);
+    assert!(found.errors.is_empty() && found.made_out > 100);
     let chebyshev = ChebyshevKnowledge::default();
     let layout = chebyshev.layout().unwrap();
     let found = hunt(
@@ -198,8 +185,8 @@ fn a_keyed_stream_gives_nothing_away() {
         key.source().unwrap(),
         start,
         (0.0, 0.0),
-        120,
+        60,
     );
     assert_eq!(found.recovered_after, None);
-    assert!(found.made_out > 100);
+    assert!(found.made_out > 50);
 }

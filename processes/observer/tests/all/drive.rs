@@ -1,0 +1,316 @@
+//! A robot in the simulated world, driven by its real planner, and an observer of its key.
+
+use core::time::Duration;
+use std::sync::Arc;
+
+use guidance::free_space::FreeSpace;
+use guidance::map::PlannerMap;
+use guidance::view::{RobotView, ScanView, View};
+use guidance::waypoint::WaypointReport;
+use kit::RobotInfo;
+use kit::planner::Planner;
+use nalgebra::Point2;
+use observer::layout::Layout;
+use observer::legs::Legs;
+use observer::moment::{Look, Moment, Seen};
+use observer::predictors::Predictor as _;
+use observer::predictors::key::{Finder, KeyHunter};
+use rand::SeedableRng as _;
+use rand_chacha::ChaCha8Rng;
+use serde::Deserialize as _;
+use sim_backend::blur::BlurredMap;
+use sim_backend::grid::{Grid, GridFrame};
+use sim_backend::map::{MapSpec, ObstacleSpec, VectorMap};
+use sim_backend::pose::Pose2;
+use sim_backend::shape::Shape;
+use sim_backend::spec::{LimitsSpec, RobotSpec, RulesSpec, ScanSpec, WorldSpec};
+use sim_backend::team::Team;
+use sim_backend::world::World;
+use tracking::params::SensorParams;
+use tracking::sighting::gaussian_pair;
+use tracking::space::Space;
+use tracking::watch::Watch;
+
+/// Tick [s].
+pub const DT: f64 = 0.05;
+
+/// A world with one robot in it.
+#[derive(Debug, Clone)]
+pub struct Place {
+    /// Corners of the ground [m].
+    pub bounds: [[f64; 2]; 2],
+    pub obstacles: Vec<Shape>,
+    pub start: Pose2,
+    /// Radius [m], speed [m/s] and turning rate [rad/s] of the robot.
+    pub radius: f64,
+    pub v_max: f64,
+    pub omega_max: f64,
+    /// Range of its sensor [m], if it has one.
+    pub range: Option<f64>,
+}
+
+/// A robot with its planner.
+pub struct Drive<P> {
+    world: World,
+    planner: P,
+    map: PlannerMap,
+    ranges: Vec<f32>,
+    v_max: f64,
+    pub reports: Vec<WaypointReport>,
+}
+
+impl<P: Planner> Drive<P> {
+    /// With these parameters of the planner, as a scenario writes them.
+    pub fn new(place: &Place, params: &str) -> Self {
+        let mut spec = RobotSpec::new("guard", Team::Neutral, place.start);
+        spec.radius = Some(place.radius);
+        spec.wheel_separation = Some(1.5 * place.radius);
+        spec.limits = LimitsSpec {
+            v_max: Some(place.v_max),
+            omega_max: Some(place.omega_max),
+            ..LimitsSpec::default()
+        };
+        spec.scan = place.range.map(|range| ScanSpec {
+            beams: 72,
+            angle_min: 0.0,
+            angle_increment: core::f64::consts::TAU / 72.0,
+            range_min: 0.0,
+            range_max: range,
+            noise: 0.0,
+        });
+        let info = RobotInfo {
+            name: "guard".into(),
+            team: Team::Neutral,
+            model: spec.model(),
+            beams: if place.range.is_some() { 72 } else { 0 },
+            start: place.start,
+            goal: None,
+        };
+        let mut map = VectorMap::empty(place.bounds[0], place.bounds[1], 0.1);
+        map.obstacles = place
+            .obstacles
+            .iter()
+            .map(|shape| ObstacleSpec {
+                name: String::new(),
+                shape: shape.clone(),
+            })
+            .collect();
+        let world = World::new(WorldSpec {
+            map: MapSpec::Vector(map),
+            robots: vec![spec],
+            rules: RulesSpec::default(),
+            seed: 1,
+        })
+        .unwrap();
+        let params = P::Params::deserialize(toml::Deserializer::parse(params).unwrap()).unwrap();
+        let mut planner = P::new(&params, &info, 1).unwrap();
+        let map = planner_map(&world);
+        planner.prepare(&map, &info);
+        Self {
+            world,
+            planner,
+            map,
+            ranges: Vec::new(),
+            v_max: place.v_max,
+            reports: Vec::new(),
+        }
+    }
+
+    pub fn pose(&self) -> Pose2 {
+        self.world.robots()[0].pose
+    }
+
+    pub fn tick(&mut self) {
+        let state = &self.world.robots()[0];
+        let robots = [RobotView {
+            index: 0,
+            team: Team::Neutral,
+            active: true,
+            present: true,
+            pose: state.pose,
+            twist: state.twist,
+            radius: state.radius(),
+            v_max: self.v_max,
+        }];
+        let time_s = self.world.time().as_secs_f64();
+        let spec = self.world.scan(0, &mut self.ranges).copied();
+        let view = View {
+            time_s,
+            dt: DT,
+            me: 0,
+            robots: &robots,
+            beliefs: &[],
+            exits: &[],
+            scan: spec.map(|spec| ScanView {
+                angle_min: spec.angle_min,
+                angle_increment: spec.angle_increment,
+                range_min: spec.range_min,
+                range_max: spec.range_max,
+                ranges: &self.ranges,
+            }),
+        };
+        let command = self.planner.steer(&self.map, &view).command;
+        self.reports.extend_from_slice(self.planner.waypoints());
+        self.world
+            .step(&[Some(command)], Duration::from_secs_f64(DT));
+    }
+}
+
+fn planner_map(world: &World) -> PlannerMap {
+    let map = world.map();
+    let space = FreeSpace::new(map.parts().to_vec(), *map.bounds(), 0.1).unwrap();
+    let blurred = BlurredMap::new(&Grid::filled(*map.frame(), true), 0.1).unwrap();
+    PlannerMap::new(blurred, Grid::filled(*map.frame(), 1.0), 1)
+        .unwrap()
+        .with_space(Arc::new(space))
+}
+
+/// Distance from its goal at which a robot turns to the next [m]: that of the drivers.
+const ARRIVAL: f64 = 0.05;
+
+/// Goals that are compared with those driven to once a key is claimed, and how many of them the robot
+/// may have had by then.
+const COMPARED: usize = 35;
+const BEHIND: usize = 2;
+
+/// An octagon of 48 m (cat-map patrol paper, case 1) [m].
+pub const OCTAGON: [[f64; 2]; 8] = [
+    [5.0, 0.0],
+    [0.0, 5.0],
+    [0.0, 10.0],
+    [5.0, 15.0],
+    [10.0, 15.0],
+    [15.0, 10.0],
+    [15.0, 5.0],
+    [10.0, 0.0],
+];
+
+/// A patrol of the octagon.
+pub fn patrol(
+    alpha: f64,
+    (v_max, omega_max): (f64, f64),
+    key: &str,
+) -> Drive<patrol_awg::process::PatrolAwgPlanner> {
+    let place = Place {
+        bounds: [[-2.0, -2.0], [17.0, 17.0]],
+        obstacles: Vec::new(),
+        start: Pose2::new(5.0, 0.0, 2.356),
+        radius: 0.22,
+        v_max,
+        omega_max,
+        range: Some(0.5),
+    };
+    let mission = format!(
+        "mission = {{ contour = {OCTAGON:?}, t_max = 120.0, alpha = {alpha}, key = \"{key}\" }}"
+    );
+    Drive::new(&place, &mission)
+}
+
+/// Where the sub-goals of [`coverage`] lie [m].
+pub const COVERED: [f64; 4] = [0.15, 0.15, 9.85, 9.85];
+
+/// A coverage of 10 m by 10 m.
+pub fn coverage(key: &str) -> Drive<coverage_chebyshev::ChebyshevPlanner> {
+    let place = Place {
+        bounds: [[0.0, 0.0], [10.0, 10.0]],
+        obstacles: Vec::new(),
+        start: Pose2::new(5.0, 5.0, 0.0),
+        radius: 0.1,
+        v_max: 1.0,
+        omega_max: 5.0,
+        range: None,
+    };
+    Drive::new(&place, &format!("key = \"{key}\""))
+}
+
+/// How the search for a key went.
+pub struct Found {
+    /// Goals that the robot had reached when the key was claimed.
+    pub after: Option<usize>,
+    /// Goals made out per goal reached.
+    pub made_out: f64,
+    /// Whether the goals foretold were others than those driven to.
+    pub wrong: bool,
+}
+
+/// Watches a robot until its key is claimed or it has reached so many goals; `unseen` says when it is
+/// out of sight [s].
+pub fn watch<P: Planner, F: Finder>(
+    mut drive: Drive<P>,
+    layout: &Layout,
+    finder: F,
+    (noise, seed): (f64, u64),
+    unseen: impl Fn(f64) -> bool,
+    most: usize,
+) -> Found {
+    let frame = GridFrame {
+        width: 10,
+        height: 10,
+        resolution: 0.1,
+        origin: Point2::new(0.0, 0.0),
+    };
+    let map = BlurredMap::new(&Grid::filled(frame, true), 0.1).unwrap();
+    let (space, who) = (Space::new(&map), Watch::new(&SensorParams::default()));
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut legs = Legs::new(ARRIVAL);
+    let mut hunter = KeyHunter::new(layout.clone(), finder, ARRIVAL, 0.03);
+    for tick in 0_u64.. {
+        let pose = drive.pose();
+        let ((x, y), (turn, _)) = (gaussian_pair(&mut rng), gaussian_pair(&mut rng));
+        let time = tick as f64 * DT;
+        let look = Look {
+            time,
+            dt: DT,
+            seen: (!unseen(time)).then(|| Seen {
+                position: Point2::new(pose.x + noise * x, pose.y + noise * y),
+                heading: pose.theta + noise * turn,
+                sigma: noise,
+                heading_sigma: noise,
+            }),
+            visibility: 1.0,
+        };
+        let goal = legs.observe(&look);
+        let goals_lost = look.seen.is_some() && legs.take_lost();
+        hunter.observe(&Moment {
+            look,
+            goal,
+            goals_lost,
+            space: &space,
+            watch: &who,
+        });
+        drive.tick();
+        let reached = drive.reports.len();
+        let made_out = f64::from(hunter.goals_observed()) / reached.max(1) as f64;
+        if hunter.key_recovered() {
+            return Found {
+                after: Some(reached),
+                made_out,
+                wrong: !drive.goes_through(hunter.upcoming().take(COMPARED).collect()),
+            };
+        }
+        if reached >= most {
+            return Found {
+                after: None,
+                made_out,
+                wrong: false,
+            };
+        }
+    }
+    unreachable!("ticks do not end")
+}
+
+impl<P: Planner> Drive<P> {
+    /// Whether the robot drives to these goals.
+    fn goes_through(&mut self, goals: Vec<Point2<f64>>) -> bool {
+        let reached = self.reports.len();
+        while self.reports.len() < reached + COMPARED + 10 {
+            self.tick();
+        }
+        let ahead = &self.reports[reached.saturating_sub(BEHIND)..];
+        let missing = goals.iter().filter(|goal| {
+            let near = |point: Point2<f64>| (point - **goal).norm() < 1e-3;
+            !ahead.iter().any(|report| near(report.waypoint.point))
+        });
+        missing.count() <= BEHIND
+    }
+}

@@ -1,0 +1,72 @@
+//! Keys are recovered from robots that their real planners drive in the simulated world: they cut
+//! corners, arrive within a tolerance, and pass goals straight ahead without a sign.
+
+use generators::{Emission, Key, KeyKind};
+use observer::knowledge::{CatKind, CatKnowledge, ChebyshevKnowledge};
+
+use crate::drive::{COVERED, Found, OCTAGON, coverage, patrol, watch};
+
+const NOISE: f64 = 0.01;
+
+fn patrol_watched(kind: KeyKind, seed: u64, unseen: impl Fn(f64) -> bool) -> Found {
+    let knowledge = CatKnowledge {
+        contour: OCTAGON.to_vec(),
+        generator: CatKind::Cat64,
+        ..CatKnowledge::default()
+    };
+    let layout = knowledge.layout().unwrap();
+    let drive = patrol(1.0, (1.0, 5.2), &Key::from_seed(kind, seed).to_string());
+    watch(
+        drive,
+        &layout,
+        knowledge.finder(),
+        (NOISE, seed),
+        unseen,
+        130,
+    )
+}
+
+#[test]
+fn the_key_of_a_patrol_is_recovered_within_its_first_lap() {
+    for seed in [1, 2] {
+        let found = patrol_watched(KeyKind::Cat64, seed, |_| false);
+        let after = found.after;
+        assert!(after.is_some_and(|after| after < 120), "{after:?}");
+        assert!(!found.wrong && found.made_out > 0.5);
+    }
+}
+
+#[test]
+fn short_times_out_of_sight_do_not_hide_a_key() {
+    let found = patrol_watched(KeyKind::Cat64, 3, |time| {
+        (30.0..32.0).contains(&time) || (50.0..51.0).contains(&time)
+    });
+    let after = found.after;
+    assert!(after.is_some_and(|after| after < 120), "{after:?}");
+    assert!(!found.wrong);
+}
+
+#[test]
+fn the_key_of_a_coverage_is_recovered_within_thirty_sub_goals() {
+    let knowledge = ChebyshevKnowledge {
+        rectangle: COVERED,
+        ..ChebyshevKnowledge::default()
+    };
+    let layout = knowledge.layout().unwrap();
+    for seed in [1, 2, 3] {
+        let key = Key::from_seed(KeyKind::ChebP(Emission::Arcsine), seed);
+        let drive = coverage(&key.to_string());
+        let finder = knowledge.finder();
+        let found = watch(drive, &layout, finder, (NOISE, seed), |_| false, 60);
+        let after = found.after;
+        assert!(after.is_some_and(|after| after < 30), "{after:?}");
+        assert!(!found.wrong);
+    }
+}
+
+#[test]
+fn nothing_is_claimed_of_a_keyed_patrol() {
+    let found = patrol_watched(KeyKind::Keyed, 1, |_| false);
+    assert_eq!(found.after, None);
+    assert!(found.made_out > 0.5, "{}", found.made_out);
+}
