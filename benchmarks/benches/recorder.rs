@@ -317,6 +317,7 @@ fn recorder_options(path: &Path, log: LogOptions, viewer: ViewerOptions) -> Reco
             .map(|robot| RobotInfo {
                 name: format!("robot_{robot}"),
                 radius: 0.1,
+                visits_waypoints: false,
             })
             .collect(),
         tick_period_ns: PERIOD_NS,

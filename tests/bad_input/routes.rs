@@ -124,6 +124,7 @@ fn keys_that_are_none_or_make_no_secret() {
 }
 
 #[test]
+#[expect(clippy::too_many_lines, reason = "one refusal after the other")]
 fn contours_times_and_widths_that_make_no_patrol() {
     let sandbox = Sandbox::new();
     for (change, words) in [

@@ -50,7 +50,7 @@ impl Site {
                  smaller robot, or a smaller `follow.tolerance`",
                 follow.margin
             ),
-            e => e.to_string(),
+            e @ DecompositionError::TooManyCells { .. } => e.to_string(),
         })?;
         let nearest = decomposition
             .nearest_rectangle(here)

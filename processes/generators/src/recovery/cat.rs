@@ -414,15 +414,12 @@ impl CatRecovery {
     ///
     /// After too many of them in a row the collection starts over; a recovered orbit goes on.
     pub fn gap(&mut self) {
-        match &mut self.found {
-            Some(found) => {
-                found.follow(|_| true);
-            }
-            None => {
-                self.missed = self.missed.saturating_add(1);
-                if self.missed >= MAX_STEPS {
-                    self.forget();
-                }
+        if let Some(found) = &mut self.found {
+            found.follow(|_| true);
+        } else {
+            self.missed = self.missed.saturating_add(1);
+            if self.missed >= MAX_STEPS {
+                self.forget();
             }
         }
     }

@@ -197,15 +197,12 @@ impl ChebyshevRecovery {
     ///
     /// After too many of them in a row the collection starts over; a recovered orbit goes on.
     pub fn gap(&mut self) {
-        match &mut self.found {
-            Some(found) => {
-                found.follow(|_| true);
-            }
-            None => {
-                self.missed += 1;
-                if self.missed >= MAX_STEPS {
-                    self.forget();
-                }
+        if let Some(found) = &mut self.found {
+            found.follow(|_| true);
+        } else {
+            self.missed += 1;
+            if self.missed >= MAX_STEPS {
+                self.forget();
             }
         }
     }
