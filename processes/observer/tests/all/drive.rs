@@ -285,7 +285,7 @@ pub fn watch<P: Planner, F: Finder>(
             return Found {
                 after: Some(reached),
                 made_out,
-                wrong: !drive.goes_through(hunter.upcoming().take(COMPARED).collect()),
+                wrong: !drive.goes_through(&hunter.upcoming().take(COMPARED).collect::<Vec<_>>()),
             };
         }
         if reached >= most {
@@ -301,7 +301,7 @@ pub fn watch<P: Planner, F: Finder>(
 
 impl<P: Planner> Drive<P> {
     /// Whether the robot drives to these goals.
-    fn goes_through(&mut self, goals: Vec<Point2<f64>>) -> bool {
+    fn goes_through(&mut self, goals: &[Point2<f64>]) -> bool {
         let reached = self.reports.len();
         while self.reports.len() < reached + COMPARED + 10 {
             self.tick();
