@@ -1,7 +1,6 @@
 //! Goals that a key takes to be recovered from a robot in the simulated world: by generator, speed
 //! and noise. `cargo run -p observer --example key_recovery -- [keys] [part of a row's name]`
 
-#[expect(dead_code, reason = "the tests use the rest")]
 #[path = "../tests/all/drive.rs"]
 mod drive;
 
