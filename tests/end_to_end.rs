@@ -17,5 +17,6 @@ mod navigation;
 mod plan;
 mod planning;
 mod process;
+mod report;
 mod sweep;
 mod triggers;
