@@ -129,7 +129,7 @@ mod tests {
 
     #[test]
     fn a_time_that_goes_back_is_left_out() {
-        let mut sampled = Sampled::new(0, 1000, |_| 1);
+        let mut sampled = Sampled::new(0, 1000, |()| 1);
         for time in [5, 6, 3, 7] {
             sampled.push(time, 0, ());
         }

@@ -6,6 +6,7 @@ use super::gather::{Frame, Gathered};
 use super::layers::{Beams, Cloud, Edge, Foretold, Layers};
 use super::pack::{Lists, Raster, pack_angle, pack_time};
 use super::sampled::Sample;
+use crate::picture::Cells;
 
 /// Bits above a robot's status in its flags.
 const IN_CONTACT: u8 = 1 << 4;
@@ -228,7 +229,7 @@ fn waypoints(gathered: &Gathered, raster: Raster, lists: &mut Lists) {
 /// The walls of a map that has no vectors: smallest and largest corner of rectangles.
 fn rectangles(gathered: &Gathered, raster: Raster, lists: &mut Lists) {
     let cells = gathered.ground.cells.as_ref();
-    let rectangles = cells.map(|cells| cells.rectangles()).unwrap_or_default();
+    let rectangles = cells.map(Cells::rectangles).unwrap_or_default();
     let corners = rectangles.iter().flatten().flat_map(|&p| raster.pack(p));
     lists.u16("walls", corners.collect(), 0);
 }

@@ -33,9 +33,10 @@ function drawGround(t) {
   paint.strokeStyle = colours.edge;
   paint.strokeRect(min[0], min[1], max[0] - min[0], max[1] - min[1]);
   if (!shown.ground) return;
+  // The outline first: where walls overlap, none shows.
+  if (lists.walls.length === 0) paint.stroke(ground.walls);
   paint.fillStyle = colours.wall;
   paint.fill(ground.walls);
-  if (lists.walls.length === 0) { paint.lineWidth = 1 / view.scale; paint.stroke(ground.walls); }
   paint.globalAlpha = 0.85;
   paint.fillStyle = colours.obstacle;
   paint.fill(ground.came);
@@ -88,17 +89,27 @@ function strokeWay(ctx, robot, from, to) {
   ctx.stroke();
 }
 
-/** The ways stay on a canvas of their own; while the view rests, only what is new is drawn. */
+/** How far the ways' canvas reaches beyond the map on each side, in parts of the map's size. */
+const BEYOND = 0.4;
+
+/** The ways stay on a canvas of their own, larger than the map: while the view rests or moves a
+ * little (with a robot that is followed), only what is new is drawn. */
 function drawTrails(t, length) {
   const frame = frameAt(t);
   const from = length === Infinity ? 0 : frameAt(t - length);
-  const key = [view.x, view.y, view.scale, map.width, map.height, colours.police, length].join();
-  const goesOn = trailState && trailState.key === key && trailState.frame <= frame && length === Infinity;
+  const key = [view.scale, map.width, map.height, view.ratio, colours.police, length].join();
+  const beyond = [Math.round(map.width * BEYOND), Math.round(map.height * BEYOND)];
+  const pixels = view.scale * view.ratio;
+  const moved = () => [(view.x - trailState.x) * pixels, (trailState.y - view.y) * pixels];
+  const goesOn = trailState && trailState.key === key && trailState.frame <= frame && length === Infinity
+    && moved().every((d, i) => Math.abs(d) <= beyond[i]);
   if (!goesOn) {
-    trailCanvas.width = map.width;
-    trailCanvas.height = map.height;
+    trailCanvas.width = map.width + 2 * beyond[0];
+    trailCanvas.height = map.height + 2 * beyond[1];
+    trailState = { x: view.x, y: view.y };
   }
-  inMetres(trailPaint);
+  trailPaint.setTransform(pixels, 0, 0, -pixels, trailCanvas.width / 2 - trailState.x * pixels,
+    trailCanvas.height / 2 + trailState.y * pixels);
   trailPaint.lineWidth = 2.4 / view.scale;
   trailPaint.lineCap = trailPaint.lineJoin = 'round';
   const begin = goesOn ? trailState.frame : from;
@@ -108,10 +119,11 @@ function drawTrails(t, length) {
       strokeWay(trailPaint, robot, begin, frame);
     }
   }
-  trailState = { key, frame };
+  trailState = { key, frame, x: trailState.x, y: trailState.y };
+  const [dx, dy] = moved();
   paint.setTransform(1, 0, 0, 1, 0, 0);
   paint.globalAlpha = 0.55;
-  paint.drawImage(trailCanvas, 0, 0);
+  paint.drawImage(trailCanvas, -beyond[0] - dx, -beyond[1] - dy);
   paint.globalAlpha = 1;
   // On to where the robots are between two states.
   inMetres(paint);

@@ -20,6 +20,11 @@ const player = {
       if (this.t >= end) { this.t = end; this.pause(); }
     }
     this.before = now;
+    this.draw();
+    if (this.playing) this.redraw();
+  },
+
+  draw() {
     if (this.followed >= 0) {
       const state = robotBetween(this.followed, this.t);
       view.x = state.x;
@@ -32,7 +37,6 @@ const player = {
     $('scrub').value = this.t;
     $('clock').textContent = `${this.t.toFixed(2)} s of ${end.toFixed(2)} s`;
     this.drawn += 1;
-    if (this.playing) this.redraw();
   },
 
   play() {
@@ -77,7 +81,8 @@ function refresh() {
   eventPicture = null;
   for (const plot of plots) plot.picture = null;
   drawHistograms();
-  player.redraw();
+  // At once: a canvas is empty after a change of its size.
+  player.draw();
 }
 
 for (const speed of SPEEDS) $('speed').append(element('option', { value: String(speed), textContent: `${speed}×` }));

@@ -6,6 +6,7 @@ const PAD = { left: 52, right: 12, top: 8, bottom: 22 };
 /** A number with as many digits as it needs. */
 function short(value) {
   if (!Number.isFinite(value)) return '–';
+  if (Number.isInteger(value)) return String(value);
   const size = Math.abs(value);
   return size >= 1000 ? value.toFixed(0) : size >= 100 ? value.toFixed(1) : size >= 1 ? value.toFixed(2) : value.toPrecision(3).replace(/\.?0+$/, '') || '0';
 }
@@ -121,7 +122,8 @@ function drawPlots(t) {
   for (const plot of plots) {
     const { canvas } = plot;
     const box = canvas.getBoundingClientRect();
-    if (box.bottom < 0 || box.top > window.innerHeight) continue;
+    // What is out of sight is drawn once only, for print.
+    if (plot.picture && (box.bottom < 0 || box.top > window.innerHeight)) continue;
     if (!plot.picture) drawPlotPicture(plot);
     const ratio = window.devicePixelRatio || 1;
     const ctx = canvas.getContext('2d');
@@ -160,8 +162,9 @@ const histograms = facts.latency.filter((hop) => hop.histogram).map((hop) => {
 });
 const firstPart = Math.min(...histograms.map(({ hop }) => hop.histogram.first));
 const lastPart = Math.max(...histograms.map(({ hop }) => hop.histogram.first + hop.histogram.counts.length));
-$('latency-title').hidden = facts.latency.length === 0;
-$('latency-title').nextElementSibling.hidden = facts.latency.length === 0;
+if (!facts.latency.length) {
+  $('latency-title').nextElementSibling.textContent = 'Not in this log: the run had no processes of their own, or was cut, or is of another version.';
+}
 
 /** All histograms on the same axis, so that they can be compared. */
 function drawHistograms() {

@@ -57,7 +57,7 @@ const visitors = facts.outcome.filter((r) => r.waypoints);
 if (visitors.length) {
   const numbers = (w) => Object.entries(w).filter(([, value]) => typeof value === 'number');
   const keys = numbers(visitors[0].waypoints).map(([key]) => key);
-  card('Waypoints', table(['robot', ...keys.map(words)], visitors.map((r) => [r.name, ...keys.map((key) => short(r.waypoints[key] ?? NaN))])));
+  card('Waypoints', table(['robot', ...keys.map((key) => words(key).replace(/ (m|s)$/, ' [$1]'))], visitors.map((r) => [r.name, ...keys.map((key) => short(r.waypoints[key] ?? NaN))])));
 }
 if (facts.predictions) {
   const horizons = [...new Set(facts.predictions.map((p) => p.horizon_s))].sort((a, b) => a - b);
