@@ -221,9 +221,10 @@ function drawBeliefs(t) {
 
 function drawScans(t) {
   inMetres(paint);
-  eachLatest('scans', t, OLD.scans, (robot, { item, begin, count }) => {
+  eachLatest('scans', t, OLD.scans, (robot, { item, begin, count, age }) => {
     if (robot >= facts.robots.length) return;
-    const state = robotBetween(robot, t);
+    // From where it was taken.
+    const state = robotAt(robot, frameAt(t - age));
     const angle = (n) => lists['scans.angles'][n] / 65536 * 2 * Math.PI;
     const [first, turn] = [angle(2 * item), angle(2 * item + 1)];
     paint.beginPath();
