@@ -49,14 +49,18 @@ pub(super) enum Curve {
 
 /// All curves so far.
 #[derive(Debug, Default)]
-pub(super) struct Measured(pub(super) BTreeMap<(Figure, Curve), Sampled<f64>>);
+pub(super) struct Measured {
+    pub(super) curves: BTreeMap<(Figure, Curve), Sampled<f64>>,
+    /// Sum and number of the errors of predictions so far.
+    errors: BTreeMap<(Figure, Curve), (f64, u64)>,
+}
 
 impl Measured {
     fn add(&mut self, figure: Figure, curve: Curve, time_ns: u64, value: f64) {
-        if self.0.len() >= CURVES && !self.0.contains_key(&(figure, curve)) {
+        if self.curves.len() >= CURVES && !self.curves.contains_key(&(figure, curve)) {
             return;
         }
-        self.0
+        self.curves
             .entry((figure, curve))
             .or_insert_with(|| Sampled::new(0, VALUES, |_| 1))
             .push(time_ns, 0, value);
@@ -139,12 +143,18 @@ impl Measured {
             .iter()
             .filter(|p| p.due != 0 && p.horizon_s >= 0.0)
         {
-            self.add(
-                Figure::PredictionError(prediction.horizon_s.to_bits()),
-                Curve::Method(prediction.robot, prediction.method),
-                time_ns,
-                prediction.error,
-            );
+            let figure = Figure::PredictionError(prediction.horizon_s.to_bits());
+            let curve = Curve::Method(prediction.robot, prediction.method);
+            let full = self.errors.len() >= CURVES && !self.errors.contains_key(&(figure, curve));
+            if full || !prediction.error.is_finite() {
+                continue;
+            }
+            // One error says little beside the next: the mean shows who foretells better.
+            let (sum, count) = self.errors.entry((figure, curve)).or_default();
+            *sum += prediction.error;
+            *count += 1;
+            let mean = *sum / *count as f64;
+            self.add(figure, curve, time_ns, mean);
         }
     }
 }
@@ -154,7 +164,7 @@ mod tests {
     use super::*;
 
     fn values(measured: Measured, figure: Figure, curve: Curve) -> Vec<f64> {
-        let mut curves = measured.0;
+        let mut curves = measured.curves;
         let curve = curves.remove(&(figure, curve)).unwrap();
         curve.finish().into_iter().map(|s| s.item).collect()
     }
@@ -174,7 +184,11 @@ mod tests {
         measured.state(0, &[off, on, evader(0)]);
         measured.state(1, &[off, on, evader(CAUGHT)]);
         assert_eq!(
-            measured.0.keys().filter(|k| k.0 == Figure::Outcome).count(),
+            measured
+                .curves
+                .keys()
+                .filter(|k| k.0 == Figure::Outcome)
+                .count(),
             3
         );
         let nearest = values(measured, Figure::Nearest, Curve::Robot(2));
@@ -182,9 +196,9 @@ mod tests {
     }
 
     #[test]
-    fn errors_count_when_they_are_due() {
+    fn the_mean_is_of_the_errors_that_are_due() {
         let mut measured = Measured::default();
-        for (time, due, error) in [(1, 0, 9.0), (2, 1, 0.5)] {
+        for (time, due, error) in [(1, 0, 9.0), (2, 1, 0.5), (3, 1, f64::INFINITY), (4, 1, 1.5)] {
             let prediction = Prediction {
                 horizon_s: 2.0,
                 due,
@@ -195,6 +209,6 @@ mod tests {
             measured.predictions(time, &[prediction]);
         }
         let figure = Figure::PredictionError(2.0_f64.to_bits());
-        assert_eq!(values(measured, figure, Curve::Method(0, 3)), [0.5]);
+        assert_eq!(values(measured, figure, Curve::Method(0, 3)), [0.5, 1.0]);
     }
 }

@@ -19,7 +19,10 @@ fn heading(figure: Figure) -> (String, &'static str) {
         Figure::SafeShare => ("Area that the evader reaches whatever the Police do", "%"),
         Figure::PredictionError(bits) => {
             let ahead = f64::from_bits(bits);
-            return (format!("Prediction error, {ahead} s ahead"), "m");
+            return (
+                format!("Mean error so far of predictions {ahead} s ahead"),
+                "m",
+            );
         }
         Figure::Distance => ("Distance driven", "m"),
         Figure::Speed => ("Forward speed", "m/s"),
@@ -32,7 +35,7 @@ fn heading(figure: Figure) -> (String, &'static str) {
 pub(super) fn plots(gathered: &mut Gathered, lists: &mut Lists) -> Json {
     let measured = core::mem::take(&mut gathered.measured);
     let watched = measured
-        .0
+        .curves
         .keys()
         .filter_map(|(_, curve)| match curve {
             Curve::Method(robot, _) => Some(*robot),
@@ -41,7 +44,7 @@ pub(super) fn plots(gathered: &mut Gathered, lists: &mut Lists) -> Json {
         .collect::<std::collections::BTreeSet<u32>>()
         .len();
     let mut plots: Vec<(Figure, Vec<Json>)> = Vec::new();
-    for (number, ((figure, curve), values)) in measured.0.into_iter().enumerate() {
+    for (number, ((figure, curve), values)) in measured.curves.into_iter().enumerate() {
         let values = values.finish();
         let scale = match figure {
             Figure::Coverage | Figure::SafeShare => 100.0,
@@ -52,6 +55,10 @@ pub(super) fn plots(gathered: &mut Gathered, lists: &mut Lists) -> Json {
         lists.u32(&format!("curve.{number}.time"), times, 2);
         let packed = values.iter().map(|s| range.pack(s.item * scale)).collect();
         lists.u16(&format!("curve.{number}.value"), packed, 1);
+        let by = match curve {
+            Curve::Method(_, method) if watched == 1 => Some(method),
+            _ => None,
+        };
         let (name, robot) = match curve {
             Curve::Robot(robot) => (gathered.name(robot), Some(robot)),
             Curve::Method(robot, method) => {
@@ -65,7 +72,8 @@ pub(super) fn plots(gathered: &mut Gathered, lists: &mut Lists) -> Json {
             }
             Curve::Named(name) => (name.to_owned(), None),
         };
-        let curve = json!({ "name": name, "robot": robot, "list": number, "range": range });
+        let curve =
+            json!({ "name": name, "robot": robot, "method": by, "list": number, "range": range });
         match plots.last_mut() {
             Some((last, curves)) if *last == figure => curves.push(curve),
             _ => plots.push((figure, vec![curve])),

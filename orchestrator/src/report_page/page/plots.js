@@ -25,7 +25,7 @@ for (const { title, unit, steps, curves } of facts.plots) {
   box.append(canvas, legend);
   $('plots').append(box);
   const plot = { canvas, unit, steps, picture: null, curves: [] };
-  curves.forEach(({ name, robot, list, range }, i) => {
+  curves.forEach(({ name, robot, method, list, range }, i) => {
     const packed = lists[`curve.${list}.value`];
     const values = new Float64Array(packed.length);
     const step = (range.max - range.min) / 65534;
@@ -35,7 +35,7 @@ for (const { title, unit, steps, curves } of facts.plots) {
     const label = element('span');
     button.append(dash, label);
     button.setAttribute('aria-pressed', 'true');
-    const curve = { name, robot, time: lists[`curve.${list}.time`], values, on: true, label, dash, i };
+    const curve = { name, robot, method, time: lists[`curve.${list}.time`], values, on: true, label, dash, i };
     button.addEventListener('click', () => {
       curve.on = !curve.on;
       button.setAttribute('aria-pressed', String(curve.on));
@@ -56,11 +56,18 @@ for (const { title, unit, steps, curves } of facts.plots) {
 }
 $('figures-title').hidden = plots.length === 0;
 
-/** Curves of robots have their team's colours as long as these tell them apart. */
+/** Members of a team have colours that resemble the team's. */
+const TEAM_CURVES = {
+  police: ['#56b4e9', '#6a5acd', '#00a5b5'], evader: ['#e69f00', '#b03a2e', '#f2a27e'], neutral: ['#7bb661', '#3b8f86', '#a9c23f'],
+};
+
 function curveColour(plot, curve) {
-  const teams = new Set(plot.curves.map((c) => (c.robot === null ? null : facts.robots[c.robot]?.team)));
-  if (curve.robot !== null && plot.curves.length === teams.size) return teamColour(curve.robot);
-  return colours.curves[curve.i % colours.curves.length];
+  if (curve.method !== null) return methodColour(curve.method);
+  if (curve.robot === null || !facts.robots[curve.robot]) return colours.curves[curve.i % colours.curves.length];
+  const { team } = facts.robots[curve.robot];
+  const before = plot.curves.slice(0, curve.i).filter((c) => facts.robots[c.robot]?.team === team).length;
+  const all = [teamColour(curve.robot), ...(TEAM_CURVES[team] || TEAM_CURVES.neutral)];
+  return all[before % all.length];
 }
 
 const plotX = (canvas, t) => PAD.left + (canvas.clientWidth - PAD.left - PAD.right) * (end > 0 ? t / end : 0);
