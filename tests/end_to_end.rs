@@ -19,5 +19,6 @@ mod patrol;
 mod plan;
 mod planning;
 mod process;
+mod report;
 mod sweep;
 mod triggers;

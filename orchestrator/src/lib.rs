@@ -11,6 +11,7 @@ pub mod picture;
 pub mod plan_page;
 pub mod planning;
 pub mod recorder;
+pub mod report_page;
 pub mod route_page;
 pub mod routes;
 pub mod scenario;

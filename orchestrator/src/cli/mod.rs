@@ -15,6 +15,7 @@ mod picture;
 mod plan;
 mod process;
 mod recover;
+mod report;
 mod rerun;
 mod run;
 mod sweep;
@@ -118,6 +119,9 @@ enum Command {
     /// Write the messages of a log as tables
     #[command(after_long_help = export::HELP)]
     Export(export::ExportArgs),
+    /// Make one page for a browser of a log: the mission animated, events, figures, latencies
+    #[command(after_long_help = report::HELP)]
+    Report(report::ReportArgs),
     /// Do the run in a log again and prove that it is the same
     #[command(after_long_help = rerun::HELP)]
     Rerun(rerun::RerunArgs),
@@ -261,6 +265,7 @@ pub fn main() -> ExitCode {
         Some(Command::Recover(args)) => recover::run(&args),
         Some(Command::Filter(args)) => filter::run(args),
         Some(Command::Export(args)) => export::run(args),
+        Some(Command::Report(args)) => report::run(&args),
         Some(Command::Rerun(args)) => rerun::run(&args),
         Some(Command::Bench { items, quick, json }) => bench::bench(&items, quick, json),
         Some(Command::Plan(args)) => plan::plan(&args),

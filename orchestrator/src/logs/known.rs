@@ -11,21 +11,21 @@ use zerocopy::FromBytes as _;
 use super::reader::Channel;
 
 /// Bytes in front of a message's first field: the encapsulation of CDR.
-pub(super) const ENCAPSULATION: usize = 4;
+pub(crate) const ENCAPSULATION: usize = 4;
 
 /// One of our topics.
 #[derive(Debug)]
-pub(super) struct Known {
-    pub(super) name: &'static str,
+pub(crate) struct Known {
+    pub(crate) name: &'static str,
     /// Whether it is part of the simulated history.
-    pub(super) simulated: bool,
+    pub(crate) simulated: bool,
     /// Whether whoever comes late gets the last message: it describes a state that lasts.
-    pub(super) latched: bool,
-    pub(super) hash: String,
+    pub(crate) latched: bool,
+    pub(crate) hash: String,
 }
 
 /// Our topic with this name.
-pub(super) fn find(name: &str) -> Option<&'static Known> {
+pub(crate) fn find(name: &str) -> Option<&'static Known> {
     static ALL: LazyLock<Vec<Known>> = LazyLock::new(collect);
     ALL.iter().find(|known| known.name == name)
 }
@@ -55,13 +55,13 @@ fn collect() -> Vec<Known> {
 }
 
 /// Whether a channel's messages begin with a [`Stamp`] as this version knows it.
-pub(super) fn is_stamped(channel: &Channel) -> bool {
+pub(crate) fn is_stamped(channel: &Channel) -> bool {
     let hash = channel.metadata.get("schema_hash");
     find(&channel.topic).is_some_and(|known| hash == Some(&known.hash))
 }
 
 /// The stamp of a message of such a channel.
-pub(super) fn stamp(data: &[u8]) -> Option<Stamp> {
+pub(crate) fn stamp(data: &[u8]) -> Option<Stamp> {
     let (stamp, _) = Stamp::read_from_prefix(data.get(ENCAPSULATION..)?).ok()?;
     Some(stamp)
 }

@@ -147,12 +147,12 @@ pub(super) fn no_longer_whole(mut metadata: Metadata) -> Metadata {
 }
 
 /// Name of the metadata with the manifest.
-pub(super) const MANIFEST: &str = "protean";
+pub(crate) const MANIFEST: &str = "protean";
 /// Name of the metadata with the result of a run.
-pub(super) const RESULT: &str = "protean.result";
+pub(crate) const RESULT: &str = "protean.result";
 /// What the digest is called in a log that does not hold the whole run.
-pub(super) const RUN_DIGEST: &str = "run_digest";
+pub(crate) const RUN_DIGEST: &str = "run_digest";
 /// Name of the metadata with which a cut log says so.
-pub(super) const FILTERED: &str = "protean.filter";
+pub(crate) const FILTERED: &str = "protean.filter";
 /// Name of the metadata with which a repaired log says so.
-pub(super) const RECOVERED: &str = "protean.recovered";
+pub(crate) const RECOVERED: &str = "protean.recovered";

@@ -12,7 +12,7 @@ use super::error::LogsError;
 /// A file that takes its place when it is complete; until then, and if it never is, whatever was
 /// there stays.
 #[derive(Debug)]
-pub(super) struct Place {
+pub(crate) struct Place {
     path: PathBuf,
     force: bool,
 }
@@ -20,7 +20,7 @@ pub(super) struct Place {
 impl Place {
     /// Beside `path`, where nothing may be without `force`; `log`, from which the file is made, is
     /// never replaced.
-    pub(super) fn new(
+    pub(crate) fn new(
         path: &Path,
         log: &Path,
         force: bool,
@@ -50,7 +50,7 @@ impl Place {
         Ok((place, file))
     }
 
-    pub(super) fn failed(&self, source: io::Error) -> LogsError {
+    pub(crate) fn failed(&self, source: io::Error) -> LogsError {
         LogsError::Write {
             path: self.path.clone(),
             source,
@@ -64,7 +64,7 @@ impl Place {
     }
 
     /// Puts the complete file there in one step.
-    pub(super) fn take(&self, file: NamedTempFile) -> Result<(), LogsError> {
+    pub(crate) fn take(&self, file: NamedTempFile) -> Result<(), LogsError> {
         file.as_file().sync_all().map_err(|e| self.failed(e))?;
         let placed = if self.force {
             file.persist(&self.path)

@@ -34,26 +34,26 @@ const COMPRESSION_NAME: usize = 64;
 
 /// A schema of a log.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Schema {
-    pub(super) name: String,
-    pub(super) encoding: String,
-    pub(super) data: Vec<u8>,
+pub(crate) struct Schema {
+    pub(crate) name: String,
+    pub(crate) encoding: String,
+    pub(crate) data: Vec<u8>,
 }
 
 /// A channel of a log.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Channel {
-    pub(super) id: u16,
+pub(crate) struct Channel {
+    pub(crate) id: u16,
     /// 0 for none.
-    pub(super) schema_id: u16,
-    pub(super) topic: String,
-    pub(super) message_encoding: String,
-    pub(super) metadata: BTreeMap<String, String>,
+    pub(crate) schema_id: u16,
+    pub(crate) topic: String,
+    pub(crate) message_encoding: String,
+    pub(crate) metadata: BTreeMap<String, String>,
 }
 
 /// What comes next in a log.
 #[derive(Debug)]
-pub(super) enum Item<'a> {
+pub(crate) enum Item<'a> {
     /// The file's header.
     Header { profile: String, library: String },
     /// A schema that was not known before.
@@ -91,7 +91,7 @@ struct OpenChunk {
 }
 
 /// See the module's text.
-pub(super) struct Reader<'w> {
+pub(crate) struct Reader<'w> {
     path: PathBuf,
     file: File,
     length: u64,
@@ -113,7 +113,7 @@ pub(super) struct Reader<'w> {
 
 impl<'w> Reader<'w> {
     /// Opens a log.
-    pub(super) fn open(path: &Path, mut watch: Option<&'w mut Watch>) -> Result<Self, LogsError> {
+    pub(crate) fn open(path: &Path, mut watch: Option<&'w mut Watch>) -> Result<Self, LogsError> {
         let failed = |source| LogsError::Open {
             path: path.to_owned(),
             source,
@@ -159,25 +159,25 @@ impl<'w> Reader<'w> {
         })
     }
 
-    pub(super) fn path(&self) -> &Path {
+    pub(crate) fn path(&self) -> &Path {
         &self.path
     }
 
-    pub(super) fn channels(&self) -> impl Iterator<Item = &Rc<Channel>> + Clone {
+    pub(crate) fn channels(&self) -> impl Iterator<Item = &Rc<Channel>> + Clone {
         self.channels.values()
     }
 
-    pub(super) fn schema(&self, id: u16) -> Option<Rc<Schema>> {
+    pub(crate) fn schema(&self, id: u16) -> Option<Rc<Schema>> {
         self.schemas.get(&id).cloned()
     }
 
     /// In what condition the log is, as far as it has been read.
-    pub(super) fn condition(&self) -> &Condition {
+    pub(crate) fn condition(&self) -> &Condition {
         &self.condition
     }
 
     /// The next item; `None` at the end.
-    pub(super) fn next(&mut self) -> Result<Option<Item<'_>>, LogsError> {
+    pub(crate) fn next(&mut self) -> Result<Option<Item<'_>>, LogsError> {
         let found = loop {
             if self.chunk.is_some() {
                 if let Some(found) = self.next_in_chunk()? {
@@ -204,7 +204,7 @@ impl<'w> Reader<'w> {
     }
 
     /// Checks the checksum over the whole data section, if there is one: call it at the end.
-    pub(super) fn check_all(&mut self) -> Result<(), LogsError> {
+    pub(crate) fn check_all(&mut self) -> Result<(), LogsError> {
         let Some((end, expected)) = self.data_end.filter(|(_, crc)| *crc != 0) else {
             return Ok(());
         };

@@ -54,7 +54,7 @@ pub struct Cells {
 
 impl Ground {
     /// The ground of a scenario's map as far as it has vectors.
-    pub(super) fn of(map: &MapSpec, exits: &[Region]) -> Self {
+    pub(crate) fn of(map: &MapSpec, exits: &[Region]) -> Self {
         let map = match map {
             MapSpec::Vector(map) => map,
             MapSpec::Cells(map) => {
@@ -94,7 +94,7 @@ impl Ground {
     }
 
     /// Whether the walls are there as vectors.
-    pub(super) fn has_vectors(&self) -> bool {
+    pub(crate) fn has_vectors(&self) -> bool {
         !self.obstacles.is_empty()
     }
 
@@ -111,7 +111,7 @@ impl Ground {
     }
 
     /// Takes the walls from a map message; does nothing if its numbers make no map.
-    pub(super) fn use_cells(&mut self, header: &MapHeader, cells: &[MapCell]) {
+    pub(crate) fn use_cells(&mut self, header: &MapHeader, cells: &[MapCell]) {
         let (width, height) = (header.width as usize, header.height as usize);
         let sound = width > 0
             && width.checked_mul(height) == Some(cells.len())
@@ -166,7 +166,7 @@ impl Cells {
 
     /// Rectangles (smallest and largest corner [m]) that cover the occupied cells; of a grid too
     /// ragged for a drawing, those of a coarser one.
-    pub(super) fn rectangles(&self) -> Vec<[[f64; 2]; 2]> {
+    pub(crate) fn rectangles(&self) -> Vec<[[f64; 2]; 2]> {
         self.at_most(MOST_RECTANGLES)
     }
 
@@ -221,7 +221,7 @@ impl Cells {
 
 /// The corners of a shape [m], counter-clockwise (where shapes of both turns overlap, SVG would
 /// leave a hole); none for a circle.
-pub(super) fn corners(shape: &Shape) -> Vec<[f64; 2]> {
+pub(crate) fn corners(shape: &Shape) -> Vec<[f64; 2]> {
     match shape {
         Shape::Circle { .. } => Vec::new(),
         Shape::Polygon { vertices } => {

@@ -7,26 +7,26 @@ use sim_backend::spec::{RobotSpec, RulesSpec};
 /// The parts of the scenario in a log that a picture needs; the rest is passed over, so that a
 /// picture does not depend on it.
 #[derive(Debug, Deserialize)]
-pub(super) struct LoggedScenario {
+pub(crate) struct LoggedScenario {
     #[serde(default)]
-    pub(super) title: String,
+    pub(crate) title: String,
     #[serde(default)]
-    pub(super) description: String,
-    pub(super) world: LoggedWorld,
+    pub(crate) description: String,
+    pub(crate) world: LoggedWorld,
     #[serde(default)]
-    pub(super) rules: RulesSpec,
-    pub(super) robots: Vec<RobotSpec>,
+    pub(crate) rules: RulesSpec,
+    pub(crate) robots: Vec<RobotSpec>,
 }
 
 /// `[world]` of it.
 #[derive(Debug, Deserialize)]
-pub(super) struct LoggedWorld {
-    pub(super) map: MapSpec,
+pub(crate) struct LoggedWorld {
+    pub(crate) map: MapSpec,
 }
 
 impl LoggedScenario {
     /// Reads the attachment and checks what will be drawn.
-    pub(super) fn parse(bytes: &[u8]) -> Result<Self, String> {
+    pub(crate) fn parse(bytes: &[u8]) -> Result<Self, String> {
         let text = str::from_utf8(bytes).map_err(|e| e.to_string())?;
         let scenario: Self = toml::from_str(text).map_err(|e| e.to_string())?;
         if let MapSpec::Vector(map) = &scenario.world.map {

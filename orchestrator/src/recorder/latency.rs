@@ -39,9 +39,18 @@ pub struct Percentiles {
     pub max: f64,
 }
 
+/// Counts on a logarithmic axis.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub(crate) struct LogHistogram {
+    /// The first part begins at ten to the power of this divided by the parts per decade [ns].
+    pub(crate) first: u32,
+    /// Counts by part.
+    pub(crate) counts: Vec<u64>,
+}
+
 /// Collects latencies from stamps that come ordered by tick and topic.
 #[derive(Debug)]
-pub(super) struct Latency {
+pub(crate) struct Latency {
     /// Kind and reading habits of the processes, by their index.
     processes: BTreeMap<u32, Process>,
     ticks: [Tick; WINDOW as usize],
@@ -77,7 +86,7 @@ struct Tick {
 }
 
 impl Latency {
-    pub(super) fn new(processes: &[ProcessInfo]) -> Self {
+    pub(crate) fn new(processes: &[ProcessInfo]) -> Self {
         let processes = processes
             .iter()
             .map(|p| {
@@ -98,7 +107,7 @@ impl Latency {
     }
 
     /// Takes up the stamp of one message.
-    pub(super) fn message(&mut self, role: Role, stamp: &Stamp) {
+    pub(crate) fn message(&mut self, role: Role, stamp: &Stamp) {
         match role {
             Role::State => self.state(stamp),
             Role::Sighting | Role::Belief | Role::Command => self.output(role, stamp),
@@ -117,7 +126,7 @@ impl Latency {
     }
 
     /// All latencies by name.
-    pub(super) fn finish(&mut self) -> BTreeMap<String, Percentiles> {
+    pub(crate) fn finish(&mut self) -> BTreeMap<String, Percentiles> {
         let open: Vec<(String, u64)> = self
             .processes
             .values_mut()
@@ -144,6 +153,31 @@ impl Latency {
                     max: microseconds(*max),
                 };
                 (name.clone(), percentiles)
+            })
+            .collect()
+    }
+
+    /// How often each latency lay in which part of its range, by name: `per_decade` parts of equal
+    /// width on a logarithmic axis, from the one with the first count to the one with the last.
+    pub(crate) fn histograms(&self, per_decade: u32) -> BTreeMap<String, LogHistogram> {
+        let part = |ns: u64| {
+            let decades = sim_backend::math::ln(ns.max(1) as f64) / core::f64::consts::LN_10;
+            (decades * f64::from(per_decade)).floor() as u32
+        };
+        self.measured
+            .iter()
+            .map(|(name, measured)| {
+                let mut counts: BTreeMap<u32, u64> = BTreeMap::new();
+                for value in measured.histogram.iter_recorded() {
+                    let at = part(value.value_iterated_to());
+                    *counts.entry(at).or_insert(0) += value.count_since_last_iteration();
+                }
+                let first = counts.keys().next().copied().unwrap_or(0);
+                let last = counts.keys().next_back().copied().unwrap_or(0);
+                let counts = (first..=last)
+                    .map(|part| counts.get(&part).copied().unwrap_or(0))
+                    .collect();
+                (name.clone(), LogHistogram { first, counts })
             })
             .collect()
     }

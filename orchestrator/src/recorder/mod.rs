@@ -42,6 +42,7 @@ pub use beginnings::Beginnings;
 pub use bus::Recorder;
 pub use error::{LogError, RecorderError};
 pub use gate::{Gate, Observer};
+pub(crate) use latency::{Latency, LogHistogram};
 pub use latency::{Percentiles, SENSE_TO_ACT};
 pub use log_writer::{
     ChannelId, ChannelSpec, ChannelTotals, Compression, LogOptions, LogTotals, LogWriter, Manifest,
@@ -55,5 +56,6 @@ pub use summary::{
     team_name,
 };
 pub use tally::Tally;
+pub(crate) use topic_info::Role;
 pub use viewer::ViewerOptions;
 pub use visits::{LapFigures, WaypointOutcome};

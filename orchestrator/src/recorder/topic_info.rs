@@ -16,7 +16,7 @@ use super::checks::Finite;
 
 /// What the recorder does with the messages of a topic besides writing them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Role {
+pub(crate) enum Role {
     State,
     Map,
     Event,
@@ -37,7 +37,7 @@ pub(super) enum Role {
 }
 
 impl Role {
-    fn of(name: &str) -> Self {
+    pub(crate) fn of(name: &str) -> Self {
         match name {
             WorldState::NAME => Self::State,
             WorldMap::NAME => Self::Map,

@@ -1,0 +1,91 @@
+//! The page around the data: one file that asks for nothing from anywhere.
+
+use serde_json::Value as Json;
+
+const PAGE: &str = include_str!("page/page.html");
+const STYLE: &str = include_str!("page/page.css");
+/// The scripts, in the order in which they build on each other.
+const SCRIPTS: [&str; 8] = [
+    include_str!("page/data.js"),
+    include_str!("page/ground.js"),
+    include_str!("page/view.js"),
+    include_str!("page/layers.js"),
+    include_str!("page/timeline.js"),
+    include_str!("page/plots.js"),
+    include_str!("page/tables.js"),
+    include_str!("page/player.js"),
+];
+
+/// Puts facts (JSON) and data (base64) into the page.
+pub(super) fn page(facts: &Json, data: &str, colours: &str) -> String {
+    let title = facts
+        .get("title")
+        .and_then(Json::as_str)
+        .filter(|title| !title.is_empty())
+        .or_else(|| facts.get("scenario").and_then(Json::as_str))
+        .unwrap_or("Mission");
+    let mut page = String::with_capacity(data.len() + (256 << 10));
+    let mut rest = PAGE;
+    // A part that is put in is not searched for marks: it may hold anything.
+    while let Some((before, after)) = rest.split_once("{{") {
+        let Some((mark, after)) = after.split_once("}}") else {
+            break;
+        };
+        page.push_str(before);
+        match mark {
+            "title" => page.push_str(&escaped(title)),
+            "colours" => page.push_str(colours),
+            "style" => page.push_str(STYLE),
+            "facts" => page.push_str(&in_script(&facts.to_string())),
+            "data" => page.push_str(data),
+            "scripts" => SCRIPTS.iter().for_each(|script| page.push_str(script)),
+            _ => {}
+        }
+        rest = after;
+    }
+    page.push_str(rest);
+    page
+}
+
+/// Text between tags.
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+        .replace('"', "&quot;")
+}
+
+/// JSON that cannot end the script element it stands in, whatever its strings say.
+fn in_script(json: &str) -> String {
+    json.replace('<', "\\u003c")
+        .replace('\u{2028}', "\\u2028")
+        .replace('\u{2029}', "\\u2029")
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn names_from_the_log_cannot_break_out() {
+        let evil = "</script><script>alert(1)</script>{{data}}<!--";
+        let page = page(&json!({ "title": evil, "x": evil }), "QUJD", "--ink:#000;");
+        assert!(!page.contains("alert(1)<"), "escaped");
+        assert_eq!(page.matches("QUJD").count(), 1);
+        assert!(page.contains("&lt;/script&gt;"));
+        assert!(page.contains("\\u003c/script>"));
+    }
+
+    #[test]
+    fn the_page_is_whole_and_asks_for_nothing() {
+        let page = page(&json!({ "scenario": "chase" }), "QUJD", "");
+        assert!(page.starts_with("<!doctype html>") && page.trim_end().ends_with("</html>"));
+        assert!(page.contains("<title>chase"));
+        assert!(page.contains("default-src 'none'"));
+        for outside in ["http://", "https://", "src=", "@import", "url("] {
+            assert!(!page.contains(outside), "{outside}");
+        }
+    }
+}

@@ -1,0 +1,334 @@
+//! Numbers as the page carries them: small whole ones, their differences, deflated, in base64.
+
+use std::io::{self, Write as _};
+
+use flate2::Compression;
+use flate2::write::ZlibEncoder;
+use serde::Serialize;
+
+/// Stands for "nothing" where places and values are packed.
+pub(super) const NONE: u16 = u16::MAX;
+/// Largest number that stands for a place or a value.
+const LARGEST: f64 = 65_534.0;
+/// Smallest step between two places [m].
+const FINEST: f64 = 1e-3;
+
+/// How places become whole numbers: millimetres, or coarser in a world larger than 65 m.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub(super) struct Raster {
+    /// Place with the numbers 0, 0 [m].
+    pub(super) origin: [f64; 2],
+    /// Distance between two neighbouring numbers [m].
+    pub(super) step: f64,
+}
+
+impl Raster {
+    /// A raster for this part of the plane and some margin.
+    pub(super) fn of(min: [f64; 2], max: [f64; 2]) -> Self {
+        let extent = (max[0] - min[0]).max(max[1] - min[1]).max(1.0);
+        let margin = (0.05 * extent).max(1.0);
+        let whole = extent + 2.0 * margin;
+        Self {
+            origin: [min[0] - margin, min[1] - margin],
+            step: (whole / LARGEST).max(FINEST),
+        }
+    }
+
+    /// The numbers of a place; the nearest ones for a place outside.
+    pub(super) fn pack(&self, p: [f64; 2]) -> [u16; 2] {
+        [0, 1].map(|i| {
+            let number = ((p[i] - self.origin[i]) / self.step).round();
+            // Saturates; "not a number" becomes 0.
+            number.clamp(0.0, LARGEST) as u16
+        })
+    }
+
+    /// The same, [`NONE`] for a place outside.
+    pub(super) fn pack_if_inside(&self, p: [f64; 2]) -> [u16; 2] {
+        let inside = [0, 1].iter().all(|&i| {
+            let number = (p[i] - self.origin[i]) / self.step;
+            (-0.5..=LARGEST + 0.5).contains(&number)
+        });
+        if inside { self.pack(p) } else { [NONE; 2] }
+    }
+
+    /// The place of numbers [m].
+    #[cfg(test)]
+    pub(super) fn unpack(&self, n: [u16; 2]) -> [f64; 2] {
+        [0, 1].map(|i| self.origin[i] + f64::from(n[i]) * self.step)
+    }
+}
+
+/// An angle [rad] in 65536 parts of a turn.
+pub(super) fn pack_angle(theta: f64) -> u16 {
+    let turns = theta / core::f64::consts::TAU;
+    (((turns - turns.floor()) * 65_536.0).round() as u32 & 0xffff) as u16
+}
+
+/// Values between a least and a greatest one in 65534 steps.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(super) struct Range {
+    /// The value of 0.
+    pub(super) min: f64,
+    /// The value of 65534.
+    pub(super) max: f64,
+}
+
+impl Range {
+    /// The range of the finite ones of these values.
+    pub(super) fn of(values: impl Iterator<Item = f64>) -> Self {
+        let (min, max) = values
+            .filter(|v| v.is_finite())
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| {
+                (a.min(v), b.max(v))
+            });
+        if min <= max {
+            Self { min, max }
+        } else {
+            Self { min: 0.0, max: 0.0 }
+        }
+    }
+
+    /// The number of a value; [`NONE`] for one that is not finite.
+    pub(super) fn pack(&self, value: f64) -> u16 {
+        if !value.is_finite() {
+            return NONE;
+        }
+        let span = self.max - self.min;
+        if span > 0.0 {
+            ((value - self.min) / span * LARGEST)
+                .round()
+                .clamp(0.0, LARGEST) as u16
+        } else {
+            0
+        }
+    }
+}
+
+/// Time as the page counts it: in tenths of a millisecond, rounded down, so that nothing is shown
+/// too late.
+pub(super) fn pack_time(time_ns: u64) -> u32 {
+    u32::try_from(time_ns / 100_000).unwrap_or(u32::MAX)
+}
+
+/// Where a list of numbers stands in the data and what was done to it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct Section {
+    name: String,
+    /// First byte.
+    at: usize,
+    /// How many numbers.
+    length: usize,
+    /// Bytes of a number: 1, 2 or 4.
+    bytes: usize,
+    /// How often each number was replaced by its difference from the one before.
+    differences: u8,
+}
+
+/// Lists of numbers under names.
+#[derive(Debug, Default)]
+pub(super) struct Lists {
+    data: Vec<u8>,
+    sections: Vec<Section>,
+}
+
+macro_rules! put {
+    ($($put:ident: $number:ty),+) => {
+        $(
+            /// Adds a list whose numbers are replaced so many times by their differences.
+            pub(super) fn $put(&mut self, name: &str, mut numbers: Vec<$number>, differences: u8) {
+                for _ in 0..differences {
+                    let mut before = 0;
+                    for number in &mut numbers {
+                        let this = *number;
+                        *number = this.wrapping_sub(before);
+                        before = this;
+                    }
+                }
+                let bytes = size_of::<$number>();
+                self.begin(name, numbers.len(), bytes, differences);
+                // Bytes of the same worth together: they resemble each other.
+                for worth in 0..bytes {
+                    self.data.extend(numbers.iter().map(|n| n.to_le_bytes()[worth]));
+                }
+            }
+        )+
+    };
+}
+
+impl Lists {
+    put!(u8: u8, u16: u16, u32: u32);
+
+    fn begin(&mut self, name: &str, length: usize, bytes: usize, differences: u8) {
+        self.sections.push(Section {
+            name: name.to_owned(),
+            at: self.data.len(),
+            length,
+            bytes,
+            differences,
+        });
+    }
+
+    /// What stands where.
+    pub(super) fn contents(&self) -> serde_json::Value {
+        serde_json::json!(self.sections)
+    }
+
+    /// Everything deflated (zlib) and in base64.
+    pub(super) fn finish(&self) -> io::Result<String> {
+        let mut encoder = ZlibEncoder::new(Vec::new(), Compression::best());
+        encoder.write_all(&self.data)?;
+        Ok(base64(&encoder.finish()?))
+    }
+}
+
+/// RFC 4648 with padding.
+fn base64(bytes: &[u8]) -> String {
+    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
+    for three in bytes.chunks(3) {
+        let byte = |i: usize| u32::from(three.get(i).copied().unwrap_or(0));
+        let bits = byte(0) << 16 | byte(1) << 8 | byte(2);
+        for digit in 0..4 {
+            if digit <= three.len() {
+                let value = bits >> (18 - 6 * digit) & 63;
+                text.push(char::from(DIGITS[value as usize]));
+            } else {
+                text.push('=');
+            }
+        }
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Read as _;
+
+    use flate2::read::ZlibDecoder;
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// What the page does with base64.
+    fn from_base64(text: &str) -> Vec<u8> {
+        let value = |c: u8| match c {
+            b'A'..=b'Z' => c - b'A',
+            b'a'..=b'z' => c - b'a' + 26,
+            b'0'..=b'9' => c - b'0' + 52,
+            b'+' => 62,
+            _ => 63,
+        };
+        let mut bytes = Vec::new();
+        for four in text.as_bytes().chunks(4) {
+            let digits: Vec<u8> = four.iter().take_while(|&&c| c != b'=').copied().collect();
+            let bits = digits
+                .iter()
+                .fold(0_u32, |bits, &c| bits << 6 | u32::from(value(c)))
+                << (6 * (4 - digits.len()));
+            bytes.extend(&bits.to_be_bytes()[1..digits.len()]);
+        }
+        bytes
+    }
+
+    /// What the page does with a list of two bytes each.
+    fn unpack(data: &[u8], section: &Section) -> Vec<u16> {
+        let n = section.length;
+        let bytes = &data[section.at..section.at + 2 * n];
+        let mut numbers: Vec<u16> = (0..n)
+            .map(|i| u16::from_le_bytes([bytes[i], bytes[n + i]]))
+            .collect();
+        for _ in 0..section.differences {
+            let mut sum = 0_u16;
+            for number in &mut numbers {
+                sum = sum.wrapping_add(*number);
+                *number = sum;
+            }
+        }
+        numbers
+    }
+
+    proptest! {
+        #[test]
+        fn numbers_come_back_as_they_were(
+            a in prop::collection::vec(any::<u16>(), 0..200),
+            b in prop::collection::vec(any::<u16>(), 0..50),
+            differences in 0_u8..3,
+        ) {
+            let mut lists = Lists::default();
+            lists.u16("a", a.clone(), differences);
+            lists.u8("between", vec![7; 3], 1);
+            lists.u16("b", b.clone(), 2);
+            let mut data = Vec::new();
+            ZlibDecoder::new(from_base64(&lists.finish().unwrap()).as_slice())
+                .read_to_end(&mut data)
+                .unwrap();
+            prop_assert_eq!(unpack(&data, &lists.sections[0]), a);
+            prop_assert_eq!(unpack(&data, &lists.sections[2]), b);
+        }
+
+        #[test]
+        fn places_are_wrong_by_half_a_step_at_most(
+            size in 0.1_f64..2000.0, u in 0.0_f64..1.0, v in 0.0_f64..1.0,
+        ) {
+            let min = [-size / 3.0, 5.0];
+            let max = [min[0] + size, min[1] + size / 2.0];
+            let raster = Raster::of(min, max);
+            prop_assert!(raster.step <= (size * 1.1 / 65_534.0).max(1e-3) * (1.0 + 1e-9) || size < 20.0);
+            let p = [min[0] + u * size, min[1] + v * size / 2.0];
+            prop_assert_ne!(raster.pack_if_inside(p), [NONE; 2]);
+            let q = raster.unpack(raster.pack(p));
+            for i in [0, 1] {
+                prop_assert!((p[i] - q[i]).abs() <= raster.step * 0.500_001);
+            }
+        }
+
+        #[test]
+        fn values_are_wrong_by_half_a_step_at_most(
+            values in prop::collection::vec(-1e3_f64..1e3, 1..50),
+        ) {
+            let range = Range::of(values.iter().copied());
+            let step = (range.max - range.min) / 65_534.0;
+            for v in values {
+                let back = range.min + f64::from(range.pack(v)) * step;
+                prop_assert!((v - back).abs() <= step * 0.500_001 + 1e-12);
+            }
+        }
+
+        #[test]
+        fn angles_are_wrong_by_half_a_part_of_a_turn(theta in -7.0_f64..7.0) {
+            let turn = core::f64::consts::TAU;
+            let back = f64::from(pack_angle(theta)) / 65_536.0 * turn;
+            let off = (theta - back).rem_euclid(turn);
+            prop_assert!(off.min(turn - off) <= turn / 65_536.0 * 0.500_001);
+        }
+    }
+
+    #[test]
+    fn what_is_outside_or_not_finite_is_nothing_or_the_edge() {
+        let raster = Raster::of([0.0; 2], [10.0; 2]);
+        assert_eq!(raster.pack_if_inside([f64::INFINITY, 1.0]), [NONE; 2]);
+        assert_eq!(raster.pack_if_inside([1.0, f64::NAN]), [NONE; 2]);
+        assert_eq!(raster.pack([-1e9, 1e9]), [0, 65_534]);
+        let range = Range::of([f64::INFINITY, 3.0].into_iter());
+        assert_eq!(range.pack(f64::INFINITY), NONE);
+        assert_eq!(range.pack(3.0), 0);
+        assert_eq!(
+            Range::of([f64::NAN].into_iter()),
+            Range { min: 0.0, max: 0.0 }
+        );
+    }
+
+    #[test]
+    fn base64_is_that_of_the_standard() {
+        for (bytes, text) in [
+            ("", ""),
+            ("f", "Zg=="),
+            ("fo", "Zm8="),
+            ("foo", "Zm9v"),
+            ("foob", "Zm9vYg=="),
+        ] {
+            assert_eq!(base64(bytes.as_bytes()), text);
+        }
+    }
+}

@@ -1,0 +1,438 @@
+// What is drawn on the map, from the ground up.
+
+/** Smallest radius of a robot on the page [px]: smaller ones are drawn larger. */
+const SMALLEST_DISC = 7;
+const trailCanvas = document.createElement('canvas');
+const trailPaint = trailCanvas.getContext('2d');
+let trailState = null;
+
+const hasEvaders = facts.robots.some((r) => r.team === 'evader');
+const some = (name) => lists[`${name}.time`].length > 0;
+
+/** The layers, in the order of the legend. */
+const LAYERS = [
+  { id: 'ground', text: 'map, obstacles, exits', colour: 'wall', there: true, on: true },
+  { id: 'trails', text: 'ways so far, from the start', colour: 'police', there: frames > 1, on: true },
+  { id: 'plans', text: 'where a robot means to go', colour: 'plan', there: some('plans'), on: true },
+  { id: 'waypoints', text: 'waypoints: reached (filled), left out (cross)', colour: 'exit', there: some('waypoints'), on: true },
+  { id: 'beliefs', text: 'where the Police think the evaders may be', colour: 'belief', there: some('beliefs'), on: true },
+  { id: 'trees', text: 'search trees', colour: 'evader', there: some('trees'), on: true },
+  { id: 'sight', text: 'what the Police can see (lines of sight on the map)', colour: 'police',
+    there: hasEvaders && facts.robots.some((r) => r.team === 'police'), on: false },
+  { id: 'scans', text: 'range scans', colour: 'obstacle', there: some('scans'), on: false },
+  { id: 'predictions', text: 'where observers think robots will be', colour: 'belief-ink', there: some('predictions'), on: true },
+  { id: 'names', text: 'names', colour: 'ink', there: true, on: true },
+];
+const shown = Object.fromEntries(LAYERS.map((layer) => [layer.id, layer.there && layer.on]));
+
+function drawGround(t) {
+  const ground = groundAt(t);
+  inMetres(paint);
+  const { min, max } = facts.ground;
+  paint.lineWidth = 1.5 / view.scale;
+  paint.strokeStyle = colours.edge;
+  paint.strokeRect(min[0], min[1], max[0] - min[0], max[1] - min[1]);
+  if (!shown.ground) return;
+  // The outline first: where walls overlap, none shows.
+  if (lists.walls.length === 0) paint.stroke(ground.walls);
+  paint.fillStyle = colours.wall;
+  paint.fill(ground.walls);
+  paint.globalAlpha = 0.85;
+  paint.fillStyle = colours.obstacle;
+  paint.fill(ground.came);
+  paint.globalAlpha = 0.18;
+  paint.fillStyle = colours.exit;
+  paint.fill(exitPath);
+  paint.globalAlpha = 1;
+  paint.lineWidth = 2 / view.scale;
+  paint.setLineDash([5 / view.scale, 4 / view.scale]);
+  paint.strokeStyle = colours.exit;
+  paint.stroke(exitPath);
+  paint.setLineDash([]);
+}
+
+function drawSight(t) {
+  const { edges } = groundAt(t);
+  if (edges.length > MOST_EDGES) return;
+  inMetres(paint);
+  for (let robot = 0; robot < facts.robots.length; robot++) {
+    if (facts.robots[robot].team !== 'police') continue;
+    const state = robotBetween(robot, t);
+    if (state.status !== 0) continue;
+    const path = new Path2D();
+    tracePath(path, { corners: seenFrom(state.x, state.y, edges) });
+    paint.globalAlpha = 0.1;
+    paint.fillStyle = colours.police;
+    paint.fill(path);
+    paint.globalAlpha = 0.35;
+    paint.lineWidth = 1 / view.scale;
+    paint.strokeStyle = colours.police;
+    paint.stroke(path);
+  }
+  paint.globalAlpha = 1;
+}
+
+/** The way of one robot between two states, thinned to what can be told apart. */
+function strokeWay(ctx, robot, from, to) {
+  const base = robot * frames;
+  const nearest = 1 / view.scale;
+  ctx.beginPath();
+  let [lx, ly] = [xOf(lists.x[base + from]), yOf(lists.y[base + from])];
+  ctx.moveTo(lx, ly);
+  for (let i = from + 1; i <= to; i++) {
+    const x = xOf(lists.x[base + i]), y = yOf(lists.y[base + i]);
+    if (i === to || Math.abs(x - lx) + Math.abs(y - ly) > nearest) {
+      ctx.lineTo(x, y);
+      lx = x; ly = y;
+    }
+  }
+  ctx.stroke();
+}
+
+/** How far the ways' canvas reaches beyond the map on each side, in parts of the map's size. */
+const BEYOND = 0.4;
+
+/** The ways stay on a canvas of their own, larger than the map: while the view rests or moves a
+ * little (with a robot that is followed), only what is new is drawn. */
+function drawTrails(t, length) {
+  const frame = frameAt(t);
+  const from = length === Infinity ? 0 : frameAt(t - length);
+  const key = [view.scale, map.width, map.height, view.ratio, colours.police, length].join();
+  const beyond = [Math.round(map.width * BEYOND), Math.round(map.height * BEYOND)];
+  const pixels = view.scale * view.ratio;
+  const moved = () => [(view.x - trailState.x) * pixels, (trailState.y - view.y) * pixels];
+  const goesOn = trailState && trailState.key === key && trailState.frame <= frame && length === Infinity
+    && moved().every((d, i) => Math.abs(d) <= beyond[i]);
+  if (!goesOn) {
+    trailCanvas.width = map.width + 2 * beyond[0];
+    trailCanvas.height = map.height + 2 * beyond[1];
+    trailState = { x: view.x, y: view.y };
+  }
+  trailPaint.setTransform(pixels, 0, 0, -pixels, trailCanvas.width / 2 - trailState.x * pixels,
+    trailCanvas.height / 2 + trailState.y * pixels);
+  trailPaint.lineWidth = 2.4 / view.scale;
+  trailPaint.lineCap = trailPaint.lineJoin = 'round';
+  const begin = goesOn ? trailState.frame : from;
+  if (frame > begin) {
+    for (let robot = 0; robot < facts.robots.length; robot++) {
+      trailPaint.strokeStyle = teamColour(robot);
+      strokeWay(trailPaint, robot, begin, frame);
+    }
+  }
+  trailState = { key, frame, x: trailState.x, y: trailState.y };
+  const [dx, dy] = moved();
+  paint.setTransform(1, 0, 0, 1, 0, 0);
+  paint.globalAlpha = 0.55;
+  paint.drawImage(trailCanvas, -beyond[0] - dx, -beyond[1] - dy);
+  paint.globalAlpha = 1;
+  // On to where the robots are between two states.
+  inMetres(paint);
+  paint.lineWidth = 2.4 / view.scale;
+  paint.globalAlpha = 0.55;
+  for (let robot = 0; robot < facts.robots.length; robot++) {
+    const a = robotAt(robot, frame), b = robotBetween(robot, t);
+    paint.strokeStyle = teamColour(robot);
+    paint.beginPath();
+    paint.moveTo(a.x, a.y);
+    paint.lineTo(b.x, b.y);
+    paint.stroke();
+  }
+  paint.globalAlpha = 1;
+}
+
+/** Calls back with the last item of every robot that plays. */
+function eachLatest(name, t, most, draw) {
+  const frame = frameAt(t);
+  for (const robot of layerItems[name].keys()) {
+    if (robot < facts.robots.length && robotAt(robot, frame).status !== 0) continue;
+    const found = latest(name, robot, t);
+    if (found && found.age <= most && found.count > 0) draw(robot, found);
+  }
+}
+
+/** After this time without a new one [s], what was believed or scanned is old. */
+function oldAfter(name) {
+  let longest = 2;
+  for (const of of layerItems[name].values()) {
+    if (of.time.length > 1) longest = Math.max(longest, 3 * (of.time[of.time.length - 1] - of.time[0]) / 1e4 / (of.time.length - 1));
+  }
+  return longest;
+}
+const OLD = Object.fromEntries(Object.keys(layerItems).map((name) => [name, oldAfter(name)]));
+
+function drawPlans(t) {
+  inMetres(paint);
+  paint.lineWidth = 1.8 / view.scale;
+  paint.setLineDash([6 / view.scale, 4 / view.scale]);
+  eachLatest('plans', t, Infinity, (robot, { begin, count }) => {
+    paint.strokeStyle = robot < facts.robots.length ? teamColour(robot) : colours.plan;
+    paint.beginPath();
+    const state = robot < facts.robots.length ? robotBetween(robot, t) : null;
+    if (state && count === 1) paint.moveTo(state.x, state.y);
+    for (let i = begin; i < begin + count; i++) paint.lineTo(xOf(lists['plans.x'][i]), yOf(lists['plans.y'][i]));
+    paint.stroke();
+  });
+  paint.setLineDash([]);
+}
+
+function drawTrees(t) {
+  inMetres(paint);
+  const x = lists['trees.to.x'], y = lists['trees.to.y'], path = lists['trees.path'];
+  const bx = lists['trees.back.x'], by = lists['trees.back.y'];
+  eachLatest('trees', t, Infinity, (robot, { begin, count }) => {
+    for (const chosen of [0, 1]) {
+      paint.beginPath();
+      for (let i = begin; i < begin + count; i++) {
+        if (path[i] !== chosen) continue;
+        paint.moveTo(xOf((x[i] + bx[i]) & 65535), yOf((y[i] + by[i]) & 65535));
+        paint.lineTo(xOf(x[i]), yOf(y[i]));
+      }
+      paint.strokeStyle = robot < facts.robots.length ? teamColour(robot) : colours.plan;
+      paint.globalAlpha = chosen ? 0.95 : 0.3;
+      paint.lineWidth = (chosen ? 2 : 1) / view.scale;
+      paint.stroke();
+    }
+  });
+  paint.globalAlpha = 1;
+}
+
+function drawBeliefs(t) {
+  inPixels(paint);
+  paint.fillStyle = colours.belief;
+  paint.globalAlpha = 0.6;
+  const size = 2.6, boxes = lists['beliefs.box'], xs = lists['beliefs.x'], ys = lists['beliefs.y'];
+  eachLatest('beliefs', t, OLD.beliefs, (robot, { item, begin, count }) => {
+    const [bx, by, w, h] = boxes.subarray(4 * item, 4 * item + 4);
+    for (let i = begin; i < begin + count; i++) {
+      const [px, py] = toScreen(xOf(bx + xs[i] / 255 * w), yOf(by + ys[i] / 255 * h));
+      paint.fillRect(px - size / 2, py - size / 2, size, size);
+    }
+  });
+  paint.globalAlpha = 1;
+  paint.strokeStyle = colours['belief-ink'];
+  paint.lineWidth = 2;
+  eachLatest('beliefs', t, OLD.beliefs, (robot, { item }) => {
+    const [px, py] = toScreen(xOf(lists['beliefs.mean'][2 * item]), yOf(lists['beliefs.mean'][2 * item + 1]));
+    paint.beginPath();
+    paint.moveTo(px - 6, py); paint.lineTo(px + 6, py); paint.moveTo(px, py - 6); paint.lineTo(px, py + 6);
+    paint.stroke();
+  });
+}
+
+function drawScans(t) {
+  inMetres(paint);
+  eachLatest('scans', t, OLD.scans, (robot, { item, begin, count, age }) => {
+    if (robot >= facts.robots.length) return;
+    // From where it was taken.
+    const state = robotAt(robot, frameAt(t - age));
+    const angle = (n) => lists['scans.angles'][n] / 65536 * 2 * Math.PI;
+    const [first, turn] = [angle(2 * item), angle(2 * item + 1)];
+    paint.beginPath();
+    for (let i = 0; i < count; i++) {
+      const bearing = state.theta + first + (turn > Math.PI ? turn - 2 * Math.PI : turn) * i;
+      const range = lists['scans.range'][begin + i] / 1e3;
+      paint.moveTo(state.x, state.y);
+      paint.lineTo(state.x + range * Math.cos(bearing), state.y + range * Math.sin(bearing));
+    }
+    paint.globalAlpha = 0.45;
+    paint.lineWidth = 1 / view.scale;
+    paint.strokeStyle = colours.obstacle;
+    paint.stroke();
+    paint.globalAlpha = 1;
+  });
+}
+
+const methodColour = (method) => colours.curves[(method + 1) % colours.curves.length];
+
+function drawPredictions(t) {
+  inPixels(paint);
+  eachLatest('predictions', t, OLD.predictions, (robot, { begin, count }) => {
+    if (robot >= facts.robots.length) return;
+    const state = robotBetween(robot, t);
+    const methods = new Map();
+    for (let i = begin; i < begin + count; i++) {
+      if (lists['predictions.x'][i] === 65535) continue;
+      const method = lists['predictions.method'][i];
+      if (!methods.has(method)) methods.set(method, []);
+      methods.get(method).push([facts.horizons_s[lists['predictions.horizon'][i]], i]);
+    }
+    for (const [method, points] of methods) {
+      points.sort((a, b) => a[0] - b[0]);
+      paint.strokeStyle = paint.fillStyle = methodColour(method);
+      paint.lineWidth = 1.2;
+      paint.beginPath();
+      paint.moveTo(...toScreen(state.x, state.y));
+      const places = points.map(([, i]) => toScreen(xOf(lists['predictions.x'][i]), yOf(lists['predictions.y'][i])));
+      for (const place of places) paint.lineTo(...place);
+      paint.globalAlpha = 0.6;
+      paint.stroke();
+      paint.globalAlpha = 1;
+      for (const [x, y] of places) { paint.beginPath(); paint.arc(x, y, 3, 0, 2 * Math.PI); paint.fill(); }
+    }
+  });
+}
+
+function drawWaypoints(t) {
+  inPixels(paint);
+  const until = lastUpTo(lists['waypoints.time'], ticksOf(t));
+  const many = until > 600;
+  for (let i = 0; i <= until; i++) {
+    if (lists['waypoints.x'][i] === 65535) continue;
+    const [x, y] = toScreen(xOf(lists['waypoints.x'][i]), yOf(lists['waypoints.y'][i]));
+    if (x < -9 || y < -9 || x > view.width + 9 || y > view.height + 9) continue;
+    const newest = i > until - 3;
+    const r = newest ? 5 : many ? 2 : 3;
+    paint.globalAlpha = newest ? 1 : 0.55;
+    if (lists['waypoints.outcome'][i] === 0) {
+      paint.fillStyle = colours.exit;
+      paint.fillRect(x - r, y - r, 2 * r, 2 * r);
+    } else {
+      paint.strokeStyle = colours.evader;
+      paint.lineWidth = 1.6;
+      paint.beginPath();
+      paint.moveTo(x - r, y - r); paint.lineTo(x + r, y + r); paint.moveTo(x + r, y - r); paint.lineTo(x - r, y + r);
+      paint.stroke();
+    }
+  }
+  paint.globalAlpha = 1;
+}
+
+/** Radius of a robot's disc on the page [px]. */
+const discOf = (robot) => Math.max(SMALLEST_DISC, facts.robots[robot].radius * view.scale);
+
+function drawRobots(t, followed) {
+  inPixels(paint);
+  for (let robot = 0; robot < facts.robots.length; robot++) {
+    const state = robotBetween(robot, t);
+    if (!state.present) continue;
+    const [x, y] = toScreen(state.x, state.y);
+    const r = discOf(robot);
+    paint.globalAlpha = state.status === 0 ? 1 : PALE;
+    paint.fillStyle = teamColour(robot);
+    paint.strokeStyle = colours.paper;
+    paint.lineWidth = 2;
+    paint.beginPath();
+    paint.arc(x, y, r, 0, 2 * Math.PI);
+    paint.fill();
+    paint.stroke();
+    // Where it looks.
+    const nose = ([angle, far]) => [x + far * r * Math.cos(state.theta + angle), y - far * r * Math.sin(state.theta + angle)];
+    paint.beginPath();
+    [[0, 1.75], [0.55, 1], [-0.55, 1]].map(nose).forEach((p, i) => (i ? paint.lineTo(...p) : paint.moveTo(...p)));
+    paint.closePath();
+    paint.fill();
+    paint.globalAlpha = 1;
+    if (robot === followed || state.failSafe || state.inContact) {
+      paint.strokeStyle = state.failSafe || state.inContact ? colours.obstacle : colours.ink;
+      paint.lineWidth = 2;
+      paint.beginPath();
+      paint.arc(x, y, r + 4, 0, 2 * Math.PI);
+      paint.stroke();
+    }
+  }
+}
+
+/** Signs where robots were caught, got out or arrived. */
+function drawMarks(t) {
+  inPixels(paint);
+  for (const [time, kind, robot, , ex, ey] of facts.events) {
+    if (time > t + 1e-6) break;
+    const name = facts.event_kinds[kind];
+    if (!['captured', 'escaped', 'goal_reached'].includes(name)) continue;
+    const [x, y] = toScreen(ex, ey);
+    paint.strokeStyle = robot === null ? colours.ink : teamColour(robot);
+    if (name === 'captured') {
+      for (const [width, colour] of [[6, paint.strokeStyle], [3, colours.ink]]) {
+        paint.strokeStyle = colour;
+        paint.lineWidth = width;
+        paint.lineCap = 'round';
+        paint.beginPath();
+        paint.moveTo(x - 7, y - 7); paint.lineTo(x + 7, y + 7); paint.moveTo(x + 7, y - 7); paint.lineTo(x - 7, y + 7);
+        paint.stroke();
+      }
+    } else {
+      paint.fillStyle = colours.exit;
+      paint.lineWidth = 2;
+      paint.beginPath();
+      paint.moveTo(x, y - 9); paint.lineTo(x + 9, y); paint.lineTo(x, y + 9); paint.lineTo(x - 9, y);
+      paint.closePath();
+      paint.fill();
+      paint.stroke();
+    }
+  }
+}
+
+/** Names beside the robots, where there is room. */
+function drawNames(t) {
+  inPixels(paint);
+  paint.font = '13px system-ui, sans-serif';
+  paint.textBaseline = 'middle';
+  paint.lineJoin = 'round';
+  const taken = facts.robots.map((_, robot) => {
+    const state = robotBetween(robot, t);
+    const [x, y] = toScreen(state.x, state.y);
+    const r = discOf(robot);
+    return [x - r, y - r, x + r, y + r];
+  });
+  const free = (box) => taken.every((other) => box[2] < other[0] || box[0] > other[2] || box[3] < other[1] || box[1] > other[3]);
+  for (let robot = 0; robot < facts.robots.length; robot++) {
+    const state = robotBetween(robot, t);
+    if (!state.present) continue;
+    const { name } = facts.robots[robot];
+    const [x, y] = toScreen(state.x, state.y);
+    const far = 1.3 * discOf(robot) + 4;
+    const width = paint.measureText(name).width;
+    const places = [[x + far, y - far], [x + far, y + far], [x - far - width, y - far], [x - far - width, y + far]];
+    const box = ([px, py]) => [px - 1, py - 8, px + width + 1, py + 8];
+    const at = places.find((place) => free(box(place))) || places[0];
+    taken.push(box(at));
+    paint.lineWidth = 3.5;
+    paint.strokeStyle = colours.paper;
+    paint.strokeText(name, ...at);
+    paint.fillStyle = state.status === 0 ? colours.ink : colours.faint;
+    paint.fillText(name, ...at);
+  }
+}
+
+function drawScaleBar() {
+  inPixels(paint);
+  let metres = 1e-3;
+  for (const step of [2, 2.5, 2, 2, 2.5, 2, 2, 2.5, 2, 2, 2.5, 2, 2, 2.5, 2, 2, 2.5, 2]) {
+    if (metres * view.scale >= 60) break;
+    metres *= step;
+  }
+  metres = Math.round(metres * 1e3) / 1e3;
+  const [x, y, long] = [14, view.height - 14, metres * view.scale];
+  paint.strokeStyle = paint.fillStyle = colours.ink;
+  paint.lineWidth = 2;
+  paint.beginPath();
+  paint.moveTo(x, y - 5); paint.lineTo(x, y + 5); paint.moveTo(x, y); paint.lineTo(x + long, y);
+  paint.moveTo(x + long, y - 5); paint.lineTo(x + long, y + 5);
+  paint.stroke();
+  paint.font = '13px system-ui, sans-serif';
+  paint.textBaseline = 'middle';
+  paint.lineWidth = 3;
+  paint.strokeStyle = colours.paper;
+  paint.strokeText(`${metres} m`, x + long + 8, y);
+  paint.fillText(`${metres} m`, x + long + 8, y);
+}
+
+/** Everything at a time. */
+function drawMap(t, followed, trail) {
+  paint.setTransform(1, 0, 0, 1, 0, 0);
+  paint.fillStyle = colours.paper;
+  paint.fillRect(0, 0, map.width, map.height);
+  drawGround(t);
+  if (shown.sight) drawSight(t);
+  if (shown.trees) drawTrees(t);
+  if (shown.trails) drawTrails(t, trail);
+  if (shown.waypoints) drawWaypoints(t);
+  if (shown.beliefs) drawBeliefs(t);
+  if (shown.scans) drawScans(t);
+  if (shown.plans) drawPlans(t);
+  if (shown.predictions) drawPredictions(t);
+  drawMarks(t);
+  drawRobots(t, followed);
+  if (shown.names) drawNames(t);
+  drawScaleBar();
+}

@@ -1,0 +1,213 @@
+// Curves over time, and histograms.
+
+const plots = [];
+const PAD = { left: 52, right: 12, top: 8, bottom: 22 };
+
+/** A number with as many digits as it needs. */
+function short(value) {
+  if (!Number.isFinite(value)) return '–';
+  if (Number.isInteger(value)) return String(value);
+  const size = Math.abs(value);
+  return size >= 1000 ? value.toFixed(0) : size >= 100 ? value.toFixed(1) : size >= 1 ? value.toFixed(2) : value.toPrecision(3).replace(/\.?0+$/, '') || '0';
+}
+
+function element(tag, properties = {}, ...children) {
+  const made = Object.assign(document.createElement(tag), properties);
+  made.append(...children);
+  return made;
+}
+
+for (const { title, unit, steps, curves } of facts.plots) {
+  const box = element('section', { className: 'plot' }, element('h3', { textContent: unit ? `${title} [${unit}]` : title }));
+  const canvas = element('canvas');
+  canvas.setAttribute('aria-label', title);
+  const legend = element('div', { className: 'legend' });
+  box.append(canvas, legend);
+  $('plots').append(box);
+  const plot = { canvas, unit, steps, picture: null, curves: [] };
+  curves.forEach(({ name, robot, method, list, range }, i) => {
+    const packed = lists[`curve.${list}.value`];
+    const values = new Float64Array(packed.length);
+    const step = (range.max - range.min) / 65534;
+    for (let k = 0; k < values.length; k++) values[k] = packed[k] === 65535 ? NaN : range.min + packed[k] * step;
+    const button = element('button', { title: 'Hide or show' });
+    const dash = element('span', { className: 'dash' });
+    const label = element('span');
+    button.append(dash, label);
+    button.setAttribute('aria-pressed', 'true');
+    const curve = { name, robot, method, time: lists[`curve.${list}.time`], values, on: true, label, dash, i };
+    button.addEventListener('click', () => {
+      curve.on = !curve.on;
+      button.setAttribute('aria-pressed', String(curve.on));
+      plot.picture = null;
+      player.redraw();
+    });
+    legend.append(button);
+    plot.curves.push(curve);
+  });
+  canvas.addEventListener('pointerdown', (event) => {
+    const seek = (e) => player.seek((e.offsetX - PAD.left) / (canvas.clientWidth - PAD.left - PAD.right) * end);
+    seek(event);
+    canvas.setPointerCapture(event.pointerId);
+    canvas.onpointermove = seek;
+    canvas.onpointerup = canvas.onpointercancel = () => { canvas.onpointermove = null; };
+  });
+  plots.push(plot);
+}
+$('figures-title').hidden = plots.length === 0;
+
+/** Members of a team have colours that resemble the team's. */
+const TEAM_CURVES = {
+  police: ['#56b4e9', '#6a5acd', '#00a5b5'], evader: ['#e69f00', '#b03a2e', '#f2a27e'], neutral: ['#7bb661', '#3b8f86', '#a9c23f'],
+};
+
+function curveColour(plot, curve) {
+  if (curve.method !== null) return methodColour(curve.method);
+  if (curve.robot === null || !facts.robots[curve.robot]) return colours.curves[curve.i % colours.curves.length];
+  const { team } = facts.robots[curve.robot];
+  const before = plot.curves.slice(0, curve.i).filter((c) => facts.robots[c.robot]?.team === team).length;
+  const all = [teamColour(curve.robot), ...(TEAM_CURVES[team] || TEAM_CURVES.neutral)];
+  return all[before % all.length];
+}
+
+const plotX = (canvas, t) => PAD.left + (canvas.clientWidth - PAD.left - PAD.right) * (end > 0 ? t / end : 0);
+
+function drawPlotPicture(plot) {
+  const { canvas } = plot;
+  fitCanvas(canvas);
+  const ratio = window.devicePixelRatio || 1;
+  plot.picture = document.createElement('canvas');
+  plot.picture.width = canvas.width;
+  plot.picture.height = canvas.height;
+  const ctx = plot.picture.getContext('2d');
+  ctx.setTransform(ratio, 0, 0, ratio, 0, 0);
+  let least = 0, most = 0;
+  for (const { on, values } of plot.curves) {
+    if (on) for (const value of values) { if (value < least) least = value; if (value > most) most = value; }
+  }
+  if (most === least) most = least + 1;
+  const bottom = canvas.clientHeight - PAD.bottom, high = bottom - PAD.top;
+  const y = (value) => bottom - (value - least) / (most - least) * high;
+  ctx.font = '12px system-ui, sans-serif';
+  ctx.textBaseline = 'middle';
+  ctx.lineWidth = 1;
+  for (const value of axisSteps(least, most, 4)) {
+    ctx.strokeStyle = colours.line;
+    ctx.beginPath(); ctx.moveTo(PAD.left, y(value)); ctx.lineTo(canvas.clientWidth - PAD.right, y(value)); ctx.stroke();
+    ctx.fillStyle = colours.faint;
+    ctx.textAlign = 'right';
+    ctx.fillText(String(value), PAD.left - 6, y(value));
+  }
+  ctx.textAlign = 'center';
+  for (const t of axisSteps(0, end, 6)) ctx.fillText(`${t} s`, Math.min(plotX(canvas, t), canvas.clientWidth - 16), bottom + 12);
+  for (const curve of plot.curves) {
+    const colour = curveColour(plot, curve);
+    curve.dash.style.background = colour;
+    if (!curve.on) continue;
+    ctx.strokeStyle = colour;
+    ctx.lineWidth = 1.5;
+    ctx.lineJoin = 'round';
+    ctx.beginPath();
+    let before = NaN;
+    for (let i = 0; i < curve.values.length; i++) {
+      const value = curve.values[i];
+      if (!Number.isNaN(value)) {
+        const x = plotX(canvas, curve.time[i] / 1e4);
+        if (Number.isNaN(before)) ctx.moveTo(x, y(value));
+        else {
+          if (plot.steps) ctx.lineTo(x, y(before));
+          ctx.lineTo(x, y(value));
+        }
+      }
+      before = value;
+    }
+    ctx.stroke();
+  }
+}
+
+function drawPlots(t) {
+  for (const plot of plots) {
+    const { canvas } = plot;
+    const box = canvas.getBoundingClientRect();
+    // What is out of sight is drawn once only, for print.
+    if (plot.picture && (box.bottom < 0 || box.top > window.innerHeight)) continue;
+    if (!plot.picture) drawPlotPicture(plot);
+    const ratio = window.devicePixelRatio || 1;
+    const ctx = canvas.getContext('2d');
+    ctx.setTransform(1, 0, 0, 1, 0, 0);
+    ctx.clearRect(0, 0, canvas.width, canvas.height);
+    ctx.drawImage(plot.picture, 0, 0);
+    ctx.fillStyle = colours.ink;
+    ctx.globalAlpha = 0.7;
+    ctx.fillRect(Math.round((plotX(canvas, t) - 0.5) * ratio), PAD.top * ratio, Math.max(1, Math.round(ratio)),
+      canvas.height - (PAD.top + PAD.bottom) * ratio);
+    ctx.globalAlpha = 1;
+    for (const curve of plot.curves) {
+      const i = lastUpTo(curve.time, ticksOf(t));
+      const text = `${curve.name} ${i < 0 ? '–' : short(curve.values[i])}`;
+      if (curve.label.textContent !== text) curve.label.textContent = text;
+    }
+  }
+}
+
+/** A duration in microseconds, in a fitting unit. */
+function duration(us) {
+  if (us < 1) return `${(us * 1e3).toFixed(0)} ns`;
+  if (us < 1e3) return `${us < 10 ? us.toFixed(1) : us.toFixed(0)} µs`;
+  if (us < 1e6) return `${us < 1e4 ? (us / 1e3).toFixed(1) : (us / 1e3).toFixed(0)} ms`;
+  return `${(us / 1e6).toFixed(1)} s`;
+}
+
+const histograms = facts.latency.filter((hop) => hop.histogram).map((hop) => {
+  const canvas = element('canvas');
+  canvas.setAttribute('aria-label', `Histogram of ${hop.name}`);
+  const { p50, p90, p99, max, count } = hop.us;
+  const text = `${count} · p50 ${duration(p50)} · p90 ${duration(p90)} · p99 ${duration(p99)} · max ${duration(max)}`;
+  $('latency').append(element('section', { className: 'plot' },
+    element('h3', { textContent: words(hop.name) }), canvas, element('div', { className: 'legend', textContent: text })));
+  return { canvas, hop };
+});
+const firstPart = Math.min(...histograms.map(({ hop }) => hop.histogram.first));
+const lastPart = Math.max(...histograms.map(({ hop }) => hop.histogram.first + hop.histogram.counts.length));
+if (!facts.latency.length) {
+  $('latency-title').nextElementSibling.textContent = 'Not in this log: the run had no processes of their own, or was cut, or is of another version.';
+}
+
+/** All histograms on the same axis, so that they can be compared. */
+function drawHistograms() {
+  const from = Math.floor(firstPart / facts.per_decade), to = Math.ceil(lastPart / facts.per_decade);
+  for (const { canvas, hop } of histograms) {
+    fitCanvas(canvas);
+    const ratio = window.devicePixelRatio || 1;
+    const ctx = canvas.getContext('2d');
+    ctx.setTransform(ratio, 0, 0, ratio, 0, 0);
+    ctx.clearRect(0, 0, canvas.clientWidth, canvas.clientHeight);
+    const left = 14, right = canvas.clientWidth - 14, bottom = canvas.clientHeight - 20;
+    const x = (decade) => left + (decade - from) / (to - from) * (right - left);
+    ctx.font = '12px system-ui, sans-serif';
+    ctx.textAlign = 'center';
+    ctx.textBaseline = 'middle';
+    for (let decade = from; decade <= to; decade++) {
+      ctx.strokeStyle = colours.line;
+      ctx.beginPath(); ctx.moveTo(x(decade), 4); ctx.lineTo(x(decade), bottom); ctx.stroke();
+      ctx.fillStyle = colours.faint;
+      const [number, unit] = duration(10 ** decade / 1e3).split(' ');
+      ctx.fillText(`${+number} ${unit}`, Math.min(Math.max(x(decade), 18), canvas.clientWidth - 20), bottom + 11);
+    }
+    const { first, counts } = hop.histogram;
+    const most = Math.max(...counts);
+    ctx.fillStyle = colours.police;
+    counts.forEach((count, i) => {
+      const a = x((first + i) / facts.per_decade), b = x((first + i + 1) / facts.per_decade);
+      const h = count === 0 ? 0 : Math.max(1, count / most * (bottom - 6));
+      ctx.fillRect(a + 0.5, bottom - h, Math.max(1, b - a - 1), h);
+    });
+    for (const us of [hop.us.p50, hop.us.p99]) {
+      const at = x(Math.log10(Math.max(us * 1e3, 1)));
+      ctx.strokeStyle = colours.evader;
+      ctx.lineWidth = 1.5;
+      ctx.beginPath(); ctx.moveTo(at, 4); ctx.lineTo(at, bottom); ctx.stroke();
+      ctx.lineWidth = 1;
+    }
+  }
+}

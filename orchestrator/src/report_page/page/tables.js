@@ -1,0 +1,98 @@
+// Words and tables.
+
+/** A table; the first row are its headings, columns named in `texts` stand to the left. */
+function table(headings, rows, texts = [0]) {
+  const cell = (tag) => (value, i) => {
+    const made = element(tag, texts.includes(i) ? { className: 'text' } : {});
+    made.append(value instanceof Node ? value : String(value));
+    return made;
+  };
+  const body = rows.map((row) => element('tr', {}, ...row.map(cell('td'))));
+  return element('table', {}, element('thead', {}, element('tr', {}, ...headings.map(cell('th')))), element('tbody', {}, ...body));
+}
+
+function card(title, content) {
+  $('more').append(element('section', { className: 'card scroll' }, element('h2', { textContent: title }), content));
+}
+
+$('title').textContent = facts.title || facts.scenario || 'Mission';
+$('caption').textContent = facts.description.trim();
+if (facts.missing.length) {
+  $('missing').hidden = false;
+  for (const line of facts.missing) $('missing').append(element('li', { textContent: line }));
+}
+
+function named(name, colour) {
+  const dot = element('span', { className: 'dot' });
+  dot.style.background = `var(--${colour})`;
+  return element('span', {}, dot, name);
+}
+if (facts.outcome.length) {
+  $('outcome').append(table(['robot', 'outcome', 'time [s]', 'driven [m]', 'contacts'], facts.outcome.map((r) => [
+    named(r.name, r.team), words(r.outcome), r.time_s.toFixed(2), r.distance_m.toFixed(2), r.contacts,
+  ]), [0, 1]));
+} else {
+  $('outcome').textContent = 'not in the log';
+}
+
+const describe = (name, text) => {
+  if (text !== null && text !== undefined && text !== '') $('run').append(element('dt', { textContent: name }), element('dd', { textContent: text }));
+};
+describe('scenario', facts.scenario);
+describe('seed', facts.seed);
+describe('simulated', `${facts.end_s.toFixed(2)} s in ticks of ${+facts.tick_period_s.toPrecision(6)} s${facts.over ? '' : ' (not to its end)'}`);
+describe('mode', facts.mode && words(facts.mode));
+describe('digest', facts.digest || (facts.run_digest ? `of the whole run: ${facts.run_digest}` : 'not in the log'));
+describe('version', facts.version);
+describe('machine', facts.machine);
+describe('messages', `${Object.values(facts.topics).reduce((a, b) => a + b, 0)} on ${Object.values(facts.topics).filter((n) => n > 0).length} topics`);
+
+if (facts.coverage) {
+  const c = facts.coverage;
+  card('Area visited', table(['of the free area', 'of what robots can visit', 'free [m²]', 'visited [m²]', 'mean idleness [s]', 'worst idleness [s]', 'unevenness', 'way [m]'],
+    [[`${(100 * c.fraction).toFixed(1)} %`, `${(100 * c.coverable_fraction).toFixed(1)} %`, short(c.free_m2), short(c.visited_m2),
+      short(c.mean_idleness_s), short(c.worst_idleness_s), short(c.unevenness), short(c.way_m)]]));
+}
+const visitors = facts.outcome.filter((r) => r.waypoints);
+if (visitors.length) {
+  const numbers = (w) => Object.entries(w).filter(([, value]) => typeof value === 'number');
+  const keys = numbers(visitors[0].waypoints).map(([key]) => key);
+  card('Waypoints', table(['robot', ...keys.map((key) => words(key).replace(/ (m|s)$/, ' [$1]'))], visitors.map((r) => [r.name, ...keys.map((key) => short(r.waypoints[key] ?? NaN))])));
+}
+if (facts.predictions) {
+  const horizons = [...new Set(facts.predictions.map((p) => p.horizon_s))].sort((a, b) => a - b);
+  const rows = new Map();
+  for (const p of facts.predictions) {
+    const key = `${p.observer} ${p.robot} ${p.method}`;
+    if (!rows.has(key)) rows.set(key, { p, at: new Map() });
+    rows.get(key).at.set(p.horizon_s, p.mean_m);
+  }
+  card('Predictions: mean error [m]', table(['robot', 'by', ...horizons.map((h) => `${h} s ahead`), 'goals made out', 'key found'],
+    [...rows.values()].map(({ p, at }) => [p.robot, words(p.method), ...horizons.map((h) => (at.get(h) === undefined ? '–' : short(at.get(h)))),
+      p.goals_observed, p.key_recovered_s === undefined ? '–' : `${p.key_recovered_s.toFixed(1)} s`]), [0, 1]));
+}
+const unplotted = facts.latency.filter((hop) => !hop.histogram);
+if (unplotted.length) {
+  $('latency').append(element('section', { className: 'card scroll' }, table(['hop', 'p50', 'p90', 'p99', 'max'],
+    unplotted.map(({ name, us }) => [words(name), ...[us.p50, us.p90, us.p99, us.max].map(duration)]))));
+}
+$('scenario').textContent = facts.text;
+
+for (const layer of LAYERS) {
+  const box = element('input', { type: 'checkbox', checked: shown[layer.id], disabled: !layer.there, id: `layer-${layer.id}` });
+  const swatch = element('span', { className: 'swatch' });
+  swatch.style.background = `var(--${layer.colour})`;
+  const label = element('label', { className: layer.there ? '' : 'none' }, box, swatch, layer.there ? layer.text : `${layer.text}: not in this log`);
+  box.addEventListener('change', () => { shown[layer.id] = box.checked; player.redraw(); });
+  $('layers').append(element('li', {}, label));
+}
+if (some('predictions')) {
+  const methods = [...new Set(lists['predictions.method'])].sort();
+  const legend = element('div', { className: 'legend' });
+  for (const method of methods) {
+    const dash = element('span', { className: 'dash' });
+    dash.style.background = methodColour(method);
+    legend.append(element('span', {}, dash, words(facts.methods[method] || 'unknown')));
+  }
+  $('layers').append(element('li', {}, legend));
+}

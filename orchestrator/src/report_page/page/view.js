@@ -1,0 +1,71 @@
+// The map's canvas: which part of the world it shows.
+
+const map = $('map');
+const paint = map.getContext('2d');
+const view = { x: 0, y: 0, scale: 50, width: 1, height: 1, ratio: 1 };
+const colours = {};
+
+/** Takes the colours of the light or dark scheme from the style sheet. */
+function readColours() {
+  const style = getComputedStyle(document.documentElement);
+  for (const name of ['paper', 'wall', 'edge', 'ink', 'faint', 'obstacle', 'exit', 'police', 'evader', 'neutral', 'belief',
+    'belief-ink', 'card', 'line', 'plan']) colours[name] = style.getPropertyValue(`--${name}`).trim();
+  colours.curves = [colours.police, colours.evader, colours.exit, colours.belief, colours.obstacle, colours.ink,
+    '#7a6cc9', '#a0522d', '#56b4e9', '#999933'];
+}
+readColours();
+
+const teamColour = (robot) => colours[facts.robots[robot].team] || colours.neutral;
+/** As `protean picture` draws the robots of a team that are out of the game: paler. */
+const PALE = 0.45;
+
+/** Fits a canvas to its place on the page; true if its size changed. */
+function fitCanvas(canvas) {
+  const ratio = window.devicePixelRatio || 1;
+  const width = Math.max(1, Math.round(canvas.clientWidth * ratio));
+  const height = Math.max(1, Math.round(canvas.clientHeight * ratio));
+  if (canvas.width === width && canvas.height === height) return false;
+  canvas.width = width;
+  canvas.height = height;
+  return true;
+}
+
+function fitView() {
+  const { min, max } = facts.ground;
+  view.x = (min[0] + max[0]) / 2;
+  view.y = (min[1] + max[1]) / 2;
+  const margin = 28;
+  view.scale = Math.max(1e-3, Math.min((view.width - 2 * margin) / (max[0] - min[0]), (view.height - 2 * margin) / (max[1] - min[1])));
+}
+
+function resizeView() {
+  const first = view.width === 1;
+  fitCanvas(map);
+  view.ratio = window.devicePixelRatio || 1;
+  const fits = first || view.fitted;
+  view.width = map.clientWidth;
+  view.height = map.clientHeight;
+  if (fits) { fitView(); view.fitted = true; }
+}
+
+const toScreen = (x, y) => [view.width / 2 + (x - view.x) * view.scale, view.height / 2 - (y - view.y) * view.scale];
+const toWorld = (px, py) => [view.x + (px - view.width / 2) / view.scale, view.y - (py - view.height / 2) / view.scale];
+
+/** Draws in pixels of the page. */
+function inPixels(ctx) { ctx.setTransform(view.ratio, 0, 0, view.ratio, 0, 0); }
+
+/** Draws in metres of the world, y up. */
+function inMetres(ctx) {
+  const s = view.scale * view.ratio;
+  ctx.setTransform(s, 0, 0, -s, (view.width / 2 - view.x * view.scale) * view.ratio, (view.height / 2 + view.y * view.scale) * view.ratio);
+}
+
+/** Zooms by a factor about a point on the canvas. */
+function zoom(factor, px = view.width / 2, py = view.height / 2) {
+  const [x, y] = toWorld(px, py);
+  view.scale = Math.min(5000, Math.max(0.05, view.scale * factor));
+  const [nx, ny] = toWorld(px, py);
+  view.x += x - nx;
+  view.y += y - ny;
+  view.fitted = false;
+}

@@ -1,0 +1,235 @@
+//! What moves on the page, as lists of numbers.
+
+use sim_backend::pose::Pose2;
+
+use super::gather::{Frame, Gathered};
+use super::layers::{Beams, Cloud, Edge, Foretold, Layers};
+use super::pack::{Lists, Raster, pack_angle, pack_time};
+use super::sampled::Sample;
+use crate::picture::Cells;
+
+/// Bits above a robot's status in its flags.
+const IN_CONTACT: u8 = 1 << 4;
+const FAIL_SAFE: u8 = 1 << 5;
+const PRESENT: u8 = 1 << 6;
+
+/// Packs everything that has a place; takes the layers out of what was gathered.
+pub(super) fn pack(gathered: &mut Gathered, raster: Raster, lists: &mut Lists) {
+    states(gathered, raster, lists);
+    let layers = core::mem::take(&mut gathered.layers);
+    gathered.layers.horizons_s.clone_from(&layers.horizons_s);
+    let Layers {
+        beliefs,
+        plans,
+        trees,
+        scans,
+        predictions,
+        horizons_s: _,
+    } = layers;
+    clouds(&beliefs.finish(), raster, lists);
+    plan_points(&plans.finish(), raster, lists);
+    edges(&trees.finish(), raster, lists);
+    beams(&scans.finish(), lists);
+    foretold(&predictions.finish(), raster, lists);
+    waypoints(gathered, raster, lists);
+    rectangles(gathered, raster, lists);
+}
+
+/// States robot by robot: the numbers of one follow each other closely.
+fn states(gathered: &Gathered, raster: Raster, lists: &mut Lists) {
+    let start;
+    let frames: &[Sample<Frame>] = if gathered.frames.is_empty() {
+        // Without states there is at least where everybody was put.
+        start = [Sample {
+            time_ns: 0,
+            key: 0,
+            item: Frame {
+                tick: 0,
+                robots: Vec::new(),
+            },
+        }];
+        &start
+    } else {
+        &gathered.frames
+    };
+    lists.u32(
+        "tick",
+        frames.iter().map(|f| f.item.tick as u32).collect(),
+        2,
+    );
+    lists.u32(
+        "time",
+        frames.iter().map(|f| pack_time(f.time_ns)).collect(),
+        2,
+    );
+    let robots = gathered.scenario.robots.len();
+    let [mut x, mut y, mut theta] = [const { Vec::<u16>::new() }; 3];
+    let mut flags = Vec::new();
+    for robot in 0..robots {
+        let put = gathered.scenario.robots.get(robot).map(|r| r.start);
+        let mut last = put.unwrap_or(Pose2::new(0.0, 0.0, 0.0));
+        for frame in frames {
+            let state = frame.item.robots.iter().find(|s| s.robot as usize == robot);
+            if let Some(s) = state {
+                last = Pose2::new(s.x, s.y, s.theta);
+            }
+            let [px, py] = raster.pack([last.x, last.y]);
+            x.push(px);
+            y.push(py);
+            theta.push(pack_angle(last.theta));
+            flags.push(state.map_or(PRESENT, |s| {
+                let flag = |on: u8, bit| if on == 0 { 0 } else { bit };
+                s.status & 0xf
+                    | flag(s.in_contact, IN_CONTACT)
+                    | flag(s.fail_safe, FAIL_SAFE)
+                    | flag(s.present, PRESENT)
+            }));
+        }
+    }
+    lists.u16("x", x, 2);
+    lists.u16("y", y, 2);
+    lists.u16("theta", theta, 2);
+    lists.u8("flags", flags, 1);
+}
+
+/// When each item of a layer came, of whom it is and how many parts it has.
+fn index<T>(name: &str, all: &[Sample<T>], parts: impl Fn(&T) -> usize, lists: &mut Lists) {
+    let times = all.iter().map(|s| pack_time(s.time_ns)).collect();
+    lists.u32(&format!("{name}.time"), times, 1);
+    let keys = all.iter().map(|s| s.key as u8).collect();
+    lists.u8(&format!("{name}.robot"), keys, 0);
+    let counts = all.iter().map(|s| parts(&s.item) as u32).collect();
+    lists.u32(&format!("{name}.count"), counts, 1);
+}
+
+/// Particles in 256 × 256 parts of the rectangle around them, sorted: their order says nothing.
+fn clouds(all: &[Sample<Cloud>], raster: Raster, lists: &mut Lists) {
+    index("beliefs", all, |cloud| cloud.points.len(), lists);
+    let (mut boxes, mut means) = (Vec::new(), Vec::new());
+    let (mut xs, mut ys) = (Vec::new(), Vec::new());
+    for sample in all {
+        let points: Vec<[u16; 2]> = sample
+            .item
+            .points
+            .iter()
+            .map(|p| raster.pack(p.map(f64::from)))
+            .collect();
+        let bound = |i: usize| {
+            let of = points.iter().map(move |p| p[i]);
+            let (min, max) = (of.clone().min().unwrap_or(0), of.max().unwrap_or(0));
+            (min, max - min)
+        };
+        let ((x, width), (y, height)) = (bound(0), bound(1));
+        boxes.extend([x, y, width, height]);
+        means.extend(raster.pack(sample.item.mean));
+        let part = |value: u16, min: u16, extent: u16| {
+            let extent = u32::from(extent).max(1);
+            ((u32::from(value - min) * 255 + extent / 2) / extent) as u8
+        };
+        let mut parts: Vec<[u8; 2]> = points
+            .iter()
+            .map(|p| [part(p[0], x, width), part(p[1], y, height)])
+            .collect();
+        parts.sort_unstable();
+        xs.extend(parts.iter().map(|p| p[0]));
+        ys.extend(parts.iter().map(|p| p[1]));
+    }
+    lists.u16("beliefs.box", boxes, 0);
+    lists.u16("beliefs.mean", means, 0);
+    lists.u8("beliefs.x", xs, 1);
+    lists.u8("beliefs.y", ys, 0);
+}
+
+fn put_places(name: &str, places: impl Iterator<Item = [u16; 2]>, lists: &mut Lists) {
+    let (x, y) = places.map(|[x, y]| (x, y)).unzip();
+    lists.u16(&format!("{name}.x"), x, 1);
+    lists.u16(&format!("{name}.y"), y, 1);
+}
+
+fn plan_points(all: &[Sample<Vec<[f64; 2]>>], raster: Raster, lists: &mut Lists) {
+    index("plans", all, Vec::len, lists);
+    let places = all.iter().flat_map(|s| &s.item).map(|&p| raster.pack(p));
+    put_places("plans", places, lists);
+}
+
+fn edges(all: &[Sample<Vec<Edge>>], raster: Raster, lists: &mut Lists) {
+    index("trees", all, Vec::len, lists);
+    let each = || all.iter().flat_map(|s| &s.item);
+    let end = |edge: &Edge, i: usize| raster.pack(edge.ends[i].map(f64::from));
+    put_places("trees.to", each().map(|edge| end(edge, 1)), lists);
+    let back = each().map(|edge| {
+        let (from, to) = (end(edge, 0), end(edge, 1));
+        [0, 1].map(|i| from[i].wrapping_sub(to[i]))
+    });
+    let (x, y) = back.map(|[x, y]| (x, y)).unzip();
+    lists.u16("trees.back.x", x, 0);
+    lists.u16("trees.back.y", y, 0);
+    lists.u8(
+        "trees.path",
+        each().map(|e| u8::from(e.on_path)).collect(),
+        0,
+    );
+}
+
+/// Ranges in millimetres.
+fn beams(all: &[Sample<Beams>], lists: &mut Lists) {
+    index("scans", all, |beams| beams.ranges.len(), lists);
+    let angles = all
+        .iter()
+        .flat_map(|s| [pack_angle(s.item.first), pack_angle(s.item.step)])
+        .collect();
+    lists.u16("scans.angles", angles, 0);
+    let ranges = all
+        .iter()
+        .flat_map(|s| &s.item.ranges)
+        .map(|&range| (f64::from(range) * 1e3).round().clamp(0.0, 65_534.0) as u16)
+        .collect();
+    lists.u16("scans.range", ranges, 1);
+}
+
+fn foretold(all: &[Sample<Vec<Foretold>>], raster: Raster, lists: &mut Lists) {
+    index("predictions", all, Vec::len, lists);
+    let each = || all.iter().flat_map(|s| &s.item);
+    lists.u8("predictions.method", each().map(|p| p.method).collect(), 0);
+    lists.u8(
+        "predictions.horizon",
+        each().map(|p| p.horizon).collect(),
+        0,
+    );
+    let places = each().map(|p| raster.pack_if_inside(p.at));
+    put_places("predictions", places, lists);
+}
+
+fn waypoints(gathered: &Gathered, raster: Raster, lists: &mut Lists) {
+    let all = &gathered.happened.waypoints;
+    let times = all.iter().map(|(time_ns, _)| pack_time(*time_ns)).collect();
+    lists.u32("waypoints.time", times, 1);
+    put_places(
+        "waypoints",
+        all.iter().map(|(_, w)| raster.pack_if_inside([w.x, w.y])),
+        lists,
+    );
+    lists.u8(
+        "waypoints.robot",
+        all.iter().map(|(_, w)| w.robot as u8).collect(),
+        0,
+    );
+    lists.u8(
+        "waypoints.outcome",
+        all.iter().map(|(_, w)| w.outcome).collect(),
+        0,
+    );
+    lists.u8(
+        "waypoints.kind",
+        all.iter().map(|(_, w)| w.kind).collect(),
+        0,
+    );
+}
+
+/// The walls of a map that has no vectors: smallest and largest corner of rectangles.
+fn rectangles(gathered: &Gathered, raster: Raster, lists: &mut Lists) {
+    let cells = gathered.ground.cells.as_ref();
+    let rectangles = cells.map(Cells::rectangles).unwrap_or_default();
+    let corners = rectangles.iter().flatten().flat_map(|&p| raster.pack(p));
+    lists.u16("walls", corners.collect(), 0);
+}

@@ -1,0 +1,138 @@
+"""Opens a page in headless Chromium and asks it questions, with Python's own library alone.
+
+usage: browse.py CHROMIUM PAGE < JSON list of steps
+
+A step is {"eval": JavaScript} (a promise is waited for), {"key": name}, {"shot": file.png} or
+{"dark": true}. Prints {"answers": [...], "errors": [...], "requests": [...]}: what the scripts gave,
+whatever the console complained of, and every address that was asked for.
+"""
+
+import base64
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+
+DEADLINE = time.monotonic() + 150
+KEY_CODES = {" ": ("Space", 32), "ArrowLeft": ("ArrowLeft", 37), "ArrowRight": ("ArrowRight", 39)}
+
+
+class Browser:
+    """Chromium, spoken to over a pair of pipes (its descriptors 3 and 4)."""
+
+    def __init__(self, program, profile):
+        to_browser, self.to = os.pipe()
+        self.fro, from_browser = os.pipe()
+        words = [
+            program, "--headless=new", "--no-sandbox", "--disable-gpu", "--no-first-run",
+            "--disable-dev-shm-usage", "--disable-extensions", "--disable-background-networking",
+            "--hide-scrollbars", f"--user-data-dir={profile}", "--remote-debugging-pipe",
+            "--window-size=1500,1000", "about:blank",
+        ]
+        self.process = subprocess.Popen(
+            ["sh", "-c", f'exec "$@" 3<&{to_browser} 4>&{from_browser}', "sh", *words],
+            pass_fds=(to_browser, from_browser),
+            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+        )
+        os.close(to_browser)
+        os.close(from_browser)
+        self.next = 0
+        self.rest = b""
+        self.session = None
+        self.errors = []
+        self.requests = []
+
+    def receive(self):
+        while b"\0" not in self.rest:
+            if time.monotonic() > DEADLINE:
+                raise SystemExit("the browser does not answer")
+            part = os.read(self.fro, 1 << 16)
+            if not part:
+                raise SystemExit(f"the browser ended: {self.process.stderr.read().decode(errors='replace')}")
+            self.rest += part
+        message, self.rest = self.rest.split(b"\0", 1)
+        return json.loads(message)
+
+    def call(self, method, **params):
+        self.next += 1
+        message = {"id": self.next, "method": method, "params": params}
+        if self.session:
+            message["sessionId"] = self.session
+        os.write(self.to, json.dumps(message).encode() + b"\0")
+        while True:
+            answer = self.receive()
+            if answer.get("id") == self.next:
+                if "error" in answer:
+                    raise SystemExit(f"{method}: {answer['error']}")
+                return answer["result"]
+            self.event(answer)
+
+    def event(self, event):
+        params = event.get("params", {})
+        if event.get("method") == "Runtime.exceptionThrown":
+            details = params["exceptionDetails"]
+            self.errors.append(details.get("exception", {}).get("description", details["text"]))
+        elif event.get("method") == "Runtime.consoleAPICalled" and params["type"] in ("error", "warning", "assert"):
+            self.errors.append(" ".join(str(a.get("value", a.get("description"))) for a in params["args"]))
+        elif event.get("method") == "Log.entryAdded" and params["entry"]["level"] in ("error", "warning"):
+            self.errors.append(params["entry"]["text"])
+        elif event.get("method") == "Network.requestWillBeSent":
+            self.requests.append(params["request"]["url"][:200])
+
+    def evaluate(self, expression):
+        result = self.call("Runtime.evaluate", expression=expression, awaitPromise=True, returnByValue=True)
+        if "exceptionDetails" in result:
+            details = result["exceptionDetails"]
+            raise SystemExit(f"{expression}: {details.get('exception', {}).get('description', details['text'])}")
+        return result["result"].get("value")
+
+    def key(self, key):
+        code, number = KEY_CODES.get(key, (key, ord(key[0].upper())))
+        common = {"key": key, "code": code, "windowsVirtualKeyCode": number}
+        self.call("Input.dispatchKeyEvent", type="keyDown", **common)
+        self.call("Input.dispatchKeyEvent", type="keyUp", **common)
+
+
+def main():
+    program, page = sys.argv[1:3]
+    steps = json.load(sys.stdin)
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
+        browser = Browser(program, profile)
+        try:
+            target = browser.call("Target.createTarget", url="about:blank")["targetId"]
+            session = browser.call("Target.attachToTarget", targetId=target, flatten=True)
+            browser.session = session["sessionId"]
+            for domain in ("Runtime", "Log", "Network", "Page"):
+                browser.call(f"{domain}.enable")
+            browser.call("Emulation.setDeviceMetricsOverride", width=1500, height=1000, deviceScaleFactor=1, mobile=False)
+            browser.call("Page.navigate", url=f"file://{os.path.abspath(page)}")
+            while browser.evaluate("document.documentElement?.dataset.ready") != "yes":
+                if browser.errors or time.monotonic() > DEADLINE:
+                    raise SystemExit(f"the page does not come up: {browser.errors}")
+                time.sleep(0.05)
+            answers = []
+            for step in steps:
+                if "eval" in step:
+                    answers.append(browser.evaluate(step["eval"]))
+                elif "key" in step:
+                    browser.key(step["key"])
+                elif "dark" in step:
+                    scheme = "dark" if step["dark"] else "light"
+                    features = [{"name": "prefers-color-scheme", "value": scheme}]
+                    browser.call("Emulation.setEmulatedMedia", features=features)
+                elif "shot" in step:
+                    size = browser.call("Page.getLayoutMetrics")["cssContentSize"]
+                    clip = {"x": 0, "y": 0, "width": size["width"], "height": min(size["height"], 4000), "scale": 1}
+                    shot = browser.call("Page.captureScreenshot", captureBeyondViewport=True, clip=clip if step.get("whole") else
+                                        {"x": 0, "y": 0, "width": 1500, "height": 1000, "scale": 1})
+                    with open(step["shot"], "wb") as file:
+                        file.write(base64.b64decode(shot["data"]))
+            json.dump({"answers": answers, "errors": browser.errors, "requests": browser.requests}, sys.stdout)
+        finally:
+            browser.process.kill()
+            browser.process.wait()
+
+
+main()

@@ -1,0 +1,217 @@
+//! The page of a log, in a real browser.
+
+use std::io::Write as _;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use serde_json::{Value as Json, json};
+
+use crate::support::Sandbox;
+use crate::support::history::History;
+
+/// Programs that are Chromium.
+const BROWSERS: [&str; 4] = [
+    "chromium",
+    "chromium-browser",
+    "google-chrome",
+    "google-chrome-stable",
+];
+
+/// Opens a page and takes these steps (see `python/browse.py`); `None`, and a note that everybody
+/// sees, if this machine has no browser.
+fn browse(page: &Path, steps: &Json) -> Option<Json> {
+    let works = |program: &&str| {
+        let version = Command::new(program).arg("--version").output();
+        version.is_ok_and(|output| output.status.success())
+    };
+    let python = works(&"python3");
+    let Some(browser) = BROWSERS.iter().find(|b| works(b)).filter(|_| python) else {
+        // Past the test harness, which swallows what tests print.
+        let note = format!(
+            "\nSKIPPED: opening {} in a browser: needs python3 and one of {BROWSERS:?}\n",
+            page.display()
+        );
+        std::io::stderr().write_all(note.as_bytes()).unwrap();
+        return None;
+    };
+    let mut child = Command::new("python3")
+        .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/python/browse.py"))
+        .arg(browser)
+        .arg(page)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut stdin = child.stdin.take().unwrap();
+    stdin.write_all(steps.to_string().as_bytes()).unwrap();
+    drop(stdin);
+    let output = child.wait_with_output().unwrap();
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{errors}");
+    Some(serde_json::from_slice(&output.stdout).unwrap())
+}
+
+/// The same with all numbers as a browser has them: it does not tell 6 from 6.0.
+fn in_a_browser(value: &Json) -> Json {
+    match value {
+        Json::Number(number) => json!(number.as_f64()),
+        Json::Array(all) => all.iter().map(in_a_browser).collect(),
+        Json::Object(all) => all
+            .iter()
+            .map(|(key, value)| (key.clone(), in_a_browser(value)))
+            .collect(),
+        other => other.clone(),
+    }
+}
+
+#[test]
+fn a_page_plays_the_mission_in_a_browser_and_shows_what_the_log_says() {
+    let sandbox = Sandbox::new();
+    let summary = sandbox
+        .protean(["run", "chase", "--seed", "3", "--out", "run.mcap"])
+        .set("rules.time_limit=6")
+        .json();
+    let report = sandbox.protean(["report", "run.mcap"]).json();
+    assert_eq!(report["page"], "run.html");
+    assert_eq!(report["robots"], summary["robots"]);
+    let history = History::read(&sandbox.path().join("run.mcap"));
+    let state = &history.states[history.states.len() / 2];
+    let time_s = state.tick as f64 * 0.05;
+    let seek = format!(
+        "new Promise((done) => {{ protean.seek({time_s}); requestAnimationFrame(() => requestAnimationFrame(() => \
+         done({{ t: protean.t, clock: document.getElementById('clock').textContent, \
+         scrub: Number(document.getElementById('scrub').value) }}))); }})"
+    );
+    // Until time has gone on, however slow the machine is.
+    let plays = "new Promise((done) => { const from = protean.t, drawn = protean.drawn; \
+         const look = () => protean.t > from + 0.05 && protean.drawn > drawn + 2 ? done(true) : setTimeout(look, 20); look(); })";
+    let drawn = "(() => { const map = document.getElementById('map'); \
+         const data = map.getContext('2d').getImageData(0, 0, map.width, map.height).data; const seen = new Set(); \
+         for (let i = 0; i < data.length; i += 4) seen.add((data[i] << 16) | (data[i + 1] << 8) | data[i + 2]); \
+         return { colours: seen.size, police: seen.has(0x0072b2), evader: seen.has(0xd55e00), wall: seen.has(0xcfd4db) }; })()";
+    let steps = json!([
+        { "eval": "protean.outcome" },
+        { "eval": "[...document.querySelectorAll('#outcome tbody tr')].map((row) => [...row.cells].map((cell) => cell.textContent))" },
+        { "eval": seek },
+        { "eval": format!("protean.at({time_s})") },
+        { "eval": format!("protean.layersAt({time_s})") },
+        { "eval": drawn },
+        { "key": " " },
+        { "eval": "protean.playing" },
+        { "eval": plays },
+        { "key": " " },
+        { "eval": "protean.playing" },
+        { "eval": "protean.seek(3), protean.t" },
+        { "key": "ArrowLeft" },
+        { "eval": "protean.t" },
+        { "eval": "document.getElementById('run').textContent" },
+        { "eval": "document.querySelectorAll('*').length" },
+    ]);
+    let Some(found) = browse(&sandbox.path().join("run.html"), &steps) else {
+        return;
+    };
+    assert_eq!(found["errors"], json!([]), "complaints of the browser");
+    for request in found["requests"].as_array().unwrap() {
+        let address = request.as_str().unwrap();
+        let inside = address.starts_with("file://") && address.ends_with("run.html")
+            || address.starts_with("data:");
+        assert!(inside, "asks for {address}");
+    }
+    let mut answers = found["answers"].as_array().unwrap().iter();
+    let mut next = || answers.next().unwrap();
+    assert_eq!(in_a_browser(next()), in_a_browser(&summary["robots"]));
+    let rows = next().as_array().unwrap();
+    for (row, robot) in rows.iter().zip(summary["robots"].as_array().unwrap()) {
+        assert_eq!(row[0], robot["name"]);
+        assert_eq!(row[1], robot["outcome"].as_str().unwrap().replace('_', " "));
+    }
+    assert_eq!(rows.len(), history.states[0].robots.len());
+    let scrubbed = next();
+    assert_eq!(scrubbed["t"], time_s);
+    assert!(
+        (scrubbed["scrub"].as_f64().unwrap() - time_s).abs() < 1e-6,
+        "{scrubbed}"
+    );
+    assert!(
+        scrubbed["clock"]
+            .as_str()
+            .unwrap()
+            .starts_with(&format!("{time_s:.2} s of")),
+        "{scrubbed}"
+    );
+    let at = next();
+    assert_eq!(at["tick"], state.tick);
+    for (shown, robot) in at["robots"].as_array().unwrap().iter().zip(&state.robots) {
+        for (key, value) in [("x", robot.x), ("y", robot.y)] {
+            let shown = shown[key].as_f64().unwrap();
+            assert!(
+                (shown - value).abs() <= 0.000_501,
+                "{key}: {shown}, {value}"
+            );
+        }
+        let turned =
+            (shown["theta"].as_f64().unwrap() - robot.theta).rem_euclid(std::f64::consts::TAU);
+        assert!(turned.min(std::f64::consts::TAU - turned) < 1e-4, "{shown}");
+    }
+    let layers = next();
+    for robot in ["4", "5"] {
+        assert!(layers["beliefs"][robot].as_u64().unwrap() > 100, "{layers}");
+    }
+    let picture = next();
+    for what in ["police", "evader", "wall"] {
+        assert_eq!(picture[what], true, "{what}: {picture}");
+    }
+    assert_eq!(
+        (next(), next(), next()),
+        (&json!(true), &json!(true), &json!(false)),
+        "plays and pauses"
+    );
+    assert_eq!((next(), next()), (&json!(3), &json!(2)), "a second back");
+    let words = next().as_str().unwrap();
+    assert!(
+        words.contains(summary["digest"].as_str().unwrap()),
+        "{words}"
+    );
+    let nodes = next().as_u64().unwrap();
+    assert!(
+        nodes < 1000,
+        "{nodes} elements for a page that draws on canvases"
+    );
+    sandbox.assert_nothing_left();
+}
+
+#[test]
+fn pages_of_what_is_no_log_are_refused_and_those_of_a_killed_run_say_so() {
+    let sandbox = Sandbox::new();
+    sandbox.file("empty.mcap", "");
+    for (name, words) in [("nope.mcap", "No such file"), ("empty.mcap", "it is empty")] {
+        let before = sandbox.files();
+        let outcome = sandbox.protean(["report", name]).run();
+        outcome.refused(2, &["error: ", name, words]);
+        assert_eq!(sandbox.files(), before);
+    }
+    sandbox
+        .protean(["run", "chase_exact", "--in-process", "--out", "run.mcap"])
+        .set("rules.time_limit=1")
+        .json();
+    let bytes = std::fs::read(sandbox.path().join("run.mcap")).unwrap();
+    let index = mcap::Summary::read(&bytes).unwrap().unwrap();
+    let last = index
+        .chunk_indexes
+        .iter()
+        .map(|i| i.chunk_start_offset)
+        .max();
+    sandbox.file("cut.mcap", &bytes[..last.unwrap() as usize + 40]);
+    let outcome = sandbox
+        .protean(["report", "cut.mcap", "--out", "cut.html"])
+        .run();
+    assert_eq!(outcome.code, Some(3), "{outcome}");
+    assert!(outcome.stderr.contains("is not whole"), "{outcome}");
+    let steps = json!([{ "eval": "document.getElementById('missing').textContent" }]);
+    if let Some(found) = browse(&sandbox.path().join("cut.html"), &steps) {
+        assert_eq!(found["errors"], json!([]));
+        let said = found["answers"][0].as_str().unwrap();
+        assert!(said.contains("ends in the middle"), "{said}");
+    }
+}
