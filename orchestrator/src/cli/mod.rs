@@ -15,6 +15,7 @@ mod picture;
 mod plan;
 mod process;
 mod recover;
+mod replay;
 mod rerun;
 mod run;
 mod sweep;
@@ -116,6 +117,9 @@ enum Command {
     /// Write the messages of a log as tables
     #[command(after_long_help = export::HELP)]
     Export(export::ExportArgs),
+    /// Play a log: send its messages once more, to viewers and processes, or to a process under test
+    #[command(after_long_help = replay::HELP)]
+    Replay(replay::ReplayArgs),
     /// Do the run in a log again and prove that it is the same
     #[command(after_long_help = rerun::HELP)]
     Rerun(rerun::RerunArgs),
@@ -251,6 +255,7 @@ pub fn main() -> ExitCode {
         Some(Command::Recover(args)) => recover::run(&args),
         Some(Command::Filter(args)) => filter::run(args),
         Some(Command::Export(args)) => export::run(args),
+        Some(Command::Replay(args)) => replay::run(args),
         Some(Command::Rerun(args)) => rerun::run(&args),
         Some(Command::Bench { items, quick, json }) => bench::bench(&items, quick, json),
         Some(Command::Plan(args)) => plan::plan(&args),

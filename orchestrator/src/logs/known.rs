@@ -21,6 +21,8 @@ pub(super) struct Known {
     pub(super) simulated: bool,
     /// Whether whoever comes late gets the last message: it describes a state that lasts.
     pub(super) latched: bool,
+    /// Whether only one process ever sends it.
+    pub(super) one_sender: bool,
     pub(super) hash: String,
 }
 
@@ -37,13 +39,14 @@ fn collect() -> Vec<Known> {
         fn visit<T: Topic>(&mut self) -> Result<(), Infallible> {
             let size = RunSize {
                 robots: 1,
-                processes: 1,
+                processes: 2,
                 events: 1,
             };
             self.0.push(Known {
                 name: T::NAME,
                 simulated: T::SIMULATED,
                 latched: T::qos(&size).history > 0,
+                one_sender: T::qos(&size).publishers == 1,
                 hash: schema::hash::<T>(),
             });
             Ok(())

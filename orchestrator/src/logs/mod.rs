@@ -14,13 +14,16 @@ mod filter;
 mod info;
 mod info_text;
 mod known;
+mod origin;
 mod output;
 mod pattern;
 mod place;
 mod reader;
 mod recover;
+mod replay;
 mod rerun;
 mod ros2;
+mod states;
 mod watch;
 
 #[cfg(test)]
@@ -35,6 +38,7 @@ pub use info::{LogInfo, TopicInfo};
 pub use info_text::text as info_text;
 pub use pattern::Topics;
 pub use recover::{Recovered, recover};
+pub use replay::{ReplayOptions, Replayed, replay};
 pub use rerun::{Rerun, RerunOptions, rerun};
 pub use watch::Watch;
 

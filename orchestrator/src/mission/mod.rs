@@ -1,7 +1,7 @@
 //! One run, from the resolved scenario to the summary: processes started, supervised, recorded,
 //! ended, and nothing left behind.
 
-mod bridge;
+pub(crate) mod bridge;
 mod changes;
 pub mod children;
 mod error;
@@ -15,4 +15,5 @@ mod run;
 pub mod spaces;
 
 pub use error::MissionError;
+pub(crate) use run::{create_services, write_config};
 pub use run::{MissionOptions, MissionReport, run};
