@@ -38,7 +38,10 @@ pub use info::{LogInfo, TopicInfo};
 pub use info_text::text as info_text;
 pub use pattern::Topics;
 pub use recover::{Recovered, recover};
-pub use replay::{ReplayOptions, Replayed, replay};
+pub use replay::{
+    Deviation, ReplayOptions, Replayed, Spread, TopicVerdict, Verified, VerifyOptions, replay,
+    verify,
+};
 pub use rerun::{Rerun, RerunOptions, rerun};
 pub use watch::Watch;
 

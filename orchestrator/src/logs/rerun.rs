@@ -74,9 +74,11 @@ struct Recorded {
 /// [`LogsError`]: the log cannot be read, or its run cannot be done again.
 pub fn rerun(log: &Path, options: RerunOptions, watch: &mut Watch) -> Result<Rerun, LogsError> {
     let recorded = Recorded::read(log, watch)?;
-    let mut scenario = recorded
-        .origin
-        .scenario(log, &[], "it cannot be done again the same; runs in lock-step can")?;
+    let mut scenario = recorded.origin.scenario(
+        log,
+        &[],
+        "it cannot be done again the same; runs in lock-step can",
+    )?;
     refuse_external(log, &scenario, options.allow_external)?;
     // Nobody looks at it.
     scenario.log.viewer_rate_hz = 0.0;

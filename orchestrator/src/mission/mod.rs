@@ -15,5 +15,5 @@ mod run;
 pub mod spaces;
 
 pub use error::MissionError;
-pub(crate) use run::{create_services, write_config};
 pub use run::{MissionOptions, MissionReport, run};
+pub(crate) use run::{create_services, write_config};

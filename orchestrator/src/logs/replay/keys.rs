@@ -52,12 +52,12 @@ impl Keys {
                 && ours
             {
                 let mut raw = before.clone();
-                raw.local_modes.remove(LocalModes::ICANON | LocalModes::ECHO);
+                raw.local_modes
+                    .remove(LocalModes::ICANON | LocalModes::ECHO);
                 // A read returns what is there.
                 raw.special_codes[SpecialCodeIndex::VMIN] = 0;
                 raw.special_codes[SpecialCodeIndex::VTIME] = 0;
-                keys.open =
-                    termios::tcsetattr(&keys.stdin, OptionalActions::Now, &raw).is_ok();
+                keys.open = termios::tcsetattr(&keys.stdin, OptionalActions::Now, &raw).is_ok();
                 keys.before = Some(before);
             }
         } else if let Ok(found) = rustix::fs::fstat(&keys.stdin) {

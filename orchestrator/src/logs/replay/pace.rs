@@ -75,7 +75,8 @@ impl Pace {
         if let Some((before, at)) = self.last {
             let recorded = time.saturating_sub(before) as f64 / self.rate;
             let actual = nanoseconds(now - at) as f64;
-            self.jitter.saturating_record((actual - recorded).abs() as u64);
+            self.jitter
+                .saturating_record((actual - recorded).abs() as u64);
         }
         let late = now.saturating_duration_since(self.due(time));
         self.lateness.saturating_record(nanoseconds(late));

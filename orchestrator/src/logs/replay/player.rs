@@ -119,7 +119,11 @@ pub struct Replayed {
 /// # Errors
 /// [`LogsError`]: the log cannot be read or is none of ours, or a reader holds the replay back for
 /// too long.
-pub fn replay(log: &Path, options: &ReplayOptions, watch: &mut Watch) -> Result<Replayed, LogsError> {
+pub fn replay(
+    log: &Path,
+    options: &ReplayOptions,
+    watch: &mut Watch,
+) -> Result<Replayed, LogsError> {
     let start = Instant::now();
     let (from, to) = (
         nanoseconds("--start", options.start_s)?.unwrap_or(0),
@@ -272,7 +276,11 @@ impl<'a> Player<'a> {
                 self.report.restored += u64::from(self.say(message)?);
             }
             self.pace.restart(at);
-            self.tell(if self.paused { PAUSE } else { RunControl::START })?;
+            self.tell(if self.paused {
+                PAUSE
+            } else {
+                RunControl::START
+            })?;
             match self.play_on(watch)? {
                 Flow::From(time) => at = time.max(from),
                 Flow::Go => {
@@ -288,7 +296,9 @@ impl<'a> Player<'a> {
                 }
             }
         }
-        self.report.wall_time_s = self.first.map_or(0.0, |first| first.elapsed().as_secs_f64());
+        self.report.wall_time_s = self
+            .first
+            .map_or(0.0, |first| first.elapsed().as_secs_f64());
         self.tell(STOP)
     }
 
@@ -348,7 +358,11 @@ impl<'a> Player<'a> {
                     Key::Pause => {
                         self.paused = !self.paused;
                         self.pace.restart(self.now.1);
-                        self.tell(if self.paused { PAUSE } else { RunControl::START })?;
+                        self.tell(if self.paused {
+                            PAUSE
+                        } else {
+                            RunControl::START
+                        })?;
                     }
                     Key::Step => {
                         self.paused = true;
@@ -375,17 +389,27 @@ impl<'a> Player<'a> {
         if self.pace.rate.is_infinite() {
             return Ok(());
         }
-        let now = if self.paused { self.now.1 } else { self.pace.time() };
+        let now = if self.paused {
+            self.now.1
+        } else {
+            self.pace.time()
+        };
         self.pace.rate = (self.pace.rate * factor).clamp(RATES.0, RATES.1);
         self.pace.restart(now);
-        self.tell(if self.paused { PAUSE } else { RunControl::START })
+        self.tell(if self.paused {
+            PAUSE
+        } else {
+            RunControl::START
+        })
     }
 
     /// Looks after those who look on.
     fn beat(&mut self, now: Instant) -> Result<(), LogsError> {
         self.beat = now;
         self.choir.greet().map_err(MissionError::from)?;
-        self.control.update_connections().map_err(MissionError::from)?;
+        self.control
+            .update_connections()
+            .map_err(MissionError::from)?;
         self.screen.show(self.now.1, self.pace.rate, self.paused);
         Ok(())
     }
@@ -395,11 +419,17 @@ impl<'a> Player<'a> {
         let mut header = PlainHeader::default();
         (header.stamp.tick, header.stamp.time_ns) = self.now;
         let order = RunControl {
-            rate: if self.pace.rate.is_infinite() { 0.0 } else { self.pace.rate },
+            rate: if self.pace.rate.is_infinite() {
+                0.0
+            } else {
+                self.pace.rate
+            },
             command,
             reserved: 0,
         };
-        self.control.send(header, &[order]).map_err(MissionError::from)?;
+        self.control
+            .send(header, &[order])
+            .map_err(MissionError::from)?;
         Ok(())
     }
 
@@ -416,7 +446,11 @@ impl<'a> Player<'a> {
         {
             std::thread::sleep(INTRODUCTION);
         }
-        let clocks = if self.options.restamp { Clocks::Now } else { Clocks::Recorded };
+        let clocks = if self.options.restamp {
+            Clocks::Now
+        } else {
+            Clocks::Recorded
+        };
         match self.choir.say(message, clocks) {
             Ok(()) => {}
             Err(SayError::Decode(_)) => {
@@ -439,8 +473,13 @@ impl<'a> Player<'a> {
     fn end(mut self) -> Replayed {
         self.overseer.set_phase(Phase::Stop);
         self.screen.finish();
-        let counts = NAMES.iter().zip(&self.by_rank).filter(|(_, count)| **count > 0);
-        self.report.topics = counts.map(|(name, count)| ((*name).to_owned(), *count)).collect();
+        let counts = NAMES
+            .iter()
+            .zip(&self.by_rank)
+            .filter(|(_, count)| **count > 0);
+        self.report.topics = counts
+            .map(|(name, count)| ((*name).to_owned(), *count))
+            .collect();
         self.report.jitter_us = self.pace.jitter();
         self.report.lateness_us = self.pace.lateness();
         tracing::debug!("played {}", self.log.display());

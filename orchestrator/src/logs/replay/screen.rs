@@ -47,7 +47,8 @@ impl Screen {
             ""
         };
         let seconds = super::super::seconds(time);
-        self.bar.set_message(format!("t = {seconds:.2} s  {speed}{keys}"));
+        self.bar
+            .set_message(format!("t = {seconds:.2} s  {speed}{keys}"));
     }
 
     /// Takes the line away.

@@ -83,7 +83,9 @@ impl<T: Topic> Voice for TopicVoice<T> {
     }
 
     fn greet(&self) -> Result<(), SendError> {
-        self.ports.values().try_for_each(|port| port.update_connections())
+        self.ports
+            .values()
+            .try_for_each(|port| port.update_connections())
     }
 }
 

@@ -326,7 +326,12 @@ fn scenarios_that_are_not_there_are_answered_with_those_that_are() {
         .to_string();
     contains(
         &e,
-        &["cannot read chse", "did you mean `chase`?", "`popup`", "in all)"],
+        &[
+            "cannot read chse",
+            "did you mean `chase`?",
+            "`popup`",
+            "in all)",
+        ],
     );
     let e = super::super::load("/tmp", &[], None)
         .unwrap_err()
