@@ -17,5 +17,6 @@ mod navigation;
 mod plan;
 mod planning;
 mod process;
+mod replay;
 mod sweep;
 mod triggers;

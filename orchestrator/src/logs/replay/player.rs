@@ -25,8 +25,6 @@ use super::source::{Logged, Source};
 use super::stage::{Choir, Clocks, SayError, Stage};
 use crate::mission::{MissionError, write_config};
 
-/// Messages that are looked at beforehand for who speaks.
-const AUDITION: usize = 4096;
 /// How long those who read get to connect to somebody who speaks up late.
 const INTRODUCTION: Duration = Duration::from_millis(10);
 /// How often those who came late are connected, and the time is told.
@@ -219,19 +217,13 @@ impl<'a> Player<'a> {
             .map_err(MissionError::from)?;
         let mut choir = Choir::new();
         // Whoever speaks at the beginning has a port before anybody comes to listen.
-        source.seek(0, watch)?;
-        let mut message = Logged::default();
-        for _ in 0..AUDITION {
-            if !source.next(&mut message)? {
-                break;
+        source.audition(watch, &mut |rank, speaker| {
+            if NAMES.get(rank) != Some(&Control::NAME) {
+                let opened = choir.open(&stage.bus, rank, speaker);
+                opened.map_err(MissionError::from)?;
             }
-            let speaker = known::stamp(&message.data).map_or(0, |stamp| stamp.source);
-            if NAMES.get(message.rank) != Some(&Control::NAME) {
-                choir
-                    .open(&stage.bus, message.rank, speaker)
-                    .map_err(MissionError::from)?;
-            }
-        }
+            Ok(())
+        })?;
         overseer.set_phase(Phase::Run);
         let screen = Screen::new(source.last_time(), options.quiet, keys.terminal());
         if !options.quiet {
@@ -304,27 +296,25 @@ impl<'a> Player<'a> {
 
     /// Plays from where the source stands to its end, unless something comes first.
     fn play_on(&mut self, watch: &Watch) -> Result<Flow, LogsError> {
-        let mut message = Logged::default();
-        let mut open = None;
-        while self.source.next(&mut message)? {
-            if open != Some(message.time) {
-                if open.is_some() {
-                    self.conductor.post_without_waiting(self.now.0);
-                }
-                match self.wait(message.time, watch)? {
-                    Flow::Go => {}
-                    other => return Ok(other),
-                }
-                open = Some(message.time);
-                self.report.ticks += 1;
-                let tick = known::stamp(&message.data).map_or(0, |stamp| stamp.tick);
-                self.now = (tick, message.time);
+        // Read whole before it is due: what is in a chunk takes its time.
+        let mut tick = Vec::new();
+        while self.source.tick(&mut tick)? {
+            let Some(first) = tick.first() else { break };
+            let time = first.time;
+            match self.wait(time, watch)? {
+                Flow::Go => {}
+                other => return Ok(other),
             }
-            if self.say(&message)? {
-                self.pace.sent(message.time);
+            self.report.ticks += 1;
+            let stamp = known::stamp(&first.data).unwrap_or_default();
+            self.now = (stamp.tick, time);
+            for message in &tick {
+                if self.say(message)? {
+                    self.pace.sent(time);
+                }
             }
+            self.conductor.post_without_waiting(stamp.tick);
         }
-        self.conductor.post_without_waiting(self.now.0);
         Ok(Flow::Go)
     }
 
@@ -438,7 +428,7 @@ impl<'a> Player<'a> {
         if NAMES.get(message.rank) == Some(&Control::NAME) {
             return Ok(false);
         }
-        let speaker = known::stamp(&message.data).map_or(0, |stamp| stamp.source);
+        let speaker = message.speaker();
         if self
             .choir
             .open(&self.stage.bus, message.rank, speaker)

@@ -9,6 +9,7 @@ use std::rc::Rc;
 
 use mcap::records::MessageHeader;
 
+use super::super::compare::TICK_LIMIT;
 use super::super::error::LogsError;
 use super::super::known;
 use super::super::origin::Origin;
@@ -20,6 +21,11 @@ use super::super::watch::Watch;
 
 /// Chunks that are looked through for the last words of every sender of a topic that several send.
 const LOOK_BACK: u32 = 32;
+
+/// Messages that are looked at beforehand for who speaks.
+const AUDITION: usize = 4096;
+/// Bytes of messages after which that ends.
+const AUDITION_BYTES: usize = 8 << 20;
 
 /// Behind the magic number at the beginning of a file.
 const BEGINNING: u64 = 8;
@@ -33,6 +39,13 @@ pub(super) struct Logged {
     pub(super) rank: usize,
     /// Its CDR form.
     pub(super) data: Vec<u8>,
+}
+
+impl Logged {
+    /// Index of the process that sent it.
+    pub(super) fn speaker(&self) -> u32 {
+        known::stamp(&self.data).map_or(0, |stamp| stamp.source)
+    }
 }
 
 /// A channel that is played.
@@ -270,8 +283,60 @@ impl Source {
         self.reader.last_message().map_or(&[], |(_, data)| data)
     }
 
+    /// Everything of the next time, in place of what `into` holds; false at the end.
+    pub(super) fn tick(&mut self, into: &mut Vec<Logged>) -> Result<bool, LogsError> {
+        let (mut count, mut bytes) = (0, 0);
+        loop {
+            if count == into.len() {
+                into.push(Logged::default());
+            }
+            let Some((message, before)) = into.get_mut(..=count).and_then(<[_]>::split_last_mut)
+            else {
+                break;
+            };
+            if !self.next(message)? {
+                break;
+            }
+            if before.last().is_some_and(|last| last.time != message.time) {
+                self.ahead = Some(core::mem::take(message));
+                break;
+            }
+            bytes += message.data.len();
+            if bytes > TICK_LIMIT {
+                return Err(LogsError::TooLarge {
+                    path: self.reader.path().to_owned(),
+                    what: "the messages of one tick",
+                    limit: TICK_LIMIT,
+                });
+            }
+            count += 1;
+        }
+        into.truncate(count);
+        Ok(count > 0)
+    }
+
+    /// Goes to the beginning and visits topic and sender of the first messages. Whoever speaks in a
+    /// run speaks there, with few exceptions.
+    pub(super) fn audition(
+        &mut self,
+        watch: &mut Watch,
+        visit: &mut dyn FnMut(usize, u32) -> Result<(), LogsError>,
+    ) -> Result<(), LogsError> {
+        self.seek(0, watch)?;
+        let mut message = Logged::default();
+        let mut bytes = 0;
+        for _ in 0..AUDITION {
+            if bytes > AUDITION_BYTES || !self.next(&mut message)? {
+                break;
+            }
+            bytes += message.data.len();
+            visit(message.rank, message.speaker())?;
+        }
+        Ok(())
+    }
+
     /// The next message; false at the end.
-    pub(super) fn next(&mut self, into: &mut Logged) -> Result<bool, LogsError> {
+    fn next(&mut self, into: &mut Logged) -> Result<bool, LogsError> {
         if let Some(ahead) = self.ahead.take() {
             *into = ahead;
             return Ok(true);

@@ -15,7 +15,7 @@ use ipc_types::topics::{Control, NAMES, Topic as _, WorldMap, WorldShapes, World
 use serde::Serialize;
 use zerocopy::FromBytes as _;
 
-use super::super::compare::{Difference, TICK_LIMIT, first_difference};
+use super::super::compare::{Difference, first_difference};
 use super::super::error::LogsError;
 use super::super::filter::nanoseconds;
 use super::super::known::{self, ENCAPSULATION};
@@ -31,9 +31,6 @@ use crate::mission::MissionError;
 use crate::mission::children::Executable;
 use crate::mission::plan::{Launch, Plan};
 use crate::scenario::kinds::{KINDS, Need, find};
-
-/// Messages that are looked at beforehand for who speaks.
-const AUDITION: usize = 4096;
 
 /// What is tested, and how.
 #[derive(Debug, Clone, Default)]
@@ -275,7 +272,6 @@ impl Tested {
 }
 
 /// The messages of one tick.
-#[derive(Default)]
 struct Moment {
     tick: u64,
     time: u64,
@@ -300,8 +296,6 @@ struct Trial<'a> {
     choir: Choir,
     ears: Vec<Ear>,
     period_ns: u64,
-    /// The first message of the next tick.
-    ahead: Option<Logged>,
 }
 
 impl<'a> Trial<'a> {
@@ -319,33 +313,26 @@ impl<'a> Trial<'a> {
             choir: Choir::new(),
             ears: Ear::all(bus).map_err(MissionError::from)?,
             period_ns: plan.run.tick_period_ns.max(1),
-            ahead: None,
         };
-        source.seek(0, watch)?;
-        let mut message = Logged::default();
-        for _ in 0..AUDITION {
-            if !source.next(&mut message)? {
-                break;
-            }
-            trial.open_port(&message)?;
-        }
+        source.audition(watch, &mut |rank, speaker| {
+            trial.open_port(rank, speaker).map(drop)
+        })?;
         source.seek(0, watch)?;
         Ok(trial)
     }
 
-    /// Opens the port that a message needs; false if it is not said.
-    fn open_port(&mut self, message: &Logged) -> Result<bool, LogsError> {
-        let speaker = known::stamp(&message.data).map_or(0, |stamp| stamp.source);
-        if self.tested.is_silent(speaker) || NAMES.get(message.rank) == Some(&Control::NAME) {
+    /// Opens the port that a speaker needs; false if it is not played.
+    fn open_port(&mut self, rank: usize, speaker: u32) -> Result<bool, LogsError> {
+        if self.tested.is_silent(speaker) || NAMES.get(rank) == Some(&Control::NAME) {
             return Ok(false);
         }
-        let opened = self.choir.open(self.bus, message.rank, speaker);
+        let opened = self.choir.open(self.bus, rank, speaker);
         opened.map_err(MissionError::from)?;
         Ok(true)
     }
 
     fn say(&mut self, message: &Logged) -> Result<(), LogsError> {
-        if !self.open_port(message)? {
+        if !self.open_port(message.rank, message.speaker())? {
             return Ok(());
         }
         match self.choir.say(message, Clocks::Recorded) {
@@ -357,31 +344,14 @@ impl<'a> Trial<'a> {
     }
 
     /// Everything of the next tick.
-    fn next(&mut self, source: &mut Source) -> Result<Option<Moment>, LogsError> {
-        let mut moment = Moment::default();
-        let mut bytes = 0;
-        loop {
-            let mut message = self.ahead.take().unwrap_or_default();
-            if message.data.is_empty() && !source.next(&mut message)? {
-                return Ok((!moment.said.is_empty()).then_some(moment));
-            }
-            if moment.said.is_empty() {
-                moment.time = message.time;
-                moment.tick = message.time / self.period_ns;
-            } else if message.time != moment.time {
-                self.ahead = Some(message);
-                return Ok(Some(moment));
-            }
-            bytes += message.data.len();
-            if bytes > TICK_LIMIT {
-                return Err(LogsError::TooLarge {
-                    path: source.path().to_owned(),
-                    what: "the messages of one tick",
-                    limit: TICK_LIMIT,
-                });
-            }
-            moment.said.push(message);
-        }
+    fn next(&self, source: &mut Source) -> Result<Option<Moment>, LogsError> {
+        let mut said = Vec::new();
+        source.tick(&mut said)?;
+        Ok(said.first().map(|first| first.time).map(|time| Moment {
+            tick: time / self.period_ns,
+            time,
+            said,
+        }))
     }
 
     fn run(
@@ -430,7 +400,7 @@ impl<'a> Trial<'a> {
             over = state.phase == WorldHeader::OVER;
             moment = self.next(source)?;
             for message in &now.said {
-                let speaker = known::stamp(&message.data).map_or(0, |stamp| stamp.source);
+                let speaker = message.speaker();
                 if self.tested.before.contains(&speaker) {
                     self.say(message)?;
                 }
@@ -442,7 +412,7 @@ impl<'a> Trial<'a> {
             // The last tick of a log that was cut may lack something.
             self.judge(&now, moment.is_none() && !over, done)?;
             for message in &now.said {
-                let speaker = known::stamp(&message.data).map_or(0, |stamp| stamp.source);
+                let speaker = message.speaker();
                 if !self.tested.before.contains(&speaker) {
                     self.say(message)?;
                 }
