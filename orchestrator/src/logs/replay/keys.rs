@@ -1,5 +1,6 @@
 //! Keys, from a terminal or a pipe.
 
+use std::collections::VecDeque;
 use std::io::{IsTerminal as _, Stdin};
 use std::os::fd::AsFd as _;
 use std::time::Duration;
@@ -33,6 +34,8 @@ pub(super) struct Keys {
     open: bool,
     /// The beginning of an arrow.
     pending: Vec<u8>,
+    /// Pressed, and not yet handed out.
+    pressed: VecDeque<Key>,
 }
 
 impl Keys {
@@ -44,6 +47,7 @@ impl Keys {
             open: false,
             before: None,
             pending: Vec::new(),
+            pressed: VecDeque::new(),
             stdin,
         };
         if keys.stdin.is_terminal() {
@@ -69,7 +73,7 @@ impl Keys {
 
     /// Whether keys can come.
     pub(super) fn can_come(&self) -> bool {
-        self.open
+        self.open || !self.pressed.is_empty()
     }
 
     /// Whether they come from a person.
@@ -77,8 +81,16 @@ impl Keys {
         self.before.is_some()
     }
 
-    /// Waits for keys, at most this long; those that came.
-    pub(super) fn wait(&mut self, timeout: Duration) -> Vec<Key> {
+    /// The next key; waits for one at most this long.
+    pub(super) fn wait(&mut self, timeout: Duration) -> Option<Key> {
+        if self.pressed.is_empty() {
+            let keys = self.read(timeout);
+            self.pressed.extend(keys);
+        }
+        self.pressed.pop_front()
+    }
+
+    fn read(&mut self, timeout: Duration) -> Vec<Key> {
         let timeout = Timespec {
             tv_sec: i64::try_from(timeout.as_secs()).unwrap_or(i64::MAX),
             tv_nsec: i64::from(timeout.subsec_nanos()),
@@ -145,6 +157,7 @@ mod tests {
             before: None,
             open: false,
             pending: Vec::new(),
+            pressed: VecDeque::new(),
         };
         assert_eq!(keys.parse(b" s\x1b["), [Key::Pause, Key::Step]);
         assert_eq!(keys.parse(b"C\x1bOD"), [Key::Step, Key::Back]);

@@ -343,7 +343,7 @@ impl<'a> Player<'a> {
                 }
                 left.min(BEAT)
             };
-            for key in self.keys.wait(left) {
+            if let Some(key) = self.keys.wait(left) {
                 match key {
                     Key::Pause => {
                         self.paused = !self.paused;
