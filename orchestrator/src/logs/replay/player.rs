@@ -27,6 +27,8 @@ use crate::mission::{MissionError, write_config};
 
 /// How long those who read get to connect to somebody who speaks up late.
 const INTRODUCTION: Duration = Duration::from_millis(10);
+/// How long the ports stay open behind the last message, so that those who listen can take it.
+const LINGER: Duration = Duration::from_millis(250);
 /// How often those who came late are connected, and the time is told.
 const BEAT: Duration = Duration::from_millis(50);
 /// How far the left arrow goes back [ns].
@@ -461,6 +463,7 @@ impl<'a> Player<'a> {
 
     /// Ends the run; what was played.
     fn end(mut self) -> Replayed {
+        std::thread::sleep(LINGER);
         self.overseer.set_phase(Phase::Stop);
         self.screen.finish();
         let counts = NAMES
