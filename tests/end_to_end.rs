@@ -19,6 +19,7 @@ mod patrol;
 mod plan;
 mod planning;
 mod process;
+mod replay;
 mod report;
 mod sweep;
 mod triggers;

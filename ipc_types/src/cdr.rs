@@ -76,7 +76,21 @@ impl SequenceHead {
 /// # Errors
 /// [`DecodeError`] if the bytes are not exactly one message of the topic.
 pub fn decode<T: Topic>(bytes: &[u8]) -> Result<(T::Header, Vec<T::Element>), DecodeError> {
-    use zerocopy::FromBytes;
+    let mut elements = Vec::new();
+    let header = decode_into::<T>(bytes, &mut elements)?;
+    Ok((header, elements))
+}
+
+/// As [`decode`], with the elements in place of those that `elements` holds.
+///
+/// # Errors
+/// As [`decode`]; then `elements` is empty.
+pub fn decode_into<T: Topic>(
+    bytes: &[u8],
+    elements: &mut Vec<T::Element>,
+) -> Result<T::Header, DecodeError> {
+    use zerocopy::{FromBytes, IntoBytes};
+    elements.clear();
     let body = bytes
         .strip_prefix(&ENCAPSULATION)
         .ok_or_else(|| DecodeError::Encapsulation {
@@ -104,13 +118,10 @@ pub fn decode<T: Topic>(bytes: &[u8]) -> Result<(T::Header, Vec<T::Element>), De
     if count.checked_mul(size_of::<T::Element>()) != Some(rest.len()) {
         return Err(wrong(count));
     }
-    // The bytes of a log are not aligned: copy element by element.
-    let elements = rest
-        .chunks_exact(size_of::<T::Element>())
-        .map(T::Element::read_from_bytes)
-        .collect::<Result<Vec<_>, _>>()
-        .map_err(|_| wrong(count))?;
-    Ok((header, elements))
+    // The bytes of a log are not aligned: they are copied to where elements are.
+    elements.resize(count, T::Element::default());
+    elements.as_mut_bytes().copy_from_slice(rest);
+    Ok(header)
 }
 
 /// Bytes of the CDR form of a message with this many elements (saturating).

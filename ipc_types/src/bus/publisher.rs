@@ -22,6 +22,8 @@ pub struct PublisherOptions {
     pub capacity: usize,
     /// How long to wait for a receiver whose buffer is full before giving up.
     pub patience: Duration,
+    /// Whether the shared memory grows when a message has more elements than `capacity`.
+    pub grows: bool,
 }
 
 impl PublisherOptions {
@@ -31,6 +33,15 @@ impl PublisherOptions {
             source,
             capacity,
             patience: Duration::from_secs(10),
+            grows: false,
+        }
+    }
+
+    /// A publisher that repeats messages whose number of elements nobody knows beforehand.
+    pub fn growing(source: u32) -> Self {
+        Self {
+            grows: true,
+            ..Self::new(source, 1)
         }
     }
 }
@@ -61,7 +72,11 @@ impl<T: Topic> Publisher<T> {
         let builder = factory
             .publisher_builder()
             .initial_max_slice_len(options.capacity.max(1))
-            .allocation_strategy(AllocationStrategy::Static)
+            .allocation_strategy(if options.grows {
+                AllocationStrategy::PowerOfTwo
+            } else {
+                AllocationStrategy::Static
+            })
             .max_loaned_samples(1);
         let builder = if bus.overflow {
             builder
@@ -131,15 +146,7 @@ impl<T: Topic> Publisher<T> {
     /// [`SendError::Transport`] otherwise.
     pub fn send(&self, header: T::Header, elements: &[T::Element]) -> Result<usize, SendError> {
         let header = self.stamped(header, elements.len())?;
-        match &self.port {
-            Port::Ipc(port) => {
-                let sample = loan::<T>(port, header, elements.len())?;
-                self.finish(sample.write_from_slice(elements))
-            }
-            Port::Local(port) => self.sent(port.send(|message| {
-                message.fill(header, |own| own.extend_from_slice(elements));
-            })),
-        }
+        self.repeat(header, elements)
     }
 
     /// Sends a message whose elements are made in place, in the memory of the message.
@@ -183,15 +190,39 @@ impl<T: Topic> Publisher<T> {
         }
     }
 
-    /// The header with the publisher's part of the stamp filled in; the message must fit.
-    fn stamped(&self, mut header: T::Header, count: usize) -> Result<T::Header, SendError> {
-        if count > self.options.capacity {
+    /// Sends a message that was sent before, as [`Publisher::send`] does, but for its stamp, which
+    /// stays as it is.
+    ///
+    /// # Errors
+    /// As [`Publisher::send`].
+    pub fn repeat(&self, header: T::Header, elements: &[T::Element]) -> Result<usize, SendError> {
+        self.check(elements.len())?;
+        match &self.port {
+            Port::Ipc(port) => {
+                let sample = loan::<T>(port, header, elements.len())?;
+                self.finish(sample.write_from_slice(elements))
+            }
+            Port::Local(port) => self.sent(port.send(|message| {
+                message.fill(header, |own| own.extend_from_slice(elements));
+            })),
+        }
+    }
+
+    /// The message must fit.
+    fn check(&self, count: usize) -> Result<(), SendError> {
+        if count > self.options.capacity && !self.options.grows {
             return Err(SendError::Capacity {
                 topic: T::NAME,
                 elements: count,
                 capacity: self.options.capacity,
             });
         }
+        Ok(())
+    }
+
+    /// The header with the publisher's part of the stamp filled in; the message must fit.
+    fn stamped(&self, mut header: T::Header, count: usize) -> Result<T::Header, SendError> {
+        self.check(count)?;
         let stamp = header.stamp_mut();
         stamp.sequence = self.sequence.get();
         stamp.source = self.options.source;

@@ -15,6 +15,7 @@ mod picture;
 mod plan;
 mod process;
 mod recover;
+mod replay;
 mod report;
 mod rerun;
 mod run;
@@ -122,6 +123,9 @@ enum Command {
     /// Make one page for a browser of a log: the mission animated, events, figures, latencies
     #[command(after_long_help = report::HELP)]
     Report(report::ReportArgs),
+    /// Play a log: send its messages once more, to viewers and processes, or to a process under test
+    #[command(after_long_help = replay::HELP)]
+    Replay(replay::ReplayArgs),
     /// Do the run in a log again and prove that it is the same
     #[command(after_long_help = rerun::HELP)]
     Rerun(rerun::RerunArgs),
@@ -266,6 +270,7 @@ pub fn main() -> ExitCode {
         Some(Command::Filter(args)) => filter::run(args),
         Some(Command::Export(args)) => export::run(args),
         Some(Command::Report(args)) => report::run(&args),
+        Some(Command::Replay(args)) => replay::run(args),
         Some(Command::Rerun(args)) => rerun::run(&args),
         Some(Command::Bench { items, quick, json }) => bench::bench(&items, quick, json),
         Some(Command::Plan(args)) => plan::plan(&args),

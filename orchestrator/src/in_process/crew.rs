@@ -36,11 +36,52 @@ struct Member {
     steps: Box<dyn Steps>,
 }
 
-/// The simulator and those who follow it, in the order in which they take their turns.
+/// Those who follow the world, in the order in which they take their turns.
+pub(crate) struct Members {
+    members: Vec<Member>,
+}
+
+impl Members {
+    /// Opens the ports of these processes.
+    pub(crate) fn open(followers: &[Launch], bus: &Bus) -> Result<Self, InProcessError> {
+        let members = order(followers)?
+            .into_iter()
+            .map(|launch| open_member(launch, bus))
+            .collect::<Result<_, _>>()?;
+        Ok(Self { members })
+    }
+
+    /// Connects everybody.
+    pub(crate) fn connect(&mut self) -> Result<(), InProcessError> {
+        self.each(None, |steps| steps.connect())
+    }
+
+    /// Lets everybody build what it needs of the map.
+    pub(crate) fn prepare(&mut self) -> Result<(), InProcessError> {
+        self.each(None, |steps| steps.prepare())
+    }
+
+    /// Gives everybody the turn of a tick.
+    pub(crate) fn step(&mut self, tick: u64) -> Result<(), InProcessError> {
+        self.each(Some(tick), |steps| steps.step(tick))
+    }
+
+    fn each(
+        &mut self,
+        tick: Option<u64>,
+        act: impl Fn(&mut dyn Steps) -> Result<(), ProcessError>,
+    ) -> Result<(), InProcessError> {
+        self.members.iter_mut().try_for_each(|member| {
+            act(member.steps.as_mut()).map_err(|source| failed(&member.name, tick, source))
+        })
+    }
+}
+
+/// The simulator and those who follow it.
 pub(super) struct Crew {
     leader: String,
     simulator: Simulator,
-    members: Vec<Member>,
+    members: Members,
 }
 
 impl Crew {
@@ -53,34 +94,23 @@ impl Crew {
         })?;
         let simulator = open_simulator(&leader.config, bus)
             .map_err(|source| failed(&leader.config.name, None, source))?;
-        let members = order(followers)?
-            .into_iter()
-            .map(|launch| open_member(launch, bus))
-            .collect::<Result<_, _>>()?;
         Ok(Self {
             leader: leader.config.name.clone(),
             simulator,
-            members,
+            members: Members::open(followers, bus)?,
         })
     }
 
     /// Connects everybody and sends the map.
     pub(super) fn connect(&mut self) -> Result<(), InProcessError> {
-        for member in &mut self.members {
-            let connected = member.steps.connect();
-            connected.map_err(|source| failed(&member.name, None, source))?;
-        }
+        self.members.connect()?;
         let connected = self.simulator.connect();
         connected.map_err(|source| failed(&self.leader, None, source))
     }
 
     /// Lets everybody build what it needs of the map.
     pub(super) fn prepare(&mut self) -> Result<(), InProcessError> {
-        for member in &mut self.members {
-            let prepared = member.steps.prepare();
-            prepared.map_err(|source| failed(&member.name, None, source))?;
-        }
-        Ok(())
+        self.members.prepare()
     }
 
     /// The present tick.
@@ -96,10 +126,7 @@ impl Crew {
         if self.simulator.publish().map_err(lead)? {
             return Ok(true);
         }
-        for member in &mut self.members {
-            let stepped = member.steps.step(tick);
-            stepped.map_err(|source| failed(&member.name, Some(tick), source))?;
-        }
+        self.members.step(tick)?;
         self.simulator.take_commands().map_err(lead)?;
         Ok(false)
     }

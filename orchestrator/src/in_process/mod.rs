@@ -15,6 +15,7 @@ mod error;
 mod record;
 
 pub use cache::Cache;
+pub(crate) use crew::Members;
 pub use error::InProcessError;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};

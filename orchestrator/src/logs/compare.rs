@@ -15,7 +15,7 @@ use super::ros2::{Schema, field_at};
 use super::watch::Watch;
 
 /// Most bytes that the messages of one time may take.
-const TICK_LIMIT: usize = 512 << 20;
+pub(super) const TICK_LIMIT: usize = 512 << 20;
 /// The clocks of the stamp, in the bytes of a message.
 const CLOCKS: Range<usize> =
     ENCAPSULATION + Stamp::SIMULATED_BYTES..ENCAPSULATION + size_of::<Stamp>();
@@ -297,7 +297,7 @@ fn compare_ticks(
 }
 
 /// The first byte in which two messages differ, clocks apart.
-fn first_difference(a: &[u8], b: &[u8]) -> Option<usize> {
+pub(super) fn first_difference(a: &[u8], b: &[u8]) -> Option<usize> {
     let differ = a
         .iter()
         .zip(b)

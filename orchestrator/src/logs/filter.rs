@@ -11,13 +11,9 @@ use super::error::LogsError;
 use super::known;
 use super::output::{FILTERED, MANIFEST, Output, no_longer_whole};
 use super::pattern::Topics;
-use super::reader::{Channel, Item, Reader};
+use super::reader::{Item, Reader};
+use super::states::{States, is_latched};
 use super::watch::Watch;
-
-/// Most states that are kept for the beginning.
-const MOST_STATES: usize = 4096;
-/// Most bytes that they may take.
-const STATES_LIMIT: usize = 512 << 20;
 
 /// What is kept of a log.
 #[derive(Debug, Clone, Default)]
@@ -48,40 +44,6 @@ pub struct Filtered {
     pub bytes: u64,
     /// In what condition the old one is.
     pub source: Condition,
-}
-
-/// The states that last into the time that is kept.
-#[derive(Default)]
-struct States {
-    last: BTreeMap<(u16, u32), (MessageHeader, Vec<u8>)>,
-    bytes: usize,
-}
-
-impl States {
-    fn keep(
-        &mut self,
-        path: &Path,
-        source: u32,
-        header: MessageHeader,
-        data: &[u8],
-    ) -> Result<(), LogsError> {
-        let key = (header.channel_id, source);
-        if !self.last.contains_key(&key) && self.last.len() >= MOST_STATES {
-            return Ok(());
-        }
-        self.bytes += data.len();
-        if let Some((_, old)) = self.last.insert(key, (header, data.to_vec())) {
-            self.bytes -= old.len();
-        }
-        if self.bytes > STATES_LIMIT {
-            return Err(LogsError::TooLarge {
-                path: path.to_owned(),
-                what: "the states at the start",
-                limit: STATES_LIMIT,
-            });
-        }
-        Ok(())
-    }
 }
 
 /// Writes the messages of some topics and some time into a new log, with everything else that
@@ -180,7 +142,7 @@ pub fn filter(
     options
         .topics
         .check(&reader.channels().map(|channel| channel.topic.as_str()))?;
-    with_messages.extend(states.last.keys().map(|(channel, _)| *channel));
+    with_messages.extend(states.channels());
     let mut output = match output {
         Some(output) => output,
         None => Output::create(out, log, options.force, "")?,
@@ -210,8 +172,7 @@ pub fn filter(
 
 /// Writes the states at the start, in the order in which they were.
 fn restore(states: &mut States, from: u64, output: &mut Output) -> Result<u64, LogsError> {
-    let mut last: Vec<_> = core::mem::take(&mut states.last).into_values().collect();
-    last.sort_by_key(|(header, _)| (header.log_time, header.channel_id));
+    let last = states.take();
     for (header, data) in &last {
         let header = MessageHeader {
             log_time: from,
@@ -222,22 +183,8 @@ fn restore(states: &mut States, from: u64, output: &mut Output) -> Result<u64, L
     Ok(last.len() as u64)
 }
 
-/// Whether the last message of a channel still holds until the next: our topics that late joiners
-/// get, what our viewers are shown, and what ROS 2 calls transient local.
-fn is_latched(channel: &Channel) -> bool {
-    if let Some(known) = known::find(&channel.topic) {
-        return known.latched;
-    }
-    if let Some(view) = channel.topic.strip_prefix("/viewer/") {
-        // Every message but a line of the log is a whole picture.
-        return view != "log";
-    }
-    let qos = channel.metadata.get("offered_qos_profiles");
-    qos.is_some_and(|qos| qos.contains("durability: 1") || qos.contains("transient_local"))
-}
-
 /// A time on the command line [s] in nanoseconds.
-fn nanoseconds(option: &str, time: Option<f64>) -> Result<Option<u64>, LogsError> {
+pub(super) fn nanoseconds(option: &str, time: Option<f64>) -> Result<Option<u64>, LogsError> {
     match time {
         None => Ok(None),
         Some(t) if (0.0..=1e10).contains(&t) => Ok(Some((t * 1e9).round() as u64)),

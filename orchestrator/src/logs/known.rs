@@ -21,6 +21,8 @@ pub(crate) struct Known {
     pub(crate) simulated: bool,
     /// Whether whoever comes late gets the last message: it describes a state that lasts.
     pub(crate) latched: bool,
+    /// Whether only one process ever sends it.
+    pub(crate) one_sender: bool,
     pub(crate) hash: String,
 }
 
@@ -37,13 +39,14 @@ fn collect() -> Vec<Known> {
         fn visit<T: Topic>(&mut self) -> Result<(), Infallible> {
             let size = RunSize {
                 robots: 1,
-                processes: 1,
+                processes: 2,
                 events: 1,
             };
             self.0.push(Known {
                 name: T::NAME,
                 simulated: T::SIMULATED,
                 latched: T::qos(&size).history > 0,
+                one_sender: T::qos(&size).publishers == 1,
                 hash: schema::hash::<T>(),
             });
             Ok(())

@@ -14,13 +14,16 @@ mod filter;
 mod info;
 mod info_text;
 pub(crate) mod known;
+mod origin;
 pub(crate) mod output;
 mod pattern;
 pub(crate) mod place;
 pub(crate) mod reader;
 mod recover;
+mod replay;
 mod rerun;
 mod ros2;
+mod states;
 mod watch;
 
 #[cfg(test)]
@@ -35,6 +38,10 @@ pub use info::{LogInfo, TopicInfo};
 pub use info_text::text as info_text;
 pub use pattern::Topics;
 pub use recover::{Recovered, recover};
+pub use replay::{
+    Deviation, ReplayOptions, Replayed, Spread, TopicVerdict, Verified, VerifyOptions, replay,
+    verify,
+};
 pub use rerun::{Rerun, RerunOptions, rerun};
 pub use watch::Watch;
 

@@ -11,15 +11,13 @@ use zerocopy::FromBytes as _;
 
 use super::compare::{Comparison, compare};
 use super::error::LogsError;
-use super::known::{self, ENCAPSULATION};
+use super::known::ENCAPSULATION;
+use super::origin::{Origin, refuse_external};
 use super::output::{FILTERED, MANIFEST, RESULT, RUN_DIGEST};
-use super::reader::{Channel, Item, Reader};
+use super::reader::{Item, Reader};
 use super::watch::Watch;
 use crate::in_process::{self, InProcessOptions};
 use crate::mission::{self, MissionOptions};
-use crate::scenario::files::Base;
-use crate::scenario::spec::Mode;
-use crate::scenario::{Loader, Program, ResolvedScenario};
 
 /// How a run is done again.
 #[derive(Debug, Clone, Copy, Default)]
@@ -61,8 +59,7 @@ pub struct Rerun {
 /// What a log says of its run.
 #[derive(Debug, Default)]
 struct Recorded {
-    manifest: BTreeMap<String, String>,
-    scenario: Option<Vec<u8>>,
+    origin: Origin,
     result: BTreeMap<String, String>,
     filtered: bool,
     /// Whether the last state of the world is that of its end.
@@ -77,7 +74,14 @@ struct Recorded {
 /// [`LogsError`]: the log cannot be read, or its run cannot be done again.
 pub fn rerun(log: &Path, options: RerunOptions, watch: &mut Watch) -> Result<Rerun, LogsError> {
     let recorded = Recorded::read(log, watch)?;
-    let scenario = recorded.scenario(log, options)?;
+    let mut scenario = recorded.origin.scenario(
+        log,
+        &[],
+        "it cannot be done again the same; runs in lock-step can",
+    )?;
+    refuse_external(log, &scenario, options.allow_external)?;
+    // Nobody looks at it.
+    scenario.log.viewer_rate_hz = 0.0;
     let folder = tempfile::tempdir().map_err(|source| LogsError::Write {
         path: std::env::temp_dir(),
         source,
@@ -122,7 +126,7 @@ pub fn rerun(log: &Path, options: RerunOptions, watch: &mut Watch) -> Result<Rer
     };
     let digests_agree = digest_logged.is_none_or(|logged| *logged == digest);
     let same = digests_agree && comparison.as_ref().is_none_or(|c| c.differences.is_empty());
-    let version = recorded.manifest.get("version");
+    let version = recorded.origin.manifest.get("version");
     Ok(Rerun {
         scenario: scenario.name,
         seed: scenario.run.seed,
@@ -148,16 +152,16 @@ impl Recorded {
         while let Some(item) = reader.next()? {
             match item {
                 Item::Metadata(record) => match record.name.as_str() {
-                    MANIFEST => recorded.manifest = record.metadata,
+                    MANIFEST => recorded.origin.manifest = record.metadata,
                     RESULT => recorded.result = record.metadata,
                     FILTERED => recorded.filtered = true,
                     _ => {}
                 },
                 Item::Attachment(header, data) if header.name == "scenario.toml" => {
-                    recorded.scenario = Some(data.to_vec());
+                    recorded.origin.scenario = Some(data.to_vec());
                 }
                 Item::Channel(channel) => {
-                    recorded.check_layout(log, &channel)?;
+                    recorded.origin.check_layout(log, &channel)?;
                     if channel.topic == WorldState::NAME {
                         states = Some(channel.id);
                     }
@@ -172,16 +176,7 @@ impl Recorded {
             }
         }
         recorded.whole = reader.condition().data;
-        let foreign = |missing| LogsError::Foreign {
-            path: log.to_owned(),
-            missing,
-        };
-        if recorded.manifest.is_empty() {
-            return Err(foreign("manifest"));
-        }
-        if recorded.scenario.is_none() {
-            return Err(foreign("scenario"));
-        }
+        recorded.origin.check(log)?;
         // A version that knew fewer topics would have said less.
         if !recorded.filtered
             && !topics.is_empty()
@@ -189,86 +184,8 @@ impl Recorded {
                 .iter()
                 .find(|name| !topics.contains(**name))
         {
-            return Err(recorded.layout(log, topic, "none"));
+            return Err(recorded.origin.layout(log, topic, "none"));
         }
         Ok(recorded)
-    }
-
-    /// Whether a channel of ours is that of this version.
-    fn check_layout(&self, log: &Path, channel: &Channel) -> Result<(), LogsError> {
-        let Some(found) = channel.metadata.get("schema_hash") else {
-            return Ok(());
-        };
-        match known::find(&channel.topic) {
-            Some(known) if known.hash == *found => Ok(()),
-            _ => Err(self.layout(log, &channel.topic, found)),
-        }
-    }
-
-    fn layout(&self, log: &Path, topic: &str, found: &str) -> LogsError {
-        let expected = known::find(topic).map_or("no such topic", |known| &known.hash);
-        LogsError::Layout {
-            path: log.to_owned(),
-            version: self.manifest.get("version").cloned().unwrap_or_default(),
-            topic: topic.to_owned(),
-            found: found.to_owned(),
-            expected: expected.to_owned(),
-        }
-    }
-
-    /// The scenario as it was run.
-    fn scenario(&self, log: &Path, options: RerunOptions) -> Result<ResolvedScenario, LogsError> {
-        let refuse = |reason: String| {
-            Err(LogsError::NotRepeatable {
-                path: log.to_owned(),
-                reason,
-            })
-        };
-        let text = self.scenario.as_deref().unwrap_or_default();
-        if let Some(expected) = self.manifest.get("scenario_blake3")
-            && *expected != blake3::hash(text).to_hex().as_str()
-        {
-            return refuse("the scenario in it is not the one that was run".to_owned());
-        }
-        let Ok(text) = str::from_utf8(text) else {
-            return refuse("the scenario in it is not text".to_owned());
-        };
-        let loaded = Loader::default().load_text("scenario.toml", text, &Base::Nothing, &[], None);
-        let mut scenario = match loaded {
-            Ok(scenario) => scenario,
-            Err(problems) => {
-                return refuse(format!(
-                    "the scenario in it is not one for this version of protean{}:\n{problems}",
-                    match self.manifest.get("version") {
-                        Some(version) => format!(" (it is of {version})"),
-                        None => String::new(),
-                    }
-                ));
-            }
-        };
-        if scenario.run.mode == Mode::RealTime {
-            return refuse(
-                "it was recorded in real time: what the processes heard depended on the clock, so \
-                 that it cannot be done again the same; runs in lock-step can"
-                    .to_owned(),
-            );
-        }
-        let external: Vec<String> = scenario
-            .external_commands()
-            .map(|process| match &process.program {
-                Program::Command(words) => format!("\n    {}: {}", process.name, words.join(" ")),
-                Program::Kind(_) => String::new(),
-            })
-            .collect();
-        if !external.is_empty() && !options.allow_external {
-            return refuse(format!(
-                "its scenario starts programs that are not Protean's own; look at them and add \
-                 --allow-external:{}",
-                external.concat()
-            ));
-        }
-        // Nobody looks at it.
-        scenario.log.viewer_rate_hz = 0.0;
-        Ok(scenario)
     }
 }

@@ -1,7 +1,7 @@
 //! One run, from the resolved scenario to the summary: processes started, supervised, recorded,
 //! ended, and nothing left behind.
 
-mod bridge;
+pub(crate) mod bridge;
 mod changes;
 pub mod children;
 mod error;
@@ -16,3 +16,4 @@ pub mod spaces;
 
 pub use error::MissionError;
 pub use run::{MissionOptions, MissionReport, run};
+pub(crate) use run::{create_services, write_config};

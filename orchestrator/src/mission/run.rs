@@ -14,7 +14,7 @@ use ipc_types::topics::{
     Control, ObstacleEvents, OptimiserPlan, PLAN_ANSWERED_EVENT, PLAN_ASKED_EVENT, Topic,
     TopicVisitor, for_each_topic,
 };
-use kit::config::Clock;
+use kit::config::{Clock, ProcessConfig};
 use kit::lockstep::{Overseer, Phase, SlotState, TurnPage};
 
 use super::bridge::Bridge;
@@ -162,7 +162,8 @@ pub fn run(
     })
 }
 
-fn create_services(bus: &Bus, plan: &Plan) -> Result<Vec<TopicHolder>, BusError> {
+/// Creates the services of all topics, and those for plans if somebody makes them.
+pub(crate) fn create_services(bus: &Bus, plan: &Plan) -> Result<Vec<TopicHolder>, BusError> {
     struct Create<'a>(&'a Bus, Vec<TopicHolder>);
     impl TopicVisitor for Create<'_> {
         type Error = BusError;
@@ -203,7 +204,7 @@ impl Flight<'_> {
         let control: Publisher<Control> = self.bus.publisher(self.publisher(1))?;
         let obstacles: Publisher<ObstacleEvents> = self.bus.publisher(self.publisher(1))?;
         for (slot, launch) in self.plan.launches.iter().enumerate() {
-            let path = write_config(space.space().root(), launch)?;
+            let path = write_config(space.space().root(), &launch.config)?;
             let name = &launch.config.name;
             let echo = !self.options.quiet;
             let process = RunningProcess::start(name, slot, &launch.executable, &path, echo)?;
@@ -390,9 +391,9 @@ impl Flight<'_> {
 }
 
 /// Writes the configuration of a process, for the current user only.
-fn write_config(root: &Path, launch: &super::plan::Launch) -> Result<PathBuf, MissionError> {
+pub(crate) fn write_config(root: &Path, config: &ProcessConfig) -> Result<PathBuf, MissionError> {
     // Process names may hold anything: the index makes the file's name.
-    let path = root.join(format!("process-{}.json", launch.config.index));
+    let path = root.join(format!("process-{}.json", config.index));
     let failed = |source| MissionError::System {
         what: format!("{}", path.display()),
         source,
@@ -403,7 +404,7 @@ fn write_config(root: &Path, launch: &super::plan::Launch) -> Result<PathBuf, Mi
         .mode(0o600)
         .open(&path)
         .map_err(failed)?;
-    let text = serde_json::to_vec(&launch.config).map_err(|e| failed(e.into()))?;
+    let text = serde_json::to_vec(config).map_err(|e| failed(e.into()))?;
     file.write_all(&text).map_err(failed)?;
     Ok(path)
 }

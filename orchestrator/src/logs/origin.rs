@@ -1,0 +1,131 @@
+//! The run that a log comes from, as its head says.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use super::error::LogsError;
+use super::known;
+use super::reader::Channel;
+use crate::scenario::files::Base;
+use crate::scenario::spec::Mode;
+use crate::scenario::{Loader, Program, ResolvedScenario};
+
+/// Manifest and scenario of a log.
+#[derive(Debug, Default)]
+pub(super) struct Origin {
+    pub(super) manifest: BTreeMap<String, String>,
+    pub(super) scenario: Option<Vec<u8>>,
+}
+
+impl Origin {
+    /// Both must be there.
+    pub(super) fn check(&self, log: &Path) -> Result<(), LogsError> {
+        let missing = match (self.manifest.is_empty(), self.scenario.is_none()) {
+            (true, _) => "manifest",
+            (_, true) => "scenario",
+            _ => return Ok(()),
+        };
+        let path = log.to_owned();
+        Err(LogsError::Foreign { path, missing })
+    }
+
+    /// Whether a channel of ours is that of this version.
+    pub(super) fn check_layout(&self, log: &Path, channel: &Channel) -> Result<(), LogsError> {
+        let Some(found) = channel.metadata.get("schema_hash") else {
+            return Ok(());
+        };
+        match known::find(&channel.topic) {
+            Some(known) if known.hash == *found => Ok(()),
+            _ => Err(self.layout(log, &channel.topic, found)),
+        }
+    }
+
+    /// A topic looks different in this version.
+    pub(super) fn layout(&self, log: &Path, topic: &str, found: &str) -> LogsError {
+        let expected = known::find(topic).map_or("no such topic", |known| &known.hash);
+        LogsError::Layout {
+            path: log.to_owned(),
+            version: self.manifest.get("version").cloned().unwrap_or_default(),
+            topic: topic.to_owned(),
+            found: found.to_owned(),
+            expected: expected.to_owned(),
+        }
+    }
+
+    /// The scenario as it was run, with these changes; one in real time only if `so` is empty,
+    /// which else says what follows from that.
+    pub(super) fn scenario(
+        &self,
+        log: &Path,
+        changes: &[String],
+        so: &str,
+    ) -> Result<ResolvedScenario, LogsError> {
+        let refuse = |reason: String| {
+            Err(LogsError::NotRepeatable {
+                path: log.to_owned(),
+                reason,
+            })
+        };
+        let text = self.scenario.as_deref().unwrap_or_default();
+        if let Some(expected) = self.manifest.get("scenario_blake3")
+            && *expected != blake3::hash(text).to_hex().as_str()
+        {
+            return refuse("the scenario in it is not the one that was run".to_owned());
+        }
+        let Ok(text) = str::from_utf8(text) else {
+            return refuse("the scenario in it is not text".to_owned());
+        };
+        let loader = Loader::default();
+        let load = |changes: &[String]| {
+            loader.load_text("scenario.toml", text, &Base::Nothing, changes, None)
+        };
+        let scenario = match load(&[]) {
+            Ok(scenario) => scenario,
+            Err(problems) => {
+                return refuse(format!(
+                    "the scenario in it is not one for this version of protean{}:\n{problems}",
+                    match self.manifest.get("version") {
+                        Some(version) => format!(" (it is of {version})"),
+                        None => String::new(),
+                    }
+                ));
+            }
+        };
+        if scenario.run.mode == Mode::RealTime && !so.is_empty() {
+            return refuse(format!(
+                "it was recorded in real time: what the processes heard depended on the clock, so \
+                 that {so}"
+            ));
+        }
+        if changes.is_empty() {
+            return Ok(scenario);
+        }
+        load(changes).map_err(|problems| LogsError::Argument(format!("--set:\n{problems}")))
+    }
+}
+
+/// Programs that are not ours are started only if somebody has looked at them.
+pub(super) fn refuse_external(
+    log: &Path,
+    scenario: &ResolvedScenario,
+    allowed: bool,
+) -> Result<(), LogsError> {
+    let external: Vec<String> = scenario
+        .external_commands()
+        .map(|process| match &process.program {
+            Program::Command(words) => format!("\n    {}: {}", process.name, words.join(" ")),
+            Program::Kind(_) => String::new(),
+        })
+        .collect();
+    if external.is_empty() || allowed {
+        return Ok(());
+    }
+    Err(LogsError::NotRepeatable {
+        path: log.to_owned(),
+        reason: format!(
+            "its scenario starts programs that are not Protean's own; look at them and add \
+             --allow-external:{}",
+            external.concat()
+        ),
+    })
+}

@@ -1,0 +1,17 @@
+//! A log, played: its messages sent once more, to whoever listens or to processes under test.
+
+mod cast;
+mod deviation;
+mod ears;
+mod keys;
+mod pace;
+mod player;
+mod screen;
+mod source;
+mod stage;
+mod verify;
+
+pub use deviation::Deviation;
+pub use pace::Spread;
+pub use player::{ReplayOptions, Replayed, replay};
+pub use verify::{TopicVerdict, Verified, VerifyOptions, verify};
