@@ -12,6 +12,7 @@ use ipc_types::topics::{NAMES, Topic, TopicVisitor, WorldState, for_each_topic};
 use kit::ProcessConfig;
 use serde_json::Value as Json;
 
+use crate::support::call::Call;
 use crate::support::{SOON, Sandbox, until};
 
 /// A short chase with a log.
@@ -247,7 +248,7 @@ fn a_replay_that_is_ended_leaves_nothing() {
     ] {
         let known = sandbox.runs();
         let call = sandbox.protean(["replay", "run.mcap", "--json"]);
-        let running = words.iter().fold(call, |call, word| call.arg(word)).start();
+        let running = words.iter().fold(call, Call::arg).start();
         let run = sandbox.next_run(&known);
         crate::support::wait_for_tick(&run, 1);
         running.signal(signal);
@@ -265,7 +266,7 @@ fn test(sandbox: &Sandbox, processes: &[&str], more: &[&str]) -> (Option<i32>, J
     for process in processes {
         call = call.arg("--test").arg(process);
     }
-    let outcome = more.iter().fold(call, |call, word| call.arg(word)).run();
+    let outcome = more.iter().fold(call, Call::arg).run();
     assert!(outcome.stdout.starts_with('{'), "{outcome}");
     (outcome.code, outcome.json())
 }
@@ -396,7 +397,7 @@ fn what_cannot_be_played_or_tested_is_refused() {
         (&["run.mcap", "--set", "a=1"], 2, &["--test"]),
     ] {
         let call = sandbox.protean(["replay"]);
-        let outcome = words.iter().fold(call, |call, word| call.arg(word)).run();
+        let outcome = words.iter().fold(call, Call::arg).run();
         outcome.refused(code, expected);
     }
     // What is left of a log is played as far as it goes, and said to be a part.

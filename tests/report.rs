@@ -66,6 +66,10 @@ fn in_a_browser(value: &Json) -> Json {
 }
 
 #[test]
+#[expect(
+    clippy::too_many_lines,
+    reason = "one look at the page after the other"
+)]
 fn a_page_plays_the_mission_in_a_browser_and_shows_what_the_log_says() {
     let sandbox = Sandbox::new();
     let summary = sandbox

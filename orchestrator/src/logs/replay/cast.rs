@@ -48,7 +48,7 @@ impl Cast for Members {
 
 /// Real processes; they end when this is dropped.
 pub(super) struct Processes {
-    processes: Vec<RunningProcess>,
+    running: Vec<RunningProcess>,
     overseer: Overseer,
     conductor: Conductor,
     bridge: Option<Bridge>,
@@ -77,7 +77,7 @@ impl Processes {
         };
         let bridge = Bridge::start(&tested, &stage.bus, &page)?;
         let mut started = Self {
-            processes: Vec::new(),
+            running: Vec::new(),
             overseer,
             conductor: Conductor::new(page, 0, 1 << 20, false),
             bridge: Some(bridge),
@@ -89,8 +89,8 @@ impl Processes {
             let slot = launch.config.index as usize;
             let name = &launch.config.name;
             let process = RunningProcess::start(name, slot, &launch.executable, &path, echo)?;
-            started.processes.push(process);
-            let pids = started.processes.iter().map(RunningProcess::pid);
+            started.running.push(process);
+            let pids = started.running.iter().map(RunningProcess::pid);
             stage.space.note_processes(pids)?;
         }
         Ok(started)
@@ -103,7 +103,7 @@ impl Processes {
     /// Whether somebody ended before its time; `when` says when.
     fn check_exits(&mut self, when: &str) -> Result<(), MissionError> {
         match self
-            .processes
+            .running
             .iter_mut()
             .find_map(|process| process.check_exit().then_some(process))
         {
@@ -128,7 +128,7 @@ impl Processes {
         loop {
             self.check_exits("before it was ready")?;
             let page = self.overseer.page();
-            let mut processes = self.processes.iter();
+            let mut processes = self.running.iter();
             let Some(last) = processes.find(|p| behind.contains(&page.state(p.slot))) else {
                 return Ok(true);
             };
@@ -142,7 +142,7 @@ impl Processes {
                     last_words: last.last_words(),
                 });
             }
-            sleep_until_exit(&self.processes, None, Duration::from_millis(2));
+            sleep_until_exit(&self.running, None, Duration::from_millis(2));
         }
     }
 
@@ -182,7 +182,7 @@ impl Cast for Processes {
                         return Ok(false);
                     }
                     let page = self.overseer.page();
-                    let mut processes = self.processes.iter();
+                    let mut processes = self.running.iter();
                     let owing = processes.find(|p| page.ticks_done(p.slot) <= tick);
                     if let Some(owing) = owing
                         && Instant::now() >= deadline
@@ -203,7 +203,7 @@ impl Cast for Processes {
 impl Drop for Processes {
     fn drop(&mut self) {
         self.overseer.set_phase(Phase::Stop);
-        for name in end_all(&mut self.processes, END_WITHIN) {
+        for name in end_all(&mut self.running, END_WITHIN) {
             tracing::warn!("process {name} did not end and was killed");
         }
         if let Some(bridge) = self.bridge.take()

@@ -85,7 +85,7 @@ impl<T: Topic> Voice for TopicVoice<T> {
     fn greet(&self) -> Result<(), SendError> {
         self.ports
             .values()
-            .try_for_each(|port| port.update_connections())
+            .try_for_each(ipc_types::bus::Publisher::update_connections)
     }
 }
 

@@ -30,7 +30,7 @@ use super::stage::{Choir, Clocks, SayError, Stage};
 use crate::mission::MissionError;
 use crate::mission::children::Executable;
 use crate::mission::plan::{Launch, Plan};
-use crate::scenario::kinds::{KINDS, Need, find};
+use crate::scenario::kinds::{KINDS, Need, Product, find};
 
 /// What is tested, and how.
 #[derive(Debug, Clone, Default)]
@@ -241,7 +241,8 @@ impl Tested {
         if launches.iter().any(needs_plans) {
             // Requests and answers are in no log.
             for launch in &plan.launches {
-                let serves = find(KINDS, &launch.config.kind).is_some_and(|k| k.provides_plans);
+                let serves =
+                    find(KINDS, &launch.config.kind).is_some_and(|k| k.makes(Product::Plans));
                 if serves && !speakers.contains(&launch.config.index) {
                     helpers.push(launch.config.name.clone());
                     launches.push(launch.clone());
