@@ -28,18 +28,15 @@ pub use params::KeyedParams;
 use std::collections::VecDeque;
 
 use guidance::params::ParamsError;
-use guidance::waypoint::WaypointKind;
 use metrics::coverage::{CellGrid, CoverageError};
 use nalgebra::Point2;
-use sim_backend::shape::Aabb;
 use thiserror::Error;
 
-use crate::counter::Counter;
 use crate::decomposition::Decomposition;
-use crate::draws::Draws;
 use crate::freshness::Freshness;
 use crate::goal::{Goal, GoalSource};
 use crate::space::Space;
+use crate::wander::{Standing, Wander};
 use crate::workplace::Workplace;
 use choice::{Choice, Order, draw_orders};
 
@@ -79,18 +76,14 @@ pub enum KeyedError {
 #[derive(Debug, Clone)]
 pub struct KeyedCoverage {
     params: KeyedParams,
-    space: Space,
+    wander: Wander,
     freshness: Freshness,
     /// Whether what is covered is told by [`GoalSource::driven`], instead of taken from the legs.
     tracked: bool,
     radius: f64,
-    draws: Draws,
     /// Orders of the next sub-goals.
     orders: VecDeque<Vec<Order>>,
-    /// Legs to a fresh cell that are still to be driven, each with the rectangle that contains it.
-    way: VecDeque<(Point2<f64>, Aabb)>,
     idle: u32,
-    counter: Counter,
 }
 
 impl KeyedCoverage {
@@ -119,15 +112,12 @@ impl KeyedCoverage {
         let freshness = Freshness::new(&grid, &space, radius, params.rarity, NEIGHBOURHOOD);
         let mut planner = Self {
             params,
-            space,
+            wander: Wander::new(space, key),
             freshness,
             tracked: false,
             radius,
-            draws: Draws::new(key),
             orders: VecDeque::new(),
-            way: VecDeque::new(),
             idle: 0,
-            counter: Counter::default(),
         };
         planner.fill_orders();
         Ok(planner)
@@ -138,9 +128,8 @@ impl KeyedCoverage {
     #[must_use]
     pub fn with_key(&self, key: [u8; 32]) -> Self {
         let mut other = self.clone();
-        other.draws = Draws::new(key);
+        other.wander = self.wander.with_key(key);
         other.orders.clear();
-        other.way.clear();
         other.fill_orders();
         other
     }
@@ -161,9 +150,8 @@ impl KeyedCoverage {
         let mut other = Self::new(workplace, decomposition, start, self.radius, unused, params)?;
         other.freshness.keep_covered(&self.freshness);
         other.tracked = self.tracked;
-        other.draws = self.draws;
         other.orders = self.orders;
-        other.counter = self.counter;
+        other.wander = self.wander.moved(other.wander.space);
         Ok(other)
     }
 
@@ -184,12 +172,12 @@ impl KeyedCoverage {
 
     /// The round, from 0: a new one begins when [`KeyedParams::round_at`] is covered.
     pub fn round(&self) -> u32 {
-        self.counter.round()
+        self.wander.counter.round()
     }
 
     fn fill_orders(&mut self) {
         while self.orders.len() <= self.params.foresight {
-            let orders = draw_orders(&self.params, &mut self.draws);
+            let orders = draw_orders(&self.params, &mut self.wander.draws);
             self.orders.push_back(orders);
         }
     }
@@ -214,71 +202,48 @@ impl KeyedCoverage {
         }
         let choice = Choice {
             params: &self.params,
-            space: &self.space,
+            space: &self.wander.space,
             freshness: &self.freshness,
             radius: self.radius,
         };
-        let best = choice.best(from, self.orders.make_contiguous(), &mut self.draws);
+        let orders = self.orders.make_contiguous();
+        let best = choice.best(from, orders, &mut self.wander.draws);
         self.orders.pop_front();
         self.fill_orders();
-        let to = best.filter(|&to| self.space.contains(to))?;
+        let to = best.filter(|&to| self.wander.space.contains(to))?;
         let idle = self.sweep(from, to);
         self.idle = if idle { self.idle + 1 } else { 0 };
-        Some(self.counter.goal(WaypointKind::SubGoal, to, None))
+        Some(self.wander.sub_goal(to, None))
     }
 
-    /// The next leg on the way to a fresh cell.
-    fn by_way(&mut self, from: Point2<f64>) -> Option<Goal> {
-        let (to, within) = self.way.pop_front()?;
-        if !within.contains(from) {
-            // The robot is elsewhere: a goal was left out.
-            self.way.clear();
-            return None;
-        }
-        self.sweep(from, to);
-        let kind = if self.way.is_empty() {
-            WaypointKind::SubGoal
-        } else {
-            WaypointKind::Transit
-        };
-        Some(self.counter.goal(kind, to, Some(within)))
-    }
-
-    /// Plans the way to a random fresh cell.
-    fn plan_way(&mut self, from: Point2<f64>) {
+    /// The first leg of the way to a random fresh cell.
+    fn by_fresh_cell(&mut self, from: Point2<f64>) -> Option<Goal> {
         self.idle = 0;
-        let index = self.draws.index(self.freshness.left());
-        let Some(cell) = self.freshness.nth(index) else {
-            return;
-        };
-        let (first, last) = (self.space.member_at(from), self.space.member_at(cell));
-        let draws = &mut self.draws;
-        self.way = self.space.legs(first, last, cell, || draws.unit()).into();
+        let index = self.wander.draws.index(self.freshness.left());
+        let cell = self.freshness.nth(index)?;
+        let last = self.wander.space.member_at(cell);
+        let goal = self.wander.set_out(from, last, cell)?;
+        self.sweep(from, goal.waypoint.point);
+        Some(goal)
     }
 }
 
 impl GoalSource for KeyedCoverage {
     fn next_goal(&mut self, from: Point2<f64>) -> Option<Goal> {
-        if !(from.x.is_finite() && from.y.is_finite()) {
-            return None;
-        }
-        if !self.space.contains(from) {
-            self.way.clear();
-            let to = self.space.nearest(from);
-            return Some(self.counter.goal(WaypointKind::Transit, to, None));
-        }
-        if let Some(goal) = self.by_way(from) {
-            return Some(goal);
+        match self.wander.standing(from) {
+            Standing::Nowhere => return None,
+            Standing::Outside(goal) => return Some(goal),
+            Standing::OnTheWay(goal) => {
+                self.sweep(from, goal.waypoint.point);
+                return Some(goal);
+            }
+            Standing::Free => {}
         }
         if 1.0 - self.freshness.share() >= self.params.round_at {
             self.freshness.renew();
-            self.counter.begin_round();
+            self.wander.counter.begin_round();
         }
-        if let Some(goal) = self.by_orders(from) {
-            return Some(goal);
-        }
-        self.plan_way(from);
-        self.by_way(from)
+        self.by_orders(from).or_else(|| self.by_fresh_cell(from))
     }
 
     fn driven(&mut self, from: Point2<f64>, to: Point2<f64>) {

@@ -19,7 +19,8 @@
 //! - [`boustrophedon`], [`random_bounce`], [`uniform`]: baselines, from the most efficient to the
 //!   least predictable.
 //!
-//! They move in a [`space::Space`]; what is left to cover is a [`freshness::Freshness`].
+//! They move in a [`space::Space`]; what is left to cover is a [`freshness::Freshness`]; those that
+//! draw their sub-goals on the way share [`wander`].
 
 pub mod boustrophedon;
 mod counter;
@@ -37,4 +38,5 @@ mod testing;
 pub mod tour;
 pub mod transit;
 pub mod uniform;
+pub mod wander;
 pub mod workplace;

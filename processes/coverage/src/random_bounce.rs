@@ -5,16 +5,12 @@ mod tests;
 
 use core::f64::consts::TAU;
 
-use guidance::waypoint::WaypointKind;
 use nalgebra::{Point2, Vector2};
 use sim_backend::math::sincos;
 
-use crate::counter::Counter;
-use crate::decomposition::Decomposition;
-use crate::draws::Draws;
-use crate::goal::{Goal, GoalSource};
-use crate::space::{Space, point_in};
-use crate::workplace::Workplace;
+use crate::goal::Goal;
+use crate::space::point_in;
+use crate::wander::{Rule, Wander, Wanderer};
 
 /// Legs shorter than this [m] would run into the wall that the robot stands at.
 const SHORTEST_LEG: f64 = 0.01;
@@ -26,69 +22,25 @@ const ATTEMPTS: u32 = 256;
 /// and come from a `ChaCha20` stream.
 ///
 /// A baseline: nothing is remembered, and nothing makes sure that narrow passages are found.
+pub type RandomBounce = Wanderer<Bouncing>;
+
+/// On to the next wall.
 #[derive(Debug, Clone)]
-pub struct RandomBounce {
-    space: Space,
-    draws: Draws,
-    counter: Counter,
-}
+pub struct Bouncing;
 
-impl RandomBounce {
-    /// A planner for the part of a workplace that can be reached from `start` [m].
-    pub fn new(
-        workplace: &Workplace,
-        decomposition: &Decomposition,
-        start: Point2<f64>,
-        key: [u8; 32],
-    ) -> Self {
-        Self {
-            space: Space::new(workplace, decomposition, start),
-            draws: Draws::new(key),
-            counter: Counter::default(),
-        }
-    }
-
-    /// The same planner in a workplace that has changed, from `start` [m]: stream and numbers go on.
-    #[must_use]
-    pub fn moved(
-        mut self,
-        workplace: &Workplace,
-        decomposition: &Decomposition,
-        start: Point2<f64>,
-    ) -> Self {
-        self.space = Space::new(workplace, decomposition, start);
-        self
-    }
-
-    /// The same planner with a key of its own from here on, for an observer's guesses.
-    #[must_use]
-    pub fn with_key(&self, key: [u8; 32]) -> Self {
-        let mut other = self.clone();
-        other.draws = Draws::new(key);
-        other
-    }
-}
-
-impl GoalSource for RandomBounce {
-    fn next_goal(&mut self, from: Point2<f64>) -> Option<Goal> {
-        if !(from.x.is_finite() && from.y.is_finite()) {
-            return None;
-        }
-        if !self.space.contains(from) {
-            let to = self.space.nearest(from);
-            return Some(self.counter.goal(WaypointKind::Transit, to, None));
-        }
+impl Rule for Bouncing {
+    fn choose(wander: &mut Wander, from: Point2<f64>) -> Option<Goal> {
         for _ in 0..ATTEMPTS {
-            let (sin, cos) = sincos(self.draws.unit() * TAU);
-            let to = self.space.ray_end(from, Vector2::new(cos, sin));
-            if (to - from).norm() >= SHORTEST_LEG && self.space.contains(to) {
-                return Some(self.counter.goal(WaypointKind::SubGoal, to, None));
+            let (sin, cos) = sincos(wander.draws.unit() * TAU);
+            let to = wander.space.ray_end(from, Vector2::new(cos, sin));
+            if (to - from).norm() >= SHORTEST_LEG && wander.space.contains(to) {
+                return Some(wander.sub_goal(to, None));
             }
         }
         // A place hardly larger than a point: anywhere in it.
-        let home = self.space.member_at(from);
-        let within = *self.space.decomposition().rectangles().get(home)?;
-        let to = point_in(&within, [self.draws.unit(), self.draws.unit()]);
-        Some(self.counter.goal(WaypointKind::SubGoal, to, Some(within)))
+        let home = wander.space.member_at(from);
+        let within = *wander.space.decomposition().rectangles().get(home)?;
+        let to = point_in(&within, [wander.draws.unit(), wander.draws.unit()]);
+        Some(wander.sub_goal(to, Some(within)))
     }
 }

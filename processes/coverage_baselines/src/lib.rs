@@ -7,8 +7,13 @@ pub mod params;
 #[cfg(test)]
 mod tests;
 
-use coverage::{boustrophedon, random_bounce, uniform};
-use generators::{Key, KeyKind};
+use core::marker::PhantomData;
+
+use coverage::boustrophedon;
+use coverage::random_bounce::Bouncing;
+use coverage::uniform::Uniformly;
+use coverage::wander::{Rule, Wanderer};
+use generators::Key;
 use sub_goals::design::{Design, Site};
 use sub_goals::follower::Follower;
 use sub_goals::params::FollowParams;
@@ -58,43 +63,19 @@ impl Design for Boustrophedon {
     }
 }
 
-/// Straight to the next wall, then on at a random angle.
+/// A planner that draws its sub-goals by a rule and remembers nothing.
 #[derive(Debug)]
-pub struct RandomBounce;
+pub struct Memoryless<R>(PhantomData<R>);
 
-impl Design for RandomBounce {
-    type Params = RandomParams;
-    type Goals = random_bounce::RandomBounce;
-
-    fn validate(params: &RandomParams) -> Result<(), String> {
-        params.validate().map_err(|e| e.to_string())
-    }
-
-    fn follow(params: &RandomParams) -> FollowParams {
-        params.follow
-    }
-
-    fn goals(
-        params: &RandomParams,
-        site: &Site,
-        seed: u64,
-        before: Option<Self::Goals>,
-    ) -> Result<Self::Goals, String> {
-        let (workplace, parts) = (&site.workplace, &site.decomposition);
-        Ok(match before {
-            Some(before) => before.moved(workplace, parts, site.start),
-            None => Self::Goals::new(workplace, parts, site.start, secret(params.key, seed)?),
-        })
-    }
-}
+/// Straight to the next wall, then on at a random angle.
+pub type RandomBounce = Memoryless<Bouncing>;
 
 /// Independent uniform sub-goals.
-#[derive(Debug)]
-pub struct Uniform;
+pub type Uniform = Memoryless<Uniformly>;
 
-impl Design for Uniform {
+impl<R: Rule> Design for Memoryless<R> {
     type Params = RandomParams;
-    type Goals = uniform::UniformGoals;
+    type Goals = Wanderer<R>;
 
     fn validate(params: &RandomParams) -> Result<(), String> {
         params.validate().map_err(|e| e.to_string())
@@ -111,17 +92,10 @@ impl Design for Uniform {
         before: Option<Self::Goals>,
     ) -> Result<Self::Goals, String> {
         let (workplace, parts) = (&site.workplace, &site.decomposition);
-        Ok(match before {
-            Some(before) => before.moved(workplace, parts, site.start),
-            None => Self::Goals::new(workplace, parts, site.start, secret(params.key, seed)?),
-        })
-    }
-}
-
-/// The key of a stream: the one given, else one made from the seed of the run.
-fn secret(key: Option<Key>, seed: u64) -> Result<[u8; 32], String> {
-    match key.unwrap_or_else(|| Key::from_seed(KeyKind::Keyed, seed)) {
-        Key::Keyed { key } => Ok(key),
-        other => Err(format!("`key` is {other}, but must be keyed:<64 digits>")),
+        if let Some(before) = before {
+            return Ok(before.moved(workplace, parts, site.start));
+        }
+        let secret = Key::secret(params.key, seed).map_err(|e| e.to_string())?;
+        Ok(Wanderer::new(workplace, parts, site.start, secret))
     }
 }

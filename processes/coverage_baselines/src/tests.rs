@@ -1,6 +1,4 @@
-use coverage::decomposition::Decomposition;
 use coverage::goal::GoalSource;
-use coverage::workplace::Workplace;
 use nalgebra::Point2;
 use sim_backend::shape::Aabb;
 
@@ -11,13 +9,8 @@ fn site() -> Site {
         min: Point2::origin(),
         max: Point2::new(4.0, 4.0),
     };
-    let workplace = Workplace::new(bounds, 0.155, &[], 0.1).unwrap();
-    let decomposition = Decomposition::new(&workplace).unwrap();
-    Site {
-        workplace,
-        decomposition,
-        start: Point2::new(1.0, 1.0),
-    }
+    let (margin, start) = (FollowParams::default(), Point2::new(1.0, 1.0));
+    Site::new(bounds, &[], 0.105, &margin, start).unwrap()
 }
 
 fn points<D: Design>(text: &str, seed: u64) -> Vec<Point2<f64>> {

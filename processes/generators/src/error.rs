@@ -162,6 +162,12 @@ pub enum KeyError {
         /// The steps tried.
         steps: u32,
     },
+    /// A key of a generator that can be seen through, where a secret is wanted.
+    #[error("`{kind}` keeps no secret; write `keyed:` and 64 hexadecimal digits")]
+    NotSecret {
+        /// The generator.
+        kind: String,
+    },
     /// A start from which the map goes to infinity.
     #[error(
         "from ({x}, {y}) the Hénon map escapes to infinity: start closer to the origin, such as \

@@ -183,6 +183,19 @@ impl Key {
         self.source().map(drop)
     }
 
+    /// The bytes of the secret given, or of one made from the seed of a run.
+    ///
+    /// # Errors
+    /// [`KeyError::NotSecret`] if the key given is not one of [`Keyed`].
+    pub fn secret(given: Option<Self>, seed: u64) -> Result<[u8; 32], KeyError> {
+        match given.unwrap_or_else(|| Self::from_seed(KeyKind::Keyed, seed)) {
+            Self::Keyed { key } => Ok(key),
+            other => Err(KeyError::NotSecret {
+                kind: other.kind().to_string(),
+            }),
+        }
+    }
+
     /// A sound key of a kind from the seed of a run: the first one of a `ChaCha20` stream (of its own
     /// for each kind) that is not degenerate.
     pub fn from_seed(kind: KeyKind, seed: u64) -> Self {

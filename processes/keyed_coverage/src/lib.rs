@@ -8,7 +8,7 @@ pub mod params;
 mod tests;
 
 use coverage::keyed::KeyedCoverage;
-use generators::{Key, KeyKind};
+use generators::Key;
 use sub_goals::design::{Design, Site};
 use sub_goals::follower::Follower;
 use sub_goals::params::FollowParams;
@@ -44,11 +44,7 @@ impl Design for Keyed {
         let made = if let Some(before) = before {
             before.moved(workplace, parts, site.start)
         } else {
-            let chosen = params.key;
-            let key = chosen.unwrap_or_else(|| Key::from_seed(KeyKind::Keyed, seed));
-            let Key::Keyed { key } = key else {
-                return Err(format!("`key` is {key}, but must be keyed:<64 digits>"));
-            };
+            let key = Key::secret(params.key, seed).map_err(|e| e.to_string())?;
             // Legs keep the margin; what is covered is covered by the body.
             let disc = workplace.radius() - params.follow.margin;
             KeyedCoverage::new(

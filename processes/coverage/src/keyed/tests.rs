@@ -1,3 +1,5 @@
+use guidance::waypoint::WaypointKind;
+
 use super::*;
 use crate::testing::{disc_coverage, empty};
 

@@ -1,4 +1,5 @@
 use super::*;
+use crate::goal::GoalSource;
 use crate::testing::{empty, mean_coverage};
 
 #[test]
