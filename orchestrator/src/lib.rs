@@ -1,6 +1,8 @@
 //! The protean command: runs, supervises and records missions of real processes.
 
 pub mod bench;
+pub mod census;
+pub mod chaos;
 pub mod chase_page;
 pub mod cli;
 pub mod figures;
@@ -15,6 +17,7 @@ pub mod report_page;
 pub mod route_page;
 pub mod routes;
 pub mod scenario;
+pub mod soak;
 pub mod statistics;
 mod storage;
 pub mod sweep;

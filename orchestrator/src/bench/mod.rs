@@ -20,7 +20,7 @@ mod report;
 mod session;
 mod shared;
 pub mod start;
-mod stats;
+pub(crate) mod stats;
 pub mod ticks;
 
 pub use error::BenchError;

@@ -1,6 +1,7 @@
 //! What a person types.
 
 mod bench;
+mod chaos;
 mod check;
 mod clean;
 mod coverage;
@@ -19,6 +20,7 @@ mod replay;
 mod report;
 mod rerun;
 mod run;
+mod soak;
 mod sweep;
 mod sweep_output;
 mod sweep_page;
@@ -157,6 +159,12 @@ enum Command {
     /// Run an experiment: many missions from one file, and one table of results
     #[command(args_conflicts_with_subcommands = true, after_long_help = sweep::HELP)]
     Sweep(sweep::SweepArgs),
+    /// Kill, stop, slow down and double processes of runs, and check what must hold all the same
+    #[command(after_long_help = chaos::HELP)]
+    Chaos(chaos::ChaosArgs),
+    /// Run missions back to back for a long time and see that nothing grows and nothing is left
+    #[command(after_long_help = soak::HELP)]
+    Soak(soak::SoakArgs),
     /// Remove what runs that were killed have left behind
     Clean {
         /// Print one JSON object
@@ -278,6 +286,8 @@ pub fn main() -> ExitCode {
         Some(Command::Coverage(command)) => coverage::coverage(&command),
         Some(Command::Patrol(command)) => patrol::patrol(command),
         Some(Command::Sweep(args)) => sweep::sweep(&args),
+        Some(Command::Chaos(args)) => chaos::run(&args),
+        Some(Command::Soak(args)) => soak::run(&args),
         Some(Command::Clean { json }) => clean::clean(json),
         Some(Command::Messages { python: _ }) => {
             print(ipc_types::python::module().trim_end());

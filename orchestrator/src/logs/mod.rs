@@ -14,6 +14,7 @@ mod filter;
 mod info;
 mod info_text;
 pub(crate) mod known;
+mod last_sent;
 mod origin;
 pub(crate) mod output;
 mod pattern;
@@ -36,6 +37,7 @@ pub use export::{ExportOptions, Exported, Format, Table, export};
 pub use filter::{FilterOptions, Filtered, filter};
 pub use info::{LogInfo, TopicInfo};
 pub use info_text::text as info_text;
+pub use last_sent::last_sent;
 pub use pattern::Topics;
 pub use recover::{Recovered, recover};
 pub use replay::{

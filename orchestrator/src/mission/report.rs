@@ -93,7 +93,7 @@ fn factor(report: &MissionReport) -> f64 {
     report.summary.sim_time_s / report.wall_time_s.max(1e-9)
 }
 
-fn table(header: &[&str]) -> Table {
+pub(crate) fn table(header: &[&str]) -> Table {
     let mut table = Table::new();
     table
         .load_style(UTF8_HORIZONTAL_ONLY)

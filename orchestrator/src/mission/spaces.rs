@@ -57,7 +57,7 @@ fn io(path: &Path) -> impl FnOnce(std::io::Error) -> SpaceError {
 }
 
 /// The directory below which this user's runs live.
-fn base() -> PathBuf {
+pub(crate) fn base() -> PathBuf {
     match std::env::var_os("XDG_RUNTIME_DIR") {
         // A long runtime directory leaves no room for socket names (see `RunSpace`).
         Some(dir) if !dir.is_empty() && dir.len() <= 36 => PathBuf::from(dir).join("protean"),

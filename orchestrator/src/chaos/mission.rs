@@ -1,0 +1,258 @@
+//! A mission as its own program, with its own runtime directory, so that whatever it leaves is its
+//! own.
+
+use std::fs::File;
+use std::io::Read as _;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::time::{Duration, Instant};
+
+use serde::Serialize;
+use serde_json::Value as Json;
+
+use super::fault::Policy;
+use super::{ChaosError, ChaosOptions};
+
+/// Real time without an answer after which a process counts as hung in these missions [s]; far
+/// beyond what a busy machine makes of a living one.
+pub(super) const HANG_TIMEOUT_S: f64 = 5.0;
+
+/// How a mission's time goes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Course {
+    /// As fast as everybody answers.
+    LockStep,
+    /// By the clock.
+    RealTime,
+}
+
+/// A mission that is left alone.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Baseline {
+    /// Real time that it takes [s].
+    pub lasted_s: f64,
+    /// Its digest, in lock-step.
+    pub digest: Option<String>,
+}
+
+/// A mission that runs.
+#[derive(Debug)]
+pub struct Mission {
+    /// The orchestrator.
+    pub child: Child,
+    /// When it was started.
+    pub start: Instant,
+    directory: tempfile::TempDir,
+}
+
+/// A mission that is over.
+#[derive(Debug)]
+pub struct Ended {
+    /// How the orchestrator ended; `None` if it did not and was killed.
+    pub status: Option<ExitStatus>,
+    /// What it printed, if that is an object.
+    pub summary: Option<Json>,
+    /// What it said.
+    pub stderr: String,
+}
+
+fn system(what: impl Into<String>) -> impl FnOnce(std::io::Error) -> ChaosError {
+    let what = what.into();
+    move |source| ChaosError::System { what, source }
+}
+
+impl Mission {
+    /// Starts the orchestrator of a mission.
+    pub(super) fn start(
+        options: &ChaosOptions,
+        course: Course,
+        policy: Policy,
+    ) -> Result<Self, ChaosError> {
+        // Short: names of sockets below it are limited.
+        let directory = tempfile::Builder::new()
+            .prefix("pc")
+            .rand_bytes(6)
+            .tempdir_in("/tmp")
+            .map_err(system("/tmp"))?;
+        let mut mission_command = command(&directory, "run")?;
+        mission_command
+            .arg(&options.scenario)
+            .args(["--seed", &options.mission_seed.to_string()])
+            .args(["--json", "--quiet", "--out", "mission.mcap"])
+            .args(["--set", &format!("run.hang_timeout_s={HANG_TIMEOUT_S}")]);
+        for change in &options.set {
+            mission_command.args(["--set", change]);
+        }
+        if policy == Policy::Restart {
+            for name in options.processes.iter().filter(|n| *n != SIMULATOR) {
+                mission_command.args(["--set", &format!("processes.{name}.on_failure=restart")]);
+            }
+        }
+        if course == Course::RealTime {
+            mission_command.args(["--real-time", &options.real_time.to_string()]);
+        }
+        let out = |name: &str| {
+            let path = directory.path().join(name);
+            File::create(&path).map_err(system(path.display().to_string()))
+        };
+        let child = mission_command
+            .stdout(out("stdout")?)
+            .stderr(out("stderr")?)
+            .spawn()
+            .map_err(system("this program cannot be started"))?;
+        Ok(Self {
+            child,
+            start: Instant::now(),
+            directory,
+        })
+    }
+
+    /// Its process id.
+    pub fn pid(&self) -> i32 {
+        self.child.id() as i32
+    }
+
+    /// Its log.
+    pub fn log(&self) -> PathBuf {
+        self.path().join("mission.mcap")
+    }
+
+    /// Its directory.
+    pub fn path(&self) -> &Path {
+        self.directory.path()
+    }
+
+    /// Whether it is over.
+    pub fn is_over(&mut self) -> bool {
+        !matches!(self.child.try_wait(), Ok(None))
+    }
+
+    /// Waits until it is over; kills it if it is not by then.
+    pub(super) fn end(&mut self, patience: Duration) -> Ended {
+        let deadline = Instant::now() + patience;
+        let mut status = None;
+        while status.is_none() && Instant::now() < deadline {
+            status = self.child.try_wait().ok().flatten();
+            if status.is_none() {
+                std::thread::sleep(Duration::from_millis(2));
+            }
+        }
+        if status.is_none() {
+            let _ = self.child.kill();
+            let _ = self.child.wait();
+        }
+        Ended {
+            status,
+            summary: serde_json::from_str(&self.text("stdout")).ok(),
+            stderr: self.text("stderr"),
+        }
+    }
+
+    /// Removes what a killed orchestrator left, as its user would.
+    pub(super) fn clean(&self) -> Result<(), ChaosError> {
+        command(&self.directory, "clean")?
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .status()
+            .map_err(system("this program cannot be started"))
+            .map(drop)
+    }
+
+    /// What is left in its runtime directory.
+    pub(super) fn left_in_runtime_dir(&self) -> Vec<String> {
+        let entries = std::fs::read_dir(runtime_dir(self.path()));
+        entries
+            .into_iter()
+            .flatten()
+            .flatten()
+            .map(|entry| entry.path().display().to_string())
+            .collect()
+    }
+
+    /// The directories of its runs: one, or none yet.
+    pub fn roots(&self) -> Vec<PathBuf> {
+        let entries = std::fs::read_dir(runtime_dir(self.path()).join("protean"));
+        entries
+            .into_iter()
+            .flatten()
+            .flatten()
+            .map(|entry| entry.path())
+            .filter(|path| path.is_dir())
+            .collect()
+    }
+
+    fn text(&self, name: &str) -> String {
+        let mut bytes = Vec::new();
+        if let Ok(file) = File::open(self.path().join(name)) {
+            let _ = file.take(1 << 20).read_to_end(&mut bytes);
+        }
+        String::from_utf8_lossy(&bytes).into_owned()
+    }
+}
+
+impl Drop for Mission {
+    fn drop(&mut self) {
+        // Nothing is left, whatever was done to it.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+        let _ = self.clean();
+    }
+}
+
+/// Name of the process that is not in the scenario.
+pub const SIMULATOR: &str = "simulator";
+
+fn runtime_dir(directory: &Path) -> PathBuf {
+    directory.join("rt")
+}
+
+/// This program, in the mission's directory.
+fn command(directory: &tempfile::TempDir, verb: &str) -> Result<Command, ChaosError> {
+    use std::os::unix::fs::DirBuilderExt as _;
+    let runtime = runtime_dir(directory.path());
+    std::fs::DirBuilder::new()
+        .recursive(true)
+        .mode(0o700)
+        .create(&runtime)
+        .map_err(system(runtime.display().to_string()))?;
+    let this = std::env::current_exe().map_err(system("cannot find this program"))?;
+    let mut command = Command::new(this);
+    command
+        .arg(verb)
+        .env("XDG_RUNTIME_DIR", &runtime)
+        .current_dir(directory.path())
+        .stdin(Stdio::null());
+    Ok(command)
+}
+
+/// A mission that nothing is done to.
+pub(super) fn baseline(
+    options: &ChaosOptions,
+    (course, policy): (Course, Policy),
+) -> Result<Baseline, ChaosError> {
+    let mut mission = Mission::start(options, course, policy)?;
+    let ended = mission.end(Duration::from_secs(600));
+    let lasted_s = mission.start.elapsed().as_secs_f64();
+    let fine = ended.status.and_then(|s| s.code()).is_some_and(|code| {
+        // By the clock a busy machine may lose messages.
+        code == 0 || (code == 3 && course == Course::RealTime)
+    });
+    let Some(summary) = ended.summary.filter(|_| fine) else {
+        return Err(ChaosError::Baseline {
+            scenario: options.scenario.clone(),
+            what: match ended.status {
+                Some(status) => crate::mission::report::exit_words(status),
+                None => "did not end".to_owned(),
+            },
+            stderr: ended.stderr,
+        });
+    };
+    let digest = summary.get("digest").and_then(Json::as_str);
+    Ok(Baseline {
+        lasted_s,
+        digest: digest
+            .filter(|_| course == Course::LockStep)
+            .map(str::to_owned),
+    })
+}

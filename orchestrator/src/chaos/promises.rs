@@ -1,0 +1,334 @@
+//! What must hold whatever is done to a run.
+//!
+//! 1. It ends, in bounded time, with an exit code that says how.
+//! 2. A process that fails is named, and what the scenario says of its failure happens.
+//! 3. What only passes by leaves the history of a run in lock-step as it was.
+//! 4. No process of it survives.
+//! 5. No shared memory, socket or file of it remains; after a killed orchestrator not once
+//!    `protean clean` has been through.
+//! 6. Its log can be read; a killed orchestrator loses at most the last second.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use serde_json::Value as Json;
+
+use super::fault::{Fault, FaultKind, Policy};
+use super::inject::{Injected, inject};
+use super::mission::{Baseline, Course, Ended, Mission, SIMULATOR};
+use super::{ChaosError, ChaosOptions, Outcome};
+use crate::census;
+use crate::logs::{self, Watch};
+
+/// Times of an untouched mission that one may take in which something was broken, and what comes on
+/// top: hangs must be noticed and processes come back, on a machine that is busy.
+const PATIENCE: (f64, f64) = (5.0, 40.0);
+
+/// Time after which no process of a run may live whose orchestrator is gone: the grace of its
+/// processes, and what a busy machine adds.
+const GONE_WITHIN: Duration = Duration::from_secs(8);
+
+/// What a log may lack of the time before the orchestrator was killed [s].
+const LOST: f64 = 1.0;
+
+/// Lets a mission run, does the fault, and checks every promise.
+pub(super) fn put_to_the_test(
+    options: &ChaosOptions,
+    number: u64,
+    fault: &Fault,
+    moment: f64,
+    baseline: &Baseline,
+) -> Result<Outcome, ChaosError> {
+    let mut mission = Mission::start(options, fault.course, fault.policy)?;
+    let moment = Duration::from_secs_f64(moment * baseline.lasted_s);
+    let mut injected = inject(&mut mission, fault, moment)?;
+    let roots = mission.roots();
+    let patience = Duration::from_secs_f64(PATIENCE.0 * baseline.lasted_s + PATIENCE.1);
+    let back_after_s = match &injected {
+        Some(done) if comes_back(fault) => wait_for_return(&mut mission, done, patience),
+        _ => None,
+    };
+    let ended = mission.end(patience);
+    let over_after_s = injected
+        .as_ref()
+        .map_or(0.0, |done| done.at.elapsed().as_secs_f64());
+    if let Some(mut double) = injected.as_mut().and_then(|done| done.double.take()) {
+        // Its run is over, and nobody but us holds its standard input.
+        drop(double.stdin.take());
+        let _ = wait_or_kill(&mut double, GONE_WITHIN);
+    }
+    let mut check = Check {
+        fault,
+        baseline,
+        broken: Vec::new(),
+    };
+    let mut lost_s = None;
+    match &injected {
+        None => check.untouched(&ended),
+        Some(_) if fault.kind.hits_orchestrator() => check.orchestrator(&ended),
+        Some(_) => check.process(&ended),
+    }
+    check.nothing_lives(&roots)?;
+    check.nothing_remains(&mission, &roots)?;
+    if let Some(done) = &injected {
+        lost_s = check.log(&mission, done);
+    }
+    let broken = check.broken;
+    if !broken.is_empty() {
+        keep(options, number, &mission);
+    }
+    Ok(Outcome {
+        number,
+        fault: fault.clone(),
+        injected: injected.is_some(),
+        broken,
+        over_after_s,
+        back_after_s,
+        lost_s,
+    })
+}
+
+/// Whether a process that fails by this is started again.
+fn comes_back(fault: &Fault) -> bool {
+    fault.kind.is_failure() && fault.policy == Policy::Restart && fault.target != SIMULATOR
+}
+
+/// Time until another process with the victim's name is there; `None` if the mission ends before.
+fn wait_for_return(mission: &mut Mission, done: &Injected, patience: Duration) -> Option<f64> {
+    while done.at.elapsed() < patience && !mission.is_over() {
+        let members = census::children(mission.pid()).unwrap_or_default();
+        let back = |m: &census::Member| m.name == done.victim.name && m.pid != done.victim.pid;
+        if members.iter().any(back) {
+            return Some(done.at.elapsed().as_secs_f64());
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    None
+}
+
+fn wait_or_kill(child: &mut std::process::Child, patience: Duration) -> std::io::Result<()> {
+    let deadline = Instant::now() + patience;
+    while Instant::now() < deadline {
+        if child.try_wait()?.is_some() {
+            return Ok(());
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    child.kill()?;
+    child.wait().map(drop)
+}
+
+/// Keeps log and words of a mission that broke a promise.
+fn keep(options: &ChaosOptions, number: u64, mission: &Mission) {
+    let Some(folder) = &options.keep else { return };
+    let _ = std::fs::create_dir_all(folder);
+    for name in ["mission.mcap", "stderr", "stdout"] {
+        let to = folder.join(format!("fault-{number}-{name}"));
+        let _ = std::fs::copy(mission.path().join(name), to);
+    }
+}
+
+struct Check<'a> {
+    fault: &'a Fault,
+    baseline: &'a Baseline,
+    broken: Vec<String>,
+}
+
+impl Check<'_> {
+    fn broke(&mut self, what: impl Into<String>) {
+        self.broken.push(what.into());
+    }
+
+    /// The exit code, or that there is none.
+    fn code(&mut self, ended: &Ended) -> Option<i32> {
+        let Some(status) = ended.status else {
+            self.broke("the run did not end");
+            return None;
+        };
+        if status.code().is_none() {
+            let words = crate::mission::report::exit_words(status);
+            self.broke(format!("the orchestrator {words}"));
+        }
+        status.code()
+    }
+
+    /// A mission that was over before anything could be done to it.
+    fn untouched(&mut self, ended: &Ended) {
+        match self.code(ended) {
+            Some(0) => self.same_history(ended),
+            Some(3) if self.fault.course == Course::RealTime => {}
+            Some(code) => self.broke(format!("exit code {code} of a run left alone")),
+            None => {}
+        }
+    }
+
+    fn same_history(&mut self, ended: &Ended) {
+        let summary = ended.summary.as_ref();
+        let digest = summary.and_then(|s| s.get("digest")).and_then(Json::as_str);
+        if let Some(expected) = &self.baseline.digest
+            && digest != Some(expected)
+        {
+            let found = digest.unwrap_or("none");
+            self.broke(format!("digest {found}, but {expected} if left alone"));
+        }
+    }
+
+    /// After a fault of a process.
+    fn process(&mut self, ended: &Ended) {
+        let Some(code) = self.code(ended) else { return };
+        let (fault, target) = (self.fault, &self.fault.target);
+        let by_the_clock = fault.course == Course::RealTime;
+        // A process that fails when the game is over is nobody's loss.
+        let unharmed = code == 0 && !self.tells_of_failure(ended);
+        if unharmed && !by_the_clock {
+            return self.same_history(ended);
+        }
+        match code {
+            0 | 3 if unharmed || (by_the_clock && fault.kind.passes()) => {}
+            0 | 3 if comes_back(fault) => {}
+            1 if !fault.kind.passes() => {
+                // Names may be long: every word of them is there.
+                if !ended.stderr.contains(target.as_str()) {
+                    let words = ended.stderr.trim();
+                    self.broke(format!("{target} is not named: {words}"));
+                }
+                if comes_back(fault) && !ended.stderr.contains("before it was ready") {
+                    let words = ended.stderr.trim();
+                    self.broke(format!("the run ended instead of going on: {words}"));
+                }
+            }
+            code => {
+                let words = ended.stderr.trim();
+                self.broke(format!("exit code {code}: {words}"));
+            }
+        }
+    }
+
+    /// Whether the summary says that a process failed.
+    fn tells_of_failure(&self, ended: &Ended) -> bool {
+        let processes = ended.summary.as_ref().and_then(|s| s.get("processes"));
+        processes
+            .and_then(Json::as_array)
+            .is_some_and(|all| all.iter().any(|p| p["name"] == self.fault.target.as_str()))
+    }
+
+    /// After a fault of the orchestrator.
+    fn orchestrator(&mut self, ended: &Ended) {
+        let Some(status) = ended.status else {
+            self.broke("the run did not end");
+            return;
+        };
+        let by_the_clock = self.fault.course == Course::RealTime;
+        match (self.fault.kind, status.code()) {
+            // Killed, as intended; asked to end before it could listen; ended in order.
+            (FaultKind::KillOrchestrator, None)
+            | (FaultKind::TerminateOrchestrator, None | Some(0 | 3)) => {}
+            (_, Some(0)) => self.same_history(ended),
+            // By the clock, messages may be lost while nobody listens.
+            (FaultKind::PauseOrchestrator, Some(3)) if by_the_clock => {}
+            _ => {
+                let how = crate::mission::report::exit_words(status);
+                let words = ended.stderr.trim();
+                self.broke(format!("the orchestrator {how}: {words}"));
+            }
+        }
+    }
+
+    fn nothing_lives(&mut self, roots: &[PathBuf]) -> Result<(), ChaosError> {
+        let deadline = Instant::now() + GONE_WITHIN;
+        loop {
+            let mut living = Vec::new();
+            for root in roots {
+                living.extend(census::members_of(root)?);
+            }
+            if living.is_empty() {
+                return Ok(());
+            }
+            // Whoever was stopped cannot end by itself: `clean` sees to it.
+            let stopped_orphans =
+                self.fault.kind == FaultKind::KillOrchestrator && living.iter().all(|m| m.stopped);
+            if stopped_orphans {
+                return Ok(());
+            }
+            if Instant::now() >= deadline {
+                for member in living {
+                    self.broke(format!("{} still lives ({})", member.name, member.pid));
+                }
+                return Ok(());
+            }
+            std::thread::sleep(Duration::from_millis(10));
+        }
+    }
+
+    fn nothing_remains(&mut self, mission: &Mission, roots: &[PathBuf]) -> Result<(), ChaosError> {
+        if self.fault.kind.hits_orchestrator() {
+            mission.clean()?;
+        }
+        for what in mission.left_in_runtime_dir() {
+            self.broke(format!("{what} remains"));
+        }
+        for root in roots {
+            let segments = census::segments_of(root)?;
+            if let Some(first) = segments.first() {
+                let count = segments.len();
+                self.broke(format!("{count} x shared memory remains, as /dev/shm/{first}"));
+            }
+        }
+        Ok(())
+    }
+
+    /// The log; what it lacks of the time before the orchestrator was killed [s].
+    fn log(&mut self, mission: &Mission, done: &Injected) -> Option<f64> {
+        let log = mission.log();
+        if !log.exists() {
+            // Nothing had happened yet.
+            return None;
+        }
+        let killed = self.fault.kind == FaultKind::KillOrchestrator;
+        let readable = if killed {
+            let whole = mission.path().join("recovered.mcap");
+            match logs::recover(&log, &whole, true, &mut watch()) {
+                Ok(_) => whole,
+                Err(error) => {
+                    self.broke(format!("the log cannot be recovered: {error}"));
+                    return None;
+                }
+            }
+        } else {
+            log
+        };
+        self.is_whole(&readable);
+        if !killed {
+            return None;
+        }
+        match logs::last_sent(&readable, &mut watch()) {
+            Ok(Some(last_ns)) => {
+                let lost_s = done.at_ns.saturating_sub(last_ns) as f64 * 1e-9;
+                if lost_s > LOST {
+                    self.broke(format!("the log lacks the last {lost_s:.3} s"));
+                }
+                Some(lost_s)
+            }
+            Ok(None) => None,
+            Err(error) => {
+                self.broke(format!("the recovered log cannot be read: {error}"));
+                None
+            }
+        }
+    }
+
+    fn is_whole(&mut self, log: &Path) {
+        match logs::LogInfo::read(log, &mut watch()) {
+            Ok(info) if info.condition.is_whole() => {}
+            Ok(info) => {
+                let faults = info.condition.lines().join("; ");
+                self.broke(format!("the log is not whole: {faults}"));
+            }
+            Err(error) => self.broke(format!("the log cannot be read: {error}")),
+        }
+    }
+}
+
+fn watch() -> Watch {
+    Watch::new(std::sync::Arc::default(), true)
+}

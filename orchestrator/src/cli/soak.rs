@@ -1,0 +1,227 @@
+//! `protean soak`.
+
+use std::io::IsTerminal as _;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressStyle};
+use serde_json::json;
+
+use super::run::handle_signals;
+use super::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, OverrideArgs, complain, print, print_json};
+use crate::figures;
+use crate::scenario::spec::Mode;
+use crate::scenario::{self, Loader, ResolvedScenario};
+use crate::soak::mission::Mission;
+use crate::soak::{SoakOptions, SoakReport, growth, picture, soak, table};
+
+/// What stands below the options.
+pub(super) const HELP: &str = "\
+Missions run one after the other, the same ones again and again in an order that the seed draws, without
+keeping their logs. Meanwhile every process is looked at twenty times a second, from outside: memory of its
+own, descriptors, shared memory; after every mission, what it left behind. The first quarter of the time
+is for warming up; then the first half of the rest is compared with the second. Of processes that run for
+2 s or more, memory late in their lives is compared with memory early.
+
+Flat means: nothing grew by more than 1 % and 64 KiB over the soak (descriptors and pieces of shared memory:
+not at all), nothing was left behind, every mission ended as it should, with the digest it had before.
+
+--out writes DIR/soak.csv (a row per mission and process) and DIR/soak.svg, DIR/soak.png.
+
+Exit codes: 0 flat, 1 not flat, 2 wrong usage or scenario, 3 ended by Ctrl-C before its time.";
+
+/// What `protean soak` takes.
+#[derive(Debug, clap::Args)]
+pub(super) struct SoakArgs {
+    /// Scenario files or names of built-in scenarios [default: all built-in ones that start no
+    /// programs of others]
+    #[arg(value_name = "SCENARIO")]
+    scenarios: Vec<String>,
+    /// How long missions are begun [min]
+    #[arg(long, short, value_name = "M", default_value_t = 5.0)]
+    minutes: f64,
+    /// Seeds per scenario, from the scenario's own upwards
+    #[arg(long, value_name = "N", default_value_t = 2)]
+    seeds: u64,
+    /// Fly every mission by the clock too, FACTOR times as fast as reality
+    #[arg(long, value_name = "FACTOR")]
+    real_time: Option<f64>,
+    #[command(flatten)]
+    overrides: OverrideArgs,
+    /// Let scenarios start programs that are not Protean's own
+    #[arg(long)]
+    allow_external: bool,
+    /// Write rows and picture into this folder
+    #[arg(long, short, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+    /// Show nothing but errors and the result
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+/// Soaks, and says whether everything stayed flat.
+pub fn run(args: &SoakArgs) -> ExitCode {
+    let missions = match missions(args) {
+        Ok(missions) => missions,
+        Err(code) => return code,
+    };
+    let interrupted = Arc::new(AtomicBool::new(false));
+    if let Err(error) = handle_signals(&interrupted) {
+        eprintln!("error: cannot handle signals: {error}");
+        return ExitCode::from(EXIT_FAILED);
+    }
+    let options = SoakOptions {
+        missions,
+        duration: Duration::from_secs_f64(args.minutes * 60.0),
+        seed: args.overrides.seed.unwrap_or(1),
+        interrupted,
+    };
+    let show = Show::new(args, options.duration);
+    let report = soak(&options, |mission| show.mission(mission));
+    show.bar.finish_and_clear();
+    if let Some(folder) = &args.out
+        && let Err(error) = write(&report, folder)
+    {
+        eprintln!("error: {error}");
+        return ExitCode::from(EXIT_FAILED);
+    }
+    if args.json {
+        print_json(&json!({
+            "flat": report.is_flat(),
+            "missions": report.missions.len(),
+            "failures": report.failures,
+            "leftovers": report.leftovers,
+            "lasted_s": report.lasted_s,
+            "interrupted": report.interrupted,
+            "limits": { "share": growth::FLAT, "bytes": growth::PAGES },
+            "growth": report.growth,
+        }));
+    } else {
+        print(table::text(&report).trim_end());
+    }
+    if report.interrupted {
+        ExitCode::from(EXIT_PARTIAL)
+    } else if report.is_flat() {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::from(EXIT_FAILED)
+    }
+}
+
+/// Every mission of the soak; on stderr what is wrong with the request.
+fn missions(args: &SoakArgs) -> Result<Vec<ResolvedScenario>, ExitCode> {
+    let invalid = |text: String| {
+        eprintln!("error: {text}");
+        ExitCode::from(EXIT_INVALID)
+    };
+    let wanted = |name: &str, value: f64, low: f64, high: f64| {
+        (low..=high).contains(&value).then_some(()).ok_or_else(|| {
+            invalid(format!(
+                "{name} {value}: expected a number from {low} to {high}"
+            ))
+        })
+    };
+    wanted("--minutes", args.minutes, 0.001, 10_080.0)?;
+    wanted("--seeds", args.seeds as f64, 1.0, 1000.0)?;
+    if let Some(factor) = args.real_time {
+        wanted("--real-time", factor, 0.001, 1000.0)?;
+    }
+    let all = args.scenarios.is_empty();
+    let names: Vec<String> = if all {
+        scenario::list().into_iter().map(|s| s.name).collect()
+    } else {
+        args.scenarios.clone()
+    };
+    let mut missions = Vec::new();
+    for name in &names {
+        let load = |seed| {
+            Loader::default()
+                .allow_outside(args.overrides.allow_outside)
+                .load(name, &args.overrides.set, seed)
+                .map_err(|problems| {
+                    complain(&problems);
+                    ExitCode::from(EXIT_INVALID)
+                })
+        };
+        let first = load(args.overrides.seed)?;
+        if first.uses_external_commands() && !args.allow_external {
+            if all {
+                continue;
+            }
+            return Err(invalid(format!(
+                "{name} starts programs that are not Protean's own; look at them and add \
+                 --allow-external"
+            )));
+        }
+        for number in 0..args.seeds {
+            let mission = load(Some(first.run.seed.wrapping_add(number)))?;
+            if let Some(factor) = args.real_time {
+                let mut by_clock = mission.clone();
+                by_clock.name += " by the clock";
+                by_clock.run.mode = Mode::RealTime;
+                by_clock.run.real_time_factor = factor;
+                missions.push(by_clock);
+            }
+            missions.push(mission);
+        }
+    }
+    Ok(missions)
+}
+
+/// Writes rows and picture.
+fn write(report: &SoakReport, folder: &Path) -> Result<(), Box<dyn std::error::Error>> {
+    figures::save(&table::csv(&report.missions)?, &folder.join("soak.csv"))?;
+    let drawing = figures::draw(&picture::chart(&report.missions));
+    figures::save(drawing.svg().as_bytes(), &folder.join("soak.svg"))?;
+    figures::save(&drawing.png(2.0)?, &folder.join("soak.png"))?;
+    Ok(())
+}
+
+/// How far the soak is: a line that moves on a terminal, a plain line per mission elsewhere.
+struct Show {
+    bar: ProgressBar,
+    plain: bool,
+}
+
+impl Show {
+    fn new(args: &SoakArgs, duration: Duration) -> Self {
+        let terminal = std::io::stderr().is_terminal();
+        let bar = if args.quiet || !terminal {
+            ProgressBar::hidden()
+        } else {
+            ProgressBar::new(duration.as_secs())
+        };
+        // A template that does not parse would only cost the bar its looks.
+        if let Ok(style) = ProgressStyle::with_template("{bar:30} {msg}") {
+            bar.set_style(style);
+        }
+        Self {
+            bar,
+            plain: !args.quiet && !terminal,
+        }
+    }
+
+    fn mission(&self, mission: &Mission) {
+        let at = mission.begun_s + mission.lasted_s;
+        let how = match (&mission.failure, mission.leftovers.len()) {
+            (Some(why), _) => format!("FAILED: {why}"),
+            (None, 0) => "ok".to_owned(),
+            (None, left) => format!("{left} things left behind"),
+        };
+        let line = format!(
+            "{at:7.1} s  {} seed {} ({:.1} s): {how}",
+            mission.scenario, mission.seed, mission.lasted_s
+        );
+        self.bar.set_position(at as u64);
+        self.bar.set_message(line.clone());
+        if self.plain || how != "ok" {
+            self.bar.suspend(|| eprintln!("{line}"));
+        }
+    }
+}

@@ -1,0 +1,214 @@
+//! Whether what was held grew: from mission to mission, and while a process ran.
+//!
+//! The same missions come again and again, so that what a process of one holds can be compared with
+//! what it held the last times. The first quarter of the time is for warming up. Of the rest, the
+//! median of the first half is held against that of the second: a slope that a single mission on a
+//! busy machine does not bend. Of processes that ran for long, memory in the last quarter of their
+//! lives is held against that in the second.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::mission::{Mission, ORCHESTRATOR};
+use crate::bench::stats::Spread;
+
+/// Missions after warming up from which on growth can be told.
+const ENOUGH: usize = 8;
+
+/// Share of growth over the soak that passes for flat.
+pub const FLAT: f64 = 0.01;
+
+/// Bytes of growth over the soak that pass for flat: a few pages of memory come and go with the
+/// moment at which one looks.
+pub const PAGES: f64 = 65_536.0;
+
+/// Memory from mission to mission.
+pub const MEMORY: &str = "memory";
+/// Memory while a process runs.
+pub const IN_FLIGHT: &str = "memory in flight";
+/// Open descriptors from mission to mission.
+pub const DESCRIPTORS: &str = "descriptors";
+/// Pieces of shared memory from mission to mission.
+pub const SEGMENTS: &str = "segments";
+
+/// What became of a quantity over the soak.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Growth {
+    /// Whose: `scenario/process`, or `orchestrator`.
+    pub who: String,
+    /// What: [`MEMORY`], [`IN_FLIGHT`], [`DESCRIPTORS`] or [`SEGMENTS`].
+    pub what: &'static str,
+    /// Missions that it is told from.
+    pub missions: usize,
+    /// Median of the first half, or of the second quarters of lives [bytes, or a number].
+    pub first: f64,
+    /// Median of the second half, or of the last quarters.
+    pub last: f64,
+    /// Growth from the end of the warming up to the end, by the first median.
+    pub share: f64,
+    /// Whether that is more than chance makes of it.
+    pub grew: bool,
+}
+
+/// What became of everything in a row of missions.
+pub fn of(missions: &[Mission]) -> Vec<Growth> {
+    let mut series: BTreeMap<(String, &'static str), Vec<(f64, f64)>> = BTreeMap::new();
+    let mut lives: BTreeMap<String, Vec<[u64; 2]>> = BTreeMap::new();
+    for mission in missions {
+        let at = mission.begun_s + mission.lasted_s;
+        let mut add = |who: String, what, value: u64| {
+            series
+                .entry((who, what))
+                .or_default()
+                .push((at, value as f64));
+        };
+        for (name, held) in &mission.processes {
+            let who = if name == ORCHESTRATOR {
+                name.clone()
+            } else {
+                format!("{}/{name}", mission.scenario)
+            };
+            if let Some(parts) = held.early_and_late_bytes {
+                lives.entry(who.clone()).or_default().push(parts);
+            }
+            add(who.clone(), MEMORY, held.memory_bytes);
+            add(who, DESCRIPTORS, held.descriptors);
+        }
+        add(mission.scenario.clone(), SEGMENTS, mission.segments);
+    }
+    let end = missions.last().map_or(0.0, |m| m.begun_s + m.lasted_s);
+    let in_flight = lives.into_iter().filter_map(|(who, l)| in_flight(who, &l));
+    series
+        .into_iter()
+        .filter_map(|((who, what), values)| growth(who, what, &values, end))
+        .chain(in_flight)
+        .collect()
+}
+
+/// Of the lives of one process, each with its memory early and late [bytes].
+fn in_flight(who: String, lives: &[[u64; 2]]) -> Option<Growth> {
+    let middle = |index: usize| {
+        let values = lives.iter().map(|life| life[index] as f64);
+        Spread::of(values).map(|s| s.median)
+    };
+    let (first, last) = (middle(0)?, middle(1)?);
+    // From the middle of the second quarter to that of the last is half of a life.
+    let change = (last - first) * 1.5;
+    let share = change / first.max(1.0);
+    Some(Growth {
+        who,
+        what: IN_FLIGHT,
+        missions: lives.len(),
+        first,
+        last,
+        share,
+        grew: share > FLAT && change > PAGES,
+    })
+}
+
+/// Of one series of (time [s], value) that rises in time; `None` if there is too little of it.
+fn growth(who: String, what: &'static str, values: &[(f64, f64)], end: f64) -> Option<Growth> {
+    let warm: Vec<(f64, f64)> = values
+        .iter()
+        .copied()
+        .filter(|(at, _)| *at >= 0.25 * end)
+        .collect();
+    if warm.len() < ENOUGH {
+        return None;
+    }
+    let (early, late) = warm.split_at(warm.len() / 2);
+    let middle = |half: &[(f64, f64)], of: fn(&(f64, f64)) -> f64| {
+        Spread::of(half.iter().map(of)).map(|s| s.median)
+    };
+    let (first, last) = (middle(early, |v| v.1)?, middle(late, |v| v.1)?);
+    let apart = middle(late, |v| v.0)? - middle(early, |v| v.0)?;
+    // The medians are half of the time apart; growth is told for all of it.
+    let stretch = if apart > 0.0 { 0.75 * end / apart } else { 1.0 };
+    let change = (last - first) * stretch;
+    let share = change / first.max(1.0);
+    let grew = match what {
+        MEMORY => share > FLAT && change > PAGES,
+        // Counts are whole: half of the missions must have had more.
+        _ => last > first,
+    };
+    Some(Growth {
+        who,
+        what,
+        missions: warm.len(),
+        first,
+        last,
+        share,
+        grew,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn series(value: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
+        (0..100)
+            .map(|i| (f64::from(i), value(f64::from(i))))
+            .collect()
+    }
+
+    fn judged(what: &'static str, value: impl Fn(f64) -> f64) -> Growth {
+        growth("x".into(), what, &series(value), 99.0).unwrap()
+    }
+
+    #[test]
+    fn warming_up_is_no_growth() {
+        let warm = judged(MEMORY, |t| if t < 20.0 { 1e6 * t } else { 2e7 });
+        assert!(!warm.grew && warm.share == 0.0, "{warm:?}");
+    }
+
+    #[test]
+    fn a_leak_is_told_with_its_size() {
+        // 2 % of 10 MB from the end of the warming up to the end.
+        let leak = judged(MEMORY, |t| 1e7 * (1.0 + 0.02 * (t - 25.0) / 75.0));
+        assert!(leak.grew, "{leak:?}");
+        assert!((leak.share - 0.02).abs() < 0.002, "{leak:?}");
+    }
+
+    #[test]
+    fn one_descriptor_more_is_a_leak_and_a_page_of_memory_is_not() {
+        assert!(judged(DESCRIPTORS, |t| if t < 60.0 { 20.0 } else { 21.0 }).grew);
+        assert!(!judged(MEMORY, |t| 1e5 + if t < 60.0 { 0.0 } else { 4096.0 }).grew);
+    }
+
+    #[test]
+    fn a_process_that_grows_while_it_runs_is_told() {
+        let grows = in_flight(
+            "x".into(),
+            &[[1_000_000, 1_100_000], [1_000_000, 1_080_000]],
+        );
+        let grows = grows.unwrap();
+        assert!(
+            grows.grew && (grows.share - 0.135).abs() < 1e-9,
+            "{grows:?}"
+        );
+        let level = in_flight("x".into(), &[[900_000, 900_000], [1_000_000, 1_001_000]]);
+        assert!(!level.unwrap().grew);
+        assert!(in_flight("x".into(), &[]).is_none());
+    }
+
+    #[test]
+    fn of_a_few_missions_nothing_is_said() {
+        assert!(growth("x".into(), MEMORY, &series(|_| 1.0)[..7], 1.0).is_none());
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_level_is_never_called_growth(level in 1e4..1e9_f64, outliers in prop::collection::vec(0_usize..100, 0..10)) {
+            let mut values = series(|_| level);
+            for index in outliers {
+                values[index].1 *= 3.0;
+            }
+            // Fewer than a quarter of the values of either half are outliers.
+            prop_assert!(!growth("x".into(), MEMORY, &values, 99.0).unwrap().grew);
+        }
+    }
+}

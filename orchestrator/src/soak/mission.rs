@@ -1,0 +1,179 @@
+//! What one mission of a soak held, and what it left.
+
+use std::collections::BTreeMap;
+use std::time::{Duration, Instant};
+
+use serde::Serialize;
+
+use super::watch::{Held, Seen};
+use crate::bench::stats::percentile;
+use crate::census;
+use crate::mission::spaces::{self, Found};
+use crate::scenario::ResolvedScenario;
+
+/// Name under which the orchestrator's own figures stand.
+pub const ORCHESTRATOR: &str = "orchestrator";
+
+/// Samples of a process from which on it is said whether it grew while it ran.
+const ENOUGH: usize = 40;
+
+/// How long what is on its way out may take.
+const PATIENCE: Duration = Duration::from_secs(5);
+
+/// What a process held during a mission.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Use {
+    /// Times it was looked at.
+    pub samples: usize,
+    /// Memory of its own in the middle of what was seen [bytes].
+    pub memory_bytes: u64,
+    /// Most descriptors.
+    pub descriptors: u64,
+    /// Its memory in the second quarter of its life and in the last one (medians) [bytes]; absent if
+    /// it did not run for long.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub early_and_late_bytes: Option<[u64; 2]>,
+}
+
+/// A mission.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Mission {
+    /// Name of its scenario.
+    pub scenario: String,
+    /// Its seed.
+    pub seed: u64,
+    /// Real time from the beginning of the soak to its own [s].
+    pub begun_s: f64,
+    /// Real time that it took [s].
+    pub lasted_s: f64,
+    /// What every process held, and the orchestrator after the mission.
+    pub processes: BTreeMap<String, Use>,
+    /// Most pieces of shared memory at once.
+    pub segments: u64,
+    /// Processes, shared memory and directories that it left behind.
+    pub leftovers: Vec<String>,
+    /// What went wrong, if anything did.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub failure: Option<String>,
+}
+
+impl Mission {
+    /// A mission that has just ended.
+    pub(super) fn new(
+        scenario: &ResolvedScenario,
+        begun_s: f64,
+        ended_s: f64,
+        seen: Seen,
+        failure: Option<String>,
+    ) -> Self {
+        let leftovers = leftovers(&seen);
+        let mut processes: BTreeMap<String, Use> = seen
+            .processes
+            .into_iter()
+            .map(|(name, held)| (name, Use::of(&held)))
+            .collect();
+        if let Ok(us) = census::member(std::process::id() as i32) {
+            let now = Use {
+                samples: 1,
+                memory_bytes: us.memory_bytes,
+                descriptors: us.descriptors,
+                early_and_late_bytes: None,
+            };
+            processes.insert(ORCHESTRATOR.to_owned(), now);
+        }
+        Self {
+            scenario: scenario.name.clone(),
+            seed: scenario.run.seed,
+            begun_s,
+            lasted_s: ended_s - begun_s,
+            processes,
+            segments: seen.segments,
+            leftovers,
+            failure,
+        }
+    }
+}
+
+impl Use {
+    fn of(held: &Held) -> Self {
+        let samples = held.memory.len();
+        let quarter = |number: usize| {
+            let part = samples * number / 4..samples * (number + 1) / 4;
+            middle(held.memory.get(part).unwrap_or_default())
+        };
+        Self {
+            samples,
+            memory_bytes: middle(&held.memory),
+            descriptors: held.descriptors.iter().copied().max().unwrap_or(0),
+            early_and_late_bytes: (samples >= ENOUGH).then(|| [quarter(1), quarter(3)]),
+        }
+    }
+}
+
+/// The median; 0 without values.
+fn middle(values: &[u64]) -> u64 {
+    percentile(&mut values.to_vec(), 0.5).unwrap_or(0)
+}
+
+/// What is left of a mission that has ended: nothing, as it should be.
+fn leftovers(seen: &Seen) -> Vec<String> {
+    let deadline = Instant::now() + PATIENCE;
+    loop {
+        let mut left = Vec::new();
+        for root in &seen.roots {
+            for member in census::members_of(root).unwrap_or_default() {
+                left.push(format!("process {} ({})", member.name, member.pid));
+            }
+            for segment in census::segments_of(root).unwrap_or_default() {
+                left.push(format!("/dev/shm/{segment}"));
+            }
+            if root.exists() {
+                left.push(root.display().to_string());
+            }
+        }
+        if left.is_empty() || Instant::now() >= deadline {
+            for found in spaces::clean().unwrap_or_default() {
+                if let Found::Removed { root, .. } | Found::Failed(root, _) = found {
+                    let name = root.display().to_string();
+                    if !left.contains(&name) {
+                        left.push(name);
+                    }
+                }
+            }
+            return left;
+        }
+        // Whoever is killed at the end may take a moment to go.
+        std::thread::sleep(Duration::from_millis(50));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn held(memory: impl Iterator<Item = u64>) -> Held {
+        let memory: Vec<u64> = memory.collect();
+        Held {
+            descriptors: vec![7; memory.len()],
+            memory,
+        }
+    }
+
+    #[test]
+    fn what_grows_while_it_runs_is_told_from_what_warms_up() {
+        // Warm after the first quarter.
+        let warm = held((0..40).map(|i| if i < 8 { i * 1000 } else { 10_000 }));
+        assert_eq!(Use::of(&warm).early_and_late_bytes, Some([10_000, 10_000]));
+        let grows = held((0..40).map(|i| 10_000 + i * 1000));
+        assert_eq!(Use::of(&grows).early_and_late_bytes, Some([24_000, 44_000]));
+        assert_eq!(Use::of(&grows).memory_bytes, 29_000);
+        assert_eq!(Use::of(&grows).descriptors, 7);
+    }
+
+    #[test]
+    fn of_a_short_life_nothing_is_said() {
+        let short = held((0..39).map(|i| i * 1000));
+        assert_eq!(Use::of(&short).early_and_late_bytes, None);
+        assert_eq!(Use::of(&Held::default()).memory_bytes, 0);
+    }
+}

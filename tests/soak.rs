@@ -1,0 +1,74 @@
+//! Missions back to back, watched from outside.
+
+use serde_json::Value as Json;
+
+use crate::support::Sandbox;
+
+#[test]
+fn missions_come_again_and_again_and_nothing_is_left() {
+    let sandbox = Sandbox::new();
+    let call = sandbox
+        .protean([
+            "soak",
+            "hello",
+            "--minutes",
+            "0.03",
+            "--out",
+            "soaked",
+            "--json",
+        ])
+        .run();
+    // Whether so short a soak is flat is not for a test to say; all else is.
+    let report: Json = serde_json::from_str(&call.stdout).unwrap();
+    let missions = report["missions"].as_u64().unwrap();
+    assert!(missions >= 2, "{report}");
+    assert_eq!(report["failures"], 0, "{report}");
+    assert_eq!(report["leftovers"], 0, "{report}");
+    assert_eq!(report["interrupted"], false);
+    assert_eq!(call.code, i32::from(report["flat"] != true), "{report}");
+
+    let rows = std::fs::read_to_string(sandbox.path().join("soaked/soak.csv")).unwrap();
+    let processes = |name: &str| rows.lines().filter(|l| l.contains(name)).count() as u64;
+    assert_eq!(processes(",orchestrator,"), missions, "{rows}");
+    assert!(processes(",simulator,") > 0, "{rows}");
+    let svg = std::fs::read_to_string(sandbox.path().join("soaked/soak.svg")).unwrap();
+    roxmltree::Document::parse(&svg).unwrap();
+    assert!(sandbox.path().join("soaked/soak.png").exists());
+    assert!(!sandbox.path().join("logs").exists(), "logs are not kept");
+}
+
+#[test]
+fn a_mission_that_fails_is_named() {
+    let sandbox = Sandbox::new();
+    sandbox.file(
+        "broken.toml",
+        "map = \"builtin:hello\"\n\
+         [rules]\ntime_limit = 1.0\n\
+         [robots.a]\nstart = [1.0, 1.0, 0.0]\n\
+         [processes.nobody]\ncommand = [\"false\"]\nrobots = [\"a\"]\n",
+    );
+    let arguments = ["soak", "broken.toml", "--minutes", "0.001"];
+    let refused = sandbox.protean(arguments).run();
+    assert_eq!(refused.code, 2, "{}", refused.stderr);
+    assert!(
+        refused.stderr.contains("--allow-external"),
+        "{}",
+        refused.stderr
+    );
+    let words = arguments.into_iter().chain(["--allow-external"]);
+    let failed = sandbox.protean(words).run();
+    assert_eq!(failed.code, 1, "{}", failed.stderr);
+    assert!(failed.stdout.contains("1 failed"), "{}", failed.stdout);
+    assert!(failed.stdout.contains("nobody"), "{}", failed.stdout);
+}
+
+#[test]
+fn values_out_of_range_are_named() {
+    let sandbox = Sandbox::new();
+    for (flag, value) in [("--minutes", "nan"), ("--seeds", "0"), ("--real-time", "0")] {
+        let call = sandbox.protean(["soak", "hello", flag, value]).run();
+        assert_eq!(call.code, 2, "{}", call.stderr);
+        assert!(call.stderr.contains(&format!("{flag} ")), "{}", call.stderr);
+        assert!(call.stderr.contains("expected"), "{}", call.stderr);
+    }
+}
