@@ -271,7 +271,9 @@ impl Check<'_> {
             let segments = census::segments_of(root)?;
             if let Some(first) = segments.first() {
                 let count = segments.len();
-                self.broke(format!("{count} x shared memory remains, as /dev/shm/{first}"));
+                self.broke(format!(
+                    "{count} x shared memory remains, as /dev/shm/{first}"
+                ));
             }
         }
         Ok(())
