@@ -132,6 +132,37 @@ fn parts_and_tables_of_a_log() {
 }
 
 #[test]
+fn a_file_that_another_program_compressed_with_lz4_is_read() {
+    let sandbox = Sandbox::new();
+    let path = sandbox.path().join("lz4.mcap");
+    let Some(written) = python::call::<Json>("write_lz4.py", &path) else {
+        return;
+    };
+    let info = sandbox.protean(["info", "lz4.mcap"]).json();
+    let count = &written["messages"];
+    assert_eq!(info["topics"]["/count"]["messages"], *count, "{info}");
+    let condition = &info["condition"];
+    assert!(
+        condition["chunks"]["lz4"]["count"].as_u64() > Some(2),
+        "{info}"
+    );
+    assert_eq!(
+        (&condition["complete"], &condition["chunks_lost"]),
+        (&true.into(), &0.into()),
+        "{info}"
+    );
+    sandbox
+        .protean(["export", "lz4.mcap", "--out", "tables"])
+        .json();
+    let text = std::fs::read_to_string(sandbox.path().join("tables/count.csv")).unwrap();
+    let numbers = text.lines().skip(1).map(|row| {
+        let (_, number) = row.rsplit_once(',').unwrap();
+        number.parse::<u64>().unwrap()
+    });
+    assert!(numbers.eq(0..count.as_u64().unwrap()), "{text}");
+}
+
+#[test]
 fn what_is_not_a_log_or_cannot_be_done_is_refused() {
     let sandbox = Sandbox::new();
     sandbox.file("empty.mcap", "");

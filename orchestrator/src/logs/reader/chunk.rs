@@ -6,6 +6,8 @@ use std::fs::File;
 use std::io::{self, BufReader, Read};
 use std::os::unix::fs::FileExt as _;
 
+use lz4_flex::frame::FrameDecoder;
+
 use super::super::error::LogsError;
 use super::super::fields::Fields;
 use super::Reader;
@@ -111,11 +113,14 @@ impl Reader<'_> {
             "" => data.take(limit + 1).read_to_end(&mut self.buffer),
             "zstd" => zstd::Decoder::with_buffer(BufReader::new(data))
                 .and_then(|decoder| decoder.take(limit + 1).read_to_end(&mut self.buffer)),
+            "lz4" => FrameDecoder::new(data)
+                .take(limit + 1)
+                .read_to_end(&mut self.buffer),
             other => {
                 let shown: String = other.chars().take(20).collect();
                 let what = format!(
-                    "this chunk is compressed with `{shown}`, which is not known here (zstd and \
-                     none are); `mcap compress --compression zstd` converts it"
+                    "this chunk is compressed with `{shown}`, which is not known here (zstd, lz4 \
+                     and none are); `mcap compress --compression zstd` converts it"
                 );
                 self.lose_chunk(at, &what);
                 return Ok(());

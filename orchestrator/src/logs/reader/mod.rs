@@ -29,6 +29,7 @@ use self::chunk::OpenChunk;
 pub(super) use self::index::ChunkPlace;
 use self::item::Found;
 pub(crate) use self::item::{Channel, Item, Schema};
+pub(crate) use self::record::attachment;
 use super::condition::Condition;
 use super::error::LogsError;
 use super::watch::Watch;

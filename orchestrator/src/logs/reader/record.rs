@@ -169,22 +169,7 @@ impl Reader<'_> {
                 Ok(Some(Found::Header(profile, library)))
             }
             op::ATTACHMENT => {
-                let mut read = || {
-                    let header = AttachmentHeader {
-                        log_time: fields.u64()?,
-                        create_time: fields.u64()?,
-                        name: fields.text()?,
-                        media_type: fields.text()?,
-                    };
-                    let length = usize::try_from(fields.u64()?).ok()?;
-                    let start = body.len() - fields.0.len();
-                    fields.bytes(length)?;
-                    let crc = fields.u32()?;
-                    let covered = body.get(..start + length)?;
-                    (crc == 0 || crc == crc32fast::hash(covered))
-                        .then_some((header, start..start + length))
-                };
-                let (header, data) = read().ok_or(())?;
+                let (header, data) = attachment(body).ok_or(())?;
                 let data = place.start + data.start..place.start + data.end;
                 Ok(Some(Found::Attachment(header, data)))
             }
@@ -213,6 +198,24 @@ impl Reader<'_> {
             _ => Ok(None),
         }
     }
+}
+
+/// The header of an attachment, and where in the record its bytes are; `None` if the record makes no
+/// sense or its checksum does not fit.
+pub(crate) fn attachment(body: &[u8]) -> Option<(AttachmentHeader, Range<usize>)> {
+    let mut fields = Fields(body);
+    let header = AttachmentHeader {
+        log_time: fields.u64()?,
+        create_time: fields.u64()?,
+        name: fields.text()?,
+        media_type: fields.text()?,
+    };
+    let length = usize::try_from(fields.u64()?).ok()?;
+    let start = body.len() - fields.0.len();
+    fields.bytes(length)?;
+    let crc = fields.u32()?;
+    let covered = body.get(..start + length)?;
+    (crc == 0 || crc == crc32fast::hash(covered)).then_some((header, start..start + length))
 }
 
 /// What a record is called in messages.
