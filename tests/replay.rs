@@ -1,5 +1,7 @@
 //! Logs that are played again: to whoever listens, and to processes under test.
 
+mod terminal;
+
 use std::collections::BTreeMap;
 use std::io::Write as _;
 use std::path::Path;
