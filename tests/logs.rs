@@ -4,18 +4,10 @@ use crate::support::history::History;
 use crate::support::{Sandbox, python};
 use serde_json::Value as Json;
 
-/// A short chase with a log.
-fn chase(sandbox: &Sandbox) -> Json {
-    sandbox
-        .protean(["run", "chase_exact", "--seed", "3", "--out", "run.mcap"])
-        .set("rules.time_limit=1.5")
-        .json()
-}
-
 #[test]
 fn a_log_tells_what_it_holds_and_is_run_again_the_same() {
     let sandbox = Sandbox::new();
-    let summary = chase(&sandbox);
+    let summary = sandbox.record("chase_exact");
     let info = sandbox.protean(["info", "run.mcap"]).json();
     for key in ["scenario", "seed", "digest", "ticks", "robots"] {
         assert_eq!(info[key], summary[key], "{key}");
@@ -56,7 +48,7 @@ fn a_log_tells_what_it_holds_and_is_run_again_the_same() {
 #[test]
 fn what_is_left_of_a_truncated_log_is_recovered_and_read_by_python() {
     let sandbox = Sandbox::new();
-    chase(&sandbox);
+    sandbox.record("chase_exact");
     let bytes = std::fs::read(sandbox.path().join("run.mcap")).unwrap();
     let summary = mcap::Summary::read(&bytes).unwrap().unwrap();
     let starts = summary.chunk_indexes.iter().map(|i| i.chunk_start_offset);
@@ -95,7 +87,7 @@ fn what_is_left_of_a_truncated_log_is_recovered_and_read_by_python() {
 #[test]
 fn parts_and_tables_of_a_log() {
     let sandbox = Sandbox::new();
-    let summary = chase(&sandbox);
+    let summary = sandbox.record("chase_exact");
     let part = sandbox
         .protean([
             "filter",
@@ -132,6 +124,37 @@ fn parts_and_tables_of_a_log() {
 }
 
 #[test]
+fn a_file_that_another_program_compressed_with_lz4_is_read() {
+    let sandbox = Sandbox::new();
+    let path = sandbox.path().join("lz4.mcap");
+    let Some(written) = python::call::<Json>("write_lz4.py", &path) else {
+        return;
+    };
+    let info = sandbox.protean(["info", "lz4.mcap"]).json();
+    let count = &written["messages"];
+    assert_eq!(info["topics"]["/count"]["messages"], *count, "{info}");
+    let condition = &info["condition"];
+    assert!(
+        condition["chunks"]["lz4"]["count"].as_u64() > Some(2),
+        "{info}"
+    );
+    assert_eq!(
+        (&condition["complete"], &condition["chunks_lost"]),
+        (&true.into(), &0.into()),
+        "{info}"
+    );
+    sandbox
+        .protean(["export", "lz4.mcap", "--out", "tables"])
+        .json();
+    let text = std::fs::read_to_string(sandbox.path().join("tables/count.csv")).unwrap();
+    let numbers = text.lines().skip(1).map(|row| {
+        let (_, number) = row.rsplit_once(',').unwrap();
+        number.parse::<u64>().unwrap()
+    });
+    assert!(numbers.eq(0..count.as_u64().unwrap()), "{text}");
+}
+
+#[test]
 fn what_is_not_a_log_or_cannot_be_done_is_refused() {
     let sandbox = Sandbox::new();
     sandbox.file("empty.mcap", "");
@@ -154,22 +177,7 @@ fn what_is_not_a_log_or_cannot_be_done_is_refused() {
             assert_eq!(sandbox.files(), before, "{command:?} {name}");
         }
     }
-    let real_time = sandbox
-        .protean([
-            "run",
-            "chase_exact",
-            "--real-time",
-            "50",
-            "--out",
-            "rt.mcap",
-            "--quiet",
-        ])
-        .set("rules.time_limit=1")
-        .run();
-    assert!(
-        real_time.code.is_some_and(|code| code != 1 && code != 2),
-        "{real_time}"
-    );
+    sandbox.record_in_real_time("rt.mcap");
     let outcome = sandbox.protean(["rerun", "rt.mcap"]).run();
     outcome.refused(2, &["rt.mcap", "recorded in real time"]);
 }

@@ -1,5 +1,7 @@
 //! Logs that are played again: to whoever listens, and to processes under test.
 
+mod terminal;
+
 use std::collections::BTreeMap;
 use std::io::Write as _;
 use std::path::Path;
@@ -14,14 +16,6 @@ use serde_json::Value as Json;
 
 use crate::support::call::Call;
 use crate::support::{SOON, Sandbox, until};
-
-/// A short chase with a log.
-fn chase(sandbox: &Sandbox, scenario: &str) {
-    sandbox
-        .protean(["run", scenario, "--seed", "3", "--out", "run.mcap"])
-        .set("rules.time_limit=1.5")
-        .json();
-}
 
 /// Messages of our topics from a time on [ns], but for what the replay says itself, by topic in the
 /// order in which they are.
@@ -177,7 +171,7 @@ impl Drop for Replay {
 #[test]
 fn whoever_listens_hears_what_was_recorded_byte_for_byte() {
     let sandbox = Sandbox::new();
-    chase(&sandbox, "chase");
+    sandbox.record("chase");
     let known = sandbox.runs();
     let log = sandbox.path().join("run.mcap");
     for speed in [&["--rate", "20"][..], &["--as-fast-as-possible"]] {
@@ -201,7 +195,7 @@ fn whoever_listens_hears_what_was_recorded_byte_for_byte() {
 #[test]
 fn a_part_begins_with_what_lasts_and_is_stepped_through_by_keys() {
     let sandbox = Sandbox::new();
-    chase(&sandbox, "chase_exact");
+    sandbox.record("chase_exact");
     let (from, to) = (500_000_000, 1_000_000_000);
     let known = sandbox.runs();
     let words = [
@@ -241,7 +235,7 @@ fn a_part_begins_with_what_lasts_and_is_stepped_through_by_keys() {
 #[test]
 fn a_replay_that_is_ended_leaves_nothing() {
     let sandbox = Sandbox::new();
-    chase(&sandbox, "chase_exact");
+    sandbox.record("chase_exact");
     for (words, signal) in [
         (&["--loop"][..], rustix::process::Signal::INT),
         (&["--rate", "0.01"], rustix::process::Signal::TERM),
@@ -274,7 +268,7 @@ fn test(sandbox: &Sandbox, processes: &[&str], more: &[&str]) -> (Option<i32>, J
 #[test]
 fn processes_say_again_what_they_said_and_a_change_is_named_where_it_shows() {
     let sandbox = Sandbox::new();
-    chase(&sandbox, "chase");
+    sandbox.record("chase");
     for (processes, more) in [
         (&["perception"][..], &[][..]),
         (&["pursuer_police_2"], &[]),
@@ -328,7 +322,7 @@ fn processes_say_again_what_they_said_and_a_change_is_named_where_it_shows() {
 #[test]
 fn a_patrol_is_tested_against_its_log() {
     let sandbox = Sandbox::new();
-    chase(&sandbox, "patrol_square");
+    sandbox.record("patrol_square");
     let known = sandbox
         .protean(["replay", "run.mcap", "--test", "nobody"])
         .run();
@@ -349,7 +343,7 @@ fn what_cannot_be_played_or_tested_is_refused() {
     let sandbox = Sandbox::new();
     sandbox.file("empty.mcap", "");
     sandbox.file("text.mcap", "hello, everybody");
-    chase(&sandbox, "chase_exact");
+    sandbox.record("chase_exact");
     let whole = std::fs::read(sandbox.path().join("run.mcap")).unwrap();
     sandbox.file("cut.mcap", &whole[..whole.len() / 2]);
     for (words, code, expected) in [
@@ -407,22 +401,7 @@ fn what_cannot_be_played_or_tested_is_refused() {
     assert_eq!(outcome.code, Some(3), "{outcome}");
     assert!(outcome.stderr.contains("no index"), "{outcome}");
     assert!(outcome.stderr.contains("ends in the middle"), "{outcome}");
-    let real_time = sandbox
-        .protean([
-            "run",
-            "chase_exact",
-            "--real-time",
-            "50",
-            "--out",
-            "rt.mcap",
-            "--quiet",
-        ])
-        .set("rules.time_limit=1")
-        .run();
-    assert!(
-        real_time.code.is_some_and(|code| code != 1 && code != 2),
-        "{real_time}"
-    );
+    sandbox.record_in_real_time("rt.mcap");
     let outcome = sandbox
         .protean(["replay", "rt.mcap", "--test", "pursuer_police_1"])
         .run();

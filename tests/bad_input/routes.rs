@@ -1,18 +1,24 @@
 //! Patrols and coverage that cannot be: keys, contours, times, workplaces, routes.
 
-use super::refused;
 use crate::support::Sandbox;
+
+/// A run that must be refused, with a text that has these words in this order; ` | ` parts them.
+#[track_caller]
+fn refused(sandbox: &Sandbox, arguments: &[&str], words: &str) {
+    let words: Vec<&str> = words.split(" | ").collect();
+    super::refused(sandbox, arguments, &words);
+}
 
 /// A change of the octagon's mission that must be refused, with a text that has these words.
 #[track_caller]
-fn mission(sandbox: &Sandbox, change: &str, words: &[&str]) {
+fn mission(sandbox: &Sandbox, change: &str, words: &str) {
     let change = format!("processes.patrol.params.mission.{change}");
     refused(sandbox, &["patrol_octagon", "--set", &change], words);
 }
 
 /// The same of a coverage.
 #[track_caller]
-fn cover(sandbox: &Sandbox, scenario: &str, change: &str, words: &[&str]) {
+fn cover(sandbox: &Sandbox, scenario: &str, change: &str, words: &str) {
     refused(sandbox, &[scenario, "--set", change], words);
 }
 
@@ -31,59 +37,33 @@ fn keys_that_are_none_or_make_no_secret() {
     let sandbox = Sandbox::new();
     let place = "(processes.patrol.params.mission.key)";
     for (key, words) in [
-        (
-            "catp:0,0",
-            ["all zero", "at least one value other than 0", place],
-        ),
-        (
-            "cat64:0,0",
-            ["all zero", "at least one value other than 0", place],
-        ),
-        (
-            "catf64:0.5,0.25",
-            ["repeats after 3 steps", "more digits", place],
-        ),
-        (
-            "catf64:1.0,0.25",
-            ["`x` of `catf64` is 1", "below 1", place],
-        ),
-        (
-            "catf64:NaN,0.25",
-            ["`x` of `catf64` is NaN", "below 1", place],
-        ),
-        ("catp:1.5,0.3", ["`1.5` is no decimal key", "0.644", place]),
-        ("catp:0.4", ["has two values", "`0.4` has 1", place]),
-        (
-            "chebp:5,5",
-            ["equal or mirrored", "change one of them", place],
-        ),
+        ("catp:0,0", "all zero | at least one value other than 0"),
+        ("cat64:0,0", "all zero | at least one value other than 0"),
+        ("catf64:0.5,0.25", "repeats after 3 steps | more digits"),
+        ("catf64:1.0,0.25", "`x` of `catf64` is 1 | below 1"),
+        ("catf64:NaN,0.25", "`x` of `catf64` is NaN | below 1"),
+        ("catp:1.5,0.3", "`1.5` is no decimal key | 0.644"),
+        ("catp:0.4", "has two values | `0.4` has 1"),
+        ("chebp:5,5", "equal or mirrored | change one of them"),
         (
             "chebp:5,9223372036854775778",
-            ["equal or mirrored", "change one of them", place],
+            "equal or mirrored | change one of them",
         ),
-        (
-            "chebf64:0.3,-0.3",
-            ["equal or mirrored", "change one of them", place],
-        ),
+        ("chebf64:0.3,-0.3", "equal or mirrored | change one of them"),
         (
             "chebf64:0.5,0.3",
-            ["leads to a fixed point", "away from these", place],
+            "leads to a fixed point | away from these",
         ),
-        (
-            "chebf64:2,0.3",
-            ["`x` of `chebf64` is 2", "between -1 and 1", place],
-        ),
-        ("keyed:00", ["64 hexadecimal digits", "2 characters", place]),
-        (
-            "rot13:1,2",
-            ["`rot13` names no generator", "catp, cat64", place],
-        ),
-        (
-            "garbage",
-            ["`garbage` names no generator", "kind:values", place],
-        ),
+        ("chebf64:2,0.3", "`x` of `chebf64` is 2 | between -1 and 1"),
+        ("keyed:00", "64 hexadecimal digits | 2 characters"),
+        ("rot13:1,2", "`rot13` names no generator | catp, cat64"),
+        ("garbage", "`garbage` names no generator | kind:values"),
     ] {
-        mission(&sandbox, &format!("key={key}"), &words);
+        mission(
+            &sandbox,
+            &format!("key={key}"),
+            &format!("{words} | {place}"),
+        );
     }
     let place = "(processes.cover.params.key)";
     for (key, said) in [
@@ -99,132 +79,88 @@ fn keys_that_are_none_or_make_no_secret() {
             &sandbox,
             "coverage_open",
             &change,
-            &["`key`: ", said, place],
+            &format!("`key`:  | {said} | {place}"),
         );
     }
     let map = "processes.cover.params.map=arnold";
-    let words = [
-        "`arnold` names no generator",
-        "catp, cat64",
-        "(processes.cover.params.map)",
-    ];
-    cover(&sandbox, "coverage_open", map, &words);
+    let words = "`arnold` names no generator | catp, cat64 | (processes.cover.params.map)";
+    cover(&sandbox, "coverage_open", map, words);
     let secret = ["--set", "processes.cover.kind=keyed_coverage"];
     let public = "processes.cover.params.key=catp:0.4,0.644";
-    let words = [
-        "`key` is out of range",
-        "params.key",
-        "no other generator is secret",
-    ];
+    let words = "`key` is out of range | params.key | no other generator is secret";
     refused(
         &sandbox,
         &[&["coverage_open"], &secret[..], &["--set", public]].concat(),
-        &words,
+        words,
     );
 }
 
 #[test]
-#[expect(clippy::too_many_lines, reason = "one refusal after the other")]
 fn contours_times_and_widths_that_make_no_patrol() {
     let sandbox = Sandbox::new();
     for (change, words) in [
         (
             "contour=[]",
-            ["0 waypoint(s)", "at least 2", "mission.contour)"],
+            "0 waypoint(s) | at least 2 | mission.contour)",
         ),
         (
             "contour=[[5,0]]",
-            ["1 waypoint(s)", "at least 2", "mission.contour)"],
+            "1 waypoint(s) | at least 2 | mission.contour)",
         ),
         (
             "contour=[[5,0],[0,5],[0,5],[0,10]]",
-            [
-                "`contour[2]` is (0, 5)",
-                "remove one of the two",
-                "mission.contour[2])",
-            ],
+            "`contour[2]` is (0, 5) | remove one of the two | mission.contour[2])",
         ),
         (
             "contour=[[5,0],[nan,5]]",
-            [
-                "value not allowed",
-                "mission.contour[1][0])",
-                "a finite number",
-            ],
+            "value not allowed | mission.contour[1][0]) | a finite number",
         ),
         (
             "contour=[[5,0],[0,5],[0,50]]",
-            [
-                "`contour[2]` is (0, 50)",
-                "enlarge the map",
-                "mission.contour[2])",
-            ],
+            "`contour[2]` is (0, 50) | enlarge the map | mission.contour[2])",
         ),
         (
             "t_max=40",
-            [
-                "`t_max` is 40 s",
-                "48.284 m takes at least 48.284 s",
-                "mission.t_max)",
-            ],
+            "`t_max` is 40 s | 48.284 m takes at least 48.284 s | mission.t_max)",
         ),
         (
             "t_max=50",
-            [
-                "`t_max` = 50 s",
-                "more time or a faster robot",
-                "mission.t_max)",
-            ],
+            "`t_max` = 50 s | more time or a faster robot | mission.t_max)",
         ),
-        ("t_max=0", ["`t_max` is 0", "above 0", "mission.t_max)"]),
-        ("t_max=-5", ["`t_max` is -5", "above 0", "mission.t_max)"]),
+        ("t_max=0", "`t_max` is 0 | above 0 | mission.t_max)"),
+        ("t_max=-5", "`t_max` is -5 | above 0 | mission.t_max)"),
         (
             "t_max=nan",
-            ["value not allowed", "mission.t_max)", "a finite number"],
+            "value not allowed | mission.t_max) | a finite number",
         ),
         (
             "alpha=0",
-            [
-                "`alpha` is 0",
-                "above 0 [m]; leave it out",
-                "mission.alpha)",
-            ],
+            "`alpha` is 0 | above 0 [m]; leave it out | mission.alpha)",
         ),
         (
             "alpha=-1",
-            [
-                "`alpha` is -1",
-                "above 0 [m]; leave it out",
-                "mission.alpha)",
-            ],
+            "`alpha` is -1 | above 0 [m]; leave it out | mission.alpha)",
         ),
         (
             "alpha=inf",
-            ["value not allowed", "mission.alpha)", "a finite number"],
+            "value not allowed | mission.alpha) | a finite number",
         ),
-        (
-            "margin=1",
-            ["`mission.margin` is out of range", "below 1", ""],
-        ),
+        ("margin=1", "`mission.margin` is out of range | below 1"),
         (
             "preset=papr",
-            ["`papr` is not one of", "mission.preset)", "`paper_fit`"],
+            "`papr` is not one of | mission.preset) | `paper_fit`",
         ),
         (
             "danger_zones=[{ polygon = { vertices = [[0,0],[1,1],[1,0],[0,1]] } }]",
-            [
-                "`danger_zones[0]`",
-                "a simple polygon",
-                "mission.danger_zones[0])",
-            ],
+            "`danger_zones[0]` | a simple polygon | mission.danger_zones[0])",
         ),
     ] {
-        mission(&sandbox, change, &words);
+        mission(&sandbox, change, words);
     }
     // The robot is what makes the time too short.
     let slow = ["patrol_octagon", "--set", "robots.guard.limits.v_max=0.4"];
-    let words = ["`t_max` is 120 s", "the robot's 0.4 m/s", "mission.t_max)"];
-    refused(&sandbox, &slow, &words);
+    let words = "`t_max` is 120 s | the robot's 0.4 m/s | mission.t_max)";
+    refused(&sandbox, &slow, words);
     let blind = [
         "patrol_square",
         "--set",
@@ -233,27 +169,23 @@ fn contours_times_and_widths_that_make_no_patrol() {
     refused(
         &sandbox,
         &blind,
-        &["`driver.go_to.arrived` is out of range", "above 0"],
+        "`driver.go_to.arrived` is out of range | above 0",
     );
     let known = "processes.patrol.params.obstacles_known=true";
     let in_hall = "processes.patrol.params.mission.contour=[[1,1],[6,1],[6,5]]";
-    let words = [
-        "`contour[1]` is (6, 1)",
-        "an obstacle leaves no room",
-        "mission.contour[1])",
-    ];
+    let words = "`contour[1]` is (6, 1) | an obstacle leaves no room | mission.contour[1])";
     refused(
         &sandbox,
         &["patrol_square", "--set", known, "--set", in_hall],
-        &words,
+        words,
     );
     let fto = "processes.patrol.kind=patrol_fto";
     let mixed = "processes.patrol.params.mixed.retry_laps=0";
-    let words = ["`mixed.retry_laps` is out of range", "at least 1"];
+    let words = "`mixed.retry_laps` is out of range | at least 1";
     refused(
         &sandbox,
         &["patrol_square", "--set", fto, "--set", mixed],
-        &words,
+        words,
     );
 }
 
@@ -267,79 +199,47 @@ fn workplaces_that_nobody_can_cover() {
     for (change, words) in [
         (
             format!("{block}center=[50, 50]"),
-            [
-                "`block` lies",
-                "outside the workplace",
-                "world.map.vector.obstacles[0])",
-            ],
+            "`block` lies | outside the workplace | world.map.vector.obstacles[0])",
         ),
         (
             format!("{block}half_extents=[20, 20]"),
-            [
-                "`block` ",
-                "covers all of the workplace",
-                "world.map.vector.obstacles[0])",
-            ],
+            "`block`  | covers all of the workplace | world.map.vector.obstacles[0])",
         ),
         (
             format!(
                 "{list}=[{{ name = \"west\", {shape}[2.5, 5], {half} }}, \
                  {{ name = \"east\", {shape}[7.5, 5], {half} }}]"
             ),
-            [
-                "`follow.margin` is 0.05 m",
-                "no free space",
-                "fewer or smaller obstacles",
-            ],
+            "`follow.margin` is 0.05 m | no free space | fewer or smaller obstacles",
         ),
         (
             "processes.cover.params.follow.margin=6".into(),
-            [
-                "`follow.margin` is 6 m",
-                "below 5 m",
-                "(processes.cover.params.follow.margin)",
-            ],
+            "`follow.margin` is 6 m | below 5 m | (processes.cover.params.follow.margin)",
         ),
         (
             "processes.cover.params.follow.tolerance=0".into(),
-            [
-                "`follow.tolerance` is out of range",
-                "= value: 0",
-                "at least 0.000001",
-            ],
+            "`follow.tolerance` is out of range | = value: 0 | at least 0.000001",
         ),
         (
             "processes.cover.params.follow.driver.go_to.arrived=0".into(),
-            [
-                "`follow.driver.go_to.arrived` is out of range",
-                "= value: 0",
-                "above 0",
-            ],
+            "`follow.driver.go_to.arrived` is out of range | = value: 0 | above 0",
         ),
     ] {
-        cover(&sandbox, "coverage_case1", &change, &words);
+        cover(&sandbox, "coverage_case1", &change, words);
     }
     let crossed =
         "world.map.vector.obstacles.triangle.shape.polygon.vertices=[[6,6],[8,8],[8,6],[6,8]]";
-    let words = [
-        "edge 0",
-        "meets edge 2",
-        "a simple polygon",
-        "world.map.vector.obstacles[1]",
-    ];
-    cover(&sandbox, "coverage_polygons", crossed, &words);
+    let words = "edge 0 | meets edge 2 | a simple polygon | world.map.vector.obstacles[1]";
+    cover(&sandbox, "coverage_polygons", crossed, words);
     let empty = "world.map.vector.bounds={ min = [0, 0], max = [0, 10] }";
-    let words = [
-        "`bounds.max[0]` is out of range",
-        "more than bounds.min[0] = 0",
-    ];
-    cover(&sandbox, "coverage_case1", empty, &words);
-    let missing = ["no map `maps/nowhere.toml` is built in", "= expected: "];
+    let words = "`bounds.max[0]` is out of range | more than bounds.min[0] = 0";
+    cover(&sandbox, "coverage_case1", empty, words);
+    let missing = "no map `maps/nowhere.toml` is built in | = expected: ";
     cover(
         &sandbox,
         "coverage_case1",
         "world.map=builtin:nowhere",
-        &missing,
+        missing,
     );
 }
 
@@ -349,99 +249,55 @@ fn routes_bridges_and_numbers_that_do_not_fit_the_workplace() {
     for (change, words) in [
         (
             "route={ cycle = [0, 3, 9] }",
-            [
-                "no rectangle 9",
-                "rectangles 0 to 3",
-                "(processes.cover.params.route)",
-            ],
+            "no rectangle 9 | rectangles 0 to 3 | (processes.cover.params.route)",
         ),
         (
             "route={ cycle = [0, 1] }",
-            [
-                "no bridge joins rectangles 0 and 1",
-                "a rectangle between",
-                "params.route)",
-            ],
+            "no bridge joins rectangles 0 and 1 | a rectangle between | params.route)",
         ),
         (
             "route={ cycle = [2, 1] }",
-            [
-                "starts in rectangle 0",
-                "add it or start elsewhere",
-                "params.route)",
-            ],
+            "starts in rectangle 0 | add it or start elsewhere | params.route)",
         ),
         (
             "route={ cycle = [] }",
-            [
-                "starts in rectangle 0",
-                "add it or start elsewhere",
-                "params.route)",
-            ],
+            "starts in rectangle 0 | add it or start elsewhere | params.route)",
         ),
         (
             "bridges=[{ between = [0, 1], min = [3, 3], max = [7, 7] }]",
-            [
-                "bridge from (3, 3) to (7, 7)",
-                "out of the obstacles",
-                "params.bridges)",
-            ],
+            "bridge from (3, 3) to (7, 7) | out of the obstacles | params.bridges)",
         ),
         (
             "bridges=[{ between = [0, 7], min = [3, 3], max = [7, 7] }]",
-            [
-                "bridge to rectangle 7",
-                "name two of those",
-                "params.bridges)",
-            ],
+            "bridge to rectangle 7 | name two of those | params.bridges)",
         ),
         (
             "bridges=[{ between = [0, 2], min = [1, 1], max = [2, 2] }]",
-            [
-                "bridge between rectangles 0 and 2",
-                "leave this one out",
-                "params.bridges)",
-            ],
+            "bridge between rectangles 0 and 2 | leave this one out | params.bridges)",
         ),
         (
             "iterations={ by = [5, 5] }",
-            [
-                "2 numbers for 4 rectangles",
-                "one for each",
-                "params.iterations)",
-            ],
+            "2 numbers for 4 rectangles | one for each | params.iterations)",
         ),
         (
             "iterations={ each = 0 }",
-            [
-                "`iterations` is out of range",
-                "= value: ",
-                "at least one sub-goal",
-            ],
+            "`iterations` is out of range | = value:  | at least one sub-goal",
         ),
         (
             "transit={ wait = { cap = 0 } }",
-            [
-                "`transit.wait.cap` is out of range",
-                "= value: 0",
-                "at least 1",
-            ],
+            "`transit.wait.cap` is out of range | = value: 0 | at least 1",
         ),
         (
             "loops=-1",
-            ["value not allowed", "= value: -1", "a whole number from 0"],
+            "value not allowed | = value: -1 | a whole number from 0",
         ),
         (
             "follow.interpolation=spline",
-            [
-                "`spline` is not one of",
-                "follow.interpolation)",
-                "`linear` or `arc`",
-            ],
+            "`spline` is not one of | follow.interpolation) | `linear` or `arc`",
         ),
     ] {
         let change = format!("processes.cover.params.{change}");
-        cover(&sandbox, "coverage_case1", &change, &words);
+        cover(&sandbox, "coverage_case1", &change, words);
     }
 }
 

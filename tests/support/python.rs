@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use serde::Deserialize;
+use serde::de::DeserializeOwned;
 
 use super::history::History;
 
@@ -36,20 +37,24 @@ pub fn interpreter() -> Result<PathBuf, String> {
 
 /// Reads a log with Python; `None`, and a note that everybody sees, if this machine cannot.
 pub fn read(log: &Path) -> Option<PythonLog> {
+    call("read_log.py", log)
+}
+
+/// Lets a script in `tests/python` do something with a log; what it prints. `None`, and a note that
+/// everybody sees, if this machine has no Python for it.
+pub fn call<T: DeserializeOwned>(script: &str, log: &Path) -> Option<T> {
     let python = match interpreter() {
         Ok(python) => python,
         Err(reason) => {
             // Past the test harness, which swallows what tests print.
-            let note = format!(
-                "\nSKIPPED: reading {} with Python: {reason}\n",
-                log.display()
-            );
+            let note = format!("\nSKIPPED: {script} with {}: {reason}\n", log.display());
             std::io::stderr().write_all(note.as_bytes()).unwrap();
             return None;
         }
     };
+    let scripts = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/python");
     let output = Command::new(python)
-        .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/python/read_log.py"))
+        .arg(scripts.join(script))
         .arg(log)
         .output()
         .unwrap();

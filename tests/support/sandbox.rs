@@ -9,6 +9,7 @@ use std::sync::Mutex;
 
 use rustix::fs::inotify;
 use rustix::process::{Pid, Signal};
+use serde_json::Value as Json;
 
 use super::call::Call;
 use super::{SOON, until};
@@ -95,6 +96,27 @@ impl Sandbox {
     /// A call of the program.
     pub fn protean<'a>(&'a self, words: impl IntoIterator<Item = &'a str>) -> Call<'a> {
         Call::new(self, words)
+    }
+
+    /// A short run of a scenario with the log `run.mcap`; its summary.
+    pub fn record(&self, scenario: &str) -> Json {
+        self.protean(["run", scenario, "--seed", "3", "--out", "run.mcap"])
+            .set("rules.time_limit=1.5")
+            .json()
+    }
+
+    /// A short run in real time, but faster, with a log.
+    #[track_caller]
+    pub fn record_in_real_time(&self, log: &str) {
+        let words = ["run", "chase_exact", "--real-time", "50", "--quiet"];
+        let run = self
+            .protean(words)
+            .arg("--out")
+            .arg(log)
+            .set("rules.time_limit=1")
+            .run();
+        // Whether a message is lost depends on the machine.
+        assert!(run.code.is_some_and(|code| code != 1 && code != 2), "{run}");
     }
 
     /// Names of all runs so far.

@@ -1,7 +1,8 @@
 //! Creating and opening the publish–subscribe service of a topic.
 
 use iceoryx2::prelude::{
-    AttributeSpecifier, AttributeVerifier, MessagingPattern, Node, Service as _, ServiceName, ipc,
+    AttributeSpecifier, AttributeVerifier, MessagingPattern, Node, PortFactory as _, Service as _,
+    ServiceName, ipc,
 };
 use iceoryx2::service::builder::publish_subscribe::PublishSubscribeOpenError;
 use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
@@ -21,20 +22,35 @@ pub(super) type TopicService<T> =
 /// Keeps a created service alive; drop it when the run has ended.
 pub struct TopicHolder {
     topic: &'static str,
-    _service: Box<dyn core::any::Any + Send>,
+    /// Holds the service.
+    listeners: Box<dyn Fn() -> usize + Send>,
 }
 
 impl TopicHolder {
-    pub(super) fn new(topic: &'static str, service: impl core::any::Any + Send) -> Self {
+    pub(super) fn new<S: Send + 'static>(topic: &'static str, service: S) -> Self {
+        Self::counting(topic, service, |_| 0)
+    }
+
+    fn counting<S: Send + 'static>(
+        topic: &'static str,
+        service: S,
+        listeners: fn(&S) -> usize,
+    ) -> Self {
         Self {
             topic,
-            _service: Box::new(service),
+            listeners: Box::new(move || listeners(&service)),
         }
     }
 
     /// The topic whose service is held.
     pub fn topic(&self) -> &'static str {
         self.topic
+    }
+
+    /// How many subscribers the topic has now, in all processes; 0 of what is no topic, and of a bus
+    /// within one process. Those of a process that died count until somebody cleans up.
+    pub fn listeners(&self) -> usize {
+        (self.listeners)()
     }
 }
 
@@ -93,7 +109,11 @@ pub(super) fn create<T: Topic>(
         .enable_safe_overflow(options.overflow)
         .create_with_attributes(&attributes)
         .map_err(|e| failed(format!("{e:?}")))?;
-    Ok(TopicHolder::new(T::NAME, service))
+    Ok(TopicHolder::counting(
+        T::NAME,
+        service,
+        |service: &TopicService<T>| service.dynamic_config().number_of_subscribers(),
+    ))
 }
 
 pub(super) fn open<T: Topic>(node: &Node<ipc::Service>) -> Result<TopicService<T>, BusError> {

@@ -3,17 +3,10 @@
 use std::path::PathBuf;
 
 use super::evidence::{Cell, Evidence, Method, Study};
-use crate::sweep::{Results, SweepError, figures};
+use crate::sweep::{EvidenceError, Results, SweepError, empty_place, figures};
 
 /// The parameter that the chase's experiments vary.
 const RATIO: &str = "relative_speed";
-/// The experiments of the page.
-const EXPERIMENTS: [&str; 4] = [
-    "escape_vs_speed",
-    "escape_vs_speed_paper",
-    "knowledge",
-    "knowledge_paper",
-];
 
 /// Why results are of no use for the page.
 #[derive(Debug, thiserror::Error)]
@@ -21,26 +14,9 @@ pub enum StudyError {
     /// The directory cannot be read.
     #[error(transparent)]
     Sweep(#[from] SweepError),
-    /// Another experiment.
-    #[error(
-        "{} holds the results of the experiment `{name}`; expected one of {}",
-        path.display(),
-        EXPERIMENTS.join(", ")
-    )]
-    Unknown {
-        /// The directory.
-        path: PathBuf,
-        /// Name of its experiment.
-        name: String,
-    },
-    /// The same experiment twice.
-    #[error("{} holds the experiment `{name}` again; expected each experiment once", path.display())]
-    Twice {
-        /// The directory.
-        path: PathBuf,
-        /// Name of its experiment.
-        name: String,
-    },
+    /// Not an experiment of the page, or one that it has.
+    #[error(transparent)]
+    Evidence(#[from] EvidenceError),
     /// Other parameters than the page knows.
     #[error(
         "{}: the experiment varies {found:?}; expected `relative_speed` alone, a number",
@@ -60,18 +36,14 @@ impl Evidence {
     /// # Errors
     /// [`StudyError`].
     pub fn add(&mut self, results: &Results) -> Result<(), StudyError> {
-        let name = results.manifest().experiment.clone();
-        let path = || results.directory().to_owned();
-        let place = match name.as_str() {
-            "escape_vs_speed" => &mut self.speed,
-            "escape_vs_speed_paper" => &mut self.speed_paper,
-            "knowledge" => &mut self.knowledge,
-            "knowledge_paper" => &mut self.knowledge_paper,
-            _ => return Err(StudyError::Unknown { path: path(), name }),
-        };
-        if place.is_some() {
-            return Err(StudyError::Twice { path: path(), name });
-        }
+        let places = [
+            ("escape_vs_speed", &mut self.speed),
+            ("escape_vs_speed_paper", &mut self.speed_paper),
+            ("knowledge", &mut self.knowledge),
+            ("knowledge_paper", &mut self.knowledge_paper),
+        ];
+        let name = &results.manifest().experiment;
+        let place = empty_place(places, results.directory(), name)?;
         *place = Some(Study::of(results)?);
         Ok(())
     }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use super::logs::{self, TopicArgs};
+use super::logs::{self, PartArgs};
 use super::{print, print_json};
 use crate::logs::{FilterOptions, filter};
 
@@ -26,14 +26,8 @@ pub(super) struct FilterArgs {
     /// Write the new log to this file
     #[arg(long, short, value_name = "FILE")]
     out: PathBuf,
-    /// From this time on [s]
-    #[arg(long, value_name = "T")]
-    start: Option<f64>,
-    /// Up to this time [s]
-    #[arg(long, value_name = "T")]
-    end: Option<f64>,
     #[command(flatten)]
-    topics: TopicArgs,
+    part: PartArgs,
     /// Overwrite the file if it exists
     #[arg(long)]
     force: bool,
@@ -48,9 +42,9 @@ pub(super) struct FilterArgs {
 /// Writes a part of a log into a new one.
 pub fn run(args: FilterArgs) -> ExitCode {
     let options = FilterOptions {
-        start_s: args.start,
-        end_s: args.end,
-        topics: args.topics.into(),
+        start_s: args.part.start,
+        end_s: args.part.end,
+        topics: args.part.topics.into(),
         force: args.force,
     };
     logs::command(args.quiet, |watch| {

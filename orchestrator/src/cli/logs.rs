@@ -29,6 +29,19 @@ impl From<TopicArgs> for Topics {
     }
 }
 
+/// Which part of a log.
+#[derive(Debug, clap::Args)]
+pub(super) struct PartArgs {
+    /// From this simulated time on [s]
+    #[arg(long, value_name = "T")]
+    pub(super) start: Option<f64>,
+    /// Up to this simulated time [s]
+    #[arg(long, value_name = "T")]
+    pub(super) end: Option<f64>,
+    #[command(flatten)]
+    pub(super) topics: TopicArgs,
+}
+
 /// Does something with a log that can be interrupted, and says how it ended.
 pub(super) fn command(
     quiet: bool,

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use super::logs::{self, TopicArgs};
+use super::logs::{self, PartArgs};
 use super::{EXIT_FAILED, EXIT_PARTIAL, print, print_json};
 use crate::logs::{
     LogsError, ReplayOptions, Replayed, TopicVerdict, Verified, VerifyOptions, Watch, replay,
@@ -45,17 +45,11 @@ pub(super) struct ReplayArgs {
     /// Play it as fast as those who read allow, losing nothing
     #[arg(long, conflicts_with = "rate")]
     as_fast_as_possible: bool,
-    /// From this simulated time on [s]
-    #[arg(long, value_name = "T")]
-    start: Option<f64>,
-    /// Up to this simulated time [s]
-    #[arg(long, value_name = "T")]
-    end: Option<f64>,
+    #[command(flatten)]
+    part: PartArgs,
     /// Begin again at the end, until Ctrl-C
     #[arg(long = "loop")]
     again: bool,
-    #[command(flatten)]
-    topics: TopicArgs,
     /// Wait at the start until space (play) or `s` (one tick) is pressed
     #[arg(long)]
     paused: bool,
@@ -103,10 +97,10 @@ fn play(args: ReplayArgs, watch: &mut Watch) -> Result<ExitCode, LogsError> {
         } else {
             args.rate
         },
-        start_s: args.start,
-        end_s: args.end,
+        start_s: args.part.start,
+        end_s: args.part.end,
         again: args.again,
-        topics: args.topics.into(),
+        topics: args.part.topics.into(),
         paused: args.paused,
         restamp: args.restamp,
         quiet: args.quiet,
@@ -130,7 +124,7 @@ fn test(args: ReplayArgs, watch: &mut Watch) -> Result<ExitCode, LogsError> {
     let options = VerifyOptions {
         processes: args.test,
         changes: args.set,
-        end_s: args.end,
+        end_s: args.part.end,
         in_process: args.in_process,
         allow_external: args.allow_external,
         quiet: args.quiet,

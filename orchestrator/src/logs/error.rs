@@ -108,6 +108,9 @@ pub enum LogsError {
     /// The run could not be done again.
     #[error(transparent)]
     Mission(#[from] MissionError),
+    /// Times could not be counted.
+    #[error("cannot measure times: {0}")]
+    Durations(#[from] hdrhistogram::CreationError),
     /// Ctrl-C.
     #[error("interrupted; nothing was written")]
     Interrupted,

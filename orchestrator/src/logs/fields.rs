@@ -1,6 +1,6 @@
 //! The fields of MCAP records, read without believing a length in them.
 //!
-//! (The parser of the `mcap` crate panics on an attachment that is shorter than its fields, and
+//! (The parser of the `mcap` crate (0.26) panics on an attachment that is shorter than its fields, and
 //! allocates what a string claims to be long.)
 
 use std::collections::BTreeMap;

@@ -41,6 +41,12 @@ pub enum PictureError {
         /// What the MCAP reader found.
         source: McapError,
     },
+    /// An attachment is not one, or its checksum does not fit.
+    #[error("{} is damaged: an attachment makes no sense, or its checksum does not fit", path.display())]
+    Attachment {
+        /// The log.
+        path: PathBuf,
+    },
     /// An MCAP file of somebody else.
     #[error("{} is an MCAP file, but not a log of protean: it has no {missing}", path.display())]
     Foreign {

@@ -11,7 +11,7 @@ use ipc_types::topics::{
     Belief, Dominance, ObstacleEvents, Plan, Topic, Tree, WorldEvents, WorldMap, WorldState,
 };
 use ipc_types::{cdr, schema};
-use mcap::records::{Channel, Record};
+use mcap::records::{Channel, Record, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{McapError, parse_record};
 use sim_backend::map::ObstacleChange;
@@ -23,6 +23,7 @@ use super::layers::Layers;
 use super::logged::LoggedScenario;
 use super::trace::{BeliefTrace, Mark, MarkKind, RobotTrace, RunTrace};
 use super::trail::{Trail, TrailPoint};
+use crate::logs::reader::attachment;
 use crate::scenario::spec::{MAX_EVENTS, MAX_ROBOTS};
 
 /// Longest record that is read [bytes]: the largest map that a scenario may have, and a little.
@@ -68,6 +69,11 @@ impl RunTrace {
                     reader.notify_read(read);
                     bytes_read += read;
                 }
+                // `parse_record` panics on one that is shorter than its fields.
+                Ok(LinearReadEvent::Record {
+                    opcode: op::ATTACHMENT,
+                    data,
+                }) => log.attachment(data)?,
                 Ok(LinearReadEvent::Record { opcode, data }) => {
                     let record =
                         parse_record(opcode, data).map_err(|e| log.damaged(e, bytes_read))?;
@@ -173,15 +179,6 @@ impl<'a> Reading<'a> {
                 self.manifest = Some(metadata.metadata);
                 Ok(())
             }
-            Record::Attachment { header, data, .. } if header.name == "scenario.toml" => {
-                let scenario =
-                    LoggedScenario::parse(&data).map_err(|reason| PictureError::Scenario {
-                        path: self.path.to_owned(),
-                        reason,
-                    })?;
-                self.scenario = Some(scenario);
-                Ok(())
-            }
             Record::Channel(channel) => self.channel(&channel),
             Record::Message { header, data } => match self.roles.get(&header.channel_id) {
                 Some(&role) => self
@@ -194,6 +191,21 @@ impl<'a> Reading<'a> {
             },
             _ => Ok(()),
         }
+    }
+
+    fn attachment(&mut self, record: &[u8]) -> Result<(), PictureError> {
+        let path = || self.path.to_owned();
+        let found = attachment(record).and_then(|(header, at)| Some((header, record.get(at)?)));
+        let (header, data) = found.ok_or_else(|| PictureError::Attachment { path: path() })?;
+        if header.name == "scenario.toml" {
+            let scenario =
+                LoggedScenario::parse(data).map_err(|reason| PictureError::Scenario {
+                    path: path(),
+                    reason,
+                })?;
+            self.scenario = Some(scenario);
+        }
+        Ok(())
     }
 
     fn channel(&mut self, channel: &Channel) -> Result<(), PictureError> {

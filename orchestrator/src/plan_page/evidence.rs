@@ -1,9 +1,9 @@
 //! What the page rests on: results of two experiments.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 
 use crate::sweep::planning::{PlanResults, PlanRow};
+use crate::sweep::{EvidenceError, empty_place};
 
 /// Names of the experiments.
 pub(super) const SENSITIVITY: &str = "vmc_lp_sensitivity";
@@ -54,46 +54,18 @@ impl Plan {
     }
 }
 
-/// Why results are of no use for the page.
-#[derive(Debug, thiserror::Error)]
-pub enum EvidenceError {
-    /// Another experiment.
-    #[error(
-        "{} holds the results of the experiment `{name}`; expected {SENSITIVITY} or {VERSUS}",
-        path.display()
-    )]
-    Unknown {
-        /// The directory.
-        path: PathBuf,
-        /// Name of its experiment.
-        name: String,
-    },
-    /// The same experiment twice.
-    #[error("{} holds the experiment `{name}` again; expected each experiment once", path.display())]
-    Twice {
-        /// The directory.
-        path: PathBuf,
-        /// Name of its experiment.
-        name: String,
-    },
-}
-
 impl Evidence {
     /// Adds the results of one of the page's experiments.
     ///
     /// # Errors
     /// [`EvidenceError`].
     pub fn add(&mut self, results: &PlanResults) -> Result<(), EvidenceError> {
-        let name = results.manifest().experiment.clone();
-        let path = results.directory().to_owned();
-        let place = match name.as_str() {
-            SENSITIVITY => &mut self.sensitivity,
-            VERSUS => &mut self.versus,
-            _ => return Err(EvidenceError::Unknown { path, name }),
-        };
-        if place.is_some() {
-            return Err(EvidenceError::Twice { path, name });
-        }
+        let places = [
+            (SENSITIVITY, &mut self.sensitivity),
+            (VERSUS, &mut self.versus),
+        ];
+        let name = &results.manifest().experiment;
+        let place = empty_place(places, results.directory(), name)?;
         *place = Some(Study::of(results));
         Ok(())
     }

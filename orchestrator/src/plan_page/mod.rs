@@ -13,5 +13,5 @@ mod versus;
 #[cfg(test)]
 mod tests;
 
-pub use evidence::{Evidence, EvidenceError, Study};
+pub use evidence::{Evidence, Study};
 pub use text::page;

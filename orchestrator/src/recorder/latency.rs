@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use super::options::ProcessInfo;
 use super::topic_info::Role;
+use crate::statistics::durations;
 
 /// Ticks that are kept while their messages come in; a message that is later is not measured.
 const WINDOW: u64 = 16;
@@ -289,8 +290,7 @@ fn record(measured: &mut BTreeMap<String, Measured>, name: &str, duration: u64) 
         *max = duration.max(*max);
         return;
     }
-    // Three digits from 1 ns to a minute: bounds and precision that the crate accepts.
-    if let Ok(mut histogram) = Histogram::new_with_bounds(1, LONGEST_NS, 3) {
+    if let Ok(mut histogram) = durations(LONGEST_NS) {
         histogram.saturating_record(duration);
         measured.insert(
             name.to_owned(),

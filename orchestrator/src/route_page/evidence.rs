@@ -1,10 +1,9 @@
 //! What the page rests on: results of three experiments.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 
 use crate::statistics::Mean;
-use crate::sweep::{Results, Row};
+use crate::sweep::{EvidenceError, Results, Row, empty_place};
 
 /// How wide the zig-zag is.
 pub(super) const ALPHA: &str = "patrol_alpha";
@@ -46,30 +45,6 @@ pub struct Cell {
     pub rows: Vec<Row>,
 }
 
-/// Why results are of no use for the page.
-#[derive(Debug, thiserror::Error)]
-pub enum EvidenceError {
-    /// Another experiment.
-    #[error(
-        "{} holds the results of the experiment `{name}`; expected {ALPHA}, {SQUARE} or {COVERAGE}",
-        path.display()
-    )]
-    Unknown {
-        /// The directory.
-        path: PathBuf,
-        /// Name of its experiment.
-        name: String,
-    },
-    /// The same experiment twice.
-    #[error("{} holds the experiment `{name}` again; expected each experiment once", path.display())]
-    Twice {
-        /// The directory.
-        path: PathBuf,
-        /// Name of its experiment.
-        name: String,
-    },
-}
-
 impl Evidence {
     /// Whether an experiment is one of this page.
     pub fn is_about(experiment: &str) -> bool {
@@ -81,17 +56,13 @@ impl Evidence {
     /// # Errors
     /// [`EvidenceError`].
     pub fn add(&mut self, results: &Results) -> Result<(), EvidenceError> {
-        let name = results.manifest().experiment.clone();
-        let path = results.directory().to_owned();
-        let place = match name.as_str() {
-            ALPHA => &mut self.alpha,
-            SQUARE => &mut self.square,
-            COVERAGE => &mut self.coverage,
-            _ => return Err(EvidenceError::Unknown { path, name }),
-        };
-        if place.is_some() {
-            return Err(EvidenceError::Twice { path, name });
-        }
+        let places = [
+            (ALPHA, &mut self.alpha),
+            (SQUARE, &mut self.square),
+            (COVERAGE, &mut self.coverage),
+        ];
+        let name = &results.manifest().experiment;
+        let place = empty_place(places, results.directory(), name)?;
         *place = Some(Study::of(results));
         Ok(())
     }

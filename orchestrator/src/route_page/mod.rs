@@ -14,5 +14,5 @@ mod text;
 #[cfg(test)]
 mod tests;
 
-pub use evidence::{Evidence, EvidenceError, Study};
+pub use evidence::{Evidence, Study};
 pub use text::page;

@@ -6,249 +6,55 @@ use evader_braitenberg::BraitenbergParams;
 use evader_potential::EvaderParams;
 use evader_reach_avoid::ReachAvoidParams;
 use evader_rrt_star::RrtStarParams;
-use guidance::params::ParamsError;
 use keyed_coverage::KeyedCoverageParams;
 use navigator::NavigatorParams;
 use observer::ObserverParams;
 use optimiser::OptimiserParams;
-use patrol::mission::MissionError;
-use patrol_awg::{PatrolAwgParams, PatrolError};
-use patrol_fto::{PatrolFtoError, PatrolFtoParams};
+use patrol_awg::PatrolAwgParams;
+use patrol_fto::PatrolFtoParams;
 use pursuer::PursuerParams;
 use referee::RefereeParams;
 use serde::Serialize;
-use serde::de::DeserializeOwned;
 use serde_json::Value as Json;
-use sim_backend::spec::FieldError;
 use tracking::params::PerceptionParams;
 
-use super::text::{Node, ReadError, read_once};
+pub use super::kind::{KindInfo, Need, Preset, Product, check_params, find};
+pub use super::params_fault::{FieldProblem, ParamsFault};
+use super::params_fault::{awg_fault, fto_fault};
+use super::spec::MAX_PARTICLES;
 
-/// A parameter out of its range, as a process crate reports it.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct FieldProblem {
-    /// Dotted path of the parameter inside `params`.
-    pub field: String,
-    /// The value found.
-    pub value: String,
-    /// What would have been accepted.
-    pub expected: String,
-}
-
-impl From<tracking::params::ParamsError> for FieldProblem {
-    fn from(e: tracking::params::ParamsError) -> Self {
-        Self {
-            field: e.field.to_owned(),
-            value: e.value.to_string(),
-            expected: e.expected.to_owned(),
-        }
-    }
-}
-
-impl From<ParamsError> for FieldProblem {
-    fn from(e: ParamsError) -> Self {
-        Self {
-            field: e.field,
-            value: e.value,
-            expected: e.expected.to_owned(),
-        }
-    }
-}
-
-impl From<FieldError> for FieldProblem {
-    fn from(e: FieldError) -> Self {
-        Self {
-            field: e.field,
-            value: e.value,
-            expected: e.expected,
-        }
-    }
-}
-
-/// Why the parameters of a process were refused.
-#[derive(Debug, Clone, PartialEq)]
-pub enum ParamsFault {
-    /// They do not fit their type.
-    Read(ReadError),
-    /// A value is out of its range.
-    Field(FieldProblem),
-    /// Values that do not go together, or a table that makes no sense, in words that say what to
-    /// change.
-    Refused {
-        /// Dotted path of the parameter inside `params` at which it shows.
-        field: String,
-        /// What is wrong with it.
-        message: String,
-    },
-    /// They cannot be written as JSON (a number that is not finite, say).
-    Write(String),
-}
-
-impl<E: Into<FieldProblem>> From<E> for ParamsFault {
-    fn from(e: E) -> Self {
-        Self::Field(e.into())
-    }
-}
-
-/// A patrol along a zig-zag that cannot be.
-fn awg_fault(error: PatrolError) -> ParamsFault {
-    match error {
-        PatrolError::Params(error) => error.into(),
-        PatrolError::Mission(error) => mission_fault(error),
-    }
-}
-
-/// A patrol past fictive obstacles that cannot be.
-fn fto_fault(error: PatrolFtoError) -> ParamsFault {
-    match error {
-        PatrolFtoError::Params(error) => error.into(),
-        PatrolFtoError::Mission(error) => mission_fault(error),
-        PatrolFtoError::Fto(error) => named_fault("fto", &error),
-    }
-}
-
-fn mission_fault(error: MissionError) -> ParamsFault {
-    match error {
-        MissionError::Params(error) => error.within("mission").into(),
-        error => named_fault("mission", &error),
-    }
-}
-
-/// A refusal at the parameter of a table that its text names first.
-fn named_fault(table: &str, error: &dyn core::fmt::Display) -> ParamsFault {
-    let message = error.to_string();
-    let field = match message.split('`').nth(1) {
-        Some(named) => format!("{table}.{named}"),
-        None => table.to_owned(),
-    };
-    ParamsFault::Refused { field, message }
-}
-
-/// Something that a process needs and another part of the scenario must provide.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Need {
-    /// Beliefs about the opponents: a `perception` process.
-    Belief,
-    /// A `scan` sensor on every robot that the process drives.
-    Scan,
-    /// Trajectories on request: an `optimiser` process.
-    Plans,
-    /// A `goal` of every robot that the process drives.
-    Goal,
-}
-
-/// A name and the parameters that it stands for.
-pub type Preset = (&'static str, fn() -> Json);
-
-/// Something that a kind of process makes for others.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Product {
-    /// The beliefs that [`Need::Belief`] asks for.
-    Beliefs,
-    /// The plans that [`Need::Plans`] asks for.
-    Plans,
-    /// What becomes of waypoints (`robot/waypoint`).
-    Waypoints,
-}
-
-/// A kind of process.
-pub struct KindInfo {
-    /// The name that scenarios use (`kind = "…"`).
-    pub name: &'static str,
-    /// What it does, in one line.
-    pub summary: &'static str,
-    /// Whether it commands robots (and then must be given some).
-    pub drives_robots: bool,
-    /// What it makes for others.
-    pub makes: &'static [Product],
-    /// Reads and checks `params`, and gives them back complete: every default filled in.
-    pub check_params: fn(&Node) -> Result<Json, ParamsFault>,
-    /// What it needs, given its complete parameters.
-    pub needs: fn(&Json) -> Vec<Need>,
-    /// Most allowed of the numeric parameters named.
-    pub caps: &'static [(&'static str, f64)],
-    /// Sets of parameters that `params.preset` names; keys beside it change single values.
-    pub presets: &'static [Preset],
-}
-
-/// Reads parameters into `P`, checks them, and writes them back complete; the body of most
-/// [`KindInfo::check_params`]:
-///
-/// ```text
-/// check_params: |node| check_params(node, PursuerParams::validate),
-/// ```
-///
-/// # Errors
-/// What does not fit `P`, or what `validate` refuses.
-pub fn check_params<P, E>(
-    node: &Node,
-    validate: impl FnOnce(&P) -> Result<(), E>,
-) -> Result<Json, ParamsFault>
-where
-    P: DeserializeOwned + Serialize,
-    E: Into<ParamsFault>,
-{
-    let params: P = read_once(node).map_err(ParamsFault::Read)?;
-    validate(&params).map_err(E::into)?;
-    serde_json::to_value(&params).map_err(|e| ParamsFault::Write(e.to_string()))
-}
-
-impl KindInfo {
-    /// Whether it makes something for others.
-    pub fn makes(&self, product: Product) -> bool {
-        self.makes.contains(&product)
-    }
-}
-
-/// The kind with this name.
-pub fn find<'k>(kinds: &'k [KindInfo], name: &str) -> Option<&'k KindInfo> {
-    kinds.iter().find(|k| k.name == name)
-}
+/// What particle filters may have.
+const MOST_PARTICLES: &[(&str, f64)] = &[
+    ("filter.particles", MAX_PARTICLES as f64),
+    ("filter.adaptive.most", MAX_PARTICLES as f64),
+];
 
 /// The kinds of this program, in the order in which they are listed.
 pub static KINDS: &[KindInfo] = &[
     KindInfo {
-        name: "perception",
-        summary: "what the Police see, and what they believe about what they do not see",
-        drives_robots: false,
         makes: &[Product::Beliefs],
-        check_params: |node| check_params(node, PerceptionParams::validate),
-        needs: |_| Vec::new(),
-        caps: &[
-            ("filter.particles", super::spec::MAX_PARTICLES as f64),
-            ("filter.adaptive.most", super::spec::MAX_PARTICLES as f64),
-        ],
+        caps: MOST_PARTICLES,
         presets: &[("paper", || preset(&PerceptionParams::paper()))],
+        ..KindInfo::new(
+            "perception",
+            "what the Police see, and what they believe about what they do not see",
+            |node| check_params(node, PerceptionParams::validate),
+        )
+    },
+    KindInfo::new(
+        "referee",
+        "says who reaches what first, and which evader can still be sure of an escape",
+        |node| check_params(node, RefereeParams::validate),
+    ),
+    KindInfo {
+        caps: MOST_PARTICLES,
+        ..KindInfo::new(
+            "observer",
+            "watches robots, predicts where they will be, and measures how wrong it was",
+            |node| check_params(node, ObserverParams::validate),
+        )
     },
     KindInfo {
-        name: "referee",
-        summary: "says who reaches what first, and which evader can still be sure of an escape",
-        drives_robots: false,
-        makes: &[],
-        check_params: |node| check_params(node, RefereeParams::validate),
-        needs: |_| Vec::new(),
-        caps: &[],
-        presets: &[],
-    },
-    KindInfo {
-        name: "observer",
-        summary: "watches robots, predicts where they will be, and measures how wrong it was",
-        drives_robots: false,
-        makes: &[],
-        check_params: |node| check_params(node, ObserverParams::validate),
-        needs: |_| Vec::new(),
-        caps: &[
-            ("filter.particles", super::spec::MAX_PARTICLES as f64),
-            ("filter.adaptive.most", super::spec::MAX_PARTICLES as f64),
-        ],
-        presets: &[],
-    },
-    KindInfo {
-        name: "pursuer",
-        summary: "chases evaders as one of a team",
-        drives_robots: true,
-        makes: &[],
-        check_params: |node| check_params(node, PursuerParams::validate),
         needs: |params| {
             let by_belief = |at: &str| params.pointer(at).and_then(Json::as_str) == Some("belief");
             let beliefs = by_belief("/knowledge") || by_belief("/assignment/knowledge");
@@ -258,68 +64,53 @@ pub static KINDS: &[KindInfo] = &[
                 Vec::new()
             }
         },
-        caps: &[],
         presets: &[("paper", || preset(&PursuerParams::paper()))],
+        ..KindInfo::driver("pursuer", "chases evaders as one of a team", |node| {
+            check_params(node, PursuerParams::validate)
+        })
     },
     KindInfo {
-        name: "evader_braitenberg",
-        summary: "flees by its range scan alone, away from what is near",
-        drives_robots: true,
-        makes: &[],
-        check_params: |node| check_params(node, BraitenbergParams::validate),
         needs: |_| vec![Need::Scan],
-        caps: &[],
         presets: &[("paper", || preset(&BraitenbergParams::paper()))],
+        ..KindInfo::driver(
+            "evader_braitenberg",
+            "flees by its range scan alone, away from what is near",
+            |node| check_params(node, BraitenbergParams::validate),
+        )
     },
     KindInfo {
-        name: "evader_potential",
-        summary: "flees to the nearest exit on a potential field",
-        drives_robots: true,
-        makes: &[],
-        check_params: |node| check_params(node, EvaderParams::validate),
-        needs: |_| Vec::new(),
-        caps: &[],
         presets: &[("paper", || preset(&EvaderParams::paper()))],
+        ..KindInfo::driver(
+            "evader_potential",
+            "flees to the nearest exit on a potential field",
+            |node| check_params(node, EvaderParams::validate),
+        )
     },
+    KindInfo::driver(
+        "evader_reach_avoid",
+        "flees by ways on which no pursuer can stop it, or to where it has most time",
+        |node| check_params(node, ReachAvoidParams::validate),
+    ),
     KindInfo {
-        name: "evader_reach_avoid",
-        summary: "flees by ways on which no pursuer can stop it, or to where it has most time",
-        drives_robots: true,
-        makes: &[],
-        check_params: |node| check_params(node, ReachAvoidParams::validate),
-        needs: |_| Vec::new(),
-        caps: &[],
-        presets: &[],
-    },
-    KindInfo {
-        name: "evader_rrt_star",
-        summary: "plans its way to an exit past the Police with RRT*",
-        drives_robots: true,
-        makes: &[],
-        check_params: |node| check_params(node, RrtStarParams::validate),
-        needs: |_| Vec::new(),
-        caps: &[],
         presets: &[
             ("paper", || preset(&RrtStarParams::paper())),
             ("paper_arc", || preset(&RrtStarParams::paper_arc())),
         ],
+        ..KindInfo::driver(
+            "evader_rrt_star",
+            "plans its way to an exit past the Police with RRT*",
+            |node| check_params(node, RrtStarParams::validate),
+        )
     },
     KindInfo {
-        name: "optimiser",
-        summary: "makes minimum-time trajectories for whoever asks",
-        drives_robots: false,
         makes: &[Product::Plans],
-        check_params: |node| check_params(node, OptimiserParams::validate),
-        needs: |_| Vec::new(),
-        caps: &[],
-        presets: &[],
+        ..KindInfo::new(
+            "optimiser",
+            "makes minimum-time trajectories for whoever asks",
+            |node| check_params(node, OptimiserParams::validate),
+        )
     },
     KindInfo {
-        name: "navigator",
-        summary: "drives to goals on trajectories of the optimiser, around what pops up",
-        drives_robots: true,
-        makes: &[],
-        check_params: |node| check_params(node, NavigatorParams::validate),
         needs: |params| {
             let goals = params.get("goals").and_then(Json::as_array);
             let mut needs = vec![Need::Plans];
@@ -328,43 +119,41 @@ pub static KINDS: &[KindInfo] = &[
             }
             needs
         },
-        caps: &[],
         presets: &[("paper", || preset(&NavigatorParams::paper()))],
+        ..KindInfo::driver(
+            "navigator",
+            "drives to goals on trajectories of the optimiser, around what pops up",
+            |node| check_params(node, NavigatorParams::validate),
+        )
     },
     KindInfo {
-        name: "patrol_awg",
-        summary: "patrols a contour along a zig-zag that only its key foretells",
-        drives_robots: true,
-        makes: &[Product::Waypoints],
-        check_params: |node| {
-            check_params(node, |params: &PatrolAwgParams| {
-                params.validate().map_err(awg_fault)
-            })
-        },
         needs: |_| vec![Need::Scan],
-        caps: &[],
-        presets: &[],
+        ..KindInfo::planner(
+            "patrol_awg",
+            "patrols a contour along a zig-zag that only its key foretells",
+            |node| {
+                check_params(node, |params: &PatrolAwgParams| {
+                    params.validate().map_err(awg_fault)
+                })
+            },
+        )
     },
     KindInfo {
-        name: "patrol_fto",
-        summary: "patrols a contour past fictive obstacles, or mixes them with a zig-zag",
-        drives_robots: true,
-        makes: &[Product::Waypoints],
-        check_params: |node| {
-            check_params(node, |params: &PatrolFtoParams| {
-                params.validate().map_err(fto_fault)
-            })
-        },
         needs: |_| vec![Need::Scan],
-        caps: &[],
-        presets: &[],
+        ..KindInfo::planner(
+            "patrol_fto",
+            "patrols a contour past fictive obstacles, or mixes them with a zig-zag",
+            |node| {
+                check_params(node, |params: &PatrolFtoParams| {
+                    params.validate().map_err(fto_fault)
+                })
+            },
+        )
     },
-    KindInfo {
-        name: "coverage_chebyshev",
-        summary: "covers a workplace by chaotic sub-goals, rectangle after rectangle",
-        drives_robots: true,
-        makes: &[Product::Waypoints],
-        check_params: |node| {
+    KindInfo::planner(
+        "coverage_chebyshev",
+        "covers a workplace by chaotic sub-goals, rectangle after rectangle",
+        |node| {
             check_params(node, |params: &ChebyshevParams| {
                 if let Some(key) = &params.key {
                     key.validate().map_err(|error| ParamsFault::Refused {
@@ -375,50 +164,27 @@ pub static KINDS: &[KindInfo] = &[
                 params.validate().map_err(ParamsFault::from)
             })
         },
-        needs: |_| Vec::new(),
-        caps: &[],
-        presets: &[],
-    },
-    KindInfo {
-        name: "keyed_coverage",
-        summary: "covers a workplace fast, by sub-goals that only its key foretells",
-        drives_robots: true,
-        makes: &[Product::Waypoints],
-        check_params: |node| check_params(node, KeyedCoverageParams::validate),
-        needs: |_| Vec::new(),
-        caps: &[],
-        presets: &[],
-    },
-    KindInfo {
-        name: "coverage_boustrophedon",
-        summary: "covers a workplace in parallel lanes: the fastest, and the easiest to foretell",
-        drives_robots: true,
-        makes: &[Product::Waypoints],
-        check_params: |node| check_params(node, BoustrophedonParams::validate),
-        needs: |_| Vec::new(),
-        caps: &[],
-        presets: &[],
-    },
-    KindInfo {
-        name: "coverage_random_bounce",
-        summary: "drives straight from wall to wall, away at random angles",
-        drives_robots: true,
-        makes: &[Product::Waypoints],
-        check_params: |node| check_params(node, RandomParams::validate),
-        needs: |_| Vec::new(),
-        caps: &[],
-        presets: &[],
-    },
-    KindInfo {
-        name: "coverage_uniform",
-        summary: "drives to independent, uniformly random sub-goals",
-        drives_robots: true,
-        makes: &[Product::Waypoints],
-        check_params: |node| check_params(node, RandomParams::validate),
-        needs: |_| Vec::new(),
-        caps: &[],
-        presets: &[],
-    },
+    ),
+    KindInfo::planner(
+        "keyed_coverage",
+        "covers a workplace fast, by sub-goals that only its key foretells",
+        |node| check_params(node, KeyedCoverageParams::validate),
+    ),
+    KindInfo::planner(
+        "coverage_boustrophedon",
+        "covers a workplace in parallel lanes: the fastest, and the easiest to foretell",
+        |node| check_params(node, BoustrophedonParams::validate),
+    ),
+    KindInfo::planner(
+        "coverage_random_bounce",
+        "drives straight from wall to wall, away at random angles",
+        |node| check_params(node, RandomParams::validate),
+    ),
+    KindInfo::planner(
+        "coverage_uniform",
+        "drives to independent, uniformly random sub-goals",
+        |node| check_params(node, RandomParams::validate),
+    ),
 ];
 
 /// A preset as [`KindInfo::presets`] holds it.
@@ -431,6 +197,7 @@ fn preset(params: &impl Serialize) -> Json {
 mod tests {
     use serde_json::json;
 
+    use super::super::text::Node;
     use super::*;
 
     fn complete(kind: &KindInfo, params: &Json) -> Json {

@@ -105,16 +105,18 @@ pub enum Field {
 }
 
 impl Field {
+    /// A whole number; 0 of anything else.
     #[cfg(feature = "parquet")]
-    pub fn as_int(&self) -> i64 {
+    pub(super) fn as_int(&self) -> i64 {
         match self {
             Self::Int(v) => *v,
             _ => 0,
         }
     }
 
+    /// A number; NaN of anything else.
     #[cfg(feature = "parquet")]
-    pub fn as_float(&self) -> f64 {
+    pub(super) fn as_float(&self) -> f64 {
         match self {
             Self::Float(v) => *v,
             Self::Int(v) => *v as f64,

@@ -7,7 +7,8 @@ use std::time::Duration;
 
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::fs::FileType;
-use rustix::termios::{self, LocalModes, OptionalActions, SpecialCodeIndex, Termios};
+
+use super::terminal::RawTerminal;
 
 /// What somebody wants.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,8 +30,8 @@ pub(super) enum Key {
 /// Reads keys from stdin, if somebody can press any there.
 pub(super) struct Keys {
     stdin: Stdin,
-    /// What the terminal was like.
-    before: Option<Termios>,
+    /// Set if stdin is one that keys come from.
+    terminal: Option<RawTerminal>,
     open: bool,
     /// The beginning of an arrow.
     pending: Vec<u8>,
@@ -45,25 +46,14 @@ impl Keys {
         let stdin = std::io::stdin();
         let mut keys = Self {
             open: false,
-            before: None,
+            terminal: None,
             pending: Vec::new(),
             pressed: VecDeque::new(),
             stdin,
         };
         if keys.stdin.is_terminal() {
-            let ours = termios::tcgetpgrp(&keys.stdin) == Ok(rustix::process::getpgrp());
-            if let Ok(before) = termios::tcgetattr(&keys.stdin)
-                && ours
-            {
-                let mut raw = before.clone();
-                raw.local_modes
-                    .remove(LocalModes::ICANON | LocalModes::ECHO);
-                // A read returns what is there.
-                raw.special_codes[SpecialCodeIndex::VMIN] = 0;
-                raw.special_codes[SpecialCodeIndex::VTIME] = 0;
-                keys.open = termios::tcsetattr(&keys.stdin, OptionalActions::Now, &raw).is_ok();
-                keys.before = Some(before);
-            }
+            keys.terminal = RawTerminal::new(&keys.stdin).ok().flatten();
+            keys.open = keys.terminal.is_some();
         } else if let Ok(found) = rustix::fs::fstat(&keys.stdin) {
             let kind = FileType::from_raw_mode(found.st_mode);
             keys.open = matches!(kind, FileType::Fifo | FileType::Socket);
@@ -78,7 +68,7 @@ impl Keys {
 
     /// Whether they come from a person.
     pub(super) fn terminal(&self) -> bool {
-        self.before.is_some()
+        self.terminal.is_some()
     }
 
     /// The next key; waits for one at most this long.
@@ -137,15 +127,6 @@ impl Keys {
     }
 }
 
-impl Drop for Keys {
-    fn drop(&mut self) {
-        if let Some(before) = &self.before {
-            // A terminal that is gone needs nothing.
-            let _ = termios::tcsetattr(&self.stdin, OptionalActions::Now, before);
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -154,7 +135,7 @@ mod tests {
     fn arrows_may_come_in_pieces_and_other_keys_are_nothing() {
         let mut keys = Keys {
             stdin: std::io::stdin(),
-            before: None,
+            terminal: None,
             open: false,
             pending: Vec::new(),
             pressed: VecDeque::new(),

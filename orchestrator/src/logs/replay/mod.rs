@@ -5,13 +5,16 @@ mod deviation;
 mod ears;
 mod keys;
 mod pace;
+mod played;
 mod player;
 mod screen;
 mod source;
 mod stage;
+mod terminal;
 mod verify;
 
 pub use deviation::Deviation;
 pub use pace::Spread;
-pub use player::{ReplayOptions, Replayed, replay};
+pub use played::{ReplayOptions, Replayed};
+pub use player::replay;
 pub use verify::{TopicVerdict, Verified, VerifyOptions, verify};

@@ -5,6 +5,12 @@ use std::time::{Duration, Instant};
 use hdrhistogram::Histogram;
 use serde::Serialize;
 
+use super::super::error::LogsError;
+use crate::statistics::durations;
+
+/// Longest time that is told apart [ns]: an hour.
+const LONGEST_NS: u64 = 3_600_000_000_000;
+
 /// Percentiles of a time [µs].
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct Spread {
@@ -29,20 +35,14 @@ pub(super) struct Pace {
 }
 
 impl Pace {
-    pub(super) fn new(rate: f64, time: u64) -> Self {
-        let histogram = || {
-            let mut histogram = Histogram::new_with_bounds(1, 3_600_000_000_000, 3)
-                .unwrap_or_else(|_| unreachable!("the bounds are constant"));
-            histogram.auto(true);
-            histogram
-        };
-        Self {
+    pub(super) fn new(rate: f64, time: u64) -> Result<Self, LogsError> {
+        Ok(Self {
             rate,
             anchor: (time, Instant::now()),
             last: None,
-            jitter: histogram(),
-            lateness: histogram(),
-        }
+            jitter: durations(LONGEST_NS)?,
+            lateness: durations(LONGEST_NS)?,
+        })
     }
 
     /// From now on, beginning with this log time: after a pause, a jump or a change of the rate.

@@ -1,6 +1,5 @@
 //! Plays a log.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -11,23 +10,23 @@ use ipc_types::stamp::PlainHeader;
 use ipc_types::topics::{Control, NAMES, Topic as _};
 use kit::config::{Clock, ProcessConfig};
 use kit::lockstep::{Conductor, Overseer, Phase, TurnPage};
-use serde::Serialize;
 
 use super::super::error::LogsError;
 use super::super::filter::nanoseconds;
 use super::super::known;
-use super::super::pattern::Topics;
 use super::super::watch::Watch;
 use super::keys::{Key, Keys};
-use super::pace::{Pace, Spread};
+use super::pace::Pace;
+use super::played::{ReplayOptions, Replayed};
 use super::screen::Screen;
 use super::source::{Logged, Source};
 use super::stage::{Choir, Clocks, SayError, Stage};
 use crate::mission::{MissionError, write_config};
 
-/// How long those who read get to connect to somebody who speaks up late.
+/// How long those who listen get to connect to somebody who speaks up late.
 const INTRODUCTION: Duration = Duration::from_millis(10);
-/// How long the ports stay open behind the last message, so that those who listen can take it.
+/// How long the ports stay open behind the last message for those who listen, so that they can take
+/// it.
 const LINGER: Duration = Duration::from_millis(250);
 /// How often those who came late are connected, and the time is told.
 const BEAT: Duration = Duration::from_millis(50);
@@ -35,84 +34,6 @@ const BEAT: Duration = Duration::from_millis(50);
 const BACK: u64 = 5_000_000_000;
 /// Slowest and fastest that arrows make it.
 const RATES: (f64, f64) = (1.0 / 1024.0, 1024.0);
-
-/// How a log is played.
-#[derive(Debug, Clone)]
-#[expect(
-    clippy::struct_excessive_bools,
-    reason = "one per switch of the command line"
-)]
-pub struct ReplayOptions {
-    /// Times as fast as recorded, > 0; infinite: as fast as possible.
-    pub rate: f64,
-    /// From this simulated time on [s].
-    pub start_s: Option<f64>,
-    /// Up to and with this simulated time [s].
-    pub end_s: Option<f64>,
-    /// Whether it begins again at its end, until somebody ends it.
-    pub again: bool,
-    /// Which topics.
-    pub topics: Topics,
-    /// Whether it waits for a key at the start.
-    pub paused: bool,
-    /// Whether the clocks in the stamps are renewed.
-    pub restamp: bool,
-    /// Whether nothing is shown.
-    pub quiet: bool,
-}
-
-impl Default for ReplayOptions {
-    fn default() -> Self {
-        Self {
-            rate: 1.0,
-            start_s: None,
-            end_s: None,
-            again: false,
-            topics: Topics::default(),
-            paused: false,
-            restamp: false,
-            quiet: false,
-        }
-    }
-}
-
-/// What was played.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
-pub struct Replayed {
-    /// The scenario.
-    pub scenario: String,
-    /// Messages that were sent, those from before the start included.
-    pub messages: u64,
-    /// Messages from before the start: what lasted.
-    pub restored: u64,
-    /// Messages that could not be decoded: they are left out.
-    pub malformed: u64,
-    /// Bytes of the messages.
-    pub bytes: u64,
-    /// Different times among them.
-    pub ticks: u64,
-    /// How often it was played to its end.
-    pub times: u64,
-    /// Real time from the opening of the log to the first message [s].
-    pub start_up_s: f64,
-    /// The part of it that the way to the start took [s].
-    pub seek_s: f64,
-    /// Real time from the first message to the last [s].
-    pub wall_time_s: f64,
-    /// |actual − recorded| time between two messages [µs].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub jitter_us: Option<Spread>,
-    /// How long after they were due messages were sent [µs].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub lateness_us: Option<Spread>,
-    /// Messages by topic.
-    pub topics: BTreeMap<String, u64>,
-    /// Whether it was ended before its end.
-    pub interrupted: bool,
-    /// What was wrong with the file.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub faults: Vec<String>,
-}
 
 /// Sends the messages of a log once more, as a run of its own that others can join.
 ///
@@ -244,7 +165,7 @@ impl<'a> Player<'a> {
             overseer,
             keys,
             screen,
-            pace: Pace::new(options.rate, 0),
+            pace: Pace::new(options.rate, 0)?,
             paused: options.paused,
             now: (0, 0),
             beat: Instant::now(),
@@ -436,7 +357,7 @@ impl<'a> Player<'a> {
             .open(&self.stage.bus, message.rank, speaker)
             .map_err(MissionError::from)?
         {
-            std::thread::sleep(INTRODUCTION);
+            self.stage.attend(INTRODUCTION);
         }
         let clocks = if self.options.restamp {
             Clocks::Now
@@ -463,7 +384,7 @@ impl<'a> Player<'a> {
 
     /// Ends the run; what was played.
     fn end(mut self) -> Replayed {
-        std::thread::sleep(LINGER);
+        self.stage.attend(LINGER);
         self.overseer.set_phase(Phase::Stop);
         self.screen.finish();
         let counts = NAMES

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use ipc_types::bus::{Bus, BusError, BusOptions, Publisher, PublisherOptions, RunSpace};
 use ipc_types::bus::{SendError, TopicHolder};
@@ -23,6 +23,9 @@ use crate::scenario::ResolvedScenario;
 
 /// How often the dead are looked for: a reader that died must not hold the replay back for long.
 const BURIAL_EVERY: Duration = Duration::from_millis(250);
+
+/// How often it is looked whether anybody listens still.
+const ATTENTION: Duration = Duration::from_millis(1);
 
 /// Why a message of the log cannot be said again.
 #[derive(Debug, thiserror::Error)]
@@ -152,7 +155,7 @@ impl Choir {
 pub(super) struct Stage {
     pub(super) plan: Plan,
     pub(super) bus: Bus,
-    _services: Vec<TopicHolder>,
+    services: Vec<TopicHolder>,
     _undertaker: Undertaker,
     // Last: nothing of the run may be in use when it is wiped.
     pub(super) space: OwnedSpace,
@@ -176,10 +179,19 @@ impl Stage {
         Ok(Self {
             plan,
             bus,
-            _services: services,
+            services,
             _undertaker: undertaker,
             space,
         })
+    }
+
+    /// Gives those who listen this long, but no longer than there are any: whether they have taken
+    /// what was sent, or are connected to who sends it, only they know.
+    pub(super) fn attend(&self, limit: Duration) {
+        let deadline = Instant::now() + limit;
+        while self.services.iter().any(|topic| topic.listeners() > 0) && Instant::now() < deadline {
+            std::thread::park_timeout(ATTENTION);
+        }
     }
 
     /// Where it lives.

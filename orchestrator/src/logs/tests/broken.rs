@@ -207,7 +207,11 @@ fn absurd_sizes_and_unknown_compressions_are_passed_over_and_named() {
         (chunk(100, "", 4, b"data"), "less or more"),
         (chunk(2, "", 4, b"data"), "less or more"),
         (chunk(100, "zstd", 4, b"data"), "does not decompress"),
-        (chunk(100, "lz4", 4, b"data"), "`lz4`, which is not known"),
+        (
+            chunk(100, "lz4", 12, b"not a frame!"),
+            "does not decompress",
+        ),
+        (chunk(100, "lzo", 4, b"data"), "`lzo`, which is not known"),
         (
             chunk(100, &"x".repeat(500), 4, b"data"),
             "header of this chunk",

@@ -2,6 +2,7 @@
 
 mod broken;
 mod foreign;
+mod lz4;
 mod parts;
 mod tables;
 mod twice;

@@ -327,6 +327,55 @@ fn a_log_cut_off_anywhere_is_refused() {
 }
 
 #[test]
+fn an_attachment_that_contradicts_itself_is_refused() {
+    // The fields of an attachment with one byte, and their checksum.
+    let body = |length: u64| {
+        let mut body = [0; 16].to_vec();
+        for text in ["a.bin", "text/plain"] {
+            body.extend((text.len() as u32).to_le_bytes());
+            body.extend(text.as_bytes());
+        }
+        body.extend(length.to_le_bytes());
+        body.push(7);
+        body.extend([0; 4]);
+        body
+    };
+    let (_folder, path) = Log::new(VECTORS).run();
+    let whole = fs::read(&path).unwrap();
+    // In front of everything, behind the header.
+    let header = 8 + 9 + u64::from_le_bytes(whole[9..17].try_into().unwrap()) as usize;
+    let hostile = path.with_extension("hostile");
+    let with = |body: &[u8]| {
+        let length = (body.len() as u64).to_le_bytes();
+        let record = [&[mcap::records::op::ATTACHMENT], &length[..], body].concat();
+        let mut bytes = whole[..header].to_vec();
+        bytes.extend(record);
+        bytes.extend(&whole[header..]);
+        fs::write(&hostile, bytes).unwrap();
+        refused(&hostile, None)
+    };
+    let sound = body(1);
+    for length in 0..sound.len() {
+        let error = with(&sound[..length]);
+        assert!(
+            matches!(error, PictureError::Attachment { .. }),
+            "{length}: {error}"
+        );
+    }
+    for claimed in [2, 6, u64::from(u32::MAX), u64::MAX - 3, u64::MAX] {
+        let error = with(&body(claimed));
+        assert!(
+            matches!(error, PictureError::Attachment { .. }),
+            "{claimed}: {error}"
+        );
+        assert!(error.to_string().contains("an attachment"), "{error}");
+    }
+    // A sound one only moves what the summary and the checksum tell of.
+    let error = with(&sound);
+    assert!(matches!(error, PictureError::Damaged { .. }), "{error}");
+}
+
+#[test]
 fn no_flipped_byte_goes_unnoticed_or_breaks_the_reader() {
     let (_folder, path) = Log::new(VECTORS).run();
     let whole = fs::read(&path).unwrap();

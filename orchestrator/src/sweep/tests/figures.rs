@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use super::super::{Manifest, MissionId, Outcome, Results, Row, SweepError, figures};
+use super::super::{
+    EvidenceError, Manifest, MissionId, Outcome, Results, Row, SweepError, figures,
+};
 use super::*;
 use crate::chase_page::{Evidence, StudyError};
 
@@ -117,7 +119,10 @@ fn results_become_a_study_once() {
         (6, 3, 0)
     );
     let error = evidence.add(&results).unwrap_err();
-    assert!(matches!(error, StudyError::Twice { .. }), "{error}");
+    assert!(
+        matches!(error, StudyError::Evidence(EvidenceError::Twice { .. })),
+        "{error}"
+    );
 }
 
 #[test]

@@ -10,24 +10,18 @@
 //! the error then grows by φ² with every step, but in one direction only, and few integers lie in so
 //! narrow a strip. All that do are followed until the next points decide.
 
+mod estimate;
+mod history;
+mod ring;
+
 use core::ops::RangeInclusive;
 use std::collections::VecDeque;
 
+use self::history::{History, Seen};
+pub use self::ring::CatModulus;
+use self::ring::State;
 use super::Tracked;
-use crate::cat::{Cat64, CatF64, CatP, F64_GRID_BITS};
-use crate::modulus::{P, add, sub};
 use crate::source::AnySource;
-
-/// The ring of the integers of a cat map.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum CatModulus {
-    /// 2⁵¹, on which [`CatF64`] ends up.
-    F64,
-    /// 2⁶⁴, of [`Cat64`].
-    Wrapping64,
-    /// The prime of [`CatP`].
-    Prime,
-}
 
 /// Observations at the start and at the end of a window that take no part in the estimate.
 const CHECKED_BEFORE: usize = 2;
@@ -45,279 +39,14 @@ const NOISE: RangeInclusive<f64> = 0.002..=0.04;
 /// Noise that is reckoned with unless another one is given [side of the square].
 const USUAL_NOISE: f64 = 0.02;
 
-/// Largest square of a deviation from what was foretold [variances]: one in eight thousand is larger.
-const GATE: f64 = 18.0;
-
-/// Largest deviation of an observed coordinate from a claimed orbit [standard deviations].
-const TOLERANCE: f64 = 6.0;
-
 /// Observations of a window that may lie off the claimed orbit: one in so many.
 const STRAY: usize = 10;
 
 /// By how much a history of wraps may cost more than the best one: odds of e⁻¹².
 const MARGIN: f64 = 12.0;
 
-/// Wraps beyond these are none; those of [`MAX_STEPS`] are far fewer.
-const MAX_WRAP: f64 = 1e6;
-
 /// Histories followed at a time.
 const MAX_HISTORIES: usize = 48;
-
-/// Bits behind the point in the sums below.
-const FRACTION: u32 = 120;
-
-/// `φ⁻ʲ/√5` for `j` from −1 on, in units of 2⁻¹²⁰.
-///
-/// It is `F(180 − j)/L(180)` with Fibonacci and Lucas numbers up to a relative error below 2⁻⁶⁸ at
-/// the end of the table and 2⁻²⁴⁰ at its start, which keeps the integers in 128 bits.
-static POWERS: [i128; MAX_WINDOW + 4] = powers();
-
-const fn powers() -> [i128; MAX_WINDOW + 4] {
-    let mut fibonacci = [0_u128; 182];
-    fibonacci[1] = 1;
-    let mut i = 2;
-    while i < fibonacci.len() {
-        fibonacci[i] = fibonacci[i - 1] + fibonacci[i - 2];
-        i += 1;
-    }
-    let lucas = fibonacci[181] + fibonacci[179];
-    let mut table = [0; MAX_WINDOW + 4];
-    let mut j = 0;
-    while j < table.len() {
-        // Long division, a bit at a time; the numerator is below the denominator.
-        let (mut rest, mut quotient, mut bit) = (fibonacci[181 - j], 0_u128, 0);
-        while bit < FRACTION {
-            rest *= 2;
-            quotient *= 2;
-            if rest >= lucas {
-                rest -= lucas;
-                quotient += 1;
-            }
-            bit += 1;
-        }
-        table[j] = quotient as i128;
-        j += 1;
-    }
-    table
-}
-
-/// A state on the ring.
-#[derive(Clone, Copy)]
-struct State {
-    a: u64,
-    b: u64,
-    modulus: CatModulus,
-}
-
-impl CatModulus {
-    const fn bits(self) -> u32 {
-        match self {
-            Self::F64 => F64_GRID_BITS,
-            Self::Wrapping64 => 64,
-            Self::Prime => 63,
-        }
-    }
-
-    /// The integer closest to `fraction` (in units of 2⁻¹²⁰) of the modulus, on the ring.
-    fn round(self, fraction: i128) -> u64 {
-        let fraction = fraction.rem_euclid(1 << FRACTION);
-        let fraction = match self {
-            Self::F64 | Self::Wrapping64 => fraction,
-            // 2⁶³ − 25 = 2⁶³ (1 − 25·2⁻⁶³).
-            Self::Prime => fraction - ((25 * fraction) >> 63),
-        };
-        let shift = FRACTION - self.bits();
-        let integer = (fraction + (1 << (shift - 1))) >> shift;
-        let size = match self {
-            Self::F64 | Self::Wrapping64 => 1 << self.bits(),
-            Self::Prime => i128::from(P),
-        };
-        integer.rem_euclid(size) as u64
-    }
-}
-
-impl State {
-    fn step(&mut self) {
-        match self.modulus {
-            CatModulus::Prime => {
-                self.a = add(self.a, self.b);
-                self.b = add(self.a, self.b);
-            }
-            CatModulus::F64 | CatModulus::Wrapping64 => {
-                self.a = self.masked(self.a.wrapping_add(self.b));
-                self.b = self.masked(self.a.wrapping_add(self.b));
-            }
-        }
-    }
-
-    fn step_back(&mut self) {
-        match self.modulus {
-            CatModulus::Prime => {
-                self.b = sub(self.b, self.a);
-                self.a = sub(self.a, self.b);
-            }
-            CatModulus::F64 | CatModulus::Wrapping64 => {
-                self.b = self.masked(self.b.wrapping_sub(self.a));
-                self.a = self.masked(self.a.wrapping_sub(self.b));
-            }
-        }
-    }
-
-    fn masked(&self, value: u64) -> u64 {
-        value & (u64::MAX >> (64 - self.modulus.bits()))
-    }
-
-    /// Whether an observation is close to the state, on the torus.
-    fn agrees(&self, seen: &Seen) -> bool {
-        let scale = (1_u128 << self.modulus.bits()) as f64;
-        seen.close([self.a as f64 / scale, self.b as f64 / scale])
-    }
-
-    /// The generator in this state; none for states that no key leads to.
-    fn source(&self) -> Option<AnySource> {
-        match self.modulus {
-            CatModulus::Prime => CatP::new(self.a, self.b).ok().map(AnySource::CatP),
-            CatModulus::Wrapping64 => Cat64::new(self.a, self.b).ok().map(AnySource::Cat64),
-            CatModulus::F64 => {
-                let scale = (1_u64 << F64_GRID_BITS) as f64;
-                CatF64::new(self.a as f64 / scale, self.b as f64 / scale)
-                    .ok()
-                    .map(AnySource::CatF64)
-            }
-        }
-    }
-}
-
-/// A point as observed.
-#[derive(Debug, Clone, Copy)]
-struct Seen {
-    point: [f64; 2],
-    /// Standard deviation of each coordinate.
-    sd: f64,
-}
-
-impl Seen {
-    /// Whether a point of the torus is within the tolerance, by coordinate.
-    fn close(&self, other: [f64; 2]) -> bool {
-        self.point.iter().zip(other).all(|(a, b)| {
-            let difference = a - b;
-            (difference - difference.round()).abs() <= TOLERANCE * self.sd
-        })
-    }
-}
-
-/// The wraps between the points of the window, and where the orbit is now.
-#[derive(Debug, Clone)]
-struct History {
-    /// One per step; those of steps without a point are part of the next one's.
-    wraps: VecDeque<[i64; 2]>,
-    /// Estimate of the last point, and its covariance: xx, xy, yy.
-    z: [f64; 2],
-    p: [f64; 3],
-    /// What its points cost: minus the logarithm of their likelihood, as against points that lie
-    /// anywhere in the square.
-    cost: f64,
-}
-
-impl History {
-    fn new(seen: &Seen) -> Self {
-        let variance = seen.sd * seen.sd;
-        Self {
-            wraps: VecDeque::new(),
-            z: seen.point,
-            p: [variance, 0.0, variance],
-            cost: 0.0,
-        }
-    }
-
-    /// Appends to `into` every way in which the next point, `steps` on, can go on.
-    fn extend<'a>(&'a self, steps: u32, seen: &Seen, into: &mut Vec<Next<'a>>) {
-        // M to the power of the steps: ((p, q), (q, p + q)).
-        let (mut p, mut q) = (1.0, 1.0);
-        for _ in 1..steps {
-            (p, q) = (p + q, p + 2.0 * q);
-        }
-        let r = p + q;
-        let [x, y] = self.z;
-        let [xx, xy, yy] = self.p;
-        let ahead = [p * x + q * y, q * x + r * y];
-        // M P Mᵀ, and the sum with the noise of the point.
-        let [a, b, c] = [
-            p * p * xx + 2.0 * p * q * xy + q * q * yy,
-            p * q * xx + (p * r + q * q) * xy + q * r * yy,
-            q * q * xx + 2.0 * q * r * xy + r * r * yy,
-        ];
-        let noise = seen.sd * seen.sd;
-        let (sa, sc) = (a + noise, c + noise);
-        let determinant = sa * sc - b * b;
-        if !(determinant > 0.0 && determinant.is_finite()) {
-            return;
-        }
-        let off = [ahead[0] - seen.point[0], ahead[1] - seen.point[1]];
-        // One row of wraps after the other: the second given the first lies in a narrow range.
-        for first in whole_numbers(off[0], (GATE * sa).sqrt()) {
-            let dx = off[0] - first as f64;
-            let rest = GATE - dx * dx / sa;
-            let spread = (rest.max(0.0) * determinant / sa).sqrt();
-            for second in whole_numbers(off[1] - dx * b / sa, spread) {
-                let dy = off[1] - second as f64;
-                let (u, v) = (
-                    (sc * dx - b * dy) / determinant,
-                    (sa * dy - b * dx) / determinant,
-                );
-                into.push(Next {
-                    history: self,
-                    wraps: [first, second],
-                    z: [seen.point[0] + noise * u, seen.point[1] + noise * v],
-                    // R − R S⁻¹ R.
-                    p: [
-                        noise - noise * noise * sc / determinant,
-                        noise * noise * b / determinant,
-                        noise - noise * noise * sa / determinant,
-                    ],
-                    cost: self.cost
-                        + 0.5 * (dx * u + dy * v)
-                        + 0.5 * libm::log(determinant)
-                        + libm::log(core::f64::consts::TAU),
-                });
-            }
-        }
-    }
-}
-
-/// How a history may go on.
-struct Next<'a> {
-    history: &'a History,
-    wraps: [i64; 2],
-    z: [f64; 2],
-    p: [f64; 3],
-    cost: f64,
-}
-
-impl Next<'_> {
-    fn history(&self, steps: u32) -> History {
-        let mut wraps = VecDeque::with_capacity(MAX_WINDOW + MAX_STEPS as usize);
-        wraps.extend(&self.history.wraps);
-        wraps.extend((1..steps).map(|_| [0, 0]));
-        wraps.push_back(self.wraps);
-        History {
-            wraps,
-            z: self.z,
-            p: self.p,
-            cost: self.cost,
-        }
-    }
-}
-
-/// The whole numbers within `spread` of a number; none where they could not be counted.
-fn whole_numbers(center: f64, spread: f64) -> RangeInclusive<i64> {
-    let (low, high) = ((center - spread).ceil(), (center + spread).floor());
-    if low.abs().max(high.abs()) < MAX_WRAP {
-        low as i64..=high as i64
-    } else {
-        RangeInclusive::new(1, 0)
-    }
-}
 
 /// Recovers the state of a cat map from noisy points.
 ///
@@ -515,69 +244,5 @@ impl CatRecovery {
             .iter()
             .enumerate()
             .filter_map(|(place, seen)| Some((place, (*seen)?)))
-    }
-
-    /// The state at `middle` from the wraps between `first` and `last`, where points were seen.
-    ///
-    /// With `U = x + φy` (which the map multiplies by φ²) and `S = φx − y` (by φ⁻²) it is
-    /// `x = (U/φ + S)/√5`, `y = (U − S/φ)/√5`, where
-    /// `U = Σ φ^(−2m−2) (k + φl) + φ^(−2d) U_last` over the wraps `(k, l)`, `m` steps ahead of the
-    /// middle, and `S = φ^(−2c) S_first − Σ φ^(−2m) (φk − l)` over those before it.
-    ///
-    /// Whole turns do not matter, so that sums may overflow.
-    fn estimate(
-        &self,
-        wraps: &VecDeque<[i64; 2]>,
-        first: usize,
-        middle: usize,
-        last: usize,
-    ) -> Option<State> {
-        let power = |j: usize| POWERS.get(j + 1).copied();
-        let minus_one = |j: usize| POWERS.get(j).copied(); // φ^(1−j)/√5
-        let tail = |weight: i128, c: f64| (weight as f64 * c) as i128;
-        let wrap = |j: usize| wraps.get(j).map(|wrap| wrap.map(i128::from));
-        let point = |j: usize| self.window.get(j)?.as_ref().map(|seen| seen.point);
-        let (mut x, mut y) = (0_i128, 0_i128);
-        let add = |sum: &mut i128, factor: i128, power: i128| {
-            *sum = sum.wrapping_add(factor.wrapping_mul(power));
-        };
-        for j in middle..last {
-            let ([k, l], m) = (wrap(j)?, j - middle);
-            add(&mut x, k, power(2 * m + 3)?);
-            add(&mut x, l, power(2 * m + 2)?);
-            add(&mut y, k, power(2 * m + 2)?);
-            add(&mut y, l, power(2 * m + 1)?);
-        }
-        for j in first..middle {
-            let ([k, l], m) = (wrap(j)?, middle - 1 - j);
-            add(&mut x, l, power(2 * m)?);
-            add(&mut x, -k, minus_one(2 * m)?);
-            add(&mut y, k, power(2 * m)?);
-            add(&mut y, -l, power(2 * m + 1)?);
-        }
-        let (c, d) = (middle - first, last - middle);
-        let [end_x, end_y] = point(last)?;
-        let [start_x, start_y] = point(first)?;
-        for term in [
-            tail(power(2 * d + 1)?, end_x),
-            tail(power(2 * d)?, end_y),
-            tail(minus_one(2 * c)?, start_x),
-            -tail(power(2 * c)?, start_y),
-        ] {
-            x = x.wrapping_add(term);
-        }
-        for term in [
-            tail(power(2 * d)?, end_x),
-            tail(minus_one(2 * d)?, end_y),
-            tail(power(2 * c + 1)?, start_y),
-            -tail(power(2 * c)?, start_x),
-        ] {
-            y = y.wrapping_add(term);
-        }
-        Some(State {
-            a: self.modulus.round(x),
-            b: self.modulus.round(y),
-            modulus: self.modulus,
-        })
     }
 }

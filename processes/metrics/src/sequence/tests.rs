@@ -110,27 +110,28 @@ fn the_difference_of_the_axes_is_that_of_their_law() {
     }
 }
 
-/// `v(xy)` of `n` points, raw and transformed, in exact arithmetic; values of an independent
-/// computation with 8300 digits.
-fn exact_difference_is(n: usize, raw: f64, arcsine: f64) {
-    let orbits = [exact_orbit(1, n), exact_orbit(2, n)];
-    let points = || orbits[0].iter().zip(&orbits[1]).map(|(&x, &y)| [x, y]);
+#[test]
+fn the_exact_difference_of_the_axes_over_2000_and_10_000_points() {
+    let [x, y] = exact_orbits([1, 2], 10_000);
     let transformed = |c: f64| FRAC_2_PI * libm::asin(c.clamp(-1.0, 1.0));
-    let v_raw = mean_difference(points());
-    let v_arcsine = mean_difference(points().map(|p| p.map(transformed)));
-    assert!((v_raw - raw).abs() < 6e-5, "{n}: {v_raw}");
-    assert!((v_arcsine - arcsine).abs() < 6e-5, "{n}: {v_arcsine}");
+    // Values of an independent computation with 8300 digits.
+    for (n, raw, arcsine) in [(2000, 0.8245, 0.6784), (10_000, 0.8066, 0.6629)] {
+        let points = || x.iter().zip(&y).map(|(&x, &y)| [x, y]).take(n);
+        let v_raw = mean_difference(points());
+        let v_arcsine = mean_difference(points().map(|p| p.map(transformed)));
+        assert!((v_raw - raw).abs() < 6e-5, "{n}: {v_raw}");
+        assert!((v_arcsine - arcsine).abs() < 6e-5, "{n}: {v_arcsine}");
+    }
 }
 
 #[test]
-fn the_exact_difference_of_the_axes_over_2000_points() {
-    exact_difference_is(2000, 0.8245, 0.6784);
-}
-
-#[test]
-#[ignore = "multiplies numbers of 26 000 bits for some ten seconds"]
-fn the_exact_difference_of_the_axes_over_10_000_points() {
-    exact_difference_is(10_000, 0.8066, 0.6629);
+fn the_exact_orbit_begins_as_the_one_of_floating_point() {
+    let orbits = exact_orbits([1, 2], 10);
+    for (i, point) in table_points("chebf64-raw", 10).iter().enumerate() {
+        for (orbit, coordinate) in orbits.iter().zip(point) {
+            assert!((orbit[i] - coordinate).abs() < 1e-7, "{i}");
+        }
+    }
 }
 
 #[test]
@@ -175,109 +176,110 @@ fn without_anything_to_measure_the_result_is_nan() {
     );
 }
 
-/// A number of [−1, 1] with any number of binary digits: sign, and limbs behind a whole one, the
-/// lowest first.
-#[derive(Clone)]
-struct Fixed {
-    negative: bool,
-    limbs: Vec<u64>,
-}
+/// A number from 0 on, in fixed point: from the lowest limb to the one in front of the point.
+#[derive(Clone, PartialEq)]
+struct Fixed(Vec<u64>);
 
 impl Fixed {
-    /// `digit/10` with `fraction` limbs behind the point.
-    fn tenths(digit: u64, fraction: usize) -> Self {
-        let mut limbs = vec![0; fraction + 1];
-        let mut rest = u128::from(digit);
-        for limb in limbs.iter_mut().rev() {
-            *limb = (rest / 10) as u64;
-            rest = (rest % 10) << 64;
+    fn one(fraction: usize) -> Self {
+        let mut limbs = vec![0; fraction];
+        limbs.push(1);
+        Self(limbs)
+    }
+
+    fn multiply(&mut self, factor: u64) {
+        let mut carry = 0;
+        for limb in &mut self.0 {
+            let product = u128::from(*limb) * u128::from(factor) + carry;
+            *limb = product as u64;
+            carry = product >> 64;
         }
-        Self {
-            negative: false,
-            limbs,
+        assert_eq!(carry, 0);
+    }
+
+    /// Cut off behind the lowest limb.
+    fn divide(&mut self, divisor: u64) {
+        let mut rest = 0;
+        for limb in self.0.iter_mut().rev() {
+            let dividend = (u128::from(rest) << 64) | u128::from(*limb);
+            *limb = (dividend / u128::from(divisor)) as u64;
+            rest = (dividend % u128::from(divisor)) as u64;
         }
     }
 
-    /// Product, cut off behind the digits of the factors (an error of some units of the last limb).
-    fn times(&self, other: &Self) -> Self {
-        let n = self.limbs.len();
-        let mut product = vec![0_u64; n + 1];
-        for (i, &a) in self.limbs.iter().enumerate() {
-            let mut carry = 0_u128;
-            // Products of limbs i and j have the place i + j − (n − 1); one more is kept below.
-            for (j, &b) in other
-                .limbs
-                .iter()
-                .enumerate()
-                .skip((n - 1).saturating_sub(i + 1))
-            {
-                let place = &mut product[i + j + 2 - n];
-                let sum = u128::from(a) * u128::from(b) + u128::from(*place) + carry;
-                *place = sum as u64;
-                carry = sum >> 64;
-            }
-            if i + 1 < n {
-                product[i + 2] = carry as u64;
-            }
+    fn add(&mut self, other: &Self) {
+        let mut carry = false;
+        for (limb, &more) in self.0.iter_mut().zip(&other.0) {
+            (*limb, carry) = sum(*limb, more, carry);
         }
-        Self {
-            negative: self.negative != other.negative,
-            limbs: product.split_off(1),
-        }
+        assert!(!carry);
     }
 
-    /// `factor · self − whole`.
-    fn scaled_minus(&self, factor: u64, whole: u64) -> Self {
-        let mut carry = 0_u128;
-        let mut limbs: Vec<u64> = self
-            .limbs
-            .iter()
-            .map(|&limb| {
-                let sum = u128::from(limb) * u128::from(factor) + carry;
-                carry = sum >> 64;
-                sum as u64
-            })
-            .collect();
-        let top = limbs.len() - 1;
-        let negative = limbs[top] < whole;
-        limbs[top] = limbs[top].wrapping_sub(whole);
-        if negative {
-            let mut borrow = true;
-            for limb in &mut limbs {
-                (*limb, borrow) = (!*limb).overflowing_add(u64::from(borrow));
-            }
+    /// Takes the other away if there is as much; says whether there was.
+    fn take(&mut self, other: &Self) -> bool {
+        if self.0.iter().rev().lt(other.0.iter().rev()) {
+            return false;
         }
-        Self { negative, limbs }
+        let mut borrow = true;
+        for (limb, &less) in self.0.iter_mut().zip(&other.0) {
+            (*limb, borrow) = sum(*limb, !less, borrow);
+        }
+        true
+    }
+
+    fn is_zero(&self) -> bool {
+        self.0.iter().all(|&limb| limb == 0)
     }
 
     fn to_f64(&self) -> f64 {
-        let size = self
-            .limbs
-            .iter()
-            .rev()
-            .take(3)
-            .rev()
-            .fold(0.0, |sum, &limb| {
-                sum / 18_446_744_073_709_551_616.0 + limb as f64
-            });
-        if self.negative { -size } else { size }
+        let add = |sum: f64, limb: &u64| sum / 18_446_744_073_709_551_616.0 + *limb as f64;
+        self.0[self.0.len() - 3..].iter().fold(0.0, add)
+    }
+
+    /// The arcsine of a ratio from 0 to a half, by its series.
+    fn arcsine(numerator: u64, denominator: u64, fraction: usize) -> Self {
+        let mut power = Self::one(fraction);
+        power.multiply(numerator);
+        power.divide(denominator);
+        let mut total = power.clone();
+        let mut k = 1;
+        while !power.is_zero() {
+            // x^k · (1·3·…·(k − 2))/(2·4·…·(k − 1)), which over k is the term.
+            power.multiply(numerator * numerator * k);
+            power.divide(denominator * denominator * (k + 1));
+            k += 2;
+            let mut term = power.clone();
+            term.divide(k);
+            total.add(&term);
+        }
+        total
     }
 }
 
-/// The Chebyshev map of degree 6 from `x_1 = digit/10`, in arithmetic with more digits than
-/// the steps take (2.6 bits each).
-fn exact_orbit(digit: u64, n: usize) -> Vec<f64> {
-    let limbs = |steps: usize| steps * 2585 / 64_000 + 4;
-    let mut x = Fixed::tenths(digit, limbs(n));
-    (0..n)
-        .map(|i| {
-            let emitted = x.to_f64();
-            // T6 = T3(T2(x)), T2 = 2x² − 1, T3 = (4w² − 3)·w.
-            let w = x.times(&x).scaled_minus(2, 1);
-            x = w.times(&w).scaled_minus(4, 3).times(&w);
-            let spare = x.limbs.len().saturating_sub(limbs(n - i) + 1);
-            x.limbs.drain(..spare);
-            emitted
-        })
-        .collect()
+/// The sum of two limbs, and what is carried.
+fn sum(a: u64, b: u64, carry: bool) -> (u64, bool) {
+    let sum = u128::from(a) + u128::from(b) + u128::from(carry);
+    (sum as u64, sum >> 64 != 0)
+}
+
+/// Orbits of the Chebyshev map of degree 6 from `x_1 = digit/10`: `x_i = cos(6^(i−1) arccos x_1)`,
+/// with more digits of the angle than the steps take (2.585 bits each).
+fn exact_orbits<const N: usize>(digits: [u64; N], n: usize) -> [Vec<f64>; N] {
+    // The series lose some units of the last limb: two limbs are spare.
+    let fraction = n * 2585 / 64_000 + 5;
+    let mut quarter = Fixed::arcsine(1, 2, fraction);
+    quarter.multiply(3);
+    let mut turn = quarter.clone();
+    turn.multiply(4);
+    digits.map(|digit| {
+        let mut angle = quarter.clone();
+        assert!(angle.take(&Fixed::arcsine(digit, 10, fraction)));
+        let mut orbit = Vec::with_capacity(n);
+        for _ in 0..n {
+            orbit.push(libm::cos(angle.to_f64()));
+            angle.multiply(6);
+            while angle.take(&turn) {}
+        }
+        orbit
+    })
 }

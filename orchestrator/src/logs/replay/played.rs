@@ -1,0 +1,86 @@
+//! How a log is to be played, and how it was.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::super::pattern::Topics;
+use super::pace::Spread;
+
+/// How a log is played.
+#[derive(Debug, Clone)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "one per switch of the command line"
+)]
+pub struct ReplayOptions {
+    /// Times as fast as recorded, > 0; infinite: as fast as possible.
+    pub rate: f64,
+    /// From this simulated time on [s].
+    pub start_s: Option<f64>,
+    /// Up to and with this simulated time [s].
+    pub end_s: Option<f64>,
+    /// Whether it begins again at its end, until somebody ends it.
+    pub again: bool,
+    /// Which topics.
+    pub topics: Topics,
+    /// Whether it waits for a key at the start.
+    pub paused: bool,
+    /// Whether the clocks in the stamps are renewed.
+    pub restamp: bool,
+    /// Whether nothing is shown.
+    pub quiet: bool,
+}
+
+impl Default for ReplayOptions {
+    fn default() -> Self {
+        Self {
+            rate: 1.0,
+            start_s: None,
+            end_s: None,
+            again: false,
+            topics: Topics::default(),
+            paused: false,
+            restamp: false,
+            quiet: false,
+        }
+    }
+}
+
+/// What was played.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Replayed {
+    /// The scenario.
+    pub scenario: String,
+    /// Messages that were sent, those from before the start included.
+    pub messages: u64,
+    /// Messages from before the start: what lasted.
+    pub restored: u64,
+    /// Messages that could not be decoded: they are left out.
+    pub malformed: u64,
+    /// Bytes of the messages.
+    pub bytes: u64,
+    /// Different times among them.
+    pub ticks: u64,
+    /// How often it was played to its end.
+    pub times: u64,
+    /// Real time from the opening of the log to the first message [s].
+    pub start_up_s: f64,
+    /// The part of it that the way to the start took [s].
+    pub seek_s: f64,
+    /// Real time from the first message to the last [s].
+    pub wall_time_s: f64,
+    /// |actual − recorded| time between two messages [µs].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub jitter_us: Option<Spread>,
+    /// How long after they were due messages were sent [µs].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lateness_us: Option<Spread>,
+    /// Messages by topic.
+    pub topics: BTreeMap<String, u64>,
+    /// Whether it was ended before its end.
+    pub interrupted: bool,
+    /// What was wrong with the file.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub faults: Vec<String>,
+}

@@ -1,0 +1,109 @@
+//! Why the parameters of a process were refused.
+
+use guidance::params::ParamsError;
+use patrol::mission::MissionError;
+use patrol_awg::PatrolError;
+use patrol_fto::PatrolFtoError;
+use sim_backend::spec::FieldError;
+
+use super::text::ReadError;
+
+/// A parameter out of its range, as a process crate reports it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FieldProblem {
+    /// Dotted path of the parameter inside `params`.
+    pub field: String,
+    /// The value found.
+    pub value: String,
+    /// What would have been accepted.
+    pub expected: String,
+}
+
+impl From<tracking::params::ParamsError> for FieldProblem {
+    fn from(e: tracking::params::ParamsError) -> Self {
+        Self {
+            field: e.field.to_owned(),
+            value: e.value.to_string(),
+            expected: e.expected.to_owned(),
+        }
+    }
+}
+
+impl From<ParamsError> for FieldProblem {
+    fn from(e: ParamsError) -> Self {
+        Self {
+            field: e.field,
+            value: e.value,
+            expected: e.expected.to_owned(),
+        }
+    }
+}
+
+impl From<FieldError> for FieldProblem {
+    fn from(e: FieldError) -> Self {
+        Self {
+            field: e.field,
+            value: e.value,
+            expected: e.expected,
+        }
+    }
+}
+
+/// Why the parameters of a process were refused.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ParamsFault {
+    /// They do not fit their type.
+    Read(ReadError),
+    /// A value is out of its range.
+    Field(FieldProblem),
+    /// Values that do not go together, or a table that makes no sense, in words that say what to
+    /// change.
+    Refused {
+        /// Dotted path of the parameter inside `params` at which it shows.
+        field: String,
+        /// What is wrong with it.
+        message: String,
+    },
+    /// They cannot be written as JSON (a number that is not finite, say).
+    Write(String),
+}
+
+impl<E: Into<FieldProblem>> From<E> for ParamsFault {
+    fn from(e: E) -> Self {
+        Self::Field(e.into())
+    }
+}
+
+/// A patrol along a zig-zag that cannot be.
+pub(super) fn awg_fault(error: PatrolError) -> ParamsFault {
+    match error {
+        PatrolError::Params(error) => error.into(),
+        PatrolError::Mission(error) => mission_fault(error),
+    }
+}
+
+/// A patrol past fictive obstacles that cannot be.
+pub(super) fn fto_fault(error: PatrolFtoError) -> ParamsFault {
+    match error {
+        PatrolFtoError::Params(error) => error.into(),
+        PatrolFtoError::Mission(error) => mission_fault(error),
+        PatrolFtoError::Fto(error) => named_fault("fto", &error),
+    }
+}
+
+fn mission_fault(error: MissionError) -> ParamsFault {
+    match error {
+        MissionError::Params(error) => error.within("mission").into(),
+        error => named_fault("mission", &error),
+    }
+}
+
+/// A refusal at the parameter of a table that its text names first.
+fn named_fault(table: &str, error: &dyn core::fmt::Display) -> ParamsFault {
+    let message = error.to_string();
+    let field = match message.split('`').nth(1) {
+        Some(named) => format!("{table}.{named}"),
+        None => table.to_owned(),
+    };
+    ParamsFault::Refused { field, message }
+}
