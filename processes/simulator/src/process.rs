@@ -188,6 +188,17 @@ impl Simulator {
     /// # Errors
     /// [`ProcessError`] if the transport fails.
     pub fn connect(&mut self) -> Result<(), ProcessError> {
+        self.connect_ports()?;
+        // Everybody builds what it needs of the map before time starts.
+        let first = Stamp {
+            origin_ns: self.clock.now_ns(),
+            ..Stamp::default()
+        };
+        self.publish_map(first)
+    }
+
+    /// Connects every port; whoever has joined since gets the newest map.
+    fn connect_ports(&mut self) -> Result<(), ProcessError> {
         self.state_out.update_connections()?;
         self.map_out.update_connections()?;
         self.shapes_out.update_connections()?;
@@ -196,12 +207,24 @@ impl Simulator {
         self.coverage_out.update_connections()?;
         self.commands_in.update_connections()?;
         self.obstacles.connect()?;
-        // Everybody builds what it needs of the map before time starts.
-        let first = Stamp {
-            origin_ns: self.clock.now_ns(),
-            ..Stamp::default()
-        };
-        self.publish_map(first)
+        Ok(())
+    }
+
+    /// Lets those join who were started again, which may take a while in lock-step; false if the
+    /// run stops.
+    fn admit(&mut self, conductor: &Conductor, setup: &mut Setup) -> Result<bool, ProcessError> {
+        loop {
+            match conductor.admit(self.tick, || self.connect_ports())? {
+                TurnEnd::Complete => return Ok(true),
+                TurnEnd::Stop => return Ok(false),
+                TurnEnd::Idle if setup.stop.load(Ordering::Relaxed) => return Ok(false),
+                TurnEnd::Idle => {
+                    if setup.heartbeat.is_due() {
+                        setup.heartbeat.beat(self.tick, 3, None)?;
+                    }
+                }
+            }
+        }
     }
 
     /// Publishes the map if it has changed since the last time.
@@ -243,6 +266,9 @@ impl Simulator {
 
     fn lock_step(&mut self, conductor: &Conductor, setup: &mut Setup) -> Result<(), ProcessError> {
         loop {
+            if !self.admit(conductor, setup)? {
+                return Ok(());
+            }
             let start = Instant::now();
             let over = self.publish()?;
             if over {
@@ -290,6 +316,9 @@ impl Simulator {
         let mut due = Instant::now();
         let mut overruns = 0;
         loop {
+            if !self.admit(conductor, setup)? {
+                return Ok(());
+            }
             let start = Instant::now();
             let over = self.publish()?;
             conductor.post_without_waiting(self.tick);
