@@ -108,6 +108,8 @@ pub struct Simulator {
     states: Vec<RobotState>,
     /// Robots that were without a command at the last tick; reported once.
     missing: Vec<bool>,
+    /// Robots that were stopped at the last tick for want of a valid command.
+    stopped: Vec<bool>,
     /// Robots that touched something in the last step.
     touching: Vec<bool>,
     /// How often each robot had touched something before the step; scratch.
@@ -166,6 +168,7 @@ impl Simulator {
             events: Vec::new(),
             states: Vec::with_capacity(robots),
             missing: vec![false; robots],
+            stopped: vec![false; robots],
             touching: vec![false; robots],
             touched_before: Vec::with_capacity(robots),
             ranges: Vec::new(),
@@ -392,7 +395,7 @@ impl Simulator {
         for (index, robot) in self.world.robots().iter().enumerate() {
             let flags = Flags {
                 in_contact: self.touching[index],
-                fail_safe: self.missing[index],
+                fail_safe: self.stopped[index],
                 present: self.world.is_present(index),
             };
             self.states.push(outputs::robot_state(index, robot, flags));
@@ -492,7 +495,9 @@ impl Simulator {
         self.events
             .extend(happened.map(|event| outputs::world_event(&event.kind, robots)));
         for (index, robot) in robots.iter().enumerate() {
-            let missing = robot.status.code() == 0 && self.board.is_missing(index);
+            let is_active = robot.status.code() == 0;
+            let missing = is_active && self.board.is_missing(index);
+            self.stopped[index] = is_active && self.board.is_stopped(index);
             if missing && !self.missing[index] {
                 self.events.push(outputs::missing_command(index, robots));
             }

@@ -41,10 +41,10 @@ impl Participant {
 
     /// Says how this process is, and wakes whoever waits for that.
     pub fn set_state(&self, state: SlotState) {
-        self.page
-            .slot(self.slot)
-            .state
-            .store(state as u32, Ordering::SeqCst);
+        // Who was buried stays so: a bridge may speak for a process that is gone.
+        let alive = |now| (now != SlotState::Dead as u32).then_some(state as u32);
+        let word = &self.page.slot(self.slot).state;
+        let _ = word.fetch_update(Ordering::SeqCst, Ordering::SeqCst, alive);
         // The orchestrator looks at the states on its own beat; the simulator sleeps on arrivals.
         wake_all(&self.page.words().arrived.0);
         wake_all(&self.page.slot(self.slot).done);
