@@ -17,6 +17,7 @@ use zerocopy::FromBytes as _;
 
 use super::super::compare::{Difference, first_difference};
 use super::super::error::LogsError;
+use super::super::failures::{Left, first_to_leave};
 use super::super::filter::nanoseconds;
 use super::super::known::{self, ENCAPSULATION};
 use super::super::pattern::Topics;
@@ -88,6 +89,9 @@ pub struct Verified {
     pub identical: bool,
     /// Whether the log holds all that was asked for.
     pub whole: bool,
+    /// The first of them that failed in the run of the log: only what it said before is compared.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub left: Option<Left>,
     /// The topics on which they spoke, then or now.
     pub topics: BTreeMap<String, TopicVerdict>,
     /// Real time from the first tick to the last [s].
@@ -116,7 +120,22 @@ pub fn verify(
     options: &VerifyOptions,
     watch: &mut Watch,
 ) -> Result<Verified, LogsError> {
-    let to = nanoseconds("--end", options.end_s)?.unwrap_or(u64::MAX);
+    let mut to = nanoseconds("--end", options.end_s)?.unwrap_or(u64::MAX);
+    // What a process says after a restart, it says knowing nothing of before.
+    let left = first_to_leave(
+        log,
+        |name| options.processes.iter().any(|p| p == name),
+        watch,
+    )?;
+    if let Some(left) = &left {
+        let period: Option<u64> = Source::open(log, &Topics::default(), 0)?
+            .origin()
+            .manifest
+            .get("tick_period_ns")
+            .and_then(|text| text.parse().ok());
+        let before = left.tick.saturating_mul(period.unwrap_or(1));
+        to = to.min(before.saturating_sub(1));
+    }
     let mut source = Source::open(log, &Topics::default(), to)?;
     let so =
         "a process cannot be given the same once more; `protean replay` without --test plays it";
@@ -157,6 +176,8 @@ pub fn verify(
         trial.run(&mut cast, &mut source, watch, &mut done)?;
         done.helpers = tested.helpers;
     }
+    done.whole &= left.is_none();
+    done.left = left;
     done.faults = source.faults();
     done.identical = done.topics.values().all(|topic| topic.first.is_none());
     Ok(done)

@@ -36,6 +36,11 @@ impl Overseer {
     pub fn reseat(&self, slot: usize) {
         let words = self.page.slot(slot.min(MAX_SLOTS - 1));
         words.first.store(0, Ordering::SeqCst);
+        // What was done without it is not its to do: should it fail at once, it owes the tick for
+        // which it came.
+        if let Some(done) = words.back_at.load(Ordering::SeqCst).checked_sub(1) {
+            words.done.store(done, Ordering::SeqCst);
+        }
         words.taken.fetch_add(1, Ordering::SeqCst);
         words
             .state
