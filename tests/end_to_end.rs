@@ -21,5 +21,6 @@ mod planning;
 mod process;
 mod replay;
 mod report;
+mod supervision;
 mod sweep;
 mod triggers;
