@@ -22,6 +22,8 @@ use super::children::Executable;
 use super::error::MissionError;
 use super::plan::Plan;
 
+/// How long what a process said last is waited for. (No time at all would be for ever.)
+const DRAIN: Duration = Duration::from_millis(1);
 /// How often a thread without a process looks whether one has come.
 const SOON: Duration = Duration::from_millis(5);
 
@@ -197,7 +199,7 @@ impl Seat {
     /// Waits for the process that takes the seat after one that is gone; false if the run stops.
     fn wait_for_successor(&self) -> Result<bool, MissionError> {
         // What the last one said is not for the next one's turns.
-        self.done.wait(Duration::ZERO, |_| {})?;
+        self.done.wait(DRAIN, |_| {})?;
         self.vacant.store(true, Ordering::SeqCst);
         loop {
             if self.stopping() {
