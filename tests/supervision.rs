@@ -1,6 +1,8 @@
 //! Processes that fail in the middle of a run: what the scenario says happens, the log says when, and
 //! nobody else is held up.
 
+#[path = "supervision/disk.rs"]
+mod disk;
 #[path = "supervision/orchestrator.rs"]
 mod orchestrator;
 
