@@ -85,14 +85,6 @@ fn refused(config: &ProcessConfig, reason: &str) -> ProcessError {
     }
 }
 
-/// Points that `world/shapes` may need: those of the map as it stands, and what the announced
-/// events can add to it.
-fn shapes_capacity(world: &World, config: &ProcessConfig) -> usize {
-    let standing = shapes::points(world.map().parts()).len();
-    let events = (config.run.events as usize).saturating_mul(shapes::POINTS_PER_EVENT);
-    standing.saturating_add(events).clamp(1, shapes::MAX_POINTS)
-}
-
 /// The world with its topics: what is sent and done in a tick, in which order. Who drives it (the
 /// loops here, or a run in one thread) calls [`publish`](Self::publish), waits until everybody has
 /// answered, then [`take_commands`](Self::take_commands) and [`advance`](Self::advance).
@@ -177,7 +169,10 @@ impl Simulator {
             refused_commands: 0,
             state_out: bus.publisher(port(robots))?,
             map_out: bus.publisher(port(world.map().frame().len()))?,
-            shapes_out: bus.publisher(port(shapes_capacity(&world, config)))?,
+            shapes_out: bus.publisher(port(outputs::shapes_capacity(
+                world.map(),
+                config.run.events,
+            )))?,
             event_out: bus.publisher(port(EVENT_CAPACITY))?,
             scan_out: bus.publisher(port(beams as usize))?,
             coverage_out: bus.publisher(port(1))?,
@@ -193,11 +188,10 @@ impl Simulator {
     pub fn connect(&mut self) -> Result<(), ProcessError> {
         self.connect_ports()?;
         // Everybody builds what it needs of the map before time starts.
-        let first = Stamp {
+        self.publish_map(Stamp {
             origin_ns: self.clock.now_ns(),
             ..Stamp::default()
-        };
-        self.publish_map(first)
+        })
     }
 
     /// Connects every port; whoever has joined since gets the newest map.
@@ -209,8 +203,7 @@ impl Simulator {
         self.scan_out.update_connections()?;
         self.coverage_out.update_connections()?;
         self.commands_in.update_connections()?;
-        self.obstacles.connect()?;
-        Ok(())
+        self.obstacles.connect()
     }
 
     /// Lets those join who were started again, which may take a while in lock-step; false if the
@@ -221,11 +214,8 @@ impl Simulator {
                 TurnEnd::Complete => return Ok(true),
                 TurnEnd::Stop => return Ok(false),
                 TurnEnd::Idle if setup.stop.load(Ordering::Relaxed) => return Ok(false),
-                TurnEnd::Idle => {
-                    if setup.heartbeat.is_due() {
-                        setup.heartbeat.beat(self.tick, 3, None)?;
-                    }
-                }
+                TurnEnd::Idle if !setup.heartbeat.is_due() => {}
+                TurnEnd::Idle => setup.heartbeat.beat(self.tick, 3, None)?,
             }
         }
     }

@@ -76,9 +76,9 @@ fn play(name: &str, lives: &[Vec<Life>], upstream_of_last: bool, ticks: u64) {
         .map(|_| (0..ticks).map(|_| AtomicU64::new(0)).collect())
         .collect();
     let connected = AtomicU32::new(0);
-    let upstream = |slot: usize| match upstream_of_last && slot == slots && slots > 1 {
-        true => vec![1],
-        false => Vec::new(),
+    let upstream = |slot: usize| {
+        let has_one = upstream_of_last && slot == slots && slots > 1;
+        if has_one { vec![1] } else { Vec::new() }
     };
     for slot in 1..=slots {
         overseer.seat(slot, true, slot == 1);
