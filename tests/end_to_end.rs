@@ -23,5 +23,6 @@ mod process;
 mod replay;
 mod report;
 mod soak;
+mod supervision;
 mod sweep;
 mod triggers;

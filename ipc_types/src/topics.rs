@@ -5,7 +5,7 @@ use crate::message::Message;
 use crate::messages::observer::Prediction;
 use crate::messages::optimiser::{PlanRequest, PlanResponse, TrajectorySample};
 use crate::messages::perception::{BeliefHeader, Particle, Sighting};
-use crate::messages::process::{ProcessStatus, RunControl};
+use crate::messages::process::{LogHeader, ProcessEvent, ProcessStatus, RunControl};
 use crate::messages::referee::{DominanceCell, DominanceHeader, Verdict};
 use crate::messages::robot::{
     Command, PlanHeader, PlanPoint, ScanHeader, TreeEdge, TreeHeader, WaypointEnd,
@@ -182,6 +182,12 @@ topics! {
     /// What the run does: orchestrator → all.
     Control = "run/control": One, "control", PlainHeader, RunControl, simulated false,
         qos |s| Qos { history: 1, per_tick: 2, publishers: 1, subscribers: s.readers() };
+    /// Processes that left the run, and came back: orchestrator → recorder.
+    ProcessEvents = "process/event": One, "event", PlainHeader, ProcessEvent, simulated false,
+        qos |s| Qos { history: 0, per_tick: 2 * s.processes, publishers: 1, subscribers: 1 + ONLOOKERS };
+    /// What the processes wrote to stderr, by lines: orchestrator → recorder.
+    ProcessLog = "process/log": Many, "text", LogHeader, u8, simulated false,
+        qos |_s| Qos { history: 0, per_tick: 16, publishers: 1, subscribers: 1 + ONLOOKERS };
 }
 
 /// Event that tells a process without the turn page that it is its turn; the id is its index.

@@ -2,6 +2,7 @@
 
 use std::fs::File;
 use std::io::{self, Seek as _, SeekFrom, Write as _};
+use std::os::unix::fs::MetadataExt as _;
 
 /// Bytes that are appended, and cut back when an append fails half-way.
 pub(crate) trait Storage: Send {
@@ -15,6 +16,11 @@ pub(crate) trait Storage: Send {
 
 impl Storage for File {
     fn append(&mut self, bytes: &[u8]) -> io::Result<()> {
+        // Bytes would go on into a file that nobody can find again.
+        if self.metadata()?.nlink() == 0 {
+            let gone = "it was removed, or its directory was";
+            return Err(io::Error::new(io::ErrorKind::NotFound, gone));
+        }
         // Two writes would only happen when the first was cut short, by a full disk say.
         self.write_all(bytes)
     }

@@ -63,6 +63,16 @@ impl Twist2 {
         Self { v, omega }
     }
 
+    /// Largest magnitude of a component that a command may have, in its unit. Commands beyond a
+    /// robot's limits are cut to them; ones beyond this come from a planner that is out of its mind.
+    pub const ABSURD: f64 = 1e6;
+
+    /// Whether a robot can be asked for it: both components are finite, and neither is absurd.
+    pub fn is_command(&self) -> bool {
+        // Not a number is not at most anything.
+        self.v.abs() <= Self::ABSURD && self.omega.abs() <= Self::ABSURD
+    }
+
     /// Whether both components are finite.
     pub fn is_finite(&self) -> bool {
         self.v.is_finite() && self.omega.is_finite()

@@ -165,7 +165,7 @@ fn the_simulator_obeys_the_driver_of_a_robot_and_nobody_else() {
 
     // Faster than it can, and from the future: the limit holds, the future has not come.
     let before = robots;
-    cop.send(header(3), &command(0, 1e300, -1e300)).unwrap();
+    cop.send(header(3), &command(0, 1e3, -1e3)).unwrap();
     thief.send(header(9), &ahead(1)).unwrap();
     drivers.done(3);
     let (robots, events) = drivers.turn(4);
@@ -178,6 +178,30 @@ fn the_simulator_obeys_the_driver_of_a_robot_and_nobody_else() {
     assert_eq!(at(&robots, 1), at(&before, 1));
     assert!(named(&events, "invalid_command").is_empty(), "{events:?}");
     drivers.rig.rejected(4);
+
+    // Out of its mind: nobody is asked to be that fast. The robot stops, and that is told.
+    for (tick, [v, omega]) in (4..).zip([
+        [1e300, -1e300],
+        [f64::NEG_INFINITY, 0.0],
+        [0.0, 1e7],
+        [f64::MAX, f64::NAN],
+    ]) {
+        cop.send(header(tick), &command(0, v, omega)).unwrap();
+        thief.send(header(tick), &ahead(1)).unwrap();
+        drivers.done(tick);
+        let (robots, events) = drivers.turn(tick + 1);
+        assert_eq!(
+            (robots[0].v, robots[0].omega, robots[0].fail_safe),
+            (0.0, 0.0, 1)
+        );
+        assert_eq!(robots[1].fail_safe, 0);
+        let told = named(&events, "invalid_command").len();
+        assert_eq!(
+            told,
+            usize::from(tick == 4),
+            "once, not every tick: {events:?}"
+        );
+    }
 }
 
 #[test]

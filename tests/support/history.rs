@@ -8,9 +8,9 @@ use ipc_types::cdr;
 use ipc_types::messages::robot::WaypointEnd;
 use ipc_types::stamp::{Header as _, Stamp};
 use ipc_types::topics::{
-    Belief, Commands, Control, Coverage, Dominance, ObstacleEvents, Plan, Predictions, Scan,
-    Sightings, Status, Topic, Tree, Verdicts, Waypoints, WorldEvents, WorldMap, WorldShapes,
-    WorldState,
+    Belief, Commands, Control, Coverage, Dominance, ObstacleEvents, Plan, Predictions,
+    ProcessEvents, ProcessLog, Scan, Sightings, Status, Topic, Tree, Verdicts, Waypoints,
+    WorldEvents, WorldMap, WorldShapes, WorldState,
 };
 use mcap::sans_io::LinearReaderOptions;
 use serde::Deserialize;
@@ -214,6 +214,8 @@ impl History {
             Dominance::NAME => stamp::<Dominance>(bytes)?,
             Status::NAME => stamp::<Status>(bytes)?,
             Control::NAME => stamp::<Control>(bytes)?,
+            ProcessEvents::NAME => stamp::<ProcessEvents>(bytes)?,
+            ProcessLog::NAME => stamp::<ProcessLog>(bytes)?,
             other => return Err(format!("{other}: not a topic")),
         };
         self.messages.push(Message {

@@ -3,6 +3,7 @@
 use iceoryx2::prelude::ZeroCopySend;
 
 use crate::message;
+use crate::stamp::{Stamp, headers};
 
 message! {
     /// Heartbeat of a process, in `process/status`; outside the digest.
@@ -23,22 +24,12 @@ message! {
 impl ProcessStatus {
     /// The last error; empty if none. Bytes that are not UTF-8 are replaced.
     pub fn error_text(&self) -> String {
-        let end = self
-            .error
-            .iter()
-            .position(|&b| b == 0)
-            .unwrap_or(self.error.len());
-        String::from_utf8_lossy(&self.error[..end]).into_owned()
+        text_of(&self.error)
     }
 
     /// Stores an error text, cut at the last whole character that fits.
     pub fn set_error(&mut self, text: &str) {
-        let mut end = text.len().min(self.error.len());
-        while !text.is_char_boundary(end) {
-            end -= 1;
-        }
-        self.error.fill(0);
-        self.error[..end].copy_from_slice(&text.as_bytes()[..end]);
+        store(text, &mut self.error);
     }
 }
 
@@ -54,6 +45,64 @@ message! {
 impl RunControl {
     /// `command` with which time starts.
     pub const START: u32 = 1;
+}
+
+message! {
+    /// A process left the run or came back, in `process/event`; outside the digest.
+    pub struct ProcessEvent = "protean/ProcessEvent" {
+        tick: u64 = "left: the first tick that it did not do; back: the first that it does again",
+        process: u32 = "index of the process in the run",
+        kind: u32 = "0 left, 1 back, 2 given up: it will not be started again",
+        failures: u32 = "how often it has left so far",
+        reserved: u32 = "always 0",
+        reason: [u8; 232] = "why, as UTF-8, zero-filled; empty if it came back",
+    }
+}
+
+impl ProcessEvent {
+    /// `kind` of a process that left.
+    pub const LEFT: u32 = 0;
+    /// `kind` of a process that is back.
+    pub const BACK: u32 = 1;
+    /// `kind` of a process that will not come back.
+    pub const GIVEN_UP: u32 = 2;
+
+    /// Why; empty if it came back. Bytes that are not UTF-8 are replaced.
+    pub fn reason_text(&self) -> String {
+        text_of(&self.reason)
+    }
+
+    /// Stores why, cut at the last whole character that fits.
+    pub fn set_reason(&mut self, text: &str) {
+        store(text, &mut self.reason);
+    }
+}
+
+message! {
+    /// A line that a process wrote to stderr, in `process/log`; outside the digest. The elements are
+    /// its bytes.
+    pub struct LogHeader = "protean/LogHeader" {
+        stamp: Stamp = "when and by whom it was handed on",
+        process: u32 = "index of the process in the run",
+        level: u32 = "0 unknown, 1 debug, 2 info, 3 warning, 4 error",
+    }
+}
+headers!(LogHeader);
+
+/// The text in bytes that are filled with zeros.
+fn text_of(bytes: &[u8]) -> String {
+    let end = bytes.iter().position(|&b| b == 0).unwrap_or(bytes.len());
+    String::from_utf8_lossy(&bytes[..end]).into_owned()
+}
+
+/// Stores a text, cut at the last whole character that fits.
+fn store(text: &str, bytes: &mut [u8]) {
+    let mut end = text.len().min(bytes.len());
+    while !text.is_char_boundary(end) {
+        end -= 1;
+    }
+    bytes.fill(0);
+    bytes[..end].copy_from_slice(&text.as_bytes()[..end]);
 }
 
 #[cfg(test)]

@@ -197,7 +197,15 @@ fn verified_text(done: &Verified) -> String {
     }
     text += &match done.first() {
         None if done.whole => "result    IDENTICAL".to_owned(),
-        None => "result    identical as far as the log goes, which is not to its end".to_owned(),
+        None => match &done.left {
+            Some(left) => format!(
+                "result    identical up to tick {}, at which {} {}",
+                left.tick, left.process, left.reason
+            ),
+            None => {
+                "result    identical as far as the log goes, which is not to its end".to_owned()
+            }
+        },
         Some((topic, first)) => {
             let or_none = |value: &str| match value {
                 "" => "nothing".to_owned(),

@@ -10,7 +10,7 @@ use crate::logs::{Rerun, RerunOptions, rerun};
 pub(super) const HELP: &str = "\
 The run is done again from the scenario, seed and events in the log, and every message of the simulated
 history (everything but clocks and heartbeats) is compared, as is the digest. Of a run that was killed or
-interrupted, what the log holds is compared.
+interrupted, what the log holds is compared; of one in which a process failed, what was said before.
 
 Exit codes: 0 the same, message by message and digest; 1 not the same: the first difference of every topic
 is said; or the run failed; 2 the run in the log cannot be done again: why, is said; 3 the same as far
@@ -93,10 +93,17 @@ fn text(done: &Rerun) -> String {
     match comparison.first() {
         None if done.same && done.whole => text += "result    the same",
         None if done.same => {
-            text += &format!(
-                "result    the same up to tick {}, where the log ends before its run",
-                comparison.last_tick
-            );
+            text += &match &done.left {
+                Some(left) => format!(
+                    "result    the same up to tick {}, at which process {} {}: what came of that \
+                     depends on when it happened, and cannot be done again",
+                    left.tick, left.process, left.reason
+                ),
+                None => format!(
+                    "result    the same up to tick {}, where the log ends before its run",
+                    comparison.last_tick
+                ),
+            };
         }
         None => text += "result    NOT THE SAME: the digest in the log is not that of its messages",
         Some((topic, first)) => {

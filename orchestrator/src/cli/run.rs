@@ -36,7 +36,7 @@ pub fn run(target: &str, args: &RunArgs) -> ExitCode {
                 print(&report::text(&scenario, &report));
             }
             let lost = report.summary.topics.values().any(|topic| topic.gaps > 0);
-            if report.interrupted || lost {
+            if report.interrupted || report.has_lost || lost {
                 ExitCode::from(EXIT_PARTIAL)
             } else {
                 ExitCode::SUCCESS

@@ -59,6 +59,12 @@ impl Comparison {
             .min_by_key(|(topic, d)| (d.tick, topic.starts_with("world/")))
     }
 
+    /// Forgets what differs from tick `tick` on.
+    pub(super) fn keep_before(&mut self, tick: u64) {
+        self.differences.retain(|_, first| first.tick < tick);
+        self.last_tick = self.last_tick.min(tick.saturating_sub(1));
+    }
+
     fn differ(&mut self, topic: &str, found: impl FnOnce() -> Difference) {
         match self.differences.get_mut(topic) {
             Some(known) => known.messages += 1,

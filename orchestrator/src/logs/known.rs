@@ -26,10 +26,23 @@ pub(crate) struct Known {
     pub(crate) hash: String,
 }
 
+/// All our topics.
+fn all() -> &'static [Known] {
+    static ALL: LazyLock<Vec<Known>> = LazyLock::new(collect);
+    &ALL
+}
+
 /// Our topic with this name.
 pub(crate) fn find(name: &str) -> Option<&'static Known> {
-    static ALL: LazyLock<Vec<Known>> = LazyLock::new(collect);
-    ALL.iter().find(|known| known.name == name)
+    all().iter().find(|known| known.name == name)
+}
+
+/// The names of the topics that are part of the simulated history.
+pub(crate) fn simulated() -> impl Iterator<Item = &'static str> {
+    all()
+        .iter()
+        .filter(|known| known.simulated)
+        .map(|known| known.name)
 }
 
 fn collect() -> Vec<Known> {

@@ -11,7 +11,8 @@ use zerocopy::FromBytes as _;
 
 use super::compare::{Comparison, compare};
 use super::error::LogsError;
-use super::known::ENCAPSULATION;
+use super::failures::{Left, first_to_leave};
+use super::known::{self, ENCAPSULATION};
 use super::origin::{Origin, refuse_external};
 use super::output::{FILTERED, MANIFEST, RESULT, RUN_DIGEST};
 use super::reader::{Item, Reader};
@@ -43,7 +44,11 @@ pub struct Rerun {
     pub digest_logged: Option<String>,
     /// Fingerprint of the new run.
     pub digest: String,
-    /// Whether the log holds the whole run.
+    /// The first process that failed, if the run went on after that: from then on the run in the log
+    /// depends on when that was, and is not compared.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub left: Option<Left>,
+    /// Whether the log holds the whole run, and all of it can be done again.
     pub whole: bool,
     /// Whether the two runs are the same, as far as the log goes.
     pub same: bool,
@@ -113,16 +118,22 @@ pub fn rerun(log: &Path, options: RerunOptions, watch: &mut Watch) -> Result<Rer
         return Err(LogsError::Interrupted);
     }
     let digest = report.summary.digest;
-    let ended = recorded.over && recorded.result.contains_key("digest") && recorded.whole;
+    let left = first_to_leave(log, |_| true, watch)?;
+    let ended =
+        recorded.over && recorded.result.contains_key("digest") && recorded.whole && left.is_none();
     let digest_logged = if recorded.filtered {
-        recorded.result.get(RUN_DIGEST)
+        recorded.result.get(RUN_DIGEST).filter(|_| left.is_none())
     } else {
         recorded.result.get("digest").filter(|_| ended)
     };
     let comparison = if recorded.filtered {
         None
     } else {
-        Some(compare(log, &again, !ended, watch)?)
+        let mut comparison = compare(log, &again, !ended, watch)?;
+        if let Some(left) = &left {
+            comparison.keep_before(left.tick);
+        }
+        Some(comparison)
     };
     let digests_agree = digest_logged.is_none_or(|logged| *logged == digest);
     let same = digests_agree && comparison.as_ref().is_none_or(|c| c.differences.is_empty());
@@ -135,6 +146,7 @@ pub fn rerun(log: &Path, options: RerunOptions, watch: &mut Watch) -> Result<Rer
             .cloned(),
         digest_logged: digest_logged.cloned(),
         digest,
+        left,
         whole: ended || recorded.filtered && digest_logged.is_some(),
         same,
         ticks: report.summary.ticks,
@@ -180,9 +192,7 @@ impl Recorded {
         // A version that knew fewer topics would have said less.
         if !recorded.filtered
             && !topics.is_empty()
-            && let Some(topic) = ipc_types::topics::NAMES
-                .iter()
-                .find(|name| !topics.contains(**name))
+            && let Some(topic) = known::simulated().find(|name| !topics.contains(*name))
         {
             return Err(recorded.origin.layout(log, topic, "none"));
         }

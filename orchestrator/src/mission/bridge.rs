@@ -7,6 +7,7 @@
 //! the turn in which it connects its ports; then there is a turn per tick. [`END_OF_TURNS`] added to
 //! the index says that there are no more.
 
+use std::cell::Cell;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
@@ -21,11 +22,18 @@ use super::children::Executable;
 use super::error::MissionError;
 use super::plan::Plan;
 
+/// How long what a process said last is waited for. (No time at all would be for ever.)
+const DRAIN: Duration = Duration::from_millis(1);
+/// How often a thread without a process looks whether one has come.
+const SOON: Duration = Duration::from_millis(5);
+
 /// The threads that take turns for others.
 #[derive(Debug)]
 pub struct Bridge {
     threads: Vec<JoinHandle<Result<(), MissionError>>>,
     stop: Arc<AtomicBool>,
+    /// The seats whose processes are gone, as far as their threads have noticed.
+    vacant: Vec<(usize, Arc<AtomicBool>)>,
     /// Held while the bridge stands.
     events: Vec<TopicHolder>,
 }
@@ -46,6 +54,7 @@ impl Bridge {
         let mut bridge = Self {
             threads: Vec::new(),
             stop,
+            vacant: Vec::new(),
             events: Vec::new(),
         };
         if external.is_empty() {
@@ -60,13 +69,17 @@ impl Bridge {
                 Arc::clone(&bridge.stop),
             );
             let config = config.clone();
+            let vacant = Arc::new(AtomicBool::new(false));
+            bridge
+                .vacant
+                .push((config.index as usize, Arc::clone(&vacant)));
             let (tell, opened) = std::sync::mpsc::channel();
             let thread = std::thread::Builder::new()
                 .name(format!("bridge-{}", config.index))
                 .spawn(move || {
                     // Ports belong to the thread that opened them.
                     let bus = Bus::join(&space, options, "bridge")?;
-                    let seat = Seat::open(&config, &bus, page, stop)?;
+                    let seat = Seat::open(&config, &bus, page, stop, vacant)?;
                     let _ = tell.send(());
                     seat.serve()
                 })
@@ -79,6 +92,15 @@ impl Bridge {
             let _ = opened.recv();
         }
         Ok(bridge)
+    }
+
+    /// Whether nobody waits for the process of a seat any more, so that its successor can be
+    /// started; always so for seats that are not the bridge's.
+    pub fn is_vacant(&self, slot: usize) -> bool {
+        let mut seats = self.vacant.iter();
+        seats
+            .find(|(seat, _)| *seat == slot)
+            .is_none_or(|(_, vacant)| vacant.load(Ordering::SeqCst))
     }
 
     /// Ends all threads; the run has reached [`Phase::Stop`].
@@ -110,6 +132,9 @@ struct Seat {
     clock: Clock,
     tick_period: f64,
     stop: Arc<AtomicBool>,
+    /// Which holder of the seat this is about ([`TurnPage::times_taken`]).
+    holder: Cell<u32>,
+    vacant: Arc<AtomicBool>,
 }
 
 impl Seat {
@@ -118,8 +143,10 @@ impl Seat {
         bus: &Bus,
         page: Arc<TurnPage>,
         stop: Arc<AtomicBool>,
+        vacant: Arc<AtomicBool>,
     ) -> Result<Self, MissionError> {
         let index = config.index as usize;
+        let page_holder = page.times_taken(index);
         let upstream = config.upstream.iter().map(|&u| u as usize).collect();
         Ok(Self {
             participant: Participant::new(Arc::clone(&page), index, upstream, false),
@@ -130,7 +157,15 @@ impl Seat {
             clock: config.run.clock,
             tick_period: config.run.tick_period(),
             stop,
+            holder: Cell::new(page_holder),
+            vacant,
         })
+    }
+
+    /// Whether the process whose turns these were is gone.
+    fn is_lost(&self) -> bool {
+        self.page.state(self.index) == SlotState::Dead
+            || self.page.times_taken(self.index) != self.holder.get()
     }
 
     fn stopping(&self) -> bool {
@@ -145,20 +180,44 @@ impl Seat {
             if answered {
                 return Ok(true);
             }
-            if self.stopping() {
+            if self.stopping() || self.is_lost() {
                 return Ok(false);
             }
         }
     }
 
     fn serve(self) -> Result<(), MissionError> {
-        let result = self.take_turns();
+        let mut result = self.take_turns();
+        while result.is_ok() && self.wait_for_successor()? {
+            result = self.take_turns();
+        }
         // The process may be gone already; then nobody hears it.
         let _ = self.turn.notify(self.index + END_OF_TURNS);
         result
     }
 
+    /// Waits for the process that takes the seat after one that is gone; false if the run stops.
+    fn wait_for_successor(&self) -> Result<bool, MissionError> {
+        // What the last one said is not for the next one's turns.
+        self.done.wait(DRAIN, |_| {})?;
+        self.vacant.store(true, Ordering::SeqCst);
+        loop {
+            if self.stopping() {
+                return Ok(false);
+            }
+            let holder = self.page.times_taken(self.index);
+            if holder != self.holder.get() && self.page.state(self.index) == SlotState::Starting {
+                self.holder.set(holder);
+                self.vacant.store(false, Ordering::SeqCst);
+                return Ok(true);
+            }
+            // Its first answer waits at the listener.
+            std::thread::park_timeout(SOON);
+        }
+    }
+
     fn take_turns(&self) -> Result<(), MissionError> {
+        let first = self.participant.first_tick();
         if !self.answered()? {
             return Ok(());
         }
@@ -173,6 +232,10 @@ impl Seat {
         if !self.answered()? {
             return Ok(());
         }
+        let on = || !self.stopping() && !self.is_lost();
+        if self.participant.is_successor() && !self.participant.ask_to_connect(on) {
+            return Ok(());
+        }
         self.participant.set_state(SlotState::Connected);
         // Whatever the process does with the map, it does in its first turn.
         if self
@@ -181,8 +244,12 @@ impl Seat {
         {
             self.participant.set_state(SlotState::Prepared);
         }
-        let mut last = None;
+        let mut last = first.checked_sub(1);
+        let mut has_begun = false;
         loop {
+            if self.is_lost() {
+                return Ok(());
+            }
             let turn = match self.clock {
                 Clock::LockStep => self
                     .participant
@@ -198,6 +265,10 @@ impl Seat {
                 Turn::Idle if self.stopping() => return Ok(()),
                 Turn::Idle => {}
                 Turn::Tick(tick) => {
+                    if !has_begun {
+                        self.participant.begins(tick);
+                        has_begun = true;
+                    }
                     self.turn.notify(self.index)?;
                     if !self.answered()? {
                         return Ok(());

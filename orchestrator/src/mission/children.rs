@@ -1,23 +1,53 @@
 //! The processes of a run: started, watched, ended.
 
 use std::collections::VecDeque;
-use std::io::{BufRead as _, BufReader};
+use std::io::{BufRead as _, BufReader, Read as _};
 use std::os::fd::{AsFd as _, OwnedFd};
 use std::os::unix::process::CommandExt as _;
 use std::path::Path;
 use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
+use std::sync::mpsc::{self, SyncSender};
 use std::sync::{Arc, Mutex};
-use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use rustix::event::{PollFd, PollFlags};
-use rustix::process::{Pid, PidfdFlags, Signal};
+use rustix::process::{Pid, PidfdFlags, Signal, WaitId, WaitIdOptions};
 
 /// Environment variable that tells every process of a run where its configuration lies.
 pub const CONFIG_VARIABLE: &str = "PROTEAN_CONFIG";
 
 /// Lines of its stderr that are kept of every process, to be shown if it fails.
 const KEPT_LINES: usize = 20;
+
+/// Time for the last lines of a process that has ended to arrive.
+const LAST_WORDS: Duration = Duration::from_millis(500);
+/// Time for the system to end a process that was killed.
+const KILL_WITHIN: Duration = Duration::from_secs(5);
+/// Most bytes of a line; a longer one is cut into several.
+pub const LINE_BYTES: u64 = 1024;
+
+/// A line that a process wrote to stderr.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Line {
+    /// Index of the process in the run.
+    pub slot: usize,
+    /// What it wrote, without the end of the line.
+    pub text: String,
+}
+
+/// The next line, at most [`LINE_BYTES`] of it; `None` at the end. Bytes that are not UTF-8 are
+/// replaced.
+fn next_line(from: &mut impl std::io::BufRead) -> Option<String> {
+    let mut bytes = Vec::new();
+    match from.take(LINE_BYTES).read_until(b'\n', &mut bytes) {
+        Ok(read) if read > 0 => {}
+        _ => return None,
+    }
+    if bytes.last() == Some(&b'\n') {
+        bytes.pop();
+    }
+    Some(String::from_utf8_lossy(&bytes).into_owned())
+}
 
 /// Why a process cannot be started or watched.
 #[derive(Debug, thiserror::Error)]
@@ -53,7 +83,8 @@ pub struct RunningProcess {
     /// The end of this pipe is what tells the process that the orchestrator is gone.
     stdin: Option<ChildStdin>,
     lines: Arc<Mutex<VecDeque<String>>>,
-    reader: Option<JoinHandle<()>>,
+    /// Ends when everybody who could write to its stderr is gone.
+    reader: Option<mpsc::Receiver<()>>,
     /// How it ended.
     pub exit: Option<ExitStatus>,
 }
@@ -71,6 +102,22 @@ impl RunningProcess {
         executable: &Executable,
         config: &Path,
         echo: bool,
+    ) -> Result<Self, ChildError> {
+        Self::start_heard(name, slot, executable, config, echo, None)
+    }
+
+    /// As [`RunningProcess::start`]; every line of its stderr goes to `ear`, as long as that has
+    /// room: who writes without end must not stop anybody.
+    ///
+    /// # Errors
+    /// As [`RunningProcess::start`].
+    pub fn start_heard(
+        name: &str,
+        slot: usize,
+        executable: &Executable,
+        config: &Path,
+        echo: bool,
+        ear: Option<SyncSender<Line>>,
     ) -> Result<Self, ChildError> {
         let failed = |what: &'static str| {
             let name = name.to_owned();
@@ -90,6 +137,7 @@ impl RunningProcess {
                 })?;
                 let mut command = Command::new(program);
                 command.args(arguments);
+                die_with_this_thread(&mut command);
                 command
             }
         };
@@ -113,12 +161,19 @@ impl RunningProcess {
         let lines = Arc::new(Mutex::new(VecDeque::new()));
         let reader = child.stderr.take().and_then(|stderr| {
             let (lines, name) = (Arc::clone(&lines), name.to_owned());
+            let (reading, reader) = mpsc::channel();
             std::thread::Builder::new()
                 .name(format!("stderr-{slot}"))
                 .spawn(move || {
-                    for line in BufReader::new(stderr).lines().map_while(Result::ok) {
+                    let _reading = reading;
+                    let mut stderr = BufReader::new(stderr);
+                    while let Some(line) = next_line(&mut stderr) {
                         if echo {
                             eprintln!("[{name}] {line}");
+                        }
+                        if let Some(ear) = &ear {
+                            let text = line.clone();
+                            let _ = ear.try_send(Line { slot, text });
                         }
                         if let Ok(mut kept) = lines.lock() {
                             if kept.len() == KEPT_LINES {
@@ -129,6 +184,7 @@ impl RunningProcess {
                     }
                 })
                 .ok()
+                .map(|_| reader)
         });
         let stdin = child.stdin.take();
         Ok(Self {
@@ -153,17 +209,58 @@ impl RunningProcess {
         if self.exit.is_some() {
             return false;
         }
+        if !self.has_ended() {
+            return false;
+        }
+        // Before it is reaped: until then nobody else can have its group. What it started and left
+        // behind ends with it.
+        let _ = rustix::process::kill_process_group(Pid::from_child(&self.child), Signal::KILL);
         match self.child.try_wait() {
             Ok(Some(status)) => {
                 self.exit = Some(status);
-                // What it wrote last is worth waiting for: its end of the pipe is closed now.
+                // What it wrote last is worth waiting for: its end of the pipe is closed now. One
+                // that it has handed to somebody outside its group may stay open.
                 if let Some(reader) = self.reader.take() {
-                    let _ = reader.join();
+                    let _ = reader.recv_timeout(LAST_WORDS);
                 }
                 true
             }
             _ => false,
         }
+    }
+
+    /// Whether it has ended and waits to be reaped.
+    fn has_ended(&self) -> bool {
+        let options = WaitIdOptions::EXITED | WaitIdOptions::NOHANG | WaitIdOptions::NOWAIT;
+        match rustix::process::waitid(WaitId::PidFd(self.pidfd.as_fd()), options) {
+            Ok(status) => status.is_some(),
+            // Whatever that is, `try_wait` knows.
+            Err(_) => true,
+        }
+    }
+
+    /// Ends it at once, also when it is stopped; true if that was to be noted now (see
+    /// [`RunningProcess::check_exit`]).
+    pub fn kill(&mut self) -> bool {
+        self.signal(Signal::KILL);
+        let deadline = Instant::now() + KILL_WITHIN;
+        while self.exit.is_none() && Instant::now() < deadline {
+            if self.check_exit() {
+                return true;
+            }
+            sleep_until_exit(std::slice::from_ref(self), None, Duration::from_millis(50));
+        }
+        false
+    }
+
+    /// Whether it stands still by SIGSTOP or under a debugger.
+    pub fn is_stopped(&self) -> bool {
+        let stat = std::fs::read_to_string(format!("/proc/{}/stat", self.pid()));
+        // The state follows the name, which stands in parentheses and may contain some.
+        stat.is_ok_and(|stat| {
+            let state = stat.rsplit(')').next().unwrap_or_default().trim_start();
+            state.starts_with(['T', 't'])
+        })
     }
 
     /// The last lines it wrote to stderr.
@@ -178,6 +275,29 @@ impl RunningProcess {
         if self.exit.is_none() {
             let _ = rustix::process::pidfd_send_signal(&self.pidfd, signal);
         }
+    }
+}
+
+/// Has a program that knows nothing of us killed when the thread that starts it ends, which is the
+/// one that ends its processes before: however the orchestrator goes, and also if the program is
+/// stopped. (Our own processes ask for this themselves.)
+#[expect(unsafe_code, reason = "the child must be told between fork and exec")]
+fn die_with_this_thread(command: &mut Command) {
+    let parent = rustix::process::getpid();
+    let ask = move || {
+        rustix::process::set_parent_process_death_signal(Some(Signal::KILL))?;
+        // Gone before it was asked for.
+        if rustix::process::getppid() == Some(parent) {
+            Ok(())
+        } else {
+            Err(std::io::Error::from(std::io::ErrorKind::BrokenPipe))
+        }
+    };
+    // SAFETY: between fork and exec only two system calls are made, which are safe after a fork of
+    // a program with threads: no lock is taken and no memory allocated (an error without a text
+    // needs none).
+    unsafe {
+        command.pre_exec(ask);
     }
 }
 

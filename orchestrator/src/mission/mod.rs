@@ -4,6 +4,7 @@
 pub(crate) mod bridge;
 mod changes;
 pub mod children;
+mod chronicle;
 mod error;
 mod gate;
 mod log_path;
@@ -13,6 +14,7 @@ pub(crate) mod recording;
 pub mod report;
 mod run;
 pub mod spaces;
+mod supervisor;
 
 pub use error::MissionError;
 pub use run::{MissionOptions, MissionReport, run};

@@ -15,7 +15,7 @@ use super::changes;
 use super::children::Executable;
 use crate::scenario::kinds::{KINDS, Need, Product, find};
 use crate::scenario::spec::{self, Mode};
-use crate::scenario::{Program, ResolvedScenario};
+use crate::scenario::{Program, ResolvedScenario, Supervision};
 
 /// Most bytes that the beliefs waiting for the recorder may take in shared memory.
 const RECORDER_MEMORY: usize = 256 << 20;
@@ -47,6 +47,8 @@ pub struct Launch {
     pub config: ProcessConfig,
     /// Whether other processes wait for it.
     pub watched: bool,
+    /// How it is looked after.
+    pub supervision: Supervision,
 }
 
 /// Everything that a run needs to start.
@@ -255,6 +257,8 @@ fn launches(scenario: &ResolvedScenario, run: &RunConfig) -> Result<Vec<Launch>,
             params: serde_json::to_value(&simulator)?,
         },
         watched: false,
+        // Without the world there is no run.
+        supervision: Supervision::default(),
     }];
     for (position, process) in scenario.processes.iter().enumerate() {
         let kind = kind_of(&process.program);
@@ -280,6 +284,7 @@ fn launches(scenario: &ResolvedScenario, run: &RunConfig) -> Result<Vec<Launch>,
                 params: process.params.clone(),
             },
             watched: providers.contains(&index(position)),
+            supervision: process.supervision,
         });
     }
     Ok(launches)

@@ -7,7 +7,9 @@ use comfy_table::{CellAlignment, Table};
 use serde_json::{Value as Json, json};
 
 use super::run::MissionReport;
-use crate::recorder::{LapFigures, PredictionOutcome, RobotOutcome, Summary, WaypointOutcome};
+use crate::recorder::{
+    LapFigures, PredictionOutcome, ProcessOutcome, RobotOutcome, Summary, WaypointOutcome,
+};
 use crate::scenario::ResolvedScenario;
 use crate::scenario::spec::Mode;
 
@@ -70,6 +72,9 @@ pub fn json(scenario: &ResolvedScenario, report: &MissionReport) -> Json {
     });
     if let Some(coverage) = &s.coverage {
         json["coverage"] = json!(coverage);
+    }
+    if !s.processes.is_empty() {
+        json["processes"] = json!(s.processes);
     }
     if let Some(predictions) = &s.predictions {
         json["predictions"] = json!(predictions);
@@ -183,6 +188,28 @@ fn waypoints_text(robot: &RobotOutcome, w: &WaypointOutcome) -> String {
     text
 }
 
+/// What became of a process that failed, for people.
+fn failures_text(process: &ProcessOutcome) -> String {
+    let mut text = format!(
+        "failed    {}: {} times, away for {} ticks{}\n",
+        process.name,
+        process.outages.len(),
+        process.ticks_absent,
+        if process.given_up { ", given up" } else { "" },
+    );
+    for outage in &process.outages {
+        let back = match outage.back_tick {
+            Some(tick) => format!("back at tick {tick}"),
+            None => "not back".to_owned(),
+        };
+        text += &format!(
+            "          {:.2} s, tick {}: {}; {back}\n",
+            outage.left_time_s, outage.left_tick, outage.reason,
+        );
+    }
+    text
+}
+
 /// How well observers foretold robots: a row per robot and method, the mean errors side by side.
 fn predictions_table(predictions: &[PredictionOutcome]) -> Table {
     let mut ahead: Vec<f64> = predictions.iter().map(|p| p.horizon_s).collect();
@@ -260,6 +287,9 @@ pub fn text(scenario: &ResolvedScenario, report: &MissionReport) -> String {
     let stops: u32 = s.robots.iter().map(|r| r.fail_safe_stops).sum();
     if stops > 0 {
         text += &format!("stopped   {stops} times for want of a command\n");
+    }
+    for process in &s.processes {
+        text += &failures_text(process);
     }
     if let Some(coverage) = &s.coverage {
         text += &format!(

@@ -18,23 +18,23 @@ use kit::config::{Clock, ProcessConfig};
 use kit::lockstep::{Overseer, Phase, SlotState, TurnPage};
 
 use super::bridge::Bridge;
-use super::children::{RunningProcess, end_all, sleep_until_exit};
+use super::children::sleep_until_exit;
 use super::error::MissionError;
 use super::plan::Plan;
 use super::progress::Progress;
 use super::recording::{Kept, RecorderThread};
-use super::report;
 use super::spaces::{self, OwnedSpace};
+use super::supervisor::Supervisor;
 use crate::recorder::Summary;
 use crate::scenario::ResolvedScenario;
 
-/// Time that a process has to open its ports.
-const READY_WITHIN: Duration = Duration::from_secs(60);
 /// Time that processes have to end by themselves when the run stops.
 const END_WITHIN: Duration = Duration::from_secs(3);
 /// Beat of the supervisor: progress is shown and silence noticed this often. The end of a process
 /// wakes it at once.
 const BEAT: Duration = Duration::from_millis(10);
+/// Its beat while somebody is awaited, at the start or after a failure.
+const QUICK_BEAT: Duration = Duration::from_millis(2);
 
 /// How a run is done.
 #[derive(Debug, Clone, Default)]
@@ -65,6 +65,8 @@ pub struct MissionReport {
     pub start_up_s: f64,
     /// Whether it was ended from outside.
     pub interrupted: bool,
+    /// Whether a process failed and the run went on.
+    pub has_lost: bool,
 }
 
 /// Runs a scenario to its end.
@@ -121,8 +123,8 @@ pub fn run(
         plan: &plan,
         options,
         overseer,
-        bus,
-        processes: Vec::new(),
+        bus: &bus,
+        supervisor: None,
         recorder,
         bridge,
         progress,
@@ -136,7 +138,7 @@ pub fn run(
     let wall_time_s = first_tick.map_or(0.0, |first| first.elapsed().as_secs_f64());
     let start_up_s = first_tick.map_or(0.0, |first| (first - start).as_secs_f64());
     let interrupted = flight.interrupted;
-    let recorded = flight.land();
+    let (recorded, has_lost) = flight.land();
     drop(services);
     drop(space);
     // A failed recorder is the cause rather than the consequence of anything else.
@@ -159,6 +161,7 @@ pub fn run(
         wall_time_s,
         start_up_s,
         interrupted,
+        has_lost,
     })
 }
 
@@ -187,8 +190,8 @@ struct Flight<'a> {
     plan: &'a Plan,
     options: &'a MissionOptions,
     overseer: Overseer,
-    bus: Bus,
-    processes: Vec<RunningProcess>,
+    bus: &'a Bus,
+    supervisor: Option<Supervisor<'a>>,
     recorder: RecorderThread,
     bridge: Bridge,
     progress: Progress,
@@ -198,28 +201,38 @@ struct Flight<'a> {
     interrupted: bool,
 }
 
-impl Flight<'_> {
+impl<'a> Flight<'a> {
     /// From the first process to the end of the game.
-    fn fly(&mut self, space: &OwnedSpace) -> Result<(), MissionError> {
+    fn fly(&mut self, space: &'a OwnedSpace) -> Result<(), MissionError> {
         let control: Publisher<Control> = self.bus.publisher(self.publisher(1))?;
         let obstacles: Publisher<ObstacleEvents> = self.bus.publisher(self.publisher(1))?;
-        for (slot, launch) in self.plan.launches.iter().enumerate() {
-            let path = write_config(space.space().root(), &launch.config)?;
-            let name = &launch.config.name;
-            let echo = !self.options.quiet;
-            let process = RunningProcess::start(name, slot, &launch.executable, &path, echo)?;
-            self.processes.push(process);
-        }
-        space.note_processes(self.processes.iter().map(RunningProcess::pid))?;
-        if !self.wait_until(SlotState::Ready)? {
+        let mut supervisor = Supervisor::new(
+            self.plan,
+            space,
+            self.bus,
+            self.overseer.clone(),
+            self.hang_timeout,
+            !self.options.quiet,
+        )?;
+        let started = supervisor.start();
+        // Whatever came of it: those who were started are ended with the run.
+        let supervisor = self.supervisor.insert(supervisor);
+        started?;
+        let flight = (&self.overseer, self.options, &mut self.interrupted);
+        let (overseer, options, interrupted) = flight;
+        let mut wait = |supervisor: &mut Supervisor<'_>, state: SlotState| {
+            wait_until(supervisor, state, options, interrupted)
+        };
+        if !wait(supervisor, SlotState::Ready)? {
             return Ok(());
         }
-        self.overseer.set_phase(Phase::Connect);
-        if !self.wait_until(SlotState::Connected)? {
+        overseer.set_phase(Phase::Connect);
+        if !wait(supervisor, SlotState::Connected)? {
             return Ok(());
         }
         control.update_connections()?;
         obstacles.update_connections()?;
+        supervisor.connect()?;
         self.recorder.connect();
         for replay in &self.plan.replays {
             let mut header = PlainHeader::default();
@@ -227,8 +240,8 @@ impl Flight<'_> {
             header.stamp.time_ns = replay.tick * self.plan.run.tick_period_ns;
             obstacles.send(header, &[replay.event])?;
         }
-        self.overseer.set_phase(Phase::Prepare);
-        if !self.wait_until(SlotState::Prepared)? {
+        overseer.set_phase(Phase::Prepare);
+        if !wait(supervisor, SlotState::Prepared)? {
             return Ok(());
         }
         let rate = match self.plan.run.clock {
@@ -246,7 +259,8 @@ impl Flight<'_> {
             self.start.elapsed().as_secs_f64()
         );
         self.first_tick = Some(Instant::now());
-        self.overseer.set_phase(Phase::Run);
+        supervisor.begin();
+        overseer.set_phase(Phase::Run);
         self.supervise()
     }
 
@@ -254,44 +268,11 @@ impl Flight<'_> {
         PublisherOptions::new(self.plan.orchestrator_index(), capacity)
     }
 
-    /// Waits until every process is at least this far; false if the run is interrupted.
-    fn wait_until(&mut self, wanted: SlotState) -> Result<bool, MissionError> {
-        let deadline = Instant::now() + READY_WITHIN;
-        loop {
-            let page = self.overseer.page();
-            let behind = self.processes.iter().find(|process| {
-                let state = page.state(process.slot);
-                match wanted {
-                    SlotState::Ready => state == SlotState::Starting,
-                    SlotState::Connected => matches!(state, SlotState::Starting | SlotState::Ready),
-                    _ => state.is_alive() && state != SlotState::Prepared,
-                }
-            });
-            let behind = behind.map(|p| (p.name.clone(), p.last_words()));
-            self.check_exits()?;
-            let Some((name, last_words)) = behind else {
-                return Ok(true);
-            };
-            if self.check_interrupt() {
-                return Ok(false);
-            }
-            if Instant::now() >= deadline {
-                return Err(MissionError::NotReady {
-                    name,
-                    waited: READY_WITHIN,
-                    last_words,
-                });
-            }
-            // Processes say how far they are on the page; a few milliseconds are nothing against
-            // what starting a process takes.
-            sleep_until_exit(&self.processes, None, Duration::from_millis(2));
-        }
-    }
-
     /// Watches the run until the game is over, the run is interrupted, or something fails.
     fn supervise(&mut self) -> Result<(), MissionError> {
-        let mut last_tick = 0;
-        let mut last_progress = Instant::now();
+        let Some(supervisor) = &mut self.supervisor else {
+            return Ok(());
+        };
         loop {
             let page = self.overseer.page();
             let ticks = page.ticks_posted();
@@ -304,96 +285,76 @@ impl Flight<'_> {
                 // Why is in the thread's result.
                 return Ok(());
             }
-            self.check_exits()?;
-            if self.check_interrupt() {
+            supervisor.attend(ticks, &self.bridge)?;
+            if is_interrupted(self.options, &mut self.interrupted) {
                 return Ok(());
             }
-            if ticks != last_tick {
-                (last_tick, last_progress) = (ticks, Instant::now());
-            } else if last_progress.elapsed() >= self.hang_timeout {
-                return Err(self.name_the_hung(ticks.saturating_sub(1)));
-            }
-            sleep_until_exit(&self.processes, Some(&self.recorder.wake), BEAT);
+            let beat = if supervisor.is_expecting() {
+                QUICK_BEAT
+            } else {
+                BEAT
+            };
+            sleep_until_exit(&supervisor.processes, Some(&self.recorder.wake), beat);
         }
     }
 
-    fn check_exits(&mut self) -> Result<(), MissionError> {
-        for process in &mut self.processes {
-            if process.check_exit() {
-                // Asked only now, when the process is known to be dead, and before it is buried: in
-                // between nobody gets past the tick that it owes.
-                let when = match (self.first_tick, self.overseer.page().ticks_posted()) {
-                    (None, _) => "before it was ready".to_owned(),
-                    (Some(_), ticks) => format!("at tick {}", ticks.saturating_sub(1)),
-                };
-                // Stopped first: nobody waits for the buried, and the world must not go on without.
-                self.overseer.set_phase(Phase::Stop);
-                self.overseer.bury(process.slot);
-                self.bus.clean_up_dead();
-                return Err(MissionError::Exited {
-                    name: process.name.clone(),
-                    how: process
-                        .exit
-                        .map_or_else(|| "ended".into(), report::exit_words),
-                    when,
-                    last_words: process.last_words(),
-                });
-            }
-        }
-        Ok(())
-    }
-
-    fn check_interrupt(&mut self) -> bool {
-        self.interrupted |= self.options.interrupted.load(Ordering::SeqCst);
-        self.interrupted
-    }
-
-    /// Who owes the tick that everybody waits for.
-    fn name_the_hung(&self, tick: u64) -> MissionError {
-        let page = self.overseer.page();
-        let owing = self
-            .processes
-            .iter()
-            .filter(|p| p.slot != 0 && page.state(p.slot).takes_part())
-            .find(|p| page.ticks_done(p.slot) <= tick && !self.waits_for_another(p.slot, tick))
-            .or(self.processes.first());
-        MissionError::Hung {
-            name: owing.map_or_else(|| "simulator".into(), |p| p.name.clone()),
-            tick,
-            waited: self.hang_timeout,
-            last_words: owing.map(RunningProcess::last_words).unwrap_or_default(),
-        }
-    }
-
-    fn waits_for_another(&self, slot: usize, tick: u64) -> bool {
-        self.plan.launches.get(slot).is_some_and(|launch| {
-            launch
-                .config
-                .upstream
-                .iter()
-                .any(|&up| self.overseer.page().ticks_done(up as usize) <= tick)
-        })
-    }
-
-    /// Ends everything and collects what was recorded.
-    fn land(mut self) -> Result<Summary, MissionError> {
+    /// Ends everything and collects what was recorded; whether processes were lost on the way.
+    fn land(mut self) -> (Result<Summary, MissionError>, bool) {
         self.overseer.set_phase(Phase::Stop);
-        let killed = end_all(&mut self.processes, END_WITHIN);
-        for name in killed {
-            tracing::warn!("process {name} did not end and was killed");
+        if let Some(supervisor) = &mut self.supervisor {
+            supervisor.end(END_WITHIN);
         }
         if let Err(error) = self.bridge.finish() {
             tracing::warn!("bridge to external processes: {error}");
         }
         self.progress.finish();
-        self.recorder.finish()
+        let recorded = self.recorder.finish();
+        // Kept until the recorder has taken what it said last.
+        let has_lost = self.supervisor.is_some_and(|s| s.has_lost);
+        (recorded, has_lost)
     }
+}
+
+fn is_interrupted(options: &MissionOptions, interrupted: &mut bool) -> bool {
+    *interrupted |= options.interrupted.load(Ordering::SeqCst);
+    *interrupted
+}
+
+/// Waits until every process is at least this far; false if the run is interrupted.
+fn wait_until(
+    supervisor: &mut Supervisor<'_>,
+    wanted: SlotState,
+    options: &MissionOptions,
+    interrupted: &mut bool,
+) -> Result<bool, MissionError> {
+    let start = Instant::now();
+    loop {
+        let behind = supervisor.behind(wanted);
+        supervisor.check_start_up()?;
+        let Some((slot, patience)) = behind else {
+            return Ok(true);
+        };
+        if is_interrupted(options, interrupted) {
+            return Ok(false);
+        }
+        if start.elapsed() >= patience {
+            return Err(supervisor.not_ready(slot, patience));
+        }
+        // Processes say how far they are on the page; a few milliseconds are nothing against
+        // what starting a process takes.
+        sleep_until_exit(&supervisor.processes, None, QUICK_BEAT);
+    }
+}
+
+/// Where the configuration of a process lies. Process names may hold anything: the index makes the
+/// file's name.
+pub(super) fn config_path(root: &Path, config: &ProcessConfig) -> PathBuf {
+    root.join(format!("process-{}.json", config.index))
 }
 
 /// Writes the configuration of a process, for the current user only.
 pub(crate) fn write_config(root: &Path, config: &ProcessConfig) -> Result<PathBuf, MissionError> {
-    // Process names may hold anything: the index makes the file's name.
-    let path = root.join(format!("process-{}.json", config.index));
+    let path = config_path(root, config);
     let failed = |source| MissionError::System {
         what: format!("{}", path.display()),
         source,

@@ -73,7 +73,7 @@ mod tests {
                 visits_waypoints: false,
             })
             .collect();
-        let mut outcome = Outcome::new(&infos, 1_000_000_000);
+        let mut outcome = Outcome::new(&infos, &[], 1_000_000_000);
         let robots: Vec<RobotState> = (0..)
             .zip(states)
             .map(|(robot, &(status, _))| RobotState {

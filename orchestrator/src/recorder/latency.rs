@@ -121,7 +121,12 @@ impl Latency {
             | Role::Verdict
             | Role::Prediction
             | Role::Dominance => {}
-            Role::Map | Role::Obstacle | Role::Status | Role::Other => return,
+            Role::Map
+            | Role::Obstacle
+            | Role::Status
+            | Role::ProcessEvent
+            | Role::ProcessLog
+            | Role::Other => return,
         }
         self.step(stamp);
     }

@@ -23,6 +23,7 @@ mod log_file;
 mod log_writer;
 mod malformed;
 mod options;
+mod outages;
 mod parts;
 mod predicted;
 mod recording;
@@ -49,6 +50,7 @@ pub use log_writer::{
     ManifestFile,
 };
 pub use options::{Order, ProcessInfo, RecorderOptions, RobotInfo};
+pub use outages::{Outage, ProcessOutcome};
 pub use predicted::PredictionOutcome;
 pub use recording::Recording;
 pub use summary::{

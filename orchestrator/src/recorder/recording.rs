@@ -21,6 +21,8 @@ pub struct Recording {
     sink: Sink,
     ledger: Ledger,
     order: Order,
+    /// The newest tick that is written.
+    written: u64,
 }
 
 impl Recording {
@@ -34,6 +36,7 @@ impl Recording {
             sink: Sink::create(options)?,
             ledger: Ledger::new(&options.processes, options.tick_period_ns),
             order: options.order,
+            written: 0,
         })
     }
 
@@ -58,7 +61,8 @@ impl Recording {
         let message = Parts::of_cdr(info, bytes, elements.len());
         if let Some(verdict) = self.ledger.enter(rank, &entry.stamp, &message) {
             entry.rejected = !verdict.holds;
-            if !verdict.plausible {
+            // Who speaks outside of simulated history may do so late: about a tick that is written.
+            if !verdict.plausible || (!info.simulated && entry.tick < self.written) {
                 entry.tick = newest;
             }
         }
@@ -84,6 +88,7 @@ impl Recording {
     /// # Errors
     /// [`LogError`]; the recording is then at its end.
     pub fn advance(&mut self, completed: u64, observer: &mut dyn Observer) -> Result<(), LogError> {
+        self.written = self.written.max(completed);
         let sink = &mut self.sink;
         self.intake.take(Some(completed), |entry, bytes| {
             sink.write(entry, bytes, observer)
@@ -108,7 +113,7 @@ impl Recording {
         let (sink, newest) = (&mut self.sink, self.ledger.newest());
         self.intake.take(None, |entry, bytes| {
             // Announced for a time that never came: kept, but neither shown nor at that time.
-            let too_late = entry.tick > newest;
+            let too_late = entry.tick > newest && is_simulated(entry.rank);
             let mut entry = *entry;
             entry.tick = entry.tick.min(newest);
             entry.rejected |= too_late;
@@ -117,6 +122,13 @@ impl Recording {
         sink.end_of_tick()?;
         self.sink.finish(&mut self.ledger)
     }
+}
+
+/// Whether the topic at this place in the list is part of simulated history.
+fn is_simulated(rank: usize) -> bool {
+    topic_info::all()
+        .get(rank)
+        .is_none_or(|info| info.simulated)
 }
 
 impl core::fmt::Debug for Recording {

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 
 use ipc_types::messages::world::RobotState;
 use ipc_types::topics::{
-    Belief, Coverage, Dominance, ObstacleEvents, Plan, Predictions, Scan, Shape, Status, Tree,
-    Verdicts, Waypoints, WorldEvents, WorldMap, WorldState,
+    Belief, Coverage, Dominance, ObstacleEvents, Plan, Predictions, ProcessEvents, ProcessLog,
+    Scan, Shape, Status, Tree, Verdicts, Waypoints, WorldEvents, WorldMap, WorldState,
 };
 
 use super::error::LogError;
@@ -60,6 +60,7 @@ impl Sink {
         let viewer = Viewer::new(
             &options.viewer,
             &options.robots,
+            &options.processes,
             &options.obstacles,
             &mut log,
         )?;
@@ -71,7 +72,7 @@ impl Sink {
             malformed: Malformed::default(),
             viewer,
             latency: Latency::new(&options.processes),
-            outcome: Outcome::new(&options.robots, options.tick_period_ns),
+            outcome: Outcome::new(&options.robots, &options.processes, options.tick_period_ns),
             tick: 0,
             tick_period_ns: options.tick_period_ns,
             robots: Vec::new(),
@@ -186,6 +187,24 @@ impl Sink {
                     && let Some(status) = status.next()
                 {
                     observer.on_status(&header.stamp, &status);
+                }
+            }
+            Role::ProcessEvent => {
+                if let Some((_, events)) = view::<ProcessEvents>(bytes) {
+                    for event in events {
+                        outcome.process_event(&event);
+                        if let Some(viewer) = viewer {
+                            viewer.process_event(&event, time_ns, log)?;
+                        }
+                    }
+                }
+            }
+            Role::ProcessLog => {
+                if let Some((header, text)) = view::<ProcessLog>(bytes)
+                    && let Some(viewer) = viewer
+                {
+                    let text: Vec<u8> = text.collect();
+                    viewer.process_log(&header, &text, time_ns, log)?;
                 }
             }
             _ => {
@@ -314,6 +333,8 @@ fn result_entries(summary: &Summary) -> BTreeMap<String, String> {
         .predictions
         .as_ref()
         .map(|p| ("predictions", json(serde_json::to_string(p))));
+    let failed = (!summary.processes.is_empty())
+        .then(|| ("processes", json(serde_json::to_string(&summary.processes))));
     [
         ("digest", summary.digest.clone()),
         ("ticks", summary.ticks.to_string()),
@@ -327,6 +348,7 @@ fn result_entries(summary: &Summary) -> BTreeMap<String, String> {
     .into_iter()
     .chain(coverage)
     .chain(predictions)
+    .chain(failed)
     .map(|(key, value)| (key.to_owned(), value))
     .collect()
 }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use ipc_types::messages::observer::Prediction;
+use ipc_types::messages::process::ProcessEvent;
 use ipc_types::messages::referee::Verdict;
 use ipc_types::messages::robot::WaypointEnd;
 use ipc_types::messages::world::{CoverageState, RobotState, WorldEvent, WorldHeader};
@@ -12,7 +13,9 @@ use serde::{Deserialize, Serialize};
 
 use super::judged::Judged;
 use super::latency::Percentiles;
+use super::options::ProcessInfo;
 use super::options::RobotInfo;
+use super::outages::{Outages, ProcessOutcome};
 use super::predicted::{Predicted, PredictionOutcome};
 use super::visits::{Visits, WaypointOutcome};
 
@@ -50,6 +53,9 @@ pub struct Summary {
     /// absent unless one ran.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub predictions: Option<Vec<PredictionOutcome>>,
+    /// The processes that failed, by their index; absent if none did.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub processes: Vec<ProcessOutcome>,
     /// Every channel of the log that holds messages.
     pub topics: BTreeMap<String, TopicCount>,
     /// Latencies by name [µs].
@@ -78,6 +84,9 @@ pub struct RobotOutcome {
     /// Times it was stopped for want of a fresh command.
     #[serde(default)]
     pub fail_safe_stops: u32,
+    /// Ticks that it was stopped for, for want of a valid one.
+    #[serde(default)]
+    pub fail_safe_ticks: u64,
     /// Share of the verdicts on this evader that said "escape possible"; absent unless a referee
     /// judged it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -178,6 +187,9 @@ pub(super) struct Outcome {
     decided: Vec<f64>,
     /// How often each robot was stopped for want of a command.
     stops: Vec<u32>,
+    /// How many ticks each robot stood stopped for want of a command.
+    stopped: Vec<u64>,
+    outages: Outages,
     events: Vec<EventEntry>,
     omitted: u64,
     coverage: Option<CoverageOutcome>,
@@ -189,7 +201,11 @@ pub(super) struct Outcome {
 }
 
 impl Outcome {
-    pub(super) fn new(robots: &[RobotInfo], tick_period_ns: u64) -> Self {
+    pub(super) fn new(
+        robots: &[RobotInfo],
+        processes: &[ProcessInfo],
+        tick_period_ns: u64,
+    ) -> Self {
         Self {
             names: robots.iter().map(|r| r.name.clone()).collect(),
             tick_period_ns,
@@ -197,6 +213,8 @@ impl Outcome {
             robots: vec![RobotState::default(); robots.len()],
             decided: vec![0.0; robots.len()],
             stops: vec![0; robots.len()],
+            stopped: vec![0; robots.len()],
+            outages: Outages::new(processes, tick_period_ns),
             events: Vec::new(),
             omitted: 0,
             coverage: None,
@@ -211,6 +229,10 @@ impl Outcome {
 
     pub(super) fn prediction(&mut self, observer: u32, time_s: f64, prediction: &Prediction) {
         self.predicted.add(observer, time_s, prediction);
+    }
+
+    pub(super) fn process_event(&mut self, event: &ProcessEvent) {
+        self.outages.add(event);
     }
 
     pub(super) fn verdict(&mut self, time_s: f64, verdict: &Verdict) {
@@ -240,6 +262,9 @@ impl Outcome {
             };
             visits.state(now, Point2::new(state.x, state.y));
             *stops += u32::from(state.fail_safe != 0 && known.fail_safe == 0);
+            if let Some(stopped) = self.stopped.get_mut(robot) {
+                *stopped += u64::from(state.fail_safe != 0);
+            }
             if state.status == 0 || known.status != state.status {
                 *decided = now;
             }
@@ -311,11 +336,11 @@ impl Outcome {
             .into_iter()
             .zip(&self.robots)
             .zip(&self.decided)
-            .zip(&self.stops)
+            .zip(self.stops.iter().zip(&self.stopped))
             .zip(&self.judged)
             .zip(self.visits)
             .map(
-                |(((((name, state), &time_s), &stops), judged), visits)| RobotOutcome {
+                |(((((name, state), &time_s), (&stops, &stopped)), judged), visits)| RobotOutcome {
                     name,
                     team: team_name(state.team).to_owned(),
                     outcome: status_name(state.status).to_owned(),
@@ -323,6 +348,7 @@ impl Outcome {
                     distance_m: state.distance,
                     contacts: state.contacts,
                     fail_safe_stops: stops,
+                    fail_safe_ticks: stopped,
                     escape_possible_fraction: judged.fraction(),
                     escape_impossible_from_s: judged.impossible_from(state),
                     waypoints: visits.finish(),
@@ -349,6 +375,7 @@ impl Outcome {
             events_omitted: self.omitted,
             coverage: self.coverage,
             predictions,
+            processes: self.outages.finish(self.tick),
             topics,
             latency_us,
             log,

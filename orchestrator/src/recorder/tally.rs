@@ -9,13 +9,14 @@ use std::time::Duration;
 use ipc_types::bus::{Bus, BusError, ReceiveError, Received, Subscriber};
 use ipc_types::cdr::SequenceHead;
 use ipc_types::messages::observer::Prediction;
+use ipc_types::messages::process::ProcessEvent;
 use ipc_types::messages::referee::Verdict;
 use ipc_types::messages::robot::WaypointEnd;
 use ipc_types::messages::world::{CoverageState, RobotState, WorldEvent, WorldHeader};
 use ipc_types::stamp::Header as _;
 use ipc_types::topics::{
-    Coverage, Predictions, Topic, TopicVisitor, Verdicts, Waypoints, WorldEvents, WorldMap,
-    WorldState, for_each_topic,
+    Coverage, Predictions, ProcessEvents, Topic, TopicVisitor, Verdicts, Waypoints, WorldEvents,
+    WorldMap, WorldState, for_each_topic,
 };
 use zerocopy::IntoBytes as _;
 
@@ -43,6 +44,7 @@ pub struct Tally {
     verdicts: Tap<Verdicts>,
     waypoints: Tap<Waypoints>,
     predictions: Tap<Predictions>,
+    failures: Tap<ProcessEvents>,
     /// All other topics.
     taps: Vec<Box<dyn AnyTap>>,
     ledger: Ledger,
@@ -78,6 +80,7 @@ impl Tally {
                     Verdicts::NAME,
                     Waypoints::NAME,
                     Predictions::NAME,
+                    ProcessEvents::NAME,
                 ];
                 if !own.contains(&T::NAME) {
                     self.1.push(Box::new(Tap::<T>::open(self.0)?));
@@ -95,9 +98,10 @@ impl Tally {
             verdicts: Tap::open(bus)?,
             waypoints: Tap::open(bus)?,
             predictions: Tap::open(bus)?,
+            failures: Tap::open(bus)?,
             taps: open.1,
             ledger: Ledger::new(processes, tick_period_ns),
-            outcome: Outcome::new(robots, tick_period_ns),
+            outcome: Outcome::new(robots, processes, tick_period_ns),
             undecided: Vec::new(),
             tick_period_ns,
             beginnings,
@@ -109,7 +113,7 @@ impl Tally {
     /// # Errors
     /// [`RecorderError::Receive`].
     pub fn update_connections(&self) -> Result<(), RecorderError> {
-        let own: [&dyn AnyTap; 7] = [
+        let own: [&dyn AnyTap; 8] = [
             &self.states,
             &self.events,
             &self.maps,
@@ -117,6 +121,7 @@ impl Tally {
             &self.verdicts,
             &self.waypoints,
             &self.predictions,
+            &self.failures,
         ];
         let others = self.taps.iter().map(AsRef::as_ref);
         for tap in own.into_iter().chain(others) {
@@ -206,6 +211,12 @@ impl Tally {
                 let time_s = seconds(stamp.tick.saturating_mul(*tick_period_ns));
                 for prediction in predictions {
                     outcome.prediction(stamp.source, time_s, prediction);
+                }
+            })?;
+        self.failures
+            .take(&mut self.ledger, |_, events: &[ProcessEvent]| {
+                for event in events {
+                    outcome.process_event(event);
                 }
             })?;
         self.decide(completed);

@@ -6,9 +6,9 @@ use std::sync::LazyLock;
 
 use ipc_types::message::Message;
 use ipc_types::topics::{
-    Belief, Commands, Coverage, Dominance, ObstacleEvents, Plan, Predictions, Scan, Shape,
-    Sightings, Status, Topic, TopicVisitor, Tree, Verdicts, Waypoints, WorldEvents, WorldMap,
-    WorldState, for_each_topic,
+    Belief, Commands, Coverage, Dominance, ObstacleEvents, Plan, Predictions, ProcessEvents,
+    ProcessLog, Scan, Shape, Sightings, Status, Topic, TopicVisitor, Tree, Verdicts, Waypoints,
+    WorldEvents, WorldMap, WorldState, for_each_topic,
 };
 use ipc_types::{cdr, schema};
 
@@ -33,6 +33,8 @@ pub(crate) enum Role {
     Prediction,
     Dominance,
     Status,
+    ProcessEvent,
+    ProcessLog,
     Other,
 }
 
@@ -55,6 +57,8 @@ impl Role {
             Predictions::NAME => Self::Prediction,
             Dominance::NAME => Self::Dominance,
             Status::NAME => Self::Status,
+            ProcessEvents::NAME => Self::ProcessEvent,
+            ProcessLog::NAME => Self::ProcessLog,
             _ => Self::Other,
         }
     }

@@ -13,6 +13,7 @@ pub mod builtin;
 mod context;
 mod draft;
 pub mod events;
+mod failure;
 pub mod files;
 mod fits;
 mod geometry;
@@ -36,6 +37,7 @@ mod tests;
 
 pub use draft::Draft;
 pub use events::{EventSpec, Moment};
+pub use failure::{OnFailure, RestartSpec, Supervision};
 pub use load::{Listed, Loader, list, load};
 pub use resolved::{ProcessSpec, Program, ResolvedScenario};
 pub use template::{Grounds, Template};

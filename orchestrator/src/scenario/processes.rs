@@ -4,6 +4,7 @@ use sim_backend::map::MapSpec;
 use sim_backend::team::Team;
 
 use super::context::Context;
+use super::failure;
 use super::fits;
 use super::kinds::{KindInfo, ParamsFault, Product, find};
 use super::process_checks::{check_drivers, check_names, check_needs};
@@ -93,6 +94,10 @@ fn read_block(
     let Some(driven) = read_robots(ctx, node, path, &block, kind, robots) else {
         return;
     };
+    let drives = !driven.is_empty();
+    let Some(supervision) = failure::read(ctx, node, path, &block, drives) else {
+        return;
+    };
     let together = block.grouping == Some(Grouping::Together) || driven.len() <= 1;
     let groups: Vec<(String, Vec<usize>)> = if together {
         vec![(name, driven)]
@@ -110,6 +115,7 @@ fn read_block(
             name,
             program: program.clone(),
             robots,
+            supervision,
             params: params.clone(),
         };
         read.push(Read {

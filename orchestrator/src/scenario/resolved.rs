@@ -5,6 +5,7 @@ use serde_json::{Value as Json, json};
 use sim_backend::spec::{RulesSpec, WorldSpec};
 
 use super::events::EventSpec;
+use super::failure::{OnFailure, Supervision};
 use super::spec::{LogSpec, RunSpec};
 use super::text::{Node, write_document};
 
@@ -27,6 +28,8 @@ pub struct ProcessSpec {
     pub program: Program,
     /// Indices (into [`WorldSpec::robots`]) of the robots that it commands; sorted.
     pub robots: Vec<usize>,
+    /// How it is looked after.
+    pub supervision: Supervision,
     /// Its parameters; complete and checked for a [`Program::Kind`], as written for a command.
     pub params: Json,
 }
@@ -87,7 +90,20 @@ impl ResolvedScenario {
             .processes
             .iter()
             .map(|p| {
-                let mut block = json!({ "name": p.name, "params": p.params });
+                let Supervision {
+                    on_failure,
+                    restart,
+                    ready_timeout_s,
+                } = p.supervision;
+                let mut block = json!({
+                    "name": p.name,
+                    "on_failure": on_failure,
+                    "ready_timeout_s": ready_timeout_s,
+                    "params": p.params,
+                });
+                if on_failure == OnFailure::Restart {
+                    block["restart"] = json!(restart);
+                }
                 match &p.program {
                     Program::Kind(kind) => block["kind"] = json!(kind),
                     Program::Command(command) => block["command"] = json!(command),

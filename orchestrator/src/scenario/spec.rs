@@ -6,6 +6,8 @@ use sim_backend::pose::Pose2;
 use sim_backend::spec::{ActuatorSpec, LimitsSpec, OdometrySpec, Preset, Region, ScanSpec};
 use sim_backend::team::Team;
 
+use super::failure::{OnFailure, RestartSpec};
+
 /// Most robots in one scenario.
 pub const MAX_ROBOTS: usize = 64;
 /// Most processes in one scenario, the simulator not counted.
@@ -196,6 +198,9 @@ pub(super) struct ProcessBlock {
     pub robots: Option<Vec<String>>,
     pub team: Option<Team>,
     pub grouping: Option<Grouping>,
+    pub on_failure: Option<OnFailure>,
+    pub restart: Option<RestartSpec>,
+    pub ready_timeout_s: Option<f64>,
     /// Read by the kind.
     #[serde(rename = "params")]
     pub _params: Option<IgnoredAny>,

@@ -161,6 +161,7 @@ fn name_process(name: &str) {
 
 fn live<W: Wiring>(config: &ProcessConfig, mut setup: Setup) -> Result<(), ProcessError> {
     let seat = setup.participant(config);
+    let first = seat.first_tick();
     let mut wiring = W::open(config, &setup.bus)?;
     seat.set_state(SlotState::Ready);
     let keep_going = || !setup.stop.load(Ordering::Relaxed);
@@ -170,14 +171,20 @@ fn live<W: Wiring>(config: &ProcessConfig, mut setup: Setup) -> Result<(), Proce
     }
     wiring.connect()?;
     setup.heartbeat.connect()?;
-    setup.heartbeat.beat(0, 2, None)?;
+    setup.heartbeat.beat(first, 2, None)?;
+    // The others opened their ports long before these, and sent the map.
+    if seat.is_successor() && !seat.ask_to_connect(keep_going) {
+        seat.set_state(SlotState::Stopped);
+        return Ok(());
+    }
     seat.set_state(SlotState::Connected);
     if seat.wait_for_phase(Phase::Prepare, keep_going) {
         wiring.prepare()?;
         seat.set_state(SlotState::Prepared);
     }
 
-    let mut last = None;
+    let mut last = first.checked_sub(1);
+    let mut has_begun = false;
     let mut overruns = 0;
     loop {
         if setup.stop.load(Ordering::Relaxed) {
@@ -199,7 +206,13 @@ fn live<W: Wiring>(config: &ProcessConfig, mut setup: Setup) -> Result<(), Proce
                 }
             }
             Turn::Tick(tick) => {
-                overruns += tick - next;
+                if has_begun || !seat.is_successor() {
+                    overruns += tick - next;
+                }
+                if !has_begun {
+                    seat.begins(tick);
+                    has_begun = true;
+                }
                 let start = Instant::now();
                 if let Err(error) = wiring.step(tick) {
                     let _ = setup.heartbeat.beat(tick, 5, Some(&error.to_string()));

@@ -70,6 +70,12 @@ impl OptimiserClient {
         self.open = None;
     }
 
+    /// Whether the one who was asked is gone: unless its answer is there already, none will come.
+    /// The optimiser may have failed, and may come back: ask again later.
+    pub fn is_forsaken(&self) -> bool {
+        self.open.as_ref().is_some_and(|open| !open.is_open())
+    }
+
     /// The answer, if it has come.
     ///
     /// # Errors
@@ -85,10 +91,11 @@ impl OptimiserClient {
         Ok(answer)
     }
 
-    /// Sleeps until the answer is there; `None` if nothing was asked.
+    /// Sleeps until the answer is there; `None` if nothing was asked, or the optimiser is gone and
+    /// gave no answer.
     ///
     /// # Errors
-    /// [`ProcessError::Protocol`] if the optimiser does not answer within `time`, or has gone.
+    /// [`ProcessError::Protocol`] if the optimiser does not answer within `time`.
     pub fn wait(&mut self, time: Duration) -> Result<Option<PlanAnswer>, ProcessError> {
         let silent = |what: &str| {
             ProcessError::Protocol(format!("the optimiser {what} to a request for a plan"))
@@ -99,13 +106,13 @@ impl OptimiserClient {
         let deadline = Instant::now() + time;
         loop {
             // Looked at before the answer: who answers and goes has answered.
-            let gone = self.open.as_ref().is_some_and(|open| !open.is_open());
+            let gone = self.is_forsaken();
             if let Some(answer) = self.poll()? {
                 return Ok(Some(answer));
             }
             if gone {
                 self.open = None;
-                return Err(silent("is gone and gave no answer"));
+                return Ok(None);
             }
             let left = deadline.saturating_duration_since(Instant::now());
             if left.is_zero() {

@@ -14,6 +14,7 @@ use kit::planner::{MAX_PLAN_POINTS, PlannedPoint, Planner, PlannerInputs};
 use nalgebra::{Point2, Vector2};
 use sim_backend::spec::Region;
 
+use crate::ask::Unplanned;
 use crate::navigator::Navigator;
 use crate::params::NavigatorParams;
 use crate::wire;
@@ -125,13 +126,22 @@ impl NavigatorPlanner {
             return Err(ProcessError::Algorithm(reason.into()));
         };
         if self.navigator.is_due(view.time_s) {
+            let asked = link.client.is_asking();
             let answer = match link.clock {
                 // In lock-step a plan takes effect at its tick, whenever it is there.
                 Clock::LockStep => {
                     let time = Duration::from_secs_f64(self.params.answer_timeout_s);
                     link.client.wait(time)?
                 }
-                Clock::RealTime { .. } => link.client.poll()?,
+                Clock::RealTime { .. } => {
+                    // Looked at before the answer: who answers and goes has answered.
+                    let forsaken = link.client.is_forsaken();
+                    let answer = link.client.poll()?;
+                    if forsaken {
+                        link.client.give_up();
+                    }
+                    answer
+                }
             };
             if let Some((header, samples)) = answer {
                 let planned = wire::decode(&header, &samples);
@@ -144,6 +154,12 @@ impl NavigatorPlanner {
                     link.last = header.stamp.sequence.saturating_add(1);
                 }
                 self.navigator.take(planned, space, view.time_s);
+            } else if asked && !link.client.is_asking() {
+                let gone = Unplanned::NoAnswer("the optimiser is gone".to_owned());
+                if self.navigator.is_news(&gone) {
+                    tracing::warn!("{}: {gone}", self.name);
+                }
+                self.navigator.take(Err(gone), space, view.time_s);
             }
         }
         let decision = self.navigator.step(space, map.revision(), view);

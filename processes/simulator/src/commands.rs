@@ -46,7 +46,7 @@ impl CommandBoard {
 
     /// Takes up a command that arrived at `now_ns` (monotonic clock) during tick `tick`.
     ///
-    /// A command that is not finite is kept: the world stops the robot and reports it.
+    /// A command that is not finite, or absurd, is kept: the world stops the robot and reports it.
     ///
     /// # Errors
     /// Says why it is refused.
@@ -92,6 +92,13 @@ impl CommandBoard {
     pub fn is_missing(&self, robot: usize) -> bool {
         self.drivers.get(robot).is_some_and(Option::is_some)
             && self.in_force.get(robot).is_some_and(Option::is_none)
+    }
+
+    /// Whether a robot is stopped because it has no command that it could follow, as of the last
+    /// [`CommandBoard::in_force`].
+    pub fn is_stopped(&self, robot: usize) -> bool {
+        let command = self.in_force.get(robot).copied().flatten();
+        self.is_missing(robot) || command.is_some_and(|command| !command.is_command())
     }
 
     /// Monotonic clock when the last command was taken up [ns].
@@ -144,6 +151,22 @@ mod tests {
         assert_eq!(board.take(&stamp(5, 3), &command(0, 1.0), 5, 77), Ok(()));
         assert_eq!(board.in_force(5, 0), [Some(Twist2::new(1.0, 0.0)), None]);
         assert_eq!(board.received_ns(), 77);
+    }
+
+    #[test]
+    fn a_robot_with_a_command_that_is_none_counts_as_stopped() {
+        let mut board = CommandBoard::new(vec![Some(3)]);
+        let values = [0.5, -1e300, f64::NAN, f64::INFINITY, 0.0, 1e7];
+        for (tick, v) in (0..).zip(values) {
+            board
+                .take(&stamp(tick, 3), &command(0, v), tick, 0)
+                .unwrap();
+            board.in_force(tick, 0);
+            assert_eq!(board.is_stopped(0), v.is_nan() || v.abs() > 1e6, "{v}");
+            assert!(!board.is_missing(0));
+        }
+        board.in_force(99, 0);
+        assert!(board.is_missing(0) && board.is_stopped(0));
     }
 
     #[test]

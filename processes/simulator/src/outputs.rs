@@ -4,6 +4,7 @@ use core::time::Duration;
 
 use ipc_types::messages::world::{CoverageState, MapCell, MapHeader, RobotState, WorldEvent};
 use ipc_types::stamp::Stamp;
+use kit::shapes;
 use sim_backend::blur::{BlurError, BlurredMap};
 use sim_backend::grid::Grid;
 use sim_backend::map::WorldMap;
@@ -201,4 +202,12 @@ pub fn map_message(
         })
         .collect();
     Ok((header, cells))
+}
+
+/// Points that `world/shapes` may need: those of the map as it stands, and what so many announced
+/// events can add to it.
+pub(crate) fn shapes_capacity(map: &WorldMap, events: u32) -> usize {
+    let standing = shapes::points(map.parts()).len();
+    let events = (events as usize).saturating_mul(shapes::POINTS_PER_EVENT);
+    standing.saturating_add(events).clamp(1, shapes::MAX_POINTS)
 }

@@ -85,14 +85,6 @@ fn refused(config: &ProcessConfig, reason: &str) -> ProcessError {
     }
 }
 
-/// Points that `world/shapes` may need: those of the map as it stands, and what the announced
-/// events can add to it.
-fn shapes_capacity(world: &World, config: &ProcessConfig) -> usize {
-    let standing = shapes::points(world.map().parts()).len();
-    let events = (config.run.events as usize).saturating_mul(shapes::POINTS_PER_EVENT);
-    standing.saturating_add(events).clamp(1, shapes::MAX_POINTS)
-}
-
 /// The world with its topics: what is sent and done in a tick, in which order. Who drives it (the
 /// loops here, or a run in one thread) calls [`publish`](Self::publish), waits until everybody has
 /// answered, then [`take_commands`](Self::take_commands) and [`advance`](Self::advance).
@@ -108,6 +100,8 @@ pub struct Simulator {
     states: Vec<RobotState>,
     /// Robots that were without a command at the last tick; reported once.
     missing: Vec<bool>,
+    /// Robots that were stopped at the last tick for want of a valid command.
+    stopped: Vec<bool>,
     /// Robots that touched something in the last step.
     touching: Vec<bool>,
     /// How often each robot had touched something before the step; scratch.
@@ -166,6 +160,7 @@ impl Simulator {
             events: Vec::new(),
             states: Vec::with_capacity(robots),
             missing: vec![false; robots],
+            stopped: vec![false; robots],
             touching: vec![false; robots],
             touched_before: Vec::with_capacity(robots),
             ranges: Vec::new(),
@@ -174,7 +169,10 @@ impl Simulator {
             refused_commands: 0,
             state_out: bus.publisher(port(robots))?,
             map_out: bus.publisher(port(world.map().frame().len()))?,
-            shapes_out: bus.publisher(port(shapes_capacity(&world, config)))?,
+            shapes_out: bus.publisher(port(outputs::shapes_capacity(
+                world.map(),
+                config.run.events,
+            )))?,
             event_out: bus.publisher(port(EVENT_CAPACITY))?,
             scan_out: bus.publisher(port(beams as usize))?,
             coverage_out: bus.publisher(port(1))?,
@@ -188,6 +186,16 @@ impl Simulator {
     /// # Errors
     /// [`ProcessError`] if the transport fails.
     pub fn connect(&mut self) -> Result<(), ProcessError> {
+        self.connect_ports()?;
+        // Everybody builds what it needs of the map before time starts.
+        self.publish_map(Stamp {
+            origin_ns: self.clock.now_ns(),
+            ..Stamp::default()
+        })
+    }
+
+    /// Connects every port; whoever has joined since gets the newest map.
+    fn connect_ports(&mut self) -> Result<(), ProcessError> {
         self.state_out.update_connections()?;
         self.map_out.update_connections()?;
         self.shapes_out.update_connections()?;
@@ -195,13 +203,21 @@ impl Simulator {
         self.scan_out.update_connections()?;
         self.coverage_out.update_connections()?;
         self.commands_in.update_connections()?;
-        self.obstacles.connect()?;
-        // Everybody builds what it needs of the map before time starts.
-        let first = Stamp {
-            origin_ns: self.clock.now_ns(),
-            ..Stamp::default()
-        };
-        self.publish_map(first)
+        self.obstacles.connect()
+    }
+
+    /// Lets those join who were started again, which may take a while in lock-step; false if the
+    /// run stops.
+    fn admit(&mut self, conductor: &Conductor, setup: &mut Setup) -> Result<bool, ProcessError> {
+        loop {
+            match conductor.admit(self.tick, || self.connect_ports())? {
+                TurnEnd::Complete => return Ok(true),
+                TurnEnd::Stop => return Ok(false),
+                TurnEnd::Idle if setup.stop.load(Ordering::Relaxed) => return Ok(false),
+                TurnEnd::Idle if !setup.heartbeat.is_due() => {}
+                TurnEnd::Idle => setup.heartbeat.beat(self.tick, 3, None)?,
+            }
+        }
     }
 
     /// Publishes the map if it has changed since the last time.
@@ -243,6 +259,9 @@ impl Simulator {
 
     fn lock_step(&mut self, conductor: &Conductor, setup: &mut Setup) -> Result<(), ProcessError> {
         loop {
+            if !self.admit(conductor, setup)? {
+                return Ok(());
+            }
             let start = Instant::now();
             let over = self.publish()?;
             if over {
@@ -290,6 +309,9 @@ impl Simulator {
         let mut due = Instant::now();
         let mut overruns = 0;
         loop {
+            if !self.admit(conductor, setup)? {
+                return Ok(());
+            }
             let start = Instant::now();
             let over = self.publish()?;
             conductor.post_without_waiting(self.tick);
@@ -363,7 +385,7 @@ impl Simulator {
         for (index, robot) in self.world.robots().iter().enumerate() {
             let flags = Flags {
                 in_contact: self.touching[index],
-                fail_safe: self.missing[index],
+                fail_safe: self.stopped[index],
                 present: self.world.is_present(index),
             };
             self.states.push(outputs::robot_state(index, robot, flags));
@@ -463,7 +485,9 @@ impl Simulator {
         self.events
             .extend(happened.map(|event| outputs::world_event(&event.kind, robots)));
         for (index, robot) in robots.iter().enumerate() {
-            let missing = robot.status.code() == 0 && self.board.is_missing(index);
+            let is_active = robot.status.code() == 0;
+            let missing = is_active && self.board.is_missing(index);
+            self.stopped[index] = is_active && self.board.is_stopped(index);
             if missing && !self.missing[index] {
                 self.events.push(outputs::missing_command(index, robots));
             }

@@ -217,7 +217,7 @@ impl World {
                 continue;
             }
             let mut command = commands.get(i).copied().flatten().unwrap_or(Twist2::STOP);
-            let invalid = !command.is_finite();
+            let invalid = !command.is_command();
             let first_invalid = invalid && !extra.invalid_command;
             extra.invalid_command = invalid;
             if invalid {

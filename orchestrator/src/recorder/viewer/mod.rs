@@ -20,6 +20,7 @@ use foxglove::messages::{
     FrameTransforms, Grid, LaserScan, Log as LogMessage, PointCloud, SceneUpdate,
 };
 use ipc_types::messages::perception::Particle;
+use ipc_types::messages::process::{LogHeader, ProcessEvent};
 use ipc_types::messages::referee::{DominanceCell, DominanceHeader};
 use ipc_types::messages::robot::{PlanPoint, ScanHeader, TreeEdge};
 use ipc_types::messages::world::{
@@ -31,7 +32,7 @@ use self::robot_lines::RobotLines;
 use self::shapes::Obstacles;
 use super::error::LogError;
 use super::log_writer::LogWriter;
-use super::options::RobotInfo;
+use super::options::{ProcessInfo, RobotInfo};
 
 /// Frame in which everything stands.
 const MAP_FRAME: &str = "map";
@@ -57,6 +58,7 @@ impl Default for ViewerOptions {
 /// Draws a run.
 pub(super) struct Viewer {
     robots: Vec<RobotInfo>,
+    processes: Vec<ProcessInfo>,
     period_ns: u64,
     trail_s: f64,
     channels: Channels,
@@ -96,6 +98,7 @@ impl Viewer {
     pub(super) fn new(
         options: &ViewerOptions,
         robots: &[RobotInfo],
+        processes: &[ProcessInfo],
         obstacles: &[ObstacleEvent],
         log: &mut LogWriter,
     ) -> Result<Option<Self>, LogError> {
@@ -128,6 +131,7 @@ impl Viewer {
         };
         let mut viewer = Self {
             robots: robots.to_vec(),
+            processes: processes.to_vec(),
             // At least 1 ns: a rate beyond 1 GHz draws every tick.
             period_ns: ((1e9 / options.rate_hz) as u64).max(1),
             trail_s: if options.trail_s.is_finite() {
@@ -217,6 +221,33 @@ impl Viewer {
             state.wanted = true;
         }
         let message = words::message(event, &self.robots, time_ns);
+        self.channels
+            .log
+            .write(log, time_ns, &message, &mut self.buffer)
+    }
+
+    /// Says that a process left or came back.
+    pub(super) fn process_event(
+        &mut self,
+        event: &ProcessEvent,
+        time_ns: u64,
+        log: &mut LogWriter,
+    ) -> Result<(), LogError> {
+        let message = words::process_event(event, &self.processes, time_ns);
+        self.channels
+            .log
+            .write(log, time_ns, &message, &mut self.buffer)
+    }
+
+    /// Shows what a process wrote to stderr.
+    pub(super) fn process_log(
+        &mut self,
+        header: &LogHeader,
+        text: &[u8],
+        time_ns: u64,
+        log: &mut LogWriter,
+    ) -> Result<(), LogError> {
+        let message = words::process_log(header, text, &self.processes, time_ns);
         self.channels
             .log
             .write(log, time_ns, &message, &mut self.buffer)

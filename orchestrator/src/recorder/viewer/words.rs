@@ -1,9 +1,10 @@
 //! Events in words.
 
 use foxglove::messages::{Log, log};
+use ipc_types::messages::process::{LogHeader, ProcessEvent};
 use ipc_types::messages::world::WorldEvent;
 
-use super::super::options::RobotInfo;
+use super::super::options::{ProcessInfo, RobotInfo};
 use super::timestamp;
 
 /// An event as a log line.
@@ -19,6 +20,58 @@ pub(super) fn message(event: &WorldEvent, robots: &[RobotInfo], time_ns: u64) ->
         message: sentence(event, robots),
         name: "world".to_owned(),
         ..Log::default()
+    }
+}
+
+/// What became of a process as a log line.
+pub(super) fn process_event(event: &ProcessEvent, processes: &[ProcessInfo], time_ns: u64) -> Log {
+    let name = process_name(event.process, processes);
+    let tick = event.tick;
+    let (level, message) = match event.kind {
+        ProcessEvent::LEFT => (
+            log::Level::Error,
+            format!("{name} left at tick {tick}: it {}", event.reason_text()),
+        ),
+        ProcessEvent::BACK => (
+            log::Level::Info,
+            format!("{name} is back from tick {tick} on"),
+        ),
+        _ => (
+            log::Level::Error,
+            format!("{name} is not started again; {}", event.reason_text()),
+        ),
+    };
+    Log {
+        timestamp: Some(timestamp(time_ns)),
+        level: level as i32,
+        message,
+        name: "supervisor".to_owned(),
+        ..Log::default()
+    }
+}
+
+/// What a process wrote to stderr as a log line.
+pub(super) fn process_log(
+    header: &LogHeader,
+    text: &[u8],
+    processes: &[ProcessInfo],
+    time_ns: u64,
+) -> Log {
+    Log {
+        timestamp: Some(timestamp(time_ns)),
+        // The viewers' levels are those of the message.
+        level: i32::try_from(header.level).unwrap_or_default(),
+        message: String::from_utf8_lossy(text).into_owned(),
+        name: process_name(header.process, processes),
+        ..Log::default()
+    }
+}
+
+fn process_name(index: u32, processes: &[ProcessInfo]) -> String {
+    let mut known = processes.iter();
+    match known.find(|process| process.index == index) {
+        Some(process) => process.name.clone(),
+        None => format!("process {index}"),
     }
 }
 

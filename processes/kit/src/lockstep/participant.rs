@@ -41,13 +41,53 @@ impl Participant {
 
     /// Says how this process is, and wakes whoever waits for that.
     pub fn set_state(&self, state: SlotState) {
-        self.page
-            .slot(self.slot)
-            .state
-            .store(state as u32, Ordering::SeqCst);
+        // Who was buried stays so: a bridge may speak for a process that is gone.
+        let alive = |now| (now != SlotState::Dead as u32).then_some(state as u32);
+        let word = &self.page.slot(self.slot).state;
+        let _ = word.fetch_update(Ordering::SeqCst, Ordering::SeqCst, alive);
         // The orchestrator looks at the states on its own beat; the simulator sleeps on arrivals.
         wake_all(&self.page.words().arrived.0);
         wake_all(&self.page.slot(self.slot).done);
+        if self.page.held_before().is_some() {
+            self.page.call_simulator();
+        }
+    }
+
+    /// In the middle of a run: asks the others, who know nothing of these ports yet, to connect to
+    /// them, and sleeps until the simulator has, which hands out its map; false if the run stops
+    /// first or `keep_going` says no.
+    pub fn ask_to_connect(&self, keep_going: impl Fn() -> bool) -> bool {
+        let own = self.page.slot(self.slot);
+        let me = own.taken.load(Ordering::SeqCst);
+        own.asks.store(me, Ordering::SeqCst);
+        self.page.call_simulator();
+        loop {
+            let answered = own.answered.load(Ordering::SeqCst);
+            if answered == me {
+                return true;
+            }
+            if self.page.phase() == Phase::Stop || !keep_going() {
+                return false;
+            }
+            sleep_while(&own.answered, answered, LOOK_UP);
+        }
+    }
+
+    /// The first tick that may be this process's: the one at which time is held for it, or any.
+    pub fn first_tick(&self) -> u64 {
+        let back_at = self.page.slot(self.slot).back_at.load(Ordering::SeqCst);
+        u64::from(back_at).saturating_sub(1)
+    }
+
+    /// Whether somebody else had this seat before.
+    pub fn is_successor(&self) -> bool {
+        self.page.times_taken(self.slot) > 1
+    }
+
+    /// Notes the first tick of this process.
+    pub fn begins(&self, tick: u64) {
+        let first = &self.page.slot(self.slot).first;
+        first.store((tick + 1) as u32, Ordering::SeqCst);
     }
 
     /// Sleeps until the run has reached `phase`; false if it stops first or `keep_going` says no.
@@ -71,15 +111,29 @@ impl Participant {
         if self.upstream.is_empty() {
             return self.wait_word(&self.page.words().tick.0, wanted, next, || false);
         }
-        for &slot in &self.upstream {
-            let gone = || !self.page.state(slot).is_alive();
-            match self.wait_word(&self.page.slot(slot).done, wanted, next, gone) {
+        loop {
+            for &slot in &self.upstream {
+                let gone = || !self.page.state(slot).is_alive();
+                match self.wait_word(&self.page.slot(slot).done, wanted, next, gone) {
+                    Turn::Tick(_) => {}
+                    other => return other,
+                }
+            }
+            // An upstream that is gone does not tell whether the tick was posted at all.
+            match self.wait_word(&self.page.words().tick.0, wanted, next, || false) {
                 Turn::Tick(_) => {}
                 other => return other,
             }
+            // Who was gone may be back: time was held for it before this tick was posted, so it is
+            // seen here.
+            let owes = |&slot: &usize| {
+                self.page.state(slot).is_alive()
+                    && self.page.slot(slot).done.load(Ordering::SeqCst) < wanted
+            };
+            if !self.upstream.iter().any(owes) {
+                return Turn::Tick(next);
+            }
         }
-        // An upstream that is gone does not tell whether the tick was posted at all.
-        self.wait_word(&self.page.words().tick.0, wanted, next, || false)
     }
 
     /// Waits for any tick newer than `last` (real time; `None`: the first one): the newest one

@@ -9,16 +9,16 @@ use kit::lockstep::{
 };
 
 /// A page of a test's own, removed also when the test fails.
-struct Page(String);
+pub struct Page(String);
 
 impl Page {
-    fn new(name: &str, processes: usize) -> (Self, Overseer) {
+    pub fn new(name: &str, processes: usize) -> (Self, Overseer) {
         let prefix = format!("pt_{}_{name}_", std::process::id());
         let page = TurnPage::create(&prefix, processes).unwrap();
         (Self(prefix), Overseer::new(Arc::new(page)))
     }
 
-    fn open(&self) -> Arc<TurnPage> {
+    pub fn open(&self) -> Arc<TurnPage> {
         Arc::new(TurnPage::open(&self.0).unwrap())
     }
 }
@@ -173,7 +173,10 @@ fn the_world_waits_for_a_process_that_ended_until_the_orchestrator_has_decided()
         assert_eq!(conductor.wait(tick), TurnEnd::Idle, "{ended:?}");
         overseer.bury(1);
         assert_eq!(conductor.wait(tick), TurnEnd::Complete);
+        overseer.reseat(1);
+        seats[0].set_state(SlotState::Connected);
     }
+    overseer.bury(1);
     // At the end of a run everybody leaves: the tick that they leave open is not complete.
     conductor.post(2);
     overseer.set_phase(Phase::Stop);

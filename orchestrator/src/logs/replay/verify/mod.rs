@@ -18,6 +18,7 @@ use self::tested::Tested;
 use self::trial::Trial;
 pub use self::verdict::{TopicVerdict, Verified};
 use super::super::error::LogsError;
+use super::super::failures::first_to_leave;
 use super::super::filter::nanoseconds;
 use super::super::pattern::Topics;
 use super::super::watch::Watch;
@@ -53,7 +54,17 @@ pub fn verify(
     options: &VerifyOptions,
     watch: &mut Watch,
 ) -> Result<Verified, LogsError> {
-    let to = nanoseconds("--end", options.end_s)?.unwrap_or(u64::MAX);
+    let mut to = nanoseconds("--end", options.end_s)?.unwrap_or(u64::MAX);
+    // What a process says after a restart, it says knowing nothing of before.
+    let concerns = |name: &str| options.processes.iter().any(|p| p == name);
+    let left = first_to_leave(log, concerns, watch)?;
+    if let Some(left) = &left {
+        let source = Source::open(log, &Topics::default(), 0)?;
+        let period = source.origin().manifest.get("tick_period_ns");
+        let period_ns: Option<u64> = period.and_then(|text| text.parse().ok());
+        let before = left.tick.saturating_mul(period_ns.unwrap_or(1));
+        to = to.min(before.saturating_sub(1));
+    }
     let mut source = Source::open(log, &Topics::default(), to)?;
     let so =
         "a process cannot be given the same once more; `protean replay` without --test plays it";
@@ -94,6 +105,8 @@ pub fn verify(
         trial.run(&mut cast, &mut source, watch, &mut done)?;
         done.helpers = tested.helpers;
     }
+    done.whole &= left.is_none();
+    done.left = left;
     done.faults = source.faults();
     done.identical = done.topics.values().all(|topic| topic.first.is_none());
     Ok(done)

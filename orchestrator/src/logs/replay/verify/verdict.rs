@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::super::super::compare::{Difference, first_difference};
+use super::super::super::failures::Left;
 use super::super::super::ros2::{Cell, field_at};
 use super::super::super::seconds;
 use super::super::deviation::Deviation;
@@ -50,6 +51,9 @@ pub struct Verified {
     pub identical: bool,
     /// Whether the log holds all that was asked for.
     pub whole: bool,
+    /// The first of them that failed in the run of the log: only what it said before is compared.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub left: Option<Left>,
     /// The topics on which they spoke, then or now.
     pub topics: BTreeMap<String, TopicVerdict>,
     /// Real time from the first tick to the last [s].

@@ -1,0 +1,144 @@
+//! Which processes failed during a run, and when they were away.
+
+use std::collections::BTreeMap;
+
+use ipc_types::messages::process::ProcessEvent;
+use serde::{Deserialize, Serialize};
+
+use super::options::ProcessInfo;
+use super::summary::seconds;
+
+/// What became of a process that failed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ProcessOutcome {
+    /// Its name.
+    pub name: String,
+    /// How often it was started again and came back.
+    pub restarts: u32,
+    /// Ticks that were done without it.
+    pub ticks_absent: u64,
+    /// Whether it was not started again after the last failure.
+    pub given_up: bool,
+    /// Every failure, in order.
+    pub outages: Vec<Outage>,
+}
+
+/// A time without a process.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Outage {
+    /// The first tick that it did not do.
+    pub left_tick: u64,
+    /// Simulated time of that tick [s].
+    pub left_time_s: f64,
+    /// Why: `was ended by signal 9`.
+    pub reason: String,
+    /// The first tick that it did again; absent if it never came back.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub back_tick: Option<u64>,
+}
+
+/// Collects [`ProcessOutcome`]s.
+#[derive(Debug)]
+pub(super) struct Outages {
+    names: BTreeMap<u32, String>,
+    tick_period_ns: u64,
+    failed: BTreeMap<u32, ProcessOutcome>,
+}
+
+impl Outages {
+    pub(super) fn new(processes: &[ProcessInfo], tick_period_ns: u64) -> Self {
+        let names = processes.iter().map(|p| (p.index, p.name.clone()));
+        Self {
+            names: names.collect(),
+            tick_period_ns,
+            failed: BTreeMap::new(),
+        }
+    }
+
+    pub(super) fn add(&mut self, event: &ProcessEvent) {
+        let name = || match self.names.get(&event.process) {
+            Some(name) => name.clone(),
+            None => format!("process {}", event.process),
+        };
+        let outcome = self
+            .failed
+            .entry(event.process)
+            .or_insert_with(|| ProcessOutcome {
+                name: name(),
+                restarts: 0,
+                ticks_absent: 0,
+                given_up: false,
+                outages: Vec::new(),
+            });
+        match event.kind {
+            ProcessEvent::LEFT => outcome.outages.push(Outage {
+                left_tick: event.tick,
+                left_time_s: seconds(event.tick.saturating_mul(self.tick_period_ns)),
+                reason: event.reason_text(),
+                back_tick: None,
+            }),
+            ProcessEvent::BACK => {
+                outcome.restarts += 1;
+                if let Some(outage) = outcome.outages.last_mut() {
+                    outage.back_tick = Some(event.tick);
+                }
+            }
+            _ => outcome.given_up = true,
+        }
+    }
+
+    /// All of them; the run ended at tick `end`.
+    pub(super) fn finish(self, end: u64) -> Vec<ProcessOutcome> {
+        let absent = |outcome: &ProcessOutcome| {
+            let mut from = 0;
+            let mut absent = 0;
+            for outage in &outcome.outages {
+                // A start that failed leaves a process away that was away already.
+                let back = outage.back_tick.unwrap_or(end);
+                absent += back.saturating_sub(outage.left_tick.max(from));
+                from = from.max(back);
+            }
+            absent
+        };
+        let outcomes = self.failed.into_values();
+        outcomes
+            .map(|outcome| ProcessOutcome {
+                ticks_absent: absent(&outcome),
+                ..outcome
+            })
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_without_a_process_are_counted_once() {
+        let mut outages = Outages::new(&[], 1_000_000);
+        let event = |kind, tick| ProcessEvent {
+            kind,
+            tick,
+            process: 3,
+            ..ProcessEvent::default()
+        };
+        for (kind, tick) in [
+            (ProcessEvent::LEFT, 10),
+            (ProcessEvent::BACK, 20),
+            (ProcessEvent::LEFT, 30),
+            (ProcessEvent::LEFT, 35),
+            (ProcessEvent::GIVEN_UP, 35),
+        ] {
+            outages.add(&event(kind, tick));
+        }
+        let found = outages.finish(50);
+        let [outcome] = &found[..] else {
+            panic!("{found:?}");
+        };
+        assert_eq!((outcome.restarts, outcome.ticks_absent), (1, 10 + 20));
+        assert!(outcome.given_up && outcome.name == "process 3");
+        assert_eq!(outcome.outages[0].back_tick, Some(20));
+        assert_eq!(outcome.outages[2].left_time_s, 0.035);
+    }
+}

@@ -1,0 +1,88 @@
+//! An orchestrator that is killed: nobody survives it, and its log lacks a second at most.
+
+use std::collections::BTreeSet;
+use std::time::{Duration, Instant};
+
+use kit::lockstep::TurnPage;
+use rustix::process::Signal;
+
+use crate::support::history::History;
+use crate::support::sandbox::signal;
+use crate::support::{SOON, Sandbox, until, wait_for_tick};
+
+/// What a killed orchestrator may cost.
+const LOST: Duration = Duration::from_secs(1);
+
+const LONG: [&str; 7] = [
+    "run",
+    "chase",
+    "--set",
+    "run.dt=0.0005",
+    "--quiet",
+    "--out",
+    "run.mcap",
+];
+
+#[test]
+fn processes_that_are_stopped_end_with_their_orchestrator_too() {
+    let sandbox = Sandbox::new();
+    let running = sandbox.protean(LONG).start();
+    let run = sandbox.next_run(&BTreeSet::new());
+    wait_for_tick(&run, 20);
+    for name in ["perception", "pursuer_police_1", "simulator"] {
+        signal(sandbox.process(name).pid, Signal::STOP);
+    }
+    running.signal(Signal::KILL);
+    running.finish();
+    until("the end of all processes", SOON, || {
+        sandbox.processes().is_empty().then_some(())
+    });
+    sandbox.protean(["clean"]).json();
+    sandbox.assert_nothing_left();
+}
+
+#[test]
+fn a_killed_orchestrator_costs_the_log_a_second_at_most_and_recover_makes_it_whole() {
+    let sandbox = Sandbox::new();
+    let mut known = BTreeSet::new();
+    let mut moment = 20_261_122_u64;
+    for _ in 0..10 {
+        let running = sandbox.protean(LONG).arg("--force").start();
+        let run = sandbox.next_run(&known);
+        known.insert(run.clone());
+        wait_for_tick(&run, 1);
+        let page = TurnPage::open(&Sandbox::prefix(&run)).unwrap();
+        moment = moment
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        let end = Instant::now() + Duration::from_millis((moment >> 33) % 2000);
+        // How far it was, and when that was known.
+        let mut posts = vec![(Instant::now(), page.ticks_posted())];
+        while Instant::now() < end {
+            std::thread::park_timeout(Duration::from_millis(10));
+            posts.push((Instant::now(), page.ticks_posted()));
+        }
+        let killed = Instant::now();
+        running.signal(Signal::KILL);
+        running.finish();
+        sandbox.protean(["clean"]).json();
+        let owed = posts
+            .iter()
+            .rev()
+            .find(|(at, _)| killed.duration_since(*at) >= LOST)
+            .map_or(0, |(_, posted)| *posted);
+        let words = ["recover", "run.mcap", "--out", "saved.mcap", "--force"];
+        let recovered = sandbox.protean(words).run();
+        assert!(matches!(recovered.code, Some(0 | 3)), "{recovered}");
+        let history = History::read(&sandbox.path().join("saved.mcap"));
+        for (tick, state) in (0..).zip(&history.states) {
+            assert_eq!(state.tick, tick, "nothing is missing in between");
+        }
+        let kept = history.states.len() as u64;
+        assert!(
+            kept >= owed,
+            "{kept} states of {owed} that are a second old"
+        );
+    }
+    sandbox.assert_nothing_left();
+}
