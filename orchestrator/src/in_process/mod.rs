@@ -138,6 +138,7 @@ fn fly(
         wall_time_s,
         start_up_s: (first_tick - start).as_secs_f64(),
         interrupted,
+        live: None,
     })
 }
 
