@@ -3,7 +3,9 @@
 usage: browse.py CHROMIUM PAGE < JSON list of steps
 
 A step is {"eval": JavaScript} (a promise is waited for), {"until": JavaScript} (tried until it gives
-something true), {"key": name}, {"shot": file.png} or {"dark": true}. Prints {"answers": [...], "errors": [...], "requests": [...]}: what the scripts gave,
+something true), {"key": name}, {"shot": file.png}, {"colours": JavaScript} (what the function makes of the
+red, green, blue and alpha bytes of a screenshot), {"until_colours": JavaScript, "all": keys, "least": n} (until
+all of these numbers of it are that large) or {"dark": true}. Prints {"answers": [...], "errors": [...], "requests": [...]}: what the scripts gave,
 whatever the console complained of, and every address that was asked for.
 """
 
@@ -131,6 +133,17 @@ def take(browser, step):
         yield answer
     elif "key" in step:
         browser.key(step["key"])
+    elif "colours" in step:
+        yield colours(browser, step["colours"])
+    elif "until_colours" in step:
+        while True:
+            found = colours(browser, step["until_colours"])
+            if all(found[key] >= step["least"] for key in step["all"]):
+                break
+            if time.monotonic() > DEADLINE:
+                raise SystemExit(f"only {found} is drawn: {browser.errors}")
+            time.sleep(0.2)
+        yield found
     elif "dark" in step:
         scheme = "dark" if step["dark"] else "light"
         features = [{"name": "prefers-color-scheme", "value": scheme}]
@@ -142,6 +155,20 @@ def take(browser, step):
                             {"x": 0, "y": 0, "width": 1500, "height": 1000, "scale": 1})
         with open(step["shot"], "wb") as file:
             file.write(base64.b64decode(shot["data"]))
+
+
+def colours(browser, function):
+    """What a function makes of the pixels of a screenshot."""
+    shot = browser.call("Page.captureScreenshot")["data"]
+    return browser.evaluate(f"""(async () => {{
+        const image = new Image();
+        image.src = "data:image/png;base64,{shot}";
+        await image.decode();
+        const canvas = new OffscreenCanvas(image.width, image.height);
+        const context = canvas.getContext("2d");
+        context.drawImage(image, 0, 0);
+        return ({function})(context.getImageData(0, 0, image.width, image.height).data);
+    }})()""")
 
 
 if __name__ == "__main__":

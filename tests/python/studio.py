@@ -20,6 +20,7 @@ import subprocess
 import sys
 import tarfile
 import threading
+import time
 import urllib.parse
 
 import browse
@@ -154,6 +155,8 @@ def main():
     if len(sys.argv) > 5:
         moment = datetime.datetime.fromtimestamp(float(sys.argv[5]), datetime.timezone.utc)
         query["time"] = moment.isoformat().replace("+00:00", "Z")
+    # Tens of megabytes of script, and no graphics card.
+    browse.DEADLINE = time.monotonic() + 400
     page = f"{address}/?{urllib.parse.urlencode(query)}"
     json.dump(browse.look(program, page, json.load(sys.stdin), GRAPHICS), sys.stdout)
 

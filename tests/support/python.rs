@@ -1,13 +1,13 @@
 //! The ecosystem's own reader: the Python packages `mcap`, `mcap-ros2-support` and
 //! `mcap-protobuf-support` in an environment that the tests share.
 
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use serde::Deserialize;
 
 use super::history::History;
+use super::skipped;
 
 /// A log as Python reads it.
 #[derive(Debug, Deserialize)]
@@ -21,10 +21,16 @@ pub struct PythonLog {
 /// The interpreter with the packages, or why there is none. Made at the first call (any test may
 /// come first: a lock keeps them apart) and kept between test runs.
 pub fn interpreter() -> Result<PathBuf, String> {
+    prepare(&[])
+}
+
+/// As [`interpreter`], with other packages: the name of the environment and what it holds.
+pub fn prepare(environment: &[&str]) -> Result<PathBuf, String> {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../ipc_types/tests/python/prepare.py");
     let output = Command::new("python3")
         .arg(script)
         .arg(env!("CARGO_TARGET_TMPDIR"))
+        .args(environment)
         .output()
         .map_err(|e| format!("python3: {e}"))?;
     if output.status.success() {
@@ -39,12 +45,7 @@ pub fn read(log: &Path) -> Option<PythonLog> {
     let python = match interpreter() {
         Ok(python) => python,
         Err(reason) => {
-            // Past the test harness, which swallows what tests print.
-            let note = format!(
-                "\nSKIPPED: reading {} with Python: {reason}\n",
-                log.display()
-            );
-            std::io::stderr().write_all(note.as_bytes()).unwrap();
+            skipped(&format!("reading {} with Python", log.display()), &reason);
             return None;
         }
     };

@@ -126,7 +126,7 @@ fn robot(info: &RobotInfo, state: &RobotState, time_ns: u64) -> SceneEntity {
             }),
         }],
         texts: vec![TextPrimitive {
-            pose: Some(pose(state.x, state.y + 4.0 * info.radius, NAME_HEIGHT, 0.0)),
+            pose: Some(pose(state.x, state.y + 6.0 * info.radius, NAME_HEIGHT, 0.0)),
             billboard: true,
             font_size: FONT_PIXELS,
             scale_invariant: true,
