@@ -44,16 +44,17 @@ impl<'a> Watched<'a> {
         let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
         let mut before = String::new();
         let url = loop {
-            let line = lines.next().unwrap_or_else(|| panic!("no address: {before}"));
+            let line = lines
+                .next()
+                .unwrap_or_else(|| panic!("no address: {before}"));
             let line = line.unwrap();
             if let Some(url) = line.strip_prefix("live: ws://") {
                 break format!("ws://{url}");
             }
             before += &line;
         };
-        let said = std::thread::spawn(move || {
-            lines.map_while(Result::ok).collect::<Vec<_>>().join("\n")
-        });
+        let said =
+            std::thread::spawn(move || lines.map_while(Result::ok).collect::<Vec<_>>().join("\n"));
         Self {
             sandbox,
             child,
@@ -212,8 +213,17 @@ fn a_viewer_sees_what_the_log_holds_and_the_run_stays_the_same() {
     let mut viewer = Viewer::connect(&run.url, None, NOW).unwrap();
     let (info, channels) = viewer.greeted();
     assert_eq!(info["op"], "serverInfo");
-    assert_eq!(info["capabilities"], json!(["time"]), "nothing to meddle with");
-    let topics = ["world/state", "/viewer/scene", "/viewer/map", "perception/belief"];
+    assert_eq!(
+        info["capabilities"],
+        json!(["time"]),
+        "nothing to meddle with"
+    );
+    let topics = [
+        "world/state",
+        "/viewer/scene",
+        "/viewer/map",
+        "perception/belief",
+    ];
     viewer.subscribe(&channels, &topics);
     // What nobody may ask for is not answered, and disturbs nothing.
     viewer.say(&json!({ "op": "advertise", "channels": [{ "id": 1, "topic": "robot/command" }] }));
@@ -250,7 +260,10 @@ fn a_viewer_sees_what_the_log_holds_and_the_run_stays_the_same() {
         let message = message.unwrap();
         let topic = message.channel.topic.clone();
         let schema = message.channel.schema.clone().unwrap();
-        schemas.insert(topic.clone(), (message.channel.message_encoding.clone(), schema));
+        schemas.insert(
+            topic.clone(),
+            (message.channel.message_encoding.clone(), schema),
+        );
         let entry = (message.log_time, message.data.to_vec());
         logged.entry(topic).or_default().push(entry);
     }
@@ -289,7 +302,11 @@ fn strangers_stay_outside_and_viewers_of_all_ages_come_in() {
     let run = Watched::start(&sandbox, &["--quiet"]);
     let open = format!("ws://{}/", run.address());
     let refused = |url: &str, origin| Viewer::connect(url, origin, NOW).err();
-    assert_eq!(refused(&open, None), Some(StatusCode::FORBIDDEN), "no token");
+    assert_eq!(
+        refused(&open, None),
+        Some(StatusCode::FORBIDDEN),
+        "no token"
+    );
     let wrong = format!("{open}{}", "0".repeat(32));
     assert_eq!(refused(&wrong, None), Some(StatusCode::FORBIDDEN));
     assert_eq!(
@@ -309,7 +326,9 @@ fn strangers_stay_outside_and_viewers_of_all_ages_come_in() {
     let subscription = channels["/viewer/map"]["id"].as_u64().unwrap() as u32 + 1000;
     loop {
         match old.hear() {
-            Some(Heard::Message { subscription: s, .. }) if s == subscription => break,
+            Some(Heard::Message {
+                subscription: s, ..
+            }) if s == subscription => break,
             Some(_) => {}
             None => panic!("no map"),
         }
@@ -320,7 +339,14 @@ fn strangers_stay_outside_and_viewers_of_all_ages_come_in() {
         .protean(["run", "chase", "--quiet", "--out", "second.mcap", "--live"])
         .arg(run.address().rsplit(':').next().unwrap())
         .run();
-    second.refused(1, &["error: cannot serve live viewers on ", run.address(), "in use"]);
+    second.refused(
+        1,
+        &[
+            "error: cannot serve live viewers on ",
+            run.address(),
+            "in use",
+        ],
+    );
     assert!(!sandbox.path().join("second.mcap").exists());
     run.interrupt();
     let address = run.address().to_owned();
@@ -328,14 +354,22 @@ fn strangers_stay_outside_and_viewers_of_all_ages_come_in() {
     while old.hear().is_some() {}
     let (code, said) = run.finish();
     assert_eq!(code, Some(3), "{said}");
-    assert!(TcpStream::connect(&address).is_err(), "the port is free again");
+    assert!(
+        TcpStream::connect(&address).is_err(),
+        "the port is free again"
+    );
     sandbox.assert_nothing_left();
 }
 
 #[test]
 fn a_viewer_that_takes_nothing_does_not_hold_the_run_up() {
     let sandbox = Sandbox::new();
-    let words = ["--pace", "1000", "--set", "processes.perception.params.filter.particles=4000"];
+    let words = [
+        "--pace",
+        "1000",
+        "--set",
+        "processes.perception.params.filter.particles=4000",
+    ];
     let run = Watched::start(&sandbox, &words);
     let mut viewer = Viewer::connect(&run.url, None, NOW).unwrap();
     let (_, channels) = viewer.greeted();

@@ -54,7 +54,9 @@ fn field<'a>(schema: &'a str, message: Option<&str>, name: &str) -> Option<&'a s
 fn names_what_is_there(path: &str, schemas: &BTreeMap<String, (String, String)>) {
     let end = path.find(['.', '{']).unwrap_or(path.len());
     let (topic, fields) = path.split_at(end);
-    let (_, schema) = schemas.get(topic).unwrap_or_else(|| panic!("{path}: no topic {topic}"));
+    let (_, schema) = schemas
+        .get(topic)
+        .unwrap_or_else(|| panic!("{path}: no topic {topic}"));
     let mut message: Option<&str> = None;
     for part in fields.split('.') {
         // The filter names a field of the message that it stands behind.
@@ -84,9 +86,18 @@ fn the_layout_names_only_what_a_log_of_the_default_chase_holds() {
     let panels = layout["configById"].as_object().unwrap();
     let mut shown = 0;
     for (panel, config) in panels {
-        for topic in config["topics"].as_object().into_iter().flat_map(|t| t.keys()) {
-            let (schema, _) = schemas.get(topic).unwrap_or_else(|| panic!("{panel}: {topic}"));
-            assert!(schema.starts_with("foxglove."), "{panel}: {topic} is {schema}");
+        for topic in config["topics"]
+            .as_object()
+            .into_iter()
+            .flat_map(|t| t.keys())
+        {
+            let (schema, _) = schemas
+                .get(topic)
+                .unwrap_or_else(|| panic!("{panel}: {topic}"));
+            assert!(
+                schema.starts_with("foxglove."),
+                "{panel}: {topic} is {schema}"
+            );
             shown += 1;
         }
         for path in config["paths"].as_array().into_iter().flatten() {
@@ -104,9 +115,33 @@ fn the_layout_names_only_what_a_log_of_the_default_chase_holds() {
     // Every panel has its place, and every place its panel.
     let places = layout["layout"].to_string();
     for panel in panels.keys() {
-        assert!(places.contains(&format!("{panel:?}")), "{panel} has no place");
+        assert!(
+            places.contains(&format!("{panel:?}")),
+            "{panel} has no place"
+        );
     }
     assert_eq!(places.matches('!').count(), panels.len());
+}
+
+#[test]
+fn every_chunk_has_messages_because_studio_opens_no_log_without() {
+    let sandbox = Sandbox::new();
+    // Nothing stands there from the beginning, so that nothing is drawn before the first tick.
+    sandbox
+        .protean(["run", "patrol_octagon", "--out", "run.mcap"])
+        .set("rules.time_limit=2")
+        .json();
+    sandbox
+        .protean(["filter", "run.mcap", "--start", "1", "--out", "part.mcap"])
+        .json();
+    for log in ["run.mcap", "part.mcap"] {
+        let bytes = std::fs::read(sandbox.path().join(log)).unwrap();
+        let summary = mcap::Summary::read(&bytes).unwrap().unwrap();
+        assert!(!summary.chunk_indexes.is_empty());
+        for chunk in &summary.chunk_indexes {
+            assert!(!chunk.message_index_offsets.is_empty(), "{log}: {chunk:?}");
+        }
+    }
 }
 
 /// Waits until the table of topics says this of one; `.+` for any number of messages.
@@ -130,7 +165,9 @@ fn a_log_opens_in_foxglove_studio_and_plays() {
     let log = sandbox.path().join("run.mcap");
     let count = |topic: &str| {
         let messages = &summary["topics"][topic]["messages"];
-        let messages = messages.as_u64().unwrap_or_else(|| panic!("{topic}: {summary}"));
+        let messages = messages
+            .as_u64()
+            .unwrap_or_else(|| panic!("{topic}: {summary}"));
         // As the table writes it.
         match messages {
             0..1000 => messages.to_string(),
@@ -196,7 +233,10 @@ fn asks_only_this_machine(found: &Json) {
     for request in found["requests"].as_array().unwrap() {
         let address = request.as_str().unwrap();
         let inside = ["http://127.0.0.1:", "data:", "blob:"];
-        assert!(inside.iter().any(|i| address.starts_with(i)), "asks for {address}");
+        assert!(
+            inside.iter().any(|i| address.starts_with(i)),
+            "asks for {address}"
+        );
     }
 }
 
@@ -234,7 +274,9 @@ fn a_log_opens_in_rerun() {
     rerun(&["mcap", "check", "run.mcap"]);
     let info = rerun(&["mcap", "info", "run.mcap"]);
     for (topic, counts) in summary["topics"].as_object().unwrap() {
-        let line = info.lines().find(|line| line.split_whitespace().nth(1) == Some(topic));
+        let line = info
+            .lines()
+            .find(|line| line.split_whitespace().nth(1) == Some(topic));
         let line = line.unwrap_or_else(|| panic!("{topic}: {info}"));
         let messages = line.split_whitespace().nth(2).unwrap();
         assert_eq!(messages, counts["messages"].to_string(), "{line}");

@@ -61,7 +61,11 @@ fn run(
     };
     let mut command = Command::new("python3");
     command
-        .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/python").join(script))
+        .arg(
+            Path::new(env!("CARGO_MANIFEST_DIR"))
+                .join("../tests/python")
+                .join(script),
+        )
         .arg(browser)
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())

@@ -70,8 +70,8 @@ impl Sink {
             &options.obstacles,
             &mut log,
         )?;
-        // Schemas and channels are in the file before the first message.
-        log.flush()?;
+        // No flush here: a chunk that holds schemas and channels alone has no message index, and
+        // Foxglove Studio opens no file with such a chunk.
         Ok(Self {
             log,
             topics,
