@@ -1,6 +1,6 @@
 //! Who comes in: viewers on this machine that were told the address by whoever started the run.
 //!
-//! Every page of the web can open a WebSocket to a loopback port, and so can every user of this
+//! Every page of the web can open a `WebSocket` to a loopback port, and so can every user of this
 //! machine. The token in the address keeps both out; the origin is looked at besides, so that a page
 //! of the web stays outside even if the address got known.
 
@@ -86,8 +86,7 @@ pub(super) fn answer(
     request: &Request,
     mut response: Response,
 ) -> Result<Response, ErrorResponse> {
-    let protocol =
-        judge(token, request.uri(), request.headers()).map_err(|refusal| refusal.response())?;
+    let protocol = judge(token, request.uri(), request.headers()).map_err(Refusal::response)?;
     let chosen = HeaderValue::from_static(protocol);
     response
         .headers_mut()

@@ -212,9 +212,9 @@ impl State {
         } = self;
         if time_ns > self.time_ns {
             self.time_ns = time_ns;
-            viewers
-                .values_mut()
-                .for_each(|viewer| viewer.push(Frame::Time(time_ns)));
+            for viewer in viewers.values_mut() {
+                viewer.push(Frame::Time(time_ns));
+            }
         }
         let Some(here) = channels.get_mut(channel) else {
             return;

@@ -1,5 +1,5 @@
 //! A run as it happens, for Foxglove and Lichtblick: what goes into the log goes to viewers that
-//! have connected as well, over the Foxglove WebSocket protocol.
+//! have connected as well, over the Foxglove `WebSocket` protocol.
 //!
 //! * [`LiveServer`] listens on the loopback address and answers for everybody who connects;
 //! * the tap of its [`Hub`] mirrors the log: same topics, same schemas, same bytes, same times;
@@ -20,9 +20,6 @@ mod error;
 mod hub;
 mod server;
 mod wire;
-
-#[cfg(test)]
-mod tests;
 
 pub use error::LiveError;
 pub use hub::{Hub, HubTap, LiveTotals};

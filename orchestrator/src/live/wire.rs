@@ -1,4 +1,4 @@
-//! The Foxglove WebSocket protocol, as far as a server that only sends needs it.
+//! The Foxglove `WebSocket` protocol, as far as a server that only sends needs it.
 
 use data_encoding::BASE64;
 use serde::Deserialize;
