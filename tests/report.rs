@@ -1,56 +1,10 @@
 //! The page of a log, in a real browser.
 
-use std::io::Write as _;
-use std::path::Path;
-use std::process::{Command, Stdio};
-
 use serde_json::{Value as Json, json};
 
 use crate::support::Sandbox;
+use crate::support::browser::browse;
 use crate::support::history::History;
-
-/// Programs that are Chromium.
-const BROWSERS: [&str; 4] = [
-    "chromium",
-    "chromium-browser",
-    "google-chrome",
-    "google-chrome-stable",
-];
-
-/// Opens a page and takes these steps (see `python/browse.py`); `None`, and a note that everybody
-/// sees, if this machine has no browser.
-fn browse(page: &Path, steps: &Json) -> Option<Json> {
-    let works = |program: &&str| {
-        let version = Command::new(program).arg("--version").output();
-        version.is_ok_and(|output| output.status.success())
-    };
-    let python = works(&"python3");
-    let Some(browser) = BROWSERS.iter().find(|b| works(b)).filter(|_| python) else {
-        // Past the test harness, which swallows what tests print.
-        let note = format!(
-            "\nSKIPPED: opening {} in a browser: needs python3 and one of {BROWSERS:?}\n",
-            page.display()
-        );
-        std::io::stderr().write_all(note.as_bytes()).unwrap();
-        return None;
-    };
-    let mut child = Command::new("python3")
-        .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/python/browse.py"))
-        .arg(browser)
-        .arg(page)
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    let mut stdin = child.stdin.take().unwrap();
-    stdin.write_all(steps.to_string().as_bytes()).unwrap();
-    drop(stdin);
-    let output = child.wait_with_output().unwrap();
-    let errors = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{errors}");
-    Some(serde_json::from_slice(&output.stdout).unwrap())
-}
 
 /// The same with all numbers as a browser has them: it does not tell 6 from 6.0.
 fn in_a_browser(value: &Json) -> Json {

@@ -2,8 +2,10 @@
 
 usage: browse.py CHROMIUM PAGE < JSON list of steps
 
-A step is {"eval": JavaScript} (a promise is waited for), {"key": name}, {"shot": file.png} or
-{"dark": true}. Prints {"answers": [...], "errors": [...], "requests": [...]}: what the scripts gave,
+A step is {"eval": JavaScript} (a promise is waited for), {"until": JavaScript} (tried until it gives
+something true), {"key": name}, {"shot": file.png}, {"colours": JavaScript} (what the function makes of the
+red, green, blue and alpha bytes of a screenshot), {"until_colours": JavaScript, "all": keys, "least": n} (until
+all of these numbers of it are that large) or {"dark": true}. Prints {"answers": [...], "errors": [...], "requests": [...]}: what the scripts gave,
 whatever the console complained of, and every address that was asked for.
 """
 
@@ -22,11 +24,11 @@ KEY_CODES = {" ": ("Space", 32), "ArrowLeft": ("ArrowLeft", 37), "ArrowRight": (
 class Browser:
     """Chromium, spoken to over a pair of pipes (its descriptors 3 and 4)."""
 
-    def __init__(self, program, profile):
+    def __init__(self, program, profile, graphics=("--disable-gpu",)):
         to_browser, self.to = os.pipe()
         self.fro, from_browser = os.pipe()
         words = [
-            program, "--headless=new", "--no-sandbox", "--disable-gpu", "--no-first-run",
+            program, "--headless=new", "--no-sandbox", *graphics, "--no-first-run",
             "--disable-dev-shm-usage", "--disable-extensions", "--disable-background-networking",
             "--hide-scrollbars", f"--user-data-dir={profile}", "--remote-debugging-pipe",
             "--window-size=1500,1000", "about:blank",
@@ -95,11 +97,10 @@ class Browser:
         self.call("Input.dispatchKeyEvent", type="keyUp", **common)
 
 
-def main():
-    program, page = sys.argv[1:3]
-    steps = json.load(sys.stdin)
+def look(program, address, steps, graphics=("--disable-gpu",)):
+    """Opens a page, waits until it says that it is ready, and takes the steps."""
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
-        browser = Browser(program, profile)
+        browser = Browser(program, profile, graphics)
         try:
             target = browser.call("Target.createTarget", url="about:blank")["targetId"]
             session = browser.call("Target.attachToTarget", targetId=target, flatten=True)
@@ -107,32 +108,69 @@ def main():
             for domain in ("Runtime", "Log", "Network", "Page"):
                 browser.call(f"{domain}.enable")
             browser.call("Emulation.setDeviceMetricsOverride", width=1500, height=1000, deviceScaleFactor=1, mobile=False)
-            browser.call("Page.navigate", url=f"file://{os.path.abspath(page)}")
+            browser.call("Page.navigate", url=address)
             while browser.evaluate("document.documentElement?.dataset.ready") != "yes":
                 if browser.errors or time.monotonic() > DEADLINE:
                     raise SystemExit(f"the page does not come up: {browser.errors}")
                 time.sleep(0.05)
-            answers = []
-            for step in steps:
-                if "eval" in step:
-                    answers.append(browser.evaluate(step["eval"]))
-                elif "key" in step:
-                    browser.key(step["key"])
-                elif "dark" in step:
-                    scheme = "dark" if step["dark"] else "light"
-                    features = [{"name": "prefers-color-scheme", "value": scheme}]
-                    browser.call("Emulation.setEmulatedMedia", features=features)
-                elif "shot" in step:
-                    size = browser.call("Page.getLayoutMetrics")["cssContentSize"]
-                    clip = {"x": 0, "y": 0, "width": size["width"], "height": min(size["height"], 4000), "scale": 1}
-                    shot = browser.call("Page.captureScreenshot", captureBeyondViewport=True, clip=clip if step.get("whole") else
-                                        {"x": 0, "y": 0, "width": 1500, "height": 1000, "scale": 1})
-                    with open(step["shot"], "wb") as file:
-                        file.write(base64.b64decode(shot["data"]))
-            json.dump({"answers": answers, "errors": browser.errors, "requests": browser.requests}, sys.stdout)
+            answers = [answer for step in steps for answer in take(browser, step)]
+            return {"answers": answers, "errors": browser.errors, "requests": browser.requests}
         finally:
             browser.process.kill()
             browser.process.wait()
 
 
-main()
+def take(browser, step):
+    """Takes a step; gives its answer, if it has one."""
+    if "eval" in step:
+        yield browser.evaluate(step["eval"])
+    elif "until" in step:
+        while not (answer := browser.evaluate(step["until"])):
+            if time.monotonic() > DEADLINE:
+                shows = browser.evaluate("document.body.innerText")
+                raise SystemExit(f"{step['until']} stays {answer}: {browser.errors}\n{shows}")
+            time.sleep(0.05)
+        yield answer
+    elif "key" in step:
+        browser.key(step["key"])
+    elif "colours" in step:
+        yield colours(browser, step["colours"])
+    elif "until_colours" in step:
+        while True:
+            found = colours(browser, step["until_colours"])
+            if all(found[key] >= step["least"] for key in step["all"]):
+                break
+            if time.monotonic() > DEADLINE:
+                raise SystemExit(f"only {found} is drawn: {browser.errors}")
+            time.sleep(0.2)
+        yield found
+    elif "dark" in step:
+        scheme = "dark" if step["dark"] else "light"
+        features = [{"name": "prefers-color-scheme", "value": scheme}]
+        browser.call("Emulation.setEmulatedMedia", features=features)
+    elif "shot" in step:
+        size = browser.call("Page.getLayoutMetrics")["cssContentSize"]
+        clip = {"x": 0, "y": 0, "width": size["width"], "height": min(size["height"], 4000), "scale": 1}
+        shot = browser.call("Page.captureScreenshot", captureBeyondViewport=True, clip=clip if step.get("whole") else
+                            {"x": 0, "y": 0, "width": 1500, "height": 1000, "scale": 1})
+        with open(step["shot"], "wb") as file:
+            file.write(base64.b64decode(shot["data"]))
+
+
+def colours(browser, function):
+    """What a function makes of the pixels of a screenshot."""
+    shot = browser.call("Page.captureScreenshot")["data"]
+    return browser.evaluate(f"""(async () => {{
+        const image = new Image();
+        image.src = "data:image/png;base64,{shot}";
+        await image.decode();
+        const canvas = new OffscreenCanvas(image.width, image.height);
+        const context = canvas.getContext("2d");
+        context.drawImage(image, 0, 0);
+        return ({function})(context.getImageData(0, 0, image.width, image.height).data);
+    }})()""")
+
+
+if __name__ == "__main__":
+    page = f"file://{os.path.abspath(sys.argv[2])}"
+    json.dump(look(sys.argv[1], page, json.load(sys.stdin)), sys.stdout)

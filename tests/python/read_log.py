@@ -91,7 +91,7 @@ def see(topic, log_time, m):
     if kind == "tf":
         for t in m.transforms:
             transforms.append([log_time, t.child_frame_id, t.translation.x, t.translation.y])
-    elif kind == "particles":
+    elif kind in ("particles", "walls"):
         assert len(m.data) % m.point_stride == 0 and len(m.data) > 0
         offsets = {f.name: f.offset for f in m.fields}
         struct.unpack_from("<f", m.data, offsets["x"])
@@ -101,8 +101,10 @@ def see(topic, log_time, m):
         assert m.message
     elif kind == "scan":
         assert len(m.ranges) > 0
+    elif kind == "poses":
+        assert m.frame_id == "map" and len(m.poses) > 0
     else:
-        assert kind in ("scene", "plan", "obstacles"), kind
+        assert kind in ("scene", "plan", "tree", "obstacles", "sight"), kind
         assert all(e.id and e.frame_id == "map" for e in m.entities)
     viewer[topic] = viewer.get(topic, 0) + 1
 

@@ -3,6 +3,7 @@
 // Every test binary uses a part of this.
 #![allow(dead_code)]
 
+pub mod browser;
 pub mod call;
 pub mod geometry;
 pub mod history;
@@ -44,4 +45,11 @@ pub fn wait_for_tick(run: &str, ticks: u64) {
     until("the first ticks", SOON, || {
         (page.ticks_posted() >= ticks).then_some(())
     });
+}
+
+/// Says that a part of a test was left out, past the test harness, which swallows what tests print.
+pub fn skipped(what: &str, why: &str) {
+    use std::io::Write as _;
+    let note = format!("\nSKIPPED: {what}: {why}\n");
+    std::io::stderr().write_all(note.as_bytes()).unwrap();
 }

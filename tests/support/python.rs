@@ -1,7 +1,6 @@
 //! The ecosystem's own reader: the Python packages `mcap`, `mcap-ros2-support` and
 //! `mcap-protobuf-support` in an environment that the tests share.
 
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -9,6 +8,7 @@ use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
 use super::history::History;
+use super::skipped;
 
 /// A log as Python reads it.
 #[derive(Debug, Deserialize)]
@@ -22,10 +22,16 @@ pub struct PythonLog {
 /// The interpreter with the packages, or why there is none. Made at the first call (any test may
 /// come first: a lock keeps them apart) and kept between test runs.
 pub fn interpreter() -> Result<PathBuf, String> {
+    prepare(&[])
+}
+
+/// As [`interpreter`], with other packages: the name of the environment and what it holds.
+pub fn prepare(environment: &[&str]) -> Result<PathBuf, String> {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../ipc_types/tests/python/prepare.py");
     let output = Command::new("python3")
         .arg(script)
         .arg(env!("CARGO_TARGET_TMPDIR"))
+        .args(environment)
         .output()
         .map_err(|e| format!("python3: {e}"))?;
     if output.status.success() {
@@ -46,9 +52,7 @@ pub fn call<T: DeserializeOwned>(script: &str, log: &Path) -> Option<T> {
     let python = match interpreter() {
         Ok(python) => python,
         Err(reason) => {
-            // Past the test harness, which swallows what tests print.
-            let note = format!("\nSKIPPED: {script} with {}: {reason}\n", log.display());
-            std::io::stderr().write_all(note.as_bytes()).unwrap();
+            skipped(&format!("{script} with {}", log.display()), &reason);
             return None;
         }
     };

@@ -193,6 +193,9 @@ enum Command {
     },
 }
 
+/// Port on which viewers look for a live server.
+const DEFAULT_PORT: &str = "8765";
+
 /// Scenario that runs when none is named.
 const DEFAULT_SCENARIO: &str = "chase";
 
@@ -234,6 +237,14 @@ struct RunArgs {
     /// no log unless --out asks for one
     #[arg(long, conflicts_with = "real_time")]
     in_process: bool,
+    /// Show the run live to Foxglove or Lichtblick, at --pace 1 if not said: serves what goes into the
+    /// log on this port of 127.0.0.1, read-only, at an address with a secret that is printed
+    /// (0: any free port)
+    #[arg(long, value_name = "PORT", num_args = 0..=1, default_missing_value = DEFAULT_PORT, conflicts_with = "in_process")]
+    live: Option<u16>,
+    /// In lock-step, go on at most FACTOR times as fast as reality; the result stays the same
+    #[arg(long, value_name = "FACTOR", conflicts_with_all = ["real_time", "in_process"])]
+    pace: Option<f64>,
     /// Write the log to this file [default: logs/SCENARIO-SEED.mcap]
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,

@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, RunArgs, print, print_json};
 use crate::in_process::{self, InProcessOptions};
+use crate::live::LiveTotals;
 use crate::mission::{self, MissionError, MissionOptions, MissionReport, report};
 use crate::scenario::spec::Mode;
 use crate::scenario::{Loader, Program, ResolvedScenario};
@@ -30,6 +31,9 @@ pub fn run(target: &str, args: &RunArgs) -> ExitCode {
     }
     match fly(&scenario, args, interrupted) {
         Ok(report) => {
+            if let Some(live) = report.live {
+                tell_of_viewers(live, args.quiet);
+            }
             if args.json {
                 print_json(&report::json(&scenario, &report));
             } else {
@@ -64,15 +68,29 @@ fn fly(
         };
         return in_process::run(scenario, &options);
     }
+    let lock_step = scenario.run.mode == Mode::LockStep;
     let options = MissionOptions {
         out: args.out.clone(),
         force: args.force,
         without_log: false,
         quiet: args.quiet,
         log_level: args.log_level.clone(),
+        live: args.live,
+        // Who looks on wants to see something.
+        pace: args.pace.or(args.live.map(|_| 1.0)).filter(|_| lock_step),
         interrupted,
     };
     mission::run(scenario, &options)
+}
+
+/// Says what live viewers got.
+fn tell_of_viewers(live: LiveTotals, quiet: bool) {
+    if !quiet || live.left_out + live.cut_off > 0 {
+        eprintln!(
+            "live: {} viewers, {} messages, {} left out for those who did not keep up, {} cut off",
+            live.viewers, live.messages, live.left_out, live.cut_off
+        );
+    }
 }
 
 fn load(target: &str, args: &RunArgs) -> Result<ResolvedScenario, String> {
@@ -87,12 +105,14 @@ fn load(target: &str, args: &RunArgs) -> Result<ResolvedScenario, String> {
         .allow_outside(args.overrides.allow_outside)
         .load(target, &args.overrides.set, args.overrides.seed)
         .map_err(|problems| problems.to_string())?;
-    if let Some(factor) = args.real_time {
-        if !(0.001..=1000.0).contains(&factor) {
+    for (name, factor) in [("--real-time", args.real_time), ("--pace", args.pace)] {
+        if let Some(factor) = factor.filter(|factor| !(0.001..=1000.0).contains(factor)) {
             return Err(format!(
-                "error: --real-time {factor}: expected a factor from 0.001 to 1000"
+                "error: {name} {factor}: expected a factor from 0.001 to 1000"
             ));
         }
+    }
+    if let Some(factor) = args.real_time {
         scenario.run.mode = Mode::RealTime;
         scenario.run.real_time_factor = factor;
     }

@@ -139,6 +139,7 @@ fn fly(
         start_up_s: (first_tick - start).as_secs_f64(),
         interrupted,
         has_lost: false,
+        live: None,
     })
 }
 

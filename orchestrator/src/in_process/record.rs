@@ -39,6 +39,7 @@ impl Record {
                 force: options.force,
                 ..MissionOptions::default()
             },
+            None,
         )?;
         Ok(Self::Log(Box::new(Recorder::open(bus, log)?)))
     }

@@ -106,7 +106,10 @@ pub fn filter(
             Item::Channel(channel) => {
                 if options.topics.take(&channel.topic) {
                     let stamped = known::is_stamped(&channel);
-                    latched.insert(channel.id, (is_latched(&channel), stamped));
+                    latched.insert(
+                        channel.id,
+                        (is_latched(&channel.topic, &channel.metadata), stamped),
+                    );
                     output.channel(&channel)?;
                 }
             }

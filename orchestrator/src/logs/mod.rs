@@ -25,7 +25,7 @@ mod recover;
 mod replay;
 mod rerun;
 mod ros2;
-mod states;
+pub(crate) mod states;
 mod watch;
 
 #[cfg(test)]

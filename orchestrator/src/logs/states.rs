@@ -7,7 +7,6 @@ use mcap::records::MessageHeader;
 
 use super::error::LogsError;
 use super::known;
-use super::reader::Channel;
 
 /// Most states that are kept.
 const MOST_STATES: usize = 4096;
@@ -74,14 +73,14 @@ impl States {
 
 /// Whether the last message of a channel still holds until the next: our topics that late joiners
 /// get, what our viewers are shown, and what ROS 2 calls transient local.
-pub(super) fn is_latched(channel: &Channel) -> bool {
-    if let Some(known) = known::find(&channel.topic) {
+pub(crate) fn is_latched(topic: &str, metadata: &BTreeMap<String, String>) -> bool {
+    if let Some(known) = known::find(topic) {
         return known.latched;
     }
-    if let Some(view) = channel.topic.strip_prefix("/viewer/") {
+    if let Some(view) = topic.strip_prefix("/viewer/") {
         // Every message but a line of the log is a whole picture.
         return view != "log";
     }
-    let qos = channel.metadata.get("offered_qos_profiles");
+    let qos = metadata.get("offered_qos_profiles");
     qos.is_some_and(|qos| qos.contains("durability: 1") || qos.contains("transient_local"))
 }

@@ -9,6 +9,7 @@ use super::children::ChildError;
 use super::plan::PlanError;
 use super::spaces::SpaceError;
 use crate::in_process::InProcessError;
+use crate::live::LiveError;
 use crate::recorder::{LogError, RecorderError};
 
 /// Why a run failed.
@@ -29,6 +30,9 @@ pub enum MissionError {
     /// The log cannot be created.
     #[error(transparent)]
     Log(#[from] LogError),
+    /// Live viewers cannot be served.
+    #[error(transparent)]
+    Live(#[from] LiveError),
     /// The recorder failed.
     #[error(transparent)]
     Recorder(#[from] RecorderError),

@@ -12,14 +12,14 @@ use kit::config::Clock;
 use kit::lockstep::Overseer;
 
 use super::error::MissionError;
-use super::gate::PageGate;
+use super::gate::{Pace, PageGate};
 use super::plan::Plan;
 use super::progress::EventPrinter;
 use super::run::MissionOptions;
 use super::{log_path, report};
 use crate::recorder::{
-    Compression, LogError, LogOptions, Manifest, ManifestFile, Order, ProcessInfo, Recorder,
-    RecorderError, RecorderOptions, Recording, RobotInfo, Summary, Tally, ViewerOptions,
+    Compression, LogError, LogOptions, Manifest, ManifestFile, Mirror, Order, ProcessInfo,
+    Recorder, RecorderError, RecorderOptions, Recording, RobotInfo, Summary, Tally, ViewerOptions,
 };
 use crate::scenario::ResolvedScenario;
 use crate::scenario::spec;
@@ -48,6 +48,7 @@ impl Kept {
         scenario: &ResolvedScenario,
         plan: &Plan,
         options: &MissionOptions,
+        mirror: Option<Box<dyn Mirror>>,
     ) -> Result<Self, MissionError> {
         // In real time ticks have no end that everybody waits for: only a recording sorts them.
         if options.without_log && plan.run.clock == Clock::LockStep {
@@ -57,7 +58,9 @@ impl Kept {
                 tick_period_ns: plan.run.tick_period_ns,
             });
         }
-        Ok(Self::Log(Box::new(create_log(scenario, plan, options)?)))
+        Ok(Self::Log(Box::new(create_log(
+            scenario, plan, options, mirror,
+        )?)))
     }
 }
 
@@ -105,6 +108,7 @@ pub(crate) fn create_log(
     scenario: &ResolvedScenario,
     plan: &Plan,
     options: &MissionOptions,
+    mut mirror: Option<Box<dyn Mirror>>,
 ) -> Result<Recording, MissionError> {
     let mut recorder = recorder_options(scenario, plan, options);
     if options.without_log {
@@ -112,7 +116,7 @@ pub(crate) fn create_log(
         recorder.path = plan.run.root.join("run.mcap");
         recorder.log.compression = Compression::None;
         recorder.viewer.rate_hz = 0.0;
-        return Ok(Recording::create(&recorder)?);
+        return Ok(Recording::create_mirrored(&recorder, &mut mirror)?);
     }
     loop {
         recorder.path = match &options.out {
@@ -124,7 +128,7 @@ pub(crate) fn create_log(
                 }
             })?,
         };
-        match Recording::create(&recorder) {
+        match Recording::create_mirrored(&recorder, &mut mirror) {
             // Another run took the name at the same moment: take the next.
             Err(LogError::Exists { .. } | LogError::InUse { .. }) if options.out.is_none() => {}
             result => return Ok(result?),
@@ -260,6 +264,7 @@ impl RecorderThread {
         overseer: &Overseer,
         kept: Kept,
         mut printer: EventPrinter,
+        pace: Option<Pace>,
     ) -> Result<Self, MissionError> {
         let system = |what: &str| {
             let what = what.to_owned();
@@ -270,7 +275,7 @@ impl RecorderThread {
         let (connect, do_connect) = mpsc::channel();
         let (tell, connected) = mpsc::channel();
         let ended = Arc::new(AtomicBool::new(false));
-        let gate = PageGate::new(overseer.clone(), Arc::clone(&ended));
+        let gate = PageGate::new(overseer.clone(), Arc::clone(&ended), pace);
         let space = plan.run.space()?;
         let bus_options = plan.run.bus_options();
         let thread = std::thread::Builder::new()

@@ -20,16 +20,20 @@ use kit::lockstep::{Overseer, Phase, SlotState, TurnPage};
 use super::bridge::Bridge;
 use super::children::sleep_until_exit;
 use super::error::MissionError;
+use super::gate::Pace;
 use super::plan::Plan;
 use super::progress::Progress;
 use super::recording::{Kept, RecorderThread};
 use super::spaces::{self, OwnedSpace};
 use super::supervisor::Supervisor;
+use crate::live::{LiveServer, LiveTotals};
 use crate::recorder::Summary;
 use crate::scenario::ResolvedScenario;
 
 /// Time that processes have to end by themselves when the run stops.
 const END_WITHIN: Duration = Duration::from_secs(3);
+/// Ticks that the recorder of a paced run may lag behind.
+const PACED_TICKS: u32 = 8;
 /// Beat of the supervisor: progress is shown and silence noticed this often. The end of a process
 /// wakes it at once.
 const BEAT: Duration = Duration::from_millis(10);
@@ -50,6 +54,12 @@ pub struct MissionOptions {
     pub quiet: bool,
     /// Least severe level that the processes log.
     pub log_level: String,
+    /// Port on which live viewers are served, if they are; 0 is any that is free. There must be a
+    /// log: viewers see what goes into it.
+    pub live: Option<u16>,
+    /// Simulated seconds per second that a run in lock-step keeps to; as fast as it can without.
+    /// Its history stays the same.
+    pub pace: Option<f64>,
     /// Set from outside (Ctrl-C) to end the run in order.
     pub interrupted: Arc<AtomicBool>,
 }
@@ -67,6 +77,8 @@ pub struct MissionReport {
     pub interrupted: bool,
     /// Whether a process failed and the run went on.
     pub has_lost: bool,
+    /// What live viewers got, if they were served.
+    pub live: Option<LiveTotals>,
 }
 
 /// Runs a scenario to its end.
@@ -88,13 +100,26 @@ pub fn run(
     } else {
         options.log_level.as_str()
     };
-    let plan = Plan::new(
+    let live = options.live.map(LiveServer::start).transpose()?;
+    if let Some(live) = &live {
+        // Shown however quiet the run is: without it nobody can look.
+        eprintln!("live: {}", live.url());
+    }
+    let mut plan = Plan::new(
         scenario,
         space.space().root(),
         space.space().prefix(),
         log_level,
     )?;
-    let kept = Kept::create(scenario, &plan, options)?;
+    let pace = options
+        .pace
+        .map(|pace| Pace::new(pace, plan.run.tick_period()));
+    if pace.is_some() {
+        // Held back by the recorder, the world is never far ahead of what is shown.
+        plan.run.recorder_ticks = PACED_TICKS;
+    }
+    let mirror = live.as_ref().map(|live| Box::new(live.tap()) as _);
+    let kept = Kept::create(scenario, &plan, options, mirror)?;
 
     let bus = Bus::join(space.space(), plan.run.bus_options(), "orchestrator")?;
     let services = create_services(&bus, &plan)?;
@@ -115,7 +140,7 @@ pub fn run(
         .map(|r| r.name.clone())
         .collect();
     let printer = progress.events(robots, options.quiet);
-    let recorder = RecorderThread::start(&plan, &overseer, kept, printer)?;
+    let recorder = RecorderThread::start(&plan, &overseer, kept, printer, pace)?;
 
     let bridge = Bridge::start(&plan, &bus, &page)?;
 
@@ -128,7 +153,13 @@ pub fn run(
         recorder,
         bridge,
         progress,
-        hang_timeout: Duration::from_secs_f64(scenario.run.hang_timeout_s),
+        // A tick that is not due is no silence.
+        hang_timeout: Duration::from_secs_f64(
+            scenario.run.hang_timeout_s
+                + options
+                    .pace
+                    .map_or(0.0, |pace| 2.0 * scenario.run.dt / pace),
+        ),
         start,
         first_tick: None,
         interrupted: false,
@@ -139,6 +170,7 @@ pub fn run(
     let start_up_s = first_tick.map_or(0.0, |first| (first - start).as_secs_f64());
     let interrupted = flight.interrupted;
     let (recorded, has_lost) = flight.land();
+    let live = live.map(LiveServer::finish);
     drop(services);
     drop(space);
     // A failed recorder is the cause rather than the consequence of anything else.
@@ -162,6 +194,7 @@ pub fn run(
         start_up_s,
         interrupted,
         has_lost,
+        live,
     })
 }
 

@@ -11,6 +11,7 @@ use mcap::{Attachment, McapError, WriteOptions};
 
 use super::error::LogError;
 use super::log_file::{self, LogFile, Readable};
+use super::mirror::Mirror;
 use super::replacement::Replacement;
 use crate::storage::Storage;
 
@@ -135,6 +136,7 @@ pub struct LogWriter {
     /// Uncompressed bytes of the open chunk.
     open_bytes: u64,
     channels: Vec<Channel>,
+    mirror: Option<Box<dyn Mirror>>,
 }
 
 impl LogWriter {
@@ -191,6 +193,7 @@ impl LogWriter {
             last_flush: Instant::now(),
             open_bytes: 0,
             channels: Vec::new(),
+            mirror: None,
         };
         log.metadata("protean", manifest.entries.clone())?;
         for file in &manifest.attachments {
@@ -221,6 +224,11 @@ impl LogWriter {
         self.replacement.is_some()
     }
 
+    /// Lets somebody have everything that is added and written from now on.
+    pub fn mirror_to(&mut self, mirror: Box<dyn Mirror>) {
+        self.mirror = Some(mirror);
+    }
+
     /// Adds a channel.
     ///
     /// # Errors
@@ -245,6 +253,9 @@ impl LogWriter {
             totals,
             last_log_time: 0,
         });
+        if let Some(mirror) = &mut self.mirror {
+            mirror.channel(spec);
+        }
         Ok(ChannelId(self.channels.len() - 1))
     }
 
@@ -258,13 +269,13 @@ impl LogWriter {
     /// [`LogError::Write`].
     pub fn write(
         &mut self,
-        channel: ChannelId,
+        id: ChannelId,
         sequence: u32,
         log_time: u64,
         publish_time: u64,
         data: &[u8],
     ) -> Result<(), LogError> {
-        let Some(channel) = self.channels.get_mut(channel.0) else {
+        let Some(channel) = self.channels.get_mut(id.0) else {
             return Ok(());
         };
         let log_time = log_time.max(channel.last_log_time);
@@ -279,6 +290,9 @@ impl LogWriter {
         };
         let result = self.writer.write_to_known_channel(&header, data);
         self.check(result)?;
+        if let Some(mirror) = &mut self.mirror {
+            mirror.message(id.0, log_time, data);
+        }
         self.open_bytes += data.len() as u64;
         if self.open_bytes >= self.chunk_bytes {
             self.flush()

@@ -22,6 +22,7 @@ mod ledger;
 mod log_file;
 mod log_writer;
 mod malformed;
+mod mirror;
 mod options;
 mod outages;
 mod parts;
@@ -49,6 +50,7 @@ pub use log_writer::{
     ChannelId, ChannelSpec, ChannelTotals, Compression, LogOptions, LogTotals, LogWriter, Manifest,
     ManifestFile,
 };
+pub use mirror::Mirror;
 pub use options::{Order, ProcessInfo, RecorderOptions, RobotInfo};
 pub use outages::{Outage, ProcessOutcome};
 pub use predicted::PredictionOutcome;

@@ -6,6 +6,7 @@ use super::error::LogError;
 use super::gate::Observer;
 use super::intake::Intake;
 use super::ledger::Ledger;
+use super::mirror::Mirror;
 use super::options::{Order, RecorderOptions};
 use super::parts::Parts;
 use super::sink::Sink;
@@ -31,9 +32,21 @@ impl Recording {
     /// # Errors
     /// [`LogError`] names the file.
     pub fn create(options: &RecorderOptions) -> Result<Self, LogError> {
+        Self::create_mirrored(options, &mut None)
+    }
+
+    /// Creates the log; the mirror, if there is one, is taken once the file is there, and
+    /// gets everything that goes into it.
+    ///
+    /// # Errors
+    /// [`LogError`] names the file.
+    pub fn create_mirrored(
+        options: &RecorderOptions,
+        mirror: &mut Option<Box<dyn Mirror>>,
+    ) -> Result<Self, LogError> {
         Ok(Self {
             intake: Intake::default(),
-            sink: Sink::create(options)?,
+            sink: Sink::create(options, mirror)?,
             ledger: Ledger::new(&options.processes, options.tick_period_ns),
             order: options.order,
             written: 0,

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use ipc_types::messages::world::RobotState;
 use ipc_types::topics::{
     Belief, Coverage, Dominance, ObstacleEvents, Plan, Predictions, ProcessEvents, ProcessLog,
-    Scan, Shape, Status, Tree, Verdicts, Waypoints, WorldEvents, WorldMap, WorldState,
+    Scan, Shape, Sightings, Status, Tree, Verdicts, Waypoints, WorldEvents, WorldMap, WorldState,
 };
 
 use super::error::LogError;
@@ -16,6 +16,7 @@ use super::latency::Latency;
 use super::ledger::Ledger;
 use super::log_writer::{ChannelId, ChannelSpec, LogWriter};
 use super::malformed::Malformed;
+use super::mirror::Mirror;
 use super::options::RecorderOptions;
 use super::summary::{Outcome, Summary, TopicCount, seconds};
 use super::topic_info::{self, Role, TopicInfo, view};
@@ -43,8 +44,14 @@ pub(super) struct Sink {
 }
 
 impl Sink {
-    pub(super) fn create(options: &RecorderOptions) -> Result<Self, LogError> {
+    pub(super) fn create(
+        options: &RecorderOptions,
+        mirror: &mut Option<Box<dyn Mirror>>,
+    ) -> Result<Self, LogError> {
         let mut log = LogWriter::create(&options.path, &options.log, &options.manifest)?;
+        if let Some(mirror) = mirror.take() {
+            log.mirror_to(mirror);
+        }
         let mut topics = Vec::new();
         for info in topic_info::all() {
             let channel = log.add_channel(&ChannelSpec {
@@ -64,8 +71,8 @@ impl Sink {
             &options.obstacles,
             &mut log,
         )?;
-        // Schemas and channels are in the file before the first message.
-        log.flush()?;
+        // No flush here: a chunk that holds schemas and channels alone has no message index, and
+        // Foxglove Studio opens no file with such a chunk.
         Ok(Self {
             log,
             topics,
@@ -295,6 +302,12 @@ fn draw(
         Role::Tree => {
             if let Some((header, edges)) = view::<Tree>(bytes) {
                 viewer.tree(header.robot, edges);
+            }
+            Ok(())
+        }
+        Role::Sighting => {
+            if let Some((_, sightings)) = view::<Sightings>(bytes) {
+                viewer.sightings(sightings);
             }
             Ok(())
         }

@@ -66,6 +66,7 @@ impl Engine for Processes {
             quiet: true,
             log_level: "error".to_owned(),
             interrupted: Arc::clone(&call.interrupted),
+            ..MissionOptions::default()
         };
         mission::run(scenario, &options).map_err(|error| error.to_string())
     }

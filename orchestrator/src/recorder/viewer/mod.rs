@@ -14,12 +14,14 @@ mod points;
 mod robot_lines;
 mod scene;
 mod shapes;
+mod sight;
+mod walls;
 mod words;
 
 use foxglove::messages::{
-    FrameTransforms, Grid, LaserScan, Log as LogMessage, PointCloud, SceneUpdate,
+    FrameTransforms, Grid, LaserScan, Log as LogMessage, PointCloud, PosesInFrame, SceneUpdate,
 };
-use ipc_types::messages::perception::Particle;
+use ipc_types::messages::perception::{Particle, Sighting};
 use ipc_types::messages::process::{LogHeader, ProcessEvent};
 use ipc_types::messages::referee::{DominanceCell, DominanceHeader};
 use ipc_types::messages::robot::{PlanPoint, ScanHeader, TreeEdge};
@@ -30,6 +32,7 @@ use ipc_types::messages::world::{
 use self::channel::ViewerChannel;
 use self::robot_lines::RobotLines;
 use self::shapes::Obstacles;
+use self::sight::Sight;
 use super::error::LogError;
 use super::log_writer::LogWriter;
 use super::options::{ProcessInfo, RobotInfo};
@@ -69,13 +72,17 @@ pub(super) struct Viewer {
     plans: RobotLines,
     trees: RobotLines,
     obstacles: Obstacles,
+    sight: Sight,
     buffer: Vec<u8>,
 }
 
 struct Channels {
     scene: ViewerChannel<SceneUpdate>,
     transforms: ViewerChannel<FrameTransforms>,
+    poses: ViewerChannel<PosesInFrame>,
     map: ViewerChannel<Grid>,
+    walls: ViewerChannel<PointCloud>,
+    sight: ViewerChannel<SceneUpdate>,
     dominance: ViewerChannel<Grid>,
     obstacles: ViewerChannel<SceneUpdate>,
     plans: ViewerChannel<SceneUpdate>,
@@ -114,7 +121,10 @@ impl Viewer {
         let channels = Channels {
             scene: ViewerChannel::add(log, "/viewer/scene")?,
             transforms: ViewerChannel::add(log, "/viewer/tf")?,
+            poses: ViewerChannel::add(log, "/viewer/poses")?,
             map: ViewerChannel::add(log, "/viewer/map")?,
+            walls: ViewerChannel::add(log, "/viewer/walls")?,
+            sight: ViewerChannel::add(log, "/viewer/sight")?,
             dominance: ViewerChannel::add(log, "/viewer/dominance")?,
             obstacles: ViewerChannel::add(log, "/viewer/obstacles")?,
             plans: ViewerChannel::add(log, "/viewer/plan")?,
@@ -146,11 +156,12 @@ impl Viewer {
             plans: RobotLines::plans(robots.len()),
             trees: RobotLines::trees(robots.len()),
             obstacles: Obstacles::default(),
+            sight: Sight::default(),
             buffer: Vec::new(),
         };
         if !obstacles.is_empty() {
             for obstacle in obstacles {
-                viewer.obstacles.apply(obstacle);
+                viewer.obstacles.stands(obstacle);
             }
             viewer.draw_obstacles(0, log)?;
         }
@@ -181,16 +192,18 @@ impl Viewer {
         &mut self,
         header: &MapHeader,
         time_ns: u64,
-        cells: impl ExactSizeIterator<Item = MapCell>,
+        cells: impl ExactSizeIterator<Item = MapCell> + Clone,
         log: &mut LogWriter,
     ) -> Result<(), LogError> {
-        match grid::draw(header, time_ns, cells) {
-            Some(grid) => self
-                .channels
-                .map
-                .write(log, time_ns, &grid, &mut self.buffer),
-            None => Ok(()),
-        }
+        let Some(grid) = grid::draw(header, time_ns, cells.clone()) else {
+            return Ok(());
+        };
+        let Self {
+            channels, buffer, ..
+        } = self;
+        channels.map.write(log, time_ns, &grid, buffer)?;
+        let walls = walls::draw(header, time_ns, cells);
+        channels.walls.write(log, time_ns, &walls, buffer)
     }
 
     /// Draws who reaches what first, whenever a referee says it.
@@ -286,6 +299,11 @@ impl Viewer {
         self.trees.set_tree(robot as usize, edges);
     }
 
+    /// Keeps who sees whom for the picture.
+    pub(super) fn sightings(&mut self, sightings: impl Iterator<Item = Sighting>) {
+        self.sight.set(sightings);
+    }
+
     /// Draws a belief about a robot from the bytes of its particles.
     pub(super) fn belief(
         &mut self,
@@ -371,6 +389,15 @@ impl Viewer {
         self.channels
             .transforms
             .write(log, time_ns, &transforms, &mut self.buffer)?;
+        let poses = scene::poses(&state.robots, time_ns);
+        self.channels
+            .poses
+            .write(log, time_ns, &poses, &mut self.buffer)?;
+        if let Some(update) = self.sight.draw(&state.robots, time_ns) {
+            self.channels
+                .sight
+                .write(log, time_ns, &update, &mut self.buffer)?;
+        }
         if let Some(update) = self.plans.draw(&self.robots, &state.robots, time_ns) {
             self.channels
                 .plans

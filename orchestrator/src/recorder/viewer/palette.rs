@@ -4,6 +4,10 @@ use foxglove::messages::Color;
 
 /// Colour of the obstacles that come and go: orange.
 pub(super) const OBSTACLE: Color = rgb(230, 159, 0, 0.85);
+/// Colour of the obstacles that stand from the beginning: grey, as on the map.
+pub(super) const BUILDING: Color = rgb(105, 112, 122, 1.0);
+/// Colour of lines of sight: reddish purple.
+pub(super) const SIGHT: Color = rgb(204, 121, 167, 1.0);
 /// Colour of names and headings: black.
 pub(super) const INK: Color = rgb(0, 0, 0, 1.0);
 /// Grey level of a cell in an obstacle.

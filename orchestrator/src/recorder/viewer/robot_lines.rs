@@ -22,7 +22,7 @@ struct Style {
     pixels: f64,
     /// Opacity, 0 to 1.
     opacity: f64,
-    /// Height [m]: above the map; plans above trees.
+    /// Height [m]: above map and obstacles; plans above trees.
     height: f64,
 }
 
@@ -31,7 +31,7 @@ const PLAN: Style = Style {
     kind: line_primitive::Type::LineStrip,
     pixels: 2.0,
     opacity: 0.8,
-    height: 0.02,
+    height: 0.07,
 };
 
 const TREE: Style = Style {
@@ -39,7 +39,7 @@ const TREE: Style = Style {
     kind: line_primitive::Type::LineList,
     pixels: 1.0,
     opacity: 0.3,
-    height: 0.005,
+    height: 0.06,
 };
 
 /// The last plan of every robot, or the last tree.

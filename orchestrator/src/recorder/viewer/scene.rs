@@ -2,8 +2,8 @@
 
 use foxglove::messages::{
     ArrowPrimitive, Color, CylinderPrimitive, Duration, FrameTransform, FrameTransforms,
-    KeyValuePair, LinePrimitive, Point3, Pose, Quaternion, SceneEntity, SceneUpdate, TextPrimitive,
-    Vector3, line_primitive,
+    KeyValuePair, LinePrimitive, Point3, Pose, PosesInFrame, Quaternion, SceneEntity, SceneUpdate,
+    TextPrimitive, Vector3, line_primitive,
 };
 use ipc_types::messages::world::RobotState;
 use sim_backend::math::sincos;
@@ -14,6 +14,9 @@ use super::{MAP_FRAME, palette, timestamp};
 
 /// Code of a robot that still plays.
 const ACTIVE: u8 = 0;
+
+/// Height of names above the ground [m]: above obstacles.
+const NAME_HEIGHT: f64 = 0.5;
 
 /// Height of the text of names [pixels].
 const FONT_PIXELS: f64 = 14.0;
@@ -123,12 +126,7 @@ fn robot(info: &RobotInfo, state: &RobotState, time_ns: u64) -> SceneEntity {
             }),
         }],
         texts: vec![TextPrimitive {
-            pose: Some(pose(
-                state.x,
-                state.y + 2.0 * info.radius,
-                2.0 * height,
-                0.0,
-            )),
+            pose: Some(pose(state.x, state.y + 6.0 * info.radius, NAME_HEIGHT, 0.0)),
             billboard: true,
             font_size: FONT_PIXELS,
             scale_invariant: true,
@@ -189,6 +187,18 @@ impl Trail {
             lines,
             ..entity(format!("trail {}", self.pictures), time_ns)
         })
+    }
+}
+
+/// Where the robots are that stand in the world, for viewers that draw no scenes.
+pub(super) fn poses(states: &[RobotState], time_ns: u64) -> PosesInFrame {
+    let present = states.iter().filter(|state| state.present != 0);
+    PosesInFrame {
+        timestamp: Some(timestamp(time_ns)),
+        frame_id: MAP_FRAME.to_owned(),
+        poses: present
+            .map(|state| pose(state.x, state.y, 0.0, state.theta))
+            .collect(),
     }
 }
 

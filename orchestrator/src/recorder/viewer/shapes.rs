@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 
 use foxglove::messages::{
-    CubePrimitive, CylinderPrimitive, LinePrimitive, Point3, SceneEntity, SceneEntityDeletion,
-    SceneUpdate, TriangleListPrimitive, Vector3, line_primitive, scene_entity_deletion,
+    Color, CubePrimitive, CylinderPrimitive, LinePrimitive, Point3, SceneEntity,
+    SceneEntityDeletion, SceneUpdate, TriangleListPrimitive, Vector3, line_primitive,
+    scene_entity_deletion,
 };
 use ipc_types::messages::world::ObstacleEvent;
 use sim_backend::shape::Shape;
@@ -15,8 +16,8 @@ use super::{palette, timestamp};
 /// Codes of `ObstacleEvent::action`.
 const DISAPPEAR: u8 = 1;
 
-/// How high obstacles are drawn [m].
-const HEIGHT: f64 = 0.3;
+/// How high obstacles are drawn [m]: below plans, so that ways across them are seen.
+const HEIGHT: f64 = 0.05;
 
 /// Width of a polygon's outline [pixels].
 const OUTLINE_PIXELS: f64 = 3.0;
@@ -24,18 +25,25 @@ const OUTLINE_PIXELS: f64 = 3.0;
 /// The obstacles that stand now.
 #[derive(Debug, Default)]
 pub(super) struct Obstacles {
-    standing: BTreeMap<u32, ObstacleEvent>,
+    /// With their colours.
+    standing: BTreeMap<u32, (ObstacleEvent, Color)>,
     gone: Vec<u32>,
 }
 
 impl Obstacles {
+    /// Takes up an obstacle that stands from the beginning.
+    pub(super) fn stands(&mut self, obstacle: &ObstacleEvent) {
+        let entry = (*obstacle, palette::BUILDING);
+        self.standing.insert(obstacle.id, entry);
+    }
+
     /// Takes up a change.
     pub(super) fn apply(&mut self, event: &ObstacleEvent) {
         if event.action == DISAPPEAR {
             self.standing.remove(&event.id);
             self.gone.push(event.id);
         } else {
-            self.standing.insert(event.id, *event);
+            self.standing.insert(event.id, (*event, palette::OBSTACLE));
         }
     }
 
@@ -54,7 +62,7 @@ impl Obstacles {
         let entities = self
             .standing
             .iter()
-            .map(|(&key, event)| draw(event, entity(id(key), time_ns)))
+            .map(|(&key, (event, color))| draw(event, *color, entity(id(key), time_ns)))
             .collect();
         SceneUpdate {
             deletions,
@@ -63,9 +71,9 @@ impl Obstacles {
     }
 }
 
-fn draw(event: &ObstacleEvent, mut entity: SceneEntity) -> SceneEntity {
+fn draw(event: &ObstacleEvent, color: Color, mut entity: SceneEntity) -> SceneEntity {
     let at = Some(pose(event.x, event.y, HEIGHT / 2.0, event.theta));
-    let color = Some(palette::OBSTACLE);
+    let color = Some(color);
     match event.shape {
         0 => entity.cylinders.push(CylinderPrimitive {
             pose: at,

@@ -1,0 +1,122 @@
+//! Who sees whom, as lines.
+
+use foxglove::messages::{
+    Color, LinePrimitive, Point3, SceneEntity, SceneEntityDeletion, SceneUpdate, line_primitive,
+    scene_entity_deletion,
+};
+use ipc_types::messages::perception::Sighting;
+use ipc_types::messages::world::RobotState;
+
+use super::scene::{entity, pose};
+use super::{palette, timestamp};
+
+/// What viewers list.
+const ID: &str = "sight";
+/// Width of a line [pixels].
+const PIXELS: f64 = 1.5;
+/// Height of the lines [m]: above plans.
+const HEIGHT: f64 = 0.08;
+/// Opacity of a view that is hardly one.
+const FAINT: f64 = 0.2;
+
+/// The sightings of the present tick.
+#[derive(Debug, Default)]
+pub(super) struct Sight {
+    sightings: Vec<Sighting>,
+    shown: bool,
+}
+
+impl Sight {
+    /// Replaces the sightings.
+    pub(super) fn set(&mut self, sightings: impl Iterator<Item = Sighting>) {
+        self.sightings.clear();
+        self.sightings.extend(sightings.filter(|s| s.seen != 0));
+    }
+
+    /// A line from every robot that is seen to the one that sees it best, the stronger the better
+    /// the view; nothing if there was none and is none.
+    pub(super) fn draw(&mut self, states: &[RobotState], time_ns: u64) -> Option<SceneUpdate> {
+        let place = |robot: u32| {
+            let state = states.iter().find(|state| state.robot == robot)?;
+            Some(Point3 {
+                x: state.x,
+                y: state.y,
+                z: HEIGHT,
+            })
+        };
+        let (mut points, mut colors) = (Vec::new(), Vec::new());
+        for sighting in &self.sightings {
+            if let (Some(from), Some(to)) = (place(sighting.observer), place(sighting.robot)) {
+                let visibility = sighting.visibility.clamp(0.0, 1.0);
+                let color = Color {
+                    a: FAINT + (1.0 - FAINT) * visibility,
+                    ..palette::SIGHT
+                };
+                points.extend([from, to]);
+                colors.extend([color, color]);
+            }
+        }
+        let mut update = SceneUpdate::default();
+        let (shown, shows) = (self.shown, !points.is_empty());
+        if shows {
+            update.entities.push(SceneEntity {
+                lines: vec![LinePrimitive {
+                    r#type: line_primitive::Type::LineList as i32,
+                    pose: Some(pose(0.0, 0.0, 0.0, 0.0)),
+                    thickness: PIXELS,
+                    scale_invariant: true,
+                    points,
+                    colors,
+                    ..LinePrimitive::default()
+                }],
+                ..entity(ID.to_owned(), time_ns)
+            });
+        } else {
+            update.deletions.push(SceneEntityDeletion {
+                timestamp: Some(timestamp(time_ns)),
+                r#type: scene_entity_deletion::Type::MatchingId as i32,
+                id: ID.to_owned(),
+            });
+        }
+        self.shown = shows;
+        (shows || shown).then_some(update)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_of_sight_go_from_the_observer_to_the_seen_and_vanish_with_the_view() {
+        let states = [(0, 1.0), (1, 5.0)].map(|(robot, x)| RobotState {
+            robot,
+            x,
+            ..RobotState::default()
+        });
+        let mut sight = Sight::default();
+        assert!(sight.draw(&states, 0).is_none(), "nobody sees anybody");
+        let seen = Sighting {
+            robot: 1,
+            observer: 0,
+            visibility: 0.5,
+            seen: 1,
+            ..Sighting::default()
+        };
+        let nobody = Sighting {
+            observer: u32::MAX,
+            ..seen
+        };
+        sight.set([seen, nobody].into_iter());
+        let update = sight.draw(&states, 1).unwrap();
+        let line = &update.entities[0].lines[0];
+        assert_eq!(
+            line.points.iter().map(|p| p.x).collect::<Vec<_>>(),
+            [1.0, 5.0]
+        );
+        assert!((line.colors[0].a - 0.6).abs() < 1e-12);
+        sight.set([Sighting { seen: 0, ..seen }].into_iter());
+        assert_eq!(sight.draw(&states, 2).unwrap().deletions[0].id, ID);
+        assert!(sight.draw(&states, 3).is_none());
+    }
+}

@@ -1,0 +1,90 @@
+//! The outlines of everything solid as points, for viewers that draw neither grids nor scenes.
+
+use foxglove::messages::{PackedElementField, PointCloud, packed_element_field::NumericType};
+use ipc_types::messages::world::{MapCell, MapHeader};
+
+use super::scene::pose;
+use super::{MAP_FRAME, timestamp};
+
+/// Bytes of a point: x, y, z as `f32`.
+const STRIDE: u32 = 12;
+
+/// The centres of the occupied cells that have a free neighbour. The number of cells must be that
+/// of the header.
+pub(super) fn draw(
+    header: &MapHeader,
+    time_ns: u64,
+    cells: impl ExactSizeIterator<Item = MapCell>,
+) -> PointCloud {
+    let width = header.width.max(1) as usize;
+    let solid: Vec<bool> = cells.map(|cell| cell.occupied != 0).collect();
+    let is_free = |index: Option<usize>| index.is_some_and(|i| solid.get(i) == Some(&false));
+    let mut data = Vec::new();
+    for (index, _) in solid.iter().enumerate().filter(|(_, solid)| **solid) {
+        let (column, row) = (index % width, index / width);
+        let left = (column > 0).then(|| index - 1);
+        let right = (column + 1 < width).then_some(index + 1);
+        let beside = [left, right, index.checked_sub(width), Some(index + width)];
+        if beside.into_iter().any(is_free) {
+            let centre = |origin: f64, cell: usize| {
+                (origin + (cell as f64 + 0.5) * header.resolution) as f32
+            };
+            let point = [
+                centre(header.origin_x, column),
+                centre(header.origin_y, row),
+                0.0,
+            ];
+            data.extend(point.iter().flat_map(|value| value.to_le_bytes()));
+        }
+    }
+    let field = |(offset, name): (u32, &str)| PackedElementField {
+        name: name.to_owned(),
+        offset,
+        r#type: NumericType::Float32 as i32,
+    };
+    PointCloud {
+        timestamp: Some(timestamp(time_ns)),
+        frame_id: MAP_FRAME.to_owned(),
+        pose: Some(pose(0.0, 0.0, 0.0, 0.0)),
+        point_stride: STRIDE,
+        fields: [(0, "x"), (4, "y"), (8, "z")].map(field).to_vec(),
+        data: data.into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_the_outline_of_what_is_solid_is_drawn() {
+        let header = MapHeader {
+            width: 5,
+            height: 5,
+            resolution: 2.0,
+            origin_x: -1.0,
+            ..MapHeader::default()
+        };
+        // A solid block of three by three in the middle: eight around, one inside.
+        let cells = (0..25).map(|i| MapCell {
+            occupied: u8::from((1..4).contains(&(i % 5)) && (1..4).contains(&(i / 5))),
+            ..MapCell::default()
+        });
+        let cells: Vec<MapCell> = cells.collect();
+        let cloud = draw(&header, 0, cells.into_iter());
+        assert_eq!(cloud.data.len(), 8 * STRIDE as usize);
+        let first: Vec<f32> = cloud.data[..12]
+            .chunks_exact(4)
+            .map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]))
+            .collect();
+        assert_eq!(first, [2.0, 3.0, 0.0]);
+        let walls = vec![
+            MapCell {
+                occupied: 1,
+                ..MapCell::default()
+            };
+            25
+        ];
+        assert!(draw(&header, 0, walls.into_iter()).data.is_empty());
+    }
+}

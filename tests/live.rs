@@ -1,0 +1,385 @@
+//! Runs that are watched: real connections to the real program.
+
+use std::collections::BTreeMap;
+use std::io::{BufRead as _, BufReader};
+use std::net::TcpStream;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use rustix::process::Signal;
+use serde_json::{Value as Json, json};
+use tungstenite::client::IntoClientRequest as _;
+use tungstenite::http::StatusCode;
+use tungstenite::{Error, HandshakeError, Message, WebSocket};
+
+use crate::support::Sandbox;
+use crate::support::call::PATIENCE;
+
+/// Longest that anything here may take.
+const LIMIT: Duration = Duration::from_secs(120);
+
+/// A run that serves viewers; killed if the test ends first.
+pub struct Watched<'a> {
+    sandbox: &'a Sandbox,
+    child: Child,
+    url: String,
+    /// What else it says.
+    said: Option<std::thread::JoinHandle<String>>,
+}
+
+impl<'a> Watched<'a> {
+    /// Starts a run with `--live 0` and these words, and waits for its address.
+    pub fn start(sandbox: &'a Sandbox, words: &[&str]) -> Self {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_protean"))
+            .args(["run", "chase", "--live", "0", "--out", "run.mcap"])
+            .args(["--set", PATIENCE])
+            .args(words)
+            .current_dir(sandbox.path())
+            .env("XDG_RUNTIME_DIR", sandbox.runtime_dir())
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
+        let mut before = String::new();
+        let url = loop {
+            let line = lines
+                .next()
+                .unwrap_or_else(|| panic!("no address: {before}"));
+            let line = line.unwrap();
+            if let Some(url) = line.strip_prefix("live: ws://") {
+                break format!("ws://{url}");
+            }
+            before += &line;
+        };
+        let said =
+            std::thread::spawn(move || lines.map_while(Result::ok).collect::<Vec<_>>().join("\n"));
+        Self {
+            sandbox,
+            child,
+            url,
+            said: Some(said),
+        }
+    }
+
+    /// What viewers connect to.
+    pub fn url(&self) -> &str {
+        &self.url
+    }
+
+    /// Ends it as Ctrl-C does.
+    pub fn interrupt(&self) {
+        crate::support::sandbox::signal(self.child.id(), Signal::INT);
+    }
+
+    /// `127.0.0.1:PORT`.
+    fn address(&self) -> &str {
+        let rest = self.url.strip_prefix("ws://").unwrap();
+        rest.split_once('/').unwrap().0
+    }
+
+    /// Waits for its end; its code, and what it said.
+    pub fn finish(mut self) -> (Option<i32>, String) {
+        let deadline = Instant::now() + LIMIT;
+        let status = loop {
+            if let Some(status) = self.child.try_wait().unwrap() {
+                break status;
+            }
+            assert!(Instant::now() < deadline, "the run does not end");
+            std::thread::sleep(Duration::from_millis(10));
+        };
+        let said = self.said.take().unwrap().join().unwrap();
+        (status.code(), said)
+    }
+}
+
+impl Drop for Watched<'_> {
+    fn drop(&mut self) {
+        if self.said.is_some() {
+            let _ = self.child.kill();
+            let _ = self.child.wait();
+            self.sandbox.kill_all();
+        }
+    }
+}
+
+/// A viewer's end of the connection.
+struct Viewer(WebSocket<TcpStream>);
+
+impl Viewer {
+    /// Connects to an address, with or without an origin; the status if it is refused.
+    fn connect(url: &str, origin: Option<&str>, protocol: &str) -> Result<Self, StatusCode> {
+        let mut request = url.into_client_request().unwrap();
+        let headers = request.headers_mut();
+        headers.insert("sec-websocket-protocol", protocol.parse().unwrap());
+        if let Some(origin) = origin {
+            headers.insert("origin", origin.parse().unwrap());
+        }
+        let host = url.strip_prefix("ws://").unwrap();
+        let stream = TcpStream::connect(host.split('/').next().unwrap()).unwrap();
+        stream.set_read_timeout(Some(LIMIT)).unwrap();
+        match tungstenite::client(request, stream) {
+            Ok((socket, response)) => {
+                assert_eq!(response.headers()["sec-websocket-protocol"], protocol);
+                Ok(Self(socket))
+            }
+            Err(HandshakeError::Failure(Error::Http(response))) => Err(response.status()),
+            Err(error) => panic!("{error}"),
+        }
+    }
+
+    fn say(&mut self, text: &Json) {
+        self.0.send(Message::text(text.to_string())).unwrap();
+    }
+
+    /// The next message; `None` when the server has closed the connection.
+    fn hear(&mut self) -> Option<Heard> {
+        loop {
+            match self.0.read() {
+                Ok(Message::Text(text)) => {
+                    return Some(Heard::Text(serde_json::from_str(&text).unwrap()));
+                }
+                Ok(Message::Binary(bytes)) => return Some(Heard::of(&bytes)),
+                Ok(Message::Close(_)) | Err(Error::ConnectionClosed) => return None,
+                Ok(_) => {}
+                Err(error) => panic!("{error}"),
+            }
+        }
+    }
+
+    /// The first words: what the server is, and its channels by topic.
+    fn greeted(&mut self) -> (Json, BTreeMap<String, Json>) {
+        let Some(Heard::Text(info)) = self.hear() else {
+            panic!("no greeting");
+        };
+        assert!(matches!(self.hear(), Some(Heard::Time(_))));
+        let mut channels = BTreeMap::new();
+        while !channels.contains_key("/viewer/log") || !channels.contains_key("world/state") {
+            if let Some(Heard::Text(text)) = self.hear() {
+                assert_eq!(text["op"], "advertise");
+                for channel in text["channels"].as_array().unwrap() {
+                    let topic = channel["topic"].as_str().unwrap().to_owned();
+                    channels.insert(topic, channel.clone());
+                }
+            }
+        }
+        (info, channels)
+    }
+
+    /// Subscribes to these channels, under the numbers of the channels and a thousand.
+    fn subscribe(&mut self, channels: &BTreeMap<String, Json>, topics: &[&str]) {
+        let of = |topic: &&str| {
+            let id = channels[*topic]["id"].as_u64().unwrap();
+            json!({ "id": id + 1000, "channelId": id })
+        };
+        let subscriptions: Vec<Json> = topics.iter().map(of).collect();
+        self.say(&json!({ "op": "subscribe", "subscriptions": subscriptions }));
+    }
+}
+
+enum Heard {
+    Text(Json),
+    Time(u64),
+    Message {
+        subscription: u32,
+        time_ns: u64,
+        data: Vec<u8>,
+    },
+}
+
+impl Heard {
+    fn of(bytes: &[u8]) -> Self {
+        let number = |at: usize| u64::from_le_bytes(bytes[at..at + 8].try_into().unwrap());
+        match bytes[0] {
+            1 => Self::Message {
+                subscription: u32::from_le_bytes(bytes[1..5].try_into().unwrap()),
+                time_ns: number(5),
+                data: bytes[13..].to_vec(),
+            },
+            2 => Self::Time(number(1)),
+            other => panic!("opcode {other}"),
+        }
+    }
+}
+
+const NOW: &str = "foxglove.sdk.v1";
+
+#[test]
+fn a_viewer_sees_what_the_log_holds_and_the_run_stays_the_same() {
+    let sandbox = Sandbox::new();
+    let words = ["--json", "--pace", "2", "--set", "rules.time_limit=6"];
+    let run = Watched::start(&sandbox, &words);
+    let mut viewer = Viewer::connect(&run.url, None, NOW).unwrap();
+    let (info, channels) = viewer.greeted();
+    assert_eq!(info["op"], "serverInfo");
+    assert_eq!(
+        info["capabilities"],
+        json!(["time"]),
+        "nothing to meddle with"
+    );
+    let topics = [
+        "world/state",
+        "/viewer/scene",
+        "/viewer/map",
+        "perception/belief",
+    ];
+    viewer.subscribe(&channels, &topics);
+    // What nobody may ask for is not answered, and disturbs nothing.
+    viewer.say(&json!({ "op": "advertise", "channels": [{ "id": 1, "topic": "robot/command" }] }));
+    viewer.say(&json!({ "op": "setParameters", "parameters": [] }));
+    viewer.0.send(Message::binary(vec![1, 1, 0, 0, 0])).unwrap();
+    let mut heard: BTreeMap<u32, Vec<(u64, Vec<u8>)>> = BTreeMap::new();
+    let mut now = 0;
+    while let Some(message) = viewer.hear() {
+        match message {
+            Heard::Text(text) => assert_eq!(text["op"], "advertise"),
+            Heard::Time(time_ns) => {
+                assert!(time_ns >= now);
+                now = time_ns;
+            }
+            Heard::Message {
+                subscription,
+                time_ns,
+                data,
+            } => {
+                assert!(time_ns <= now, "the clock goes before");
+                heard.entry(subscription).or_default().push((time_ns, data));
+            }
+        }
+    }
+    let (code, said) = run.finish();
+    assert_eq!(code, Some(0), "{said}");
+    assert!(said.contains("live: 1 viewers"), "{said}");
+    assert!(said.contains(", 0 left out"), "{said}");
+    assert_eq!(now, 6_000_000_000, "to the end");
+    let bytes = std::fs::read(sandbox.path().join("run.mcap")).unwrap();
+    let mut logged: BTreeMap<String, Vec<(u64, Vec<u8>)>> = BTreeMap::new();
+    let mut schemas = BTreeMap::new();
+    for message in mcap::MessageStream::new(&bytes).unwrap() {
+        let message = message.unwrap();
+        let topic = message.channel.topic.clone();
+        let schema = message.channel.schema.clone().unwrap();
+        schemas.insert(
+            topic.clone(),
+            (message.channel.message_encoding.clone(), schema),
+        );
+        let entry = (message.log_time, message.data.to_vec());
+        logged.entry(topic).or_default().push(entry);
+    }
+    for topic in topics {
+        let channel = &channels[topic];
+        let (encoding, schema) = &schemas[topic];
+        assert_eq!(channel["encoding"], encoding.as_str());
+        assert_eq!(channel["schemaName"], schema.name);
+        assert_eq!(channel["schemaEncoding"], schema.encoding);
+        let text = channel["schema"].as_str().unwrap();
+        if schema.encoding == "protobuf" {
+            let decoded = data_encoding::BASE64.decode(text.as_bytes()).unwrap();
+            assert_eq!(decoded, *schema.data);
+        } else {
+            assert_eq!(text.as_bytes(), &*schema.data);
+        }
+        // From the moment of the subscription on the same to the byte.
+        let subscription = channel["id"].as_u64().unwrap() as u32 + 1000;
+        let heard = &heard[&subscription];
+        let logged = &logged[topic];
+        assert!(logged.ends_with(heard), "{topic}");
+        assert!(!heard.is_empty());
+    }
+    let alone = sandbox
+        .protean(["run", "chase", "--out", "alone.mcap"])
+        .set("rules.time_limit=6")
+        .json();
+    let watched = sandbox.protean(["info", "run.mcap"]).json();
+    assert_eq!(watched["digest"], alone["digest"], "{watched}");
+    sandbox.assert_nothing_left();
+}
+
+#[test]
+fn strangers_stay_outside_and_viewers_of_all_ages_come_in() {
+    let sandbox = Sandbox::new();
+    let run = Watched::start(&sandbox, &["--quiet"]);
+    let open = format!("ws://{}/", run.address());
+    let refused = |url: &str, origin| Viewer::connect(url, origin, NOW).err();
+    assert_eq!(
+        refused(&open, None),
+        Some(StatusCode::FORBIDDEN),
+        "no token"
+    );
+    let wrong = format!("{open}{}", "0".repeat(32));
+    assert_eq!(refused(&wrong, None), Some(StatusCode::FORBIDDEN));
+    assert_eq!(
+        refused(&run.url, Some("https://evil.example")),
+        Some(StatusCode::FORBIDDEN),
+        "a page of the web that knows the address"
+    );
+    let other = Viewer::connect(&run.url, None, "chat").err();
+    assert_eq!(other, Some(StatusCode::BAD_REQUEST));
+    for origin in [None, Some("file://"), Some("https://app.foxglove.dev")] {
+        assert_eq!(refused(&run.url, origin), None, "{origin:?}");
+    }
+    let mut old = Viewer::connect(&run.url, None, "foxglove.websocket.v1").unwrap();
+    let (_, channels) = old.greeted();
+    // Who comes late gets the map, which was sent before the first tick.
+    old.subscribe(&channels, &["/viewer/map"]);
+    let subscription = channels["/viewer/map"]["id"].as_u64().unwrap() as u32 + 1000;
+    loop {
+        match old.hear() {
+            Some(Heard::Message {
+                subscription: s, ..
+            }) if s == subscription => break,
+            Some(_) => {}
+            None => panic!("no map"),
+        }
+    }
+    // Somebody who says nothing at all holds nobody up.
+    let _silent = TcpStream::connect(run.address()).unwrap();
+    let second = sandbox
+        .protean(["run", "chase", "--quiet", "--out", "second.mcap", "--live"])
+        .arg(run.address().rsplit(':').next().unwrap())
+        .run();
+    second.refused(
+        1,
+        &[
+            "error: cannot serve live viewers on ",
+            run.address(),
+            "in use",
+        ],
+    );
+    assert!(!sandbox.path().join("second.mcap").exists());
+    run.interrupt();
+    let address = run.address().to_owned();
+    // All are told good-bye.
+    while old.hear().is_some() {}
+    let (code, said) = run.finish();
+    assert_eq!(code, Some(3), "{said}");
+    assert!(
+        TcpStream::connect(&address).is_err(),
+        "the port is free again"
+    );
+    sandbox.assert_nothing_left();
+}
+
+#[test]
+fn a_viewer_that_takes_nothing_does_not_hold_the_run_up() {
+    let sandbox = Sandbox::new();
+    let words = [
+        "--pace",
+        "1000",
+        "--set",
+        "processes.perception.params.filter.particles=4000",
+    ];
+    let run = Watched::start(&sandbox, &words);
+    let mut viewer = Viewer::connect(&run.url, None, NOW).unwrap();
+    let (_, channels) = viewer.greeted();
+    let all: Vec<&str> = channels.keys().map(String::as_str).collect();
+    viewer.subscribe(&channels, &all);
+    // Never reads again.
+    let (code, said) = run.finish();
+    assert_eq!(code, Some(0), "{said}");
+    assert!(said.contains("live: 1 viewers"), "{said}");
+    assert!(!said.contains(", 0 left out"), "{said}");
+    drop(viewer);
+    sandbox.assert_nothing_left();
+}

@@ -1,0 +1,298 @@
+//! Logs and live runs in the viewers that people have.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::process::Command;
+
+use serde_json::{Value as Json, json};
+
+use crate::support::browser::{layout, studio};
+use crate::support::{Sandbox, python, skipped};
+
+/// Counts pixels of the colours that matter, in a screenshot.
+const COLOURS: &str = "(data) => {
+    const seen = { police: 0, evader: 0, building: 0, sum: 0 };
+    for (let i = 0; i < data.length; i += 4) {
+        const [r, g, b] = [data[i], data[i + 1], data[i + 2]];
+        if (b > r + 80 && b > g + 30) seen.police += 1;
+        if (r > b + 100 && r > g + 40) seen.evader += 1;
+        if (r > 80 && r < 130 && b > r + 8 && b < r + 30) seen.building += 1;
+        seen.sum = (seen.sum * 31 + (r << 16 | g << 8 | b)) % 4294967291;
+    }
+    return seen;
+}";
+
+/// The schemas of a log by topic.
+fn schemas(log: &Path) -> BTreeMap<String, (String, String)> {
+    let bytes = std::fs::read(log).unwrap();
+    let summary = mcap::Summary::read(&bytes).unwrap().unwrap();
+    let all = summary.channels.values().map(|channel| {
+        let schema = channel.schema.as_ref().unwrap();
+        let text = String::from_utf8_lossy(&schema.data).into_owned();
+        (channel.topic.clone(), (schema.name.clone(), text))
+    });
+    all.collect()
+}
+
+/// The type of a field of a message type, by the text of a ROS 2 schema.
+fn field<'a>(schema: &'a str, message: Option<&str>, name: &str) -> Option<&'a str> {
+    let mut parts = schema.split("====\nMSG: ");
+    let own = parts.next().unwrap();
+    let part = match message {
+        None => own,
+        Some(message) => parts.find(|part| part.lines().next() == Some(message))?,
+    };
+    part.lines().find_map(|line| {
+        let mut words = line.split_whitespace();
+        let kind = words.next()?;
+        (words.next() == Some(name)).then_some(kind)
+    })
+}
+
+/// Asserts that a path of messages, `topic{filter}.field[0].field`, names what is there.
+#[track_caller]
+fn names_what_is_there(path: &str, schemas: &BTreeMap<String, (String, String)>) {
+    let end = path.find(['.', '{']).unwrap_or(path.len());
+    let (topic, fields) = path.split_at(end);
+    let (_, schema) = schemas
+        .get(topic)
+        .unwrap_or_else(|| panic!("{path}: no topic {topic}"));
+    let mut message: Option<&str> = None;
+    for part in fields.split('.') {
+        // The filter names a field of the message that it stands behind.
+        let (name, filter) = part.split_once('{').unwrap_or((part, ""));
+        let name = name.split('[').next().unwrap();
+        if !name.is_empty() {
+            let kind = field(schema, message, name);
+            let kind = kind.unwrap_or_else(|| panic!("{path}: no field {name}"));
+            message = Some(kind.trim_end_matches("[]"));
+        }
+        if let Some((filtered, _)) = filter.split_once("==") {
+            let kind = field(schema, message, filtered);
+            assert!(kind.is_some(), "{path}: no field {filtered}");
+        }
+    }
+}
+
+#[test]
+fn the_layout_names_only_what_a_log_of_the_default_chase_holds() {
+    let sandbox = Sandbox::new();
+    sandbox
+        .protean(["run", "chase", "--out", "run.mcap"])
+        .set("rules.time_limit=1")
+        .json();
+    let schemas = schemas(&sandbox.path().join("run.mcap"));
+    let layout: Json = serde_json::from_slice(&std::fs::read(layout()).unwrap()).unwrap();
+    let panels = layout["configById"].as_object().unwrap();
+    let mut shown = 0;
+    for (panel, config) in panels {
+        for topic in config["topics"]
+            .as_object()
+            .into_iter()
+            .flat_map(|t| t.keys())
+        {
+            let (schema, _) = schemas
+                .get(topic)
+                .unwrap_or_else(|| panic!("{panel}: {topic}"));
+            assert!(
+                schema.starts_with("foxglove."),
+                "{panel}: {topic} is {schema}"
+            );
+            shown += 1;
+        }
+        for path in config["paths"].as_array().into_iter().flatten() {
+            names_what_is_there(path["value"].as_str().unwrap(), &schemas);
+            shown += 1;
+        }
+        for key in ["topicPath", "topicToRender"] {
+            if let Some(path) = config[key].as_str() {
+                names_what_is_there(path, &schemas);
+                shown += 1;
+            }
+        }
+    }
+    assert!(shown > 20, "{shown}");
+    // Every panel has its place, and every place its panel.
+    let places = layout["layout"].to_string();
+    for panel in panels.keys() {
+        assert!(
+            places.contains(&format!("{panel:?}")),
+            "{panel} has no place"
+        );
+    }
+    assert_eq!(places.matches('!').count(), panels.len());
+}
+
+#[test]
+fn every_chunk_has_messages_because_studio_opens_no_log_without() {
+    let sandbox = Sandbox::new();
+    // Nothing stands there from the beginning, so that nothing is drawn before the first tick.
+    sandbox
+        .protean(["run", "patrol_octagon", "--out", "run.mcap"])
+        .set("rules.time_limit=2")
+        .json();
+    sandbox
+        .protean(["filter", "run.mcap", "--start", "1", "--out", "part.mcap"])
+        .json();
+    for log in ["run.mcap", "part.mcap"] {
+        let bytes = std::fs::read(sandbox.path().join(log)).unwrap();
+        let summary = mcap::Summary::read(&bytes).unwrap().unwrap();
+        assert!(!summary.chunk_indexes.is_empty());
+        for chunk in &summary.chunk_indexes {
+            assert!(!chunk.message_index_offsets.is_empty(), "{log}: {chunk:?}");
+        }
+    }
+}
+
+/// Waits until the table of topics says this of one; `.+` for any number of messages.
+fn listed(topic: &str, schema: &str, count: &str) -> Json {
+    let text = format!("{}\\s+{schema}\\s+{count}\\s", topic.replace('/', "\\/"));
+    json!({ "until": format!("/{text}/.test(document.body.innerText)") })
+}
+
+/// Waits until a screenshot shows robots and buildings.
+fn drawn() -> Json {
+    json!({ "until_colours": COLOURS, "all": ["police", "evader", "building"], "least": 30 })
+}
+
+#[test]
+fn a_log_opens_in_foxglove_studio_and_plays() {
+    let sandbox = Sandbox::new();
+    let summary = sandbox
+        .protean(["run", "chase", "--out", "run.mcap"])
+        .set("rules.time_limit=20")
+        .json();
+    let log = sandbox.path().join("run.mcap");
+    let count = |topic: &str| {
+        let messages = &summary["topics"][topic]["messages"];
+        let messages = messages
+            .as_u64()
+            .unwrap_or_else(|| panic!("{topic}: {summary}"));
+        // As the table writes it.
+        match messages {
+            0..1000 => messages.to_string(),
+            _ => format!("{},{:03}", messages / 1000, messages % 1000),
+        }
+    };
+    // The panel of raw messages says it.
+    let clock = "Number(/@ (\\d+\\.\\d+) sec/.exec(document.body.innerText)?.[1])";
+    let steps = json!([
+        listed("/viewer/scene", "foxglove.SceneUpdate", &count("/viewer/scene")),
+        listed("/viewer/map", "foxglove.Grid", "1"),
+        listed("/viewer/particles/evader_1", "foxglove.PointCloud", &count("/viewer/particles/evader_1")),
+        listed("/viewer/log", "foxglove.Log", &count("/viewer/log")),
+        listed("perception/belief", "protean\\/msg\\/PerceptionBelief", &count("perception/belief")),
+        drawn(),
+        { "until": format!("{clock} >= 0") },
+        { "eval": clock },
+        { "key": " " },
+        { "until": format!("{clock} > 9") },
+        { "key": " " },
+        { "eval": clock },
+        drawn(),
+        // That panel has decoded ours, and none complains of the layout.
+        { "eval": "/robots\\s*\\[\\]\\s*6 items/.test(document.body.innerText)" },
+        { "eval": "/An error occurred|unknown panel/i.test(document.body.innerText)" },
+    ]);
+    let Some(found) = studio(log.to_str().unwrap(), 8.0, &steps) else {
+        return;
+    };
+    let answers = found["answers"].as_array().unwrap();
+    let [.., before, _, from, _, to, after, decoded, broken] = &answers[..] else {
+        panic!("{found}");
+    };
+    assert_eq!(from, 8.0, "opened where it was asked to");
+    assert!(to.as_f64().unwrap() > 9.0);
+    assert_ne!(before["sum"], after["sum"], "the picture moves");
+    assert_eq!((decoded, broken), (&json!(true), &json!(false)));
+    asks_only_this_machine(&found);
+}
+
+#[test]
+fn a_live_run_is_drawn_in_foxglove_studio() {
+    let sandbox = Sandbox::new();
+    let run = crate::live::Watched::start(&sandbox, &["--quiet"]);
+    let steps = json!([
+        listed("/viewer/scene", "foxglove.SceneUpdate", ".+"),
+        listed("world/state", "protean\\/msg\\/WorldState", ".+"),
+        drawn(),
+    ]);
+    let Some(found) = studio(run.url(), 0.0, &steps) else {
+        return;
+    };
+    asks_only_this_machine(&found);
+    run.interrupt();
+    let (code, said) = run.finish();
+    // Over already on a machine that is slow enough.
+    assert!(matches!(code, Some(0 | 3)), "{said}");
+    sandbox.assert_nothing_left();
+}
+
+#[track_caller]
+fn asks_only_this_machine(found: &Json) {
+    for request in found["requests"].as_array().unwrap() {
+        let address = request.as_str().unwrap();
+        let inside = ["http://127.0.0.1:", "data:", "blob:"];
+        assert!(
+            inside.iter().any(|i| address.starts_with(i)),
+            "asks for {address}"
+        );
+    }
+}
+
+/// Rerun takes 166 MB to fetch: only where `PROTEAN_TEST_RERUN` is set.
+#[test]
+fn a_log_opens_in_rerun() {
+    let what = "opening a log in Rerun";
+    if std::env::var_os("PROTEAN_TEST_RERUN").is_none() {
+        skipped(what, "PROTEAN_TEST_RERUN is not set");
+        return;
+    }
+    let python = match python::prepare(&["python-rerun", "rerun-sdk==0.41.0"]) {
+        Ok(python) => python,
+        Err(reason) => return skipped(what, &reason),
+    };
+    let sandbox = Sandbox::new();
+    let summary = sandbox
+        .protean(["run", "chase", "--out", "run.mcap"])
+        .set("rules.time_limit=20")
+        .json();
+    let rerun = |words: &[&str]| {
+        let output = Command::new(python.with_file_name("rerun"))
+            .args(words)
+            .current_dir(sandbox.path())
+            // It keeps its settings in the home directory.
+            .env("HOME", sandbox.path())
+            .env("RERUN_ANALYTICS", "false")
+            .output()
+            .unwrap();
+        let said = String::from_utf8_lossy(&output.stdout).into_owned();
+        let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success(), "{words:?}: {said}\n{errors}");
+        said
+    };
+    rerun(&["mcap", "check", "run.mcap"]);
+    let info = rerun(&["mcap", "info", "run.mcap"]);
+    for (topic, counts) in summary["topics"].as_object().unwrap() {
+        let line = info
+            .lines()
+            .find(|line| line.split_whitespace().nth(1) == Some(topic));
+        let line = line.unwrap_or_else(|| panic!("{topic}: {info}"));
+        let messages = line.split_whitespace().nth(2).unwrap();
+        assert_eq!(messages, counts["messages"].to_string(), "{line}");
+    }
+    rerun(&["mcap", "convert", "run.mcap", "-o", "run.rrd"]);
+    let chunks = rerun(&["rrd", "print", "run.rrd"]);
+    for (entity, component) in [
+        ("/viewer/walls", "Points3D:positions"),
+        ("/viewer/particles/evader_1", "Points3D:positions"),
+        ("/viewer/poses", "InstancePoses3D:translations"),
+        ("/viewer/tf", "Transform3D:translation"),
+        ("/viewer/log", "TextLog:text"),
+    ] {
+        let drawn = chunks
+            .lines()
+            .any(|line| line.contains(&format!(" - {entity} - ")) && line.contains(component));
+        assert!(drawn, "{entity} is not drawn as {component}");
+    }
+}
