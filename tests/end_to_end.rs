@@ -11,6 +11,7 @@ mod chase;
 mod coverage;
 mod external;
 mod in_process;
+mod latency;
 mod lifecycle;
 mod logs;
 mod missions;

@@ -14,7 +14,7 @@ mod filter;
 mod info;
 mod info_text;
 pub(crate) mod known;
-mod origin;
+pub(crate) mod origin;
 pub(crate) mod output;
 mod pattern;
 pub(crate) mod place;

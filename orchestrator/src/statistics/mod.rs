@@ -12,6 +12,7 @@
 mod critical;
 mod crossing;
 mod difference;
+mod distribution;
 mod fisher;
 mod holm;
 mod interval;
@@ -25,6 +26,7 @@ mod wilson;
 pub use critical::{Critical, Estimate};
 pub use crossing::Crossing;
 pub use difference::{Difference, difference_of_differences};
+pub use distribution::{Distribution, Distributions, LogHistogram, Percentiles};
 pub use fisher::fisher_exact;
 pub use holm::holm;
 pub use interval::Interval;
