@@ -3,6 +3,9 @@
 use super::BenchError;
 
 /// Pins the calling thread, and what it will start, to its first, second, … allowed processor.
+///
+/// # Errors
+/// [`BenchError`] if the system refuses.
 pub fn pin(which: usize) -> Result<(), BenchError> {
     let system = |e: rustix::io::Errno| BenchError::system("cannot pin to a processor")(e.into());
     let mut set = rustix::thread::CpuSet::new();
@@ -11,6 +14,9 @@ pub fn pin(which: usize) -> Result<(), BenchError> {
 }
 
 /// The processors that this thread may be on.
+///
+/// # Errors
+/// [`BenchError`] if the system does not tell.
 pub fn allowed() -> Result<Vec<usize>, BenchError> {
     let system = |e: rustix::io::Errno| BenchError::system("cannot ask for processors")(e.into());
     let allowed = rustix::thread::sched_getaffinity(None).map_err(system)?;

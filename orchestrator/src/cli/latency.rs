@@ -171,7 +171,7 @@ fn measure(args: &LatencyArgs, interrupted: &Arc<AtomicBool>) -> Result<u8, Refu
 
 fn refusal(error: &LatencyError) -> Refusal {
     let code = match error {
-        LatencyError::Logs(LogsError::Interrupted) => EXIT_PARTIAL,
+        LatencyError::Logs(error) if matches!(**error, LogsError::Interrupted) => EXIT_PARTIAL,
         error if error.is_invalid_input() => EXIT_INVALID,
         _ => EXIT_FAILED,
     };

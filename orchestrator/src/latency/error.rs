@@ -11,7 +11,7 @@ use crate::mission::MissionError;
 pub enum LatencyError {
     /// The log cannot be used, or a result cannot be written.
     #[error(transparent)]
-    Logs(#[from] LogsError),
+    Logs(Box<LogsError>),
     /// There is nothing to measure in the log.
     #[error("{}: the log holds no {what}", path.display())]
     Lacks {
@@ -22,7 +22,7 @@ pub enum LatencyError {
     },
     /// The mission failed.
     #[error(transparent)]
-    Mission(#[from] MissionError),
+    Mission(Box<MissionError>),
     /// A baseline could not be measured.
     #[error(transparent)]
     Bench(#[from] BenchError),
@@ -42,10 +42,22 @@ impl LatencyError {
         match self {
             Self::Lacks { .. } => true,
             Self::Logs(error) => !matches!(
-                error,
+                **error,
                 LogsError::Write { .. } | LogsError::Mission(_) | LogsError::Interrupted
             ),
             Self::Mission(_) | Self::Bench(_) | Self::System { .. } => false,
         }
+    }
+}
+
+impl From<LogsError> for LatencyError {
+    fn from(error: LogsError) -> Self {
+        Self::Logs(Box::new(error))
+    }
+}
+
+impl From<MissionError> for LatencyError {
+    fn from(error: MissionError) -> Self {
+        Self::Mission(Box::new(error))
     }
 }

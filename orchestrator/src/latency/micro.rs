@@ -115,7 +115,7 @@ fn by_payload(
             placement: Placement::Unpinned,
         })?;
         for bytes in SIZES {
-            say(&format!("one hop of {} bytes", bytes));
+            say(&format!("one hop of {bytes} bytes"));
             let blocks = Blocks {
                 ways: &ways,
                 bytes,

@@ -172,7 +172,9 @@ mod tests {
 
     fn of(values: &[u64]) -> Distribution {
         let mut distribution = Distribution::new().unwrap();
-        values.iter().for_each(|ns| distribution.record(*ns));
+        for ns in values {
+            distribution.record(*ns);
+        }
         distribution
     }
 
