@@ -12,6 +12,7 @@ mod chase;
 mod coverage;
 mod external;
 mod in_process;
+mod latency;
 mod lifecycle;
 mod live;
 mod logs;

@@ -1,5 +1,7 @@
 //! The monotonic clock of the stamps.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 /// Now on the monotonic clock of the machine [ns], comparable between processes.
@@ -33,5 +35,22 @@ impl StampClock {
     /// Now [ns].
     pub fn now_ns(self) -> u64 {
         if self.runs { monotonic_ns() } else { 0 }
+    }
+}
+
+/// When the turn of a process began, for the stamps of everything that it sends in it. Clones share
+/// the one value.
+#[derive(Debug, Clone, Default)]
+pub struct TurnStart(Arc<AtomicU64>);
+
+impl TurnStart {
+    /// The turn begins at this time [ns].
+    pub fn set(&self, now_ns: u64) {
+        self.0.store(now_ns, Ordering::Relaxed);
+    }
+
+    /// When it began [ns]; 0 before the first.
+    pub fn get(&self) -> u64 {
+        self.0.load(Ordering::Relaxed)
     }
 }

@@ -8,8 +8,10 @@ message! {
     /// Stands first in the user header of every message.
     ///
     /// The simulated part (tick, time, sequence, source) is a function of scenario and seed in
-    /// lock-step and belongs to the digest of a run. The three monotonic clocks sit together at the
-    /// end, never steer anything, and are outside the digest.
+    /// lock-step and belongs to the digest of a run. The monotonic clocks sit together at the end,
+    /// never steer anything, and are outside the digest. A sender's own four follow each other:
+    /// it is its turn, the last input is there, the result is there, the message is on its way. A
+    /// clock that was not read is 0.
     pub struct Stamp = "protean/Stamp" {
         tick: u64 = "tick of the world state that this message belongs to",
         time_ns: u64 = "simulated time of that tick [ns]",
@@ -17,14 +19,27 @@ message! {
         source: u32 = "index of the sending process in the run",
         reserved: u32 = "always 0",
         origin_ns: u64 = "monotonic clock when the causing world state was sent [ns], handed on unchanged",
+        begun_ns: u64 = "monotonic clock when the sender was awake and began its turn [ns]",
         received_ns: u64 = "monotonic clock when the sender took up the last input for this message [ns]",
-        sent_ns: u64 = "monotonic clock when this message was sent [ns]",
+        computed_ns: u64 = "monotonic clock when the content of this message was known and its writing began [ns]",
+        sent_ns: u64 = "monotonic clock when this message was written and sent [ns]",
     }
 }
 
 impl Stamp {
     /// How many leading bytes belong to simulated history; the clocks follow them.
     pub const SIMULATED_BYTES: usize = core::mem::offset_of!(Stamp, origin_ns);
+
+    /// All clocks, to be changed together.
+    pub fn clocks_mut(&mut self) -> [&mut u64; 5] {
+        [
+            &mut self.origin_ns,
+            &mut self.begun_ns,
+            &mut self.received_ns,
+            &mut self.computed_ns,
+            &mut self.sent_ns,
+        ]
+    }
 }
 
 /// A user header: a message whose first field is the [`Stamp`].

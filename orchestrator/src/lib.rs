@@ -7,6 +7,7 @@ pub mod chase_page;
 pub mod cli;
 pub mod figures;
 pub mod in_process;
+pub mod latency;
 pub mod live;
 pub mod logs;
 pub mod mission;

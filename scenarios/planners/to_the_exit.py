@@ -91,6 +91,7 @@ def publish(state, received_ns, robot_index, v, omega):
     header.stamp.origin_ns = state.stamp.origin_ns
     sequence += 1
     header.stamp.received_ns = received_ns
+    header.stamp.computed_ns = time.monotonic_ns()
     header.stamp.sent_ns = time.monotonic_ns()
     sample.payload()[0] = messages.Command(v=v, omega=omega, robot=robot_index)
     sample.assume_init().send()

@@ -30,7 +30,7 @@ use std::sync::Arc;
 
 use iceoryx2::prelude::{Config, Node, NodeBuilder, NodeName, SignalHandlingMode, ipc};
 
-use crate::clock::StampClock;
+use crate::clock::{StampClock, TurnStart};
 use crate::topics::{RunSize, Service, Topic};
 use local::Hub;
 
@@ -61,6 +61,7 @@ pub const LOOP_TICKS: usize = 4;
 pub struct Bus {
     backend: Backend,
     options: BusOptions,
+    turn: TurnStart,
 }
 
 #[derive(Debug)]
@@ -96,6 +97,7 @@ impl Bus {
                 space: space.clone(),
             },
             options,
+            turn: TurnStart::default(),
         })
     }
 
@@ -107,6 +109,7 @@ impl Bus {
         Self {
             backend: Backend::Local(Rc::new(Hub::new(commons))),
             options,
+            turn: TurnStart::default(),
         }
     }
 
@@ -121,6 +124,12 @@ impl Bus {
             Backend::Ipc { .. } => StampClock::MONOTONIC,
             Backend::Local(_) => StampClock::STANDING,
         }
+    }
+
+    /// Says that the turn of this process begins now: everything that its publishers send from now
+    /// on carries the time.
+    pub fn begin_turn(&self) {
+        self.turn.set(self.clock().now_ns());
     }
 
     /// What the processes of a run in one thread share besides messages; `None` for anything else
@@ -215,7 +224,9 @@ impl Bus {
     /// publisher.
     pub fn publisher<T: Topic>(&self, options: PublisherOptions) -> Result<Publisher<T>, BusError> {
         match &self.backend {
-            Backend::Ipc { node, .. } => Publisher::open(node, &self.options, options),
+            Backend::Ipc { node, .. } => {
+                Publisher::open(node, &self.options, options, self.turn.clone())
+            }
             Backend::Local(hub) => Publisher::open_local(hub, &self.options, options),
         }
     }

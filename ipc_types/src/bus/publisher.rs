@@ -9,7 +9,7 @@ use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::prelude::{AllocationStrategy, BackpressureStrategy, Node, ipc};
 
 use super::{BusError, BusOptions, Hub, SendError, local, service};
-use crate::clock::StampClock;
+use crate::clock::{TurnStart, monotonic_ns};
 use crate::stamp::Header;
 use crate::topics::Topic;
 
@@ -51,6 +51,7 @@ pub struct Publisher<T: Topic> {
     port: Port<T>,
     options: PublisherOptions,
     sequence: Cell<u64>,
+    turn: TurnStart,
 }
 
 /// A publisher of one of the buses.
@@ -64,6 +65,7 @@ impl<T: Topic> Publisher<T> {
         node: &Node<ipc::Service>,
         bus: &BusOptions,
         options: PublisherOptions,
+        turn: TurnStart,
     ) -> Result<Self, BusError> {
         use iceoryx2::port::BackpressureAction;
 
@@ -101,6 +103,7 @@ impl<T: Topic> Publisher<T> {
             port: Port::Ipc(port),
             options,
             sequence: Cell::new(0),
+            turn,
         })
     }
 
@@ -113,6 +116,7 @@ impl<T: Topic> Publisher<T> {
             port: Port::Local(local::Sender::open(hub.channel(bus)?)?),
             options,
             sequence: Cell::new(0),
+            turn: TurnStart::default(),
         })
     }
 
@@ -138,7 +142,8 @@ impl<T: Topic> Publisher<T> {
     }
 
     /// Sends a message whose elements are copied; returns how many subscribers got it. The stamp's
-    /// sequence, source and sending clock (0 on a bus in memory) are filled in.
+    /// sequence, source and the clocks of turn, writing and sending (0 on a bus in memory) are
+    /// filled in.
     ///
     /// # Errors
     /// [`SendError::Capacity`] if it has too many elements, [`SendError::Blocked`] if a receiver
@@ -146,7 +151,15 @@ impl<T: Topic> Publisher<T> {
     /// [`SendError::Transport`] otherwise.
     pub fn send(&self, header: T::Header, elements: &[T::Element]) -> Result<usize, SendError> {
         let header = self.stamped(header, elements.len())?;
-        self.repeat(header, elements)
+        match &self.port {
+            Port::Ipc(port) => {
+                let sample = loan::<T>(port, header, elements.len())?;
+                self.finish_now(sample.write_from_slice(elements))
+            }
+            Port::Local(port) => self.sent(port.send(|message| {
+                message.fill(header, |own| own.extend_from_slice(elements));
+            })),
+        }
     }
 
     /// Sends a message whose elements are made in place, in the memory of the message.
@@ -163,10 +176,43 @@ impl<T: Topic> Publisher<T> {
         match &self.port {
             Port::Ipc(port) => {
                 let sample = loan::<T>(port, header, count)?;
-                self.finish(sample.write_from_fn(element))
+                self.finish_now(sample.write_from_fn(element))
             }
             Port::Local(port) => self.sent(port.send(|message| {
                 message.fill(header, |own| own.extend((0..count).map(element)));
+            })),
+        }
+    }
+
+    /// Sends a message whose elements stand in its memory already, or are changed there: `write` gets
+    /// them as the memory holds them (zeros, or what an earlier message of this publisher left) and
+    /// writes as much or as little as it likes. What it does not touch costs nothing, however
+    /// large the message is.
+    ///
+    /// # Errors
+    /// As [`Publisher::send`].
+    pub fn send_in_place(
+        &self,
+        header: T::Header,
+        count: usize,
+        write: impl FnOnce(&mut [T::Element]),
+    ) -> Result<usize, SendError> {
+        let header = self.stamped(header, count)?;
+        match &self.port {
+            Port::Ipc(port) => {
+                let sample = loan::<T>(port, header, count)?;
+                // SAFETY: the memory is a shared file mapping, which the kernel hands out as zeros;
+                // it holds those or what an earlier message left. Elements are `FromBytes` (a
+                // supertrait of `Message`): any bytes are a valid value.
+                let mut sample = unsafe { sample.assume_init() };
+                write(sample.payload_mut());
+                self.finish_now(sample)
+            }
+            Port::Local(port) => self.sent(port.send(|message| {
+                message.fill(header, |own| {
+                    own.resize(count, T::Element::default());
+                    write(own);
+                });
             })),
         }
     }
@@ -227,12 +273,19 @@ impl<T: Topic> Publisher<T> {
         stamp.sequence = self.sequence.get();
         stamp.source = self.options.source;
         stamp.reserved = 0;
-        stamp.sent_ns = match self.port {
-            Port::Ipc(_) => StampClock::MONOTONIC,
-            Port::Local(_) => StampClock::STANDING,
-        }
-        .now_ns();
+        stamp.begun_ns = self.turn.get();
+        (stamp.computed_ns, stamp.sent_ns) = match self.port {
+            Port::Ipc(_) => (monotonic_ns(), 0),
+            // No clock runs there.
+            Port::Local(_) => (0, 0),
+        };
         Ok(header)
+    }
+
+    /// Sends a message that has just been written.
+    fn finish_now(&self, mut sample: Filled<T>) -> Result<usize, SendError> {
+        sample.user_header_mut().stamp_mut().sent_ns = monotonic_ns();
+        self.finish(sample)
     }
 
     fn finish(&self, sample: Filled<T>) -> Result<usize, SendError> {

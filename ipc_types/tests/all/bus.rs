@@ -27,8 +27,52 @@ fn messages_carry_the_clock_of_their_sending() {
         let message = subscriber.receive().unwrap().expect("one per sending");
         let sent = message.header().stamp.sent_ns;
         assert!(sent > last && sent <= ipc_types::clock::monotonic_ns());
+        assert_eq!(message.header().stamp.begun_ns, 0, "no turn has begun");
+        assert!((last..=sent).contains(&message.header().stamp.computed_ns));
         last = sent;
     }
+    bus.begin_turn();
+    publisher.send(WorldHeader::default(), &[]).unwrap();
+    let stamp = subscriber.receive().unwrap().unwrap().header().stamp;
+    assert!(stamp.begun_ns >= last && stamp.begun_ns <= stamp.computed_ns);
+}
+
+#[test]
+fn what_is_sent_in_place_is_what_the_memory_holds() {
+    let space = Space::new("in_place");
+    space.0.create_root().unwrap();
+    let holder = Bus::join(&space.0, options(false), "holder").unwrap();
+    let _service = holder.create::<WorldState>().unwrap();
+    let bus = Bus::join(&space.0, options(false), "process").unwrap();
+    let publisher = bus
+        .publisher::<WorldState>(PublisherOptions::new(7, 2))
+        .unwrap();
+    let subscriber = bus.subscriber::<WorldState>().unwrap();
+    publisher.update_connections().unwrap();
+    let mut places = std::collections::BTreeMap::new();
+    for round in 0..64_u32 {
+        let mut seen = None;
+        publisher
+            .send_in_place(WorldHeader::default(), 2, |robots| {
+                // Only one robot is written: the other is zeros, or of an earlier message.
+                robots[0].robot = round;
+                seen = Some((robots.as_ptr().addr(), robots[1].robot));
+                robots[1].robot = 1000 + round;
+            })
+            .unwrap();
+        let message = subscriber.receive().unwrap().expect("one per sending");
+        let robots = message.elements();
+        assert_eq!((robots[0].robot, robots[1].robot), (round, 1000 + round));
+        let (place, before) = seen.unwrap();
+        let expected = places.insert(place, 1000 + round).unwrap_or(0);
+        assert_eq!(before, expected, "nobody has copied or cleared it");
+    }
+    assert!(places.len() < 64, "memory is used again");
+    let error = publisher.send_in_place(WorldHeader::default(), 3, |_| {});
+    assert!(
+        matches!(error, Err(SendError::Capacity { .. })),
+        "{error:?}"
+    );
 }
 
 #[test]

@@ -14,6 +14,8 @@ mod crew;
 mod error;
 pub mod hop;
 pub mod in_process;
+pub mod link;
+pub mod pinning;
 mod probe;
 mod raw;
 mod report;
@@ -25,8 +27,9 @@ pub mod ticks;
 
 pub use error::BenchError;
 pub use raw::planner as raw_planner;
+pub(crate) use report::load;
 pub use report::{Baseline, Figure, Goal, Report};
-pub use stats::Spread;
+pub use stats::{Spread, paired_ratio};
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -80,11 +83,11 @@ pub struct Options {
 
 impl Options {
     /// `full` repetitions, or `quick` ones.
-    fn repeats(&self, full: usize, quick: usize) -> usize {
+    pub(crate) fn repeats(&self, full: usize, quick: usize) -> usize {
         if self.quick { quick } else { full }
     }
 
-    fn check(&self) -> Result<(), BenchError> {
+    pub(crate) fn check(&self) -> Result<(), BenchError> {
         if self.interrupted.load(Ordering::SeqCst) {
             Err(BenchError::Interrupted)
         } else {

@@ -250,7 +250,8 @@ fn amount(value: f64) -> String {
     }
 }
 
-fn load() -> [f64; 3] {
+/// Load averages over 1, 5 and 15 minutes.
+pub(crate) fn load() -> [f64; 3] {
     let text = std::fs::read_to_string("/proc/loadavg").unwrap_or_default();
     parse_load(&text)
 }

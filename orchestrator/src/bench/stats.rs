@@ -48,14 +48,6 @@ pub fn paired_ratio(ours: &[f64], baseline: &[f64]) -> Option<Spread> {
     )
 }
 
-/// The value below which a share of the values lies (nearest rank); sorts them. `None` without any.
-pub fn percentile(values: &mut [u64], share: f64) -> Option<u64> {
-    values.sort_unstable();
-    let last = values.len().checked_sub(1)?;
-    let rank = (share.clamp(0.0, 1.0) * values.len() as f64).ceil() as usize;
-    values.get(rank.saturating_sub(1).min(last)).copied()
-}
-
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
@@ -76,16 +68,6 @@ mod tests {
         let ratio = paired_ratio(&[80.0, 8.0, 90.0], &[100.0, 10.0, 100.0]).unwrap();
         assert!((ratio.median - 0.8).abs() < 1e-12 && (ratio.max - 0.9).abs() < 1e-12);
         assert_eq!(paired_ratio(&[1.0], &[0.0]), None, "no baseline, no ratio");
-    }
-
-    #[test]
-    fn percentiles_are_by_nearest_rank() {
-        let mut values: Vec<u64> = (1..=100).rev().collect();
-        assert_eq!(percentile(&mut values, 0.5), Some(50));
-        assert_eq!(percentile(&mut values, 0.99), Some(99));
-        assert_eq!(percentile(&mut values, 0.0), Some(1));
-        assert_eq!(percentile(&mut values, 1.0), Some(100));
-        assert_eq!(percentile(&mut [], 0.5), None);
     }
 
     proptest! {

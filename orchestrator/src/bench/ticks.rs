@@ -24,6 +24,7 @@ use sim_backend::spec::Preset;
 use sim_backend::team::Team;
 
 use super::crew::{Crew, launch};
+use super::pinning::pin;
 use super::raw::{PLANNERS, RawConductor, RawConfig};
 use super::report::{Figure, Goal};
 use super::stats::{Spread, paired_ratio};
@@ -56,7 +57,7 @@ pub fn measure(options: &Options, say: &mut impl FnMut(&str)) -> Result<Vec<Figu
             scope
                 .spawn(|| {
                     if pinned {
-                        pin_to_first()?;
+                        pin(0)?;
                     }
                     alternate(options, deadline)
                 })
@@ -89,18 +90,6 @@ pub fn measure(options: &Options, say: &mut impl FnMut(&str)) -> Result<Vec<Figu
         );
     }
     Ok(figures)
-}
-
-/// Pins the calling thread, and what it will start, to its first processor.
-fn pin_to_first() -> Result<(), BenchError> {
-    let system = |e: rustix::io::Errno| BenchError::system("cannot pin to a processor")(e.into());
-    let allowed = rustix::thread::sched_getaffinity(None).map_err(system)?;
-    let first = (0..rustix::thread::CpuSet::MAX_CPU)
-        .find(|&cpu| allowed.is_set(cpu))
-        .unwrap_or(0);
-    let mut set = rustix::thread::CpuSet::new();
-    set.set(first);
-    rustix::thread::sched_setaffinity(None, &set).map_err(system)
 }
 
 /// Rates of the blocks of the kit and of the raw exchange [ticks/s], pair by pair.

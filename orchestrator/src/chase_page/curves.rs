@@ -57,5 +57,6 @@ pub(super) fn chart(
         unit: Unit::Share,
         series: series.collect(),
         reference: REFERENCE.to_owned(),
+        ..Chart::default()
     }
 }

@@ -9,6 +9,7 @@ mod export;
 mod filter;
 mod info;
 mod instances;
+mod latency;
 mod list;
 mod logs;
 mod patrol;
@@ -144,6 +145,9 @@ enum Command {
         #[arg(long)]
         json: bool,
     },
+    /// Measure how long it takes from the state of the world to the commands for it, hop by hop
+    #[command(after_long_help = latency::HELP)]
+    Latency(latency::LatencyArgs),
     /// Plan minimum-time trajectories for every instance of a file, and check them
     #[command(after_long_help = plan::HELP)]
     Plan(plan::PlanArgs),
@@ -292,6 +296,7 @@ pub fn main() -> ExitCode {
         Some(Command::Replay(args)) => replay::run(args),
         Some(Command::Rerun(args)) => rerun::run(&args),
         Some(Command::Bench { items, quick, json }) => bench::bench(&items, quick, json),
+        Some(Command::Latency(args)) => latency::run(&args),
         Some(Command::Plan(args)) => plan::plan(&args),
         Some(Command::Instances(args)) => instances::instances(&args),
         Some(Command::Coverage(command)) => coverage::coverage(&command),

@@ -23,7 +23,8 @@ pub fn run(kind: &str, config: &Path) -> ExitCode {
         // Of the bench: not in the list of kinds, no scenario can ask for them.
         "bench-planner" => bench::ticks::planner(config),
         "raw-planner" => bench::raw_planner(config),
-        "bench-sink" => bench::hop::sink(config),
+        "bench-sink" => bench::link::sink(config),
+        "bench-crowd" => bench::link::crowd(config),
         other => wirings::visit(other, Live(config)).unwrap_or_else(|| {
             eprintln!("error: no process of kind {other:?} in this program");
             ExitCode::from(EXIT_INVALID)

@@ -116,7 +116,17 @@ fn load(target: &str, args: &RunArgs) -> Result<ResolvedScenario, String> {
         scenario.run.mode = Mode::RealTime;
         scenario.run.real_time_factor = factor;
     }
-    if scenario.uses_external_commands() && !args.allow_external {
+    refuse_external(target, &scenario, args.allow_external)?;
+    Ok(scenario)
+}
+
+/// Programs that are not ours are started only if somebody has looked at them.
+pub(super) fn refuse_external(
+    target: &str,
+    scenario: &ResolvedScenario,
+    allowed: bool,
+) -> Result<(), String> {
+    if scenario.uses_external_commands() && !allowed {
         let mut text = format!(
             "error: {target} starts programs that are not Protean's own; look at them and add \
              --allow-external:"
@@ -128,7 +138,7 @@ fn load(target: &str, args: &RunArgs) -> Result<ResolvedScenario, String> {
         }
         return Err(text);
     }
-    Ok(scenario)
+    Ok(())
 }
 
 /// The first Ctrl-C or SIGTERM ends the run in order, the second ends the program.

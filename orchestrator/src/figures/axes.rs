@@ -1,6 +1,6 @@
 //! The frame that points stand in.
 
-use super::chart::{Chart, Unit, number};
+use super::chart::{Chart, Scale, Unit, number};
 use super::drawing::{Drawing, Shape, Step};
 use super::ticks::Ticks;
 use crate::picture::canvas::{Style, text_width};
@@ -17,6 +17,8 @@ const LABEL: f64 = 14.5;
 pub(super) struct Axes {
     x: Ticks,
     y: Ticks,
+    x_scale: Scale,
+    y_scale: Scale,
     /// Left, top, right, bottom [px].
     area: [f64; 4],
 }
@@ -27,6 +29,8 @@ impl Axes {
         Self {
             x: horizontal(chart),
             y: vertical(chart),
+            x_scale: chart.x_scale,
+            y_scale: chart.y_scale,
             area,
         }
     }
@@ -43,8 +47,8 @@ impl Axes {
         let [left, top, right, bottom] = self.area;
         let part = |v: f64, ticks: &Ticks| (v - ticks.low) / (ticks.high - ticks.low);
         [
-            left + part(x, &self.x) * (right - left),
-            bottom - part(y, &self.y).clamp(-0.02, 1.02) * (bottom - top),
+            left + part(self.x_scale.place(x), &self.x) * (right - left),
+            bottom - part(self.y_scale.place(y), &self.y).clamp(-0.02, 1.02) * (bottom - top),
         ]
     }
 
@@ -75,6 +79,12 @@ impl Axes {
             ..tick
         };
         let mut written = f64::NEG_INFINITY;
+        // Long numbers with nothing but zeros between them need more room to be kept apart.
+        let apart = if self.x_scale == Scale::Linear {
+            3.0
+        } else {
+            12.0
+        };
         for &value in &self.x.values {
             let x = self.place(value, 0.0)[0];
             drawing.line([x, bottom], [x, bottom + 5.0], palette::INK, 1.2);
@@ -86,7 +96,7 @@ impl Axes {
             let half = text_width(&text, TICK) / 2.0;
             if x - half >= written {
                 drawing.text(x, bottom + 20.0, middle, &text);
-                written = x + half + 3.0;
+                written = x + half + apart;
             }
         }
         drawing.shape(Shape {
@@ -121,6 +131,9 @@ fn horizontal(chart: &Chart) -> Ticks {
         (ticks.low, ticks.high) = (-0.5, chart.x_names.len() as f64 - 0.5);
         return ticks;
     }
+    if chart.x_scale == Scale::Logarithmic {
+        return decades(chart.points().map(|p| p.x));
+    }
     let ticks = Ticks::at(chart.points().map(|p| p.x).collect());
     if ticks.values.len() <= 12 {
         return ticks;
@@ -133,9 +146,35 @@ fn horizontal(chart: &Chart) -> Ticks {
     }
 }
 
+/// Ticks at powers of ten around all values; the ends are exponents.
+fn decades(values: impl Iterator<Item = f64>) -> Ticks {
+    let ends = (f64::INFINITY, f64::NEG_INFINITY);
+    let (low, high) = values.fold(ends, |(low, high), value| {
+        let at = Scale::Logarithmic.place(value);
+        (at.floor().min(low), at.ceil().max(high))
+    });
+    let (low, high) = if low < high {
+        (low, high)
+    } else if low.is_finite() {
+        (low - 1.0, low + 1.0)
+    } else {
+        (0.0, 1.0)
+    };
+    let exponents = low as i32..=high as i32;
+    Ticks {
+        low,
+        high,
+        values: exponents.map(|e| 10_f64.powi(e)).collect(),
+    }
+}
+
 fn vertical(chart: &Chart) -> Ticks {
     match chart.unit {
         Unit::Share => Ticks::over(0.0, 1.0, 5.0),
+        Unit::Number if chart.y_scale == Scale::Logarithmic => {
+            let reach = chart.points().map(super::chart::Point::reach);
+            decades(reach.flat_map(|(low, high)| [low, high]))
+        }
         Unit::Number => {
             let reach = || chart.points().map(super::chart::Point::reach);
             let low = reach().map(|r| r.0).fold(0.0, f64::min);

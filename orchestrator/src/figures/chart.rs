@@ -11,14 +11,45 @@ pub struct Chart {
     pub x_label: String,
     /// Names of the places 0, 1, 2 … on the horizontal axis, if what stands there are not numbers.
     pub x_names: Vec<String>,
+    /// How the horizontal axis is divided.
+    pub x_scale: Scale,
+    /// Whether points have no marks: curves of so many points that lines say it all.
+    pub lines_only: bool,
     /// Text along the vertical axis, with its unit.
     pub y_label: String,
+    /// How the vertical axis is divided; shares are always in equal steps.
+    pub y_scale: Scale,
     /// How the vertical axis is divided.
     pub unit: Unit,
     /// The curves, in the order of the legend.
     pub series: Vec<Series>,
     /// What the hollow marks are; nothing is said if there are none.
     pub reference: String,
+}
+
+/// How an axis is divided.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Scale {
+    /// Equal steps.
+    #[default]
+    Linear,
+    /// Powers of ten; what is not positive has no place there.
+    Logarithmic,
+}
+
+impl Scale {
+    /// Where a value lies.
+    pub(super) fn place(self, value: f64) -> f64 {
+        match self {
+            Self::Linear => value,
+            Self::Logarithmic => sim_backend::math::ln(value) / core::f64::consts::LN_10,
+        }
+    }
+
+    /// Whether a value has a place.
+    fn has(self, value: f64) -> bool {
+        self == Self::Linear || value >= SMALLEST
+    }
 }
 
 /// How values are shown.
@@ -43,6 +74,8 @@ pub struct Series {
     pub reference: Vec<Point>,
 }
 
+/// Smallest number that is drawn on a logarithmic axis.
+const SMALLEST: f64 = 1e-100;
 /// Largest number that is drawn.
 const LARGEST: f64 = 1e100;
 
@@ -59,11 +92,13 @@ pub struct Point {
 
 impl Point {
     /// Whether it can be drawn: its numbers are finite, and not so large that sums of them are not.
-    pub(super) fn can_be_drawn(&self) -> bool {
+    pub(super) fn can_be_drawn(&self, chart: &Chart) -> bool {
         let (low, high) = self.interval.unwrap_or((self.y, self.y));
         [self.x, self.y, low, high]
             .iter()
             .all(|v| v.abs() <= LARGEST)
+            && chart.x_scale.has(self.x)
+            && [self.y, low, high].iter().all(|v| chart.y_scale.has(*v))
     }
 
     /// The lowest and highest value that belong to it.
@@ -82,7 +117,10 @@ impl Chart {
             let s: &Series = s;
             s.points.iter().chain(&s.reference)
         };
-        self.series.iter().flat_map(of).filter(|p| p.can_be_drawn())
+        self.series
+            .iter()
+            .flat_map(of)
+            .filter(|p| p.can_be_drawn(self))
     }
 
     /// Whether anything is compared with.

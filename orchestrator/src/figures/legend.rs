@@ -30,7 +30,10 @@ enum Sign {
 }
 
 /// The legend of a chart.
-pub(super) struct Legend(Vec<Row>);
+pub(super) struct Legend {
+    rows: Vec<Row>,
+    marks: bool,
+}
 
 impl Legend {
     /// The rows for what there is in a chart, in lines of at most this width [px].
@@ -62,18 +65,21 @@ impl Legend {
                 lines: lines(&chart.reference, SMALL),
             });
         }
-        Self(rows)
+        Self {
+            rows,
+            marks: !chart.lines_only,
+        }
     }
 
     /// Height of all rows [px].
     pub(super) fn height(&self) -> f64 {
-        self.0.iter().map(Row::height).sum()
+        self.rows.iter().map(Row::height).sum()
     }
 
     /// Draws it with its upper left corner here [px].
     pub(super) fn draw(&self, drawing: &mut Drawing, left: f64, top: f64) {
         let mut y = top;
-        for row in &self.0 {
+        for row in &self.rows {
             let middle = y + LINE / 2.0;
             let at = [left + 14.0, middle];
             let (size, color) = match row.sign {
@@ -85,7 +91,9 @@ impl Legend {
                         dash: look.dash,
                         ..Shape::default()
                     });
-                    look.mark(drawing, at, false, String::new());
+                    if self.marks {
+                        look.mark(drawing, at, false, String::new());
+                    }
                     (SIZE, palette::INK)
                 }
                 Sign::Hollow => {

@@ -16,13 +16,15 @@ mod marks;
 mod png;
 mod save;
 mod series;
+mod stack;
 mod ticks;
 
 #[cfg(test)]
 mod tests;
 
-pub use chart::{Chart, Point, Series, Unit};
+pub use chart::{Chart, Point, Scale, Series, Unit};
 pub use draw::draw;
 pub use drawing::Drawing;
 pub use png::PngError;
 pub use save::{SaveError, save};
+pub use stack::{Bar, Stack};

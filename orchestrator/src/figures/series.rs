@@ -20,10 +20,14 @@ pub(super) fn draw(chart: &Chart, axes: &Axes, drawing: &mut Drawing) {
         .enumerate()
         .map(|(index, series)| Curve {
             look: Look::of(index),
-            shift: (index as f64 - (count as f64 - 1.0) / 2.0) * apart,
+            shift: if chart.lines_only {
+                0.0
+            } else {
+                (index as f64 - (count as f64 - 1.0) / 2.0) * apart
+            },
             chart,
             axes,
-            points: drawable(&series.points),
+            points: drawable(&series.points, chart),
             series,
         })
         .collect();
@@ -33,13 +37,16 @@ pub(super) fn draw(chart: &Chart, axes: &Axes, drawing: &mut Drawing) {
     for curve in &curves {
         drawing.begin(&curve.series.name);
         curve.line(drawing);
-        curve.marks(drawing);
+        if !chart.lines_only {
+            curve.marks(drawing);
+        }
         drawing.end();
     }
 }
 
-fn drawable(points: &[Point]) -> Vec<Point> {
-    let mut points: Vec<Point> = points.iter().copied().filter(Point::can_be_drawn).collect();
+fn drawable(points: &[Point], chart: &Chart) -> Vec<Point> {
+    let points = points.iter().copied();
+    let mut points: Vec<Point> = points.filter(|p| p.can_be_drawn(chart)).collect();
     points.sort_by(|a, b| a.x.total_cmp(&b.x));
     points
 }
@@ -106,7 +113,7 @@ impl Curve<'_> {
             }
         }
         // What others measured stands above our bars and below our marks.
-        for point in drawable(&self.series.reference) {
+        for point in drawable(&self.series.reference, self.chart) {
             if let Some((low, high)) = point.interval {
                 let (top, bottom) = (self.place(point.x, high), self.place(point.x, low));
                 drawing.shape(Shape {

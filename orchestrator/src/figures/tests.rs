@@ -167,3 +167,41 @@ proptest! {
         prop_assert!(!text.contains("NaN") && !text.contains("inf"));
     }
 }
+
+#[test]
+fn logarithmic_axes_are_divided_by_powers_of_ten() {
+    let point = |x, y| Point {
+        x,
+        y,
+        interval: None,
+    };
+    let chart = Chart {
+        x_scale: Scale::Logarithmic,
+        y_scale: Scale::Logarithmic,
+        unit: Unit::Number,
+        lines_only: true,
+        series: vec![Series {
+            name: "curve".into(),
+            // What is not positive has no place.
+            points: vec![
+                point(3.0, 20.0),
+                point(2_000.0, 70.0),
+                point(0.0, 5.0),
+                point(9.0, -1.0),
+            ],
+            reference: Vec::new(),
+        }],
+        ..Chart::default()
+    };
+    let svg = draw(&chart).svg();
+    for label in [">1<", ">10<", ">100<", ">1000<", ">10000<"] {
+        assert!(svg.contains(label), "{label}: {svg}");
+    }
+    assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
+    assert!(!svg.contains("curve, 3"), "points have no marks");
+    let empty = Chart {
+        series: Vec::new(),
+        ..chart
+    };
+    assert!(!draw(&empty).svg().contains("NaN"));
+}

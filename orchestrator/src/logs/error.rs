@@ -108,9 +108,6 @@ pub enum LogsError {
     /// The run could not be done again.
     #[error(transparent)]
     Mission(#[from] MissionError),
-    /// Times could not be counted.
-    #[error("cannot measure times: {0}")]
-    Durations(#[from] hdrhistogram::CreationError),
     /// Ctrl-C.
     #[error("interrupted; nothing was written")]
     Interrupted,

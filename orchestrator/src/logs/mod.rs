@@ -16,7 +16,7 @@ mod info;
 mod info_text;
 pub(crate) mod known;
 mod last_sent;
-mod origin;
+pub(crate) mod origin;
 pub(crate) mod output;
 mod pattern;
 pub(crate) mod place;

@@ -12,14 +12,14 @@ use crate::scenario::{Loader, Program, ResolvedScenario};
 
 /// Manifest and scenario of a log.
 #[derive(Debug, Default)]
-pub(super) struct Origin {
-    pub(super) manifest: BTreeMap<String, String>,
-    pub(super) scenario: Option<Vec<u8>>,
+pub(crate) struct Origin {
+    pub(crate) manifest: BTreeMap<String, String>,
+    pub(crate) scenario: Option<Vec<u8>>,
 }
 
 impl Origin {
     /// Both must be there.
-    pub(super) fn check(&self, log: &Path) -> Result<(), LogsError> {
+    pub(crate) fn check(&self, log: &Path) -> Result<(), LogsError> {
         let missing = match (self.manifest.is_empty(), self.scenario.is_none()) {
             (true, _) => "manifest",
             (_, true) => "scenario",
@@ -30,7 +30,7 @@ impl Origin {
     }
 
     /// Whether a channel of ours is that of this version.
-    pub(super) fn check_layout(&self, log: &Path, channel: &Channel) -> Result<(), LogsError> {
+    pub(crate) fn check_layout(&self, log: &Path, channel: &Channel) -> Result<(), LogsError> {
         let Some(found) = channel.metadata.get("schema_hash") else {
             return Ok(());
         };
@@ -41,7 +41,7 @@ impl Origin {
     }
 
     /// A topic looks different in this version.
-    pub(super) fn layout(&self, log: &Path, topic: &str, found: &str) -> LogsError {
+    pub(crate) fn layout(&self, log: &Path, topic: &str, found: &str) -> LogsError {
         let expected = known::find(topic).map_or("no such topic", |known| &known.hash);
         LogsError::Layout {
             path: log.to_owned(),
@@ -54,7 +54,7 @@ impl Origin {
 
     /// The scenario as it was run, with these changes; one in real time only if `so` is empty,
     /// which else says what follows from that.
-    pub(super) fn scenario(
+    pub(crate) fn scenario(
         &self,
         log: &Path,
         changes: &[String],

@@ -246,5 +246,6 @@ pub(super) fn chart(study: &Study) -> Chart {
         unit: Unit::Share,
         series: series.into(),
         reference: "published, VMC, 500 runs each (what failed means is not said)".to_owned(),
+        ..Chart::default()
     }
 }

@@ -305,5 +305,6 @@ pub(super) fn chart(study: &Study) -> Chart {
         unit: Unit::Number,
         series: series.into(),
         reference: "published (6, 4 and 4 tests)".to_owned(),
+        ..Chart::default()
     }
 }

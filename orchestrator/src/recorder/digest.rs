@@ -44,7 +44,7 @@ impl Digest {
         };
         stream.messages += 1;
         // The length keeps two messages apart from one that looks like both.
-        stream.push(&(message.cdr_len() as u64).to_le_bytes());
+        stream.push(&(message.history_len() as u64).to_le_bytes());
         for bytes in message.without_clocks() {
             stream.push(bytes);
         }
@@ -144,9 +144,9 @@ mod tests {
         let mut header = WorldHeader::default();
         header.stamp.tick = tick;
         header.stamp.source = source;
-        header.stamp.origin_ns = clock;
-        header.stamp.received_ns = clock + 1;
-        header.stamp.sent_ns = clock + 2;
+        for (later, its) in (0..).zip(header.stamp.clocks_mut()) {
+            *its = clock + later;
+        }
         let mut bytes = Vec::new();
         let robots = vec![
             RobotState {

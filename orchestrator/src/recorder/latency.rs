@@ -8,46 +8,17 @@
 
 use std::collections::BTreeMap;
 
-use hdrhistogram::Histogram;
 use ipc_types::stamp::Stamp;
-use serde::{Deserialize, Serialize};
 
 use super::options::ProcessInfo;
 use super::topic_info::Role;
-use crate::statistics::durations;
+use crate::statistics::{Distributions, LogHistogram, Percentiles};
 
 /// Ticks that are kept while their messages come in; a message that is later is not measured.
 const WINDOW: u64 = 16;
 
-/// Longest latency that is told apart [ns]; longer ones count as this.
-const LONGEST_NS: u64 = 60_000_000_000;
-
 /// Name of the latency from a state's sending to the taking up of the last command for it.
 pub const SENSE_TO_ACT: &str = "sense to act";
-
-/// Distribution of one latency.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Percentiles {
-    /// How often it was measured.
-    pub count: u64,
-    /// Median [µs].
-    pub p50: f64,
-    /// 90th percentile [µs].
-    pub p90: f64,
-    /// 99th percentile [µs].
-    pub p99: f64,
-    /// Largest [µs].
-    pub max: f64,
-}
-
-/// Counts on a logarithmic axis.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub(crate) struct LogHistogram {
-    /// The first part begins at ten to the power of this divided by the parts per decade [ns].
-    pub(crate) first: u32,
-    /// Counts by part.
-    pub(crate) counts: Vec<u64>,
-}
 
 /// Collects latencies from stamps that come ordered by tick and topic.
 #[derive(Debug)]
@@ -55,14 +26,7 @@ pub(crate) struct Latency {
     /// Kind and reading habits of the processes, by their index.
     processes: BTreeMap<u32, Process>,
     ticks: [Tick; WINDOW as usize],
-    measured: BTreeMap<String, Measured>,
-}
-
-#[derive(Debug)]
-struct Measured {
-    histogram: Histogram<u64>,
-    /// Exactly, while the histogram knows three digits.
-    max: u64,
+    measured: Distributions,
 }
 
 #[derive(Debug, Default)]
@@ -103,7 +67,7 @@ impl Latency {
         Self {
             processes,
             ticks: [Tick::default(); WINDOW as usize],
-            measured: BTreeMap::new(),
+            measured: Distributions::default(),
         }
     }
 
@@ -133,6 +97,14 @@ impl Latency {
 
     /// All latencies by name.
     pub(crate) fn finish(&mut self) -> BTreeMap<String, Percentiles> {
+        let measured = self.distributions().iter();
+        measured
+            .map(|(name, distribution)| (name.clone(), distribution.percentiles()))
+            .collect()
+    }
+
+    /// All latencies, steps that have not been followed by another one included.
+    pub(crate) fn distributions(&mut self) -> &Distributions {
         let open: Vec<(String, u64)> = self
             .processes
             .values_mut()
@@ -143,48 +115,17 @@ impl Latency {
             })
             .collect();
         for (name, duration) in open {
-            self.record(&name, duration);
+            self.measured.record(&name, duration);
         }
-        self.measured
-            .iter()
-            .map(|(name, Measured { histogram, max })| {
-                // Nanoseconds below 2^53 are exact as f64.
-                let microseconds = |ns: u64| ns as f64 / 1e3;
-                let at = |quantile| microseconds(histogram.value_at_quantile(quantile).min(*max));
-                let percentiles = Percentiles {
-                    count: histogram.len(),
-                    p50: at(0.5),
-                    p90: at(0.9),
-                    p99: at(0.99),
-                    max: microseconds(*max),
-                };
-                (name.clone(), percentiles)
-            })
-            .collect()
+        &self.measured
     }
 
     /// How often each latency lay in which part of its range, by name: `per_decade` parts of equal
     /// width on a logarithmic axis, from the one with the first count to the one with the last.
     pub(crate) fn histograms(&self, per_decade: u32) -> BTreeMap<String, LogHistogram> {
-        let part = |ns: u64| {
-            let decades = sim_backend::math::ln(ns.max(1) as f64) / core::f64::consts::LN_10;
-            (decades * f64::from(per_decade)).floor() as u32
-        };
-        self.measured
-            .iter()
-            .map(|(name, measured)| {
-                let mut counts: BTreeMap<u32, u64> = BTreeMap::new();
-                for value in measured.histogram.iter_recorded() {
-                    let at = part(value.value_iterated_to());
-                    *counts.entry(at).or_insert(0) += value.count_since_last_iteration();
-                }
-                let first = counts.keys().next().copied().unwrap_or(0);
-                let last = counts.keys().next_back().copied().unwrap_or(0);
-                let counts = (first..=last)
-                    .map(|part| counts.get(&part).copied().unwrap_or(0))
-                    .collect();
-                (name.clone(), LogHistogram { first, counts })
-            })
+        let measured = self.measured.iter();
+        measured
+            .map(|(name, distribution)| (name.clone(), distribution.log_histogram(per_decade)))
             .collect()
     }
 
@@ -193,9 +134,11 @@ impl Latency {
             && before.last_command.0 > 0
         {
             self.hop(before.last_command, stamp);
-            // The state that the commands answered caused this one.
-            if let Some(duration) = since(before.origin, stamp.received_ns) {
-                self.record(SENSE_TO_ACT, duration);
+            // The state that the commands answered caused this one, if they came before it began: in
+            // real time the world goes on without those that are late.
+            let taken = stamp.received_ns >= before.last_command.0;
+            if taken && let Some(duration) = since(before.origin, stamp.received_ns) {
+                self.measured.record(SENSE_TO_ACT, duration);
             }
         }
         self.ticks[(stamp.tick % WINDOW) as usize] = Tick {
@@ -264,7 +207,7 @@ impl Latency {
             .hop_names
             .entry(from)
             .or_insert_with(|| format!("{from_kind} to {}", process.kind));
-        record(&mut self.measured, name, duration);
+        self.measured.record(name, duration);
     }
 
     fn step(&mut self, stamp: &Stamp) {
@@ -278,38 +221,16 @@ impl Latency {
             Some((tick, longest)) if *tick == stamp.tick => *longest = duration.max(*longest),
             other => {
                 if let Some((_, finished)) = other.replace((stamp.tick, duration)) {
-                    record(&mut self.measured, &process.step_name, finished);
+                    self.measured.record(&process.step_name, finished);
                 }
             }
         }
-    }
-
-    fn record(&mut self, name: &str, duration: u64) {
-        record(&mut self.measured, name, duration);
-    }
-}
-
-fn record(measured: &mut BTreeMap<String, Measured>, name: &str, duration: u64) {
-    if let Some(Measured { histogram, max }) = measured.get_mut(name) {
-        histogram.saturating_record(duration);
-        *max = duration.max(*max);
-        return;
-    }
-    if let Ok(mut histogram) = durations(LONGEST_NS) {
-        histogram.saturating_record(duration);
-        measured.insert(
-            name.to_owned(),
-            Measured {
-                histogram,
-                max: duration,
-            },
-        );
     }
 }
 
 /// Nanoseconds between two readings of the clock; `None` if one is missing or they are swapped
 /// (the input was not what the process waited for).
-fn since(earlier: u64, later: u64) -> Option<u64> {
+pub(crate) fn since(earlier: u64, later: u64) -> Option<u64> {
     if earlier == 0 {
         None
     } else {

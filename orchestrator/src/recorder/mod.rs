@@ -44,8 +44,8 @@ pub use beginnings::Beginnings;
 pub use bus::Recorder;
 pub use error::{LogError, RecorderError};
 pub use gate::{Gate, Observer};
-pub(crate) use latency::{Latency, LogHistogram};
-pub use latency::{Percentiles, SENSE_TO_ACT};
+pub use latency::SENSE_TO_ACT;
+pub(crate) use latency::{Latency, since};
 pub use log_writer::{
     ChannelId, ChannelSpec, ChannelTotals, Compression, LogOptions, LogTotals, LogWriter, Manifest,
     ManifestFile,

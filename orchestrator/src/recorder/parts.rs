@@ -56,6 +56,14 @@ impl<'a> Parts<'a> {
         ENCAPSULATION + self.header.len() + self.head.len() + self.elements.len()
     }
 
+    /// The length that the fingerprint knows a message by: as if stamps had the clocks that they had
+    /// when fingerprints began, so that a clock more or less is not another history.
+    pub(super) fn history_len(&self) -> usize {
+        const CLOCKS: usize = size_of::<Stamp>() - Stamp::SIMULATED_BYTES;
+        const CLOCKS_AT_FIRST: usize = 3 * size_of::<u64>();
+        self.cdr_len().saturating_sub(CLOCKS) + CLOCKS_AT_FIRST
+    }
+
     /// The pieces that belong to the simulated history, in order.
     pub(super) fn without_clocks(&self) -> [&'a [u8]; 4] {
         [

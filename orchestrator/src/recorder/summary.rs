@@ -12,12 +12,12 @@ use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 
 use super::judged::Judged;
-use super::latency::Percentiles;
 use super::options::ProcessInfo;
 use super::options::RobotInfo;
 use super::outages::{Outages, ProcessOutcome};
 use super::predicted::{Predicted, PredictionOutcome};
 use super::visits::{Visits, WaypointOutcome};
+use crate::statistics::Percentiles;
 
 /// Most events that a summary lists; the log has all.
 const MAX_EVENTS: usize = 100_000;

@@ -13,7 +13,8 @@ use super::timing::PER_DECADE;
 use crate::logs::output::RUN_DIGEST;
 use crate::picture::ground::corners;
 use crate::picture::palette;
-use crate::recorder::{Percentiles, RobotOutcome, status_name};
+use crate::recorder::{RobotOutcome, status_name};
+use crate::statistics::Percentiles;
 
 /// What became of the robots: as the run said at its end, else as the last state in the log has it.
 pub(super) fn outcome(gathered: &Gathered) -> Vec<RobotOutcome> {

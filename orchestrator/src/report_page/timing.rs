@@ -7,9 +7,10 @@ use ipc_types::stamp::Stamp;
 
 use crate::mission::plan::Plan;
 use crate::mission::recording;
-use crate::recorder::{Latency, LogHistogram, Percentiles, Role};
+use crate::recorder::{Latency, Role};
 use crate::scenario::Loader;
 use crate::scenario::files::Base;
+use crate::statistics::{LogHistogram, Percentiles};
 
 /// Parts of a histogram per power of ten.
 pub(super) const PER_DECADE: u32 = 8;

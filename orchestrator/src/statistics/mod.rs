@@ -12,7 +12,7 @@
 mod critical;
 mod crossing;
 mod difference;
-mod durations;
+mod distribution;
 mod fisher;
 mod holm;
 mod interval;
@@ -26,7 +26,7 @@ mod wilson;
 pub use critical::{Critical, Estimate};
 pub use crossing::Crossing;
 pub use difference::{Difference, difference_of_differences};
-pub(crate) use durations::durations;
+pub use distribution::{Distribution, Distributions, LogHistogram, Percentiles};
 pub use fisher::fisher_exact;
 pub use holm::holm;
 pub use interval::Interval;

@@ -238,6 +238,7 @@ fn chart(figure: &FigureSpec, results: &Results, shown: &Shown, published: &[Pub
         unit: figure.metric.unit(),
         series: series.into_iter().map(|(_, series)| series).collect(),
         reference: "published".to_owned(),
+        ..Chart::default()
     }
 }
 

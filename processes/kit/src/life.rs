@@ -213,6 +213,7 @@ fn live<W: Wiring>(config: &ProcessConfig, mut setup: Setup) -> Result<(), Proce
                     seat.begins(tick);
                     has_begun = true;
                 }
+                setup.bus.begin_turn();
                 let start = Instant::now();
                 if let Err(error) = wiring.step(tick) {
                     let _ = setup.heartbeat.beat(tick, 5, Some(&error.to_string()));

@@ -283,6 +283,7 @@ impl Simulator {
                     TurnEnd::Stop => return Ok(()),
                 }
             }
+            setup.bus.begin_turn();
             self.take_commands()?;
             setup
                 .heartbeat
@@ -329,6 +330,7 @@ impl Simulator {
             if !conductor.sleep(left) || setup.stop.load(Ordering::Relaxed) {
                 return Ok(());
             }
+            setup.bus.begin_turn();
             self.take_commands()?;
             setup
                 .heartbeat

@@ -10,7 +10,13 @@ use serde::Serialize;
 use super::super::known::ENCAPSULATION;
 
 /// Fields that are clocks: they are never the same.
-const CLOCKS: [&str; 3] = ["stamp.origin_ns", "stamp.received_ns", "stamp.sent_ns"];
+const CLOCKS: [&str; 5] = [
+    "stamp.origin_ns",
+    "stamp.begun_ns",
+    "stamp.received_ns",
+    "stamp.computed_ns",
+    "stamp.sent_ns",
+];
 
 /// By how much a field differs, in all messages of a topic.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]

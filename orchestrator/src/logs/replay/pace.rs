@@ -2,14 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use hdrhistogram::Histogram;
 use serde::Serialize;
 
-use super::super::error::LogsError;
-use crate::statistics::durations;
-
-/// Longest time that is told apart [ns]: an hour.
-const LONGEST_NS: u64 = 3_600_000_000_000;
+use crate::statistics::Distribution;
 
 /// Percentiles of a time [µs].
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
@@ -30,19 +25,19 @@ pub(super) struct Pace {
     anchor: (u64, Instant),
     /// When the last message went out, and its log time.
     last: Option<(u64, Instant)>,
-    jitter: Histogram<u64>,
-    lateness: Histogram<u64>,
+    jitter: Option<Distribution>,
+    lateness: Option<Distribution>,
 }
 
 impl Pace {
-    pub(super) fn new(rate: f64, time: u64) -> Result<Self, LogsError> {
-        Ok(Self {
+    pub(super) fn new(rate: f64, time: u64) -> Self {
+        Self {
             rate,
             anchor: (time, Instant::now()),
             last: None,
-            jitter: durations(LONGEST_NS)?,
-            lateness: durations(LONGEST_NS)?,
-        })
+            jitter: Distribution::new(),
+            lateness: Distribution::new(),
+        }
     }
 
     /// From now on, beginning with this log time: after a pause, a jump or a change of the rate.
@@ -75,30 +70,33 @@ impl Pace {
         if let Some((before, at)) = self.last {
             let recorded = time.saturating_sub(before) as f64 / self.rate;
             let actual = nanoseconds(now - at) as f64;
-            self.jitter
-                .saturating_record((actual - recorded).abs() as u64);
+            if let Some(jitter) = &mut self.jitter {
+                jitter.record((actual - recorded).abs() as u64);
+            }
         }
         let late = now.saturating_duration_since(self.due(time));
-        self.lateness.saturating_record(nanoseconds(late));
+        if let Some(lateness) = &mut self.lateness {
+            lateness.record(nanoseconds(late));
+        }
         self.last = Some((time, now));
     }
 
     /// |actual − recorded| time between two messages; nothing if they were sent without a pace.
     pub(super) fn jitter(&self) -> Option<Spread> {
-        spread(&self.jitter)
+        spread(self.jitter.as_ref()?)
     }
 
     /// How long after they were due messages went out.
     pub(super) fn lateness(&self) -> Option<Spread> {
-        spread(&self.lateness)
+        spread(self.lateness.as_ref()?)
     }
 }
 
-fn spread(histogram: &Histogram<u64>) -> Option<Spread> {
-    let at = |share: f64| histogram.value_at_quantile(share) as f64 * 1e-3;
-    (!histogram.is_empty()).then(|| Spread {
-        p50: at(0.5),
-        p99: at(0.99),
-        max: histogram.max() as f64 * 1e-3,
+fn spread(times: &Distribution) -> Option<Spread> {
+    let found = times.percentiles();
+    (found.count > 0).then_some(Spread {
+        p50: found.p50,
+        p99: found.p99,
+        max: found.max,
     })
 }

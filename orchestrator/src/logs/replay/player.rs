@@ -165,7 +165,7 @@ impl<'a> Player<'a> {
             overseer,
             keys,
             screen,
-            pace: Pace::new(options.rate, 0)?,
+            pace: Pace::new(options.rate, 0),
             paused: options.paused,
             now: (0, 0),
             beat: Instant::now(),

@@ -95,11 +95,7 @@ impl<T: Topic> Voice for TopicVoice<T> {
 /// Moves the clocks so that the message is sent now. A clock that never ran stays at 0.
 fn renew(stamp: &mut Stamp) {
     let shift = clock::monotonic_ns().wrapping_sub(stamp.sent_ns);
-    for clock in [
-        &mut stamp.origin_ns,
-        &mut stamp.received_ns,
-        &mut stamp.sent_ns,
-    ] {
+    for clock in stamp.clocks_mut() {
         if *clock != 0 {
             *clock = clock.wrapping_add(shift);
         }

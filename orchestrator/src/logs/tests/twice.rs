@@ -87,7 +87,7 @@ fn a_run_done_again_is_proved_the_same_and_a_changed_log_is_found_out() {
         |channel, data| {
             seen += usize::from(channel.topic == "robot/command");
             if seen == 20 && channel.topic == "robot/command" {
-                data[4 + 56] ^= 1;
+                data[4 + size_of::<ipc_types::stamp::Stamp>()] ^= 1;
             }
             true
         },

@@ -124,7 +124,9 @@ fn run(ticks: u64, clock: u64) -> Vec<Sent> {
             source,
             reserved: 0,
             origin_ns,
+            begun_ns: received_ns.saturating_sub(1_000),
             received_ns,
+            computed_ns: received_ns + 4_000,
             sent_ns: received_ns + 5_000,
         }
     };

@@ -1,0 +1,194 @@
+//! Everything that was measured, for programs.
+
+use std::path::PathBuf;
+
+use serde_json::{Map, Value as Json, json};
+
+use super::baselines::Baseline;
+use super::chain::{REACTION, Stage, TICK_JITTER, WHOLE};
+use super::micro::{GOAL_UP_TO, Hop, Micro};
+use super::of_log::Measured;
+use crate::bench::load;
+use crate::mission::report::machine;
+use crate::statistics::{Distribution, Percentiles};
+
+/// Parts of a histogram per power of ten.
+pub(super) const PER_DECADE: u32 = 8;
+
+/// One mission, or one log.
+#[derive(Debug, Clone)]
+pub struct Run {
+    /// What its stamps say.
+    pub measured: Measured,
+    /// Its log, if it is kept.
+    pub log: Option<PathBuf>,
+    /// Whether it was ended before its time.
+    pub interrupted: bool,
+    /// What its messages would cost over other ways; empty for a log.
+    pub baselines: Vec<Baseline>,
+}
+
+/// Everything that was measured.
+#[derive(Debug, Clone, Default)]
+pub struct Report {
+    /// The missions, or the log.
+    pub runs: Vec<Run>,
+    /// One hop, taken apart.
+    pub micro: Option<Micro>,
+    /// What could not be measured.
+    pub errors: Vec<String>,
+    /// Whether it was ended before everything was measured.
+    pub interrupted: bool,
+    /// Load averages over 1, 5 and 15 minutes when the measuring began.
+    pub load: [f64; 3],
+}
+
+impl Report {
+    /// An empty one; the load is that of now.
+    pub fn new() -> Self {
+        Self {
+            load: load(),
+            ..Self::default()
+        }
+    }
+
+    /// The one JSON object.
+    pub fn json(&self) -> Json {
+        json!({
+            "version": env!("CARGO_PKG_VERSION"),
+            "machine": machine(),
+            "load": self.load,
+            "interrupted": self.interrupted,
+            "errors": self.errors,
+            "runs": self.runs.iter().map(Run::json).collect::<Vec<_>>(),
+            "micro": self.micro.as_ref().map(micro),
+        })
+    }
+}
+
+impl Run {
+    /// The rows from sense to act: every stage that the run had, then the parts that sum up.
+    pub fn stages(&self) -> Vec<(&'static str, Percentiles)> {
+        let names = Stage::ALL.map(Stage::name);
+        let names = names.into_iter().chain([REACTION, WHOLE]);
+        names
+            .filter_map(|name| Some((name, self.measured.stages.get(name)?.percentiles())))
+            .collect()
+    }
+
+    /// Mean time of every stage [us], in the order of [`Stage::ALL`], of the ticks that could be
+    /// followed; they add up to the mean of the whole.
+    pub fn means(&self) -> [f64; 7] {
+        let passages = &self.measured.passages;
+        let count = passages.len().max(1) as f64;
+        let mut means = [0.0; 7];
+        for (stage, mean) in means.iter_mut().enumerate() {
+            let all: u64 = passages.iter().filter_map(|p| p.stages.get(stage)).sum();
+            *mean = all as f64 / 1e3 / count;
+        }
+        means
+    }
+
+    /// The greatest difference, over all ticks, between the sum of the stages and the whole [ns].
+    pub fn sum_error_ns(&self) -> u64 {
+        let differences = self.measured.passages.iter().map(|passage| {
+            let sum: u64 = passage.stages.iter().sum();
+            sum.abs_diff(passage.whole_ns)
+        });
+        differences.max().unwrap_or(0)
+    }
+
+    /// What the tick takes beside the command's wait for it: the share of the period that the
+    /// reaction takes at its 99th percentile; none in lock-step.
+    pub fn share_of_period(&self) -> Option<f64> {
+        let period = self.measured.period_ns? as f64 / 1e3;
+        let reaction = self.measured.stages.get(REACTION)?;
+        Some(reaction.at(0.99) / period.max(1e-3))
+    }
+
+    fn json(&self) -> Json {
+        let m = &self.measured;
+        let means = self.means();
+        let stages: Vec<Json> = Stage::ALL
+            .into_iter()
+            .zip(means)
+            .filter_map(|(stage, mean)| {
+                let own = m.stages.get(stage.name())?;
+                let mut row = distribution(own);
+                row["name"] = stage.name().into();
+                row["mean_us"] = mean.into();
+                Some(row)
+            })
+            .collect();
+        json!({
+            "scenario": m.scenario,
+            "seed": m.seed,
+            "version": m.version,
+            "machine": m.machine,
+            "mode": m.mode,
+            "rate_hz": m.rate_hz,
+            "period_us": m.period_ns.map(|ns| ns as f64 / 1e3),
+            "log": self.log,
+            "interrupted": self.interrupted,
+            "deadlines": {
+                "ticks": m.answers.ticks,
+                "in_time": m.answers.in_time,
+                "late": m.answers.late,
+                "unanswered": m.answers.unanswered,
+                "without_beliefs": m.answers.without_beliefs,
+            },
+            "overruns": m.overruns,
+            "tick_off_its_time": m.period.get(TICK_JITTER).map(distribution),
+            "sense_to_command": m.stages.get(REACTION).map(distribution),
+            "sense_to_act": m.stages.get(WHOLE).map(distribution),
+            "stages": stages,
+            "followed_ticks": m.passages.len(),
+            "largest_sum_error_ns": self.sum_error_ns(),
+            "hops": named(m.hops()),
+            "turns": named(m.turns.iter()),
+            "messages": m.sizes.iter().map(|(topic, sizes)| (topic.clone(), json!({
+                "count": sizes.messages,
+                "mean_bytes": sizes.mean(),
+            }))).collect::<Map<_, _>>(),
+            "baselines": self.baselines.iter().map(|b| json!({
+                "way": b.way.name(),
+                "placement": b.placement.name(),
+                "topic": b.topic,
+                "bytes": b.bytes,
+                "us": b.latency.percentiles(),
+            })).collect::<Vec<_>>(),
+            "per_decade": PER_DECADE,
+        })
+    }
+}
+
+fn distribution(own: &Distribution) -> Json {
+    json!({ "us": own.percentiles(), "histogram": own.log_histogram(PER_DECADE) })
+}
+
+fn named<'a>(all: impl Iterator<Item = (&'a String, &'a Distribution)>) -> Map<String, Json> {
+    all.map(|(name, own)| (name.clone(), distribution(own)))
+        .collect()
+}
+
+fn micro(micro: &Micro) -> Json {
+    let hop = |hop: &Hop| {
+        json!({
+            "part": hop.part,
+            "way": hop.way.name(),
+            "written": hop.way.written,
+            "placement": hop.placement.name(),
+            "bytes": hop.bytes,
+            "subscribers": hop.subscribers,
+            "us": hop.latency,
+            "sending_us": hop.sending,
+            "ratio_to_raw": hop.ratio,
+        })
+    };
+    json!({
+        "hops": micro.hops.iter().map(hop).collect::<Vec<_>>(),
+        "worst_ratio": micro.worst_ratio(),
+        "worst_ratio_up_to_bytes": GOAL_UP_TO,
+        "flatness": micro.flatness(),
+    })
+}

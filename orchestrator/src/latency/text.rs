@@ -1,0 +1,285 @@
+//! Everything that was measured, for people.
+
+use std::fmt::Write as _;
+
+use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
+use comfy_table::{CellAlignment, Table};
+
+use super::baselines::Baseline;
+use super::chain::TICK_JITTER;
+use super::micro::{Hop, Micro};
+use super::report::{Report, Run};
+use crate::bench::hop::{GOAL, size_name};
+use crate::mission::report::machine;
+use crate::statistics::Percentiles;
+
+/// The tables.
+pub fn text(report: &Report) -> String {
+    let [one, five, fifteen] = report.load;
+    let mut text = format!(
+        "{}; load {one:.1} {five:.1} {fifteen:.1}; all times in us\n",
+        machine()
+    );
+    for run in &report.runs {
+        of_run(&mut text, run);
+    }
+    if let Some(micro) = &report.micro {
+        of_micro(&mut text, micro);
+    }
+    for error in &report.errors {
+        let _ = write!(text, "\nFAILED: {error}");
+    }
+    if report.interrupted {
+        text += "\ninterrupted: not everything was measured";
+    }
+    text.trim_end().to_owned()
+}
+
+fn table(header: &[&str], texts: usize) -> Table {
+    let mut table = Table::new();
+    table
+        .load_style(UTF8_HORIZONTAL_ONLY)
+        .set_header(header.to_vec());
+    for column in table.column_iter_mut().skip(texts) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    table
+}
+
+const PERCENTILES: [&str; 7] = ["count", "p50", "p90", "p99", "p99.9", "max", "jitter"];
+
+fn cells(p: &Percentiles) -> [String; 7] {
+    [
+        p.count.to_string(),
+        us(p.p50),
+        us(p.p90),
+        us(p.p99),
+        us(p.p999),
+        us(p.max),
+        us(p.jitter),
+    ]
+}
+
+/// Microseconds with two digits after the point below ten.
+pub(super) fn us(value: f64) -> String {
+    match value {
+        v if v < 10.0 => format!("{v:.2}"),
+        v if v < 1000.0 => format!("{v:.1}"),
+        v => format!("{v:.0}"),
+    }
+}
+
+/// What a run was, in a line.
+pub(super) fn headline(run: &Run) -> String {
+    let m = &run.measured;
+    let pace = match m.period_ns {
+        Some(period) => format!("real time, {:.0} ticks/s", 1e9 / period.max(1) as f64),
+        None => "lock-step".to_owned(),
+    };
+    let ended = if run.interrupted { ", interrupted" } else { "" };
+    format!(
+        "{} (seed {}), {pace}: {} ticks{ended}",
+        m.scenario, m.seed, m.answers.ticks
+    )
+}
+
+/// How ticks were answered, in a line or two.
+pub(super) fn deadlines(run: &Run) -> Vec<String> {
+    let a = &run.measured.answers;
+    let mut lines = vec![format!(
+        "deadlines  {} of {} ticks answered in time, {} late, {} not answered, {} without the \
+         beliefs of the tick",
+        a.in_time, a.ticks, a.late, a.unanswered, a.without_beliefs
+    )];
+    let overruns: Vec<String> = run
+        .measured
+        .overruns
+        .iter()
+        .filter(|(_, count)| **count > 0)
+        .map(|(name, count)| format!("{name} {count}"))
+        .collect();
+    lines.push(if overruns.is_empty() {
+        "overruns   none".to_owned()
+    } else {
+        format!("overruns   {}", overruns.join(", "))
+    });
+    if let Some(off) = run.measured.period.get(TICK_JITTER) {
+        let p = off.percentiles();
+        lines.push(format!(
+            "ticks      off their time by {} (p50), {} (p99), {} (max)",
+            us(p.p50),
+            us(p.p99),
+            us(p.max)
+        ));
+    }
+    if let Some(share) = run.share_of_period() {
+        lines.push(format!(
+            "reaction   {:.1} % of the period at its 99th percentile",
+            100.0 * share
+        ));
+    }
+    lines
+}
+
+fn of_run(text: &mut String, run: &Run) {
+    let _ = writeln!(text, "\n{}", headline(run));
+    let header = |first: &'static str| {
+        let mut header = vec![first];
+        header.extend(PERCENTILES);
+        header
+    };
+    let mut stages = table(&header("from sense to act"), 1);
+    for (name, p) in run.stages() {
+        stages.add_row([vec![name.to_owned()], cells(&p).to_vec()].concat());
+    }
+    let mut hops = table(&header("hop"), 1);
+    for (name, own) in run.measured.hops() {
+        hops.add_row([vec![name.clone()], cells(&own.percentiles()).to_vec()].concat());
+    }
+    let _ = writeln!(text, "{stages}\n\n{hops}\n\n{}\n", turns(run));
+    for line in deadlines(run) {
+        let _ = writeln!(text, "{line}");
+    }
+    let _ = writeln!(
+        text,
+        "sums       stages and whole of {} ticks differ by {} ns at most",
+        run.measured.passages.len(),
+        run.sum_error_ns()
+    );
+    if !run.baselines.is_empty() {
+        let _ = writeln!(text, "\n{}", baselines(&run.baselines));
+    }
+    if let Some(log) = &run.log {
+        let _ = writeln!(text, "log        {}", log.display());
+    }
+}
+
+/// The parts of every process's turn, a row per kind.
+fn turns(run: &Run) -> Table {
+    const PARTS: [&str; 4] = ["wakes up", "takes its input", "computes", "writes"];
+    let mut header = vec!["turn of".to_owned()];
+    header.extend(PARTS.map(|part| format!("{part} p50 / p99")));
+    let header: Vec<&str> = header.iter().map(String::as_str).collect();
+    let mut found = table(&header, 1);
+    let all = &run.measured.turns;
+    let mut kinds: Vec<&str> = all
+        .iter()
+        .filter_map(|(name, _)| PARTS.iter().find_map(|part| name.strip_suffix(part)))
+        .map(str::trim_end)
+        .collect();
+    kinds.dedup();
+    for kind in kinds {
+        let mut row = vec![kind.to_owned()];
+        row.extend(PARTS.map(|part| {
+            let own = all.get(&format!("{kind} {part}"));
+            own.map_or_else(String::new, |own| {
+                format!("{} / {}", us(own.at(0.5)), us(own.at(0.99)))
+            })
+        }));
+        found.add_row(row);
+    }
+    found
+}
+
+/// A row per way and payload, the placements side by side.
+fn baselines(all: &[Baseline]) -> Table {
+    let mut placements = Vec::new();
+    for baseline in all {
+        if !placements.contains(&baseline.placement) {
+            placements.push(baseline.placement);
+        }
+    }
+    let mut header = vec!["as large as".to_owned(), "over".to_owned()];
+    header.extend(placements.iter().map(|p| format!("{} p50 / p99", p.name())));
+    let header: Vec<&str> = header.iter().map(String::as_str).collect();
+    let mut found = table(&header, 2);
+    let mut rows: Vec<(String, String)> = Vec::new();
+    for b in all {
+        let row = (format!("{}, {} B", b.topic, b.bytes), way_name(b));
+        if !rows.contains(&row) {
+            rows.push(row);
+        }
+    }
+    for (payload, way) in rows {
+        let mut row = vec![payload.clone(), way.clone()];
+        row.extend(placements.iter().map(|placement| {
+            let own = all.iter().find(|b| {
+                b.placement == *placement
+                    && way_name(b) == way
+                    && format!("{}, {} B", b.topic, b.bytes) == payload
+            });
+            own.map_or_else(String::new, |own| {
+                format!("{} / {}", us(own.latency.at(0.5)), us(own.latency.at(0.99)))
+            })
+        }));
+        found.add_row(row);
+    }
+    found
+}
+
+/// The way of a baseline; polling is polling, whether it yields or not.
+pub(super) fn way_name(baseline: &Baseline) -> String {
+    baseline.way.name().replace("poll and yield", "busy poll")
+}
+
+fn of_micro(text: &mut String, micro: &Micro) {
+    for (part, title) in [
+        ("payload", "one hop by payload"),
+        ("subscribers", "one hop by subscribers, 64 B"),
+        (
+            "idle",
+            "one hop by what the receiver does until it comes, 64 B",
+        ),
+    ] {
+        let hops: Vec<&Hop> = micro.hops.iter().filter(|hop| hop.part == part).collect();
+        if hops.is_empty() {
+            continue;
+        }
+        let header = [title, "way", "p50", "p99", "max", "sending p50", "to raw"];
+        let mut found = table(&header, 2);
+        for hop in hops {
+            found.add_row([
+                varied(hop),
+                way_of(hop),
+                us(hop.latency.p50),
+                us(hop.latency.p99),
+                us(hop.latency.max),
+                us(hop.sending.p50),
+                hop.ratio.map_or_else(String::new, |r| format!("{r:.2}×")),
+            ]);
+        }
+        let _ = writeln!(text, "\n{found}");
+    }
+    if let Some(worst) = micro.worst_ratio() {
+        let met = if worst <= GOAL { "met" } else { "MISSED" };
+        let _ = writeln!(
+            text,
+            "ratio      at most {worst:.2} of raw iceoryx2 for 64 B to 1 MiB, written (goal ≤ {GOAL}: {met})"
+        );
+    }
+    if let Some(flat) = micro.flatness() {
+        let _ = writeln!(
+            text,
+            "flatness   4 MiB untouched takes {flat:.2} times as long as 64 B"
+        );
+    }
+}
+
+/// What is varied in a row.
+pub(super) fn varied(hop: &Hop) -> String {
+    match hop.part {
+        "payload" => size_name(hop.bytes),
+        "subscribers" => hop.subscribers.to_string(),
+        _ => hop.placement.name().to_owned(),
+    }
+}
+
+/// How the message of a row went.
+pub(super) fn way_of(hop: &Hop) -> String {
+    let written = match (hop.part, hop.way.written) {
+        ("payload", true) => ", written",
+        ("payload", false) => ", untouched",
+        _ => "",
+    };
+    format!("{}{written}", hop.way.name())
+}

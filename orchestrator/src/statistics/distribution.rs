@@ -1,0 +1,225 @@
+//! How times are distributed: counts in a histogram of three digits, in memory that does not grow.
+
+use std::collections::BTreeMap;
+
+use hdrhistogram::Histogram;
+use serde::{Deserialize, Serialize};
+
+/// Longest time that is told apart [ns]; longer ones count as this.
+const LONGEST_NS: u64 = 3_600_000_000_000;
+
+/// Percentiles of a time.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct Percentiles {
+    /// How often it was measured.
+    pub count: u64,
+    /// Median [µs].
+    pub p50: f64,
+    /// 90th percentile [µs].
+    pub p90: f64,
+    /// 99th percentile [µs].
+    pub p99: f64,
+    /// 99.9th percentile [µs]; 0 in results of versions that did not say it.
+    #[serde(default)]
+    pub p999: f64,
+    /// Largest [µs].
+    pub max: f64,
+    /// Jitter [µs]: the mean of |difference to the measurement before|; 0 in results of versions
+    /// that did not say it.
+    #[serde(default)]
+    pub jitter: f64,
+}
+
+/// Counts on a logarithmic axis.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+pub struct LogHistogram {
+    /// The first part begins at ten to the power of this divided by the parts per decade [ns].
+    pub first: u32,
+    /// Counts by part.
+    pub counts: Vec<u64>,
+}
+
+/// Times that were measured.
+#[derive(Debug, Clone)]
+pub struct Distribution {
+    histogram: Histogram<u64>,
+    /// Exactly, while the histogram knows three digits.
+    max: u64,
+    last: Option<u64>,
+    /// Sum of all |differences to the one before|.
+    moved: u64,
+}
+
+impl Distribution {
+    /// An empty one; `None` never happens with the constant bounds, and costs the caller nothing.
+    pub fn new() -> Option<Self> {
+        // Three digits from 1 ns; grows to what is recorded, up to an hour.
+        let mut histogram = Histogram::new_with_bounds(1, 60_000_000_000, 3).ok()?;
+        histogram.auto(true);
+        Some(Self {
+            histogram,
+            max: 0,
+            last: None,
+            moved: 0,
+        })
+    }
+
+    /// A measurement [ns].
+    pub fn record(&mut self, ns: u64) {
+        // Grows to the value; nothing above an hour is left to refuse.
+        let _ = self.histogram.record(ns.min(LONGEST_NS));
+        self.max = self.max.max(ns);
+        if let Some(last) = self.last.replace(ns) {
+            self.moved = self.moved.saturating_add(last.abs_diff(ns));
+        }
+    }
+
+    /// How many were recorded.
+    pub fn count(&self) -> u64 {
+        self.histogram.len()
+    }
+
+    /// The value below which a share of them lies [µs].
+    pub fn at(&self, share: f64) -> f64 {
+        microseconds(self.histogram.value_at_quantile(share).min(self.max))
+    }
+
+    /// What it amounts to.
+    pub fn percentiles(&self) -> Percentiles {
+        let pairs = self.count().saturating_sub(1).max(1);
+        Percentiles {
+            count: self.count(),
+            p50: self.at(0.5),
+            p90: self.at(0.9),
+            p99: self.at(0.99),
+            p999: self.at(0.999),
+            max: microseconds(self.max),
+            jitter: microseconds(self.moved) / pairs as f64,
+        }
+    }
+
+    /// How many lay in which part of the range: `per_decade` parts of equal width on a logarithmic
+    /// axis, from the one with the first count to the one with the last.
+    pub fn log_histogram(&self, per_decade: u32) -> LogHistogram {
+        let part = |ns: u64| {
+            let decades = sim_backend::math::ln(ns.max(1) as f64) / core::f64::consts::LN_10;
+            (decades * f64::from(per_decade)).floor() as u32
+        };
+        let mut counts: BTreeMap<u32, u64> = BTreeMap::new();
+        for value in self.histogram.iter_recorded() {
+            let at = part(value.value_iterated_to());
+            *counts.entry(at).or_insert(0) += value.count_since_last_iteration();
+        }
+        let first = counts.keys().next().copied().unwrap_or(0);
+        let last = counts.keys().next_back().copied().unwrap_or(0);
+        let counts = (first..=last)
+            .map(|part| counts.get(&part).copied().unwrap_or(0))
+            .collect();
+        LogHistogram { first, counts }
+    }
+
+    /// Points of the cumulative distribution: time [µs] and the share that took at most that long,
+    /// one per value that the histogram tells apart.
+    pub fn shares(&self) -> Vec<(f64, f64)> {
+        let all = self.count().max(1) as f64;
+        let mut below = 0;
+        let values = self.histogram.iter_recorded();
+        values
+            .map(|value| {
+                below += value.count_since_last_iteration();
+                let ns = value.value_iterated_to().min(self.max);
+                (microseconds(ns), below as f64 / all)
+            })
+            .collect()
+    }
+}
+
+/// Distributions by name.
+#[derive(Debug, Clone, Default)]
+pub struct Distributions(BTreeMap<String, Distribution>);
+
+impl Distributions {
+    /// A measurement [ns] of the one with this name.
+    pub fn record(&mut self, name: &str, ns: u64) {
+        if let Some(known) = self.0.get_mut(name) {
+            known.record(ns);
+        } else if let Some(mut new) = Distribution::new() {
+            new.record(ns);
+            self.0.insert(name.to_owned(), new);
+        }
+    }
+
+    /// All of them, by name.
+    pub fn iter(&self) -> impl Iterator<Item = (&String, &Distribution)> {
+        self.0.iter()
+    }
+
+    /// The one with this name.
+    pub fn get(&self, name: &str) -> Option<&Distribution> {
+        self.0.get(name)
+    }
+}
+
+/// Nanoseconds below 2^53 are exact as f64.
+fn microseconds(ns: u64) -> f64 {
+    ns as f64 / 1e3
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn of(values: &[u64]) -> Distribution {
+        let mut distribution = Distribution::new().unwrap();
+        for ns in values {
+            distribution.record(*ns);
+        }
+        distribution
+    }
+
+    #[test]
+    fn jitter_is_the_mean_step_from_one_to_the_next() {
+        assert_eq!(of(&[1_000, 3_000, 2_000]).percentiles().jitter, 1.5);
+        assert_eq!(of(&[5_000; 4]).percentiles().jitter, 0.0);
+        assert_eq!(of(&[5_000]).percentiles().jitter, 0.0);
+        assert_eq!(of(&[]).percentiles(), Percentiles::default());
+    }
+
+    #[test]
+    fn what_older_versions_did_not_say_is_nothing() {
+        let text = r#"{"count":1,"p50":1.0,"p90":1.0,"p99":1.0,"max":1.0}"#;
+        let percentiles: Percentiles = serde_json::from_str(text).unwrap();
+        assert_eq!((percentiles.p999, percentiles.jitter), (0.0, 0.0));
+    }
+
+    #[test]
+    fn times_beyond_the_range_count_as_its_end() {
+        let far = of(&[u64::MAX, 1]);
+        assert_eq!(far.count(), 2);
+        assert!(far.at(0.9) >= 3.5e9);
+    }
+
+    proptest! {
+        #[test]
+        fn percentiles_are_ordered_and_near_the_ranks(
+            mut values in prop::collection::vec(1_u64..10_000_000_000, 1..200)
+        ) {
+            let distribution = of(&values);
+            let p = distribution.percentiles();
+            prop_assert!([p.p50, p.p90, p.p99, p.p999, p.max].is_sorted());
+            values.sort_unstable();
+            for share in [0.5, 0.9, 0.99] {
+                let rank = (share * values.len() as f64).ceil() as usize;
+                let exact = values[rank.max(1) - 1] as f64 / 1e3;
+                prop_assert!((distribution.at(share) - exact).abs() <= 2e-3 * exact + 1e-3);
+            }
+            let shares = distribution.shares();
+            prop_assert!(shares.is_sorted_by(|a, b| a.0 <= b.0 && a.1 <= b.1));
+            prop_assert_eq!(shares.last().map(|s| s.1), Some(1.0));
+            let histogram = distribution.log_histogram(8);
+            prop_assert_eq!(histogram.counts.iter().sum::<u64>(), values.len() as u64);
+        }
+    }
+}
