@@ -2,8 +2,8 @@
 
 use super::fault::FaultKind;
 use super::{ChaosReport, Outcome};
-use crate::bench::stats::percentile;
 use crate::mission::report::table;
+use crate::statistics::Distribution;
 
 /// One line about a fault.
 pub fn line(outcome: &Outcome) -> String {
@@ -76,10 +76,11 @@ pub fn text(report: &ChaosReport) -> String {
     )
 }
 
-/// By nearest rank, to the microsecond.
+/// The value below which a share of the times lies [s]; `None` without any.
 fn quantile(values: impl Iterator<Item = f64>, share: f64) -> Option<f64> {
-    let mut micros: Vec<u64> = values.map(|s| (s * 1e6) as u64).collect();
-    percentile(&mut micros, share).map(|us| us as f64 * 1e-6)
+    let mut times = Distribution::new()?;
+    values.for_each(|seconds| times.record((seconds * 1e9) as u64));
+    (times.count() > 0).then(|| times.at(share) * 1e-6)
 }
 
 fn seconds(value: Option<f64>) -> String {

@@ -62,11 +62,10 @@ pub fn chart(missions: &[Mission]) -> Chart {
             missions.len()
         ),
         x_label: "time [min]".to_owned(),
-        x_names: Vec::new(),
         y_label: "by its median".to_owned(),
         unit: Unit::Share,
         series,
-        reference: String::new(),
+        ..Chart::default()
     }
 }
 
