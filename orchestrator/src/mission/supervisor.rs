@@ -157,7 +157,7 @@ impl<'a> Supervisor<'a> {
             .position(RunningProcess::check_exit);
         ended.map_or(Ok(()), |slot| {
             let how = self.how_it_ended(slot);
-            Err(self.abort(slot, &Failure::Exited(how), "before it was ready".into()))
+            Err(self.abort(slot, &Failure::Exited(how), "before it was ready"))
         })
     }
 
@@ -349,7 +349,7 @@ impl<'a> Supervisor<'a> {
             return Err(self.abort(
                 slot,
                 failure,
-                format!("at tick {}", posted.saturating_sub(1)),
+                &format!("at tick {}", posted.saturating_sub(1)),
             ));
         }
         self.has_lost = true;
@@ -393,7 +393,7 @@ impl<'a> Supervisor<'a> {
     }
 
     /// Ends the run because of a process.
-    fn abort(&mut self, slot: usize, failure: &Failure, when: String) -> MissionError {
+    fn abort(&mut self, slot: usize, failure: &Failure, when: &str) -> MissionError {
         let process = &self.processes[slot];
         if process.exit.is_some() {
             // Stopped first: nobody waits for the buried, and the world must not go on without.
@@ -458,7 +458,7 @@ impl<'a> Supervisor<'a> {
 
     /// The run ends because a process was not ready in time.
     pub(super) fn not_ready(&mut self, slot: usize, waited: Duration) -> MissionError {
-        self.abort(slot, &Failure::NotReady(waited), String::new())
+        self.abort(slot, &Failure::NotReady(waited), "")
     }
 
     /// Ends everybody, and hands on what they said last.
