@@ -86,7 +86,6 @@ impl Setup {
             rustix::thread::sched_setaffinity(None, &set)
                 .map_err(|e| ProcessError::system("cannot pin to the processor asked for", e))?;
         }
-        let bus = Bus::join(&config.run.space()?, config.run.bus_options(), &config.name)?;
         let page = Arc::new(TurnPage::open(&config.run.prefix)?);
         if config.index as usize >= page.processes() {
             return Err(ProcessError::Protocol(format!(
@@ -95,6 +94,13 @@ impl Setup {
                 page.processes()
             )));
         }
+        // Before anything else can be touched: two of a kind would speak with one voice.
+        if !page.claim(config.index as usize) {
+            return Err(ProcessError::SeatTaken {
+                process: config.name.clone(),
+            });
+        }
+        let bus = Bus::join(&config.run.space()?, config.run.bus_options(), &config.name)?;
         let heartbeat = Heartbeat::open(&bus, config.index, config.run.tick_period_ns)?;
         Ok(Self {
             stop,
@@ -142,7 +148,10 @@ pub fn run_with(
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             tracing::error!("{error}");
-            if let Ok(page) = TurnPage::open(&config.run.prefix) {
+            // The seat is not that of a second one to give up.
+            if !matches!(error, ProcessError::SeatTaken { .. })
+                && let Ok(page) = TurnPage::open(&config.run.prefix)
+            {
                 let page = Arc::new(page);
                 let slot = config.index as usize;
                 Participant::new(page, slot, Vec::new(), false).set_state(SlotState::Failed);

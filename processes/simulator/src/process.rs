@@ -66,6 +66,10 @@ pub fn run(config: &Path) -> ExitCode {
                         simulator.real_time(&conductor, &mut setup, factor, deadline_ns)?;
                     }
                 }
+                if !running() && !conductor.stopping() {
+                    // The game is not over because somebody ends its world.
+                    return Err(ProcessError::Terminated);
+                }
                 conductor.finish();
             }
             // The ports stay open until everybody has taken what is in them.

@@ -118,6 +118,8 @@ pub(super) struct Slot {
     pub watched: AtomicU32,
     /// How often the seat has been taken, bumped by the orchestrator before each start.
     pub taken: AtomicU32,
+    /// [`Slot::taken`] of the last process that came for the seat.
+    pub claimed: AtomicU32,
     /// The tick, plus one, at which the simulator holds time until the seat is taken again; 0 if it
     /// need not. Written by the orchestrator, taken back by the simulator.
     pub back_at: AtomicU32,
@@ -274,6 +276,16 @@ impl TurnPage {
         // Indices come from the run's configuration, checked against `processes` at start-up; a
         // wrong one must not read past the page.
         &self.words().slot[index.min(MAX_SLOTS - 1)]
+    }
+
+    /// Takes the seat for this process; false if one that the orchestrator has started for it was
+    /// here before.
+    pub fn claim(&self, slot: usize) -> bool {
+        let words = self.slot(slot);
+        let taken = words.taken.load(Ordering::SeqCst).max(1);
+        let free = |claimed| (claimed < taken).then_some(taken);
+        let (set, fetch) = (Ordering::SeqCst, Ordering::SeqCst);
+        words.claimed.fetch_update(set, fetch, free).is_ok()
     }
 
     /// How a process is.

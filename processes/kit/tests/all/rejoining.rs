@@ -248,6 +248,21 @@ fn one_that_is_no_longer_expected_is_not_waited_for() {
 }
 
 #[test]
+fn a_second_of_the_same_finds_its_seat_taken_until_the_first_is_buried() {
+    let (page, overseer) = Page::new("claimed", 2);
+    overseer.seat(0, false, false);
+    overseer.seat(1, true, false);
+    assert!(page.open().claim(1));
+    assert!(!page.open().claim(1), "a second one");
+    assert!(page.open().claim(0), "another seat");
+    overseer.bury(1);
+    assert!(!page.open().claim(1), "nobody was sent for");
+    overseer.reseat(1);
+    assert!(page.open().claim(1), "the successor");
+    assert!(!page.open().claim(1), "a second successor");
+}
+
+#[test]
 fn the_buried_do_not_rise() {
     let (page, overseer) = Page::new("buried", 2);
     overseer.seat(1, true, false);
