@@ -10,6 +10,7 @@ mod bad_input;
 mod chase;
 mod coverage;
 mod external;
+mod hostile;
 mod in_process;
 mod lifecycle;
 mod logs;
