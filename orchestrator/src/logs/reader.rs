@@ -702,7 +702,7 @@ impl<'w> Reader<'w> {
     /// Behind the footer stands the end mark, and nothing else.
     fn footer(&mut self, summary_start: u64) {
         let mut magic = [0; 8];
-        let ends = self.length - self.next == 8
+        let ends = self.length.saturating_sub(self.next) == 8
             && self.file.read_exact_at(&mut magic, self.next).is_ok()
             && magic.as_slice() == mcap::MAGIC;
         self.condition.summary = summary_start != 0;
@@ -710,7 +710,7 @@ impl<'w> Reader<'w> {
         self.done = true;
         if ends {
             self.condition.complete = true;
-        } else if self.length - self.next < 8 {
+        } else if self.length.saturating_sub(self.next) < 8 {
             self.cut(self.next, "the end mark");
         } else {
             let what = "what stands behind the footer is not the end mark of an MCAP file";

@@ -344,7 +344,10 @@ mod tests {
             (with(vec![], vec![exit; MAX_EXITS + 1]), "1025 exits"),
             (with(vec![comb(400); 20], vec![]), "cubes of the corners"),
             (with(vec![comb(4000); 8], vec![]), "squares of the corners"),
-            (with(vec![comb(600)], vec![]), "not convex: expected at most 512"),
+            (
+                with(vec![comb(600)], vec![]),
+                "not convex: expected at most 512",
+            ),
         ] {
             let error = map.validate().unwrap_err().to_string();
             assert!(error.contains(words), "{error}");

@@ -249,7 +249,10 @@ mod tests {
         let nested = "A[9] a\n===\nMSG: p/A\nB b\n===\nMSG: p/B\nuint8[0] none\n";
         for text in [nothing, nested] {
             let error = Schema::parse(text.as_bytes()).unwrap_err();
-            assert!(error.0.contains("a list of messages without fields"), "{error}");
+            assert!(
+                error.0.contains("a list of messages without fields"),
+                "{error}"
+            );
         }
         // A length and a single empty message are something else.
         for text in [
