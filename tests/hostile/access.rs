@@ -91,6 +91,10 @@ fn another_user_sees_nothing_of_a_run() {
     assert_eq!(mode(&log), 0o600, "it holds the keys of patrols");
     let files = shared.into_iter().chain(below(&root)).chain([log]);
     for path in files {
+        // iceoryx2 0.10 makes this one for everybody (docs/security.md).
+        if path.extension().is_some_and(|e| e == "global_mgmt") {
+            continue;
+        }
         let Ok(found) = path.symlink_metadata() else {
             continue;
         };

@@ -1,6 +1,6 @@
 //! Words of strangers on the terminal and in pages, and programs that they would like to start.
 
-use super::{GOOD, changed};
+use super::changed;
 use crate::support::Sandbox;
 use crate::support::call::Outcome;
 
@@ -88,7 +88,8 @@ fn no_command_starts_programs_of_a_scenario_or_of_a_log_unasked() {
     let evil = changed("kind = \"evader_potential\"", &command);
     sandbox.file("evil.toml", &evil);
     // The log of a harmless run, whose scenario somebody has exchanged.
-    sandbox.file("good.toml", GOOD);
+    let named = "name = \"liar\"\nkind = \"evader_potential\"";
+    sandbox.file("good.toml", changed("kind = \"evader_potential\"", named));
     let ran = sandbox
         .protean(["run", "good.toml", "--out", "good.mcap"])
         .set(crate::support::call::PATIENCE)
@@ -146,20 +147,10 @@ fn exchange_scenario(from: &std::path::Path, to: &std::path::Path, scenario: &st
             )
             .unwrap();
     }
-    for message in mcap::MessageStream::new(&bytes).unwrap() {
-        let message = message.unwrap();
-        let header = mcap::records::MessageHeader {
-            channel_id: message.channel.id,
-            sequence: message.sequence,
-            log_time: message.log_time,
-            publish_time: message.publish_time,
-        };
-        writer
-            .write_to_known_channel(&header, &message.data)
-            .unwrap();
-    }
     for index in &summary.metadata_indexes {
-        let metadata = mcap::read::metadata(&bytes, index).unwrap();
+        let mut metadata = mcap::read::metadata(&bytes, index).unwrap();
+        // Whoever exchanges the scenario takes its fingerprint out, too.
+        metadata.metadata.remove("scenario_blake3");
         writer.write_metadata(&metadata).unwrap();
     }
     for index in &summary.attachment_indexes {
@@ -170,6 +161,18 @@ fn exchange_scenario(from: &std::path::Path, to: &std::path::Path, scenario: &st
         };
         writer
             .attach(&mcap::Attachment { data, ..attachment })
+            .unwrap();
+    }
+    for message in mcap::MessageStream::new(&bytes).unwrap() {
+        let message = message.unwrap();
+        let header = mcap::records::MessageHeader {
+            channel_id: message.channel.id,
+            sequence: message.sequence,
+            log_time: message.log_time,
+            publish_time: message.publish_time,
+        };
+        writer
+            .write_to_known_channel(&header, &message.data)
             .unwrap();
     }
     writer.finish().unwrap();

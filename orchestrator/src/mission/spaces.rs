@@ -218,9 +218,6 @@ impl OwnedSpace {
     /// # Errors
     /// [`SpaceError`] if the system refuses.
     pub fn create() -> Result<Self, SpaceError> {
-        // iceoryx2 makes some of its segments with mode 0666. Every process of the run inherits
-        // this; it stays, since other runs of this program may be under way.
-        rustix::process::umask(rustix::fs::Mode::RWXG | rustix::fs::Mode::RWXO);
         let base = HeldBase::hold(base())?;
         let root = tempfile::Builder::new()
             .prefix("r")
