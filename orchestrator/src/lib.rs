@@ -1,5 +1,9 @@
 //! The protean command: runs, supervises and records missions of real processes.
 
+// First, so that its `eprintln!` holds in all others.
+#[macro_use]
+mod terminal;
+
 pub mod bench;
 pub mod census;
 pub mod chaos;

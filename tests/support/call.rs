@@ -63,6 +63,38 @@ impl<'a> Call<'a> {
         self
     }
 
+    /// With at most this much address space [KiB]: whoever asks for more gets none, and says so.
+    pub fn with_memory(self, kib: &str) -> Self {
+        self.through("sh", &["-c", "ulimit -v \"$0\" && exec \"$@\"", kib])
+    }
+
+    /// With at most this much time of the processor [s], then it is killed.
+    pub fn within_seconds(self, seconds: &str) -> Self {
+        self.through("sh", &["-c", "ulimit -t \"$0\" && exec \"$@\"", seconds])
+    }
+
+    /// Started by another program, whose last arguments are the call.
+    pub fn through(mut self, program: &str, words: &[&str]) -> Self {
+        let mut command = Command::new(program);
+        command
+            .args(words)
+            .arg(self.command.get_program())
+            .args(self.command.get_args())
+            .current_dir(self.sandbox.path())
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .process_group(0);
+        for (name, value) in self.command.get_envs() {
+            match value {
+                Some(value) => command.env(name, value),
+                None => command.env_remove(name),
+            };
+        }
+        self.command = command;
+        self
+    }
+
     /// As under `taskset -c 0`: the first processor that this test may use, and no other.
     pub fn on_one_core(mut self) -> Self {
         self.one_core = true;

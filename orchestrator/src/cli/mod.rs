@@ -322,11 +322,12 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// Writes a line to stdout; a reader that went away (`protean list | head`) is no error.
+/// Writes a line to stdout, of text that cannot steer a terminal; a reader that went away
+/// (`protean list | head`) is no error.
 fn print(text: &str) {
     use std::io::Write as _;
     let mut out = std::io::stdout().lock();
-    let _ = writeln!(out, "{text}").and_then(|()| out.flush());
+    let _ = writeln!(out, "{}", crate::terminal::harmless(text)).and_then(|()| out.flush());
 }
 
 /// How many things this machine can do at once.

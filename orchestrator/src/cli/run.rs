@@ -120,25 +120,41 @@ fn load(target: &str, args: &RunArgs) -> Result<ResolvedScenario, String> {
     Ok(scenario)
 }
 
-/// Programs that are not ours are started only if somebody has looked at them.
+/// Programs that are not ours are started only if somebody has looked at them: now, at a terminal, or
+/// before.
 pub(super) fn refuse_external(
     target: &str,
     scenario: &ResolvedScenario,
     allowed: bool,
 ) -> Result<(), String> {
     if scenario.uses_external_commands() && !allowed {
-        let mut text = format!(
-            "error: {target} starts programs that are not Protean's own; look at them and add \
-             --allow-external:"
-        );
+        let mut programs = String::new();
         for process in scenario.external_commands() {
             if let Program::Command(words) = &process.program {
-                text.push_str(&format!("\n    {}: {}", process.name, words.join(" ")));
+                programs.push_str(&format!("\n    {}: {}", process.name, words.join(" ")));
             }
         }
-        return Err(text);
+        let what = format!("{target} starts programs that are not Protean's own");
+        if !agreed(&format!("{what}:{programs}\nStart them? [y/N]")) {
+            return Err(format!(
+                "error: {what}; look at them and add --allow-external:{programs}"
+            ));
+        }
     }
     Ok(())
+}
+
+/// Whether a person at a terminal says yes; where there is none, nobody does.
+fn agreed(question: &str) -> bool {
+    use std::io::IsTerminal as _;
+    let mut answer = String::new();
+    if !std::io::stdin().is_terminal() || !std::io::stderr().is_terminal() {
+        return false;
+    }
+    eprintln!("{question}");
+    // Without an answer that can be read there is none.
+    let _ = std::io::stdin().read_line(&mut answer);
+    matches!(answer.trim(), "y" | "Y" | "yes" | "Yes")
 }
 
 /// The first Ctrl-C or SIGTERM ends the run in order, the second ends the program.

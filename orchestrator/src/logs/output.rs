@@ -10,7 +10,7 @@ use mcap::{Attachment, McapError, WriteOptions};
 use tempfile::NamedTempFile;
 
 use super::error::LogsError;
-use super::place::Place;
+use super::place::{Place, Readers};
 use super::reader::{Channel, Schema};
 use crate::recorder::{Compression, LogOptions};
 
@@ -29,7 +29,7 @@ impl Output {
         force: bool,
         profile: &str,
     ) -> Result<Self, LogsError> {
-        let (place, file) = Place::new(path, log, force)?;
+        let (place, file) = Place::new(path, log, force, Readers::Owner)?;
         let options = LogOptions::default();
         let (compression, level) = match options.compression {
             Compression::None => (None, 0),

@@ -9,6 +9,15 @@ use tempfile::NamedTempFile;
 
 use super::error::LogsError;
 
+/// Who may read a new file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Readers {
+    /// This user only: the scenario in a log holds the keys of its patrols.
+    Owner,
+    /// Whom the user's umask lets.
+    Anybody,
+}
+
 /// A file that takes its place when it is complete; until then, and if it never is, whatever was
 /// there stays.
 #[derive(Debug)]
@@ -24,6 +33,7 @@ impl Place {
         path: &Path,
         log: &Path,
         force: bool,
+        readers: Readers,
     ) -> Result<(Self, NamedTempFile), LogsError> {
         if let (Ok(a), Ok(b)) = (path.canonicalize(), log.canonicalize())
             && a == b
@@ -44,7 +54,10 @@ impl Place {
         let file = tempfile::Builder::new()
             .prefix(".protean-log-")
             // The system takes away what the user's umask forbids.
-            .permissions(Permissions::from_mode(0o666))
+            .permissions(Permissions::from_mode(match readers {
+                Readers::Owner => 0o600,
+                Readers::Anybody => 0o666,
+            }))
             .tempfile_in(folder)
             .map_err(|e| place.failed(e))?;
         Ok((place, file))

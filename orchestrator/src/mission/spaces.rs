@@ -6,7 +6,7 @@
 //! orchestrator, however that ends. The name is also the run's prefix in shared memory.
 
 use std::fs::{DirBuilder, File, OpenOptions};
-use std::os::unix::fs::{DirBuilderExt, MetadataExt, OpenOptionsExt};
+use std::os::unix::fs::{DirBuilderExt, MetadataExt, OpenOptionsExt, PermissionsExt};
 use std::path::{Path, PathBuf};
 
 use ipc_types::bus::{BusError, RunSpace};
@@ -46,6 +46,30 @@ pub enum SpaceError {
         path: PathBuf,
         /// Its owner.
         owner: u32,
+        /// This user.
+        user: u32,
+    },
+    /// Somebody else may look into the runs.
+    #[error("{path}: mode {mode:03o}, expected 700 so that nobody else can look into its runs")]
+    Open {
+        /// The directory.
+        path: PathBuf,
+        /// Its permissions.
+        mode: u32,
+    },
+    /// Somebody else could put another directory in place of that of the runs.
+    #[error(
+        "{path}: owned by user {owner} with mode {mode:04o}, expected a directory of this user \
+         ({user}) or of the system in which nobody else can rename what is ours; set \
+         XDG_RUNTIME_DIR to one"
+    )]
+    Unsafe {
+        /// The directory above.
+        path: PathBuf,
+        /// Its owner.
+        owner: u32,
+        /// Its permissions.
+        mode: u32,
         /// This user.
         user: u32,
     },
@@ -90,10 +114,36 @@ fn check_owner(path: &Path) -> Result<(), SpaceError> {
             owner: found.uid(),
             user,
         }),
+        Ok(found) if found.is_dir() && found.mode() & 0o077 != 0 => Err(SpaceError::Open {
+            path: path.to_owned(),
+            mode: found.mode() & 0o777,
+        }),
         // Gone with its last run since it was made.
         Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(io(path)(e)),
         _ => Ok(()),
     }
+}
+
+/// In the directory above only this user and the system may rename: it is theirs, and either others
+/// cannot write there or its sticky bit keeps them from what is not theirs.
+fn check_above(path: &Path) -> Result<(), SpaceError> {
+    let user = rustix::process::getuid().as_raw();
+    let above = match path.parent() {
+        Some(above) if !above.as_os_str().is_empty() => above,
+        _ => Path::new("."),
+    };
+    let found = above.metadata().map_err(io(above))?;
+    let ours = [0, user].contains(&found.uid());
+    let shared = found.mode() & 0o002 != 0 && found.mode() & 0o1000 == 0;
+    if ours && !shared {
+        return Ok(());
+    }
+    Err(SpaceError::Unsafe {
+        path: above.to_owned(),
+        owner: found.uid(),
+        mode: found.mode() & 0o7777,
+        user,
+    })
 }
 
 /// The directory of all runs, held while run directories appear or go, so that a directory without
@@ -111,6 +161,7 @@ impl HeldBase {
         let mut attempts = 0;
         loop {
             attempts += 1;
+            check_above(&base)?;
             make_private(&base)?;
             check_owner(&base)?;
             let lock = OpenOptions::new()
@@ -171,10 +222,11 @@ impl OwnedSpace {
     /// [`SpaceError`] if the system refuses.
     pub fn create() -> Result<Self, SpaceError> {
         let base = HeldBase::hold(base())?;
-        // 0700 and O_EXCL are what `tempfile` makes directories with.
         let root = tempfile::Builder::new()
             .prefix("r")
             .rand_bytes(8)
+            // Left to itself `tempfile` lets in whom the umask lets in.
+            .permissions(std::fs::Permissions::from_mode(0o700))
             .tempdir_in(&base.path)
             .map_err(io(&base.path))?
             .keep();
@@ -364,6 +416,52 @@ mod tests {
         std::fs::remove_dir(&run).unwrap();
         drop(HeldBase::hold(base.clone()).unwrap());
         assert!(!base.exists());
+    }
+
+    #[test]
+    fn a_directory_that_others_can_open_or_swap_is_refused_by_its_name() {
+        use std::os::unix::fs::PermissionsExt as _;
+        let directory = tempfile::tempdir().unwrap();
+        let mode = |path: &Path, mode| {
+            let mode = std::fs::Permissions::from_mode(mode);
+            std::fs::set_permissions(path, mode).unwrap();
+        };
+        let refused = |base: &Path| HeldBase::hold(base.to_owned()).err().map(|e| e.to_string());
+        let above = directory.path().join("above");
+        std::fs::create_dir(&above).unwrap();
+        let base = above.join("protean");
+        for (of_above, of_base, named) in [
+            (0o700, 0o755, Some(&base)),
+            (0o700, 0o770, Some(&base)),
+            (0o777, 0o700, Some(&above)),
+            (0o1777, 0o700, None),
+            (0o755, 0o700, None),
+        ] {
+            std::fs::create_dir(&base).unwrap();
+            mode(&base, of_base);
+            mode(&above, of_above);
+            match (refused(&base), named) {
+                (None, None) => {}
+                (Some(error), Some(path)) => {
+                    let start = format!("{}: ", path.display());
+                    assert!(error.starts_with(&start), "{error}");
+                    std::fs::remove_dir(&base).unwrap();
+                }
+                (found, _) => panic!("{of_above:o} {of_base:o}: {found:?}"),
+            }
+        }
+        if !rustix::process::getuid().is_root() {
+            eprintln!("skipped: only root can give a directory away");
+            return;
+        }
+        for given in [&base, &above] {
+            std::fs::create_dir_all(&base).unwrap();
+            mode(&base, 0o700);
+            std::os::unix::fs::chown(given, Some(65534), None).unwrap();
+            let error = refused(&base).unwrap();
+            assert!(error.starts_with(&format!("{}: owned by user 65534", given.display())));
+            std::os::unix::fs::chown(&base, Some(0), None).unwrap();
+        }
     }
 
     #[test]

@@ -50,10 +50,11 @@ impl RunTrace {
             path: path.to_owned(),
             source,
         };
-        let mut file = File::open(path).map_err(open)?;
-        if !file.metadata().map_err(open)?.is_file() {
+        // Look before opening: opening a FIFO would block.
+        if !path.metadata().map_err(open)?.is_file() {
             return Err(open(io::Error::other("not a regular file")));
         }
+        let mut file = File::open(path).map_err(open)?;
         let mut log = Reading::new(path, at);
         let options = LinearReaderOptions::default()
             .with_validate_chunk_crcs(true)

@@ -87,10 +87,11 @@ pub enum FileProblem {
 /// [`FileError`] if nothing of it can.
 pub fn read(path: &Path) -> Result<Vec<Element>, FileError> {
     let read = || -> Result<Vec<Element>, FileProblem> {
-        let file = std::fs::File::open(path)?;
-        if !file.metadata()?.is_file() {
+        // Look before opening: opening a FIFO would block.
+        if !path.metadata()?.is_file() {
             return Err(FileProblem::NotAFile);
         }
+        let file = std::fs::File::open(path)?;
         let mut bytes = Vec::new();
         file.take(MAX_FILE + 1).read_to_end(&mut bytes)?;
         parse(&bytes)

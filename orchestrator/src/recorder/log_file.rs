@@ -3,6 +3,7 @@
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, Seek, SeekFrom, Write};
+use std::os::unix::fs::OpenOptionsExt as _;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -32,7 +33,7 @@ pub(super) fn create(path: &Path, force: bool) -> Result<(File, Option<Replaceme
     let in_use = || LogError::InUse {
         path: path.to_owned(),
     };
-    match OpenOptions::new().write(true).create_new(true).open(path) {
+    match private().write(true).create_new(true).open(path) {
         Ok(file) => {
             lock_new(&file).map_err(|_| in_use())?;
             Ok((file, None))
@@ -71,18 +72,30 @@ fn beside(partial: &Path) -> Result<File, LogError> {
         path: path(),
         source,
     };
-    if partial.metadata().is_ok_and(|found| !found.is_file()) {
+    if partial
+        .symlink_metadata()
+        .is_ok_and(|found| !found.is_file())
+    {
         return Err(LogError::NotAFile { path: path() });
     }
-    let file = OpenOptions::new()
+    let file = private()
         .write(true)
         .create(true)
         .truncate(false)
+        // Of a link that somebody put there, the target would be emptied.
+        .custom_flags(rustix::fs::OFlags::NOFOLLOW.bits().cast_signed())
         .open(partial)
         .map_err(failed)?;
     lock(&file).map_err(|_| LogError::InUse { path: path() })?;
     file.set_len(0).map_err(failed)?;
     Ok(file)
+}
+
+/// For new files that only this user can read: the scenario in a log holds the keys of its patrols.
+fn private() -> OpenOptions {
+    let mut options = OpenOptions::new();
+    options.mode(0o600);
+    options
 }
 
 fn lock(file: &File) -> rustix::io::Result<()> {

@@ -11,7 +11,7 @@ use super::files::{Base, read_text};
 use super::jitter::Placement;
 use super::kinds::{KINDS, KindInfo};
 use super::resolved::ResolvedScenario;
-use super::spec::{LogSpec, RunSpec, TopLevel};
+use super::spec::{LogSpec, MAX_TICKS, RunSpec, TopLevel};
 use super::text::{
     Code, Diagnostic, Diagnostics, FieldPath, Node, SourceKind, Sources, list_choices, nearest,
     parse_document,
@@ -202,6 +202,7 @@ pub(super) fn resolve(
     if !ctx.problems.is_empty() {
         return None;
     }
+    check_ticks(ctx, &run, &rules);
     let placements = geometry::placements(&robots);
     let starts = geometry::resolve(ctx, &ground.map, &robots, &rules, run.seed)?;
     check_end(ctx, &ground.map, &robots, &rules);
@@ -248,6 +249,24 @@ fn read_log(ctx: &mut Context<'_>) -> Option<LogSpec> {
     let log: LogSpec = ctx.section("log")?;
     ctx.check_range("log.viewer_rate_hz", log.viewer_rate_hz, 0.0, 1e3, "Hz");
     Some(log)
+}
+
+/// The time limit must come within a lifetime, and the log of it fit on a disk.
+fn check_ticks(ctx: &mut Context<'_>, run: &RunSpec, rules: &RulesSpec) {
+    let Some(limit) = rules.time_limit.filter(|limit| *limit / run.dt > MAX_TICKS) else {
+        return;
+    };
+    let path = FieldPath::key("rules").then("time_limit");
+    let problem = Diagnostic::new(Code::Limit, "the run would have too many ticks")
+        .at(ctx.sources.place(ctx.root.origin_along(&path)))
+        .field(&path)
+        .value(format!(
+            "{limit} [s] in ticks of run.dt = {} [s]: {:e} ticks",
+            run.dt,
+            limit / run.dt
+        ))
+        .expected(format!("at most {MAX_TICKS:e} ticks"));
+    ctx.problems.push(problem);
 }
 
 /// Something must be able to end the run.

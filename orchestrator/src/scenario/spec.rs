@@ -18,6 +18,8 @@ pub const MAX_BEAMS: usize = 4096;
 pub const MAX_PARTICLES: usize = 1_000_000;
 /// Most cells of the map's grid.
 pub const MAX_CELLS: usize = 25_000_000;
+/// Most ticks up to the time limit of a run.
+pub const MAX_TICKS: f64 = 1e8;
 /// Most events in one scenario.
 pub const MAX_EVENTS: usize = 10_000;
 

@@ -248,14 +248,20 @@ fn load_ros(
         .parent()
         .unwrap_or(Path::new(""))
         .join(&ros.image);
-    if let Err(e) = base.find(&image.to_string_lossy()) {
-        let refused = Refused {
-            message: format!("image of {file}: {}", e.message),
-            ..e
-        };
-        return complain(ctx, node, path, refused, None);
-    }
-    match ros.load(unknown) {
+    let image = match base.find(&image.to_string_lossy()) {
+        Ok(Found::Disk(image)) => image,
+        // A YAML file on a disk has no image in the program.
+        Ok(Found::Text(_)) => return None,
+        Err(e) => {
+            let refused = Refused {
+                message: format!("image of {file}: {}", e.message),
+                ..e
+            };
+            return complain(ctx, node, path, refused, None);
+        }
+    };
+    // What was checked is what is read: the YAML may be a link, beside whose target stands another.
+    match ros.load_image(&image, unknown) {
         Ok(cells) => Some(MapSpec::Cells(cells)),
         Err(e) => complain(ctx, node, path, file_error(e.to_string()), None),
     }

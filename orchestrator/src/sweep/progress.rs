@@ -79,7 +79,7 @@ impl Progress {
         if self.bar.is_hidden() {
             eprintln!("{words}");
         } else {
-            self.bar.println(words);
+            self.bar.println(crate::terminal::harmless(words));
         }
     }
 

@@ -82,7 +82,7 @@ impl CommandBoard {
     pub fn in_force(&mut self, tick: u64, max_age: u64) -> &[Option<Twist2>] {
         for (force, held) in self.in_force.iter_mut().zip(&self.held) {
             *force = held
-                .filter(|h| h.stamp.tick + max_age >= tick)
+                .filter(|h| h.stamp.tick.saturating_add(max_age) >= tick)
                 .map(|h| h.twist);
         }
         &self.in_force
@@ -184,5 +184,13 @@ mod tests {
             board.take(&stamp(4, 3), &command(0, 2.0), 9, 0),
             Err(Refusal::Outdated)
         );
+    }
+
+    #[test]
+    fn a_stamp_at_the_end_of_time_overflows_nothing() {
+        let mut board = CommandBoard::new(vec![Some(3)]);
+        let last = stamp(u64::MAX, 3);
+        assert_eq!(board.take(&last, &command(0, 1.0), u64::MAX, 0), Ok(()));
+        assert!(board.in_force(u64::MAX, 5)[0].is_some());
     }
 }

@@ -3,10 +3,13 @@
 use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 
-use super::MAX_CELLS;
+use super::{MAX_CELLS, MAX_EXITS};
 use crate::grid::{Grid, GridFrame};
 use crate::shape::Aabb;
 use crate::spec::{FieldError, Region, check, coordinate, positive};
+
+/// Most runs of a map: what a scenario in a log has room for.
+pub const MAX_RUNS: usize = 1_000_000;
 
 /// An occupancy grid written out as run lengths. Cells are counted row by row from the one with
 /// the smallest x and y; the edge of the grid is a wall.
@@ -77,6 +80,12 @@ impl CellMap {
             let far = self.origin[axis] + count as f64 * self.resolution;
             coordinate(&format!("origin[{axis}] + cells · resolution"), far)?;
         }
+        check(
+            self.runs.len() <= MAX_RUNS,
+            "runs",
+            format!("{} runs", self.runs.len()),
+            format!("at most {MAX_RUNS}: less noise in the map"),
+        )?;
         let sum = self
             .runs
             .iter()
@@ -89,6 +98,12 @@ impl CellMap {
                 |s| format!("a sum of {s}"),
             ),
             format!("run lengths that add up to width × height = {cells}"),
+        )?;
+        check(
+            self.exits.len() <= MAX_EXITS,
+            "exits",
+            format!("{} exits", self.exits.len()),
+            format!("at most {MAX_EXITS}"),
         )?;
         for (i, exit) in self.exits.iter().enumerate() {
             exit.validate()

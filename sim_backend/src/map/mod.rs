@@ -15,7 +15,7 @@ mod vector;
 mod world_map;
 mod world_queries;
 
-pub use cells::CellMap;
+pub use cells::{CellMap, MAX_RUNS};
 pub use passage::{Passages, Reach};
 pub use pgm::{MAX_PIXELS, Pgm, PgmError};
 pub use query::Hit;
@@ -23,5 +23,7 @@ pub use ros::{RosMap, RosMapError};
 pub use segment::TOUCHING;
 pub use shape_map::ShapeMap;
 pub use spec::{MapError, MapSpec, UnknownCells};
-pub use vector::{Bounds, MAX_CELLS, ObstacleSpec, VectorMap, VectorMapError};
+pub use vector::{
+    Bounds, MAX_CELLS, MAX_EXITS, MAX_OBSTACLES, ObstacleSpec, VectorMap, VectorMapError,
+};
 pub use world_map::{Obstacle, ObstacleChange, ObstacleError, ObstacleId, WorldMap};

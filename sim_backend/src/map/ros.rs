@@ -14,6 +14,8 @@ use crate::spec::{FieldError, MAX_COORDINATE};
 
 /// Largest YAML file that is read [bytes].
 const MAX_YAML: u64 = 1 << 20;
+/// Most that is read of an image [bytes]: plain pixels of the largest map, with comments.
+const MAX_IMAGE: u64 = 512 << 20;
 const KEYS: &str = "image, resolution, origin, negate, occupied_thresh, free_thresh or mode";
 
 /// The YAML part of a ROS map.
@@ -95,7 +97,7 @@ impl RosMap {
             source,
         };
         let mut text = String::new();
-        let size = File::open(path)
+        let size = open(path)
             .and_then(|file| file.take(MAX_YAML + 1).read_to_string(&mut text))
             .map_err(io)?;
         if size as u64 > MAX_YAML {
@@ -219,14 +221,24 @@ impl RosMap {
     /// # Errors
     /// Names the image's file and what is wrong with it.
     pub fn load(&self, unknown: UnknownCells) -> Result<CellMap, RosMapError> {
-        let path = match self.path.parent() {
-            Some(directory) => directory.join(&self.image),
-            None => self.image.clone(),
-        };
-        let image = File::open(&path)
+        match self.path.parent() {
+            Some(directory) => self.load_image(&directory.join(&self.image), unknown),
+            None => self.load_image(&self.image, unknown),
+        }
+    }
+
+    /// As [`Self::load`], of the image at this path.
+    ///
+    /// # Errors
+    /// As [`Self::load`].
+    pub fn load_image(&self, path: &Path, unknown: UnknownCells) -> Result<CellMap, RosMapError> {
+        let image = open(path)
             .map_err(PgmError::Io)
-            .and_then(|file| Pgm::read(BufReader::new(file)))
-            .map_err(|source| RosMapError::Image { path, source })?;
+            .and_then(|file| Pgm::read(BufReader::new(file.take(MAX_IMAGE))))
+            .map_err(|source| RosMapError::Image {
+                path: path.to_owned(),
+                source,
+            })?;
         let map = self.classify(&image, unknown);
         map.validate().map_err(|source| RosMapError::Field {
             path: self.path.clone(),
@@ -263,6 +275,15 @@ impl RosMap {
         let rows = image.pixels.chunks_exact(image.width).rev();
         let cells = rows.flatten().map(|&gray| occupied(gray)).collect();
         CellMap::from_grid(&Grid { frame, cells })
+    }
+}
+
+/// Opens a file to read; opening a FIFO would block, and reading a device may never end.
+fn open(path: &Path) -> io::Result<File> {
+    if path.metadata()?.is_file() {
+        File::open(path)
+    } else {
+        Err(io::Error::other("not a regular file"))
     }
 }
 

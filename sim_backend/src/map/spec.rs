@@ -135,7 +135,11 @@ fn load_file(path: &Path, unknown: UnknownCells) -> Result<MapSpec, MapError> {
                 path: path.to_owned(),
                 source,
             };
-            let bytes = fs::metadata(path).map_err(io)?.len();
+            let found = fs::metadata(path).map_err(io)?;
+            if !found.is_file() {
+                return Err(io(io::Error::other("not a regular file")));
+            }
+            let bytes = found.len();
             if bytes > MAX_VECTOR_FILE {
                 return Err(MapError::TooLarge {
                     path: path.to_owned(),

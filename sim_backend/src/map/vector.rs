@@ -1,5 +1,7 @@
 //! Maps drawn with vectors.
 
+use std::collections::BTreeMap;
+
 use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 
@@ -9,6 +11,15 @@ use crate::spec::{FieldError, Region, check, coordinate, positive};
 
 /// Most cells that the grid of a map may have, unless the map itself sets a lower limit.
 pub const MAX_CELLS: usize = 1 << 26;
+/// Most obstacles of a map.
+pub const MAX_OBSTACLES: usize = 1 << 16;
+/// Most pairs of edges within the polygons of a map: four polygons of 4096 corners, or 65 536 of 32.
+const MAX_PAIRS: usize = 1 << 26;
+/// Most that the cubes of the numbers of corners may add up to, over the polygons of a map that are
+/// not convex: four polygons of 512 corners, or 1072 of 80.
+const MAX_CUTS: usize = 1 << 29;
+/// Most exits of a map.
+pub const MAX_EXITS: usize = 1024;
 
 /// A map drawn with vectors. Everything within the bounds is free but the obstacles; the edge of
 /// the bounds is a wall.
@@ -120,6 +131,8 @@ impl VectorMap {
     /// Names the field or obstacle, the value, and what was expected.
     pub fn validate(&self) -> Result<(), VectorMapError> {
         self.frame()?;
+        self.check_counts()?;
+        let mut names = BTreeMap::new();
         for (index, obstacle) in self.obstacles.iter().enumerate() {
             obstacle
                 .shape
@@ -129,10 +142,10 @@ impl VectorMap {
                     name: obstacle.name.clone(),
                     source,
                 })?;
-            let named = |other: &ObstacleSpec| other.name == obstacle.name;
-            if let Some(first) = self.obstacles[..index].iter().position(named)
-                && !obstacle.name.is_empty()
-            {
+            if obstacle.name.is_empty() {
+                continue;
+            }
+            if let Some(first) = names.insert(obstacle.name.as_str(), index) {
                 let name = obstacle.name.clone();
                 return Err(VectorMapError::DuplicateName {
                     name,
@@ -146,6 +159,47 @@ impl VectorMap {
                 .map_err(|e| e.within(&format!("exits[{i}]")))?;
         }
         Ok(())
+    }
+
+    /// Refuses more of anything than is meant, before any of it is computed with.
+    fn check_counts(&self) -> Result<(), FieldError> {
+        check(
+            self.obstacles.len() <= MAX_OBSTACLES,
+            "obstacles",
+            format!("{} obstacles", self.obstacles.len()),
+            format!("at most {MAX_OBSTACLES}"),
+        )?;
+        let (mut pairs, mut cuts) = (0usize, 0usize);
+        for obstacle in &self.obstacles {
+            let effort = obstacle.shape.effort();
+            pairs = pairs.saturating_add(effort.pairs);
+            cuts = cuts.saturating_add(effort.cuts);
+        }
+        for (what, count, most) in [
+            (
+                "squares of the corners of all polygons, added up",
+                pairs,
+                MAX_PAIRS,
+            ),
+            (
+                "cubes of the corners of all polygons that are not convex, added up",
+                cuts,
+                MAX_CUTS,
+            ),
+        ] {
+            check(
+                count <= most,
+                "obstacles",
+                format!("{count} ({what})"),
+                format!("at most {most}; divide large polygons"),
+            )?;
+        }
+        check(
+            self.exits.len() <= MAX_EXITS,
+            "exits",
+            format!("{} exits", self.exits.len()),
+            format!("at most {MAX_EXITS}"),
+        )
     }
 
     /// The bounds as a rectangle.
@@ -252,5 +306,51 @@ mod tests {
             2
         ];
         assert!(message(&map).contains("obstacles[1] is called \"tower\" like obstacles[0]"));
+    }
+
+    #[test]
+    fn more_of_anything_than_is_meant_is_refused_with_the_limit() {
+        let disc = |i: usize| ObstacleSpec {
+            name: format!("o{i}"),
+            shape: Shape::Circle {
+                center: [0.5, 0.5],
+                radius: 0.1,
+            },
+        };
+        // A comb: every other corner points inwards.
+        let comb = |corners: usize| ObstacleSpec {
+            name: String::new(),
+            shape: Shape::Polygon {
+                vertices: (0..corners - 2)
+                    .map(|i| [i as f64 * 1e-3, if i % 2 == 0 { 0.9 } else { 0.2 }])
+                    .chain([[1.0, 0.0], [-0.1, 0.0]])
+                    .collect(),
+            },
+        };
+        let exit = Region::Circle {
+            center: [0.5, 0.5],
+            radius: 0.1,
+        };
+        let empty = VectorMap::empty([0.0, 0.0], [1.0, 1.0], 0.1);
+        let with = |obstacles, exits| VectorMap {
+            obstacles,
+            exits,
+            ..empty.clone()
+        };
+        let many = |count| (0..count).map(disc).collect::<Vec<_>>();
+        assert!(with(many(2000), vec![exit; MAX_EXITS]).validate().is_ok());
+        for (map, words) in [
+            (with(many(MAX_OBSTACLES + 1), vec![]), "65537 obstacles"),
+            (with(vec![], vec![exit; MAX_EXITS + 1]), "1025 exits"),
+            (with(vec![comb(400); 20], vec![]), "cubes of the corners"),
+            (with(vec![comb(4000); 8], vec![]), "squares of the corners"),
+            (
+                with(vec![comb(600)], vec![]),
+                "not convex: expected at most 512",
+            ),
+        ] {
+            let error = map.validate().unwrap_err().to_string();
+            assert!(error.contains(words), "{error}");
+        }
     }
 }

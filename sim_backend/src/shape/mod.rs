@@ -18,6 +18,8 @@ use crate::spec::{FieldError, check, coordinate, positive};
 
 /// Most vertices that one polygon may have.
 pub const MAX_VERTICES: usize = 4096;
+/// Most vertices of one that is not convex: to cut it up takes a time that grows with their cube.
+pub const MAX_CONCAVE_VERTICES: usize = 512;
 
 /// A solid shape in the plane, in world coordinates.
 ///
@@ -46,9 +48,19 @@ pub enum Shape {
     },
     /// A simple polygon, convex or not, in either orientation; the last vertex joins the first.
     Polygon {
-        /// Corners in order [m]; at least 3, at most [`MAX_VERTICES`].
+        /// Corners in order [m]; at least 3, at most [`MAX_VERTICES`], or
+        /// [`MAX_CONCAVE_VERTICES`] if it is not convex.
         vertices: Vec<[f64; 2]>,
     },
+}
+
+/// How much there is to compute.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(crate) struct Effort {
+    /// Pairs of edges that may cross.
+    pub pairs: usize,
+    /// The cube of the number of vertices of a polygon that is not convex.
+    pub cuts: usize,
 }
 
 /// Why a shape cannot be used.
@@ -114,6 +126,15 @@ impl Shape {
                 Ok(vec![Convex::rectangle(center, *half_extents, *angle)])
             }
             Self::Polygon { vertices } => polygon::convex_parts(vertices),
+        }
+    }
+
+    /// How much there is to compute before the shape has parts: pairs of edges, and vertices cubed
+    /// if it must be cut up.
+    pub(crate) fn effort(&self) -> Effort {
+        match self {
+            Self::Circle { .. } | Self::Rectangle { .. } => Effort::default(),
+            Self::Polygon { vertices } => polygon::effort(vertices),
         }
     }
 

@@ -5,7 +5,7 @@ use parry2d_f64::math::Vector;
 use parry2d_f64::shape::TriMesh;
 use parry2d_f64::transformation::hertel_mehlhorn;
 
-use super::{Convex, MAX_VERTICES, ShapeError};
+use super::{Convex, Effort, MAX_CONCAVE_VERTICES, MAX_VERTICES, ShapeError};
 use crate::spec::{check, coordinate};
 
 /// The convex parts of a simple polygon given in either orientation.
@@ -33,6 +33,12 @@ pub(super) fn convex_parts(vertices: &[[f64; 2]]) -> Result<Vec<Convex>, ShapeEr
     if is_convex(&points) {
         return Ok(vec![Convex::polygon(&points)]);
     }
+    check(
+        points.len() <= MAX_CONCAVE_VERTICES,
+        "polygon.vertices",
+        format!("{} vertices of a polygon that is not convex", points.len()),
+        format!("at most {MAX_CONCAVE_VERTICES}; divide it"),
+    )?;
     let corners: Vec<Vector> = points.iter().map(|p| Vector::new(p.x, p.y)).collect();
     let mesh = TriMesh::from_polygon(corners).ok_or(ShapeError::NotDivisible)?;
     let mut covered = 0.0;
@@ -51,6 +57,23 @@ pub(super) fn convex_parts(vertices: &[[f64; 2]]) -> Result<Vec<Convex>, ShapeEr
         return Err(ShapeError::NotDivisible);
     }
     Ok(parts)
+}
+
+/// How much there is to compute for [`convex_parts`].
+pub(super) fn effort(vertices: &[[f64; 2]]) -> Effort {
+    let n = vertices.len();
+    let mut points: Vec<Point2<f64>> = vertices.iter().map(|v| Point2::new(v[0], v[1])).collect();
+    if signed_area(&points) < 0.0 {
+        points.reverse();
+    }
+    Effort {
+        pairs: n.saturating_mul(n),
+        cuts: if is_convex(&points) {
+            0
+        } else {
+            n.saturating_pow(3)
+        },
+    }
 }
 
 /// Shoelace area [m²], positive for counter-clockwise corners.

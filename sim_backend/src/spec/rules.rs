@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{CoverageSpec, FieldError, Region, non_negative, positive};
+use crate::map::MAX_EXITS;
 
 /// Rules of a mission; the defaults are a world without a game: no capture, no exits, no end.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -93,6 +94,12 @@ impl RulesSpec {
             positive("capture.radius", capture.radius, "m")?;
             non_negative("capture.dwell", capture.dwell, "s")?;
         }
+        super::check(
+            self.exits.len() <= MAX_EXITS,
+            "exits",
+            format!("{} exits", self.exits.len()),
+            format!("at most {MAX_EXITS}"),
+        )?;
         for (i, exit) in self.exits.iter().enumerate() {
             exit.validate()
                 .map_err(|e| e.within(&format!("exits[{i}]")))?;

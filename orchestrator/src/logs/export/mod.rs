@@ -16,7 +16,7 @@ use self::columns::{Column, Layout};
 use super::condition::Condition;
 use super::error::LogsError;
 use super::pattern::Topics;
-use super::place::Place;
+use super::place::{Place, Readers};
 use super::reader::{Channel, Item, Reader};
 use super::ros2::{Cell, Schema};
 use super::watch::Watch;
@@ -178,7 +178,8 @@ pub fn export(
                             "--topics: the log has more than {MOST_TABLES} topics; choose some"
                         )));
                     }
-                    let (place, file) = Place::new(&open.table.file, log, options.force)?;
+                    let (place, file) =
+                        Place::new(&open.table.file, log, options.force, Readers::Anybody)?;
                     let columns = open.layout.columns();
                     let rows = sink(options.format, file, columns);
                     let rows = rows.map_err(|e| place.failed(e))?;

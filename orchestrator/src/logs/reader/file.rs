@@ -82,7 +82,7 @@ impl Reader<'_> {
     /// Behind the footer stands the end mark, and nothing else.
     pub(super) fn footer(&mut self, summary_start: u64) {
         let mut magic = [0; 8];
-        let ends = self.length - self.next == 8
+        let ends = self.length.saturating_sub(self.next) == 8
             && self.file.read_exact_at(&mut magic, self.next).is_ok()
             && magic.as_slice() == mcap::MAGIC;
         self.condition.summary = summary_start != 0;
@@ -90,7 +90,7 @@ impl Reader<'_> {
         self.done = true;
         if ends {
             self.condition.complete = true;
-        } else if self.length - self.next < 8 {
+        } else if self.length.saturating_sub(self.next) < 8 {
             self.cut(self.next, "the end mark");
         } else {
             let what = "what stands behind the footer is not the end mark of an MCAP file";

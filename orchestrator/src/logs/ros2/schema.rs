@@ -169,9 +169,16 @@ impl Parser<'_> {
                     (kind, Count::Fixed(count))
                 }
             };
+            let kind = self.kind(kind, depth)?;
+            // As many elements as there are bytes are believed, in every list in a list: each must
+            // take some.
+            if count != Count::One && is_nothing(&kind) {
+                let what = format!("`{line}`: a list of messages without fields");
+                return Err(SchemaError(what));
+            }
             fields.push(Field {
                 name: name.to_owned(),
-                kind: self.kind(kind, depth)?,
+                kind,
                 count,
             });
         }
@@ -212,7 +219,48 @@ impl Parser<'_> {
     }
 }
 
+/// Whether a value takes no bytes at all.
+fn is_nothing(kind: &Kind) -> bool {
+    match kind {
+        Kind::Number(_) | Kind::Text => false,
+        Kind::Message(fields) => fields
+            .iter()
+            .all(|field| field.count == Count::Fixed(0) || is_nothing_once(field)),
+    }
+}
+
+/// A list has a length, at least.
+fn is_nothing_once(field: &Field) -> bool {
+    field.count != Count::Many && is_nothing(&field.kind)
+}
+
 /// `pkg/msg/Name` is also called `pkg/Name`.
 fn short(name: &str) -> String {
     name.replacen("/msg/", "/", 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lists_of_messages_that_take_no_bytes_are_refused() {
+        let nothing = "Nothing[1000] many\n===\nMSG: a/Nothing\n";
+        let nested = "A[9] a\n===\nMSG: p/A\nB b\n===\nMSG: p/B\nuint8[0] none\n";
+        for text in [nothing, nested] {
+            let error = Schema::parse(text.as_bytes()).unwrap_err();
+            assert!(
+                error.0.contains("a list of messages without fields"),
+                "{error}"
+            );
+        }
+        // A length and a single empty message are something else.
+        for text in [
+            "A[9] a\n===\nMSG: p/A\nuint8[] bytes\n",
+            "Nothing one\n===\nMSG: a/Nothing\n",
+            "uint8[0] none\n",
+        ] {
+            assert!(Schema::parse(text.as_bytes()).is_ok(), "{text}");
+        }
+    }
 }

@@ -325,3 +325,24 @@ proptest! {
         prop_assert!(read.len() == all.len() || !condition.is_whole());
     }
 }
+
+/// Found by fuzzing: the chunk claims to go on behind the end of the file, and holds a footer.
+#[test]
+fn a_footer_in_a_chunk_that_the_file_ends_in_is_not_its_end() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut inner = vec![mcap::records::op::FOOTER];
+    inner.extend(20_u64.to_le_bytes());
+    inner.extend([0; 20]);
+    let mut chunk = [0; 24].to_vec();
+    chunk.extend([0; 4]);
+    chunk.extend(0_u32.to_le_bytes());
+    chunk.extend((inner.len() as u64).to_le_bytes());
+    chunk.extend(inner);
+    let mut bytes = mcap::MAGIC.to_vec();
+    bytes.push(mcap::records::op::CHUNK);
+    bytes.extend((chunk.len() as u64 + 1000).to_le_bytes());
+    bytes.extend(chunk);
+    let path = file(&folder, "footer.mcap", &bytes);
+    let info = LogInfo::read(&path, &mut watch()).unwrap();
+    assert!(!info.condition.complete && !info.condition.is_whole());
+}

@@ -11,6 +11,12 @@ use super::source::{Origin, Sources};
 /// More dots than this in one key are refused: every dot is a level of nesting, and a tree is walked
 /// by recursion.
 const MAX_KEY_DOTS: usize = 16;
+/// Most words and signs of a text, without white space and comments: every value takes a few hundred
+/// bytes while it is looked at, however short it is. A map of 65 536 obstacles has room, and one of a
+/// million runs of cells.
+const MAX_TOKENS: usize = 2_200_000;
+/// Most syntax errors that are looked at: finding the place of each takes a walk through the text.
+const MAX_ERRORS: usize = 100;
 /// Tables and arrays nested deeper than this are refused.
 const MAX_DEPTH: usize = 64;
 
@@ -22,7 +28,7 @@ pub fn parse_document(
     problems: &mut Diagnostics,
 ) -> Option<Node> {
     let text = sources.text(source)?;
-    check_key_depth(sources, source, text, problems)?;
+    check_amount(sources, source, text, problems)?;
     let (root, errors) = DeTable::parse_recoverable(text);
     let broken = !errors.is_empty();
     report(sources, source, 0, &errors, problems);
@@ -48,7 +54,7 @@ pub fn parse_value(sources: &Sources, source: usize, offset: usize) -> Result<No
         .text(source)
         .and_then(|t| t.get(offset..))
         .unwrap_or_default();
-    if check_key_depth(sources, source, text, &mut problems).is_some() {
+    if check_amount(sources, source, text, &mut problems).is_some() {
         let (value, errors) = DeValue::parse_recoverable(text);
         report(sources, source, offset, &errors, &mut problems);
         if problems.is_empty() {
@@ -84,7 +90,7 @@ fn report(
     errors: &[toml::de::Error],
     problems: &mut Diagnostics,
 ) {
-    for error in errors {
+    for error in errors.iter().take(MAX_ERRORS) {
         let span = error.span().unwrap_or(0..0);
         let origin = Origin::Text {
             source,
@@ -109,14 +115,14 @@ fn split_expectation(message: &str) -> (&str, Option<&str>) {
     }
 }
 
-/// Refuses keys of many dots before the parser builds a tree of them.
-fn check_key_depth(
+/// Refuses keys of many dots and texts of very many values before the parser builds a tree of them.
+fn check_amount(
     sources: &Sources,
     source: usize,
     text: &str,
     problems: &mut Diagnostics,
 ) -> Option<()> {
-    let mut dots = 0;
+    let (mut dots, mut tokens) = (0, 0);
     for token in toml_parser::Source::new(text).lex() {
         match token.kind() {
             TokenKind::Dot => dots += 1,
@@ -128,20 +134,31 @@ fn check_key_depth(
             | TokenKind::MlLiteralString => {}
             _ => dots = 0,
         }
-        if dots > MAX_KEY_DOTS {
-            let span = token.span();
-            let origin = Origin::Text {
-                source,
-                start: span.start(),
-                end: span.end(),
-            };
-            problems.push(
-                Diagnostic::new(Code::Limit, "key with too many dots")
-                    .at(sources.place(origin))
-                    .expected(format!("at most {MAX_KEY_DOTS} dots in a key")),
-            );
-            return None;
-        }
+        tokens += usize::from(!matches!(
+            token.kind(),
+            TokenKind::Whitespace | TokenKind::Comment | TokenKind::Newline
+        ));
+        let (message, expected) = if dots > MAX_KEY_DOTS {
+            let expected = format!("at most {MAX_KEY_DOTS} dots in a key");
+            ("key with too many dots", expected)
+        } else if tokens > MAX_TOKENS {
+            let expected = format!("at most {MAX_TOKENS} words and signs in a text");
+            ("too much in one text", expected)
+        } else {
+            continue;
+        };
+        let span = token.span();
+        let origin = Origin::Text {
+            source,
+            start: span.start(),
+            end: span.end(),
+        };
+        problems.push(
+            Diagnostic::new(Code::Limit, message)
+                .at(sources.place(origin))
+                .expected(expected),
+        );
+        return None;
     }
     Some(())
 }

@@ -1,0 +1,9 @@
+//! Any bytes as a file of planning instances.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use orchestrator::planning;
+
+fuzz_target!(|bytes: &[u8]| {
+    let _ = planning::file::parse(bytes);
+});

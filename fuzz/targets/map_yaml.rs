@@ -1,0 +1,15 @@
+//! Any text as the YAML file of a ROS map.
+#![no_main]
+
+use std::path::Path;
+
+use libfuzzer_sys::fuzz_target;
+use sim_backend::map::RosMap;
+
+fuzz_target!(|text: &str| {
+    if let Ok(map) = RosMap::parse(Path::new("maps/a.yaml"), text) {
+        assert!(map.resolution > 0.0 && map.resolution.is_finite());
+        assert!(map.origin.iter().all(|x| x.is_finite()));
+        assert!(map.free_thresh <= map.occupied_thresh);
+    }
+});

@@ -1,0 +1,46 @@
+//! Scenarios, maps and logs of strangers: what asks for too much is refused with the limit named
+//! before it is attempted, nothing leads out of the scenario's folder, nothing steers the terminal,
+//! and what a run leaves lying about is for its user only.
+
+#[path = "hostile/access.rs"]
+mod access;
+#[path = "hostile/limits.rs"]
+mod limits;
+#[path = "hostile/paths.rs"]
+mod paths;
+#[path = "hostile/words.rs"]
+mod words;
+
+/// The smallest scenario, for changes.
+const GOOD: &str = r#"title = "Hello"
+
+[world]
+map = "builtin:hello"
+
+[rules]
+exits = [{ circle = { center = [3.5, 0.5], radius = 0.2 } }]
+time_limit = 1.0
+
+[[robots]]
+name = "robot"
+team = "evader"
+start = { x = 0.5, y = 0.5, theta = 0.0 }
+
+[[processes]]
+kind = "evader_potential"
+robots = ["robot"]
+"#;
+
+/// The scenario with one thing changed.
+fn changed(from: &str, to: &str) -> String {
+    assert!(GOOD.contains(from), "{from:?}");
+    GOOD.replacen(from, to, 1)
+}
+
+/// The scenario on a map of these vectors, 4 m × 3 m.
+fn on_vectors(more: &str) -> String {
+    changed(
+        "map = \"builtin:hello\"",
+        &format!("[world.map.vector]\nbounds = {{ min = [0, 0], max = [4, 3] }}\n{more}"),
+    )
+}

@@ -1,0 +1,152 @@
+//! Other users of the machine.
+
+use std::io::Write as _;
+use std::os::unix::fs::PermissionsExt as _;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use super::changed;
+use crate::support::{SOON, Sandbox, until};
+
+/// A user whom nothing belongs to.
+const NOBODY: &str = "65534";
+
+/// Whether that user can read a file; `None`, and a note that everybody sees, if nobody here can ask.
+fn others_can_read(path: &Path) -> Option<bool> {
+    let ask = |path: &Path| {
+        Command::new("setpriv")
+            .args(["--reuid", NOBODY, "--regid", NOBODY, "--clear-groups"])
+            .args(["head", "-c", "1"])
+            .arg(path)
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .status()
+            .is_ok_and(|status| status.success())
+    };
+    // What everybody may read must be readable, or the question makes no sense.
+    if rustix::process::getuid().is_root() && ask(Path::new("/etc/passwd")) {
+        return Some(ask(path));
+    }
+    let note = "\nSKIPPED: looking at a run as another user: needs root and setpriv\n";
+    std::io::stderr().write_all(note.as_bytes()).unwrap();
+    None
+}
+
+fn mode(path: &Path) -> u32 {
+    path.symlink_metadata().unwrap().permissions().mode() & 0o777
+}
+
+fn below(folder: &Path) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+        if entry.path().is_dir() {
+            found.extend(below(&entry.path()));
+        }
+        found.push(entry.path());
+    }
+    found
+}
+
+#[test]
+fn another_user_sees_nothing_of_a_run() {
+    let sandbox = Sandbox::new();
+    // So that what keeps others out is the run's own doing.
+    let open = std::fs::Permissions::from_mode(0o755);
+    for folder in [sandbox.path(), &sandbox.runtime_dir()] {
+        std::fs::set_permissions(folder, open.clone()).unwrap();
+    }
+    sandbox.file(
+        "long.toml",
+        changed("time_limit = 1.0", "time_limit = 10000.0"),
+    );
+    // A umask that forbids nothing.
+    let running = sandbox
+        .protean([
+            "run",
+            "long.toml",
+            "--out",
+            "run.mcap",
+            "--real-time",
+            "0.01",
+        ])
+        .through("sh", &["-c", "umask 0 && exec \"$0\" \"$@\""])
+        .start();
+    let run = sandbox.next_run(&std::collections::BTreeSet::new());
+    let log = sandbox.path().join("run.mcap");
+    until("the log", SOON, || log.exists().then_some(()));
+    sandbox.process("simulator");
+    let shared = until("shared memory", SOON, || {
+        let found = sandbox.shared_memory();
+        let is_page = |path: &PathBuf| !path.is_dir();
+        (found.iter().filter(|p| is_page(p)).count() > 3).then_some(found)
+    });
+    let root = sandbox.runtime_dir().join("protean").join(&run);
+    let configuration = until("a configuration", SOON, || {
+        let path = root.join("process-1.json");
+        path.exists().then_some(path)
+    });
+    assert_eq!(mode(root.parent().unwrap()), 0o700);
+    assert_eq!(mode(&root), 0o700);
+    assert_eq!(mode(&configuration), 0o600);
+    assert_eq!(mode(&log), 0o600, "it holds the keys of patrols");
+    let files = shared.into_iter().chain(below(&root)).chain([log]);
+    for path in files {
+        // iceoryx2 0.10 makes this one for everybody (docs/security.md).
+        if path.extension().is_some_and(|e| e == "global_mgmt") {
+            continue;
+        }
+        let Ok(found) = path.symlink_metadata() else {
+            continue;
+        };
+        let inside = path.starts_with(&root);
+        let mode = found.permissions().mode() & 0o777;
+        assert!(inside || mode & 0o077 == 0, "{}: {mode:o}", path.display());
+        if found.is_file() {
+            match others_can_read(&path) {
+                Some(readable) => assert!(!readable, "{}", path.display()),
+                None => break,
+            }
+        }
+    }
+    running.signal(rustix::process::Signal::INT);
+    let outcome = running.finish();
+    assert_eq!(outcome.code, Some(3), "{outcome}");
+    sandbox.assert_nothing_left();
+}
+
+#[test]
+fn a_directory_that_somebody_else_has_prepared_is_refused_by_its_name() {
+    let sandbox = Sandbox::new();
+    sandbox.file("s.toml", super::GOOD);
+    let prepared = sandbox.path().join("prepared");
+    std::fs::create_dir(&prepared).unwrap();
+    let open = std::fs::Permissions::from_mode(0o777);
+    std::fs::set_permissions(&prepared, open).unwrap();
+    let name = prepared.display().to_string();
+    let outcome = sandbox
+        .protean(["run", "s.toml"])
+        .runtime_dir(&prepared)
+        .run();
+    outcome.refused(1, &[&name, "0777", "XDG_RUNTIME_DIR"]);
+    assert!(below(&prepared).is_empty());
+}
+
+#[test]
+fn a_link_in_the_place_of_a_log_is_not_followed() {
+    let sandbox = Sandbox::new();
+    sandbox.file("s.toml", super::GOOD);
+    let precious = sandbox.file("precious", "precious");
+    sandbox.file("run.mcap", "older");
+    let link = sandbox.path().join("run.mcap.partial");
+    std::os::unix::fs::symlink("precious", &link).unwrap();
+    let outcome = sandbox
+        .protean(["run", "s.toml", "--out", "run.mcap", "--force"])
+        .run();
+    assert_ne!(outcome.code, Some(0), "{outcome}");
+    assert!(outcome.stderr.contains("run.mcap.partial"), "{outcome}");
+    assert_eq!(std::fs::read_to_string(&precious).unwrap(), "precious");
+    assert_eq!(
+        std::fs::read_to_string(sandbox.path().join("run.mcap")).unwrap(),
+        "older"
+    );
+}
