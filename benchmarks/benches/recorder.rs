@@ -62,6 +62,8 @@ fn stamp(tick: u64, source: u32, sequence: u64) -> Stamp {
         reserved: 0,
         origin_ns: 1_000_000_000 + tick * 250_000,
         received_ns: sent_ns - 9_000,
+        begun_ns: sent_ns - 8_500,
+        computed_ns: sent_ns - 500,
         sent_ns,
     }
 }

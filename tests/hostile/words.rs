@@ -9,7 +9,7 @@ use crate::support::call::Outcome;
 fn harmless(outcome: &Outcome) {
     for text in [&outcome.stdout, &outcome.stderr] {
         let steers = |c: char| c.is_control() && c != '\n' && c != '\t' || c == '\u{202e}';
-        assert!(!text.contains(steers), "{outcome:?}", outcome = text);
+        assert!(!text.contains(steers), "{text:?}");
     }
 }
 

@@ -91,6 +91,7 @@ impl Bus {
             .signal_handling_mode(SignalHandlingMode::Disabled)
             .create::<ipc::Service>()
             .map_err(|e| failed(format!("{e:?}")))?;
+        space.keep_others_out().map_err(|e| failed(e.to_string()))?;
         Ok(Self {
             backend: Backend::Ipc {
                 node,

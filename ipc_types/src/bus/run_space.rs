@@ -1,6 +1,7 @@
 //! Where the services of one run live, apart from those of every other run.
 
-use std::os::unix::fs::DirBuilderExt;
+use std::fs::{DirEntry, Permissions};
+use std::os::unix::fs::{DirBuilderExt, PermissionsExt};
 use std::path::{Path, PathBuf};
 
 use iceoryx2::prelude::{Config, FileName, Path as TransportPath};
@@ -9,6 +10,9 @@ use super::BusError;
 
 /// iceoryx2 keeps Unix sockets below the root; a socket's path is limited to 107 bytes.
 const MAX_ROOT_BYTES: usize = 60;
+
+/// What a file's mode allows to others than its owner.
+const OTHERS: u32 = 0o077;
 
 /// The iceoryx2 prefix and root path of one run.
 ///
@@ -123,22 +127,49 @@ impl RunSpace {
             }
             _ => {}
         };
-        match std::fs::read_dir("/dev/shm") {
-            Ok(entries) => {
-                for entry in entries.flatten() {
-                    if entry
-                        .file_name()
-                        .as_encoded_bytes()
-                        .starts_with(self.prefix.as_bytes())
-                    {
-                        keep(std::fs::remove_file(entry.path()));
-                    }
+        match self.segments() {
+            Ok(segments) => {
+                for segment in segments {
+                    keep(std::fs::remove_file(segment.path()));
                 }
             }
             Err(e) => keep(Err(e)),
         }
         keep(std::fs::remove_dir_all(&self.root));
         first_error.map_or(Ok(()), Err)
+    }
+
+    /// Takes from other users what iceoryx2 lets them have: it makes the segment that the nodes of a
+    /// run count themselves in for everybody, whatever the umask.
+    ///
+    /// # Errors
+    /// If shared memory cannot be listed, or a segment's mode not be changed.
+    pub fn keep_others_out(&self) -> std::io::Result<()> {
+        for segment in self.segments()? {
+            // Whatever vanishes meanwhile is nobody's any more.
+            let Ok(found) = segment.metadata() else {
+                continue;
+            };
+            let mode = found.permissions().mode();
+            if mode & OTHERS != 0 {
+                let own = Permissions::from_mode(mode & !OTHERS & 0o7777);
+                match std::fs::set_permissions(segment.path(), own) {
+                    Err(e) if e.kind() != std::io::ErrorKind::NotFound => return Err(e),
+                    _ => {}
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The run's pieces of shared memory.
+    fn segments(&self) -> std::io::Result<Vec<DirEntry>> {
+        let of_run = |entry: &DirEntry| {
+            let name = entry.file_name();
+            name.as_encoded_bytes().starts_with(self.prefix.as_bytes())
+        };
+        let entries = std::fs::read_dir("/dev/shm")?;
+        Ok(entries.flatten().filter(of_run).collect())
     }
 }
 

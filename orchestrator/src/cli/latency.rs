@@ -11,7 +11,7 @@ use super::{DEFAULT_SCENARIO, EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, OverrideA
 use super::{print, print_json};
 use crate::bench::{BenchError, Options};
 use crate::latency::{LatencyError, Report, Run, baselines, micro, mission, of_log, page, text};
-use crate::logs::place::Place;
+use crate::logs::place::{Place, Readers};
 use crate::logs::{LogsError, Watch};
 use crate::scenario::{Loader, ResolvedScenario};
 
@@ -117,7 +117,7 @@ fn measure(args: &LatencyArgs, interrupted: &Arc<AtomicBool>) -> Result<u8, Refu
     let place = |out: &Option<PathBuf>| {
         let out = out.as_ref().filter(|out| out.as_path() != Path::new("-"));
         let beside = log.clone().or_else(|| args.log.clone()).unwrap_or_default();
-        out.map(|out| Place::new(out, &beside, args.force))
+        out.map(|out| Place::new(out, &beside, args.force, Readers::Anybody))
             .transpose()
             .map_err(|error| refusal(&error.into()))
     };

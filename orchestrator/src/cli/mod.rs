@@ -205,9 +205,10 @@ const DEFAULT_SCENARIO: &str = "chase";
 
 /// Says on stderr why a command is refused; a scenario's problems are texts of their own.
 fn complain(error: &(dyn std::error::Error + 'static)) {
-    match error.downcast_ref::<Diagnostics>() {
-        Some(problems) => eprintln!("{problems}"),
-        None => eprintln!("error: {error}"),
+    if let Some(problems) = error.downcast_ref::<Diagnostics>() {
+        eprintln!("{problems}");
+    } else {
+        eprintln!("error: {error}");
     }
 }
 

@@ -63,7 +63,7 @@ pub struct Report {
 /// cannot be written.
 pub fn report(log: &Path, out: &Path, force: bool, watch: &mut Watch) -> Result<Report, LogsError> {
     // Whether the page may stand there is known before the log has been read.
-    let (place, mut file) = Place::new(out, log, force, Readers::Anybody)?;
+    let (place, mut file) = Place::new(out, log, force, Readers::Owner)?;
     let mut gathered = Gathered::read(log, watch)?;
     let (page, mut report) = page(&mut gathered).map_err(|e| place.failed(e))?;
     file.write_all(page.as_bytes())
