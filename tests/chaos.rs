@@ -17,7 +17,7 @@ fn chaos(kinds: &str, faults: &str) -> Json {
             kinds,
             "--faults",
             faults,
-            "--seed",
+            "--fault-seed",
             "7",
             // Short missions with everybody in them.
             "--set",
@@ -88,7 +88,7 @@ fn the_same_seed_draws_the_same_faults() {
             "pause,kill",
             "-n",
             "3",
-            "--seed",
+            "--fault-seed",
             seed,
             "--json",
         ];

@@ -52,6 +52,20 @@ impl Navigator {
         server.receive().unwrap().expect("a request")
     }
 
+    /// The next request; the robot stands until then.
+    fn asked(&self, tick: &mut u64) -> ActiveRequest<OptimiserPlan> {
+        loop {
+            self.world.tick(&self.rig, *tick);
+            assert_eq!(self.command(), (0.0, 0.0), "tick {tick}");
+            *tick += 1;
+            assert!(*tick < 200, "it asks again");
+            let server = self.server.as_ref().unwrap();
+            if let Some(request) = server.receive().unwrap() {
+                return request;
+            }
+        }
+    }
+
     fn command(&self) -> (f64, f64) {
         let message = self.commands.receive().unwrap().expect("a command");
         (message.elements()[0].v, message.elements()[0].omega)
@@ -80,10 +94,14 @@ fn an_optimiser_that_is_silent_ends_the_navigator_by_name() {
 }
 
 #[test]
-fn an_optimiser_that_is_gone_ends_the_navigator_by_name() {
-    let navigator = navigator(false);
-    navigator.world.tick(&navigator.rig, 0);
-    navigator.ends("gone");
+fn an_optimiser_that_is_gone_leaves_the_robot_standing_until_one_is_back() {
+    let mut navigator = navigator(false);
+    for tick in 0..30 {
+        navigator.world.tick(&navigator.rig, tick);
+        assert_eq!(navigator.command(), (0.0, 0.0), "tick {tick}");
+    }
+    navigator.server = Some(navigator.rig.bus.server(1, 16).unwrap());
+    navigator.asked(&mut 30);
 }
 
 #[test]
@@ -104,23 +122,13 @@ fn answers_that_make_no_sense_leave_the_robot_standing() {
         &[sample(0.0, 0.5, 0.2), sample(1.0, 1e300, 0.2)],
     ];
     let mut tick = 0;
-    // The next request; the robot stands until then.
-    let mut asked = || loop {
-        navigator.world.tick(&navigator.rig, tick);
-        assert_eq!(navigator.command(), (0.0, 0.0));
-        tick += 1;
-        assert!(tick < 200, "it asks again");
-        let server = navigator.server.as_ref().unwrap();
-        if let Some(request) = server.receive().unwrap() {
-            return request;
-        }
-    };
     for samples in hostile {
         // It is answered nonsense, and asks again a second later.
-        asked().answer(PlanResponse::default(), samples).unwrap();
+        let request = navigator.asked(&mut tick);
+        request.answer(PlanResponse::default(), samples).unwrap();
     }
     // What makes sense is driven.
-    let request = asked();
+    let request = navigator.asked(&mut tick);
     let sensible = [sample(0.0, 0.5, 0.2), sample(5.0, 1.5, 0.2)];
     request.answer(PlanResponse::default(), &sensible).unwrap();
     navigator.world.tick(&navigator.rig, tick);

@@ -110,7 +110,8 @@ impl Fault {
         let mut below = |count: usize| (random.next_u64() % count.max(1) as u64) as usize;
         let kind = options.kinds.get(below(options.kinds.len()));
         let kind = kind.copied().unwrap_or(FaultKind::Kill);
-        let target = options.processes.get(below(options.processes.len()));
+        let processes = options.processes();
+        let target = processes.get(below(processes.len()));
         let course = [Course::LockStep, Course::RealTime][below(2)];
         let policy = options.policies.get(below(options.policies.len()));
         let moment = below(1 << 24) as f64 / f64::from(1 << 24);
@@ -119,7 +120,7 @@ impl Fault {
             target: if kind.hits_orchestrator() {
                 "orchestrator".to_owned()
             } else {
-                target.cloned().unwrap_or_default()
+                (*target.unwrap_or(&"")).to_owned()
             },
             course,
             policy: policy.copied().unwrap_or(Policy::Scenario),

@@ -12,10 +12,14 @@ use serde_json::Value as Json;
 
 use super::fault::Policy;
 use super::{ChaosError, ChaosOptions};
+use crate::scenario::{OnFailure, ResolvedScenario};
 
 /// Real time without an answer after which a process counts as hung in these missions [s]; far
 /// beyond what a busy machine makes of a living one.
-pub(super) const HANG_TIMEOUT_S: f64 = 5.0;
+const HANG_TIMEOUT_S: f64 = 5.0;
+
+/// Real time that a process has to become ready [s].
+const READY_TIMEOUT_S: f64 = 15.0;
 
 /// How a mission's time goes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
@@ -75,20 +79,11 @@ impl Mission {
             .rand_bytes(6)
             .tempdir_in("/tmp")
             .map_err(system("/tmp"))?;
+        let scenario = directory.path().join("mission.toml");
+        std::fs::write(&scenario, prepared(&options.scenario, policy).to_toml())
+            .map_err(system(scenario.display().to_string()))?;
         let mut mission_command = command(&directory, "run")?;
-        mission_command
-            .arg(&options.scenario)
-            .args(["--seed", &options.mission_seed.to_string()])
-            .args(["--json", "--quiet", "--out", "mission.mcap"])
-            .args(["--set", &format!("run.hang_timeout_s={HANG_TIMEOUT_S}")]);
-        for change in &options.set {
-            mission_command.args(["--set", change]);
-        }
-        if policy == Policy::Restart {
-            for name in options.processes.iter().filter(|n| *n != SIMULATOR) {
-                mission_command.args(["--set", &format!("processes.{name}.on_failure=restart")]);
-            }
-        }
+        mission_command.args(["mission.toml", "--json", "--quiet", "--out", "mission.mcap"]);
         if course == Course::RealTime {
             mission_command.args(["--real-time", &options.real_time.to_string()]);
         }
@@ -203,6 +198,19 @@ impl Drop for Mission {
 /// Name of the process that is not in the scenario.
 pub const SIMULATOR: &str = "simulator";
 
+/// The scenario as it is broken: failures are noticed soon, and dealt with as the policy says.
+fn prepared(scenario: &ResolvedScenario, policy: Policy) -> ResolvedScenario {
+    let mut scenario = scenario.clone();
+    scenario.run.hang_timeout_s = HANG_TIMEOUT_S;
+    for process in &mut scenario.processes {
+        process.supervision.ready_timeout_s = READY_TIMEOUT_S;
+        if policy == Policy::Restart {
+            process.supervision.on_failure = OnFailure::Restart;
+        }
+    }
+    scenario
+}
+
 fn runtime_dir(directory: &Path) -> PathBuf {
     directory.join("rt")
 }
@@ -240,7 +248,7 @@ pub(super) fn baseline(
     });
     let Some(summary) = ended.summary.filter(|_| fine) else {
         return Err(ChaosError::Baseline {
-            scenario: options.scenario.clone(),
+            scenario: options.scenario.name.clone(),
             what: match ended.status {
                 Some(status) => crate::mission::report::exit_words(status),
                 None => "did not end".to_owned(),

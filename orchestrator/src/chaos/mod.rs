@@ -25,6 +25,7 @@ use rand_chacha::rand_core::SeedableRng as _;
 use serde::Serialize;
 
 use crate::census::CensusError;
+use crate::scenario::ResolvedScenario;
 use fault::{Fault, FaultKind, Policy};
 use mission::{Baseline, Course};
 
@@ -34,14 +35,8 @@ const ATTEMPTS: u32 = 5;
 /// What is done.
 #[derive(Debug, Clone)]
 pub struct ChaosOptions {
-    /// The scenario, as `protean run` takes it.
-    pub scenario: String,
-    /// Changes of the scenario, as `--set` takes them.
-    pub set: Vec<String>,
-    /// Names of its processes, the simulator among them.
-    pub processes: Vec<String>,
-    /// Seed of the missions.
-    pub mission_seed: u64,
+    /// The mission.
+    pub scenario: ResolvedScenario,
     /// Seed of the faults.
     pub seed: u64,
     /// How many faults.
@@ -56,6 +51,14 @@ pub struct ChaosOptions {
     pub keep: Option<PathBuf>,
     /// Set from outside (Ctrl-C): ends after the fault that is on.
     pub interrupted: Arc<AtomicBool>,
+}
+
+impl ChaosOptions {
+    /// Names of the processes, the simulator first.
+    fn processes(&self) -> Vec<&str> {
+        let listed = self.scenario.processes.iter().map(|p| p.name.as_str());
+        std::iter::once(mission::SIMULATOR).chain(listed).collect()
+    }
 }
 
 /// A fault and what came of it.

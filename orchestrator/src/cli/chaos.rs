@@ -9,16 +9,15 @@ use std::sync::atomic::AtomicBool;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::run::handle_signals;
-use super::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, complain, print, print_json};
+use super::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, OverrideArgs, complain, print, print_json};
 use crate::chaos::fault::{FaultKind, Policy};
-use crate::chaos::mission::SIMULATOR;
 use crate::chaos::{ChaosOptions, ChaosReport, chaos, table};
 use crate::scenario::Loader;
 
 /// What stands below the options.
 pub(super) const HELP: &str = "\
 Every fault has a mission of its own: a run of the scenario as its own program, in lock-step or by the clock,
-to a process of which something is done at a moment that the seed draws. Then is checked that
+to a process of which something is done at a moment that --fault-seed draws. Then is checked that
 
   the run ends, in bounded time, with an exit code that says how;
   a process that fails is named, and its policy is followed: the run ends, or the process comes back;
@@ -27,7 +26,7 @@ to a process of which something is done at a moment that the seed draws. Then is
   orchestrator not once `protean clean` has been through;
   the log can be read, and a killed orchestrator has lost at most its last second.
 
-Who is hit, how, when and under which policy, follows from the seed; what the machine makes of the moment
+Who is hit, how, when and under which policy, follows from it; what the machine makes of the moment
 does not.
 
 Exit codes: 0 all promises held, 1 some were broken, 2 wrong usage or scenario, 3 ended by Ctrl-C.";
@@ -47,18 +46,14 @@ pub(super) struct ChaosArgs {
     /// What processes do when they fail, to draw from [default: both]
     #[arg(long, value_name = "POLICY", value_delimiter = ',', value_enum)]
     policies: Vec<Policy>,
-    /// Seed of the faults (`--mission-seed` is that of the missions)
+    /// Seed of the faults (`--seed` is that of the missions)
     #[arg(long, value_name = "N", default_value_t = 1)]
-    seed: u64,
-    /// Seed of the missions, in place of the scenario's
-    #[arg(long, value_name = "N")]
-    mission_seed: Option<u64>,
+    fault_seed: u64,
     /// Missions by the clock run so many times as fast as reality
     #[arg(long, value_name = "FACTOR", default_value_t = 20.0)]
     real_time: f64,
-    /// Override a value of the scenario
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    set: Vec<String>,
+    #[command(flatten)]
+    overrides: OverrideArgs,
     /// Keep log and words of missions that broke a promise in this folder
     #[arg(long, value_name = "DIR")]
     keep: Option<PathBuf>,
@@ -143,13 +138,9 @@ fn options(args: &ChaosArgs, interrupted: &Arc<AtomicBool>) -> Result<ChaosOptio
             "--faults {faults}: expected a number from 1 to 1000000"
         )));
     }
-    // The missions are run from elsewhere.
-    let scenario = match std::fs::canonicalize(&args.scenario) {
-        Ok(path) if path.is_file() => path.display().to_string(),
-        _ => args.scenario.clone(),
-    };
     let loaded = Loader::default()
-        .load(&scenario, &args.set, args.mission_seed)
+        .allow_outside(args.overrides.allow_outside)
+        .load(&args.scenario, &args.overrides.set, args.overrides.seed)
         .map_err(|problems| {
             complain(&problems);
             ExitCode::from(EXIT_INVALID)
@@ -160,14 +151,9 @@ fn options(args: &ChaosArgs, interrupted: &Arc<AtomicBool>) -> Result<ChaosOptio
             args.scenario
         )));
     }
-    let mut processes = vec![SIMULATOR.to_owned()];
-    processes.extend(loaded.processes.iter().map(|p| p.name.clone()));
     Ok(ChaosOptions {
-        scenario,
-        set: args.set.clone(),
-        processes,
-        mission_seed: loaded.run.seed,
-        seed: args.seed,
+        scenario: loaded,
+        seed: args.fault_seed,
         faults: args.faults,
         kinds: match args.kinds.as_slice() {
             [] => FaultKind::ALL.to_vec(),

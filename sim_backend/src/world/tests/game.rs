@@ -180,9 +180,17 @@ fn bad_commands_stop_the_robot_and_are_reported_once() {
     assert!(world.step(&[], TICK).is_empty());
     assert!(world.step(&[None], TICK).is_empty());
     assert_eq!(world.robots()[0].pose.x, x);
-    world.step(&[drive(1e300, 0.0)], Duration::from_millis(1));
+    world.step(&[drive(1e5, 0.0)], Duration::from_millis(1));
     assert!((world.robots()[0].pose.x - x - 0.1).abs() < 1e-12);
     assert_eq!(world.step(&[drive(f64::NAN, 0.0)], TICK).len(), 1);
+    // Far too much is not believed.
+    let x = world.robots()[0].pose.x;
+    assert!(
+        world.step(&[drive(1e300, 0.0)], TICK).is_empty(),
+        "reported"
+    );
+    assert_eq!(world.robots()[0].pose.x, x);
+    assert_eq!(world.robots()[0].invalid_commands, 4);
 }
 
 #[test]
