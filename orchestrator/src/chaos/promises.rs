@@ -192,7 +192,10 @@ impl Check<'_> {
                     let words = ended.stderr.trim();
                     self.broke(format!("{target} is not named: {words}"));
                 }
-                if comes_back(fault) && !ended.stderr.contains("before it was ready") {
+                // Before time starts, whoever fails ends the run.
+                let so_early = ["before it was ready", "was not ready within"];
+                let early = so_early.iter().any(|words| ended.stderr.contains(words));
+                if comes_back(fault) && !early {
                     let words = ended.stderr.trim();
                     self.broke(format!("the run ended instead of going on: {words}"));
                 }
