@@ -98,6 +98,7 @@ impl Plan {
             seed: scenario.run.seed,
             tick_period_ns,
             clock,
+            hang_timeout_s: scenario.run.hang_timeout_s,
             idle: match scenario.run.idle {
                 spec::Idle::Block => Idle::Block,
                 spec::Idle::Spin => Idle::Spin,

@@ -43,6 +43,8 @@ pub struct RunConfig {
     pub tick_period_ns: u64,
     /// How time passes.
     pub clock: Clock,
+    /// Real time without an answer after which a process counts as hung [s].
+    pub hang_timeout_s: f64,
     /// How long to be idle between ticks.
     pub idle: Idle,
     /// Processor to pin to; `None`: wherever the system likes.

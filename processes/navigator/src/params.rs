@@ -91,8 +91,9 @@ pub struct NavigatorParams {
     pub patience_s: f64,
     /// Distance beyond the necessary at which it stops for a robot with a lower index [m], ≥ 0.
     pub yield_distance: f64,
-    /// Real time after which the optimiser counts as hung [s], > 0.
-    pub answer_timeout_s: f64,
+    /// Real time after which the optimiser counts as hung in lock-step [s], > 0; absent: four fifths
+    /// of the time after which the run would take this process for the one that hangs.
+    pub answer_timeout_s: Option<f64>,
     /// The tracking law.
     pub tracking: TrackingParams,
 }
@@ -112,7 +113,7 @@ impl Default for NavigatorParams {
             retry_s: 1.0,
             patience_s: 0.5,
             yield_distance: 0.1,
-            answer_timeout_s: 8.0,
+            answer_timeout_s: None,
             tracking: TrackingParams::default(),
         }
     }
@@ -168,13 +169,15 @@ impl NavigatorParams {
         positive("retry_s", self.retry_s)?;
         not_negative("patience_s", self.patience_s)?;
         not_negative("yield_distance", self.yield_distance)?;
-        positive("answer_timeout_s", self.answer_timeout_s)?;
-        require(
-            self.answer_timeout_s <= 3600.0,
-            "answer_timeout_s",
-            &self.answer_timeout_s,
-            "at most 3600 [s]",
-        )?;
+        if let Some(time) = self.answer_timeout_s {
+            let expected = "above 0 and at most 3600 [s]";
+            require(
+                time > 0.0 && time <= 3600.0,
+                "answer_timeout_s",
+                &time,
+                expected,
+            )?;
+        }
         self.tracking.validate().map_err(|e| e.within("tracking"))
     }
 }

@@ -35,6 +35,8 @@ struct Link {
     client: OptimiserClient,
     robot: u32,
     clock: Clock,
+    /// How long is waited for an answer in lock-step.
+    patience: Duration,
     /// [`PlanRequest::last`](ipc_types::messages::optimiser::PlanRequest::last) of the newest plan.
     last: u64,
 }
@@ -79,6 +81,7 @@ impl Planner for NavigatorPlanner {
             client: OptimiserClient::open(bus, config.index)?,
             robot,
             clock: config.run.clock,
+            patience: self.patience(config.run.hang_timeout_s),
             last: 0,
         });
         Ok(())
@@ -129,10 +132,7 @@ impl NavigatorPlanner {
             let asked = link.client.is_asking();
             let answer = match link.clock {
                 // In lock-step a plan takes effect at its tick, whenever it is there.
-                Clock::LockStep => {
-                    let time = Duration::from_secs_f64(self.params.answer_timeout_s);
-                    link.client.wait(time)?
-                }
+                Clock::LockStep => link.client.wait(link.patience)?,
                 Clock::RealTime { .. } => {
                     // Looked at before the answer: who answers and goes has answered.
                     let forsaken = link.client.is_forsaken();
@@ -182,6 +182,15 @@ impl NavigatorPlanner {
             waypoint: None,
             field: Vector2::zeros(),
         })
+    }
+}
+
+impl NavigatorPlanner {
+    /// How long an answer is waited for in lock-step, when everybody else waits for this process.
+    fn patience(&self, hang_timeout_s: f64) -> Duration {
+        let time_s = self.params.answer_timeout_s;
+        let time_s = time_s.unwrap_or(0.8 * hang_timeout_s);
+        Duration::try_from_secs_f64(time_s).unwrap_or(Duration::MAX)
     }
 }
 

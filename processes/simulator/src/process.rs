@@ -1,20 +1,22 @@
-//! The loop of the simulator.
+//! The simulator as a process: the world with its topics.
+
+mod loops;
 
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use ipc_types::bus::{Bus, Publisher, PublisherOptions, Subscriber};
-use ipc_types::clock::{self, StampClock};
+use ipc_types::clock::StampClock;
 use ipc_types::messages::robot::ScanHeader;
 use ipc_types::messages::world::{MapHeader, RobotState, WorldEvent, WorldHeader};
 use ipc_types::stamp::{PlainHeader, Stamp};
 use ipc_types::topics::{
     Commands, Coverage, Scan, WorldEvents, WorldMap as MapTopic, WorldShapes, WorldState,
 };
-use kit::lockstep::{Conductor, Phase, SlotState, TurnEnd};
+use kit::lockstep::{Conductor, Phase, SlotState};
 use kit::maps::{Ground, Maps};
 use kit::{Clock, Idle, ProcessConfig, ProcessError, Setup, shapes};
 use sim_backend::blur::BlurError;
@@ -210,20 +212,6 @@ impl Simulator {
         self.obstacles.connect()
     }
 
-    /// Lets those join who were started again, which may take a while in lock-step; false if the
-    /// run stops.
-    fn admit(&mut self, conductor: &Conductor, setup: &mut Setup) -> Result<bool, ProcessError> {
-        loop {
-            match conductor.admit(self.tick, || self.connect_ports())? {
-                TurnEnd::Complete => return Ok(true),
-                TurnEnd::Stop => return Ok(false),
-                TurnEnd::Idle if setup.stop.load(Ordering::Relaxed) => return Ok(false),
-                TurnEnd::Idle if !setup.heartbeat.is_due() => {}
-                TurnEnd::Idle => setup.heartbeat.beat(self.tick, 3, None)?,
-            }
-        }
-    }
-
     /// Publishes the map if it has changed since the last time.
     fn publish_map(&mut self, stamp: Stamp) -> Result<(), ProcessError> {
         let revision = outputs::revision(self.world.map());
@@ -259,92 +247,6 @@ impl Simulator {
         }
         self.shapes_out.send(header, &points)?;
         Ok(())
-    }
-
-    fn lock_step(&mut self, conductor: &Conductor, setup: &mut Setup) -> Result<(), ProcessError> {
-        loop {
-            if !self.admit(conductor, setup)? {
-                return Ok(());
-            }
-            let start = Instant::now();
-            let over = self.publish()?;
-            if over {
-                conductor.complete(self.tick);
-                return Ok(());
-            }
-            conductor.post(self.tick);
-            loop {
-                if setup.stop.load(Ordering::Relaxed) {
-                    return Ok(());
-                }
-                match conductor.wait(self.tick) {
-                    TurnEnd::Complete => break,
-                    TurnEnd::Idle => {
-                        if setup.heartbeat.is_due() {
-                            setup.heartbeat.beat(self.tick, 3, None)?;
-                        }
-                    }
-                    TurnEnd::Stop => return Ok(()),
-                }
-            }
-            setup.bus.begin_turn();
-            self.take_commands()?;
-            setup
-                .heartbeat
-                .stepped(clock::elapsed_ns(start), 0, self.refused_commands);
-            if setup.heartbeat.is_due() {
-                setup.heartbeat.beat(self.tick, 3, None)?;
-            }
-            if !conductor.complete(self.tick) {
-                return Ok(());
-            }
-            self.advance(0);
-        }
-    }
-
-    fn real_time(
-        &mut self,
-        conductor: &Conductor,
-        setup: &mut Setup,
-        factor: f64,
-        deadline_ns: u64,
-    ) -> Result<(), ProcessError> {
-        let period = self.tick_period.div_f64(factor.max(1e-3));
-        let max_age = deadline_ns / self.tick_period.as_nanos().max(1) as u64;
-        let mut due = Instant::now();
-        let mut overruns = 0;
-        loop {
-            if !self.admit(conductor, setup)? {
-                return Ok(());
-            }
-            let start = Instant::now();
-            let over = self.publish()?;
-            conductor.post_without_waiting(self.tick);
-            if over {
-                conductor.complete_without_waiting(self.tick);
-                return Ok(());
-            }
-            due += period;
-            let left = due.saturating_duration_since(Instant::now());
-            if left.is_zero() {
-                // Late: the schedule shifts, so that the world does not race to catch up.
-                overruns += 1;
-                due = Instant::now();
-            }
-            if !conductor.sleep(left) || setup.stop.load(Ordering::Relaxed) {
-                return Ok(());
-            }
-            setup.bus.begin_turn();
-            self.take_commands()?;
-            setup
-                .heartbeat
-                .stepped(clock::elapsed_ns(start), overruns, self.refused_commands);
-            if setup.heartbeat.is_due() {
-                setup.heartbeat.beat(self.tick, 3, None)?;
-            }
-            conductor.complete_without_waiting(self.tick);
-            self.advance(max_age);
-        }
     }
 
     /// The current tick.
