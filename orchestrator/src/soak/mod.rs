@@ -71,7 +71,8 @@ pub fn soak(options: &SoakOptions, mut told: impl FnMut(&Mission)) -> SoakReport
     let mut order = ChaCha8Rng::seed_from_u64(options.seed);
     let mut digests: BTreeMap<usize, String> = BTreeMap::new();
     let mut round: Vec<usize> = Vec::new();
-    let mut missions = Vec::new();
+    let mut missions: Vec<Mission> = Vec::new();
+    let mut records_bytes = 0;
     let interrupted = || options.interrupted.load(Ordering::SeqCst);
     while start.elapsed() < options.duration && !interrupted() && !options.missions.is_empty() {
         if round.is_empty() {
@@ -111,12 +112,14 @@ pub fn soak(options: &SoakOptions, mut told: impl FnMut(&Mission)) -> SoakReport
         }
         let mission = Mission::new(
             scenario,
+            records_bytes,
             begun_s,
             start.elapsed().as_secs_f64(),
             seen,
             failure,
         );
         told(&mission);
+        records_bytes += mission.weight();
         missions.push(mission);
     }
     SoakReport {
