@@ -229,18 +229,20 @@ fn clean_kills_what_outlived_its_orchestrator_and_leaves_living_runs_alone() {
         let list = std::fs::read_to_string(root(&run).join("pids")).ok()?;
         (list.lines().count() == 2).then_some(())
     });
-    other.signal(Signal::KILL);
-    other.finish();
-    let stubborn = until("the end of all but one", SOON, || {
+    let others = || {
         let mut rest = sandbox.processes();
         rest.retain(|p| !before.contains(p));
-        if let [only] = &rest[..] {
-            Some(only.clone())
-        } else {
-            None
-        }
+        rest
+    };
+    // In a group of its own by the time it has this name.
+    let stubborn = until("the program that another starts", SOON, || {
+        others().into_iter().find(|p| p.name == "sleep")
     });
-    assert_eq!(stubborn.name, "sleep");
+    other.signal(Signal::KILL);
+    other.finish();
+    until("the end of all but one", SOON, || {
+        (others() == [stubborn.clone()]).then_some(())
+    });
     let cleaned = sandbox.protean(["clean"]).json();
     let of = |run: &str| {
         let runs = cleaned["runs"].as_array().unwrap();

@@ -8,16 +8,20 @@ use ipc_types::topics::{self, Commands, OptimiserPlan, Topic, TopicVisitor, Worl
 
 use crate::support::{OtherCommands, Space, options};
 
+/// A run of its own, and the one process in it.
+fn joined(name: &str) -> (Space, Bus) {
+    let space = Space::new(name);
+    space.0.create_root().unwrap();
+    let bus = Bus::join(&space.0, options(false), "process").unwrap();
+    (space, bus)
+}
+
 #[test]
 fn messages_carry_the_clock_of_their_sending() {
-    let space = Space::new("clocks");
-    space.0.create_root().unwrap();
-    let holder = Bus::join(&space.0, options(false), "holder").unwrap();
-    let _service = holder.create::<WorldState>().unwrap();
-    let bus = Bus::join(&space.0, options(false), "process").unwrap();
-    let publisher = bus
-        .publisher::<WorldState>(PublisherOptions::new(7, 2))
-        .unwrap();
+    let (_space, bus) = joined("clocks");
+    let _service = bus.create::<WorldState>().unwrap();
+    let port = PublisherOptions::new(7, 2);
+    let publisher = bus.publisher::<WorldState>(port).unwrap();
     let subscriber = bus.subscriber::<WorldState>().unwrap();
     publisher.update_connections().unwrap();
     let mut last = ipc_types::clock::monotonic_ns();
@@ -39,14 +43,10 @@ fn messages_carry_the_clock_of_their_sending() {
 
 #[test]
 fn what_is_sent_in_place_is_what_the_memory_holds() {
-    let space = Space::new("in_place");
-    space.0.create_root().unwrap();
-    let holder = Bus::join(&space.0, options(false), "holder").unwrap();
-    let _service = holder.create::<WorldState>().unwrap();
-    let bus = Bus::join(&space.0, options(false), "process").unwrap();
-    let publisher = bus
-        .publisher::<WorldState>(PublisherOptions::new(7, 2))
-        .unwrap();
+    let (_space, bus) = joined("in_place");
+    let _service = bus.create::<WorldState>().unwrap();
+    let port = PublisherOptions::new(7, 2);
+    let publisher = bus.publisher::<WorldState>(port).unwrap();
     let subscriber = bus.subscriber::<WorldState>().unwrap();
     publisher.update_connections().unwrap();
     let mut places = std::collections::BTreeMap::new();
@@ -110,9 +110,7 @@ fn every_topic_can_be_created_and_opened_and_its_schema_is_its_own() {
             Ok(())
         }
     }
-    let space = Space::new("all");
-    space.0.create_root().unwrap();
-    let bus = Bus::join(&space.0, options(false), "process").unwrap();
+    let (_space, bus) = joined("all");
     let mut visit = Visit(&bus, Vec::new(), Vec::new());
     topics::for_each_topic(&mut visit).unwrap();
     let mut hashes = visit.1.clone();
@@ -123,9 +121,7 @@ fn every_topic_can_be_created_and_opened_and_its_schema_is_its_own() {
 
 #[test]
 fn a_mismatch_names_both_sides() {
-    let space = Space::new("mismatch");
-    space.0.create_root().unwrap();
-    let bus = Bus::join(&space.0, options(false), "process").unwrap();
+    let (_space, bus) = joined("mismatch");
     let _service = bus.create::<Commands>().unwrap();
     let error = bus.subscriber::<OtherCommands>().unwrap_err().to_string();
     for part in [
@@ -142,9 +138,7 @@ fn a_mismatch_names_both_sides() {
 fn requests_are_answered_and_ended() {
     use ipc_types::messages::optimiser::{PlanRequest, PlanResponse, TrajectorySample};
     use ipc_types::messages::world::ShapePoint;
-    let space = Space::new("request");
-    space.0.create_root().unwrap();
-    let bus = Bus::join(&space.0, options(false), "process").unwrap();
+    let (_space, bus) = joined("request");
     let _service = bus.create_service::<OptimiserPlan>().unwrap();
     let server = bus.server::<OptimiserPlan>(7, 16).unwrap();
     let client = bus.client::<OptimiserPlan>(2, 8).unwrap();
@@ -180,9 +174,7 @@ fn a_listener_wakes_by_an_event_or_a_file_whichever_comes_first() {
     use rustix::event::{EventfdFlags, eventfd};
     use std::os::fd::AsFd as _;
 
-    let space = Space::new("either");
-    space.0.create_root().unwrap();
-    let bus = Bus::join(&space.0, options(false), "process").unwrap();
+    let (_space, bus) = joined("either");
     let _service = bus.create_event("run/wake").unwrap();
     let listener = bus.listener("run/wake").unwrap();
     let notifier = bus.notifier("run/wake").unwrap();
@@ -206,9 +198,7 @@ fn a_listener_wakes_by_an_event_or_a_file_whichever_comes_first() {
 
 #[test]
 fn events_wake_with_their_ids_coalesced() {
-    let space = Space::new("event");
-    space.0.create_root().unwrap();
-    let bus = Bus::join(&space.0, options(false), "process").unwrap();
+    let (_space, bus) = joined("event");
     let _service = bus.create_event("run/wake").unwrap();
     let listener = bus.listener("run/wake").unwrap();
     let notifier = bus.notifier("run/wake").unwrap();
@@ -225,9 +215,7 @@ fn events_wake_with_their_ids_coalesced() {
 
 #[test]
 fn a_wiped_space_leaves_nothing() {
-    let space = Space::new("wipe");
-    space.0.create_root().unwrap();
-    let bus = Bus::join(&space.0, options(false), "process").unwrap();
+    let (space, bus) = joined("wipe");
     let service = bus.create::<WorldState>().unwrap();
     let publisher = bus
         .publisher::<WorldState>(PublisherOptions::new(0, 2))

@@ -7,6 +7,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
+use rustix::event::{PollFd, PollFlags};
+use rustix::process::{Pid, PidfdFlags};
 use serde::Serialize;
 use serde_json::Value as Json;
 
@@ -125,20 +127,8 @@ impl Mission {
 
     /// Waits until it is over; kills it if it is not by then.
     pub(super) fn end(&mut self, patience: Duration) -> Ended {
-        let deadline = Instant::now() + patience;
-        let mut status = None;
-        while status.is_none() && Instant::now() < deadline {
-            status = self.child.try_wait().ok().flatten();
-            if status.is_none() {
-                std::thread::sleep(Duration::from_millis(2));
-            }
-        }
-        if status.is_none() {
-            let _ = self.child.kill();
-            let _ = self.child.wait();
-        }
         Ended {
-            status,
+            status: end(&mut self.child, patience),
             summary: serde_json::from_str(&self.text("stdout")).ok(),
             stderr: self.text("stderr"),
         }
@@ -192,6 +182,29 @@ impl Drop for Mission {
         let _ = self.child.kill();
         let _ = self.child.wait();
         let _ = self.clean();
+    }
+}
+
+/// Waits until a process has ended; `None` if it has not by then, and was killed.
+pub(super) fn end(child: &mut Child, patience: Duration) -> Option<ExitStatus> {
+    let deadline = Instant::now() + patience;
+    let pidfd = rustix::process::pidfd_open(Pid::from_child(child), PidfdFlags::empty());
+    loop {
+        if let Ok(Some(status)) = child.try_wait() {
+            return Some(status);
+        }
+        let left = deadline.saturating_duration_since(Instant::now());
+        let (Ok(pidfd), false) = (&pidfd, left.is_zero()) else {
+            let _ = child.kill();
+            let _ = child.wait();
+            return None;
+        };
+        let timeout = rustix::time::Timespec {
+            tv_sec: left.as_secs() as i64,
+            tv_nsec: i64::from(left.subsec_nanos()),
+        };
+        // Woken early or failed: looked at anyway.
+        let _ = rustix::event::poll(&mut [PollFd::new(pidfd, PollFlags::IN)], Some(&timeout));
     }
 }
 

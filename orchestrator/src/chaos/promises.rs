@@ -15,7 +15,7 @@ use serde_json::Value as Json;
 
 use super::fault::{Fault, FaultKind, Policy};
 use super::inject::{Injected, inject};
-use super::mission::{Baseline, Course, Ended, Mission, SIMULATOR};
+use super::mission::{self, Baseline, Course, Ended, Mission, SIMULATOR};
 use super::{ChaosError, ChaosOptions, Outcome};
 use crate::census;
 use crate::logs::{self, Watch};
@@ -55,7 +55,7 @@ pub(super) fn put_to_the_test(
     if let Some(mut double) = injected.as_mut().and_then(|done| done.double.take()) {
         // Its run is over, and nobody but us holds its standard input.
         drop(double.stdin.take());
-        let _ = wait_or_kill(&mut double, GONE_WITHIN);
+        mission::end(&mut double, GONE_WITHIN);
     }
     let mut check = Check {
         fault,
@@ -104,18 +104,6 @@ fn wait_for_return(mission: &mut Mission, done: &Injected, patience: Duration) -
         std::thread::sleep(Duration::from_millis(1));
     }
     None
-}
-
-fn wait_or_kill(child: &mut std::process::Child, patience: Duration) -> std::io::Result<()> {
-    let deadline = Instant::now() + patience;
-    while Instant::now() < deadline {
-        if child.try_wait()?.is_some() {
-            return Ok(());
-        }
-        std::thread::sleep(Duration::from_millis(5));
-    }
-    child.kill()?;
-    child.wait().map(drop)
 }
 
 /// Keeps log and words of a mission that broke a promise.
