@@ -14,6 +14,7 @@ pub mod in_process;
 pub mod latency;
 pub mod live;
 pub mod logs;
+pub mod memory;
 pub mod mission;
 pub mod picture;
 pub mod plan_page;

@@ -22,8 +22,8 @@ use crate::soak::{SoakOptions, SoakReport, growth, picture, soak, table};
 pub(super) const HELP: &str = "\
 Missions run one after the other, the same ones again and again in an order that the seed draws, without
 keeping their logs. Meanwhile every process is looked at twenty times a second, from outside: memory of its
-own, descriptors, shared memory; after every mission, what it left behind. The first quarter of the time
-is for warming up; then the first half of the rest is compared with the second. Of processes that run for
+own, descriptors, shared memory; once more when time has ended; after every mission, what it left behind.
+The first quarter of the time is for warming up; then the first half of the rest is compared with the second. Of processes that run for
 2 s or more, memory late in their lives is compared with memory early.
 
 Flat means: nothing grew by more than 1 % and 64 KiB over the soak (descriptors and pieces of shared memory:

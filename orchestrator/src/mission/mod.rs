@@ -17,5 +17,5 @@ pub mod spaces;
 mod supervisor;
 
 pub use error::MissionError;
-pub use run::{MissionOptions, MissionReport, run};
+pub use run::{Hook, MissionOptions, MissionReport, run};
 pub(crate) use run::{create_services, write_config};

@@ -1,6 +1,7 @@
 //! What one mission of a soak held, and what it left.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
@@ -25,7 +26,8 @@ const PATIENCE: Duration = Duration::from_secs(5);
 pub struct Use {
     /// Times it was looked at.
     pub samples: usize,
-    /// Memory of its own in the middle of what was seen [bytes].
+    /// Memory of its own when time had ended; in the middle of what was seen of a process that was
+    /// gone by then [bytes].
     pub memory_bytes: u64,
     /// Most descriptors.
     pub descriptors: u64,
@@ -68,11 +70,14 @@ impl Mission {
         seen: Seen,
         failure: Option<String>,
     ) -> Self {
-        let leftovers = leftovers(&seen);
+        let leftovers = leftovers(&seen.roots);
         let mut processes: BTreeMap<String, Use> = seen
             .processes
             .into_iter()
-            .map(|(name, held)| (name, Use::of(&held)))
+            .map(|(name, held)| {
+                let at_end = seen.at_end.get(&name).copied();
+                (name, Use::of(&held, at_end))
+            })
             .collect();
         if let Ok(us) = census::member(std::process::id() as i32) {
             let now = Use {
@@ -105,7 +110,7 @@ impl Mission {
 }
 
 impl Use {
-    fn of(held: &Held) -> Self {
+    fn of(held: &Held, at_end: Option<u64>) -> Self {
         let samples = held.memory.len();
         let quarter = |number: usize| {
             let part = samples * number / 4..samples * (number + 1) / 4;
@@ -113,7 +118,7 @@ impl Use {
         };
         Self {
             samples,
-            memory_bytes: middle(&held.memory),
+            memory_bytes: at_end.unwrap_or_else(|| middle(&held.memory)),
             descriptors: held.descriptors.iter().copied().max().unwrap_or(0),
             early_and_late_bytes: (samples >= ENOUGH).then(|| [quarter(1), quarter(3)]),
         }
@@ -126,11 +131,11 @@ fn middle(values: &[u64]) -> u64 {
 }
 
 /// What is left of a mission that has ended: nothing, as it should be.
-fn leftovers(seen: &Seen) -> Vec<String> {
+fn leftovers(roots: &BTreeSet<PathBuf>) -> Vec<String> {
     let deadline = Instant::now() + PATIENCE;
     loop {
         let mut left = Vec::new();
-        for root in &seen.roots {
+        for root in roots {
             for member in census::members_of(root).unwrap_or_default() {
                 left.push(format!("process {} ({})", member.name, member.pid));
             }
@@ -173,17 +178,24 @@ mod tests {
     fn what_grows_while_it_runs_is_told_from_what_warms_up() {
         // Warm after the first quarter.
         let warm = held((0..40).map(|i| if i < 8 { i * 1000 } else { 10_000 }));
-        assert_eq!(Use::of(&warm).early_and_late_bytes, Some([10_000, 10_000]));
+        assert_eq!(
+            Use::of(&warm, None).early_and_late_bytes,
+            Some([10_000, 10_000])
+        );
         let grows = held((0..40).map(|i| 10_000 + i * 1000));
-        assert_eq!(Use::of(&grows).early_and_late_bytes, Some([24_500, 44_500]));
-        assert_eq!(Use::of(&grows).memory_bytes, 29_500);
-        assert_eq!(Use::of(&grows).descriptors, 7);
+        assert_eq!(
+            Use::of(&grows, None).early_and_late_bytes,
+            Some([24_500, 44_500])
+        );
+        assert_eq!(Use::of(&grows, None).memory_bytes, 29_500);
+        assert_eq!(Use::of(&grows, Some(49_000)).memory_bytes, 49_000);
+        assert_eq!(Use::of(&grows, None).descriptors, 7);
     }
 
     #[test]
     fn of_a_short_life_nothing_is_said() {
         let short = held((0..39).map(|i| i * 1000));
-        assert_eq!(Use::of(&short).early_and_late_bytes, None);
-        assert_eq!(Use::of(&Held::default()).memory_bytes, 0);
+        assert_eq!(Use::of(&short, None).early_and_late_bytes, None);
+        assert_eq!(Use::of(&Held::default(), None).memory_bytes, 0);
     }
 }

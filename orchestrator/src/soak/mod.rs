@@ -92,6 +92,7 @@ pub fn soak(options: &SoakOptions, mut told: impl FnMut(&Mission)) -> SoakReport
                 without_log: true,
                 quiet: true,
                 interrupted: Arc::clone(&options.interrupted),
+                before_end: Some(watch.last_look()),
                 ..MissionOptions::default()
             },
         );

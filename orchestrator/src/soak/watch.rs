@@ -2,12 +2,13 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
 use crate::census::{self, Member};
+use crate::mission::Hook;
 
 /// How often is looked.
 const EVERY: Duration = Duration::from_millis(50);
@@ -30,46 +31,66 @@ pub struct Seen {
     pub roots: BTreeSet<PathBuf>,
     /// Most pieces of shared memory at once.
     pub segments: u64,
+    /// Memory of each process when time had ended, before it was told to go [bytes].
+    pub at_end: BTreeMap<String, u64>,
 }
 
 /// A thread that looks until it is told to end.
 #[derive(Debug)]
 pub struct Watch {
     over: Arc<AtomicBool>,
-    thread: Option<JoinHandle<Seen>>,
+    seen: Arc<Mutex<Seen>>,
+    thread: Option<JoinHandle<()>>,
 }
 
 impl Watch {
     /// Begins to look at the children of this process. A thread that cannot be started sees nothing.
     pub fn start() -> Self {
         let over = Arc::new(AtomicBool::new(false));
-        let told = Arc::clone(&over);
+        let seen = Arc::new(Mutex::new(Seen::default()));
+        let (told, theirs) = (Arc::clone(&over), Arc::clone(&seen));
         let look = move || {
-            let mut seen = Seen::default();
             while !told.load(Ordering::SeqCst) {
-                if let Ok(members) = census::children(std::process::id() as i32) {
-                    seen.take(members);
-                }
+                let members = census::children(std::process::id() as i32).unwrap_or_default();
+                lock(&theirs).take(members);
                 std::thread::park_timeout(EVERY);
             }
-            seen
         };
         let thread = std::thread::Builder::new()
             .name("soak-watch".into())
             .spawn(look)
             .ok();
-        Self { over, thread }
+        Self { over, seen, thread }
+    }
+
+    /// What looks once more, at the end of the mission: always at the same moment of the processes'
+    /// lives, however busy the machine is.
+    pub fn last_look(&self) -> Hook {
+        let seen = Arc::clone(&self.seen);
+        Hook(Arc::new(move || {
+            let members = census::children(std::process::id() as i32).unwrap_or_default();
+            lock(&seen).at_end = members
+                .into_iter()
+                .filter(|member| member.root.is_some())
+                .map(|member| (member.name, member.memory_bytes))
+                .collect();
+        }))
     }
 
     /// Ends looking; what was seen.
     pub fn end(mut self) -> Seen {
         self.over.store(true, Ordering::SeqCst);
-        let Some(thread) = self.thread.take() else {
-            return Seen::default();
-        };
-        thread.thread().unpark();
-        thread.join().unwrap_or_default()
+        if let Some(thread) = self.thread.take() {
+            thread.thread().unpark();
+            let _ = thread.join();
+        }
+        std::mem::take(&mut lock(&self.seen))
     }
+}
+
+/// What was seen is whole after every look.
+fn lock(seen: &Mutex<Seen>) -> std::sync::MutexGuard<'_, Seen> {
+    seen.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Seen {

@@ -1,0 +1,55 @@
+//! Memory of the orchestrator between missions.
+
+/// Gives back to the system what this process has freed.
+///
+/// Every mission is recorded by a thread of its own, and the C library keeps what a thread frees in
+/// one of many arenas, whichever the thread was given: after many missions each of them keeps as
+/// much as the largest mission needed. Does nothing where the C library is another.
+#[cfg_attr(
+    target_env = "gnu",
+    expect(
+        unsafe_code,
+        reason = "a call of the C library that has no other wrapper"
+    )
+)]
+pub fn give_back() {
+    #[cfg(target_env = "gnu")]
+    // SAFETY: takes no pointers, may be called at any time from any thread, and touches only memory
+    // that is free.
+    unsafe {
+        libc::malloc_trim(0);
+    }
+}
+
+#[cfg(all(test, target_env = "gnu"))]
+mod tests {
+    use super::*;
+    use crate::census;
+
+    #[test]
+    fn what_threads_have_freed_is_given_back() {
+        const PIECE: usize = 64 * 1024;
+        const PIECES: usize = 512;
+        let held = || {
+            census::member(std::process::id() as i32)
+                .unwrap()
+                .memory_bytes
+        };
+        let fill = || {
+            // Below what the C library maps piece by piece; the last piece, which is kept, has all
+            // others below it, so that nothing is given back without being asked.
+            let mut pieces: Vec<Vec<u8>> = (0..PIECES).map(|_| vec![1; PIECE]).collect();
+            pieces.pop()
+        };
+        let kept = std::thread::spawn(fill).join().unwrap();
+        let before = held();
+        give_back();
+        let after = held();
+        // Others test beside this one and may take some meanwhile.
+        assert!(
+            before.saturating_sub(after) > (PIECE * PIECES / 2) as u64,
+            "{before} {after}"
+        );
+        drop(kept);
+    }
+}
