@@ -40,6 +40,8 @@ pub struct KindInfo {
     pub name: &'static str,
     /// What it does, in one line.
     pub summary: &'static str,
+    /// Whether it remembers what it saw, so that its memory rises, up to a bound, while it runs.
+    pub remembers: bool,
     /// Whether it commands robots (and then must be given some).
     pub drives_robots: bool,
     /// What it makes for others.
@@ -86,6 +88,7 @@ impl KindInfo {
         Self {
             name,
             summary,
+            remembers: false,
             drives_robots: false,
             makes: &[],
             check_params,

@@ -47,6 +47,7 @@ pub static KINDS: &[KindInfo] = &[
         |node| check_params(node, RefereeParams::validate),
     ),
     KindInfo {
+        remembers: true,
         caps: MOST_PARTICLES,
         ..KindInfo::new(
             "observer",

@@ -10,7 +10,8 @@ use super::watch::{Held, Seen};
 use crate::bench::stats::Spread;
 use crate::census;
 use crate::mission::spaces::{self, Found};
-use crate::scenario::ResolvedScenario;
+use crate::scenario::kinds::{KINDS, find};
+use crate::scenario::{Program, ResolvedScenario};
 
 /// Name under which the orchestrator's own figures stand.
 pub const ORCHESTRATOR: &str = "orchestrator";
@@ -32,7 +33,7 @@ pub struct Use {
     /// Most descriptors.
     pub descriptors: u64,
     /// Its memory in the second quarter of its life and in the last one (medians) [bytes]; absent if
-    /// it did not run for long.
+    /// it did not run for long, or remembers what it saw.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub early_and_late_bytes: Option<[u64; 2]>,
 }
@@ -76,7 +77,10 @@ impl Mission {
             .into_iter()
             .map(|(name, held)| {
                 let at_end = seen.at_end.get(&name).copied();
-                (name, Use::of(&held, at_end))
+                let mut held = Use::of(&held, at_end);
+                held.early_and_late_bytes
+                    .take_if(|_| remembers(scenario, &name));
+                (name, held)
             })
             .collect();
         if let Ok(us) = census::member(std::process::id() as i32) {
@@ -123,6 +127,15 @@ impl Use {
             early_and_late_bytes: (samples >= ENOUGH).then(|| [quarter(1), quarter(3)]),
         }
     }
+}
+
+/// Whether the memory of a process rises by what it is for.
+fn remembers(scenario: &ResolvedScenario, name: &str) -> bool {
+    let spec = scenario.processes.iter().find(|p| p.name == name);
+    spec.is_some_and(|spec| match &spec.program {
+        Program::Kind(kind) => find(KINDS, kind).is_some_and(|kind| kind.remembers),
+        Program::Command(_) => false,
+    })
 }
 
 /// The median; 0 without values.

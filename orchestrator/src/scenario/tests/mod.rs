@@ -57,6 +57,7 @@ const fn kind(name: &'static str, drives_robots: bool, provides_belief: bool) ->
     KindInfo {
         name,
         summary: "",
+        remembers: false,
         drives_robots,
         makes: if provides_belief {
             &[Product::Beliefs]
