@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use super::{EXIT_FAILED, EXIT_INVALID, print};
-use crate::picture::{PictureError, RunTrace, draw, save};
+use crate::picture::{RunTrace, draw, save};
 
 /// Draws a log into an SVG file and prints the file's name.
 pub fn picture(log: &Path, out: Option<PathBuf>, at: Option<f64>, force: bool) -> ExitCode {
@@ -17,9 +17,10 @@ pub fn picture(log: &Path, out: Option<PathBuf>, at: Option<f64>, force: bool) -
         }
         Err(error) => {
             eprintln!("error: {error}");
-            ExitCode::from(match error {
-                PictureError::Write { .. } => EXIT_FAILED,
-                _ => EXIT_INVALID,
+            ExitCode::from(if error.is_output_failure() {
+                EXIT_FAILED
+            } else {
+                EXIT_INVALID
             })
         }
     }

@@ -24,8 +24,8 @@ use crate::sweep::runner::{self, RunOptions};
 use crate::sweep::shard::Shard;
 use crate::sweep::spec::LogPolicy;
 use crate::sweep::{
-    Experiment, Kind, LoadOptions, Manifest, Results, Row, Seeds, SweepError, figures, kind_of,
-    summary,
+    Experiment, Kind, LoadOptions, Manifest, Record, Results, Row, Seeds, SweepError, figures,
+    kind_of, summary,
 };
 
 /// What stands below the options.
@@ -297,6 +297,32 @@ fn dry_run(
     Ok(ExitCode::SUCCESS)
 }
 
+/// What Ctrl-C sets.
+pub(super) fn interruptible() -> Result<Arc<AtomicBool>, SweepError> {
+    let interrupted = Arc::new(AtomicBool::new(false));
+    handle_signals(&interrupted).map_err(|source| SweepError::Launcher {
+        program: "sweep".to_owned(),
+        what: format!("cannot handle signals: {source}"),
+        help: None,
+    })?;
+    Ok(interrupted)
+}
+
+/// Takes what need not be done again from the results that `--reuse` names.
+pub(super) fn take_over<R: Record>(
+    results: &mut Results<R>,
+    args: &SweepRunArgs,
+    what: &str,
+) -> Result<(), SweepError> {
+    for directory in &args.reuse {
+        let taken = results.reuse(&Results::read(directory)?)?;
+        if !args.quiet {
+            eprintln!("{taken} {what} taken over from {}", directory.display());
+        }
+    }
+    Ok(())
+}
+
 fn local(
     experiment: &Experiment,
     path: &Path,
@@ -304,23 +330,13 @@ fn local(
     shard: Shard,
     out: &Path,
 ) -> Result<ExitCode, SweepError> {
-    let interrupted = Arc::new(AtomicBool::new(false));
-    handle_signals(&interrupted).map_err(|source| SweepError::Launcher {
-        program: "sweep".to_owned(),
-        what: format!("cannot handle signals: {source}"),
-        help: None,
-    })?;
+    let interrupted = interruptible()?;
     let mut results = Results::open(out, &Manifest::of(experiment), &experiment.text)?;
     let folder = path
         .parent()
         .filter(|folder| !folder.as_os_str().is_empty());
     figures::keep_published(folder.unwrap_or(Path::new(".")), &results)?;
-    for directory in &args.reuse {
-        let taken = results.reuse(&Results::read(directory)?)?;
-        if !args.quiet {
-            eprintln!("{taken} missions taken over from {}", directory.display());
-        }
-    }
+    take_over(&mut results, args, "missions")?;
     let jobs = args.jobs.map(usize::from).or(experiment.run.jobs);
     let options = RunOptions {
         jobs: jobs.unwrap_or_else(processors),

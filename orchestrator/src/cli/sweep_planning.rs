@@ -2,15 +2,12 @@
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use serde_json::json;
 
 use super::processors;
-use super::run::handle_signals;
-use super::sweep::{SweepRunArgs, failed, invalid, place};
+use super::sweep::{SweepRunArgs, failed, interruptible, invalid, place, take_over};
 use super::sweep_output::{self, Listing, known, list};
 use super::sweep_schedule::schedule;
 use crate::sweep::launcher::Scheduler;
@@ -81,19 +78,9 @@ fn local(
     shard: Shard,
     out: &Path,
 ) -> Result<ExitCode, SweepError> {
-    let interrupted = Arc::new(AtomicBool::new(false));
-    handle_signals(&interrupted).map_err(|source| SweepError::Launcher {
-        program: "sweep".to_owned(),
-        what: format!("cannot handle signals: {source}"),
-        help: None,
-    })?;
+    let interrupted = interruptible()?;
     let mut results = PlanResults::open(out, &experiment.manifest(), &experiment.text)?;
-    for directory in &args.reuse {
-        let taken = results.reuse(&PlanResults::read(directory)?)?;
-        if !args.quiet {
-            eprintln!("{taken} plans taken over from {}", directory.display());
-        }
-    }
+    take_over(&mut results, args, "plans")?;
     let jobs = args.jobs.map(usize::from).or(experiment.run.jobs);
     let options = RunOptions {
         jobs: jobs.unwrap_or_else(processors),

@@ -6,6 +6,8 @@ use std::path::PathBuf;
 use ipc_types::cdr::DecodeError;
 use mcap::McapError;
 
+use crate::logs::LogsError;
+
 /// Why a picture could not be made of a log.
 #[derive(Debug, thiserror::Error)]
 pub enum PictureError {
@@ -95,24 +97,14 @@ pub enum PictureError {
         /// Time of the last state [s].
         end: f64,
     },
-    /// The picture's file is there already.
-    #[error("{} exists already; choose another name with --out or overwrite it with --force", path.display())]
-    Exists {
-        /// The picture's file.
-        path: PathBuf,
-    },
-    /// The picture would replace the log.
-    #[error("{} is the log itself; choose another name with --out", path.display())]
-    IsTheLog {
-        /// The log.
-        path: PathBuf,
-    },
-    /// The picture could not be written; what was at its place before is untouched.
-    #[error("cannot write {}: {source}", path.display())]
-    Write {
-        /// The picture's file.
-        path: PathBuf,
-        /// What the operating system said.
-        source: io::Error,
-    },
+    /// The picture's file is there already, or is the log, or could not be written.
+    #[error(transparent)]
+    Output(#[from] Box<LogsError>),
+}
+
+impl PictureError {
+    /// Whether the picture could not be written, though nothing is wrong with what was asked for.
+    pub fn is_output_failure(&self) -> bool {
+        matches!(self, Self::Output(error) if matches!(**error, LogsError::Write { .. }))
+    }
 }

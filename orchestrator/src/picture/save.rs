@@ -1,58 +1,22 @@
 //! Writing a picture into a file, whole or not at all.
 
-use std::fs::Permissions;
-use std::io::{self, Write as _};
-use std::os::unix::fs::PermissionsExt as _;
+use std::io::Write as _;
 use std::path::Path;
 
 use super::error::PictureError;
+use crate::logs::place::{Place, Readers};
 
 /// Writes the picture beside its destination and then puts it there in one step: whoever looks
 /// sees the old file, no file, or the whole picture. `log` is what it was drawn from.
 ///
 /// # Errors
-/// [`PictureError::Exists`] without `force` if there is a file already, [`PictureError::IsTheLog`]
-/// in any case if that is the log, [`PictureError::Write`].
+/// [`PictureError::Output`] without `force` if there is a file already, in any case if that is the
+/// log, and if it cannot be written.
 pub fn save(svg: &str, path: &Path, log: &Path, force: bool) -> Result<(), PictureError> {
-    let failed = |source| PictureError::Write {
-        path: path.to_owned(),
-        source,
-    };
-    let exists = || PictureError::Exists {
-        path: path.to_owned(),
-    };
-    if let (Ok(a), Ok(b)) = (path.canonicalize(), log.canonicalize())
-        && a == b
-    {
-        return Err(PictureError::IsTheLog {
-            path: log.to_owned(),
-        });
-    }
-    if !force && path.symlink_metadata().is_ok() {
-        return Err(exists());
-    }
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    let mut file = tempfile::Builder::new()
-        .prefix(".protean-picture-")
-        // The system takes away what the user's umask forbids.
-        .permissions(Permissions::from_mode(0o666))
-        .tempfile_in(folder)
-        .map_err(failed)?;
-    file.write_all(svg.as_bytes()).map_err(failed)?;
-    file.as_file().sync_all().map_err(failed)?;
-    let placed = if force {
-        file.persist(path)
-    } else {
-        file.persist_noclobber(path)
-    };
-    match placed {
-        Ok(_) => Ok(()),
-        Err(e) if e.error.kind() == io::ErrorKind::AlreadyExists => Err(exists()),
-        Err(e) => Err(failed(e.error)),
-    }
+    let (place, mut file) = Place::new(path, log, force, Readers::Anybody).map_err(Box::new)?;
+    file.write_all(svg.as_bytes())
+        .map_err(|source| Box::new(place.failed(source)))?;
+    Ok(place.take(file).map_err(Box::new)?)
 }
 
 #[cfg(test)]
@@ -68,12 +32,12 @@ mod tests {
         fs::write(&log, "log").unwrap();
         save("one", &path, &log, false).unwrap();
         let error = save("two", &path, &log, false).unwrap_err();
-        assert!(matches!(error, PictureError::Exists { .. }), "{error}");
+        assert!(error.to_string().contains("exists already"), "{error}");
         assert_eq!(fs::read_to_string(&path).unwrap(), "one");
         save("two", &path, &log, true).unwrap();
         assert_eq!(fs::read_to_string(&path).unwrap(), "two");
         let error = save("svg", &log, &log, true).unwrap_err();
-        assert!(matches!(error, PictureError::IsTheLog { .. }), "{error}");
+        assert!(error.to_string().contains("is the log itself"), "{error}");
         assert_eq!(fs::read_to_string(&log).unwrap(), "log");
     }
 
@@ -83,7 +47,7 @@ mod tests {
         let log = folder.path().join("a.mcap");
         let missing = folder.path().join("no/such/a.svg");
         let error = save("svg", &missing, &log, false).unwrap_err();
-        assert!(matches!(error, PictureError::Write { .. }), "{error}");
+        assert!(error.is_output_failure(), "{error}");
         // A folder stands where the picture should go.
         let taken = folder.path().join("taken");
         fs::create_dir(&taken).unwrap();

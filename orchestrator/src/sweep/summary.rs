@@ -5,7 +5,7 @@ use comfy_table::{CellAlignment, Table};
 use serde_json::{Value as Json, json};
 
 use super::results::{MissionId, Results};
-use super::row::Row;
+use super::row::{Record, Row};
 use super::runner::RunReport;
 use super::shell;
 use crate::statistics::{Interval, Sample, Z95, wilson};
@@ -81,8 +81,24 @@ fn failures(results: &Results) -> Vec<(MissionId, &Row)> {
 }
 
 /// What is missing: of what was to be carried out now, or of all.
-fn missing(results: &Results, report: Option<&RunReport>) -> Vec<MissionId> {
+pub(super) fn missing<R: Record>(
+    results: &Results<R>,
+    report: Option<&RunReport>,
+) -> Vec<MissionId> {
     report.map_or_else(|| results.missing(), |report| report.missing.clone())
+}
+
+/// A table with one line per cell: the case and the parameters, then `columns`.
+pub(super) fn cell_table(parameters: &[String], columns: &[&str]) -> Table {
+    let header = std::iter::once("case")
+        .chain(parameters.iter().map(String::as_str))
+        .chain(columns.iter().copied());
+    let mut table = Table::new();
+    table.load_style(UTF8_HORIZONTAL_ONLY).set_header(header);
+    for column in table.column_iter_mut().skip(1) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    table
 }
 
 /// The command that runs one mission again, alone.
@@ -104,21 +120,15 @@ pub fn command(results: &Results, mission: MissionId) -> String {
 /// what is missing.
 pub fn text(results: &Results, report: Option<&RunReport>) -> String {
     let manifest = results.manifest();
-    let mut header = vec!["case"];
-    header.extend(manifest.parameters.iter().map(String::as_str));
-    header.extend([
+    let columns = [
         "games",
         "escaped",
         "chance",
         "95 % interval",
         "by game",
         "time [s]",
-    ]);
-    let mut table = Table::new();
-    table.load_style(UTF8_HORIZONTAL_ONLY).set_header(header);
-    for column in table.column_iter_mut().skip(1) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
+    ];
+    let mut table = cell_table(&manifest.parameters, &columns);
     for summary in cells(results) {
         let Some(cell) = manifest.cells.get(summary.cell) else {
             continue;

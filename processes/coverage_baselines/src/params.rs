@@ -1,7 +1,7 @@
 //! Parameters of the baselines.
 
 use generators::Key;
-use guidance::params::{ParamsError, require};
+use guidance::params::{ParamsError, require, within};
 use serde::{Deserialize, Serialize};
 use sub_goals::params::FollowParams;
 
@@ -32,7 +32,7 @@ impl BoustrophedonParams {
     pub fn validate(&self) -> Result<(), ParamsError> {
         let expected = "a whole number of at least 1";
         require(self.rounds > 0, "rounds", &self.rounds, expected)?;
-        self.follow.validate().map_err(|e| e.within("follow"))
+        self.follow.validate().map_err(within("follow"))
     }
 }
 
@@ -58,6 +58,6 @@ impl RandomParams {
             let expected = "`keyed:` and 64 hexadecimal digits";
             return Err(ParamsError::new("key", &key, expected));
         }
-        self.follow.validate().map_err(|e| e.within("follow"))
+        self.follow.validate().map_err(within("follow"))
     }
 }

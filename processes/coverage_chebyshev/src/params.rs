@@ -3,7 +3,7 @@
 use coverage::tour::{Iterations, Route};
 use coverage::transit::Transit;
 use generators::{Emission, Key, KeyKind};
-use guidance::params::{ParamsError, require};
+use guidance::params::{ParamsError, require, within};
 use serde::{Deserialize, Serialize};
 use sub_goals::FollowParams;
 
@@ -80,7 +80,7 @@ impl ChebyshevParams {
             &0,
             "at least 1 sub-goal",
         )?;
-        self.follow.validate().map_err(|e| e.within("follow"))
+        self.follow.validate().map_err(within("follow"))
     }
 }
 

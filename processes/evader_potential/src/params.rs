@@ -3,7 +3,7 @@
 use guidance::bearing::GoalField;
 use guidance::feedback_linearisation::FeedbackParams;
 use guidance::navigation::NavParams;
-use guidance::params::{ParamsError, not_negative, positive};
+use guidance::params::{ParamsError, not_negative, positive, within};
 use guidance::potential_field::{
     AttractionParams, ObstacleParams, PerturbationParams, RepulsionParams,
 };
@@ -124,31 +124,19 @@ impl EvaderParams {
     /// [`ParamsError`] with the path, the value and what was expected, for the first field that is
     /// out of range.
     pub fn validate(&self) -> Result<(), ParamsError> {
-        self.threat
-            .validate()
-            .map_err(|error| error.within("threat"))?;
-        self.attraction
-            .validate()
-            .map_err(|error| error.within("attraction"))?;
-        self.avoid
-            .validate()
-            .map_err(|error| error.within("avoid"))?;
+        self.threat.validate().map_err(within("threat"))?;
+        self.attraction.validate().map_err(within("attraction"))?;
+        self.avoid.validate().map_err(within("avoid"))?;
         not_negative("police_weight", self.police_weight)?;
         not_negative("fellow_weight", self.fellow_weight)?;
         not_negative("wreck_weight", self.wreck_weight)?;
-        self.obstacle
-            .validate()
-            .map_err(|error| error.within("obstacle"))?;
+        self.obstacle.validate().map_err(within("obstacle"))?;
         self.perturbation
             .validate()
-            .map_err(|error| error.within("perturbation"))?;
+            .map_err(within("perturbation"))?;
         positive("field_cap", self.field_cap)?;
-        self.feedback
-            .validate()
-            .map_err(|error| error.within("feedback"))?;
-        self.navigation
-            .validate()
-            .map_err(|error| error.within("navigation"))
+        self.feedback.validate().map_err(within("feedback"))?;
+        self.navigation.validate().map_err(within("navigation"))
     }
 }
 

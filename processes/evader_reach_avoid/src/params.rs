@@ -2,7 +2,7 @@
 
 use guidance::dominance::DominanceParams;
 use guidance::feedback_linearisation::FeedbackParams;
-use guidance::params::{ParamsError, not_negative, positive, require};
+use guidance::params::{ParamsError, not_negative, positive, require, within};
 use guidance::potential_field::{AttractionParams, ObstacleParams};
 use serde::{Deserialize, Serialize};
 
@@ -85,20 +85,12 @@ impl ReachAvoidParams {
         not_negative("stickiness_s", self.stickiness_s)?;
         positive("sight", self.sight)?;
         not_negative("margin", self.margin)?;
-        self.dominance
-            .validate()
-            .map_err(|error| error.within("dominance"))?;
-        self.attraction
-            .validate()
-            .map_err(|error| error.within("attraction"))?;
-        self.obstacle
-            .validate()
-            .map_err(|error| error.within("obstacle"))?;
+        self.dominance.validate().map_err(within("dominance"))?;
+        self.attraction.validate().map_err(within("attraction"))?;
+        self.obstacle.validate().map_err(within("obstacle"))?;
         not_negative("body_guard", self.body_guard)?;
         positive("field_cap", self.field_cap)?;
-        self.feedback
-            .validate()
-            .map_err(|error| error.within("feedback"))
+        self.feedback.validate().map_err(within("feedback"))
     }
 }
 

@@ -4,7 +4,7 @@ use evader_potential::Evader;
 use guidance::free_space::FreeSpace;
 use guidance::limits::Limits;
 use guidance::map::PlannerMap;
-use guidance::params::ParamsError;
+use guidance::params::{ParamsError, within};
 use guidance::path_tracking::PathTracker;
 use guidance::steering::Steering;
 use guidance::view::{RobotView, View};
@@ -99,7 +99,7 @@ impl RrtStarEvader {
             cost: CostModel::new(params.cost, limits.v_max()),
             pursuers: Vec::new(),
             bodies: Vec::new(),
-            flight: Evader::new(params.field, limits, seed).map_err(|e| e.within("field"))?,
+            flight: Evader::new(params.field, limits, seed).map_err(within("field"))?,
             grounds: [None, None],
             is_tight: false,
             planned_for: (u64::MAX, Vec::new()),

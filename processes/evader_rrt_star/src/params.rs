@@ -1,7 +1,7 @@
 //! Parameters of the evader that plans with RRT*.
 
 use evader_potential::EvaderParams;
-use guidance::params::{ParamsError, fraction, not_negative, positive, require};
+use guidance::params::{ParamsError, fraction, not_negative, positive, require, within};
 use guidance::path_tracking::TrackingParams;
 use serde::{Deserialize, Serialize};
 
@@ -435,7 +435,6 @@ impl RrtStarParams {
     /// [`ParamsError`] with the path, the value and what was expected, for the first field that is
     /// out of range.
     pub fn validate(&self) -> Result<(), ParamsError> {
-        let within = |table: &'static str| move |error: ParamsError| error.within(table);
         self.arc.validate().map_err(within("arc"))?;
         self.search.validate().map_err(within("search"))?;
         self.cost.validate().map_err(within("cost"))?;

@@ -32,6 +32,11 @@ impl ParamsError {
     }
 }
 
+/// For `map_err`: an error of a table, seen from the table that contains it.
+pub fn within(table: &str) -> impl FnOnce(ParamsError) -> ParamsError {
+    move |error| error.within(table)
+}
+
 /// Accepts a finite value > 0.
 ///
 /// # Errors

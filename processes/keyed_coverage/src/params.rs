@@ -2,7 +2,7 @@
 
 use coverage::keyed::KeyedParams;
 use generators::Key;
-use guidance::params::ParamsError;
+use guidance::params::{ParamsError, within};
 use serde::{Deserialize, Serialize};
 use sub_goals::params::FollowParams;
 
@@ -44,7 +44,7 @@ impl KeyedCoverageParams {
             let expected = "`keyed:` and 64 hexadecimal digits: no other generator is secret";
             return Err(ParamsError::new("key", &key, expected));
         }
-        self.goals.validate().map_err(|e| e.within("goals"))?;
-        self.follow.validate().map_err(|e| e.within("follow"))
+        self.goals.validate().map_err(within("goals"))?;
+        self.follow.validate().map_err(within("follow"))
     }
 }

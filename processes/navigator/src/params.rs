@@ -1,6 +1,6 @@
 //! Parameters of the process.
 
-use guidance::params::{ParamsError, finite, not_negative, positive, require};
+use guidance::params::{ParamsError, finite, not_negative, positive, require, within};
 use serde::{Deserialize, Serialize};
 
 use crate::tracking::TrackingParams;
@@ -149,7 +149,7 @@ impl NavigatorParams {
             &self.repeat,
             "false, or at least two `goals`",
         )?;
-        self.plan.validate().map_err(|e| e.within("plan"))?;
+        self.plan.validate().map_err(within("plan"))?;
         not_negative("planning_time_s", self.planning_time_s)?;
         positive("margin", self.margin)?;
         positive("max_error", self.max_error)?;
@@ -178,7 +178,7 @@ impl NavigatorParams {
                 expected,
             )?;
         }
-        self.tracking.validate().map_err(|e| e.within("tracking"))
+        self.tracking.validate().map_err(within("tracking"))
     }
 }
 

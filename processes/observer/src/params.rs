@@ -1,6 +1,6 @@
 //! Parameters of an observer.
 
-use guidance::params::{ParamsError, not_negative, positive, require};
+use guidance::params::{ParamsError, not_negative, positive, require, within};
 use serde::{Deserialize, Serialize};
 use tracking::params::FilterParams;
 
@@ -180,12 +180,10 @@ impl ObserverParams {
             "a time of at least `stretch_step_s` and at most 600 s",
         )?;
         if let Some(cat) = &self.cat {
-            cat.validate().map_err(|error| error.within("cat"))?;
+            cat.validate().map_err(within("cat"))?;
         }
         if let Some(chebyshev) = &self.chebyshev {
-            chebyshev
-                .validate()
-                .map_err(|error| error.within("chebyshev"))?;
+            chebyshev.validate().map_err(within("chebyshev"))?;
         }
         Ok(())
     }

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use generators::AnySource;
 use guidance::free_space::FreeSpace;
 use guidance::map::PlannerMap;
-use guidance::params::ParamsError;
+use guidance::params::{ParamsError, within};
 use guidance::steering::Steering;
 use guidance::view::View;
 use guidance::waypoint::{Waypoint, WaypointKind, WaypointReport};
@@ -108,8 +108,7 @@ impl PatrolFto {
         let way = match params.protection {
             Protection::FictiveObstacles => Way::Contour(laps),
             Protection::Mixed => {
-                let mixed =
-                    MixedLaps::new(params.mixed, laps).map_err(|error| error.within("mixed"))?;
+                let mixed = MixedLaps::new(params.mixed, laps).map_err(within("mixed"))?;
                 Way::Mixed(Box::new(mixed))
             }
         };

@@ -3,7 +3,7 @@
 use guidance::bearing::GoalField;
 use guidance::feedback_linearisation::FeedbackParams;
 use guidance::navigation::NavParams;
-use guidance::params::{ParamsError, finite, not_negative, positive, require};
+use guidance::params::{ParamsError, finite, not_negative, positive, require, within};
 use guidance::potential_field::{
     AttractionParams, ObstacleParams, PerturbationParams, RepulsionParams,
 };
@@ -237,39 +237,21 @@ impl PursuerParams {
             &self.max_particles,
             "at least 1",
         )?;
-        self.assignment
-            .validate()
-            .map_err(|error| error.within("assignment"))?;
-        self.roles
-            .validate()
-            .map_err(|error| error.within("roles"))?;
-        self.goals
-            .validate()
-            .map_err(|error| error.within("goals"))?;
-        self.look_ahead
-            .validate()
-            .map_err(|error| error.within("look_ahead"))?;
-        self.attraction
-            .validate()
-            .map_err(|error| error.within("attraction"))?;
-        self.scatter
-            .validate()
-            .map_err(|error| error.within("scatter"))?;
+        self.assignment.validate().map_err(within("assignment"))?;
+        self.roles.validate().map_err(within("roles"))?;
+        self.goals.validate().map_err(within("goals"))?;
+        self.look_ahead.validate().map_err(within("look_ahead"))?;
+        self.attraction.validate().map_err(within("attraction"))?;
+        self.scatter.validate().map_err(within("scatter"))?;
         not_negative("scatter_weight", self.scatter_weight)?;
         not_negative("wreck_weight", self.wreck_weight)?;
-        self.obstacle
-            .validate()
-            .map_err(|error| error.within("obstacle"))?;
+        self.obstacle.validate().map_err(within("obstacle"))?;
         self.perturbation
             .validate()
-            .map_err(|error| error.within("perturbation"))?;
+            .map_err(within("perturbation"))?;
         positive("field_cap", self.field_cap)?;
-        self.feedback
-            .validate()
-            .map_err(|error| error.within("feedback"))?;
-        self.navigation
-            .validate()
-            .map_err(|error| error.within("navigation"))
+        self.feedback.validate().map_err(within("feedback"))?;
+        self.navigation.validate().map_err(within("navigation"))
     }
 }
 

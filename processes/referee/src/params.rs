@@ -1,7 +1,7 @@
 //! Parameters of the referee.
 
 use guidance::dominance::DominanceParams;
-use guidance::params::{ParamsError, not_negative};
+use guidance::params::{ParamsError, not_negative, within};
 use serde::{Deserialize, Serialize};
 
 /// Parameters of a [`Referee`](crate::Referee).
@@ -35,9 +35,7 @@ impl RefereeParams {
     pub fn validate(&self) -> Result<(), ParamsError> {
         not_negative("period_s", self.period_s)?;
         not_negative("cells_period_s", self.cells_period_s)?;
-        self.dominance
-            .validate()
-            .map_err(|error| error.within("dominance"))
+        self.dominance.validate().map_err(within("dominance"))
     }
 }
 

@@ -1,7 +1,7 @@
 //! Parameters that all planners of sub-goals share.
 
 use guidance::go_to::GoToParams;
-use guidance::params::{ParamsError, not_negative, positive, require};
+use guidance::params::{ParamsError, not_negative, positive, require, within};
 use guidance::path_tracking::TrackingParams;
 use guidance::waypoint_driver::DriverParams;
 use serde::{Deserialize, Serialize};
@@ -83,8 +83,8 @@ impl FollowParams {
         not_negative("margin", self.margin)?;
         positive("most_miss", self.most_miss)?;
         not_negative("least_radius", self.least_radius)?;
-        self.driver.validate().map_err(|e| e.within("driver"))?;
-        self.tracking.validate().map_err(|e| e.within("tracking"))?;
+        self.driver.validate().map_err(within("driver"))?;
+        self.tracking.validate().map_err(within("tracking"))?;
         positive("tracking.speed_fraction", self.tracking.speed_fraction)
     }
 }

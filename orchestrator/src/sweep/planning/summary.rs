@@ -1,16 +1,14 @@
 //! What the cells of an experiment of plans amount to.
 
-use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
-use comfy_table::{CellAlignment, Table};
 use serde_json::{Value as Json, json};
 
 use super::PlanResults;
 use super::row::PlanRow;
 use crate::planning::summary::quantile;
 use crate::statistics::{Interval, wilson};
-use crate::sweep::results::MissionId;
 use crate::sweep::row::Record as _;
 use crate::sweep::runner::RunReport;
+use crate::sweep::summary::{cell_table, missing};
 
 /// What the plans of one cell amount to.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -71,16 +69,10 @@ pub fn cells(results: &PlanResults) -> Vec<CellSummary> {
     cells
 }
 
-fn missing(results: &PlanResults, report: Option<&RunReport>) -> Vec<MissionId> {
-    report.map_or_else(|| results.missing(), |report| report.missing.clone())
-}
-
 /// The summary for people.
 pub fn text(results: &PlanResults, report: Option<&RunReport>) -> String {
     let manifest = results.manifest();
-    let mut header = vec!["case"];
-    header.extend(manifest.parameters.iter().map(String::as_str));
-    header.extend([
+    let columns = [
         "plans",
         "no path",
         "failed",
@@ -88,12 +80,8 @@ pub fn text(results: &PlanResults, report: Option<&RunReport>) -> String {
         "time [s]",
         "gap [%] median / p95 / max",
         "CPU [ms] median / p99",
-    ]);
-    let mut table = Table::new();
-    table.load_style(UTF8_HORIZONTAL_ONLY).set_header(header);
-    for column in table.column_iter_mut().skip(1) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
+    ];
+    let mut table = cell_table(&manifest.parameters, &columns);
     let number = |values: &[f64], share: f64, factor: f64, digits: usize| {
         quantile(values, share).map_or_else(|| "-".into(), |v| format!("{:.digits$}", factor * v))
     };

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::params::{ParamsError, positive};
+use crate::params::{ParamsError, positive, within};
 use crate::wavefront::WaveParams;
 
 /// How finely and exactly dominance is computed.
@@ -32,6 +32,6 @@ impl DominanceParams {
     /// [`ParamsError`] naming the first field that is out of range.
     pub fn validate(&self) -> Result<(), ParamsError> {
         positive("pitch", self.pitch)?;
-        self.wave.validate().map_err(|error| error.within("wave"))
+        self.wave.validate().map_err(within("wave"))
     }
 }

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::go_to::GoToParams;
 use crate::limits::Limits;
-use crate::params::{ParamsError, not_negative, positive, require};
+use crate::params::{ParamsError, not_negative, positive, require, within};
 use crate::tangent_bug::TangentBugParams;
 
 /// Parameters of a [`WaypointDriver`](super::WaypointDriver).
@@ -75,10 +75,8 @@ impl DriverParams {
     /// # Errors
     /// [`ParamsError`] with the path of the first field that is out of range.
     pub fn validate(&self) -> Result<(), ParamsError> {
-        self.go_to.validate().map_err(|e| e.within("go_to"))?;
-        self.tangent_bug
-            .validate()
-            .map_err(|e| e.within("tangent_bug"))?;
+        self.go_to.validate().map_err(within("go_to"))?;
+        self.tangent_bug.validate().map_err(within("tangent_bug"))?;
         positive("time_limit_factor", self.time_limit_factor)?;
         not_negative("least_time_s", self.least_time_s)?;
         require(
