@@ -1,8 +1,14 @@
 //! A planner that is not ours: the example in Python takes part in the lock-step by events.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use crate::support::Sandbox;
+use rustix::process::Signal;
+
+use crate::support::call::PATIENCE;
+use crate::support::history::History;
+use crate::support::sandbox::signal;
+use crate::support::{SOON, Sandbox, skipped, until, wait_for_tick};
 
 /// The repository's file with this path.
 fn file(path: &str) -> String {
@@ -10,19 +16,16 @@ fn file(path: &str) -> String {
     std::fs::read_to_string(path).unwrap()
 }
 
-#[test]
-fn a_planner_in_python_drives_its_robot_and_the_history_is_the_same_every_time() {
+/// Writes the scenario with the planner in Python into the sandbox; false, and a note that everybody
+/// sees, if this machine has no Python for it.
+fn prepare(sandbox: &Sandbox) -> bool {
     let python = match crate::support::python::interpreter() {
         Ok(python) => python,
         Err(reason) => {
-            // Past the test harness, which swallows what tests print.
-            use std::io::Write as _;
-            let note = format!("\nSKIPPED: the planner in Python: {reason}\n");
-            std::io::stderr().write_all(note.as_bytes()).unwrap();
-            return;
+            skipped("the planner in Python", &reason);
+            return false;
         }
     };
-    let sandbox = Sandbox::new();
     let messages = sandbox.protean(["messages", "--python"]).run();
     assert_eq!(messages.code, Some(0), "{messages}");
     sandbox.file("planners/protean_messages.py", messages.stdout.clone());
@@ -38,6 +41,15 @@ fn a_planner_in_python_drives_its_robot_and_the_history_is_the_same_every_time()
         .find(|line| line.starts_with("command = "))
         .unwrap();
     sandbox.file("hello_python.toml", scenario.replace(theirs, &command));
+    true
+}
+
+#[test]
+fn a_planner_in_python_drives_its_robot_and_the_history_is_the_same_every_time() {
+    let sandbox = Sandbox::new();
+    if !prepare(&sandbox) {
+        return;
+    }
 
     let run = || {
         sandbox
@@ -50,5 +62,89 @@ fn a_planner_in_python_drives_its_robot_and_the_history_is_the_same_every_time()
     assert_eq!(first["digest"], second["digest"]);
     let ticks = first["ticks"].as_u64().unwrap();
     assert_eq!(first["topics"]["robot/command"]["messages"], ticks);
+    sandbox.assert_nothing_left();
+}
+
+/// Ticks that the planner is away: half a second.
+const AWAY: u64 = 50;
+
+#[test]
+fn a_planner_in_python_that_is_killed_is_started_again_and_rejoins() {
+    let sandbox = Sandbox::new();
+    if !prepare(&sandbox) {
+        return;
+    }
+    let words = [
+        "run",
+        "hello_python.toml",
+        "--allow-external",
+        "--json",
+        "--quiet",
+        "--out",
+        "run.mcap",
+        // So slow that it is in the middle of its way when it is killed.
+        "--pace",
+        "4",
+    ];
+    let running = sandbox
+        .protean(words)
+        .set("run.dt=0.01")
+        .set("processes.planner.on_failure=restart")
+        .set(PATIENCE)
+        .start();
+    let run = sandbox.next_run(&BTreeSet::new());
+    wait_for_tick(&run, 100);
+    let pids = sandbox
+        .runtime_dir()
+        .join("protean")
+        .join(&run)
+        .join("pids");
+    let planner = || -> Option<u32> {
+        let list = std::fs::read_to_string(&pids).ok()?;
+        list.lines().nth(1)?.parse().ok()
+    };
+    let first = planner().unwrap();
+    let name = std::fs::read_to_string(format!("/proc/{first}/comm")).unwrap();
+    assert!(name.starts_with("python"), "{name}");
+    signal(first, Signal::KILL);
+    until("its successor", SOON, || {
+        planner().filter(|&pid| pid != first)
+    });
+    let outcome = running.finish();
+    assert_eq!(outcome.code, Some(3), "{outcome}");
+    let summary = outcome.json();
+    assert_eq!(summary["robots"][0]["outcome"], "escaped", "{summary}");
+    let told = &summary["processes"][0];
+    assert_eq!(
+        (&told["name"], &told["restarts"]),
+        (&"planner".into(), &1.into())
+    );
+    let outage = &told["outages"][0];
+    assert_eq!(outage["reason"], "was ended by signal 9", "{told}");
+    let tick = |key: &str| outage[key].as_u64().unwrap();
+    let (left, back) = (tick("left_tick"), tick("back_tick"));
+    assert!(left >= 99, "{outage}");
+    assert_eq!(back, left + AWAY);
+
+    // The robot stands from the very next state on until its planner is back, then goes on.
+    let history = History::read(&sandbox.path().join("run.mcap"));
+    for state in &history.states {
+        let away = state.tick > left && state.tick <= back;
+        assert_eq!(state.robots[0].fail_safe, away, "tick {}", state.tick);
+    }
+    let mut commands: BTreeMap<u64, u32> = BTreeMap::new();
+    for command in &history.commands {
+        *commands.entry(command.tick).or_default() += 1;
+    }
+    let ticks = summary["ticks"].as_u64().unwrap();
+    for tick in (0..ticks).filter(|tick| *tick != left) {
+        let expected = u32::from(!(left..back).contains(&tick));
+        assert_eq!(
+            commands.get(&tick).copied().unwrap_or(0),
+            expected,
+            "tick {tick}"
+        );
+    }
+    assert_eq!(history.counts["process/event"].0, 2, "left and back");
     sandbox.assert_nothing_left();
 }

@@ -8,6 +8,8 @@ mod access;
 mod limits;
 #[path = "hostile/paths.rs"]
 mod paths;
+#[path = "hostile/question.rs"]
+mod question;
 #[path = "hostile/words.rs"]
 mod words;
 

@@ -5,6 +5,8 @@
 mod disk;
 #[path = "supervision/orchestrator.rs"]
 mod orchestrator;
+#[path = "supervision/warden.rs"]
+mod warden;
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -299,5 +301,38 @@ fn a_program_that_never_becomes_ready_is_named_with_its_words_and_takes_its_own_
         "still compiling",
     ];
     outcome.refused(1, &words);
+    sandbox.assert_nothing_left();
+}
+
+/// A program that writes ten megabytes that are no text and no line, and then a word.
+const NOISY: &str = r##"
+[world]
+map = "builtin:hello"
+[rules]
+time_limit = 5.0
+[[robots]]
+name = "robot"
+team = "neutral"
+start = { x = 0.5, y = 0.5, theta = 0.0 }
+[[processes]]
+name = "noisy"
+command = ["/bin/sh", "-c", '''
+    head -c 10485760 /dev/zero | tr '\0' '\377' >&2; printf '\nafter it\n' >&2; exit 3
+''']
+robots = ["robot"]
+"##;
+
+#[test]
+fn a_program_may_write_whatever_it_likes() {
+    let sandbox = Sandbox::new();
+    sandbox.file("noisy.toml", NOISY);
+    let words = ["run", "noisy.toml", "--allow-external"];
+    let outcome = sandbox.protean(words).run();
+    let beginning = "\u{fffd}".repeat(2048);
+    let line = format!("{beginning} … (10483712 bytes more)\n");
+    let ended = "error: process noisy ended with exit code 3";
+    let echoed = format!("[noisy] {line}[noisy] after it\n");
+    outcome.refused(1, &[&echoed, ended, "said last", &line, "after it"]);
+    assert!(outcome.stderr.len() < 20_000, "{}", outcome.stderr.len());
     sandbox.assert_nothing_left();
 }

@@ -13,6 +13,11 @@ use serde::Serialize;
 
 use crate::mission::children::CONFIG_VARIABLE;
 
+/// What processes of a run are called by `ps`, before their names.
+const OURS: &str = "protean:";
+/// Beginning of the names of those that stand between the orchestrator and a program of the user's.
+const WARDEN: &str = "warden:";
+
 /// Why the machine cannot be looked at.
 #[derive(Debug, thiserror::Error)]
 pub enum CensusError {
@@ -54,23 +59,32 @@ pub fn member(pid: i32) -> Result<Member, CensusError> {
     Ok(look_at(&Process::new(pid)?)?)
 }
 
-/// The living children of a process, by their process ids. Those that end meanwhile are left out.
+/// The living children of an orchestrator, and of its wardens, by their process ids. Those that end
+/// meanwhile are left out.
 ///
 /// # Errors
 /// [`CensusError::Proc`] if `/proc` cannot be read.
 pub fn children(parent: i32) -> Result<Vec<Member>, CensusError> {
-    let mut found = Vec::new();
+    let mut living = Vec::new();
     for process in all_processes()? {
         let Ok(process) = process else { continue };
         // Whatever cannot be read has ended, or is none of ours.
         let Ok(stat) = process.stat() else { continue };
-        if stat.ppid == parent
-            && stat.state != 'Z'
-            && let Ok(member) = look_at(&process)
-        {
-            found.push(member);
+        if stat.state != 'Z' {
+            living.push((stat.ppid, process));
         }
     }
+    let of = |parent: i32| {
+        let its = living.iter().filter(move |(ppid, _)| *ppid == parent);
+        its.filter_map(|(_, process)| look_at(process).ok())
+    };
+    let mut found: Vec<Member> = of(parent).collect();
+    let wardens: Vec<i32> = found
+        .iter()
+        .filter(|m| m.name.starts_with(WARDEN))
+        .map(|m| m.pid)
+        .collect();
+    found.extend(wardens.into_iter().flat_map(of));
     found.sort_by_key(|m| m.pid);
     Ok(found)
 }
@@ -96,7 +110,7 @@ fn look_at(process: &Process) -> ProcResult<Member> {
     let arguments = process.cmdline().unwrap_or_default();
     let name = arguments
         .first()
-        .and_then(|first| first.strip_prefix("protean:"))
+        .and_then(|first| first.strip_prefix(OURS))
         .map_or_else(|| status.name.clone(), str::to_owned);
     Ok(Member {
         pid: process.pid,

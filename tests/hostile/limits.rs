@@ -90,6 +90,91 @@ fn a_scenario_that_asks_for_too_much_is_refused_with_the_limit_named() {
 }
 
 #[test]
+fn parts_that_each_are_allowed_may_be_too_much_in_sum() {
+    let sandbox = Sandbox::new();
+    // As many evaders as this, side by side on the map of four by three metres, and who drives them.
+    let evaders = |count: usize, more: &str| {
+        let mut text =
+            String::from("[world]\nmap = \"builtin:hello\"\n[rules]\ntime_limit = 1.0\n");
+        for i in 0..count {
+            let (x, y) = (0.3 + 0.3 * (i % 12) as f64, 0.3 + 0.3 * (i / 12) as f64);
+            let _ = write!(
+                text,
+                "[[robots]]\nname = \"r{i}\"\nteam = \"evader\"\nstart = {{ x = {x}, y = {y}, theta = 0 }}\n{more}\n"
+            );
+        }
+        text
+    };
+    let driven = |kind: &str| format!("[[processes]]\nkind = \"{kind}\"\nteam = \"evader\"\n");
+    let scans = evaders(17, "scan = { beams = 4096 }") + &driven("evader_braitenberg");
+    let filters = evaders(5, "")
+        + &driven("evader_potential")
+        + "[[processes]]\nkind = \"perception\"\nparams.filter.particles = 900000\n";
+    let watched = evaders(5, "")
+        + &driven("evader_potential")
+        + "[[processes]]\nkind = \"observer\"\nparams.filter.adaptive.most = 900000\n";
+    let trees = evaders(5, "") + &driven("evader_rrt_star") + "params.search.iterations = 900000\n";
+    let fine = "[world.map.cells]\nwidth = 5000\nheight = 5000\nresolution = 0.05\norigin = [0, 0]\n\
+                runs = [25000000]";
+    let maps =
+        evaders(17, "").replace("map = \"builtin:hello\"", fine) + &driven("evader_potential");
+    for (text, words) in [
+        (
+            scans,
+            [
+                "too much in sum",
+                "robots.r16.scan.beams",
+                "69632 beams",
+                "at most 65536",
+            ],
+        ),
+        (
+            filters,
+            [
+                "too much in sum",
+                "params.filter",
+                "4500000 particles",
+                "at most 4000000",
+            ],
+        ),
+        (
+            watched,
+            [
+                "too much in sum",
+                "params.filter",
+                "4500000 particles",
+                "at most 4000000",
+            ],
+        ),
+        (
+            trees,
+            [
+                "too much in sum",
+                "params.search",
+                "4507500 iterations",
+                "at most 4000000",
+            ],
+        ),
+        (
+            maps,
+            [
+                "too much in sum",
+                "processes",
+                "450000000 cells",
+                "at most 400000000",
+            ],
+        ),
+    ] {
+        refused(&sandbox, text, &words);
+    }
+    // As much as this is allowed.
+    let fits = evaders(16, "scan = { beams = 4096 }") + &driven("evader_braitenberg");
+    sandbox.file("fits.toml", fits);
+    let outcome = sandbox.protean(["check", "fits.toml"]).run();
+    assert_eq!(outcome.code, Some(0), "{outcome}");
+}
+
+#[test]
 fn texts_that_would_fill_the_memory_are_refused_before_they_are_parsed() {
     let sandbox = Sandbox::new();
     let much = ["too much in one text", "at most 2200000 words and signs"];

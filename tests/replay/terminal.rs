@@ -1,53 +1,14 @@
 //! A replay takes keys from its terminal, and gives it back however it ends.
 
 use std::io::Write as _;
-use std::os::fd::OwnedFd;
 use std::os::unix::process::ExitStatusExt as _;
 use std::process::{Child, Command, ExitStatus, Stdio};
 
-use rustix::fs::{Mode, OFlags};
 use rustix::process::{Pid, Signal};
-use rustix::pty::OpenptFlags;
-use rustix::termios::{self, LocalModes, OptionalActions, SpecialCodeIndex};
+use rustix::termios::LocalModes;
 
+use crate::support::terminal::Terminal;
 use crate::support::{SOON, Sandbox, until};
-
-/// Both ends of a terminal.
-struct Terminal {
-    /// Where keys are pressed.
-    outside: OwnedFd,
-    /// What programs see.
-    inside: OwnedFd,
-}
-
-impl Terminal {
-    fn open() -> Self {
-        let flags = OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC;
-        let outside = rustix::pty::openpt(flags).unwrap();
-        rustix::pty::grantpt(&outside).unwrap();
-        rustix::pty::unlockpt(&outside).unwrap();
-        let name = rustix::pty::ptsname(&outside, Vec::new()).unwrap();
-        let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::CLOEXEC;
-        let inside = rustix::fs::open(name, flags, Mode::empty()).unwrap();
-        // As no terminal is by default: not the kernel's modes are given back, but these.
-        let mut modes = termios::tcgetattr(&inside).unwrap();
-        modes.special_codes[SpecialCodeIndex::VMIN] = 7;
-        modes.local_modes.remove(LocalModes::ECHOK);
-        termios::tcsetattr(&inside, OptionalActions::Now, &modes).unwrap();
-        Self { outside, inside }
-    }
-
-    /// What a replay changes, and what it does not.
-    fn modes(&self) -> (LocalModes, u8, u8) {
-        let modes = termios::tcgetattr(&self.inside).unwrap();
-        let code = |index| modes.special_codes[index];
-        (
-            modes.local_modes,
-            code(SpecialCodeIndex::VMIN),
-            code(SpecialCodeIndex::VTIME),
-        )
-    }
-}
 
 /// A replay in the foreground of a terminal; killed if the test ends first.
 struct Replay(Child);

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::process::Command;
 
-use crate::support::{Sandbox, wait_for_tick};
+use crate::support::{Sandbox, skipped, wait_for_tick};
 
 /// A chase that goes on until its log ends it.
 const ENDLESS: [&str; 6] = ["run", "chase", "--set", "run.dt=0.0005", "--quiet", "--out"];
@@ -22,6 +22,69 @@ fn a_log_whose_directory_vanishes_ends_the_run() {
     sandbox.assert_nothing_left();
 }
 
+/// Runs a script of the shell where mounting is allowed, in the sandbox's directory; `None`, and a
+/// note that everybody sees, if this machine does not allow it anywhere.
+fn where_one_can_mount(sandbox: &Sandbox, script: &str) -> Option<std::process::Output> {
+    let outcome = Command::new("unshare")
+        .args(["--map-root-user", "--mount", "sh", "-c", script])
+        .current_dir(sandbox.path())
+        .env("XDG_RUNTIME_DIR", sandbox.runtime_dir())
+        .output();
+    let why = match outcome {
+        Err(error) => format!("unshare: {error}"),
+        Ok(outcome) => {
+            let stderr = String::from_utf8_lossy(&outcome.stderr).into_owned();
+            if !stderr.contains("unshare") && !stderr.contains("mount:") {
+                return Some(outcome);
+            }
+            stderr
+        }
+    };
+    skipped("disks that are full or read-only", &why);
+    None
+}
+
+#[test]
+fn a_directory_that_cannot_be_written_to_is_told_at_once() {
+    let sandbox = Sandbox::new();
+    // Nobody can make files there, not even root.
+    let words = ["run", "hello", "--out", "/proc/run.mcap"];
+    let outcome = sandbox.protean(words).run();
+    outcome.refused(
+        1,
+        &["error: cannot create the log /proc/run.mcap: No such file"],
+    );
+    sandbox.assert_nothing_left();
+    // The directory that logs go to by themselves, too.
+    let program = env!("CARGO_BIN_EXE_protean");
+    for (words, path) in [
+        ("--out run.mcap", "create the log run.mcap"),
+        ("--out older.mcap --force", "create the log older.mcap"),
+        ("", "make the directory logs"),
+    ] {
+        let script = format!(
+            "mkdir -p disk && mount -t tmpfs none disk && echo precious > disk/older.mcap \
+             && mount -o remount,ro disk && cd disk && {program} run hello {words}; code=$?; \
+             ls -a; cat older.mcap; exit $code"
+        );
+        let Some(outcome) = where_one_can_mount(&sandbox, &script) else {
+            return;
+        };
+        let stderr = String::from_utf8_lossy(&outcome.stderr);
+        assert_eq!(outcome.status.code(), Some(1), "{stderr}");
+        let said = stderr.lines().any(|line| {
+            line.starts_with("error: cannot ")
+                && line.contains(path)
+                && line.contains("Read-only file system")
+        });
+        assert!(said, "{words}: {stderr}");
+        let left = String::from_utf8_lossy(&outcome.stdout);
+        assert_eq!(left, ".\n..\nolder.mcap\nprecious\n");
+        assert_eq!(sandbox.processes(), [], "processes");
+        assert_eq!(sandbox.runtime_files(), [] as [std::path::PathBuf; 0]);
+    }
+}
+
 #[test]
 fn a_full_disk_ends_the_run_and_what_is_in_the_log_can_be_read() {
     // A disk of a megabyte, in a namespace where mounting is allowed.
@@ -32,20 +95,10 @@ fn a_full_disk_ends_the_run_and_what_is_in_the_log_can_be_read() {
          code=$?; cp disk/run.mcap kept.mcap; exit $code",
         ENDLESS.join(" ")
     );
-    let outcome = Command::new("unshare")
-        .args(["--map-root-user", "--mount", "sh", "-c", &script])
-        .current_dir(sandbox.path())
-        .env("XDG_RUNTIME_DIR", sandbox.runtime_dir())
-        .output();
-    let Ok(outcome) = outcome else {
-        eprintln!("skipped: there is no unshare");
+    let Some(outcome) = where_one_can_mount(&sandbox, &script) else {
         return;
     };
     let stderr = String::from_utf8_lossy(&outcome.stderr);
-    if stderr.contains("unshare") || stderr.contains("mount:") {
-        eprintln!("skipped: no namespace to mount in: {stderr}");
-        return;
-    }
     assert_eq!(outcome.status.code(), Some(1), "{stderr}");
     let words = "cannot write the log disk/run.mcap: No space left on device";
     assert!(stderr.contains(words), "{stderr}");

@@ -11,6 +11,7 @@ pub mod invariants;
 pub mod python;
 pub mod rig;
 pub mod sandbox;
+pub mod terminal;
 pub mod ways;
 
 use std::time::{Duration, Instant};

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use serde_json::json;
 
 use super::{EXIT_INVALID, OverrideArgs, print, print_json};
-use crate::scenario::{Loader, Program};
+use crate::scenario::Loader;
 
 /// Checks a scenario and says what it is.
 pub fn check(target: &str, overrides: &OverrideArgs, show: bool, as_json: bool) -> ExitCode {
@@ -37,13 +37,11 @@ pub fn check(target: &str, overrides: &OverrideArgs, show: bool, as_json: bool) 
                 counted(scenario.events.len(), "event", "events")
             );
             for process in scenario.external_commands() {
-                if let Program::Command(words) = &process.program {
-                    text.push_str(&format!(
-                        "\n  {} starts a program of its own: {}",
-                        process.name,
-                        words.join(" ")
-                    ));
-                }
+                text.push_str(&format!(
+                    "\n  {} starts a program of its own: {}",
+                    process.name,
+                    process.program.command_line().unwrap_or_default()
+                ));
             }
             print(&text);
             ExitCode::SUCCESS

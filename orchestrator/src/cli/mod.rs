@@ -29,11 +29,13 @@ mod sweep_planning;
 mod sweep_plans;
 mod sweep_schedule;
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{CommandFactory as _, Parser, Subcommand};
 
+use crate::mission::warden;
 use crate::scenario::text::Diagnostics;
 
 /// Exit code of a run that failed.
@@ -195,6 +197,13 @@ enum Command {
         #[arg(long)]
         config: PathBuf,
     },
+    /// Guard a program that is not ours (the orchestrator calls this)
+    #[command(hide = true)]
+    Warden {
+        /// The program and its arguments
+        #[arg(required = true, trailing_var_arg = true, allow_hyphen_values = true)]
+        words: Vec<OsString>,
+    },
 }
 
 /// Port on which viewers look for a live server.
@@ -320,6 +329,7 @@ pub fn main() -> ExitCode {
             ExitCode::SUCCESS
         }
         Some(Command::Process { kind, config }) => process::run(&kind, &config),
+        Some(Command::Warden { words }) => warden::run(&words),
     }
 }
 

@@ -9,7 +9,7 @@ use crate::in_process::{self, InProcessOptions};
 use crate::live::LiveTotals;
 use crate::mission::{self, MissionError, MissionOptions, MissionReport, report};
 use crate::scenario::spec::Mode;
-use crate::scenario::{Loader, Program, ResolvedScenario};
+use crate::scenario::{Loader, ResolvedScenario};
 
 /// Levels that `--log-level` takes.
 const LEVELS: [&str; 5] = ["error", "warn", "info", "debug", "trace"];
@@ -131,9 +131,8 @@ pub(super) fn refuse_external(
     if scenario.uses_external_commands() && !allowed {
         let mut programs = String::new();
         for process in scenario.external_commands() {
-            if let Program::Command(words) = &process.program {
-                programs.push_str(&format!("\n    {}: {}", process.name, words.join(" ")));
-            }
+            let line = process.program.command_line().unwrap_or_default();
+            programs.push_str(&format!("\n    {}: {line}", process.name));
         }
         let what = format!("{target} starts programs that are not Protean's own");
         if !agreed(&format!("{what}:{programs}\nStart them? [y/N]")) {

@@ -8,7 +8,7 @@ use super::known;
 use super::reader::Channel;
 use crate::scenario::files::Base;
 use crate::scenario::spec::Mode;
-use crate::scenario::{Loader, Program, ResolvedScenario};
+use crate::scenario::{Loader, ResolvedScenario};
 
 /// Manifest and scenario of a log.
 #[derive(Debug, Default)]
@@ -112,9 +112,9 @@ pub(super) fn refuse_external(
 ) -> Result<(), LogsError> {
     let external: Vec<String> = scenario
         .external_commands()
-        .map(|process| match &process.program {
-            Program::Command(words) => format!("\n    {}: {}", process.name, words.join(" ")),
-            Program::Kind(_) => String::new(),
+        .map(|process| {
+            let line = process.program.command_line().unwrap_or_default();
+            format!("\n    {}: {line}", process.name)
         })
         .collect();
     if external.is_empty() || allowed {

@@ -1,10 +1,10 @@
 //! The processes of a run: started, watched, ended.
 
 use std::collections::VecDeque;
-use std::io::{BufRead as _, BufReader, Read as _};
+use std::io::BufReader;
 use std::os::fd::{AsFd as _, OwnedFd};
 use std::os::unix::process::CommandExt as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
 use std::sync::mpsc::{self, SyncSender};
 use std::sync::{Arc, Mutex};
@@ -12,6 +12,9 @@ use std::time::{Duration, Instant};
 
 use rustix::event::{PollFd, PollFlags};
 use rustix::process::{Pid, PidfdFlags, Signal, WaitId, WaitIdOptions};
+
+use super::leftovers;
+use super::warden::{self, Ward};
 
 /// Environment variable that tells every process of a run where its configuration lies.
 pub const CONFIG_VARIABLE: &str = "PROTEAN_CONFIG";
@@ -23,8 +26,11 @@ const KEPT_LINES: usize = 20;
 const LAST_WORDS: Duration = Duration::from_millis(500);
 /// Time for the system to end a process that was killed.
 const KILL_WITHIN: Duration = Duration::from_secs(5);
-/// Most bytes of a line; a longer one is cut into several.
-pub const LINE_BYTES: u64 = 1024;
+/// Most bytes of a line that are kept; the rest of it is counted only.
+const LINE_BYTES: usize = 2048;
+/// Most bytes of a line as it is handed on: what is not UTF-8 takes three bytes for one, and how much
+/// was left out is said.
+pub const TEXT_BYTES: usize = LINE_BYTES * 3 + 64;
 
 /// A line that a process wrote to stderr.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -35,18 +41,45 @@ pub struct Line {
     pub text: String,
 }
 
-/// The next line, at most [`LINE_BYTES`] of it; `None` at the end. Bytes that are not UTF-8 are
-/// replaced.
+/// The next line; `None` at the end. Of one that is longer than [`LINE_BYTES`] the beginning is kept,
+/// and the rest, however long, is read and counted. Bytes that are not UTF-8 are replaced.
 fn next_line(from: &mut impl std::io::BufRead) -> Option<String> {
-    let mut bytes = Vec::new();
-    match from.take(LINE_BYTES).read_until(b'\n', &mut bytes) {
-        Ok(read) if read > 0 => {}
-        _ => return None,
+    let mut kept = Vec::new();
+    let mut length: u64 = 0;
+    let mut has_ended = false;
+    while !has_ended {
+        let read = match from.fill_buf() {
+            Ok([]) => break,
+            Ok(read) => read,
+            Err(error) if error.kind() == std::io::ErrorKind::Interrupted => continue,
+            Err(_) => break,
+        };
+        let end = read.iter().position(|&byte| byte == b'\n');
+        has_ended = end.is_some();
+        let part = &read[..end.unwrap_or(read.len())];
+        length += part.len() as u64;
+        kept.extend_from_slice(&part[..part.len().min(LINE_BYTES - kept.len())]);
+        let used = part.len() + usize::from(has_ended);
+        from.consume(used);
     }
-    if bytes.last() == Some(&b'\n') {
-        bytes.pop();
+    if !has_ended && length == 0 {
+        return None;
     }
-    Some(String::from_utf8_lossy(&bytes).into_owned())
+    if length > kept.len() as u64 {
+        // A character that the cut has halved goes as a whole.
+        let last = kept.utf8_chunks().last();
+        let halved = last.map_or(0, |last| match std::str::from_utf8(last.invalid()) {
+            Err(error) if error.error_len().is_none() => last.invalid().len(),
+            _ => 0,
+        });
+        kept.truncate(kept.len() - halved);
+    }
+    let mut text = String::from_utf8_lossy(&kept).into_owned();
+    let left_out = length - kept.len() as u64;
+    if left_out > 0 {
+        text.push_str(&format!(" … ({left_out} bytes more)"));
+    }
+    Some(text)
 }
 
 /// Why a process cannot be started or watched.
@@ -78,8 +111,11 @@ pub struct RunningProcess {
     pub name: String,
     /// Index in the run.
     pub slot: usize,
+    /// The process itself, or the warden of a program.
     child: Child,
     pidfd: OwnedFd,
+    ward: Option<Ward>,
+    config: PathBuf,
     /// The end of this pipe is what tells the process that the orchestrator is gone.
     stdin: Option<ChildStdin>,
     lines: Arc<Mutex<VecDeque<String>>>,
@@ -123,28 +159,23 @@ impl RunningProcess {
             let name = name.to_owned();
             move |source: std::io::Error| ChildError { name, what, source }
         };
-        let mut command = match executable {
+        let this = std::env::current_exe().map_err(failed("cannot find this program"))?;
+        let mut command = Command::new(this);
+        command.stdout(Stdio::null());
+        match executable {
             Executable::Kind(kind) => {
-                let this = std::env::current_exe().map_err(failed("cannot find this program"))?;
-                let mut command = Command::new(this);
                 command.arg0(format!("protean:{name}"));
                 command.args(["process", kind, "--config"]).arg(config);
-                command
             }
             Executable::Command(words) => {
-                let (program, arguments) = words.split_first().ok_or_else(|| {
-                    failed("has an empty command")(std::io::ErrorKind::InvalidInput.into())
-                })?;
-                let mut command = Command::new(program);
-                command.args(arguments);
-                die_with_this_thread(&mut command);
-                command
+                command.arg0(format!("{}{name}", warden::TITLE));
+                command.args(["warden", "--"]).args(words);
+                command.stdout(Stdio::piped());
             }
-        };
+        }
         command
             .env(CONFIG_VARIABLE, config)
             .stdin(Stdio::piped())
-            .stdout(Stdio::null())
             .stderr(Stdio::piped())
             // Ctrl-C in a terminal is for the orchestrator, which then ends the run in order.
             .process_group(0);
@@ -156,6 +187,19 @@ impl RunningProcess {
                 let _ = child.kill();
                 let _ = child.wait();
                 return Err(failed("cannot be watched")(error.into()));
+            }
+        };
+        let ward = match child
+            .stdout
+            .take()
+            .map(|out| warden::await_ward(&pidfd, out))
+        {
+            None => None,
+            Some(Ok(ward)) => Some(ward),
+            Some(Err(error)) => {
+                let _ = child.kill();
+                let _ = child.wait();
+                return Err(failed("cannot be started")(error));
             }
         };
         let lines = Arc::new(Mutex::new(VecDeque::new()));
@@ -192,6 +236,8 @@ impl RunningProcess {
             slot,
             child,
             pidfd,
+            ward,
+            config: config.to_owned(),
             stdin,
             lines,
             reader,
@@ -199,9 +245,9 @@ impl RunningProcess {
         })
     }
 
-    /// Process id.
+    /// Process id; of a program of the user's that of itself, not of its warden.
     pub fn pid(&self) -> u32 {
-        self.child.id()
+        self.ward.as_ref().map_or(self.child.id(), |ward| ward.pid)
     }
 
     /// Takes note if it has ended; true the first time.
@@ -218,6 +264,10 @@ impl RunningProcess {
         match self.child.try_wait() {
             Ok(Some(status)) => {
                 self.exit = Some(status);
+                if self.ward.is_some() {
+                    // Nothing, unless somebody has killed its warden.
+                    leftovers::kill_those_of(&self.config);
+                }
                 // What it wrote last is worth waiting for: its end of the pipe is closed now. One
                 // that it has handed to somebody outside its group may stay open.
                 if let Some(reader) = self.reader.take() {
@@ -250,7 +300,15 @@ impl RunningProcess {
             }
             sleep_until_exit(std::slice::from_ref(self), None, Duration::from_millis(50));
         }
-        false
+        self.give_up();
+        self.check_exit()
+    }
+
+    /// Kills the warden of a program that has not ended in time, too.
+    fn give_up(&mut self) {
+        if self.exit.is_none() && self.ward.is_some() {
+            let _ = self.child.kill();
+        }
     }
 
     /// Whether it stands still by SIGSTOP or under a debugger.
@@ -272,32 +330,20 @@ impl RunningProcess {
     }
 
     fn signal(&self, signal: Signal) {
-        if self.exit.is_none() {
+        if self.exit.is_some() {
+            return;
+        }
+        let to = |signal| {
             let _ = rustix::process::pidfd_send_signal(&self.pidfd, signal);
+        };
+        match &self.ward {
+            None => to(signal),
+            Some(ward) => {
+                ward.signal(signal);
+                // Should somebody have stopped it.
+                to(Signal::CONT);
+            }
         }
-    }
-}
-
-/// Has a program that knows nothing of us killed when the thread that starts it ends, which is the
-/// one that ends its processes before: however the orchestrator goes, and also if the program is
-/// stopped. (Our own processes ask for this themselves.)
-#[expect(unsafe_code, reason = "the child must be told between fork and exec")]
-fn die_with_this_thread(command: &mut Command) {
-    let parent = rustix::process::getpid();
-    let ask = move || {
-        rustix::process::set_parent_process_death_signal(Some(Signal::KILL))?;
-        // Gone before it was asked for.
-        if rustix::process::getppid() == Some(parent) {
-            Ok(())
-        } else {
-            Err(std::io::Error::from(std::io::ErrorKind::BrokenPipe))
-        }
-    };
-    // SAFETY: between fork and exec only two system calls are made, which are safe after a fork of
-    // a program with threads: no lock is taken and no memory allocated (an error without a text
-    // needs none).
-    unsafe {
-        command.pre_exec(ask);
     }
 }
 
@@ -350,8 +396,67 @@ pub fn end_all(processes: &mut [RunningProcess], patience: Duration) -> Vec<Stri
         }
     }
     for process in processes {
+        process.give_up();
         // Closed last: while it is open the process knows that somebody is there.
         process.stdin.take();
     }
     killed
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn lines(mut text: &[u8]) -> Vec<String> {
+        std::iter::from_fn(|| next_line(&mut text)).collect()
+    }
+
+    #[test]
+    fn lines_are_what_stands_between_their_ends() {
+        assert_eq!(lines(b""), [] as [&str; 0]);
+        assert_eq!(lines(b"\n"), [""]);
+        assert_eq!(lines(b"one\n\ntwo"), ["one", "", "two"]);
+        assert_eq!(lines(b"caf\xc3\xa9 \xff\xfe\n"), ["café \u{fffd}\u{fffd}"]);
+    }
+
+    #[test]
+    fn of_a_long_line_the_beginning_is_kept_and_the_rest_counted() {
+        let mut text = vec![b'x'; LINE_BYTES];
+        text.push(b'\n');
+        assert_eq!(lines(&text), ["x".repeat(LINE_BYTES)]);
+        text.pop();
+        text.extend(vec![0xff; 10 << 20]);
+        text.extend(b"\nnext\n");
+        let cut = format!("{} … ({} bytes more)", "x".repeat(LINE_BYTES), 10 << 20);
+        assert_eq!(lines(&text), [&*cut, "next"]);
+        // The cut goes through a character of three bytes.
+        let text = format!("{}€€", "x".repeat(LINE_BYTES - 2));
+        let cut = format!("{} … (6 bytes more)", "x".repeat(LINE_BYTES - 2));
+        assert_eq!(lines(text.as_bytes()), [cut]);
+    }
+
+    proptest! {
+        #[test]
+        fn every_line_fits_and_none_is_lost(
+            text in prop::collection::vec(
+                prop_oneof![8 => any::<u8>(), 1 => Just(b'\n'), 1 => Just(0xe2)], 0..3 * LINE_BYTES
+            ),
+            room in 1_usize..100,
+        ) {
+            // Whatever is read at once, the lines are the same.
+            let mut piecemeal = BufReader::with_capacity(room, &text[..]);
+            let piecemeal: Vec<String> =
+                std::iter::from_fn(|| next_line(&mut piecemeal)).collect();
+            let found = lines(&text);
+            prop_assert_eq!(&piecemeal, &found);
+            let mut expected = text.split(|&byte| byte == b'\n').count();
+            if text.last().is_none_or(|&byte| byte == b'\n') {
+                expected -= 1;
+            }
+            prop_assert_eq!(found.len(), expected);
+            prop_assert!(found.iter().all(|line| line.len() <= TEXT_BYTES));
+        }
+    }
 }

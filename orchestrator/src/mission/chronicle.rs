@@ -9,7 +9,7 @@ use ipc_types::messages::process::{LogHeader, ProcessEvent};
 use ipc_types::stamp::{PlainHeader, Stamp};
 use ipc_types::topics::{ProcessEvents, ProcessLog};
 
-use super::children::{LINE_BYTES, Line};
+use super::children::{Line, TEXT_BYTES};
 use super::error::MissionError;
 
 /// Lines that may wait for the supervisor's next look.
@@ -39,7 +39,7 @@ impl Chronicle {
         let (ear, heard) = mpsc::sync_channel(WAITING);
         Ok(Self {
             events: bus.publisher(options(1))?,
-            lines: bus.publisher(options(LINE_BYTES as usize * 3))?,
+            lines: bus.publisher(options(TEXT_BYTES))?,
             heard,
             ear,
             tick_period_ns,

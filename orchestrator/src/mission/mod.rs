@@ -7,6 +7,7 @@ pub mod children;
 mod chronicle;
 mod error;
 mod gate;
+mod leftovers;
 mod log_path;
 pub mod plan;
 pub(crate) mod progress;
@@ -15,6 +16,7 @@ pub mod report;
 mod run;
 pub mod spaces;
 mod supervisor;
+pub(crate) mod warden;
 
 pub use error::MissionError;
 pub use run::{Hook, MissionOptions, MissionReport, run};

@@ -319,6 +319,17 @@ mod tests {
     }
 
     #[test]
+    fn everybody_that_a_scenario_may_have_finds_a_seat() {
+        use kit::lockstep::TurnPage;
+        let prefix = format!("protean_seats{}_", std::process::id());
+        let page = TurnPage::create(&prefix, spec::MAX_PROCESSES + 1);
+        let path = TurnPage::path_for(&prefix);
+        let found = page.map(|page| page.processes());
+        let _ = std::fs::remove_file(path);
+        assert_eq!(found.unwrap(), spec::MAX_PROCESSES + 1);
+    }
+
+    #[test]
     fn pursuers_that_go_by_beliefs_wait_for_perception_and_others_do_not() {
         let by_belief = plan("chase", &[]);
         for launch in &by_belief.launches {

@@ -11,17 +11,13 @@ use std::path::{Path, PathBuf};
 
 use ipc_types::bus::{BusError, RunSpace};
 use rustix::fs::{FlockOperation, flock};
-use rustix::process::{Pid, Signal};
 
-use super::children::CONFIG_VARIABLE;
+use super::leftovers;
 
 /// File that the orchestrator of a run keeps locked.
 const LOCK: &str = "lock";
 /// File that lists the process ids of a run, one per line.
 const PIDS: &str = "pids";
-
-/// How often a dead run is looked through for processes that still live, at most.
-const LOOKS: u32 = 16;
 
 /// Times that the directory of all runs may vanish under whoever wants to hold it.
 const ATTEMPTS: u32 = 1000;
@@ -322,7 +318,7 @@ fn clean_one(root: PathBuf) -> Found {
     {
         return Found::Alive(root);
     }
-    let killed = kill_leftovers(&root);
+    let killed = leftovers::kill_all_of(&root);
     match run_space(&root)
         .map_err(|e| e.to_string())
         .and_then(|space| space.wipe().map_err(|e| e.to_string()))
@@ -330,49 +326,6 @@ fn clean_one(root: PathBuf) -> Found {
         Ok(()) => Found::Removed { root, killed },
         Err(reason) => Found::Failed(root, reason),
     }
-}
-
-/// Kills every process of this run that still lives: those that were given their configuration in
-/// the run's directory, and what they started themselves, which has inherited that. Ids alone would
-/// not do: they are used again, and nobody has listed the processes of processes.
-fn kill_leftovers(root: &Path) -> Vec<u32> {
-    // The command line would not do: programs of the user's own are told by their environment only.
-    let mut needle = format!("{CONFIG_VARIABLE}=").into_bytes();
-    needle.extend_from_slice(root.as_os_str().as_encoded_bytes());
-    needle.push(b'/');
-    let mut killed = Vec::new();
-    // One that was just starting another may have escaped the first look.
-    for _ in 0..LOOKS {
-        let found: Vec<u32> = processes()
-            .filter(|pid| !killed.contains(pid) && is_told(*pid, &needle))
-            .collect();
-        if found.is_empty() {
-            break;
-        }
-        let kill = |&pid: &u32| {
-            let pid = i32::try_from(pid).ok().and_then(Pid::from_raw);
-            pid.is_some_and(|pid| rustix::process::kill_process(pid, Signal::KILL).is_ok())
-        };
-        killed.extend(found.into_iter().filter(kill));
-    }
-    killed.sort_unstable();
-    killed
-}
-
-/// The ids of all processes that there are.
-fn processes() -> impl Iterator<Item = u32> {
-    let entries = std::fs::read_dir("/proc").into_iter().flatten().flatten();
-    entries.filter_map(|entry| entry.file_name().to_str()?.parse().ok())
-}
-
-/// Whether a process has an entry in its environment that begins so. (Those of other users cannot be
-/// read.)
-fn is_told(pid: u32, needle: &[u8]) -> bool {
-    std::fs::read(format!("/proc/{pid}/environ")).is_ok_and(|environment| {
-        environment
-            .split(|&byte| byte == 0)
-            .any(|entry| entry.starts_with(needle))
-    })
 }
 
 #[cfg(test)]

@@ -11,6 +11,7 @@ use super::process_checks::{check_drivers, check_names, check_needs};
 use super::resolved::{ProcessSpec, Program};
 use super::robots::{Robot, check_name};
 use super::spec::{Grouping, MAX_PROCESSES, ProcessBlock};
+use super::sums;
 use super::text::{Code, FieldPath, Node, Origin, Step, describe, suggest};
 
 /// A process as read, with its place for complaints.
@@ -51,6 +52,9 @@ pub fn resolve(
     {
         check_drivers(ctx, &read, robots);
         check_needs(ctx, &read, robots);
+        if let Some(map) = map.filter(|_| ctx.problems.len() == before) {
+            sums::check(ctx, robots, map, &read);
+        }
         if let Some(map) = map.filter(|_| ctx.problems.len() == before) {
             fits::check(ctx, map, robots, &read, seed);
         }

@@ -8,6 +8,7 @@ use super::events::EventSpec;
 use super::failure::{OnFailure, Supervision};
 use super::spec::{LogSpec, RunSpec};
 use super::text::{Node, write_document};
+use crate::sweep::shell::quote;
 
 /// Who a process is.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -17,6 +18,24 @@ pub enum Program {
     Kind(String),
     /// An executable of the user's: its path and arguments.
     Command(Vec<String>),
+}
+
+impl Program {
+    /// The command line of a program that is not ours, as a person shall judge it: quoted as for a
+    /// shell, and on one line whatever it holds. `None` for one of ours.
+    pub fn command_line(&self) -> Option<String> {
+        let Self::Command(words) = self else {
+            return None;
+        };
+        let shown = |word: &String| {
+            if word.contains(char::is_control) {
+                format!("{word:?}")
+            } else {
+                quote(word)
+            }
+        };
+        Some(words.iter().map(shown).collect::<Vec<_>>().join(" "))
+    }
 }
 
 /// One process of the run (the simulator is always there and not listed).
@@ -130,5 +149,22 @@ impl ResolvedScenario {
         Node::from_json(&root)
             .map(|node| write_document(&node))
             .unwrap_or_default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_command_line_is_one_line_from_which_its_words_can_be_told() {
+        let line = |words: &[&str]| {
+            Program::Command(words.iter().map(|&w| w.to_owned()).collect()).command_line()
+        };
+        assert_eq!(line(&["./a", "b"]).unwrap(), "./a b");
+        assert_eq!(line(&["sh", "-c", "x; y", ""]).unwrap(), "sh -c 'x; y' ''");
+        let forged = line(&["ls", "\nStart them? [y/N] n\n"]).unwrap();
+        assert_eq!(forged, r#"ls "\nStart them? [y/N] n\n""#);
+        assert_eq!(Program::Kind("pursuer".into()).command_line(), None);
     }
 }

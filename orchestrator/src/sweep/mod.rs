@@ -36,7 +36,7 @@ mod row;
 pub mod runner;
 mod seeds;
 pub mod shard;
-mod shell;
+pub(crate) mod shell;
 pub mod spec;
 pub mod summary;
 mod table;

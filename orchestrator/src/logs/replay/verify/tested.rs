@@ -7,6 +7,7 @@ use super::super::source::Source;
 use super::VerifyOptions;
 use crate::mission::children::Executable;
 use crate::mission::plan::{Launch, Plan};
+use crate::scenario::Program;
 use crate::scenario::kinds::{KINDS, Need, Product, find};
 
 /// Who is under test.
@@ -75,10 +76,11 @@ impl Tested {
             if let Executable::Command(words) = &launch.executable
                 && !options.allow_external
             {
+                let line = Program::Command(words.clone()).command_line();
                 return Err(refuse(format!(
                     "{name}: it is a program that is not Protean's own; look at it and add \
                      --allow-external: {}",
-                    words.join(" ")
+                    line.unwrap_or_default()
                 )));
             }
             launches.push(launch.clone());
