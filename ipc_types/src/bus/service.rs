@@ -1,20 +1,14 @@
 //! Creating and opening the publish–subscribe service of a topic.
 
-use iceoryx2::prelude::{
-    AttributeSpecifier, AttributeVerifier, MessagingPattern, Node, PortFactory as _, Service as _,
-    ServiceName, ipc,
-};
+use iceoryx2::prelude::{MessagingPattern, Node, PortFactory as _, Service as _, ServiceName, ipc};
 use iceoryx2::service::builder::publish_subscribe::PublishSubscribeOpenError;
 use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 use iceoryx2::service::static_config::messaging_pattern::MessagingPattern as Details;
 
-use super::{BusError, BusOptions, LOOP_TICKS};
+use super::{BusError, BusOptions, LOOP_TICKS, agreement};
 use crate::message::Message;
 use crate::schema;
 use crate::topics::{Qos, Topic};
-
-/// Attribute of every service that carries the schema's fingerprint.
-const SCHEMA_ATTRIBUTE: &str = "protean.schema";
 
 pub(super) type TopicService<T> =
     PortFactory<ipc::Service, [<T as Topic>::Element], <T as Topic>::Header>;
@@ -83,17 +77,7 @@ pub(super) fn create<T: Topic>(
         reason,
     };
     let qos = T::qos(&options.size);
-    let attributes = AttributeSpecifier::new()
-        .define(
-            &SCHEMA_ATTRIBUTE
-                .try_into()
-                .map_err(|e| failed(format!("{e:?}")))?,
-            &schema::hash::<T>()
-                .as_str()
-                .try_into()
-                .map_err(|e| failed(format!("{e:?}")))?,
-        )
-        .map_err(|e| failed(format!("{e:?}")))?;
+    let attributes = agreement::define(&schema::hash::<T>()).map_err(failed)?;
     let service = node
         .service_builder(&service_name(T::NAME)?)
         .publish_subscribe::<[T::Element]>()
@@ -121,17 +105,7 @@ pub(super) fn open<T: Topic>(node: &Node<ipc::Service>) -> Result<TopicService<T
         topic: T::NAME,
         reason,
     };
-    let verifier = AttributeVerifier::new()
-        .require(
-            &SCHEMA_ATTRIBUTE
-                .try_into()
-                .map_err(|e| failed(format!("{e:?}")))?,
-            &schema::hash::<T>()
-                .as_str()
-                .try_into()
-                .map_err(|e| failed(format!("{e:?}")))?,
-        )
-        .map_err(|e| failed(format!("{e:?}")))?;
+    let verifier = agreement::require(&schema::hash::<T>()).map_err(failed)?;
     node.service_builder(&service_name(T::NAME)?)
         .publish_subscribe::<[T::Element]>()
         .user_header::<T::Header>()
@@ -174,7 +148,7 @@ fn mismatch<T: Topic>(node: &Node<ipc::Service>) -> BusError {
                     .static_details
                     .attributes()
                     .iter()
-                    .find(|a| a.key().to_string().contains(SCHEMA_ATTRIBUTE))
+                    .find(|a| a.key().to_string().contains(agreement::ATTRIBUTE))
                     .map_or_else(|| "none".to_owned(), |a| a.value().to_string());
                 match details.static_details.messaging_pattern() {
                     Details::PublishSubscribe(config) => {

@@ -1,15 +1,15 @@
 //! Creating and opening a request–response service.
 
-use iceoryx2::prelude::{AttributeSpecifier, AttributeVerifier, Node, ipc};
+use iceoryx2::prelude::{Node, ipc};
 
 use super::super::service::{TopicHolder, service_name};
-use super::super::{BusError, BusOptions};
+use super::super::{BusError, BusOptions, agreement};
 use super::{Factory, OPEN_REQUESTS};
 use crate::message::Message;
 use crate::topics::Service;
 
-/// Key and value of the attribute that both sides must agree on beyond what iceoryx2 compares.
-fn layout<S: Service>() -> (&'static str, String) {
+/// Fingerprint of the messages' layout.
+fn layout<S: Service>() -> String {
     let size = |d: crate::message::Descriptor| format!("{}:{}", d.name, d.fields.len());
     let parts = [
         size(S::RequestHeader::DESCRIPTOR),
@@ -17,10 +17,7 @@ fn layout<S: Service>() -> (&'static str, String) {
         size(S::ResponseHeader::DESCRIPTOR),
         size(S::ResponseElement::DESCRIPTOR),
     ];
-    (
-        "protean.schema",
-        blake3::hash(parts.join(",").as_bytes()).to_hex()[..16].to_owned(),
-    )
+    blake3::hash(parts.join(",").as_bytes()).to_hex()[..16].to_owned()
 }
 
 pub(in crate::bus) fn create<S: Service>(
@@ -31,16 +28,7 @@ pub(in crate::bus) fn create<S: Service>(
         topic: S::NAME,
         reason,
     };
-    let (key, value) = layout::<S>();
-    let attributes = AttributeSpecifier::new()
-        .define(
-            &key.try_into().map_err(|e| failed(format!("{e:?}")))?,
-            &value
-                .as_str()
-                .try_into()
-                .map_err(|e| failed(format!("{e:?}")))?,
-        )
-        .map_err(|e| failed(format!("{e:?}")))?;
+    let attributes = agreement::define(&layout::<S>()).map_err(failed)?;
     let service = node
         .service_builder(&service_name(S::NAME)?)
         .request_response::<[S::RequestElement], [S::ResponseElement]>()
@@ -61,20 +49,12 @@ pub(super) fn open<S: Service>(node: &Node<ipc::Service>) -> Result<Factory<S>, 
         topic: S::NAME,
         reason,
     };
-    let (key, value) = layout::<S>();
-    let verifier = AttributeVerifier::new()
-        .require(
-            &key.try_into().map_err(|e| failed(format!("{e:?}")))?,
-            &value
-                .as_str()
-                .try_into()
-                .map_err(|e| failed(format!("{e:?}")))?,
-        )
-        .map_err(|e| failed(format!("{e:?}")))?;
+    let layout = layout::<S>();
+    let verifier = agreement::require(&layout).map_err(failed)?;
     node.service_builder(&service_name(S::NAME)?)
         .request_response::<[S::RequestElement], [S::ResponseElement]>()
         .request_user_header::<S::RequestHeader>()
         .response_user_header::<S::ResponseHeader>()
         .open_with_attributes(&verifier)
-        .map_err(|e| failed(format!("{e:?} (this process: schema {value})")))
+        .map_err(|e| failed(format!("{e:?} (this process: schema {layout})")))
 }
