@@ -74,7 +74,7 @@ impl Recorder {
         gate: &dyn Gate,
         observer: &mut dyn Observer,
     ) -> Result<Summary, RecorderError> {
-        let mut recorded = None;
+        let (mut recorded, mut told) = (None, None);
         loop {
             // What the gate says must be known before the buffers are looked at: then every
             // message that it speaks of is in them.
@@ -85,18 +85,29 @@ impl Recorder {
                 if ended {
                     break;
                 }
-                let completed = match self.recording.order() {
+                let complete = match self.recording.order() {
                     Order::LockStep => completed,
                     Order::RealTime { window_ticks } => {
                         self.recording.newest_tick().checked_sub(window_ticks)
                     }
                 };
-                if let Some(completed) = completed
-                    && recorded.is_none_or(|recorded| completed > recorded)
+                if complete > recorded
+                    && let Some(tick) = complete
                 {
-                    self.recording.advance(completed, observer)?;
-                    gate.recorded(completed);
-                    recorded = Some(completed);
+                    self.recording.advance(tick, observer)?;
+                    recorded = complete;
+                }
+                // By the clock nobody waits for the log. There it counts what was taken: a window
+                // of more ticks than a batch would have the recorder look for them without rest.
+                let counts = match self.recording.order() {
+                    Order::LockStep => recorded,
+                    Order::RealTime { .. } => completed,
+                };
+                if counts > told
+                    && let Some(tick) = counts
+                {
+                    gate.recorded(tick);
+                    told = counts;
                 }
             }
             self.recording.flush_if_due()?;

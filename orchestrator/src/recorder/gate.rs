@@ -17,7 +17,8 @@ pub trait Gate {
     /// before the first.
     fn completed_tick(&self) -> Option<u64>;
 
-    /// Tells the simulator that everything up to this tick is in the log (back-pressure).
+    /// Tells the simulator that everything up to this tick is in the log (back-pressure), or, in
+    /// real time, that it was taken and waits for what may come late.
     fn recorded(&self, tick: u64);
 
     /// Whether no message will be sent any more that is not in the buffers already.
