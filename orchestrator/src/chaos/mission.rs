@@ -215,6 +215,7 @@ pub const SIMULATOR: &str = "simulator";
 fn prepared(scenario: &ResolvedScenario, policy: Policy) -> ResolvedScenario {
     let mut scenario = scenario.clone();
     scenario.run.hang_timeout_s = HANG_TIMEOUT_S;
+    scenario.run.ready_timeout_s = READY_TIMEOUT_S;
     for process in &mut scenario.processes {
         process.supervision.ready_timeout_s = READY_TIMEOUT_S;
         if policy == Policy::Restart {

@@ -259,7 +259,10 @@ fn launches(scenario: &ResolvedScenario, run: &RunConfig) -> Result<Vec<Launch>,
         },
         watched: false,
         // Without the world there is no run.
-        supervision: Supervision::default(),
+        supervision: Supervision {
+            ready_timeout_s: scenario.run.ready_timeout_s,
+            ..Supervision::default()
+        },
     }];
     for (position, process) in scenario.processes.iter().enumerate() {
         let kind = kind_of(&process.program);

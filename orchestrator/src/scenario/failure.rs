@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::context::Context;
-use super::spec::ProcessBlock;
+use super::spec::{ProcessBlock, RunSpec};
 use super::text::{Code, FieldPath, Node};
 
 /// What happens when a process exits, is killed, breaks the protocol or no longer answers.
@@ -85,7 +85,7 @@ impl Default for Supervision {
         Self {
             on_failure: OnFailure::default(),
             restart: RestartSpec::default(),
-            ready_timeout_s: 60.0,
+            ready_timeout_s: RunSpec::default().ready_timeout_s,
         }
     }
 }
@@ -98,12 +98,12 @@ pub(super) fn read(
     path: &FieldPath,
     block: &ProcessBlock,
     drives: bool,
+    run: &RunSpec,
 ) -> Option<Supervision> {
-    let defaults = Supervision::default();
     let supervision = Supervision {
         on_failure: block.on_failure.unwrap_or_default(),
         restart: block.restart.unwrap_or_default(),
-        ready_timeout_s: block.ready_timeout_s.unwrap_or(defaults.ready_timeout_s),
+        ready_timeout_s: block.ready_timeout_s.unwrap_or(run.ready_timeout_s),
     };
     let before = ctx.problems.len();
     let restart = &supervision.restart;

@@ -193,9 +193,10 @@ pub(super) fn resolve(
     }
     let ground = world::resolve(ctx, base);
     let robots = robots::resolve(ctx);
-    let seed = run.as_ref().map_or(0, |run| run.seed);
     let map = ground.as_ref().map(|g| &g.map);
-    let processes = processes::resolve(ctx, robots.as_deref(), map, seed);
+    let defaults = RunSpec::default();
+    let read = run.as_ref().unwrap_or(&defaults);
+    let processes = processes::resolve(ctx, robots.as_deref(), map, read);
     let events = events::resolve(ctx, ground.as_ref().map(|g| &g.map), robots.as_deref());
     let (top, run, log, rules) = (top?, run?, log?, rules?);
     let (ground, robots) = (ground?, robots?);
@@ -234,7 +235,12 @@ fn read_run(ctx: &mut Context<'_>) -> Option<RunSpec> {
     let run: RunSpec = ctx.section("run")?;
     ctx.check_range("run.dt", run.dt, 1e-4, 1.0, "s");
     ctx.check_range("run.real_time_factor", run.real_time_factor, 1e-3, 1e3, "");
-    ctx.check_range("run.hang_timeout_s", run.hang_timeout_s, 0.1, 3600.0, "s");
+    for (field, value) in [
+        ("run.hang_timeout_s", run.hang_timeout_s),
+        ("run.ready_timeout_s", run.ready_timeout_s),
+    ] {
+        ctx.check_range(field, value, 0.1, 3600.0, "s");
+    }
     ctx.check_range(
         "run.command_deadline_s",
         run.command_deadline_s,

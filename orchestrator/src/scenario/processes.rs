@@ -10,7 +10,7 @@ use super::kinds::{KindInfo, ParamsFault, Product, find};
 use super::process_checks::{check_drivers, check_names, check_needs};
 use super::resolved::{ProcessSpec, Program};
 use super::robots::{Robot, check_name};
-use super::spec::{Grouping, MAX_PROCESSES, ProcessBlock};
+use super::spec::{Grouping, MAX_PROCESSES, ProcessBlock, RunSpec};
 use super::sums;
 use super::text::{Code, FieldPath, Node, Origin, Step, describe, suggest};
 
@@ -30,12 +30,12 @@ pub fn resolve(
     ctx: &mut Context<'_>,
     robots: Option<&[Robot]>,
     map: Option<&MapSpec>,
-    seed: u64,
+    run: &RunSpec,
 ) -> Vec<ProcessSpec> {
     let mut read: Vec<Read> = Vec::new();
     let before = ctx.problems.len();
     for (path, node) in ctx.blocks("processes") {
-        read_block(ctx, &node, &path, robots, &mut read);
+        read_block(ctx, &node, &path, robots, run, &mut read);
     }
     if let Some(extra) = read.get(MAX_PROCESSES) {
         let problem = ctx
@@ -56,7 +56,7 @@ pub fn resolve(
             sums::check(ctx, robots, map, &read);
         }
         if let Some(map) = map.filter(|_| ctx.problems.len() == before) {
-            fits::check(ctx, map, robots, &read, seed);
+            fits::check(ctx, map, robots, &read, run.seed);
         }
     }
     // Those that others wait for come first; otherwise the order of the file.
@@ -79,6 +79,7 @@ fn read_block(
     node: &Node,
     path: &FieldPath,
     robots: Option<&[Robot]>,
+    run: &RunSpec,
     read: &mut Vec<Read>,
 ) {
     let Some(block) = ctx.read::<ProcessBlock>(node, path) else {
@@ -99,7 +100,7 @@ fn read_block(
         return;
     };
     let drives = !driven.is_empty();
-    let Some(supervision) = failure::read(ctx, node, path, &block, drives) else {
+    let Some(supervision) = failure::read(ctx, node, path, &block, drives, run) else {
         return;
     };
     let together = block.grouping == Some(Grouping::Together) || driven.len() <= 1;

@@ -50,6 +50,9 @@ pub struct RunSpec {
     pub pin: Pin,
     /// Wall-clock time [s] without an answer after which a process counts as hung, 0.1 to 3600.
     pub hang_timeout_s: f64,
+    /// Wall-clock time [s] that the simulator, and every process that does not say otherwise, has to
+    /// become ready, 0.1 to 3600.
+    pub ready_timeout_s: f64,
     /// In real time: age [s, simulated] beyond which a robot's command is no longer obeyed and the
     /// robot stops, 0.001 to 60.
     pub command_deadline_s: f64,
@@ -65,6 +68,7 @@ impl Default for RunSpec {
             idle: Idle::Block,
             pin: Pin::None,
             hang_timeout_s: 10.0,
+            ready_timeout_s: 60.0,
             command_deadline_s: 0.25,
         }
     }

@@ -231,6 +231,28 @@ fn overrides_change_what_they_name() {
 }
 
 #[test]
+fn a_process_that_does_not_say_how_long_its_start_may_take_has_the_time_of_the_run() {
+    let text = changed(
+        "kind = \"pursuer\"",
+        "kind = \"pursuer\"\nready_timeout_s = 3.0",
+    );
+    let s = load_with(&text, &["run.ready_timeout_s=7"]).unwrap();
+    for process in &s.processes {
+        let own = process.program == Program::Kind("pursuer".into());
+        let wanted = if own { 3.0 } else { 7.0 };
+        assert_eq!(
+            process.supervision.ready_timeout_s, wanted,
+            "{}",
+            process.name
+        );
+    }
+    assert!(s.processes.len() > 1);
+    assert_eq!(load(&s.to_toml()).unwrap(), s);
+    let error = load_with(GOOD, &["run.ready_timeout_s=0"]).unwrap_err();
+    contains(&error, &["run.ready_timeout_s"]);
+}
+
+#[test]
 fn files_are_found_beside_the_scenario_and_nowhere_else() {
     let dir = tempfile::tempdir().unwrap();
     let write = |name: &str, text: &str| std::fs::write(dir.path().join(name), text).unwrap();
