@@ -76,3 +76,29 @@ fn values_out_of_range_are_named() {
         assert!(call.stderr.contains("expected"), "{}", call.stderr);
     }
 }
+
+#[test]
+fn what_was_seen_is_judged_again() {
+    let sandbox = Sandbox::new();
+    let row = |number: u32, bytes: u32| {
+        format!("{number},chase,1,{number},1,orchestrator,1,{bytes},6,,,40,0,\n")
+    };
+    let head = "mission,scenario,seed,begun_s,lasted_s,process,samples,memory_bytes,descriptors,\
+                early_bytes,late_bytes,segments,leftovers,failure\n";
+    let judged = |bytes: fn(u32) -> u32| {
+        let rows: String = (0..40).map(|n| row(n, bytes(n))).collect();
+        sandbox.file("soak.csv", &format!("{head}{rows}"));
+        sandbox.protean(["soak", "--read", "soak.csv"]).run()
+    };
+    let level = judged(|_| 10_000_000);
+    assert_eq!(level.code, Some(0), "{level}");
+    assert!(level.stdout.contains("40 missions"), "{level}");
+    let leak = judged(|n| 10_000_000 + 100_000 * n);
+    assert_eq!(leak.code, Some(1), "{leak}");
+    assert!(leak.stdout.contains("GREW"), "{leak}");
+    sandbox.file("soak.csv", &format!("{head}0,chase,1,never\n"));
+    let refused = sandbox.protean(["soak", "--read", "soak.csv"]).run();
+    assert_eq!(refused.code, Some(2), "{refused}");
+    assert!(refused.stderr.contains("soak.csv: "), "{refused}");
+    assert!(refused.stderr.contains("line: 2"), "{refused}");
+}

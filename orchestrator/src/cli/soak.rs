@@ -16,7 +16,7 @@ use crate::figures;
 use crate::scenario::spec::Mode;
 use crate::scenario::{self, Loader, ResolvedScenario};
 use crate::soak::mission::Mission;
-use crate::soak::{SoakOptions, SoakReport, growth, picture, soak, table};
+use crate::soak::{SoakOptions, SoakReport, growth, picture, rows, soak, table};
 
 /// What stands below the options.
 pub(super) const HELP: &str = "\
@@ -26,9 +26,10 @@ own, descriptors, shared memory; once more when time has ended; after every miss
 The first quarter of the time is for warming up; then the first half of the rest is compared with the second. Of processes that run for
 2 s or more, memory late in their lives is compared with memory early.
 
-Flat means: nothing grew by more than 1 % and 64 KiB over the soak (descriptors and pieces of shared memory:
-not at all), nothing was left behind, every mission ended as it should, with the digest it had before.
+Flat means: no memory grew, in all three quartiles, by more than 1 % and 64 KiB over the soak, no descriptors
+or pieces of shared memory were added, nothing was left behind, every mission ended as it should, with the digest it had before.
 
+--read FILE judges the rows of an earlier soak.
 --out writes DIR/soak.csv (a row per mission and process) and DIR/soak.svg, DIR/soak.png.
 
 Exit codes: 0 flat, 1 not flat, 2 wrong usage or scenario, 3 ended by Ctrl-C before its time.";
@@ -54,6 +55,9 @@ pub(super) struct SoakArgs {
     /// Let scenarios start programs that are not Protean's own
     #[arg(long)]
     allow_external: bool,
+    /// Judge what an earlier soak saw, its soak.csv, and fly nothing
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["scenarios", "minutes", "seeds", "real_time", "allow_external"])]
+    read: Option<PathBuf>,
     /// Write rows and picture into this folder
     #[arg(long, short, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -67,24 +71,14 @@ pub(super) struct SoakArgs {
 
 /// Soaks, and says whether everything stayed flat.
 pub fn run(args: &SoakArgs) -> ExitCode {
-    let missions = match missions(args) {
-        Ok(missions) => missions,
+    let flown = match &args.read {
+        Some(rows) => read(rows),
+        None => fly(args),
+    };
+    let report = match flown {
+        Ok(report) => report,
         Err(code) => return code,
     };
-    let interrupted = Arc::new(AtomicBool::new(false));
-    if let Err(error) = handle_signals(&interrupted) {
-        eprintln!("error: cannot handle signals: {error}");
-        return ExitCode::from(EXIT_FAILED);
-    }
-    let options = SoakOptions {
-        missions,
-        duration: Duration::from_secs_f64(args.minutes * 60.0),
-        seed: args.overrides.seed.unwrap_or(1),
-        interrupted,
-    };
-    let show = Show::new(args, options.duration);
-    let report = soak(&options, |mission| show.mission(mission));
-    show.bar.finish_and_clear();
     if let Some(folder) = &args.out
         && let Err(error) = write(&report, folder)
     {
@@ -112,6 +106,42 @@ pub fn run(args: &SoakArgs) -> ExitCode {
     } else {
         ExitCode::from(EXIT_FAILED)
     }
+}
+
+/// Judges what was seen earlier; on stderr what is wrong with it.
+fn read(path: &Path) -> Result<SoakReport, ExitCode> {
+    let missions = std::fs::read(path)
+        .map_err(|e| e.to_string())
+        .and_then(|bytes| rows::read(&bytes).map_err(|e| e.to_string()))
+        .map_err(|error| {
+            eprintln!(
+                "error: {}: {error}; expected the soak.csv of a soak",
+                path.display()
+            );
+            ExitCode::from(EXIT_INVALID)
+        })?;
+    let lasted_s = missions.last().map_or(0.0, |m| m.begun_s + m.lasted_s);
+    Ok(SoakReport::of(missions, lasted_s, false))
+}
+
+/// Soaks.
+fn fly(args: &SoakArgs) -> Result<SoakReport, ExitCode> {
+    let missions = missions(args)?;
+    let interrupted = Arc::new(AtomicBool::new(false));
+    if let Err(error) = handle_signals(&interrupted) {
+        eprintln!("error: cannot handle signals: {error}");
+        return Err(ExitCode::from(EXIT_FAILED));
+    }
+    let options = SoakOptions {
+        missions,
+        duration: Duration::from_secs_f64(args.minutes * 60.0),
+        seed: args.overrides.seed.unwrap_or(1),
+        interrupted,
+    };
+    let show = Show::new(args, options.duration);
+    let report = soak(&options, |mission| show.mission(mission));
+    show.bar.finish_and_clear();
+    Ok(report)
 }
 
 /// Every mission of the soak; on stderr what is wrong with the request.
@@ -176,7 +206,7 @@ fn missions(args: &SoakArgs) -> Result<Vec<ResolvedScenario>, ExitCode> {
 
 /// Writes rows and picture.
 fn write(report: &SoakReport, folder: &Path) -> Result<(), Box<dyn std::error::Error>> {
-    figures::save(&table::csv(&report.missions)?, &folder.join("soak.csv"))?;
+    figures::save(&rows::write(&report.missions)?, &folder.join("soak.csv"))?;
     let drawing = figures::draw(&picture::chart(&report.missions));
     figures::save(drawing.svg().as_bytes(), &folder.join("soak.svg"))?;
     figures::save(&drawing.png(2.0)?, &folder.join("soak.png"))?;

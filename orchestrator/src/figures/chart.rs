@@ -25,6 +25,8 @@ pub struct Chart {
     pub series: Vec<Series>,
     /// What the hollow marks are; nothing is said if there are none.
     pub reference: String,
+    /// What the bars at the points are; 95 % intervals if nothing is said.
+    pub interval: String,
 }
 
 /// How an axis is divided.

@@ -56,7 +56,13 @@ impl Legend {
         if has_bar {
             rows.push(Row {
                 sign: Sign::Bar,
-                lines: lines("95 % interval", SMALL),
+                lines: lines(
+                    match chart.interval.as_str() {
+                        "" => "95 % interval",
+                        said => said,
+                    },
+                    SMALL,
+                ),
             });
         }
         if chart.has_reference() {

@@ -4,11 +4,13 @@
 //! * [`watch`]: looks at the processes of a mission while it runs;
 //! * [`mission`]: what one mission held and what it left;
 //! * [`growth`]: whether what was held grew from mission to mission;
-//! * [`table`], [`picture`]: what a person sees of it, and the rows for programs.
+//! * [`table`], [`picture`]: what a person sees of it;
+//! * [`rows`]: what programs see of it, and from which it can be judged again.
 
 pub mod growth;
 pub mod mission;
 pub mod picture;
+pub mod rows;
 pub mod table;
 pub mod watch;
 
@@ -59,6 +61,18 @@ pub struct SoakReport {
 }
 
 impl SoakReport {
+    /// What became of everything in a row of missions, in order.
+    pub fn of(missions: Vec<Mission>, lasted_s: f64, interrupted: bool) -> Self {
+        Self {
+            growth: growth::of(&missions),
+            failures: missions.iter().filter(|m| m.failure.is_some()).count() as u64,
+            leftovers: missions.iter().map(|m| m.leftovers.len() as u64).sum(),
+            missions,
+            lasted_s,
+            interrupted,
+        }
+    }
+
     /// Whether nothing grew, nothing was left behind and every mission was as it should be.
     pub fn is_flat(&self) -> bool {
         self.failures == 0 && self.leftovers == 0 && !self.growth.iter().any(|g| g.grew)
@@ -123,14 +137,7 @@ pub fn soak(options: &SoakOptions, mut told: impl FnMut(&Mission)) -> SoakReport
         records_bytes += mission.weight();
         missions.push(mission);
     }
-    SoakReport {
-        growth: growth::of(&missions),
-        failures: missions.iter().filter(|m| m.failure.is_some()).count() as u64,
-        leftovers: missions.iter().map(|m| m.leftovers.len() as u64).sum(),
-        missions,
-        lasted_s: start.elapsed().as_secs_f64(),
-        interrupted: interrupted(),
-    }
+    SoakReport::of(missions, start.elapsed().as_secs_f64(), interrupted())
 }
 
 /// The numbers below `count` in a random order: in every round each mission comes once.

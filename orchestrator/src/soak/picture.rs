@@ -12,7 +12,7 @@ const POINTS: usize = 40;
 /// One quantity: of whom, by time [min].
 type Track = Vec<(f64, f64)>;
 
-/// The chart; curves that lie at 100 % are flat.
+/// The chart; curves that lie at 1 are flat.
 pub fn chart(missions: &[Mission]) -> Chart {
     let mut tracks: BTreeMap<(bool, &'static str, String), Track> = BTreeMap::new();
     for mission in missions {
@@ -58,12 +58,13 @@ pub fn chart(missions: &[Mission]) -> Chart {
     Chart {
         title: "What was held, by its own median".to_owned(),
         subtitle: format!(
-            "{} missions back to back; medians with the middle half of all processes",
+            "{} missions back to back; medians over all processes",
             missions.len()
         ),
         x_label: "time [min]".to_owned(),
         y_label: "by its median".to_owned(),
-        unit: Unit::Share,
+        unit: Unit::Number,
+        interval: "middle half".to_owned(),
         series,
         ..Chart::default()
     }

@@ -1,8 +1,8 @@
-//! A soak in a table for people and in rows for programs.
+//! A soak in a table for people.
 
+use super::SoakReport;
 use super::growth::{Growth, IN_FLIGHT, MEMORY};
-use super::mission::{ORCHESTRATOR, Use};
-use super::{Mission, SoakReport};
+use super::mission::ORCHESTRATOR;
 use crate::mission::report::table;
 
 /// Lines of the table beside the orchestrator's and those of what grew.
@@ -76,59 +76,11 @@ fn worth_showing(growth: &[Growth]) -> Vec<&Growth> {
     sorted
 }
 
-/// One row per mission and process, with a heading.
-///
-/// # Errors
-/// If a row cannot be put together, which memory alone can cause.
-pub fn csv(missions: &[Mission]) -> Result<Vec<u8>, csv::Error> {
-    let mut rows = csv::Writer::from_writer(Vec::new());
-    rows.write_record([
-        "mission",
-        "scenario",
-        "seed",
-        "begun_s",
-        "lasted_s",
-        "process",
-        "samples",
-        "memory_bytes",
-        "descriptors",
-        "early_bytes",
-        "late_bytes",
-        "segments",
-        "leftovers",
-        "failure",
-    ])?;
-    let part = |held: &Use, index: usize| {
-        let bytes = held.early_and_late_bytes.map(|parts| parts[index]);
-        bytes.map_or_else(String::new, |bytes| bytes.to_string())
-    };
-    for (number, mission) in missions.iter().enumerate() {
-        for (name, held) in &mission.processes {
-            rows.write_record([
-                number.to_string(),
-                mission.scenario.clone(),
-                mission.seed.to_string(),
-                format!("{:.3}", mission.begun_s),
-                format!("{:.3}", mission.lasted_s),
-                name.clone(),
-                held.samples.to_string(),
-                held.memory_bytes.to_string(),
-                held.descriptors.to_string(),
-                part(held, 0),
-                part(held, 1),
-                mission.segments.to_string(),
-                mission.leftovers.len().to_string(),
-                mission.failure.clone().unwrap_or_default(),
-            ])?;
-        }
-    }
-    rows.into_inner().map_err(|e| e.into_error().into())
-}
-
 #[cfg(test)]
 mod tests {
     use std::collections::BTreeMap;
 
+    use super::super::mission::{Mission, Use};
     use super::*;
 
     fn mission(number: u32, memory: u64) -> Mission {
@@ -155,14 +107,7 @@ mod tests {
 
     fn report(memory: impl Fn(u32) -> u64) -> SoakReport {
         let missions: Vec<Mission> = (0..40).map(|n| mission(n, memory(n))).collect();
-        SoakReport {
-            growth: super::super::growth::of(&missions),
-            failures: 0,
-            leftovers: 0,
-            missions,
-            lasted_s: 40.0,
-            interrupted: false,
-        }
+        SoakReport::of(missions, 40.0, false)
     }
 
     #[test]
@@ -173,15 +118,5 @@ mod tests {
         let leak = report(|n| 10_000_000 + 100_000 * u64::from(n));
         assert!(!leak.is_flat());
         assert!(text(&leak).contains("GREW"), "{}", text(&leak));
-    }
-
-    #[test]
-    fn rows_are_read_back() {
-        let bytes = csv(&report(|_| 5).missions).unwrap();
-        let mut rows = csv::Reader::from_reader(bytes.as_slice());
-        let rows: Vec<csv::StringRecord> = rows.records().map(Result::unwrap).collect();
-        assert_eq!(rows.len(), 80);
-        assert_eq!(rows[1].get(5), Some("police, 1"));
-        assert_eq!(rows[1].get(7), Some("5"));
     }
 }

@@ -1,7 +1,7 @@
 //! Looks at the processes of a mission while it runs.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
@@ -69,11 +69,12 @@ impl Watch {
         let seen = Arc::clone(&self.seen);
         Hook(Arc::new(move || {
             let members = census::children(std::process::id() as i32).unwrap_or_default();
-            lock(&seen).at_end = members
-                .into_iter()
-                .filter(|member| member.root.is_some())
-                .map(|member| (member.name, member.memory_bytes))
-                .collect();
+            let mut seen = lock(&seen);
+            for member in members {
+                let Some(root) = member.root else { continue };
+                seen.count(&root);
+                seen.at_end.insert(member.name, member.memory_bytes);
+            }
         }))
     }
 
@@ -94,6 +95,13 @@ fn lock(seen: &Mutex<Seen>) -> std::sync::MutexGuard<'_, Seen> {
 }
 
 impl Seen {
+    /// Counts the pieces of shared memory of a run.
+    fn count(&mut self, root: &Path) {
+        if let Ok(segments) = census::segments_of(root) {
+            self.segments = self.segments.max(segments.len() as u64);
+        }
+    }
+
     fn take(&mut self, members: Vec<Member>) {
         for member in members {
             // Without a run's directory: not a process of a mission.
@@ -101,9 +109,7 @@ impl Seen {
             if !self.roots.contains(&root) {
                 self.roots.insert(root.clone());
             }
-            if let Ok(segments) = census::segments_of(&root) {
-                self.segments = self.segments.max(segments.len() as u64);
-            }
+            self.count(&root);
             let held = self.processes.entry(member.name).or_default();
             held.memory.push(member.memory_bytes);
             held.descriptors.push(member.descriptors);
