@@ -87,7 +87,7 @@ fn what_was_seen_is_judged_again() {
                 early_bytes,late_bytes,segments,leftovers,failure\n";
     let judged = |bytes: fn(u32) -> u32| {
         let rows: String = (0..40).map(|n| row(n, bytes(n))).collect();
-        sandbox.file("soak.csv", &format!("{head}{rows}"));
+        sandbox.file("soak.csv", format!("{head}{rows}"));
         sandbox.protean(["soak", "--read", "soak.csv"]).run()
     };
     let level = judged(|_| 10_000_000);
@@ -96,7 +96,7 @@ fn what_was_seen_is_judged_again() {
     let leak = judged(|n| 10_000_000 + 100_000 * n);
     assert_eq!(leak.code, Some(1), "{leak}");
     assert!(leak.stdout.contains("GREW"), "{leak}");
-    sandbox.file("soak.csv", &format!("{head}0,chase,1,never\n"));
+    sandbox.file("soak.csv", format!("{head}0,chase,1,never\n"));
     let refused = sandbox.protean(["soak", "--read", "soak.csv"]).run();
     assert_eq!(refused.code, Some(2), "{refused}");
     assert!(refused.stderr.contains("soak.csv: "), "{refused}");

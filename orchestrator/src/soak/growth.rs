@@ -133,6 +133,11 @@ fn all_rose(
     })
 }
 
+/// The values of a series.
+fn of_series(half: &[(f64, f64)]) -> impl Iterator<Item = f64> {
+    half.iter().map(|v| v.1)
+}
+
 /// Of one series of (time [s], value) that rises in time; `None` if there is too little of it.
 fn growth(who: String, what: &'static str, values: &[(f64, f64)], end: f64) -> Option<Growth> {
     let warm: Vec<(f64, f64)> = values
@@ -144,22 +149,19 @@ fn growth(who: String, what: &'static str, values: &[(f64, f64)], end: f64) -> O
         return None;
     }
     let (early, late) = warm.split_at(warm.len() / 2);
-    fn of(half: &[(f64, f64)]) -> impl Iterator<Item = f64> {
-        half.iter().map(|v| v.1)
-    }
     let times = |half: &[(f64, f64)]| middle(half.iter().map(|v| v.0));
-    let (first, last) = (middle(of(early))?, middle(of(late))?);
+    let (first, last) = (middle(of_series(early))?, middle(of_series(late))?);
     let apart = times(late)? - times(early)?;
     // The medians are half of the time apart; growth is told for all of it.
     let stretch = if apart > 0.0 { 0.75 * end / apart } else { 1.0 };
     let change = (last - first) * stretch;
     let share = change / first.max(1.0);
     let grew = match what {
-        MEMORY => all_rose(of(early), of(late), stretch),
+        MEMORY => all_rose(of_series(early), of_series(late), stretch),
         // Counts are whole: one more is more.
-        _ => quartiles(of(early))
+        _ => quartiles(of_series(early))
             .into_iter()
-            .zip(quartiles(of(late)))
+            .zip(quartiles(of_series(late)))
             .all(|(early, late)| late > early),
     };
     Some(Growth {
