@@ -386,7 +386,7 @@ fn a_program_that_never_becomes_ready_is_named_with_its_words_and_takes_its_own_
 }
 
 /// A program that writes ten megabytes that are no text and no line, and then a word.
-const NOISY: &str = r##"
+const NOISY: &str = r#"
 [world]
 map = "builtin:hello"
 [rules]
@@ -401,7 +401,7 @@ command = ["/bin/sh", "-c", '''
     head -c 10485760 /dev/zero | tr '\0' '\377' >&2; printf '\nafter it\n' >&2; exit 3
 ''']
 robots = ["robot"]
-"##;
+"#;
 
 #[test]
 fn a_program_may_write_whatever_it_likes() {
