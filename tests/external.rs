@@ -34,7 +34,8 @@ fn prepare(sandbox: &Sandbox) -> bool {
         file("scenarios/planners/to_the_exit.py"),
     );
     sandbox.file("maps/hello.toml", file("scenarios/maps/hello.toml"));
-    let command = format!("command = [{:?}, {:?}]", python.to_str().unwrap(), planner);
+    let words = [python.to_str().unwrap(), planner.to_str().unwrap()];
+    let command = format!("command = {words:?}");
     let scenario = file("scenarios/hello_python.toml");
     let theirs = scenario
         .lines()

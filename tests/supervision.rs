@@ -148,13 +148,42 @@ fn killed_processes_rejoin_at_a_tick_that_the_log_tells_and_others_stand_or_go_o
     let extra: Vec<_> = beliefs.symmetric_difference(&expected).collect();
     assert!(extra.iter().all(|&&t| t == eyes_left), "{extra:?}");
 
-    // Such a run can be done again up to the first failure, and that is what is said.
+    // Such a run can be done again, failures and all; but for one in the middle of what a process had
+    // to say, which is then what is said.
+    let failed = [
+        ("pursuer_police_2", 3, left),
+        ("perception", 1, eyes_left),
+        ("evader_potential_evader_1", 6, gone),
+    ];
+    let mut mid_way = failed.iter().filter(|(_, source, tick)| {
+        let mut all = history.messages.iter();
+        let simulated = |topic: &str| !topic.starts_with("process/") && topic != "run/control";
+        all.any(|m| m.source == *source && m.tick == *tick && simulated(&m.topic))
+    });
     let again = sandbox
         .protean(["rerun", "run.mcap", "--json", "--quiet"])
         .run();
+    let again_json = again.json();
+    assert_eq!(again_json["same"], true, "{again}");
+    if let Some((name, _, tick)) = mid_way.next() {
+        assert_eq!(again.code, Some(3), "{again}");
+        assert_eq!(again_json["left"]["process"], *name, "{again}");
+        assert_eq!(again_json["left"]["tick"], *tick);
+    } else {
+        assert_eq!(again.code, Some(0), "{again}");
+        assert_eq!(again_json["repeated"], 3, "{again}");
+        assert_eq!(again_json["digest"], summary["digest"]);
+        assert_eq!(again_json["digest_logged"], summary["digest"]);
+    }
+    let again = sandbox
+        .protean(["rerun", "run.mcap", "--in-process", "--json", "--quiet"])
+        .run();
     assert_eq!(again.code, Some(3), "{again}");
     let again = again.json();
-    assert_eq!(again["same"], true, "{again}");
+    assert_eq!(
+        (&again["same"], &again["repeated"]),
+        (&true.into(), &0.into())
+    );
     assert_eq!(again["left"]["process"], "pursuer_police_2");
     assert_eq!(again["left"]["tick"], left);
     let test = [
@@ -170,6 +199,58 @@ fn killed_processes_rejoin_at_a_tick_that_the_log_tells_and_others_stand_or_go_o
     let test = test.json();
     assert_eq!(test["identical"], true, "{test}");
     assert_eq!(test["left"]["tick"], eyes_left);
+    sandbox.assert_nothing_left();
+}
+
+/// Ends a process between two ticks: while the world stands still, when it has done its own.
+fn kill_between_ticks(sandbox: &Sandbox, run: &str, name: &str, slot: usize) {
+    let page = kit::lockstep::TurnPage::open(&Sandbox::prefix(run)).unwrap();
+    let (simulator, victim) = (sandbox.process("simulator"), sandbox.process(name));
+    signal(simulator.pid, Signal::STOP);
+    until("a world that stands still", SOON, || {
+        let stat = std::fs::read_to_string(format!("/proc/{}/stat", simulator.pid)).unwrap();
+        let stopped = stat.rsplit(") ").next().unwrap().starts_with('T');
+        (stopped && page.ticks_done(slot) == page.ticks_posted()).then_some(())
+    });
+    signal(victim.pid, Signal::KILL);
+    until("its end", SOON, || {
+        (!sandbox.processes().contains(&victim)).then_some(())
+    });
+    signal(simulator.pid, Signal::CONT);
+}
+
+#[test]
+fn a_run_in_which_processes_failed_between_ticks_can_be_done_again_to_the_bit() {
+    let sandbox = Sandbox::new();
+    let soon_back = "processes.pursuer.restart={ backoff_s = 0.02, backoff_factor = 1.0 }";
+    let more = ["--set", PATIENCE, "--set", soon_back];
+    let (running, run) = in_the_air(&sandbox, &more, 100);
+    let page = kit::lockstep::TurnPage::open(&Sandbox::prefix(&run)).unwrap();
+    kill_between_ticks(&sandbox, &run, "pursuer_police_2", 3);
+    // The same again as soon as it is back, and others.
+    until("its successor's first tick", SOON, || {
+        (page.times_taken(3) == 2 && page.first_tick(3).is_some()).then_some(())
+    });
+    kill_between_ticks(&sandbox, &run, "pursuer_police_2", 3);
+    kill_between_ticks(&sandbox, &run, "perception", 1);
+    kill_between_ticks(&sandbox, &run, "evader_potential_evader_1", 6);
+    let summary = finished(&running.finish());
+    assert_eq!(of(&summary, "pursuer_police_2")["restarts"], 2, "{summary}");
+
+    let again = sandbox
+        .protean(["rerun", "run.mcap", "--json", "--quiet"])
+        .run();
+    assert_eq!(again.code, Some(0), "{again}");
+    let again = again.json();
+    assert_eq!(again["repeated"], 4, "{again}");
+    assert_eq!(again["digest"], summary["digest"]);
+    assert_eq!(again["digest_logged"], summary["digest"]);
+    assert_eq!(again["left"], Json::Null);
+    // Left alone it is another history: what is compared is not the same whatever happens.
+    let alone = sandbox
+        .protean(CHASE.iter().copied().chain(["--force"]))
+        .run();
+    assert_ne!(alone.json()["digest"], summary["digest"]);
     sandbox.assert_nothing_left();
 }
 
@@ -305,7 +386,7 @@ fn a_program_that_never_becomes_ready_is_named_with_its_words_and_takes_its_own_
 }
 
 /// A program that writes ten megabytes that are no text and no line, and then a word.
-const NOISY: &str = r##"
+const NOISY: &str = r#"
 [world]
 map = "builtin:hello"
 [rules]
@@ -320,7 +401,7 @@ command = ["/bin/sh", "-c", '''
     head -c 10485760 /dev/zero | tr '\0' '\377' >&2; printf '\nafter it\n' >&2; exit 3
 ''']
 robots = ["robot"]
-"##;
+"#;
 
 #[test]
 fn a_program_may_write_whatever_it_likes() {

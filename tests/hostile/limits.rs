@@ -168,7 +168,9 @@ fn parts_that_each_are_allowed_may_be_too_much_in_sum() {
         refused(&sandbox, text, &words);
     }
     // As much as this is allowed.
-    let fits = evaders(16, "scan = { beams = 4096 }") + &driven("evader_braitenberg");
+    let open = "[world.map.vector]\nbounds = { min = [0, 0], max = [4, 3] }";
+    let fits = evaders(16, "scan = { beams = 4096 }").replace("map = \"builtin:hello\"", open)
+        + &driven("evader_braitenberg");
     sandbox.file("fits.toml", fits);
     let outcome = sandbox.protean(["check", "fits.toml"]).run();
     assert_eq!(outcome.code, Some(0), "{outcome}");

@@ -10,7 +10,9 @@ use crate::logs::{Rerun, RerunOptions, rerun};
 pub(super) const HELP: &str = "\
 The run is done again from the scenario, seed and events in the log, and every message of the simulated
 history (everything but clocks and heartbeats) is compared, as is the digest. Of a run that was killed or
-interrupted, what the log holds is compared; of one in which a process failed, what was said before.
+interrupted, what the log holds is compared. A process that failed and was replaced or done without is taken
+away again before the same tick; if it had said a part of what it had to say in that tick, if it made plans or
+asked for them, or with --in-process, that cannot be: then what was said before is compared.
 
 Exit codes: 0 the same, message by message and digest; 1 not the same: the first difference of every topic
 is said; or the run failed; 2 the run in the log cannot be done again: why, is said; 3 the same as far
@@ -84,6 +86,12 @@ fn text(done: &Rerun) -> String {
             );
         }
         None => text += &format!("digest    none in the log, {} now\n", done.digest),
+    }
+    if done.repeated > 0 {
+        text += &format!(
+            "failures  {} of processes, repeated at their ticks\n",
+            done.repeated
+        );
     }
     let Some(comparison) = &done.comparison else {
         text += "messages  not compared: the log holds a part of its run";

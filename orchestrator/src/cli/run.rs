@@ -78,6 +78,7 @@ fn fly(
         live: args.live,
         // Who looks on wants to see something.
         pace: args.pace.or(args.live.map(|_| 1.0)).filter(|_| lock_step),
+        absences: Vec::new(),
         interrupted,
         before_end: None,
     };

@@ -1,5 +1,6 @@
 //! The processes that failed in the run of a log.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use ipc_types::messages::process::ProcessEvent;
@@ -9,7 +10,7 @@ use serde::Serialize;
 use zerocopy::FromBytes as _;
 
 use super::error::LogsError;
-use super::known::ENCAPSULATION;
+use super::known::{self, ENCAPSULATION};
 use super::output::MANIFEST;
 use super::reader::{Item, Reader};
 use super::watch::Watch;
@@ -25,6 +26,35 @@ pub struct Left {
     pub reason: String,
 }
 
+/// A failure of a process.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Failure {
+    pub(super) left: Left,
+    /// Index of the process in the run.
+    pub(super) index: u32,
+    /// Whether the log says what was done about it: the process came back, failed again or was given
+    /// up.
+    pub(super) is_settled: bool,
+    /// Whether it had said something in the tick that it did not do to its end.
+    pub(super) had_spoken: bool,
+}
+
+/// Every failure, by tick.
+///
+/// # Errors
+/// [`LogsError`]: the log cannot be read.
+pub(super) fn failures(log: &Path, watch: &mut Watch) -> Result<Vec<Failure>, LogsError> {
+    let mut found = events(log, watch)?;
+    if !found.is_empty() {
+        let spoken = speakers(log, &found, watch)?;
+        for failure in &mut found {
+            failure.had_spoken = spoken.contains(&(failure.index, failure.left.tick));
+        }
+        found.sort_by_key(|failure| failure.left.tick);
+    }
+    Ok(found)
+}
+
 /// Who of those with these names left the run first.
 ///
 /// # Errors
@@ -34,9 +64,17 @@ pub(super) fn first_to_leave(
     concerns: impl Fn(&str) -> bool,
     watch: &mut Watch,
 ) -> Result<Option<Left>, LogsError> {
+    let of_them = events(log, watch)?
+        .into_iter()
+        .map(|failure| failure.left)
+        .filter(|left| concerns(&left.process));
+    Ok(of_them.min_by_key(|left| left.tick))
+}
+
+fn events(log: &Path, watch: &mut Watch) -> Result<Vec<Failure>, LogsError> {
     let mut reader = Reader::open(log, Some(watch))?;
     let (mut names, mut channel_id) = (Vec::new(), None);
-    let mut first: Option<Left> = None;
+    let mut found: Vec<Failure> = Vec::new();
     while let Some(item) = reader.next()? {
         match item {
             Item::Metadata(record) if record.name == MANIFEST => {
@@ -54,19 +92,58 @@ pub(super) fn first_to_leave(
                 else {
                     continue;
                 };
+                let mut before = found.iter_mut().filter(|f| f.index == event.process);
+                if let Some(last) = before.next_back() {
+                    last.is_settled = true;
+                }
+                if event.kind != ProcessEvent::LEFT {
+                    continue;
+                }
                 let name = names.get(event.process as usize).cloned();
-                let process = name.unwrap_or_else(|| format!("process {}", event.process));
-                let is_first = first.as_ref().is_none_or(|first| event.tick < first.tick);
-                if event.kind == ProcessEvent::LEFT && is_first && concerns(&process) {
-                    first = Some(Left {
-                        process,
+                found.push(Failure {
+                    left: Left {
+                        process: name.unwrap_or_else(|| format!("process {}", event.process)),
                         tick: event.tick,
                         reason: event.reason_text(),
-                    });
+                    },
+                    index: event.process,
+                    is_settled: false,
+                    had_spoken: false,
+                });
+            }
+            _ => {}
+        }
+    }
+    Ok(found)
+}
+
+/// Which of those who failed said something in the tick at which they did, by index and tick.
+fn speakers(
+    log: &Path,
+    failures: &[Failure],
+    watch: &mut Watch,
+) -> Result<BTreeSet<(u32, u64)>, LogsError> {
+    let wanted: BTreeSet<(u32, u64)> = failures.iter().map(|f| (f.index, f.left.tick)).collect();
+    let mut reader = Reader::open(log, Some(watch))?;
+    let (mut channels, mut spoken) = (BTreeSet::new(), BTreeSet::new());
+    while let Some(item) = reader.next()? {
+        match item {
+            Item::Channel(channel) => {
+                let is_history = known::find(&channel.topic).is_some_and(|known| known.simulated);
+                if is_history && known::is_stamped(&channel) {
+                    channels.insert(channel.id);
+                }
+            }
+            Item::Message(header, data) if channels.contains(&header.channel_id) => {
+                if let Some(stamp) = known::stamp(data) {
+                    let said = (stamp.source, stamp.tick);
+                    if wanted.contains(&said) {
+                        spoken.insert(said);
+                    }
                 }
             }
             _ => {}
         }
     }
-    Ok(first)
+    Ok(spoken)
 }

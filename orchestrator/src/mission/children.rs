@@ -438,6 +438,7 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(ProptestConfig::with_cases(16))]
         #[test]
         fn every_line_fits_and_none_is_lost(
             text in prop::collection::vec(

@@ -1,11 +1,14 @@
 //! One run, from the resolved scenario to the summary: processes started, supervised, recorded,
 //! ended, and nothing left behind.
 
+mod absences;
 pub(crate) mod bridge;
 mod changes;
+mod charge;
 pub mod children;
 mod chronicle;
 mod error;
+mod failure;
 mod gate;
 mod leftovers;
 mod log_path;
@@ -18,6 +21,7 @@ pub mod spaces;
 mod supervisor;
 pub(crate) mod warden;
 
+pub use absences::Absence;
 pub use error::MissionError;
 pub use run::{Hook, MissionOptions, MissionReport, run};
 pub(crate) use run::{create_services, write_config};

@@ -1,6 +1,7 @@
 //! Looks after the processes of a run that is in the air: notices who ended or no longer answers,
 //! and does what the scenario wants done then.
 
+use std::cmp::Ordering;
 use std::time::{Duration, Instant};
 
 use ipc_types::bus::Bus;
@@ -8,13 +9,16 @@ use ipc_types::messages::process::ProcessEvent;
 use kit::config::Clock;
 use kit::lockstep::{Overseer, Phase, SlotState};
 
+use super::absences::Absences;
 use super::bridge::Bridge;
+use super::charge::{Charge, Standing};
 use super::children::{RunningProcess, end_all};
 use super::chronicle::Chronicle;
 use super::error::MissionError;
+use super::failure::Failure;
 use super::plan::Plan;
 use super::report;
-use super::run::{config_path, write_config};
+use super::run::{MissionOptions, config_path, write_config};
 use super::spaces::OwnedSpace;
 use crate::scenario::OnFailure;
 use crate::scenario::kinds::{KINDS, Product, find};
@@ -29,6 +33,7 @@ pub(super) struct Supervisor<'a> {
     /// By their index in the run.
     pub(super) processes: Vec<RunningProcess>,
     charges: Vec<Charge>,
+    absences: Absences,
     hang_timeout: Duration,
     /// Whether the lines of the processes are shown.
     echo: bool,
@@ -36,39 +41,6 @@ pub(super) struct Supervisor<'a> {
     last_progress: Instant,
     /// Whether a process has failed and the run went on.
     pub(super) has_lost: bool,
-}
-
-/// A process as its supervisor sees it.
-#[derive(Debug)]
-struct Charge {
-    standing: Standing,
-    failures: u32,
-    /// Ticks done at the last look that found more of them.
-    done: u64,
-    /// When that was.
-    since: Instant,
-}
-
-/// How a process stands.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Standing {
-    /// It takes part.
-    Present,
-    /// It is to be started again: before this tick in lock-step, at this time by the clock.
-    Away { back_tick: u64, due: Instant },
-    /// It has been started again.
-    Starting { back_tick: u64, until: Instant },
-    /// It will not come back.
-    Gone,
-}
-
-/// How a process failed.
-#[derive(Debug, Clone, PartialEq, Eq)]
-enum Failure {
-    Exited(String),
-    Hung,
-    NotReady(Duration),
-    NotStarted(String),
 }
 
 impl<'a> Supervisor<'a> {
@@ -79,7 +51,7 @@ impl<'a> Supervisor<'a> {
         bus: &'a Bus,
         overseer: Overseer,
         hang_timeout: Duration,
-        echo: bool,
+        options: &MissionOptions,
     ) -> Result<Self, MissionError> {
         let chronicle = Chronicle::open(bus, plan.orchestrator_index(), plan.run.tick_period_ns)?;
         let now = Instant::now();
@@ -87,12 +59,17 @@ impl<'a> Supervisor<'a> {
             plan,
             space,
             bus,
+            absences: Absences::new(
+                options.absences.clone(),
+                overseer.clone(),
+                plan.launches.len(),
+            ),
             overseer,
             chronicle,
             processes: Vec::new(),
             charges: Vec::new(),
             hang_timeout,
-            echo,
+            echo: !options.quiet,
             last_tick: 0,
             last_progress: now,
             has_lost: false,
@@ -123,6 +100,10 @@ impl<'a> Supervisor<'a> {
                 Standing::Away { .. } | Standing::Starting { .. }
             )
         })
+    }
+
+    fn is_away(&self, slot: usize) -> bool {
+        matches!(self.charges[slot].standing, Standing::Away { .. })
     }
 
     fn launch(&self, slot: usize) -> Result<RunningProcess, MissionError> {
@@ -180,6 +161,7 @@ impl<'a> Supervisor<'a> {
                 self.fail(slot, &Failure::Exited(how))?;
             }
         }
+        self.repeat_failures()?;
         self.check_starts()?;
         self.check_silence(ticks)?;
         self.start_the_due(bridge)
@@ -188,6 +170,34 @@ impl<'a> Supervisor<'a> {
     fn how_it_ended(&self, slot: usize) -> String {
         let exit = self.processes[slot].exit;
         exit.map_or_else(|| "ended".into(), report::exit_words)
+    }
+
+    /// Takes away who failed at this tick in an earlier run, while time is held for that.
+    fn repeat_failures(&mut self) -> Result<(), MissionError> {
+        while let Some(absence) = self.absences.next() {
+            let slot = absence.process;
+            let held = self.overseer.page().held_before();
+            // Before which tick it can be taken away now, or at the earliest.
+            let earliest = match self.charges.get(slot).map(|charge| charge.standing) {
+                Some(Standing::Present) => held,
+                Some(Standing::Starting { back_tick, .. } | Standing::Away { back_tick, .. }) => {
+                    Some(back_tick)
+                }
+                // No log of ours says that.
+                Some(Standing::Gone) | None => Some(u64::MAX),
+            };
+            match earliest.map(|earliest| earliest.cmp(&absence.tick)) {
+                Some(Ordering::Equal) if !self.is_away(slot) => {
+                    self.processes[slot].kill();
+                    self.fail(slot, &Failure::Repeated)?;
+                }
+                // Too late: what follows is another history, which will be seen.
+                Some(Ordering::Greater) => {}
+                _ => break,
+            }
+            self.absences.done();
+        }
+        Ok(())
     }
 
     /// Whoever was started again may be back, or take too long.
@@ -421,6 +431,12 @@ impl<'a> Supervisor<'a> {
                 waited: self.hang_timeout,
                 last_words,
             },
+            Failure::Repeated => MissionError::Exited {
+                name,
+                how: failure.words(self.hang_timeout),
+                when: format!("{when}{again}"),
+                last_words,
+            },
             Failure::NotReady(waited) => MissionError::NotReady {
                 name,
                 waited: *waited,
@@ -468,17 +484,5 @@ impl<'a> Supervisor<'a> {
         }
         self.chronicle
             .hand_on(self.overseer.page().ticks_posted().saturating_sub(1));
-    }
-}
-
-impl Failure {
-    /// What happened to the process, as what follows its name.
-    fn words(&self, hang_timeout: Duration) -> String {
-        match self {
-            Self::Exited(how) => how.clone(),
-            Self::Hung => format!("did not answer for {hang_timeout:?} and was killed"),
-            Self::NotReady(waited) => format!("was not ready within {waited:?} and was killed"),
-            Self::NotStarted(error) => format!("could not be started: {error}"),
-        }
     }
 }

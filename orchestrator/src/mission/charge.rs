@@ -1,0 +1,27 @@
+//! The processes of a run as their supervisor sees them.
+
+use std::time::Instant;
+
+/// A process as its supervisor sees it.
+#[derive(Debug)]
+pub(super) struct Charge {
+    pub(super) standing: Standing,
+    pub(super) failures: u32,
+    /// Ticks done at the last look that found more of them.
+    pub(super) done: u64,
+    /// When that was.
+    pub(super) since: Instant,
+}
+
+/// How a process stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Standing {
+    /// It takes part.
+    Present,
+    /// It is to be started again: before this tick in lock-step, at this time by the clock.
+    Away { back_tick: u64, due: Instant },
+    /// It has been started again.
+    Starting { back_tick: u64, until: Instant },
+    /// It will not come back.
+    Gone,
+}

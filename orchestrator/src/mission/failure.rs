@@ -1,0 +1,27 @@
+//! How a process fails, and in which words that is told.
+
+use std::time::Duration;
+
+/// How a process failed.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum Failure {
+    Exited(String),
+    Hung,
+    NotReady(Duration),
+    NotStarted(String),
+    /// It was taken away because it had failed there in an earlier run.
+    Repeated,
+}
+
+impl Failure {
+    /// What happened to the process, as what follows its name.
+    pub(super) fn words(&self, hang_timeout: Duration) -> String {
+        match self {
+            Self::Exited(how) => how.clone(),
+            Self::Hung => format!("did not answer for {hang_timeout:?} and was killed"),
+            Self::NotReady(waited) => format!("was not ready within {waited:?} and was killed"),
+            Self::Repeated => "was taken away, as it had failed then".into(),
+            Self::NotStarted(error) => format!("could not be started: {error}"),
+        }
+    }
+}
