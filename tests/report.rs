@@ -1,5 +1,10 @@
 //! The page of a log, in a real browser.
 
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use foxglove::Decode as _;
+use foxglove::messages::{SceneEntity, SceneUpdate};
 use serde_json::{Value as Json, json};
 
 use crate::support::Sandbox;
@@ -137,6 +142,79 @@ fn a_page_plays_the_mission_in_a_browser_and_shows_what_the_log_says() {
         "{nodes} elements for a page that draws on canvases"
     );
     sandbox.assert_nothing_left();
+}
+
+/// Area of a polygon of corners.
+fn area(corners: &[[f64; 2]]) -> f64 {
+    let next = corners.iter().cycle().skip(1);
+    let cross = corners
+        .iter()
+        .zip(next)
+        .map(|(a, b)| a[0] * b[1] - a[1] * b[0]);
+    (cross.sum::<f64>() / 2.0).abs()
+}
+
+/// What viewers are shown as seen at the last picture up to a time: borders by the eyes' names.
+fn seen_in_viewers(log: &Path, until_ns: u64) -> (u64, BTreeMap<String, Vec<[f64; 2]>>) {
+    let bytes = std::fs::read(log).unwrap();
+    let pictures = mcap::MessageStream::new(&bytes)
+        .unwrap()
+        .map(Result::unwrap);
+    let last = pictures
+        .filter(|m| m.channel.topic == "/viewer/visibility" && m.log_time <= until_ns)
+        .last()
+        .expect("what is seen is drawn");
+    let update = SceneUpdate::decode(&*last.data).unwrap();
+    let border = |entity: &SceneEntity| {
+        let points = entity.lines[0].points.iter().map(|p| [p.x, p.y]);
+        (entity.id.clone(), points.collect())
+    };
+    (last.log_time, update.entities.iter().map(border).collect())
+}
+
+/// Viewers get polygons from the map's cells, the page makes them from the shapes of the obstacles,
+/// at any time: they are the same to within a cell.
+#[test]
+fn what_is_seen_is_the_same_on_the_page_and_in_viewers() {
+    let sandbox = Sandbox::new();
+    let log = sandbox.path().join("run.mcap");
+    for set in [
+        "log.compression=\"zstd\"",
+        "processes.perception.params.sensor={range = 3.0, field_of_view = 2.0}",
+    ] {
+        sandbox
+            .protean(["run", "chase_popup", "--out", "run.mcap", "--force"])
+            .set("rules.time_limit=12")
+            .set(set)
+            .json();
+        sandbox.protean(["report", "run.mcap", "--force"]).json();
+        let times = [0, 6_000_000_000, 11_000_000_000];
+        let pictures = times.map(|time_ns| seen_in_viewers(&log, time_ns));
+        let steps = pictures.each_ref().map(|(time_ns, _)| {
+            let time_s = *time_ns as f64 / 1e9;
+            json!({ "eval": format!("protean.sightAt({time_s})") })
+        });
+        let Some(found) = browse(&sandbox.path().join("run.html"), &json!(steps)) else {
+            return;
+        };
+        assert_eq!(found["errors"], json!([]));
+        for ((time_ns, seen), page) in pictures.iter().zip(found["answers"].as_array().unwrap()) {
+            assert!(seen.len() >= 2, "{set}: {seen:?}");
+            let page: BTreeMap<String, Vec<[f64; 2]>> =
+                serde_json::from_value(page.clone()).unwrap();
+            assert_eq!(
+                page.keys().collect::<Vec<_>>(),
+                seen.keys().collect::<Vec<_>>()
+            );
+            for (name, corners) in seen {
+                let (log, page) = (area(corners), area(&page[name]));
+                assert!(
+                    (log - page).abs() < 0.05 * page.max(1.0),
+                    "{set}: {name} at {time_ns} ns: {log} m^2 in viewers, {page} m^2 on the page"
+                );
+            }
+        }
+    }
 }
 
 #[test]

@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::Command;
 
+use foxglove::Decode as _;
+use foxglove::messages::{FrameTransforms, Grid};
 use serde_json::{Value as Json, json};
 
 use crate::support::browser::{layout, studio};
@@ -121,6 +123,59 @@ fn the_layout_names_only_what_a_log_of_the_default_chase_holds() {
         );
     }
     assert_eq!(places.matches('!').count(), panels.len());
+}
+
+/// The panel looks at the middle of the map from so far that all of it is seen, whatever the mission.
+#[test]
+fn the_layout_shows_the_whole_map_of_any_log() {
+    let layout: Json = serde_json::from_slice(&std::fs::read(layout()).unwrap()).unwrap();
+    let panel = &layout["configById"]["3D!mission"];
+    assert_eq!(panel["cameraState"]["perspective"], false);
+    let shown = panel["cameraState"]["distance"].as_f64().unwrap();
+    let frame = panel["followTf"].as_str().unwrap();
+    let sandbox = Sandbox::new();
+    for target in [
+        "chase",
+        "patrol_octagon",
+        "patrol_square",
+        "coverage_open",
+        "hello",
+    ] {
+        sandbox
+            .protean([
+                "run",
+                target,
+                "--in-process",
+                "--force",
+                "--out",
+                "run.mcap",
+            ])
+            .set("rules.time_limit=1")
+            .json();
+        let bytes = std::fs::read(sandbox.path().join("run.mcap")).unwrap();
+        let first = |topic: &str| {
+            let mut messages = mcap::MessageStream::new(&bytes)
+                .unwrap()
+                .map(Result::unwrap);
+            let found = messages.find(|message| message.channel.topic == topic);
+            found.unwrap_or_else(|| panic!("{target}: no {topic}")).data
+        };
+        let map = Grid::decode(&*first("/viewer/map")).unwrap();
+        let side = map.cell_size.unwrap();
+        let rows = map.data.len() as f64 / f64::from(map.row_stride);
+        let size = [f64::from(map.column_count) * side.x, rows * side.y];
+        let corner = map.pose.unwrap().position.unwrap();
+        let middle = [corner.x + 0.5 * size[0], corner.y + 0.5 * size[1]];
+        let frames = FrameTransforms::decode(&*first("/viewer/tf")).unwrap();
+        let looked_at = frames.transforms.iter().find(|t| t.child_frame_id == frame);
+        let at = looked_at.unwrap_or_else(|| panic!("{target}: no frame {frame}"));
+        let at = at.translation.unwrap();
+        assert!(
+            (at.x - middle[0]).abs() < 1e-9 && (at.y - middle[1]).abs() < 1e-9,
+            "{target}: {at:?}, {middle:?}"
+        );
+        assert!(size.iter().all(|size| *size <= shown), "{target}: {size:?}");
+    }
 }
 
 #[test]

@@ -326,6 +326,7 @@ fn recorder_options(path: &Path, log: LogOptions, viewer: ViewerOptions) -> Reco
         order: Order::LockStep,
         viewer,
         obstacles: Vec::new(),
+        eyes: Vec::new(),
     }
 }
 

@@ -9,6 +9,7 @@ pub mod census;
 pub mod chaos;
 pub mod chase_page;
 pub mod cli;
+pub mod eyes;
 pub mod figures;
 pub mod in_process;
 pub mod latency;

@@ -25,6 +25,7 @@
 //! about 1/65536 of a cell may fall on either side.
 
 mod lanes;
+pub mod polygon;
 
 use nalgebra::Point2;
 

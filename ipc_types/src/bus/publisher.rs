@@ -13,6 +13,10 @@ use crate::clock::{TurnStart, monotonic_ns};
 use crate::stamp::Header;
 use crate::topics::Topic;
 
+/// Bytes of elements up to which copying them takes no longer than reading the clock: then one
+/// reading says when the content was known and when the message was sent.
+const ONE_READING: usize = 1024;
+
 /// How a publisher is opened.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PublisherOptions {
@@ -150,9 +154,12 @@ impl<T: Topic> Publisher<T> {
     /// did not make room within the publisher's patience (on a bus in memory: had no room),
     /// [`SendError::Transport`] otherwise.
     pub fn send(&self, header: T::Header, elements: &[T::Element]) -> Result<usize, SendError> {
-        let header = self.stamped(header, elements.len())?;
+        let mut header = self.stamped(header, elements.len())?;
         match &self.port {
             Port::Ipc(port) => {
+                if size_of_val(elements) > ONE_READING {
+                    header.stamp_mut().computed_ns = monotonic_ns();
+                }
                 let sample = loan::<T>(port, header, elements.len())?;
                 self.finish_now(sample.write_from_slice(elements))
             }
@@ -172,9 +179,10 @@ impl<T: Topic> Publisher<T> {
         count: usize,
         element: impl FnMut(usize) -> T::Element,
     ) -> Result<usize, SendError> {
-        let header = self.stamped(header, count)?;
+        let mut header = self.stamped(header, count)?;
         match &self.port {
             Port::Ipc(port) => {
+                header.stamp_mut().computed_ns = monotonic_ns();
                 let sample = loan::<T>(port, header, count)?;
                 self.finish_now(sample.write_from_fn(element))
             }
@@ -197,9 +205,10 @@ impl<T: Topic> Publisher<T> {
         count: usize,
         write: impl FnOnce(&mut [T::Element]),
     ) -> Result<usize, SendError> {
-        let header = self.stamped(header, count)?;
+        let mut header = self.stamped(header, count)?;
         match &self.port {
             Port::Ipc(port) => {
+                header.stamp_mut().computed_ns = monotonic_ns();
                 let sample = loan::<T>(port, header, count)?;
                 // SAFETY: the memory is a shared file mapping, which the kernel hands out as zeros;
                 // it holds those or what an earlier message left. Elements are `FromBytes` (a
@@ -266,7 +275,8 @@ impl<T: Topic> Publisher<T> {
         Ok(())
     }
 
-    /// The header with the publisher's part of the stamp filled in; the message must fit.
+    /// The header with the publisher's part of the stamp filled in, but for the clocks of writing and
+    /// sending, which are 0; the message must fit.
     fn stamped(&self, mut header: T::Header, count: usize) -> Result<T::Header, SendError> {
         self.check(count)?;
         let stamp = header.stamp_mut();
@@ -274,17 +284,18 @@ impl<T: Topic> Publisher<T> {
         stamp.source = self.options.source;
         stamp.reserved = 0;
         stamp.begun_ns = self.turn.get();
-        (stamp.computed_ns, stamp.sent_ns) = match self.port {
-            Port::Ipc(_) => (monotonic_ns(), 0),
-            // No clock runs there.
-            Port::Local(_) => (0, 0),
-        };
+        (stamp.computed_ns, stamp.sent_ns) = (0, 0);
         Ok(header)
     }
 
-    /// Sends a message that has just been written.
+    /// Sends a message that has just been written. If the clock was not read before it was, this
+    /// reading is for both.
     fn finish_now(&self, mut sample: Filled<T>) -> Result<usize, SendError> {
-        sample.user_header_mut().stamp_mut().sent_ns = monotonic_ns();
+        let stamp = sample.user_header_mut().stamp_mut();
+        stamp.sent_ns = monotonic_ns();
+        if stamp.computed_ns == 0 {
+            stamp.computed_ns = stamp.sent_ns;
+        }
         self.finish(sample)
     }
 

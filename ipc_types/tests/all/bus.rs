@@ -41,6 +41,40 @@ fn messages_carry_the_clock_of_their_sending() {
     assert!(stamp.begun_ns >= last && stamp.begun_ns <= stamp.computed_ns);
 }
 
+/// The clock is read before writing where writing takes time: many elements, or such as are made
+/// one by one.
+#[test]
+fn the_clock_of_the_content_is_that_of_the_sending_only_where_little_is_copied() {
+    let (_space, bus) = joined("content");
+    let _service = bus.create::<WorldState>().unwrap();
+    let publisher = bus
+        .publisher::<WorldState>(PublisherOptions::new(7, 100))
+        .unwrap();
+    let subscriber = bus.subscriber::<WorldState>().unwrap();
+    publisher.update_connections().unwrap();
+    let stamp = || subscriber.receive().unwrap().unwrap().header().stamp;
+    let robots = [RobotState::default(); 100];
+    assert!(size_of_val(&robots[..1]) <= 1024 && size_of_val(&robots) > 1024);
+    publisher
+        .send(WorldHeader::default(), &robots[..1])
+        .unwrap();
+    let little = stamp();
+    assert_eq!(little.computed_ns, little.sent_ns);
+    publisher.send(WorldHeader::default(), &robots).unwrap();
+    let much = stamp();
+    assert!(much.computed_ns < much.sent_ns, "{much:?}");
+    let mut made = 0;
+    let make = |_| {
+        made = ipc_types::clock::monotonic_ns();
+        RobotState::default()
+    };
+    publisher
+        .send_with(WorldHeader::default(), 1, make)
+        .unwrap();
+    let with = stamp();
+    assert!(with.computed_ns <= made && made <= with.sent_ns, "{with:?}");
+}
+
 #[test]
 fn what_is_sent_in_place_is_what_the_memory_holds() {
     let (_space, bus) = joined("in_place");

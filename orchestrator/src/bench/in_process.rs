@@ -198,7 +198,7 @@ fn resolve(game: &Game, seed: u64) -> Result<ResolvedScenario, BenchError> {
 }
 
 /// CPU time of this thread.
-fn cpu_time() -> Duration {
+pub(super) fn cpu_time() -> Duration {
     let now = clock_gettime(ClockId::ThreadCPUTime);
     Duration::new(
         u64::try_from(now.tv_sec).unwrap_or(0),

@@ -4,7 +4,8 @@
 //! * [`start`]: how long a run takes to begin, what memory and log it needs;
 //! * [`ticks`]: lock-step ticks per second against the same exchange on bare iceoryx2 and futexes;
 //! * [`hop`]: one message from one process to another against bare iceoryx2;
-//! * [`in_process`]: games per second of runs in one process against runs with processes.
+//! * [`in_process`]: games per second of runs in one process against runs with processes;
+//! * [`recorder`]: writing a log against the bare `mcap` crate, and what a log adds to a chase.
 //!
 //! Everything is real: processes of this very program, shared memory, the kernel's scheduler. The
 //! machine's other work shows in the figures; ratios are taken between neighbours in time.
@@ -18,6 +19,7 @@ pub mod link;
 pub mod pinning;
 mod probe;
 mod raw;
+pub mod recorder;
 mod report;
 mod session;
 mod shared;
@@ -48,16 +50,19 @@ pub enum Item {
     Hop,
     /// Games per second of runs in one process.
     InProcess,
+    /// Writing a log, and its share of a run.
+    Recorder,
 }
 
 impl Item {
     /// Every item, in the order in which they are measured.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::Chase,
         Self::Start,
         Self::Ticks,
         Self::Hop,
         Self::InProcess,
+        Self::Recorder,
     ];
 
     /// Its name on the command line.
@@ -68,6 +73,7 @@ impl Item {
             Self::Ticks => "ticks",
             Self::Hop => "hop",
             Self::InProcess => "in-process",
+            Self::Recorder => "recorder",
         }
     }
 }
@@ -131,6 +137,7 @@ pub fn run(items: &[Item], options: &Options, mut say: impl FnMut(&str)) -> Repo
             Item::Ticks => ticks::measure(options, &mut say),
             Item::Hop => hop::measure(options, &mut say),
             Item::InProcess => in_process::measure(options, &mut say),
+            Item::Recorder => recorder::measure(options, &mut say),
         };
         match measured {
             Ok(figures) => report.figures.extend(figures),

@@ -21,7 +21,10 @@ Items (all of them without a name):
               bytes on bare iceoryx2), p50 and p99
   in-process  games/s of one core with `run --in-process` in a sweep, CPU per tick (baseline: the same
               games with processes, one at a time)
-  world, visibility, filter, turn, publish, recorder
+  recorder    the messages of a chase written into a log, MB per second of CPU (baseline: the same
+              messages by the mcap crate alone, compressed alike); CPU per tick of a chase in one
+              process with a log (baseline: without), and the log's share of it
+  world, visibility, filter, turn, publish, recorder-parts
               print the command of the Criterion bench that measures them inside one process
 
 The table has a line per figure: the median with the extremes of the repetitions, the baseline
@@ -41,7 +44,10 @@ const ELSEWHERE: [(&str, &str); 6] = [
     ),
     ("turn", "cargo bench -p benchmarks --bench turn"),
     ("publish", "cargo bench -p benchmarks --bench publish"),
-    ("recorder", "cargo bench -p benchmarks --bench recorder"),
+    (
+        "recorder-parts",
+        "cargo bench -p benchmarks --bench recorder",
+    ),
 ];
 
 /// The names that the command line takes.
@@ -84,7 +90,7 @@ pub fn bench(names: &[String], quick: bool, as_json: bool) -> ExitCode {
         if !commands.is_empty() {
             text += "\nMeasured inside one process, with their baselines, in the source tree:";
             for (name, command) in commands {
-                text += &format!("\n  {name:10} {command}");
+                text += &format!("\n  {name:14} {command}");
             }
         }
         print(text.trim_start());

@@ -4,7 +4,8 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use super::logs::{self, PartArgs};
-use super::{EXIT_FAILED, EXIT_PARTIAL, print, print_json};
+use super::run::tell_of_viewers;
+use super::{DEFAULT_PORT, EXIT_FAILED, EXIT_PARTIAL, print, print_json};
 use crate::logs::{
     LogsError, ReplayOptions, Replayed, TopicVerdict, Verified, VerifyOptions, Watch, replay,
     verify,
@@ -18,6 +19,9 @@ messages of one tick go out together, the time between ticks is simulated time d
 lasts (map, state…) is sent first, as it was before the start, and whoever comes late gets it. The time is
 in every stamp; run/control says what the replay does (1 plays, 2 stands, 3 one tick, 4 ends; rate). A
 reader that does not make room holds the replay back, and ends it after 10 s: nothing is dropped.
+
+With --live the same goes to Foxglove and Lichtblick, with the pictures of the log: paused, stepped, at
+the replay's rate. A viewer that does not keep up misses messages; it never holds the replay back.
 
 Keys, on a terminal or from a pipe: space stops and goes on, `s` or right arrow does one tick, left arrow
 goes back 5 s, up and down arrow double and halve the rate, q ends.
@@ -53,12 +57,17 @@ pub(super) struct ReplayArgs {
     /// Wait at the start until space (play) or `s` (one tick) is pressed
     #[arg(long)]
     paused: bool,
+    /// Show the replay live to Foxglove or Lichtblick: serves the topics of the log, the viewers'
+    /// pictures included, on this port of 127.0.0.1, read-only, at an address with a secret that is
+    /// printed (0: any free port)
+    #[arg(long, value_name = "PORT", num_args = 0..=1, default_missing_value = DEFAULT_PORT)]
+    live: Option<u16>,
     /// Renew the clocks in the stamps, as if everything were sent now; everything else stays
     #[arg(long)]
     restamp: bool,
     /// Test this process of the scenario against what it heard; may be given several times
     #[arg(long, value_name = "PROCESS", conflicts_with_all = [
-        "rate", "as_fast_as_possible", "start", "again", "topics", "exclude", "paused", "restamp",
+        "rate", "as_fast_as_possible", "start", "again", "topics", "exclude", "paused", "live", "restamp",
     ])]
     test: Vec<String>,
     /// With --test, override a value of the scenario: `processes.police_1.params.gain=2`
@@ -103,9 +112,13 @@ fn play(args: ReplayArgs, watch: &mut Watch) -> Result<ExitCode, LogsError> {
         topics: args.part.topics.into(),
         paused: args.paused,
         restamp: args.restamp,
+        live: args.live,
         quiet: args.quiet,
     };
     let done = replay(&args.log, &options, watch)?;
+    if let Some(live) = done.live {
+        tell_of_viewers(live, args.quiet);
+    }
     if args.json {
         print_json(&serde_json::json!(done));
     } else {

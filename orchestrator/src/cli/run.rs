@@ -86,7 +86,7 @@ fn fly(
 }
 
 /// Says what live viewers got.
-fn tell_of_viewers(live: LiveTotals, quiet: bool) {
+pub(super) fn tell_of_viewers(live: LiveTotals, quiet: bool) {
     if !quiet || live.left_out + live.cut_off > 0 {
         eprintln!(
             "live: {} viewers, {} messages, {} left out for those who did not keep up, {} cut off",

@@ -18,8 +18,6 @@ use super::wire;
 
 /// Time for the handshake.
 const HANDSHAKE_WITHIN: Duration = Duration::from_secs(5);
-/// A viewer that takes nothing for so long is cut off.
-const STALLED_AFTER: Duration = Duration::from_secs(10);
 /// Time in which a viewer may take the rest when the run has ended.
 const END_WITHIN: Duration = Duration::from_secs(2);
 /// How often the thread looks up without being woken.
@@ -29,17 +27,32 @@ const BATCH_BYTES: usize = 256 << 10;
 /// Longest message that a viewer may send: subscriptions to thousands of topics.
 const REQUEST_BYTES: usize = 1 << 20;
 
+/// What all connections have in common.
+#[derive(Debug, Clone)]
+pub(super) struct House {
+    /// Where what is to be sent comes from.
+    pub(super) hub: Arc<Hub>,
+    /// What lets viewers in.
+    pub(super) token: Token,
+    /// What they call this server.
+    pub(super) session: String,
+    /// A viewer that takes nothing for so long is cut off.
+    pub(super) patience: Duration,
+}
+
 /// Serves one connection to its end; the stream does not block.
-pub(super) fn serve(hub: &Hub, token: &Token, session: &str, stream: TcpStream, wake: OwnedFd) {
-    let Some(socket) = handshake(hub, token, stream) else {
+pub(super) fn serve(house: &House, stream: TcpStream, wake: OwnedFd) {
+    let hub = &*house.hub;
+    let Some(socket) = handshake(hub, &house.token, stream) else {
         return;
     };
     let wake = Arc::new(wake);
-    let Some(id) = hub.join(session, Arc::clone(&wake)) else {
+    let Some(id) = hub.join(&house.session, Arc::clone(&wake)) else {
         return;
     };
     let mut client = Client {
         hub,
+        patience: house.patience,
         id,
         socket,
         wake,
@@ -87,6 +100,7 @@ fn handshake(hub: &Hub, token: &Token, stream: TcpStream) -> Option<WebSocket<Tc
 
 struct Client<'a> {
     hub: &'a Hub,
+    patience: Duration,
     id: u64,
     socket: WebSocket<TcpStream>,
     wake: Arc<OwnedFd>,
@@ -107,7 +121,7 @@ impl Client<'_> {
             }
             if self
                 .unsent_since
-                .is_some_and(|since| since.elapsed() >= STALLED_AFTER)
+                .is_some_and(|since| since.elapsed() >= self.patience)
             {
                 return Ok(End::Stalled);
             }

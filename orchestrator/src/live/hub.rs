@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, VecDeque};
 use std::os::fd::OwnedFd;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use serde::Serialize;
 use serde_json::Value as Json;
 
 use super::wire::{self, Subscription};
@@ -14,7 +15,7 @@ use crate::recorder::{ChannelSpec, Mirror};
 const QUEUE_BYTES: usize = 32 << 20;
 
 /// What viewers got.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct LiveTotals {
     /// Viewers that connected.
     pub viewers: u64,
@@ -206,6 +207,17 @@ impl Hub {
 }
 
 impl State {
+    /// Goes on at another time: what held does not any more.
+    fn jump(&mut self, time_ns: u64) {
+        self.time_ns = time_ns;
+        self.channels
+            .iter_mut()
+            .for_each(|channel| channel.last = None);
+        for viewer in self.viewers.values_mut() {
+            viewer.push(Frame::Time(time_ns));
+        }
+    }
+
     fn message(&mut self, channel: usize, time_ns: u64, data: &[u8]) {
         let Self {
             channels, viewers, ..
@@ -284,6 +296,14 @@ impl Viewer {
 /// Takes what goes into the log.
 #[derive(Debug)]
 pub struct HubTap(Arc<Hub>);
+
+impl HubTap {
+    /// What is shown goes on at another time [simulated ns], which may be an earlier one. What held
+    /// until now does so no longer: what holds there is to be said next.
+    pub fn jump(&mut self, time_ns: u64) {
+        self.0.lock().jump(time_ns);
+    }
+}
 
 impl Mirror for HubTap {
     fn channel(&mut self, spec: &ChannelSpec<'_>) {
@@ -376,6 +396,40 @@ mod tests {
         hub.unsubscribe(viewer, &[11]);
         tap.message(1, 9, b"nobody hears");
         assert_eq!(messages(&hub, viewer), []);
+    }
+
+    #[test]
+    fn a_jump_sets_the_clock_back_and_late_viewers_get_what_holds_there() {
+        let (hub, mut tap) = hub();
+        let early = join(&hub);
+        subscribe(&hub, early);
+        tap.message(0, 5, b"map");
+        tap.message(1, 7, b"news");
+        hub.take(early, usize::MAX);
+        tap.jump(3);
+        let late = join(&hub);
+        subscribe(&hub, late);
+        let told = hub.take(late, usize::MAX);
+        assert!(
+            matches!(&told[..], [Frame::Text(_), Frame::Time(3), Frame::Text(_)]),
+            "{told:?}"
+        );
+        tap.message(0, 2, b"older map");
+        tap.message(1, 4, b"old news");
+        let frames = hub.take(early, usize::MAX);
+        let times = frames.iter().map(|frame| match frame {
+            Frame::Time(time_ns) | Frame::Message { time_ns, .. } => *time_ns,
+            Frame::Text(_) => u64::MAX,
+        });
+        // The clock, what holds there, the clock, what comes.
+        assert_eq!(times.collect::<Vec<_>>(), [3, 2, 4, 4]);
+        assert_eq!(
+            messages(&hub, late),
+            [
+                (10, 2, b"older map".to_vec()),
+                (11, 4, b"old news".to_vec())
+            ]
+        );
     }
 
     #[test]

@@ -17,6 +17,7 @@ use super::plan::Plan;
 use super::progress::EventPrinter;
 use super::run::MissionOptions;
 use super::{log_path, report};
+use crate::eyes;
 use crate::recorder::{
     Compression, LogError, LogOptions, Manifest, ManifestFile, Mirror, Order, ProcessInfo,
     Recorder, RecorderError, RecorderOptions, Recording, RobotInfo, Summary, Tally, ViewerOptions,
@@ -202,6 +203,7 @@ fn recorder_options(
             ..ViewerOptions::default()
         },
         obstacles: plan.standing.clone(),
+        eyes: eyes::of_scenario(scenario),
     }
 }
 

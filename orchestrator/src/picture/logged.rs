@@ -1,8 +1,11 @@
 //! What a log says about its run besides the messages.
 
 use serde::Deserialize;
+use serde_json::Value as Json;
 use sim_backend::map::MapSpec;
 use sim_backend::spec::{RobotSpec, RulesSpec};
+
+use crate::eyes::{EyeInfo, Watcher, eyes};
 
 /// The parts of the scenario in a log that a picture needs; the rest is passed over, so that a
 /// picture does not depend on it.
@@ -16,6 +19,9 @@ pub(crate) struct LoggedScenario {
     #[serde(default)]
     pub(crate) rules: RulesSpec,
     pub(crate) robots: Vec<RobotSpec>,
+    /// As they are written: what cannot be understood of them is not drawn.
+    #[serde(default)]
+    processes: Vec<Json>,
 }
 
 /// `[world]` of it.
@@ -39,5 +45,24 @@ impl LoggedScenario {
                 .map_err(|e| format!("{}: {e}", robot.name))?;
         }
         Ok(scenario)
+    }
+
+    /// Who looks, as far as it can be understood.
+    pub(crate) fn eyes(&self) -> Vec<EyeInfo> {
+        let index = |name: &Json| {
+            self.robots
+                .iter()
+                .position(|r| Some(&*r.name) == name.as_str())
+        };
+        let watchers = self.processes.iter().filter_map(|process| {
+            let given = process.get("robots").and_then(Json::as_array);
+            Some(Watcher {
+                name: process.get("name")?.as_str()?,
+                kind: process.get("kind")?.as_str()?,
+                params: process.get("params").unwrap_or(&Json::Null),
+                robots: given.into_iter().flatten().filter_map(index).collect(),
+            })
+        });
+        eyes(&self.robots, watchers)
     }
 }

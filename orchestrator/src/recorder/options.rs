@@ -6,6 +6,7 @@ use ipc_types::messages::world::ObstacleEvent;
 
 use super::log_writer::{LogOptions, Manifest};
 use super::viewer::ViewerOptions;
+use crate::eyes::EyeInfo;
 
 /// A process of the run.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -66,4 +67,6 @@ pub struct RecorderOptions {
     pub viewer: ViewerOptions,
     /// Obstacles that stand from the beginning, for viewers.
     pub obstacles: Vec<ObstacleEvent>,
+    /// Who looks: what is seen from there is drawn for viewers.
+    pub eyes: Vec<EyeInfo>,
 }

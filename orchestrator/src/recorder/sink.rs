@@ -64,13 +64,7 @@ impl Sink {
             })?;
             topics.push(TopicChannel { info, channel });
         }
-        let viewer = Viewer::new(
-            &options.viewer,
-            &options.robots,
-            &options.processes,
-            &options.obstacles,
-            &mut log,
-        )?;
+        let viewer = Viewer::new(options, &mut log)?;
         // No flush here: a chunk that holds schemas and channels alone has no message index, and
         // Foxglove Studio opens no file with such a chunk.
         Ok(Self {

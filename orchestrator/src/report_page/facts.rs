@@ -235,6 +235,7 @@ pub(super) fn facts(gathered: &mut Gathered) -> Json {
         "end_s": seconds(gathered.end_ns),
         "tick_period_s": seconds(gathered.tick_period_ns),
         "robots": robots,
+        "eyes": gathered.scenario.eyes(),
         "outcome": outcome(gathered),
         "coverage": parsed("coverage"),
         "predictions": parsed("predictions"),

@@ -1,5 +1,6 @@
 //! A log, played: its messages sent once more, to whoever listens or to processes under test.
 
+mod broadcast;
 mod cast;
 mod deviation;
 mod ears;

@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::super::pattern::Topics;
 use super::pace::Spread;
+use crate::live::LiveTotals;
 
 /// How a log is played.
 #[derive(Debug, Clone)]
@@ -28,6 +29,8 @@ pub struct ReplayOptions {
     pub paused: bool,
     /// Whether the clocks in the stamps are renewed.
     pub restamp: bool,
+    /// Port on which live viewers are served, if they are; 0 is any that is free.
+    pub live: Option<u16>,
     /// Whether nothing is shown.
     pub quiet: bool,
 }
@@ -42,6 +45,7 @@ impl Default for ReplayOptions {
             topics: Topics::default(),
             paused: false,
             restamp: false,
+            live: None,
             quiet: false,
         }
     }
@@ -76,6 +80,9 @@ pub struct Replayed {
     /// How long after they were due messages were sent [µs].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lateness_us: Option<Spread>,
+    /// What live viewers got, if they were served.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub live: Option<LiveTotals>,
     /// Messages by topic.
     pub topics: BTreeMap<String, u64>,
     /// Whether it was ended before its end.

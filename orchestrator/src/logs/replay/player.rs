@@ -15,6 +15,7 @@ use super::super::error::LogsError;
 use super::super::filter::nanoseconds;
 use super::super::known;
 use super::super::watch::Watch;
+use super::broadcast::Broadcast;
 use super::keys::{Key, Keys};
 use super::pace::Pace;
 use super::played::{ReplayOptions, Replayed};
@@ -58,7 +59,7 @@ pub fn replay(
         let text = format!("--rate {}: expected a factor above 0", options.rate);
         return Err(LogsError::Argument(text));
     }
-    let mut source = Source::open(log, &options.topics, to)?;
+    let mut source = Source::open(log, &options.topics, to, options.live.is_some())?;
     let scenario = source.origin().scenario(log, &[], "")?;
     if !source.has_index() && !options.quiet {
         eprintln!(
@@ -102,6 +103,7 @@ struct Player<'a> {
     conductor: Conductor,
     keys: Keys,
     screen: Screen,
+    broadcast: Option<Broadcast>,
     pace: Pace,
     paused: bool,
     /// Tick and log time of now.
@@ -124,6 +126,11 @@ impl<'a> Player<'a> {
         watch: &mut Watch,
     ) -> Result<Self, LogsError> {
         let log = source.path().to_owned();
+        let broadcast = options
+            .live
+            .map(|port| Broadcast::start(port, source))
+            .transpose()
+            .map_err(MissionError::from)?;
         let stage = Stage::build(scenario)?;
         let prefix = stage.space.space().prefix();
         let processes = stage.plan.launches.len();
@@ -165,6 +172,7 @@ impl<'a> Player<'a> {
             overseer,
             keys,
             screen,
+            broadcast,
             pace: Pace::new(options.rate, 0),
             paused: options.paused,
             now: (0, 0),
@@ -187,6 +195,9 @@ impl<'a> Player<'a> {
                 self.report.start_up_s = start.elapsed().as_secs_f64();
             }
             self.now = (at / self.stage.plan.run.tick_period_ns.max(1), at);
+            if let Some(broadcast) = &mut self.broadcast {
+                broadcast.jump(at);
+            }
             for message in &lasting {
                 self.report.restored += u64::from(self.say(message)?);
             }
@@ -229,14 +240,18 @@ impl<'a> Player<'a> {
                 other => return Ok(other),
             }
             self.report.ticks += 1;
-            let stamp = known::stamp(&first.data).unwrap_or_default();
-            self.now = (stamp.tick, time);
+            // Where only viewers get something, no tick passes.
+            let ours = tick.iter().find(|message| message.is_ours());
+            let stamp = ours.and_then(|message| known::stamp(&message.data));
+            self.now = (stamp.map_or(self.now.0, |stamp| stamp.tick), time);
             for message in &tick {
                 if self.say(message)? {
                     self.pace.sent(time);
                 }
             }
-            self.conductor.post_without_waiting(stamp.tick);
+            if let Some(stamp) = stamp {
+                self.conductor.post_without_waiting(stamp.tick);
+            }
         }
         Ok(Flow::Go)
     }
@@ -346,8 +361,15 @@ impl<'a> Player<'a> {
         Ok(())
     }
 
-    /// Sends a message; false if it is none, or is what the replay says itself.
+    /// Shows a message to viewers, and sends it; false if it is for viewers only, is none, or is what
+    /// the replay says itself.
     fn say(&mut self, message: &Logged) -> Result<bool, LogsError> {
+        if let Some(broadcast) = &mut self.broadcast {
+            broadcast.show(self.source, message);
+        }
+        if !message.is_ours() {
+            return Ok(false);
+        }
         if NAMES.get(message.rank) == Some(&Control::NAME) {
             return Ok(false);
         }
@@ -386,6 +408,7 @@ impl<'a> Player<'a> {
     fn end(mut self) -> Replayed {
         self.stage.attend(LINGER);
         self.overseer.set_phase(Phase::Stop);
+        self.report.live = self.broadcast.take().map(Broadcast::finish);
         self.screen.finish();
         let counts = NAMES
             .iter()

@@ -15,8 +15,8 @@ use super::super::known;
 use super::super::origin::Origin;
 use super::super::output::MANIFEST;
 use super::super::pattern::Topics;
-use super::super::reader::{Channel, ChunkPlace, Item, Reader};
-use super::super::states::States;
+use super::super::reader::{Channel, ChunkPlace, Item, Reader, Schema};
+use super::super::states::{States, is_latched};
 use super::super::watch::Watch;
 
 /// Chunks that are looked through for the last words of every sender of a topic that several send.
@@ -30,14 +30,19 @@ const AUDITION_BYTES: usize = 8 << 20;
 /// Behind the magic number at the beginning of a file.
 const BEGINNING: u64 = 8;
 
-/// A message of one of our topics.
+/// In place of the rank of what only viewers get.
+const FOR_VIEWERS: usize = usize::MAX;
+
+/// A message that is played.
 #[derive(Debug, Default, Clone, PartialEq, Eq)]
 pub(super) struct Logged {
     /// Log time [ns].
     pub(super) time: u64,
-    /// Place of its topic in [`ipc_types::topics::NAMES`].
+    /// Place of its topic in [`ipc_types::topics::NAMES`]; beyond their end for viewers' pictures.
     pub(super) rank: usize,
-    /// Its CDR form.
+    /// Its channel in the log.
+    pub(super) channel: u16,
+    /// As it is in the log: CDR, or of viewers' pictures protobuf.
     pub(super) data: Vec<u8>,
 }
 
@@ -45,6 +50,11 @@ impl Logged {
     /// Index of the process that sent it.
     pub(super) fn speaker(&self) -> u32 {
         known::stamp(&self.data).map_or(0, |stamp| stamp.source)
+    }
+
+    /// Whether it is of one of our topics, and no picture for viewers.
+    pub(super) fn is_ours(&self) -> bool {
+        self.rank != FOR_VIEWERS
     }
 }
 
@@ -56,11 +66,23 @@ struct Played {
     one_sender: bool,
 }
 
+impl Played {
+    /// Who sent a message of the channel; viewers' pictures all come from the recorder.
+    fn sender(&self, data: &[u8]) -> u32 {
+        if self.rank == FOR_VIEWERS {
+            return 0;
+        }
+        known::stamp(data).map_or(0, |stamp| stamp.source)
+    }
+}
+
 /// See the module's text.
 pub(super) struct Source {
     reader: Reader<'static>,
     origin: Origin,
     topics: Topics,
+    /// Whether viewers' pictures are wanted too.
+    pictures: bool,
     index: Option<Vec<ChunkPlace>>,
     played: BTreeMap<u16, Played>,
     /// The first message from the start on, which was read to find it.
@@ -72,13 +94,20 @@ pub(super) struct Source {
 }
 
 impl Source {
-    /// Opens a log of ours of which these topics are wanted, up to and with log time `to` [ns].
-    pub(super) fn open(log: &Path, topics: &Topics, to: u64) -> Result<Self, LogsError> {
+    /// Opens a log of ours of which these topics are wanted, up to and with log time `to` [ns];
+    /// viewers' pictures only if `pictures` says so.
+    pub(super) fn open(
+        log: &Path,
+        topics: &Topics,
+        to: u64,
+        pictures: bool,
+    ) -> Result<Self, LogsError> {
         let reader = Reader::open(log, None)?;
         let mut source = Self {
             reader,
             origin: Origin::default(),
             topics: topics.clone(),
+            pictures,
             index: None,
             played: BTreeMap::new(),
             ahead: None,
@@ -115,6 +144,13 @@ impl Source {
         self.index.is_some()
     }
 
+    /// The channels that are played, as far as they are known.
+    pub(super) fn channels(&self) -> impl Iterator<Item = (u16, &Rc<Channel>, Option<Rc<Schema>>)> {
+        let played = |channel: &&Rc<Channel>| self.played.contains_key(&channel.id);
+        let channels = self.reader.channels().filter(played);
+        channels.map(|channel| (channel.id, channel, self.reader.schema(channel.schema_id)))
+    }
+
     /// What is wrong with what was read of the file.
     pub(super) fn faults(&self) -> Vec<String> {
         self.reader.condition().lines()
@@ -146,6 +182,14 @@ impl Source {
     /// Plays a channel if it is one of ours and wanted; one of ours must look as it does here.
     fn take_up(&mut self, channel: &Channel) -> Result<(), LogsError> {
         if channel.topic.starts_with("/viewer/") {
+            if self.pictures && self.topics.take(&channel.topic) {
+                let played = Played {
+                    rank: FOR_VIEWERS,
+                    latched: is_latched(&channel.topic, &channel.metadata),
+                    one_sender: true,
+                };
+                self.played.insert(channel.id, played);
+            }
             return Ok(());
         }
         self.origin.check_layout(self.reader.path(), channel)?;
@@ -189,12 +233,13 @@ impl Source {
                 self.ahead = Some(Logged {
                     time: header.log_time,
                     rank: played.rank,
+                    channel: header.channel_id,
                     data: data.to_vec(),
                 });
                 break;
             }
             if played.latched {
-                let source = known::stamp(data).map_or(0, |stamp| stamp.source);
+                let source = played.sender(data);
                 newer.keep(self.reader.path(), source, header, data)?;
             }
             watch.at(0)?;
@@ -208,6 +253,7 @@ impl Source {
                 Some(Logged {
                     time: header.log_time,
                     rank: played.rank,
+                    channel: header.channel_id,
                     data,
                 })
             })
@@ -241,8 +287,9 @@ impl Source {
                 if let Some((header, data)) = self.reader.last_message()
                     && header.log_time < from
                     && wanted.contains_key(&header.channel_id)
+                    && let Some(played) = self.played.get(&header.channel_id)
                 {
-                    let source = known::stamp(data).map_or(0, |stamp| stamp.source);
+                    let source = played.sender(data);
                     said.insert(header.channel_id);
                     here.keep(&path, source, header, data)?;
                 }
@@ -330,7 +377,9 @@ impl Source {
                 break;
             }
             bytes += message.data.len();
-            visit(message.rank, message.speaker())?;
+            if message.is_ours() {
+                visit(message.rank, message.speaker())?;
+            }
         }
         Ok(())
     }
@@ -346,6 +395,7 @@ impl Source {
         };
         into.time = header.log_time;
         into.rank = played.rank;
+        into.channel = header.channel_id;
         into.data.clear();
         into.data.extend_from_slice(self.bytes());
         Ok(true)

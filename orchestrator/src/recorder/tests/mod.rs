@@ -30,6 +30,7 @@ use super::{
     LogOptions, Manifest, ManifestFile, Order, ProcessInfo, RecorderOptions, Recording, RobotInfo,
     ViewerOptions,
 };
+use crate::eyes::{EyeInfo, EyePlace};
 
 const PERIOD_NS: u64 = 50_000_000;
 const ORCHESTRATOR: u32 = 0;
@@ -144,6 +145,7 @@ fn run(ticks: u64, clock: u64) -> Vec<Sent> {
                 robot,
                 team: if robot < 2 { 1 } else { 2 },
                 status: u8::from(robot == 2 && tick >= 5),
+                present: 1,
                 ..RobotState::default()
             })
             .collect();
@@ -380,6 +382,12 @@ fn options(path: &Path) -> RecorderOptions {
             half_x: 1.0,
             shape: 1,
             ..ObstacleEvent::default()
+        }],
+        eyes: vec![EyeInfo {
+            name: "seen by police_1".to_owned(),
+            place: EyePlace::Robot(0),
+            range: None,
+            field_of_view: None,
         }],
     }
 }

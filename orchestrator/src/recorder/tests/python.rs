@@ -75,7 +75,7 @@ fn python_decodes_every_message_of_the_log() {
     for line in [
         "unsorted 0",
         "particles 40 780.0",
-        "frames police_1 police_2 baddie_1",
+        "frames police_1 police_2 baddie_1 map/centre",
         "said baddie_1 was caught by police_1",
         "entities police_1 police_2 baddie_1",
     ] {

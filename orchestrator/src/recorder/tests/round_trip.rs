@@ -190,6 +190,7 @@ fn the_file_describes_itself() {
         ("/viewer/particles/baddie_1", "foxglove.PointCloud"),
         ("/viewer/plan", "foxglove.SceneUpdate"),
         ("/viewer/tree", "foxglove.SceneUpdate"),
+        ("/viewer/visibility", "foxglove.SceneUpdate"),
         ("/viewer/scan/police_1", "foxglove.LaserScan"),
         ("/viewer/log", "foxglove.Log"),
     ] {
@@ -214,6 +215,8 @@ fn pictures_keep_their_rate_and_never_miss_the_first_the_last_or_an_event() {
     assert_eq!(times("/viewer/scene"), [0, 2, 4, 5, 6, 8, 10, 11]);
     assert_eq!(times("/viewer/tf"), times("/viewer/scene"));
     assert_eq!(times("/viewer/particles/baddie_1"), times("/viewer/scene"));
+    // Five per second at most, but for the event and the end.
+    assert_eq!(times("/viewer/visibility"), [0, 4, 5, 8, 11]);
     assert_eq!(times("/viewer/map"), [0]);
     assert_eq!(times("/viewer/obstacles"), [0, 3]);
     assert_eq!(times("/viewer/log"), [5]);

@@ -15,6 +15,7 @@ mod robot_lines;
 mod scene;
 mod shapes;
 mod sight;
+mod visibility;
 mod walls;
 mod words;
 
@@ -33,12 +34,15 @@ use self::channel::ViewerChannel;
 use self::robot_lines::RobotLines;
 use self::shapes::Obstacles;
 use self::sight::Sight;
+use self::visibility::Visibility;
 use super::error::LogError;
 use super::log_writer::LogWriter;
-use super::options::{ProcessInfo, RobotInfo};
+use super::options::{ProcessInfo, RecorderOptions, RobotInfo};
 
 /// Frame in which everything stands.
 const MAP_FRAME: &str = "map";
+/// Frame in the middle of the map, for viewers to look at: no robot is called so.
+const CENTRE_FRAME: &str = "map/centre";
 
 /// What viewers get to see.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -68,11 +72,14 @@ pub(super) struct Viewer {
     /// Time from which the next picture is due [ns].
     due_ns: u64,
     state: Option<State>,
+    /// Middle of the map [m].
+    centre: Option<[f64; 2]>,
     trail: scene::Trail,
     plans: RobotLines,
     trees: RobotLines,
     obstacles: Obstacles,
     sight: Sight,
+    visibility: Visibility,
     buffer: Vec<u8>,
 }
 
@@ -83,6 +90,7 @@ struct Channels {
     map: ViewerChannel<Grid>,
     walls: ViewerChannel<PointCloud>,
     sight: ViewerChannel<SceneUpdate>,
+    visibility: ViewerChannel<SceneUpdate>,
     dominance: ViewerChannel<Grid>,
     obstacles: ViewerChannel<SceneUpdate>,
     plans: ViewerChannel<SceneUpdate>,
@@ -103,12 +111,10 @@ struct State {
 impl Viewer {
     /// Adds the viewer channels to the log; `None` if none are wanted.
     pub(super) fn new(
-        options: &ViewerOptions,
-        robots: &[RobotInfo],
-        processes: &[ProcessInfo],
-        obstacles: &[ObstacleEvent],
+        recorder: &RecorderOptions,
         log: &mut LogWriter,
     ) -> Result<Option<Self>, LogError> {
+        let (options, robots) = (&recorder.viewer, &recorder.robots);
         if options.rate_hz.is_nan() || options.rate_hz <= 0.0 {
             return Ok(None);
         }
@@ -125,6 +131,7 @@ impl Viewer {
             map: ViewerChannel::add(log, "/viewer/map")?,
             walls: ViewerChannel::add(log, "/viewer/walls")?,
             sight: ViewerChannel::add(log, "/viewer/sight")?,
+            visibility: ViewerChannel::add(log, "/viewer/visibility")?,
             dominance: ViewerChannel::add(log, "/viewer/dominance")?,
             obstacles: ViewerChannel::add(log, "/viewer/obstacles")?,
             plans: ViewerChannel::add(log, "/viewer/plan")?,
@@ -140,8 +147,8 @@ impl Viewer {
                 .collect::<Result<_, _>>()?,
         };
         let mut viewer = Self {
-            robots: robots.to_vec(),
-            processes: processes.to_vec(),
+            robots: robots.clone(),
+            processes: recorder.processes.clone(),
             // At least 1 ns: a rate beyond 1 GHz draws every tick.
             period_ns: ((1e9 / options.rate_hz) as u64).max(1),
             trail_s: if options.trail_s.is_finite() {
@@ -152,15 +159,17 @@ impl Viewer {
             channels,
             due_ns: 0,
             state: None,
+            centre: None,
             trail: scene::Trail::default(),
             plans: RobotLines::plans(robots.len()),
             trees: RobotLines::trees(robots.len()),
             obstacles: Obstacles::default(),
             sight: Sight::default(),
+            visibility: Visibility::new(recorder.eyes.clone()),
             buffer: Vec::new(),
         };
-        if !obstacles.is_empty() {
-            for obstacle in obstacles {
+        if !recorder.obstacles.is_empty() {
+            for obstacle in &recorder.obstacles {
                 viewer.obstacles.stands(obstacle);
             }
             viewer.draw_obstacles(0, log)?;
@@ -198,6 +207,12 @@ impl Viewer {
         let Some(grid) = grid::draw(header, time_ns, cells.clone()) else {
             return Ok(());
         };
+        let middle = |origin: f64, cells: u32| origin + 0.5 * f64::from(cells) * header.resolution;
+        self.centre = Some([
+            middle(header.origin_x, header.width),
+            middle(header.origin_y, header.height),
+        ]);
+        self.visibility.map(header, cells.clone());
         let Self {
             channels, buffer, ..
         } = self;
@@ -385,7 +400,7 @@ impl Viewer {
         self.channels
             .scene
             .write(log, time_ns, &update, &mut self.buffer)?;
-        let transforms = scene::transforms(&self.robots, &state.robots, time_ns);
+        let transforms = scene::transforms(&self.robots, &state.robots, self.centre, time_ns);
         self.channels
             .transforms
             .write(log, time_ns, &transforms, &mut self.buffer)?;
@@ -396,6 +411,11 @@ impl Viewer {
         if let Some(update) = self.sight.draw(&state.robots, time_ns) {
             self.channels
                 .sight
+                .write(log, time_ns, &update, &mut self.buffer)?;
+        }
+        if let Some(update) = self.visibility.draw(&state.robots, time_ns, state.wanted) {
+            self.channels
+                .visibility
                 .write(log, time_ns, &update, &mut self.buffer)?;
         }
         if let Some(update) = self.plans.draw(&self.robots, &state.robots, time_ns) {

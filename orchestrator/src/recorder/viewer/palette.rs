@@ -8,6 +8,8 @@ pub(super) const OBSTACLE: Color = rgb(230, 159, 0, 0.85);
 pub(super) const BUILDING: Color = rgb(105, 112, 122, 1.0);
 /// Colour of lines of sight: reddish purple.
 pub(super) const SIGHT: Color = rgb(204, 121, 167, 1.0);
+/// Opacity of what is seen, and of its border: what lies below shows.
+pub(super) const SEEN: (f64, f64) = (0.1, 0.4);
 /// Colour of names and headings: black.
 pub(super) const INK: Color = rgb(0, 0, 0, 1.0);
 /// Grey level of a cell in an obstacle.

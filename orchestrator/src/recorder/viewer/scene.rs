@@ -10,7 +10,7 @@ use sim_backend::math::sincos;
 
 use super::super::options::RobotInfo;
 use super::super::summary::status_name;
-use super::{MAP_FRAME, palette, timestamp};
+use super::{CENTRE_FRAME, MAP_FRAME, palette, timestamp};
 
 /// Code of a robot that still plays.
 const ACTIVE: u8 = 0;
@@ -202,28 +202,26 @@ pub(super) fn poses(states: &[RobotState], time_ns: u64) -> PosesInFrame {
     }
 }
 
-/// One frame per robot.
+/// One frame per robot, and one in the middle of the map.
 pub(super) fn transforms(
     robots: &[RobotInfo],
     states: &[RobotState],
+    centre: Option<[f64; 2]>,
     time_ns: u64,
 ) -> FrameTransforms {
-    let transforms = states
-        .iter()
-        .filter_map(|state| {
-            let info = robots.get(state.robot as usize)?;
-            Some(FrameTransform {
-                timestamp: Some(timestamp(time_ns)),
-                parent_frame_id: MAP_FRAME.to_owned(),
-                child_frame_id: info.name.clone(),
-                translation: Some(Vector3 {
-                    x: state.x,
-                    y: state.y,
-                    z: 0.0,
-                }),
-                rotation: Some(yaw(state.theta)),
-            })
-        })
-        .collect();
-    FrameTransforms { transforms }
+    let frame = |name: &str, [x, y]: [f64; 2], theta: f64| FrameTransform {
+        timestamp: Some(timestamp(time_ns)),
+        parent_frame_id: MAP_FRAME.to_owned(),
+        child_frame_id: name.to_owned(),
+        translation: Some(Vector3 { x, y, z: 0.0 }),
+        rotation: Some(yaw(theta)),
+    };
+    let of_robots = states.iter().filter_map(|state| {
+        let info = robots.get(state.robot as usize)?;
+        Some(frame(&info.name, [state.x, state.y], state.theta))
+    });
+    let of_map = centre.map(|centre| frame(CENTRE_FRAME, centre, 0.0));
+    FrameTransforms {
+        transforms: of_robots.chain(of_map).collect(),
+    }
 }

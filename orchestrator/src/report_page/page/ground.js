@@ -59,21 +59,26 @@ function groundAt(t) {
 /** Most edges with which lines of sight are drawn. */
 const MOST_EDGES = 3000;
 
-/** What can be seen from a place, all around: corners of a polygon. */
-function seenFrom(x, y, edges) {
+/** What can be seen from a place within a range and a field of view (none: all): corners of a polygon. */
+function seenFrom({ x, y, theta }, { range, field_of_view: opening }, edges) {
   const angles = [];
   if (edges.length <= 200) {
     for (const [ax, ay] of edges) {
       const angle = Math.atan2(ay - y, ax - x);
       angles.push(angle - 1e-4, angle, angle + 1e-4);
     }
-    angles.sort((a, b) => a - b);
-  } else {
-    for (let i = 0; i < 360; i++) angles.push(i * Math.PI / 180);
   }
-  return angles.map((angle) => {
-    const dx = Math.cos(angle), dy = Math.sin(angle);
-    let nearest = Infinity;
+  if (edges.length > 200 || range) for (let i = -180; i < 180; i++) angles.push(i * Math.PI / 180);
+  const turn = Math.min(opening ?? 2 * Math.PI, 2 * Math.PI);
+  // From the right end of the opening on.
+  const begin = turn < 2 * Math.PI ? theta - turn / 2 : -Math.PI;
+  const relative = (angle) => (angle - begin) - 2 * Math.PI * Math.floor((angle - begin) / (2 * Math.PI));
+  const within = angles.map(relative).filter((angle) => angle <= turn);
+  if (turn < 2 * Math.PI) within.push(0, turn);
+  within.sort((a, b) => a - b);
+  const corners = within.map((angle) => {
+    const dx = Math.cos(begin + angle), dy = Math.sin(begin + angle);
+    let nearest = range ?? Infinity;
     for (const [ax, ay, bx, by] of edges) {
       const ex = bx - ax, ey = by - ay;
       const across = dx * ey - dy * ex;
@@ -84,4 +89,6 @@ function seenFrom(x, y, edges) {
     }
     return nearest === Infinity ? null : [x + nearest * dx, y + nearest * dy];
   }).filter(Boolean);
+  if (turn < 2 * Math.PI) corners.push([x, y]);
+  return corners;
 }

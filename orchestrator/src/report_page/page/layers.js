@@ -6,7 +6,6 @@ const trailCanvas = document.createElement('canvas');
 const trailPaint = trailCanvas.getContext('2d');
 let trailState = null;
 
-const hasEvaders = facts.robots.some((r) => r.team === 'evader');
 const some = (name) => lists[`${name}.time`].length > 0;
 
 /** The layers, in the order of the legend. */
@@ -17,8 +16,8 @@ const LAYERS = [
   { id: 'waypoints', text: 'waypoints: reached (filled), left out (cross)', colour: 'exit', there: some('waypoints'), on: true },
   { id: 'beliefs', text: 'where the Police think the evaders may be', colour: 'belief', there: some('beliefs'), on: true },
   { id: 'trees', text: 'search trees', colour: 'evader', there: some('trees'), on: true },
-  { id: 'sight', text: 'what the Police can see (lines of sight on the map)', colour: 'police',
-    there: hasEvaders && facts.robots.some((r) => r.team === 'police'), on: false },
+  { id: 'sight', text: 'what those who look can see (lines of sight on the map)', colour: 'police',
+    there: facts.eyes.length > 0, on: false },
   { id: 'scans', text: 'range scans', colour: 'obstacle', there: some('scans'), on: false },
   { id: 'predictions', text: 'where observers think robots will be', colour: 'belief-ink', there: some('predictions'), on: true },
   { id: 'names', text: 'names', colour: 'ink', there: true, on: true },
@@ -51,22 +50,30 @@ function drawGround(t) {
   paint.setLineDash([]);
 }
 
-function drawSight(t) {
+/** What the eyes of the run see at a time: their polygons, with the teams of their robots. */
+function sightAt(t) {
   const { edges } = groundAt(t);
-  if (edges.length > MOST_EDGES) return;
+  if (edges.length > MOST_EDGES) return [];
+  return facts.eyes.map((eye) => {
+    const state = eye.robot === undefined ? { x: eye.point[0], y: eye.point[1], theta: 0, status: 0, present: true }
+      : robotBetween(eye.robot, t);
+    const looks = state.status === 0 && state.present;
+    const team = eye.robot === undefined ? 'neutral' : facts.robots[eye.robot].team;
+    return { name: eye.name, team, corners: looks ? seenFrom(state, eye, edges) : [] };
+  }).filter(({ corners }) => corners.length > 2);
+}
+
+function drawSight(t) {
   inMetres(paint);
-  for (let robot = 0; robot < facts.robots.length; robot++) {
-    if (facts.robots[robot].team !== 'police') continue;
-    const state = robotBetween(robot, t);
-    if (state.status !== 0) continue;
+  for (const { team, corners } of sightAt(t)) {
     const path = new Path2D();
-    tracePath(path, { corners: seenFrom(state.x, state.y, edges) });
+    tracePath(path, { corners });
     paint.globalAlpha = 0.1;
-    paint.fillStyle = colours.police;
+    paint.fillStyle = colours[team];
     paint.fill(path);
     paint.globalAlpha = 0.35;
     paint.lineWidth = 1 / view.scale;
-    paint.strokeStyle = colours.police;
+    paint.strokeStyle = colours[team];
     paint.stroke(path);
   }
   paint.globalAlpha = 1;

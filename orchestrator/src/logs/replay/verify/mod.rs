@@ -59,13 +59,13 @@ pub fn verify(
     let concerns = |name: &str| options.processes.iter().any(|p| p == name);
     let left = first_to_leave(log, concerns, watch)?;
     if let Some(left) = &left {
-        let source = Source::open(log, &Topics::default(), 0)?;
+        let source = Source::open(log, &Topics::default(), 0, false)?;
         let period = source.origin().manifest.get("tick_period_ns");
         let period_ns: Option<u64> = period.and_then(|text| text.parse().ok());
         let before = left.tick.saturating_mul(period_ns.unwrap_or(1));
         to = to.min(before.saturating_sub(1));
     }
-    let mut source = Source::open(log, &Topics::default(), to)?;
+    let mut source = Source::open(log, &Topics::default(), to, false)?;
     let so =
         "a process cannot be given the same once more; `protean replay` without --test plays it";
     let scenario = source.origin().scenario(log, &options.changes, so)?;

@@ -1,0 +1,206 @@
+//! Who looks, from where, how far and how wide: what viewers and reports draw as seen.
+
+use observer::ObserverParams;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde_json::Value as Json;
+use sim_backend::spec::RobotSpec;
+use sim_backend::team::Team;
+use sim_backend::visibility::polygon::SightLimits;
+use tracking::params::PerceptionParams;
+
+use crate::scenario::{Program, ResolvedScenario};
+
+/// Somebody who looks.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct EyeInfo {
+    /// What viewers call what is seen from there; unique.
+    pub name: String,
+    /// Where it is.
+    #[serde(flatten)]
+    pub place: EyePlace,
+    /// Largest distance [m]; unlimited if absent.
+    pub range: Option<f64>,
+    /// Full opening angle around the robot's heading [rad]; all round if absent.
+    pub field_of_view: Option<f64>,
+}
+
+impl EyeInfo {
+    /// How far and how wide it sees.
+    pub fn limits(&self) -> SightLimits {
+        SightLimits {
+            range: self.range,
+            field_of_view: self.field_of_view,
+        }
+    }
+}
+
+/// Where somebody looks from.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum EyePlace {
+    /// A robot, by its index: as long as it plays.
+    Robot(u32),
+    /// A fixed place [m].
+    Point([f64; 2]),
+}
+
+/// A process that may look.
+#[derive(Debug)]
+pub struct Watcher<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// Its kind.
+    pub kind: &'a str,
+    /// Its parameters, complete.
+    pub params: &'a Json,
+    /// The robots that are given to it, by index.
+    pub robots: Vec<usize>,
+}
+
+/// The eyes of a scenario.
+pub fn of_scenario(scenario: &ResolvedScenario) -> Vec<EyeInfo> {
+    let watchers = scenario.processes.iter().filter_map(|process| {
+        let Program::Kind(kind) = &process.program else {
+            return None;
+        };
+        Some(Watcher {
+            name: &process.name,
+            kind,
+            params: &process.params,
+            robots: process.robots.clone(),
+        })
+    });
+    eyes(&scenario.world.robots, watchers)
+}
+
+/// The eyes of these robots, as processes of our own use them: perception those that are given to
+/// it, or of all Police, an observer its robots and places (without any it is told everything, and
+/// nothing is drawn). Where nobody looks, the Police are drawn as if they did.
+pub fn eyes<'a>(
+    robots: &[RobotSpec],
+    watchers: impl IntoIterator<Item = Watcher<'a>>,
+) -> Vec<EyeInfo> {
+    let police: Vec<usize> = (0..robots.len())
+        .filter(|&robot| robots[robot].team == Team::Police)
+        .collect();
+    let name = |robot: usize| robots.get(robot).map_or("", |robot| robot.name.as_str());
+    let mut eyes: Vec<EyeInfo> = Vec::new();
+    let mut looks = false;
+    let mut add = |who: String, by: &str, place, limits: SightLimits| {
+        let (range, field_of_view) = (limits.range, limits.field_of_view);
+        let same = |eye: &EyeInfo| {
+            eye.place == place && eye.range == range && eye.field_of_view == field_of_view
+        };
+        // What is seen twice from one place is drawn once.
+        if !eyes.iter().any(same) {
+            eyes.push(EyeInfo {
+                name: format!("seen by {who}{by}"),
+                place,
+                range,
+                field_of_view,
+            });
+        }
+    };
+    for watcher in watchers {
+        let by = format!(" ({})", watcher.name);
+        match watcher.kind {
+            "perception" => {
+                looks = true;
+                let params = read::<PerceptionParams>(watcher.params);
+                let limits = SightLimits {
+                    range: params.sensor.range,
+                    field_of_view: params.sensor.field_of_view,
+                };
+                let given = if watcher.robots.is_empty() {
+                    &police
+                } else {
+                    &watcher.robots
+                };
+                for &robot in given.iter().filter(|&&robot| robot < robots.len()) {
+                    let place = EyePlace::Robot(robot as u32);
+                    add(name(robot).to_owned(), &by, place, limits);
+                }
+            }
+            "observer" => {
+                looks = true;
+                let params = read::<ObserverParams>(watcher.params);
+                let limits = SightLimits {
+                    range: params.eyes.range,
+                    field_of_view: None,
+                };
+                for robot in 0..robots.len() {
+                    if params.from_robots.iter().any(|from| from == name(robot)) {
+                        let place = EyePlace::Robot(robot as u32);
+                        add(name(robot).to_owned(), &by, place, limits);
+                    }
+                }
+                for [x, y] in params.from_points {
+                    add(format!("{x} {y}"), &by, EyePlace::Point([x, y]), limits);
+                }
+            }
+            _ => {}
+        }
+    }
+    if !looks {
+        for robot in police {
+            let place = EyePlace::Robot(robot as u32);
+            add(name(robot).to_owned(), "", place, SightLimits::default());
+        }
+    }
+    eyes
+}
+
+/// Parameters that were checked when the run began; what cannot be read has the defaults.
+fn read<P: DeserializeOwned + Default>(params: &Json) -> P {
+    serde_json::from_value(params.clone()).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::load;
+
+    fn names(target: &str, set: &[&str]) -> Vec<String> {
+        let set: Vec<String> = set.iter().map(|&set| set.to_owned()).collect();
+        let eyes = of_scenario(&load(target, &set, None).unwrap());
+        eyes.into_iter().map(|eye| eye.name).collect()
+    }
+
+    #[test]
+    fn perception_looks_from_all_police_within_its_limits() {
+        let set = [
+            "processes.perception.params.sensor.range=3",
+            "processes.perception.params.sensor.field_of_view=2",
+        ];
+        let scenario = load("chase", &set.map(str::to_owned), None).unwrap();
+        let eyes = of_scenario(&scenario);
+        assert_eq!(eyes.len(), 4);
+        for (robot, eye) in eyes.iter().enumerate() {
+            assert_eq!(eye.place, EyePlace::Robot(robot as u32));
+            assert_eq!((eye.range, eye.field_of_view), (Some(3.0), Some(2.0)));
+        }
+        assert_eq!(eyes[0].name, "seen by police_1 (perception)");
+        let json = serde_json::to_value(&eyes[1]).unwrap();
+        assert_eq!((&json["robot"], &json["range"]), (&1.into(), &3.0.into()));
+    }
+
+    #[test]
+    fn without_perception_the_police_are_drawn_and_without_police_nobody() {
+        assert_eq!(names("chase_exact", &[])[0], "seen by police_1");
+        assert_eq!(names("hello", &[]), [""; 0]);
+    }
+
+    #[test]
+    fn an_observer_looks_from_its_places_and_not_at_all_if_it_is_told_everything() {
+        assert_eq!(names("patrol_square", &[]), [""; 0]);
+        let places = "processes.observer.params.from_points=[[1.0, 0.5], [1.0, 0.5]]";
+        assert_eq!(
+            names(
+                "patrol_square",
+                &[places, "processes.observer.params.eyes.range=2"]
+            ),
+            ["seen by 1 0.5 (observer)"]
+        );
+    }
+}
