@@ -1,5 +1,5 @@
 //! Any text as a scenario whose map is not there: all else is read, overridden and checked, and what
-//! is wrong is told. Many times faster than `scenario`, which lays out the ground as well.
+//! is wrong is told. `scenario` lays out the ground as well.
 #![no_main]
 
 #[path = "support/text.rs"]
