@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, mpsc};
 use std::thread::JoinHandle;
+use std::time::Duration;
 
 use ipc_types::bus::Bus;
 use kit::config::Clock;
@@ -194,8 +195,8 @@ fn recorder_options(
         order: match plan.run.clock {
             Clock::LockStep => Order::LockStep,
             // A quarter of a real second behind: later messages are rarer than lost ones.
-            Clock::RealTime { factor, .. } => Order::RealTime {
-                window_ticks: ((0.25 * factor / plan.run.tick_period()).ceil() as u64).max(2),
+            Clock::RealTime { .. } => Order::RealTime {
+                window: Duration::from_millis(250),
             },
         },
         viewer: ViewerOptions {

@@ -1,6 +1,6 @@
 //! From the bus into the recording.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use ipc_types::bus::{Bus, BusError, ReceiveError, Subscriber};
 use ipc_types::topics::{Topic, TopicVisitor, for_each_topic};
@@ -10,6 +10,7 @@ use super::gate::{Gate, Observer};
 use super::options::Order;
 use super::recording::Recording;
 use super::summary::Summary;
+use super::window::Window;
 
 /// Longest sleep between two looks at the bus. Messages gather meanwhile, so that the recorder is
 /// woken per batch and not per tick; a gate wakes it earlier when the simulator is about to be
@@ -75,6 +76,10 @@ impl Recorder {
         observer: &mut dyn Observer,
     ) -> Result<Summary, RecorderError> {
         let (mut recorded, mut told) = (None, None);
+        let mut window = Window::new(match self.recording.order() {
+            Order::LockStep => Duration::ZERO,
+            Order::RealTime { window } => window,
+        });
         loop {
             // What the gate says must be known before the buffers are looked at: then every
             // message that it speaks of is in them.
@@ -87,8 +92,8 @@ impl Recorder {
                 }
                 let complete = match self.recording.order() {
                     Order::LockStep => completed,
-                    Order::RealTime { window_ticks } => {
-                        self.recording.newest_tick().checked_sub(window_ticks)
+                    Order::RealTime { .. } => {
+                        window.complete(self.recording.newest_tick(), Instant::now())
                     }
                 };
                 if complete > recorded

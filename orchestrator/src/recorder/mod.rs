@@ -36,6 +36,7 @@ mod tally;
 mod topic_info;
 mod viewer;
 mod visits;
+mod window;
 
 #[cfg(test)]
 pub(crate) mod tests;

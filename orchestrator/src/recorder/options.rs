@@ -1,6 +1,7 @@
 //! What the recorder is told about a run.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use ipc_types::messages::world::ObstacleEvent;
 
@@ -37,11 +38,11 @@ pub struct RobotInfo {
 pub enum Order {
     /// As soon as the gate says so: every message of it has been sent.
     LockStep,
-    /// When the simulator is this many ticks ahead of it; a message that comes later still is
-    /// written late.
+    /// This long after it was the newest, and when the simulator is two ticks ahead of it; a
+    /// message that comes later still is written late.
     RealTime {
-        /// How far the log stays behind [ticks].
-        window_ticks: u64,
+        /// How far the log stays behind.
+        window: Duration,
     },
 }
 
