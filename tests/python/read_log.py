@@ -104,7 +104,7 @@ def see(topic, log_time, m):
     elif kind == "poses":
         assert m.frame_id == "map" and len(m.poses) > 0
     else:
-        assert kind in ("scene", "plan", "tree", "obstacles", "sight"), kind
+        assert kind in ("scene", "plan", "tree", "obstacles", "sight", "visibility"), kind
         assert all(e.id and e.frame_id == "map" for e in m.entities)
     viewer[topic] = viewer.get(topic, 0) + 1
 

@@ -95,8 +95,7 @@ fn in_flight(who: String, lives: &[[u64; 2]]) -> Option<Growth> {
     }
     let values = |index: usize| lives.iter().map(move |life| life[index] as f64);
     let (first, last) = (middle(values(0))?, middle(values(1))?);
-    // From the middle of the second quarter to that of the last is half of a life.
-    let share = (last - first) * 1.5 / first.max(1.0);
+    let share = (last - first) / first.max(1.0);
     Some(Growth {
         who,
         what: IN_FLIGHT,
@@ -104,7 +103,7 @@ fn in_flight(who: String, lives: &[[u64; 2]]) -> Option<Growth> {
         first,
         last,
         share,
-        grew: all_rose(values(0), values(1), 1.5),
+        grew: all_rose(values(0), values(1), 1.0),
     })
 }
 
@@ -216,10 +215,7 @@ mod tests {
         let lives = |a: [u64; 2], b: [u64; 2]| in_flight("x".into(), &[a, b].repeat(ENOUGH / 2));
         let grows = lives([1_000_000, 1_100_000], [1_000_000, 1_080_000]);
         let grows = grows.unwrap();
-        assert!(
-            grows.grew && (grows.share - 0.135).abs() < 1e-9,
-            "{grows:?}"
-        );
+        assert!(grows.grew && (grows.share - 0.09).abs() < 1e-9, "{grows:?}");
         let level = lives([900_000, 900_000], [1_000_000, 1_001_000]);
         assert!(!level.unwrap().grew);
         // Some with a thread more than others, early and late.
