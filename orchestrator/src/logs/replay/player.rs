@@ -269,7 +269,7 @@ impl<'a> Player<'a> {
             let left = if self.paused {
                 BEAT
             } else if self.pace.rate.is_infinite() {
-                // Keys are looked for now and then.
+                // Keys are looked for once per beat, and nothing waits for them.
                 if now != self.beat {
                     return Ok(Flow::Go);
                 }
