@@ -81,7 +81,7 @@ fn values_out_of_range_are_named() {
 fn what_was_seen_is_judged_again() {
     let sandbox = Sandbox::new();
     let row = |number: u32, bytes: u32| {
-        format!("{number},chase,1,{number},1,orchestrator,1,{bytes},6,,,40,0,\n")
+        format!("{number},chase,1,{number},1,orchestrator,1,{bytes},6,,,40,,\n")
     };
     let head = "mission,scenario,seed,begun_s,lasted_s,process,samples,memory_bytes,descriptors,\
                 early_bytes,late_bytes,segments,leftovers,failure\n";

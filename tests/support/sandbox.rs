@@ -171,26 +171,7 @@ impl Sandbox {
 
     /// The processes that live in this sandbox.
     pub fn processes(&self) -> Vec<Process> {
-        let wanted = format!("XDG_RUNTIME_DIR={}\0", self.runtime_dir().display()).into_bytes();
-        let mut found: Vec<Process> = std::fs::read_dir("/proc")
-            .unwrap()
-            .flatten()
-            .filter_map(|entry| {
-                let pid: u32 = entry.file_name().to_str()?.parse().ok()?;
-                // Empty for a process that has ended and waits for its parent to look.
-                let environment = std::fs::read(entry.path().join("environ")).ok()?;
-                environment
-                    .windows(wanted.len())
-                    .any(|part| part == wanted)
-                    .then_some(())?;
-                let line = std::fs::read(entry.path().join("cmdline")).ok()?;
-                let word = line.split(|&b| b == 0).next()?;
-                let name = String::from_utf8_lossy(word).into_owned();
-                Some(Process { pid, name })
-            })
-            .collect();
-        found.sort();
-        found
+        processes_with(&self.runtime_dir())
     }
 
     /// The process of a run with this name in the scenario, once it is there.
@@ -225,6 +206,30 @@ impl Drop for Sandbox {
             let _ = std::fs::remove_file(path);
         }
     }
+}
+
+/// The processes that have this runtime directory.
+pub fn processes_with(runtime_dir: &Path) -> Vec<Process> {
+    let wanted = format!("XDG_RUNTIME_DIR={}\0", runtime_dir.display()).into_bytes();
+    let mut found: Vec<Process> = std::fs::read_dir("/proc")
+        .unwrap()
+        .flatten()
+        .filter_map(|entry| {
+            let pid: u32 = entry.file_name().to_str()?.parse().ok()?;
+            // Empty for a process that has ended and waits for its parent to look.
+            let environment = std::fs::read(entry.path().join("environ")).ok()?;
+            environment
+                .windows(wanted.len())
+                .any(|part| part == wanted)
+                .then_some(())?;
+            let line = std::fs::read(entry.path().join("cmdline")).ok()?;
+            let word = line.split(|&b| b == 0).next()?;
+            let name = String::from_utf8_lossy(word).into_owned();
+            Some(Process { pid, name })
+        })
+        .collect();
+    found.sort();
+    found
 }
 
 /// Sends a signal to a process, which may have ended.

@@ -14,6 +14,7 @@ use serde_json::Value as Json;
 
 use super::fault::Policy;
 use super::{ChaosError, ChaosOptions};
+use crate::mission::annex::Annex;
 use crate::scenario::{OnFailure, ResolvedScenario};
 
 /// Real time without an answer after which a process counts as hung in these missions [s]; far
@@ -49,7 +50,7 @@ pub struct Mission {
     pub child: Child,
     /// When it was started.
     pub start: Instant,
-    directory: tempfile::TempDir,
+    annex: Annex,
 }
 
 /// A mission that is over.
@@ -75,22 +76,17 @@ impl Mission {
         course: Course,
         policy: Policy,
     ) -> Result<Self, ChaosError> {
-        // Short: names of sockets below it are limited.
-        let directory = tempfile::Builder::new()
-            .prefix("pc")
-            .rand_bytes(6)
-            .tempdir_in("/tmp")
-            .map_err(system("/tmp"))?;
-        let scenario = directory.path().join("mission.toml");
+        let annex = Annex::create()?;
+        let scenario = annex.path().join("mission.toml");
         std::fs::write(&scenario, prepared(&options.scenario, policy).to_toml())
             .map_err(system(scenario.display().to_string()))?;
-        let mut mission_command = command(&directory, "run")?;
+        let mut mission_command = command(&annex, "run")?;
         mission_command.args(["mission.toml", "--json", "--quiet", "--out", "mission.mcap"]);
         if course == Course::RealTime {
             mission_command.args(["--real-time", &options.real_time.to_string()]);
         }
         let out = |name: &str| {
-            let path = directory.path().join(name);
+            let path = annex.path().join(name);
             File::create(&path).map_err(system(path.display().to_string()))
         };
         let child = mission_command
@@ -101,7 +97,7 @@ impl Mission {
         Ok(Self {
             child,
             start: Instant::now(),
-            directory,
+            annex,
         })
     }
 
@@ -117,7 +113,7 @@ impl Mission {
 
     /// Its directory.
     pub fn path(&self) -> &Path {
-        self.directory.path()
+        self.annex.path()
     }
 
     /// Whether it is over.
@@ -136,7 +132,7 @@ impl Mission {
 
     /// Removes what a killed orchestrator left, as its user would.
     pub(super) fn clean(&self) -> Result<(), ChaosError> {
-        command(&self.directory, "clean")?
+        command(&self.annex, "clean")?
             .stdout(Stdio::null())
             .stderr(Stdio::null())
             .status()
@@ -146,7 +142,7 @@ impl Mission {
 
     /// What is left in its runtime directory.
     pub(super) fn left_in_runtime_dir(&self) -> Vec<String> {
-        let entries = std::fs::read_dir(runtime_dir(self.path()));
+        let entries = std::fs::read_dir(self.annex.runtime_dir());
         entries
             .into_iter()
             .flatten()
@@ -157,7 +153,7 @@ impl Mission {
 
     /// The directories of its runs: one, or none yet.
     pub fn roots(&self) -> Vec<PathBuf> {
-        let entries = std::fs::read_dir(runtime_dir(self.path()).join("protean"));
+        let entries = std::fs::read_dir(self.annex.base());
         entries
             .into_iter()
             .flatten()
@@ -225,25 +221,14 @@ fn prepared(scenario: &ResolvedScenario, policy: Policy) -> ResolvedScenario {
     scenario
 }
 
-fn runtime_dir(directory: &Path) -> PathBuf {
-    directory.join("rt")
-}
-
 /// This program, in the mission's directory.
-fn command(directory: &tempfile::TempDir, verb: &str) -> Result<Command, ChaosError> {
-    use std::os::unix::fs::DirBuilderExt as _;
-    let runtime = runtime_dir(directory.path());
-    std::fs::DirBuilder::new()
-        .recursive(true)
-        .mode(0o700)
-        .create(&runtime)
-        .map_err(system(runtime.display().to_string()))?;
+fn command(annex: &Annex, verb: &str) -> Result<Command, ChaosError> {
     let this = std::env::current_exe().map_err(system("cannot find this program"))?;
     let mut command = Command::new(this);
     command
         .arg(verb)
-        .env("XDG_RUNTIME_DIR", &runtime)
-        .current_dir(directory.path())
+        .env("XDG_RUNTIME_DIR", annex.runtime_dir())
+        .current_dir(annex.path())
         .stdin(Stdio::null());
     Ok(command)
 }

@@ -25,6 +25,7 @@ use rand_chacha::rand_core::SeedableRng as _;
 use serde::Serialize;
 
 use crate::census::CensusError;
+use crate::mission::spaces::SpaceError;
 use crate::scenario::ResolvedScenario;
 use fault::{Fault, FaultKind, Policy};
 use mission::{Baseline, Course};
@@ -122,6 +123,9 @@ pub enum ChaosError {
     /// The machine cannot be looked at.
     #[error(transparent)]
     Census(#[from] CensusError),
+    /// A mission cannot have a directory.
+    #[error(transparent)]
+    Space(#[from] SpaceError),
 }
 
 /// Injects the faults one after the other, each into a mission of its own; `told` hears of each.

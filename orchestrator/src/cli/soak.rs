@@ -1,6 +1,7 @@
 //! `protean soak`.
 
-use std::io::IsTerminal as _;
+use std::fs::File;
+use std::io::{IsTerminal as _, Seek as _};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -16,7 +17,11 @@ use crate::figures;
 use crate::scenario::spec::Mode;
 use crate::scenario::{self, Loader, ResolvedScenario};
 use crate::soak::mission::Mission;
+use crate::soak::rows::RowWriter;
 use crate::soak::{SoakOptions, SoakReport, growth, picture, rows, soak, table};
+
+/// Name of the file with the rows.
+const ROWS: &str = "soak.csv";
 
 /// What stands below the options.
 pub(super) const HELP: &str = "\
@@ -30,7 +35,7 @@ Flat means: no memory grew, in all three quartiles, by more than 1 % and 64 KiB 
 or pieces of shared memory were added, nothing was left behind, every mission ended as it should, with the digest it had before.
 
 --read FILE judges the rows of an earlier soak.
---out writes DIR/soak.csv (a row per mission and process) and DIR/soak.svg, DIR/soak.png.
+--out writes DIR/soak.csv (a row per mission and process, as they end) and DIR/soak.svg, DIR/soak.png.
 
 Exit codes: 0 flat, 1 not flat, 2 wrong usage or scenario, 3 ended by Ctrl-C before its time.";
 
@@ -80,7 +85,7 @@ pub fn run(args: &SoakArgs) -> ExitCode {
         Err(code) => return code,
     };
     if let Some(folder) = &args.out
-        && let Err(error) = write(&report, folder)
+        && let Err(error) = write(&report, args.read.as_deref(), folder)
     {
         eprintln!("error: {error}");
         return ExitCode::from(EXIT_FAILED);
@@ -110,9 +115,9 @@ pub fn run(args: &SoakArgs) -> ExitCode {
 
 /// Judges what was seen earlier; on stderr what is wrong with it.
 fn read(path: &Path) -> Result<SoakReport, ExitCode> {
-    let missions = std::fs::read(path)
+    let missions = File::open(path)
         .map_err(|e| e.to_string())
-        .and_then(|bytes| rows::read(&bytes).map_err(|e| e.to_string()))
+        .and_then(|file| rows::read(file).map_err(|e| e.to_string()))
         .map_err(|error| {
             eprintln!(
                 "error: {}: {error}; expected the soak.csv of a soak",
@@ -138,10 +143,39 @@ fn fly(args: &SoakArgs) -> Result<SoakReport, ExitCode> {
         seed: args.overrides.seed.unwrap_or(1),
         interrupted,
     };
+    let (name, mut file) = rows_file(args.out.as_deref())?;
+    let failed = |error: &dyn std::fmt::Display| {
+        eprintln!("error: {name}: {error}");
+        ExitCode::from(EXIT_FAILED)
+    };
     let show = Show::new(args, options.duration);
-    let report = soak(&options, |mission| show.mission(mission));
+    let mut rows = RowWriter::new(&mut file);
+    let flown = soak(&options, &mut rows, |mission| show.mission(mission));
+    drop(rows);
     show.bar.finish_and_clear();
-    Ok(report)
+    let flown = flown.map_err(|e| failed(&e))?;
+    file.rewind().map_err(|e| failed(&e))?;
+    let missions = rows::read(file).map_err(|e| failed(&e))?;
+    Ok(SoakReport::of(missions, flown.lasted_s, flown.interrupted))
+}
+
+/// The file that rows go to while the soak goes on, and what it is called: in the folder that they are
+/// wanted in, where a soak that is killed leaves them for `--read`; else one without a name.
+fn rows_file(folder: Option<&Path>) -> Result<(String, File), ExitCode> {
+    let path = folder.map_or_else(std::env::temp_dir, |folder| folder.join(ROWS));
+    let made = match folder {
+        None => tempfile::tempfile(),
+        Some(folder) => std::fs::create_dir_all(folder).and_then(|()| {
+            let mut options = File::options();
+            let options = options.create(true).read(true).write(true).truncate(true);
+            options.open(&path)
+        }),
+    };
+    let name = path.display().to_string();
+    made.map(|file| (name.clone(), file)).map_err(|error| {
+        eprintln!("error: {name}: {error}");
+        ExitCode::from(EXIT_FAILED)
+    })
 }
 
 /// Every mission of the soak; on stderr what is wrong with the request.
@@ -204,9 +238,15 @@ fn missions(args: &SoakArgs) -> Result<Vec<ResolvedScenario>, ExitCode> {
     Ok(missions)
 }
 
-/// Writes rows and picture.
-fn write(report: &SoakReport, folder: &Path) -> Result<(), Box<dyn std::error::Error>> {
-    figures::save(&rows::write(&report.missions)?, &folder.join("soak.csv"))?;
+/// Writes the picture, and the rows if they stand elsewhere.
+fn write(
+    report: &SoakReport,
+    rows: Option<&Path>,
+    folder: &Path,
+) -> Result<(), Box<dyn std::error::Error>> {
+    if let Some(rows) = rows {
+        figures::save(&std::fs::read(rows)?, &folder.join(ROWS))?;
+    }
     let drawing = figures::draw(&picture::chart(&report.missions));
     figures::save(drawing.svg().as_bytes(), &folder.join("soak.svg"))?;
     figures::save(&drawing.png(2.0)?, &folder.join("soak.png"))?;

@@ -2,6 +2,7 @@
 //! ended, and nothing left behind.
 
 mod absences;
+pub mod annex;
 pub(crate) mod bridge;
 mod changes;
 mod charge;

@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 use ipc_types::bus::{BusError, RunSpace};
 use rustix::fs::{FlockOperation, flock};
 
+use super::annex::{self, Abandoned};
 use super::leftovers;
 
 /// File that the orchestrator of a run keeps locked.
@@ -74,7 +75,7 @@ pub enum SpaceError {
     Name(#[from] BusError),
 }
 
-fn io(path: &Path) -> impl FnOnce(std::io::Error) -> SpaceError {
+pub(super) fn io(path: &Path) -> impl FnOnce(std::io::Error) -> SpaceError {
     let path = path.to_owned();
     move |source| SpaceError::Io { path, source }
 }
@@ -83,7 +84,7 @@ fn io(path: &Path) -> impl FnOnce(std::io::Error) -> SpaceError {
 pub(crate) fn base() -> PathBuf {
     match std::env::var_os("XDG_RUNTIME_DIR") {
         // A long runtime directory leaves no room for socket names (see `RunSpace`).
-        Some(dir) if !dir.is_empty() && dir.len() <= 36 => PathBuf::from(dir).join("protean"),
+        Some(dir) if !dir.is_empty() && dir.len() <= 36 => base_below(Path::new(&dir)),
         // In memory like the messages themselves: on a disk making and wiping the files of a run
         // takes longer than starting its processes. It has the sticky bit that `/tmp` has.
         _ => PathBuf::from(format!(
@@ -91,6 +92,11 @@ pub(crate) fn base() -> PathBuf {
             rustix::process::getuid().as_raw()
         )),
     }
+}
+
+/// The directory of runs below a runtime directory.
+pub(super) fn base_below(runtime_dir: &Path) -> PathBuf {
+    runtime_dir.join("protean")
 }
 
 /// Makes the directory if it is missing.
@@ -301,7 +307,12 @@ pub enum Found {
 /// # Errors
 /// [`SpaceError`] if the base directory cannot be used; what cannot be removed is in the result.
 pub fn clean() -> Result<Vec<Found>, SpaceError> {
-    let base = HeldBase::hold(base())?;
+    clean_below(base())
+}
+
+/// The same of the runs in one directory.
+pub(super) fn clean_below(base: PathBuf) -> Result<Vec<Found>, SpaceError> {
+    let base = HeldBase::hold(base)?;
     let mut roots: Vec<PathBuf> = std::fs::read_dir(&base.path)
         .map_err(io(&base.path))?
         .flatten()
@@ -309,23 +320,32 @@ pub fn clean() -> Result<Vec<Found>, SpaceError> {
         .filter(|path| path.is_dir())
         .collect();
     roots.sort();
-    Ok(roots.into_iter().map(clean_one).collect())
+    Ok(roots.into_iter().flat_map(clean_one).collect())
 }
 
-fn clean_one(root: PathBuf) -> Found {
+/// Cleans a run, with its annex if it has one.
+fn clean_one(root: PathBuf) -> Vec<Found> {
     if let Ok(lock) = OpenOptions::new().write(true).open(root.join(LOCK))
         && flock(&lock, FlockOperation::NonBlockingLockExclusive).is_err()
     {
-        return Found::Alive(root);
+        return vec![Found::Alive(root)];
     }
+    let mut found = match annex::clean(&root) {
+        // Noted there until it is gone.
+        Abandoned::Stays(found) => return found,
+        Abandoned::Gone(found) => found,
+    };
     let killed = leftovers::kill_all_of(&root);
-    match run_space(&root)
-        .map_err(|e| e.to_string())
-        .and_then(|space| space.wipe().map_err(|e| e.to_string()))
-    {
-        Ok(()) => Found::Removed { root, killed },
-        Err(reason) => Found::Failed(root, reason),
-    }
+    found.push(
+        match run_space(&root)
+            .map_err(|e| e.to_string())
+            .and_then(|space| space.wipe().map_err(|e| e.to_string()))
+        {
+            Ok(()) => Found::Removed { root, killed },
+            Err(reason) => Found::Failed(root, reason),
+        },
+    );
+    found
 }
 
 #[cfg(test)]

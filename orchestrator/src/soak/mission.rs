@@ -61,11 +61,9 @@ pub struct Mission {
 }
 
 impl Mission {
-    /// A mission that has just ended; the records of those before hold `records_bytes` of this
-    /// process's memory, which are not the orchestrator's.
+    /// A mission that has just ended.
     pub(super) fn new(
         scenario: &ResolvedScenario,
-        records_bytes: u64,
         begun_s: f64,
         ended_s: f64,
         seen: Seen,
@@ -86,7 +84,7 @@ impl Mission {
         if let Ok(us) = census::member(std::process::id() as i32) {
             let now = Use {
                 samples: 1,
-                memory_bytes: us.memory_bytes.saturating_sub(records_bytes),
+                memory_bytes: us.memory_bytes,
                 descriptors: us.descriptors,
                 early_and_late_bytes: None,
             };
@@ -103,18 +101,10 @@ impl Mission {
             failure,
         }
     }
-
-    /// What this record holds of memory [bytes], as far as can be told from outside of the maps.
-    pub(super) fn weight(&self) -> u64 {
-        let names: usize = self.processes.keys().map(String::capacity).sum();
-        let entries = self.processes.len() * size_of::<(String, Use)>();
-        let left: usize = self.leftovers.iter().map(String::capacity).sum();
-        (size_of::<Self>() + self.scenario.capacity() + names + entries + left) as u64
-    }
 }
 
 impl Use {
-    fn of(held: &Held, at_end: Option<u64>) -> Self {
+    pub(super) fn of(held: &Held, at_end: Option<u64>) -> Self {
         let samples = held.memory.len();
         let quarter = |number: usize| {
             let part = samples * number / 4..samples * (number + 1) / 4;

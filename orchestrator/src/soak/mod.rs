@@ -15,6 +15,7 @@ pub mod table;
 pub mod watch;
 
 use std::collections::BTreeMap;
+use std::io::Write;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -27,6 +28,7 @@ use crate::mission::{self as flight, MissionOptions};
 use crate::scenario::ResolvedScenario;
 use growth::Growth;
 use mission::Mission;
+use rows::RowWriter;
 
 /// What is soaked, and for how long.
 #[derive(Debug, Clone)]
@@ -79,14 +81,29 @@ impl SoakReport {
     }
 }
 
-/// Runs missions until the time is over; `told` hears of each when it is done.
-pub fn soak(options: &SoakOptions, mut told: impl FnMut(&Mission)) -> SoakReport {
+/// How a soak went.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Flight {
+    /// Real time from begin to end [s].
+    pub lasted_s: f64,
+    /// Whether it was ended from outside.
+    pub interrupted: bool,
+}
+
+/// Runs missions until the time is over; what was seen of each goes to `rows` when it is done, and
+/// `told` hears of it.
+///
+/// # Errors
+/// If `rows` cannot be written; no further mission is begun then.
+pub fn soak<W: Write>(
+    options: &SoakOptions,
+    rows: &mut RowWriter<W>,
+    mut told: impl FnMut(&Mission),
+) -> Result<Flight, csv::Error> {
     let start = Instant::now();
     let mut order = ChaCha8Rng::seed_from_u64(options.seed);
     let mut digests: BTreeMap<usize, String> = BTreeMap::new();
     let mut round: Vec<usize> = Vec::new();
-    let mut missions: Vec<Mission> = Vec::new();
-    let mut records_bytes = 0;
     let interrupted = || options.interrupted.load(Ordering::SeqCst);
     while start.elapsed() < options.duration && !interrupted() && !options.missions.is_empty() {
         if round.is_empty() {
@@ -127,17 +144,18 @@ pub fn soak(options: &SoakOptions, mut told: impl FnMut(&Mission)) -> SoakReport
         }
         let mission = Mission::new(
             scenario,
-            records_bytes,
             begun_s,
             start.elapsed().as_secs_f64(),
             seen,
             failure,
         );
+        rows.add(&mission)?;
         told(&mission);
-        records_bytes += mission.weight();
-        missions.push(mission);
     }
-    SoakReport::of(missions, start.elapsed().as_secs_f64(), interrupted())
+    Ok(Flight {
+        lasted_s: start.elapsed().as_secs_f64(),
+        interrupted: interrupted(),
+    })
 }
 
 /// The numbers below `count` in a random order: in every round each mission comes once.

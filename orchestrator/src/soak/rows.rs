@@ -1,5 +1,7 @@
 //! A soak as rows for programs, one per mission and process, and back.
 
+use std::io::{Read, Write};
+
 use serde::{Deserialize, Serialize};
 
 use super::mission::{Mission, Use};
@@ -19,20 +21,36 @@ struct Row {
     early_bytes: Option<u64>,
     late_bytes: Option<u64>,
     segments: u64,
-    leftovers: usize,
+    /// One per line.
+    leftovers: String,
     failure: String,
 }
 
-/// The rows, with a heading.
-///
-/// # Errors
-/// If a row cannot be put together, which memory alone can cause.
-pub fn write(missions: &[Mission]) -> Result<Vec<u8>, csv::Error> {
-    let mut rows = csv::Writer::from_writer(Vec::new());
-    for (number, mission) in missions.iter().enumerate() {
+/// Writes rows as missions end, so that nobody has to remember them: what is remembered would count
+/// as memory of the orchestrator.
+#[derive(Debug)]
+pub struct RowWriter<W: Write> {
+    rows: csv::Writer<W>,
+    missions: usize,
+}
+
+impl<W: Write> RowWriter<W> {
+    /// Into a file that is empty.
+    pub fn new(file: W) -> Self {
+        Self {
+            rows: csv::Writer::from_writer(file),
+            missions: 0,
+        }
+    }
+
+    /// Writes what was seen of one mission, to the file itself and not only into memory.
+    ///
+    /// # Errors
+    /// If the file does not take it.
+    pub fn add(&mut self, mission: &Mission) -> Result<(), csv::Error> {
         for (name, held) in &mission.processes {
-            rows.serialize(Row {
-                mission: number,
+            self.rows.serialize(Row {
+                mission: self.missions,
                 scenario: mission.scenario.clone(),
                 seed: mission.seed,
                 begun_s: mission.begun_s,
@@ -44,21 +62,22 @@ pub fn write(missions: &[Mission]) -> Result<Vec<u8>, csv::Error> {
                 early_bytes: held.early_and_late_bytes.map(|parts| parts[0]),
                 late_bytes: held.early_and_late_bytes.map(|parts| parts[1]),
                 segments: mission.segments,
-                leftovers: mission.leftovers.len(),
+                leftovers: mission.leftovers.join("\n"),
                 failure: mission.failure.clone().unwrap_or_default(),
             })?;
         }
+        self.missions += 1;
+        Ok(self.rows.flush()?)
     }
-    rows.into_inner().map_err(|e| e.into_error().into())
 }
 
-/// The missions of such rows. What was left behind has lost its names.
+/// The missions of such rows.
 ///
 /// # Errors
 /// The first row that is none, with its line.
-pub fn read(bytes: &[u8]) -> Result<Vec<Mission>, csv::Error> {
+pub fn read(rows: impl Read) -> Result<Vec<Mission>, csv::Error> {
     let mut missions: Vec<(usize, Mission)> = Vec::new();
-    for row in csv::Reader::from_reader(bytes).deserialize() {
+    for row in csv::Reader::from_reader(rows).deserialize() {
         let row: Row = row?;
         let held = Use {
             samples: row.samples,
@@ -79,9 +98,7 @@ pub fn read(bytes: &[u8]) -> Result<Vec<Mission>, csv::Error> {
             lasted_s: row.lasted_s,
             processes: [(row.process, held)].into(),
             segments: row.segments,
-            leftovers: (0..row.leftovers.min(LEFT))
-                .map(|_| "something".to_owned())
-                .collect(),
+            leftovers: row.leftovers.lines().map(str::to_owned).collect(),
             failure: Some(row.failure).filter(|why| !why.is_empty()),
         };
         missions.push((row.mission, mission));
@@ -89,12 +106,10 @@ pub fn read(bytes: &[u8]) -> Result<Vec<Mission>, csv::Error> {
     Ok(missions.into_iter().map(|(_, mission)| mission).collect())
 }
 
-/// Things left behind by one mission that are believed to a file.
-const LEFT: usize = 10_000;
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::soak::watch::Held;
 
     #[test]
     fn what_is_read_is_what_was_written() {
@@ -115,19 +130,48 @@ mod tests {
             ]
             .into(),
             segments: 40,
-            leftovers: vec!["something".into(); number as usize],
+            leftovers: vec!["/dev/shm/left, 1".into(); number as usize],
             failure: failure.map(str::to_owned),
         };
         let missions = [mission(0, None), mission(1, Some("two\nlines"))];
-        let bytes = write(&missions).unwrap();
-        assert_eq!(read(&bytes).unwrap(), missions);
+        let mut bytes = Vec::new();
+        let mut rows = RowWriter::new(&mut bytes);
+        for mission in &missions {
+            rows.add(mission).unwrap();
+        }
+        drop(rows);
+        assert_eq!(read(&bytes[..]).unwrap(), missions);
+    }
+
+    #[test]
+    fn a_file_that_is_full_is_told_with_the_mission_that_it_did_not_take() {
+        struct Full;
+        impl Write for Full {
+            fn write(&mut self, _: &[u8]) -> std::io::Result<usize> {
+                Err(std::io::ErrorKind::StorageFull.into())
+            }
+            fn flush(&mut self) -> std::io::Result<()> {
+                Ok(())
+            }
+        }
+        let mission = Mission {
+            scenario: "chase".into(),
+            seed: 1,
+            begun_s: 0.0,
+            lasted_s: 1.0,
+            processes: [("orchestrator".to_owned(), Use::of(&Held::default(), None))].into(),
+            segments: 0,
+            leftovers: Vec::new(),
+            failure: None,
+        };
+        assert!(RowWriter::new(Full).add(&mission).is_err());
     }
 
     #[test]
     fn what_is_no_row_is_named_by_its_line() {
-        let missions = read(b"").unwrap();
+        let missions = read(&b""[..]).unwrap();
         assert!(missions.is_empty());
-        let error = read(b"mission,scenario\n0,chase\n").unwrap_err();
+        let error = read(&b"mission,scenario\n0,chase\n"[..]).unwrap_err();
         assert!(error.to_string().contains("line: 2"), "{error}");
     }
 }

@@ -1,0 +1,113 @@
+//! Runtime directories that a command makes for runs of its own, beside that of the user: noted in a
+//! run directory that is locked as long as the command lives, so that `clean` finds them when it does
+//! not any more, however it ended.
+
+use std::fs::DirBuilder;
+use std::os::unix::ffi::{OsStrExt as _, OsStringExt as _};
+use std::os::unix::fs::{DirBuilderExt as _, MetadataExt as _};
+use std::path::{Path, PathBuf};
+
+use super::spaces::{self, Found, OwnedSpace, SpaceError};
+
+/// File of a run directory that names the directory with the annex.
+const NOTE: &str = "annex";
+/// Its runtime directory, below that.
+const RUNTIME: &str = "rt";
+
+/// A directory with a runtime directory in it. Dropped, it goes with all that is in it; what runs in
+/// it have of shared memory must have gone before.
+#[derive(Debug)]
+pub struct Annex {
+    directory: tempfile::TempDir,
+    // After the directory: as long as that is there, it is noted.
+    _noted_in: OwnedSpace,
+}
+
+impl Annex {
+    /// Makes one, for this user only.
+    ///
+    /// # Errors
+    /// [`SpaceError`] if the system refuses.
+    pub fn create() -> Result<Self, SpaceError> {
+        let space = OwnedSpace::create()?;
+        // Short: names of sockets below it are limited.
+        let above = Path::new("/tmp");
+        let directory = tempfile::Builder::new()
+            .prefix("pc")
+            .rand_bytes(6)
+            .permissions(std::os::unix::fs::PermissionsExt::from_mode(0o700))
+            .tempdir_in(above)
+            .map_err(spaces::io(above))?;
+        let note = space.space().root().join(NOTE);
+        std::fs::write(&note, directory.path().as_os_str().as_bytes())
+            .map_err(spaces::io(&note))?;
+        let runtime = directory.path().join(RUNTIME);
+        let made = DirBuilder::new().mode(0o700).create(&runtime);
+        made.map_err(spaces::io(&runtime))?;
+        Ok(Self {
+            directory,
+            _noted_in: space,
+        })
+    }
+
+    /// The directory.
+    pub fn path(&self) -> &Path {
+        self.directory.path()
+    }
+
+    /// What `XDG_RUNTIME_DIR` is for runs in it.
+    pub fn runtime_dir(&self) -> PathBuf {
+        self.path().join(RUNTIME)
+    }
+
+    /// The directory of all runs in it.
+    pub fn base(&self) -> PathBuf {
+        spaces::base_below(&self.runtime_dir())
+    }
+}
+
+/// What becomes of an annex whose command is gone.
+pub(super) enum Abandoned {
+    /// There is none, or no more.
+    Gone(Vec<Found>),
+    /// Runs in it live on, or something of it cannot be removed: it stays.
+    Stays(Vec<Found>),
+}
+
+/// Cleans the annex that is noted in the directory of a run whose orchestrator is gone.
+pub(super) fn clean(root: &Path) -> Abandoned {
+    let Ok(note) = std::fs::read(root.join(NOTE)) else {
+        return Abandoned::Gone(Vec::new());
+    };
+    let directory = PathBuf::from(std::ffi::OsString::from_vec(note));
+    let user = rustix::process::getuid().as_raw();
+    // Gone, or somebody else's by now: above it anybody may make one of its name.
+    let is_ours = directory
+        .symlink_metadata()
+        .is_ok_and(|found| found.is_dir() && found.uid() == user && found.mode() & 0o077 == 0);
+    if !is_ours {
+        return Abandoned::Gone(Vec::new());
+    }
+    let base = spaces::base_below(&directory.join(RUNTIME));
+    let mut found = match base.is_dir().then(|| spaces::clean_below(base)) {
+        None => Vec::new(),
+        Some(Ok(found)) => found,
+        Some(Err(error)) => return stays(directory, &error, Vec::new()),
+    };
+    if found.iter().any(|f| !matches!(f, Found::Removed { .. })) {
+        return Abandoned::Stays(found);
+    }
+    if let Err(error) = std::fs::remove_dir_all(&directory) {
+        return stays(directory, &error, found);
+    }
+    found.push(Found::Removed {
+        root: directory,
+        killed: Vec::new(),
+    });
+    Abandoned::Gone(found)
+}
+
+fn stays(directory: PathBuf, why: &dyn std::fmt::Display, mut found: Vec<Found>) -> Abandoned {
+    found.push(Found::Failed(directory, why.to_string()));
+    Abandoned::Stays(found)
+}
