@@ -5,12 +5,14 @@
 //! * [`mission`]: one run as its own program, with its own runtime directory;
 //! * [`inject`]: does it;
 //! * [`promises`]: what must hold afterwards, and what did not;
+//! * `stops`: how soon robots stood whose planner had failed;
 //! * [`table`]: what a person sees of it.
 
 pub mod fault;
 pub mod inject;
 pub mod mission;
 pub mod promises;
+mod stops;
 pub mod table;
 
 use std::collections::BTreeMap;
@@ -79,6 +81,9 @@ pub struct Outcome {
     /// Real time from a failure until the process was there again [s].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub back_after_s: Option<f64>,
+    /// Simulated time from the failure of a planner until its robots stood still [s].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stopped_after_s: Option<f64>,
     /// What the log lacks of the time before the orchestrator was killed [s].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lost_s: Option<f64>,

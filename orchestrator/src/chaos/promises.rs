@@ -6,7 +6,8 @@
 //! 4. No process of it survives.
 //! 5. No shared memory, socket or file of it remains; after a killed orchestrator not once
 //!    `protean clean` has been through.
-//! 6. Its log can be read; a killed orchestrator loses at most the last second.
+//! 6. Robots whose planner fails stand still one tick after its last command is too old, at the latest.
+//! 7. Its log can be read; a killed orchestrator loses at most the last second.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -16,7 +17,7 @@ use serde_json::Value as Json;
 use super::fault::{Fault, FaultKind, Policy};
 use super::inject::{Injected, inject};
 use super::mission::{self, Baseline, Course, Ended, Mission, SIMULATOR};
-use super::{ChaosError, ChaosOptions, Outcome};
+use super::{ChaosError, ChaosOptions, Outcome, stops};
 use crate::census;
 use crate::logs::{self, Watch};
 
@@ -62,7 +63,7 @@ pub(super) fn put_to_the_test(
         baseline,
         broken: Vec::new(),
     };
-    let mut lost_s = None;
+    let (mut lost_s, mut stopped_after_s) = (None, None);
     match &injected {
         None => check.untouched(&ended),
         Some(_) if fault.kind.hits_orchestrator() => check.orchestrator(&ended),
@@ -72,6 +73,7 @@ pub(super) fn put_to_the_test(
     check.nothing_remains(&mission, &roots)?;
     if let Some(done) = &injected {
         lost_s = check.log(&mission, done);
+        stopped_after_s = check.robots(options, &mission, done);
     }
     let broken = check.broken;
     if !broken.is_empty() {
@@ -84,6 +86,7 @@ pub(super) fn put_to_the_test(
         broken,
         over_after_s,
         back_after_s,
+        stopped_after_s,
         lost_s,
     })
 }
@@ -308,6 +311,40 @@ impl Check<'_> {
                 None
             }
         }
+    }
+
+    /// The robots of a planner that failed; simulated time until they stood [s].
+    fn robots(
+        &mut self,
+        options: &ChaosOptions,
+        mission: &Mission,
+        done: &Injected,
+    ) -> Option<f64> {
+        let (scenario, fault) = (&options.scenario, self.fault);
+        let robots = stops::driven_by(scenario, &fault.target);
+        let log = mission.log();
+        if !fault.kind.is_failure() || robots.is_empty() || !log.exists() {
+            return None;
+        }
+        // Ticks that a command is good for after its own.
+        let good_for = match fault.course {
+            Course::LockStep => 0,
+            Course::RealTime => (scenario.run.command_deadline_s / scenario.run.dt + 1e-9) as u64,
+        };
+        let stopped = match stops::Robots::read(&log, &robots, &mut watch()) {
+            Ok(seen) => seen.stopped(done.at_ns, good_for),
+            Err(error) => {
+                self.broke(format!("the log cannot be read: {error}"));
+                None
+            }
+        }?;
+        if stopped.ticks > good_for + 1 {
+            let ticks = stopped.ticks;
+            self.broke(format!(
+                "a robot drove on for {ticks} ticks or more without a command, which is good for {good_for}"
+            ));
+        }
+        Some(stopped.after_s)
     }
 
     fn is_whole(&mut self, log: &Path) {

@@ -40,6 +40,7 @@ pub fn text(report: &ChaosReport) -> String {
         "p99 [s]",
         "back after, p50 [s]",
         "p99 [s]",
+        "robots stopped after, most [simulated s]",
         "lost, most [s]",
     ]);
     for kind in FaultKind::ALL {
@@ -52,6 +53,7 @@ pub fn text(report: &ChaosReport) -> String {
         }
         let over = || of_kind().map(|o| o.over_after_s);
         let back = || of_kind().filter_map(|o| o.back_after_s);
+        let stopped = of_kind().filter_map(|o| o.stopped_after_s);
         let lost = of_kind().filter_map(|o| o.lost_s).reduce(f64::max);
         rows.add_row([
             kind.name().to_owned(),
@@ -61,6 +63,7 @@ pub fn text(report: &ChaosReport) -> String {
             seconds(quantile(over(), 0.99)),
             seconds(quantile(back(), 0.5)),
             seconds(quantile(back(), 0.99)),
+            seconds(stopped.reduce(f64::max)),
             seconds(lost),
         ]);
     }

@@ -111,3 +111,55 @@ fn stays(directory: PathBuf, why: &dyn std::fmt::Display, mut found: Vec<Found>)
     found.push(Found::Failed(directory, why.to_string()));
     Abandoned::Stays(found)
 }
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+    use std::os::unix::fs::PermissionsExt as _;
+
+    use super::*;
+
+    /// A run directory whose annex is the directory with this mode.
+    fn noted(mode: u32) -> (tempfile::TempDir, tempfile::TempDir) {
+        let (root, annex) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+        let note = annex.path().as_os_str().as_bytes();
+        fs::write(root.path().join(NOTE), note).unwrap();
+        fs::set_permissions(annex.path(), fs::Permissions::from_mode(mode)).unwrap();
+        (root, annex)
+    }
+
+    #[test]
+    fn an_abandoned_annex_goes_with_what_is_in_it() {
+        let (root, annex) = noted(0o700);
+        fs::write(annex.path().join("mission.mcap"), "log").unwrap();
+        let found = match clean(root.path()) {
+            Abandoned::Gone(found) => found,
+            Abandoned::Stays(found) => panic!("stays: {found:?}"),
+        };
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert!(!annex.path().exists());
+        // And once more, when it is gone.
+        assert!(matches!(clean(root.path()), Abandoned::Gone(found) if found.is_empty()));
+    }
+
+    #[test]
+    fn what_others_can_open_or_is_only_a_link_is_no_annex_of_ours() {
+        let (root, annex) = noted(0o755);
+        assert!(matches!(clean(root.path()), Abandoned::Gone(found) if found.is_empty()));
+        assert!(annex.path().exists());
+
+        let private = tempfile::tempdir().unwrap();
+        fs::set_permissions(private.path(), fs::Permissions::from_mode(0o700)).unwrap();
+        let link = annex.path().join("link");
+        std::os::unix::fs::symlink(private.path(), &link).unwrap();
+        fs::write(root.path().join(NOTE), link.as_os_str().as_bytes()).unwrap();
+        assert!(matches!(clean(root.path()), Abandoned::Gone(found) if found.is_empty()));
+        assert!(private.path().exists());
+    }
+
+    #[test]
+    fn a_run_without_an_annex_has_none() {
+        let root = tempfile::tempdir().unwrap();
+        assert!(matches!(clean(root.path()), Abandoned::Gone(found) if found.is_empty()));
+    }
+}
