@@ -82,9 +82,10 @@ pub(super) fn clean(root: &Path) -> Abandoned {
     let directory = PathBuf::from(std::ffi::OsString::from_vec(note));
     let user = rustix::process::getuid().as_raw();
     // Gone, or somebody else's by now: above it anybody may make one of its name.
-    let is_ours = directory
-        .symlink_metadata()
-        .is_ok_and(|found| found.is_dir() && found.uid() == user && found.mode() & 0o077 == 0);
+    let is_ours = directory.symlink_metadata().is_ok_and(|found| {
+        let is_open = found.mode() & 0o077 != 0;
+        found.is_dir() && found.uid() == user && !is_open
+    });
     if !is_ours {
         return Abandoned::Gone(Vec::new());
     }
