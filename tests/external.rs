@@ -149,3 +149,33 @@ fn a_planner_in_python_that_is_killed_is_started_again_and_rejoins() {
     assert_eq!(history.counts["process/event"].0, 2, "left and back");
     sandbox.assert_nothing_left();
 }
+
+#[test]
+fn a_planner_in_python_and_its_warden_may_be_treated_badly() {
+    let sandbox = Sandbox::new();
+    if !prepare(&sandbox) {
+        return;
+    }
+    let words = ["chaos", "hello_python.toml", "--keep", "broken"];
+    let refused = sandbox.protean(words).run();
+    refused.refused(2, &["hello_python.toml", "--allow-external", "planner:"]);
+    let more = [
+        "--allow-external",
+        "--kinds",
+        "kill,terminate,pause",
+        "-n",
+        "5",
+    ];
+    let seed = ["--fault-seed", "2", "--json"];
+    let report = sandbox
+        .protean(words.into_iter().chain(more).chain(seed))
+        .run();
+    assert_eq!(report.code, Some(0), "{report}");
+    let report = report.json();
+    assert_eq!(report["broken"], 0, "{report}");
+    let done = |target: &str| {
+        let mut all = report["outcomes"].as_array().unwrap().iter();
+        all.any(|fault| fault["target"] == target && fault["injected"] == true)
+    };
+    assert!(done("planner") && done("warden:planner"), "{report}");
+}

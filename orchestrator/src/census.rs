@@ -16,7 +16,7 @@ use crate::mission::children::CONFIG_VARIABLE;
 /// What processes of a run are called by `ps`, before their names.
 const OURS: &str = "protean:";
 /// Beginning of the names of those that stand between the orchestrator and a program of the user's.
-const WARDEN: &str = "warden:";
+pub const WARDEN: &str = "warden:";
 
 /// Why the machine cannot be looked at.
 #[derive(Debug, thiserror::Error)]
@@ -43,6 +43,8 @@ pub struct Member {
     pub name: String,
     /// Directory of its run; `None` for an orchestrator.
     pub root: Option<PathBuf>,
+    /// Its configuration, which it shares with its warden or program if there is one.
+    pub config: Option<PathBuf>,
     /// Resident memory of its own, shared memory and files left out [bytes].
     pub memory_bytes: u64,
     /// Open file descriptors.
@@ -116,6 +118,7 @@ fn look_at(process: &Process) -> ProcResult<Member> {
         pid: process.pid,
         name,
         root: root_of(process),
+        config: config_of(process),
         memory_bytes: status.rssanon.unwrap_or(0) * 1024,
         descriptors: process.fd_count()? as u64,
         stopped: process.stat()?.state == 'T',
@@ -124,9 +127,14 @@ fn look_at(process: &Process) -> ProcResult<Member> {
 
 /// The directory that its configuration lies in, from its environment.
 fn root_of(process: &Process) -> Option<PathBuf> {
+    config_of(process)?.parent().map(Path::to_owned)
+}
+
+fn config_of(process: &Process) -> Option<PathBuf> {
     let environment = process.environ().ok()?;
-    let config = environment.get(OsStr::new(CONFIG_VARIABLE))?;
-    Path::new(config).parent().map(Path::to_owned)
+    environment
+        .get(OsStr::new(CONFIG_VARIABLE))
+        .map(PathBuf::from)
 }
 
 /// Directory in which shared memory has its names.

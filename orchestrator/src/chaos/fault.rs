@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::ChaosOptions;
 use super::mission::Course;
+use crate::census::WARDEN;
 
 /// What is done.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, clap::ValueEnum)]
@@ -94,7 +95,8 @@ pub enum Policy {
 pub struct Fault {
     /// What is done.
     pub kind: FaultKind,
-    /// Name of the process that it is done to; the orchestrator's is `orchestrator`.
+    /// Name of the process that it is done to; the orchestrator's is `orchestrator`, a warden's
+    /// `warden:` with that of its program.
     pub target: String,
     /// In lock-step or by the clock.
     pub course: Course,
@@ -105,13 +107,29 @@ pub struct Fault {
 }
 
 impl Fault {
+    /// Name in the scenario of the process that it is done to, or whose warden it is done to.
+    pub fn process(&self) -> &str {
+        self.target.strip_prefix(WARDEN).unwrap_or(&self.target)
+    }
+
+    /// Whether a process is gone for good by it. A program does not need its warden before the end.
+    pub fn is_failure(&self) -> bool {
+        let hung_warden = self.kind == FaultKind::Hang && self.process() != self.target;
+        self.kind.is_failure() && !hung_warden
+    }
+
+    /// Whether everything goes on afterwards as if nothing had been.
+    pub fn passes(&self) -> bool {
+        self.kind.passes() || (self.kind == FaultKind::Hang && !self.is_failure())
+    }
+
     /// Draws one.
     pub(super) fn draw(options: &ChaosOptions, random: &mut ChaCha8Rng) -> Self {
         let mut below = |count: usize| (random.next_u64() % count.max(1) as u64) as usize;
         let kind = options.kinds.get(below(options.kinds.len()));
         let kind = kind.copied().unwrap_or(FaultKind::Kill);
-        let processes = options.processes();
-        let target = processes.get(below(processes.len()));
+        let mut targets = options.targets(kind);
+        let target = targets.swap_remove(below(targets.len()));
         let course = [Course::LockStep, Course::RealTime][below(2)];
         let policy = options.policies.get(below(options.policies.len()));
         let moment = below(1 << 24) as f64 / f64::from(1 << 24);
@@ -120,7 +138,7 @@ impl Fault {
             target: if kind.hits_orchestrator() {
                 "orchestrator".to_owned()
             } else {
-                (*target.unwrap_or(&"")).to_owned()
+                target
             },
             course,
             policy: policy.copied().unwrap_or(Policy::Scenario),

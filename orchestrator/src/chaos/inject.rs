@@ -9,7 +9,7 @@ use rustix::process::{Pid, Signal, kill_process};
 
 use super::fault::{Fault, FaultKind};
 use super::mission::Mission;
-use crate::census::{self, CensusError, Member};
+use crate::census::{self, CensusError, Member, WARDEN};
 use crate::mission::children::CONFIG_VARIABLE;
 
 /// How long a process is stopped that is only paused: far less than what counts as hung.
@@ -99,11 +99,18 @@ fn find(mission: &mut Mission, fault: &Fault) -> Result<Option<Member>, CensusEr
         }
         let members = census::children(mission.pid())?;
         // Between its start and its first words a process is still called as the orchestrator is.
-        if let Some(member) = members
-            .into_iter()
-            .find(|m| m.name == fault.target && m.root.is_some())
-        {
-            return Ok(Some(member));
+        let named = |name: &str| {
+            let mut all = members.iter();
+            all.find(|m| m.name == name && m.config.is_some())
+        };
+        // A program of the user's has any name: it is found by its warden.
+        let program = || {
+            let warden = named(&format!("{WARDEN}{}", fault.target))?;
+            let mut all = members.iter();
+            all.find(|m| m.config == warden.config && m.pid != warden.pid)
+        };
+        if let Some(member) = named(&fault.target).or_else(program) {
+            return Ok(Some(member.clone()));
         }
         sleep(LOOK);
     }

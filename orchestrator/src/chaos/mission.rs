@@ -24,6 +24,9 @@ const HANG_TIMEOUT_S: f64 = 5.0;
 /// Real time that a process has to become ready [s].
 const READY_TIMEOUT_S: f64 = 15.0;
 
+/// Name of its log.
+pub(super) const LOG: &str = "mission.mcap";
+
 /// How a mission's time goes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -81,7 +84,13 @@ impl Mission {
         std::fs::write(&scenario, prepared(&options.scenario, policy).to_toml())
             .map_err(system(scenario.display().to_string()))?;
         let mut mission_command = command(&annex, "run")?;
-        mission_command.args(["mission.toml", "--json", "--quiet", "--out", "mission.mcap"]);
+        mission_command
+            .arg(&scenario)
+            .args(["--json", "--quiet", "--out"])
+            .arg(annex.path().join(LOG));
+        if options.scenario.uses_external_commands() {
+            mission_command.arg("--allow-external");
+        }
         if course == Course::RealTime {
             mission_command.args(["--real-time", &options.real_time.to_string()]);
         }
@@ -108,7 +117,7 @@ impl Mission {
 
     /// Its log.
     pub fn log(&self) -> PathBuf {
-        self.path().join("mission.mcap")
+        self.path().join(LOG)
     }
 
     /// Its directory.
@@ -221,14 +230,14 @@ fn prepared(scenario: &ResolvedScenario, policy: Policy) -> ResolvedScenario {
     scenario
 }
 
-/// This program, in the mission's directory.
+/// This program, with the mission's runtime directory. (The folder that it works in is ours, from which
+/// the programs of scenarios have their paths.)
 fn command(annex: &Annex, verb: &str) -> Result<Command, ChaosError> {
     let this = std::env::current_exe().map_err(system("cannot find this program"))?;
     let mut command = Command::new(this);
     command
         .arg(verb)
         .env("XDG_RUNTIME_DIR", annex.runtime_dir())
-        .current_dir(annex.path())
         .stdin(Stdio::null());
     Ok(command)
 }

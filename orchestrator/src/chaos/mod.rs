@@ -26,9 +26,9 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;
 use serde::Serialize;
 
-use crate::census::CensusError;
+use crate::census::{CensusError, WARDEN};
 use crate::mission::spaces::SpaceError;
-use crate::scenario::ResolvedScenario;
+use crate::scenario::{Program, ResolvedScenario};
 use fault::{Fault, FaultKind, Policy};
 use mission::{Baseline, Course};
 
@@ -57,10 +57,20 @@ pub struct ChaosOptions {
 }
 
 impl ChaosOptions {
-    /// Names of the processes, the simulator first.
-    fn processes(&self) -> Vec<&str> {
-        let listed = self.scenario.processes.iter().map(|p| p.name.as_str());
-        std::iter::once(mission::SIMULATOR).chain(listed).collect()
+    /// Names of the processes that this can be done to, the simulator first. Programs of the user's come
+    /// with their wardens; what keeps a second process out is the kit, which they need not have.
+    fn targets(&self, kind: FaultKind) -> Vec<String> {
+        let mut names = vec![mission::SIMULATOR.to_owned()];
+        for process in &self.scenario.processes {
+            let theirs = matches!(process.program, Program::Command(_));
+            if !theirs || kind != FaultKind::Double {
+                names.push(process.name.clone());
+            }
+            if theirs && kind != FaultKind::Double {
+                names.push(format!("{WARDEN}{}", process.name));
+            }
+        }
+        names
     }
 }
 

@@ -93,14 +93,17 @@ pub(super) fn put_to_the_test(
 
 /// Whether a process that fails by this is started again.
 fn comes_back(fault: &Fault) -> bool {
-    fault.kind.is_failure() && fault.policy == Policy::Restart && fault.target != SIMULATOR
+    fault.is_failure() && fault.policy == Policy::Restart && fault.target != SIMULATOR
 }
 
 /// Time until another process with the victim's name is there; `None` if the mission ends before.
 fn wait_for_return(mission: &mut Mission, done: &Injected, patience: Duration) -> Option<f64> {
     while done.at.elapsed() < patience && !mission.is_over() {
         let members = census::children(mission.pid()).unwrap_or_default();
-        let back = |m: &census::Member| m.name == done.victim.name && m.pid != done.victim.pid;
+        let back = |m: &census::Member| {
+            (&m.name, &m.config) == (&done.victim.name, &done.victim.config)
+                && m.pid != done.victim.pid
+        };
         if members.iter().any(back) {
             return Some(done.at.elapsed().as_secs_f64());
         }
@@ -113,7 +116,7 @@ fn wait_for_return(mission: &mut Mission, done: &Injected, patience: Duration) -
 fn keep(options: &ChaosOptions, number: u64, mission: &Mission) {
     let Some(folder) = &options.keep else { return };
     let _ = std::fs::create_dir_all(folder);
-    for name in ["mission.mcap", "stderr", "stdout"] {
+    for name in [mission::LOG, "stderr", "stdout"] {
         let to = folder.join(format!("fault-{number}-{name}"));
         let _ = std::fs::copy(mission.path().join(name), to);
     }
@@ -167,7 +170,7 @@ impl Check<'_> {
     /// After a fault of a process.
     fn process(&mut self, ended: &Ended) {
         let Some(code) = self.code(ended) else { return };
-        let (fault, target) = (self.fault, &self.fault.target);
+        let (fault, target) = (self.fault, self.fault.process());
         let by_the_clock = fault.course == Course::RealTime;
         // A process that fails when the game is over is nobody's loss.
         let unharmed = code == 0 && !self.tells_of_failure(ended);
@@ -175,11 +178,11 @@ impl Check<'_> {
             return self.same_history(ended);
         }
         match code {
-            0 | 3 if unharmed || (by_the_clock && fault.kind.passes()) => {}
+            0 | 3 if unharmed || (by_the_clock && fault.passes()) => {}
             0 | 3 if comes_back(fault) => {}
-            1 if !fault.kind.passes() => {
+            1 if !fault.passes() => {
                 // Names may be long: every word of them is there.
-                if !ended.stderr.contains(target.as_str()) {
+                if !ended.stderr.contains(target) {
                     let words = ended.stderr.trim();
                     self.broke(format!("{target} is not named: {words}"));
                 }
@@ -203,7 +206,7 @@ impl Check<'_> {
         let processes = ended.summary.as_ref().and_then(|s| s.get("processes"));
         processes
             .and_then(Json::as_array)
-            .is_some_and(|all| all.iter().any(|p| p["name"] == self.fault.target.as_str()))
+            .is_some_and(|all| all.iter().any(|p| p["name"] == self.fault.process()))
     }
 
     /// After a fault of the orchestrator.
@@ -321,9 +324,9 @@ impl Check<'_> {
         done: &Injected,
     ) -> Option<f64> {
         let (scenario, fault) = (&options.scenario, self.fault);
-        let robots = stops::driven_by(scenario, &fault.target);
+        let robots = stops::driven_by(scenario, fault.process());
         let log = mission.log();
-        if !fault.kind.is_failure() || robots.is_empty() || !log.exists() {
+        if !fault.is_failure() || robots.is_empty() || !log.exists() {
             return None;
         }
         // Ticks that a command is good for after its own.

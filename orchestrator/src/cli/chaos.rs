@@ -8,7 +8,7 @@ use std::sync::atomic::AtomicBool;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::run::handle_signals;
+use super::run::{handle_signals, refuse_external};
 use super::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, OverrideArgs, complain, print, print_json};
 use crate::chaos::fault::{FaultKind, Policy};
 use crate::chaos::{ChaosOptions, ChaosReport, chaos, table};
@@ -55,6 +55,9 @@ pub(super) struct ChaosArgs {
     real_time: f64,
     #[command(flatten)]
     overrides: OverrideArgs,
+    /// Let the scenario start programs that are not Protean's own
+    #[arg(long)]
+    allow_external: bool,
     /// Keep log and words of missions that broke a promise in this folder
     #[arg(long, value_name = "DIR")]
     keep: Option<PathBuf>,
@@ -146,12 +149,10 @@ fn options(args: &ChaosArgs, interrupted: &Arc<AtomicBool>) -> Result<ChaosOptio
             complain(&problems);
             ExitCode::from(EXIT_INVALID)
         })?;
-    if loaded.uses_external_commands() {
-        return Err(invalid(format!(
-            "{}: starts programs that are not Protean's own, which chaos does not",
-            args.scenario
-        )));
-    }
+    refuse_external(&args.scenario, &loaded, args.allow_external).map_err(|text| {
+        eprintln!("{text}");
+        ExitCode::from(EXIT_INVALID)
+    })?;
     Ok(ChaosOptions {
         scenario: loaded,
         seed: args.fault_seed,
