@@ -195,19 +195,24 @@ impl Latency {
         let Some(duration) = since(sent_ns, taken.received_ns) else {
             return;
         };
-        let from_kind = self
-            .processes
-            .get(&from)
-            .map_or("unknown", |p| p.kind.as_str())
-            .to_owned();
-        let Some(process) = self.processes.get_mut(&taken.source) else {
-            return;
-        };
-        let name = process
-            .hop_names
-            .entry(from)
-            .or_insert_with(|| format!("{from_kind} to {}", process.kind));
-        self.measured.record(name, duration);
+        let known = |p: &Process| p.hop_names.contains_key(&from);
+        if !self.processes.get(&taken.source).is_some_and(known) {
+            self.name_hop(from, taken.source);
+        }
+        let process = self.processes.get(&taken.source);
+        if let Some(name) = process.and_then(|p| p.hop_names.get(&from)) {
+            self.measured.record(name, duration);
+        }
+    }
+
+    /// Names the way of messages between two processes.
+    fn name_hop(&mut self, from: u32, to: u32) {
+        let kind = self.processes.get(&from).map(|p| p.kind.as_str());
+        let kind = kind.unwrap_or("unknown").to_owned();
+        if let Some(process) = self.processes.get_mut(&to) {
+            let name = format!("{kind} to {}", process.kind);
+            process.hop_names.insert(from, name);
+        }
     }
 
     fn step(&mut self, stamp: &Stamp) {

@@ -8,19 +8,20 @@
 //! The polygon says where nothing is in the way; [`VisibilityField`](super::VisibilityField) says how
 //! good the view is there.
 
-use core::f64::consts::{PI, TAU};
+mod border;
+mod sweep;
+
+use core::f64::consts::TAU;
 
 use nalgebra::{Point2, Vector2};
 
+use self::border::{View, from_begin};
+use self::sweep::{Corner, Span, Sweep};
 use crate::grid::{Grid, GridFrame};
 use crate::math;
 
-/// Largest angle between two corners where the range is what ends the view [rad].
-const ARC_STEP: f64 = 5.0 * PI / 180.0;
 /// Directions closer to each other than this are one [rad].
 const SAME_DIRECTION: f64 = 1e-9;
-/// Points closer to each other than the root of this are one [m²].
-const SAME_PLACE: f64 = 1e-18;
 /// Least distance of an eye to the sides of its cell, in cells.
 const OFF_THE_WALL: f64 = 1e-6;
 
@@ -58,33 +59,30 @@ pub struct Walls {
     walls: Vec<Wall>,
 }
 
-/// A straight piece of wall, with the free side on its left.
+/// A straight piece of wall, with the free side on its left. Walls stand in closed rows: where one
+/// ends another begins, so that there are as many corners as walls, and each is looked at once.
 #[derive(Debug, Clone, Copy)]
 struct Wall {
     from: Point2<f64>,
-    to: Point2<f64>,
+    along: Vector2<f64>,
+    /// The wall that begins where this one ends.
+    next: usize,
 }
 
-/// A wall as it is seen: from the eye, its ends in directions relative to where the sweep begins.
+/// A wall between the grid's corners, by their numbers.
 #[derive(Debug, Clone, Copy)]
-struct Span {
-    begins: f64,
-    ends: f64,
-    from: Vector2<f64>,
-    along: Vector2<f64>,
+struct Side {
+    from: usize,
+    to: usize,
 }
 
 impl Walls {
     /// The walls around the free cells of a grid.
     pub fn new(occupied: Grid<bool>) -> Self {
-        let mut walls = Vec::new();
+        let mut sides = Vec::new();
         let frame = &occupied.frame;
-        let corner = |column: usize, row: usize| {
-            Point2::new(
-                frame.origin.x + column as f64 * frame.resolution,
-                frame.origin.y + row as f64 * frame.resolution,
-            )
-        };
+        let corners = frame.width + 1;
+        let corner = |column: usize, row: usize| row * corners + column;
         // Everything beyond the grid is solid, as it is for lines of sight.
         let solid = |column: Option<usize>, row: Option<usize>| match (column, row) {
             (Some(column), Some(row)) if column < frame.width && row < frame.height => {
@@ -95,29 +93,36 @@ impl Walls {
         for row in 0..=frame.height {
             joined(frame.width, |column| {
                 let below = solid(Some(column), row.checked_sub(1));
-                side(below, solid(Some(column), Some(row)))
+                free(below, solid(Some(column), Some(row)))
             })
-            .for_each(|(from, to, side)| {
+            .for_each(|(from, to, free)| {
                 let (left, right) = (corner(from, row), corner(to, row));
-                walls.push(match side {
-                    Side::FreeAfter => Wall::new(left, right),
-                    Side::FreeBefore => Wall::new(right, left),
+                sides.push(match free {
+                    Free::After => Side::new(left, right),
+                    Free::Before => Side::new(right, left),
                 });
             });
         }
         for column in 0..=frame.width {
             joined(frame.height, |row| {
                 let left = solid(column.checked_sub(1), Some(row));
-                side(left, solid(Some(column), Some(row)))
+                free(left, solid(Some(column), Some(row)))
             })
-            .for_each(|(from, to, side)| {
+            .for_each(|(from, to, free)| {
                 let (low, high) = (corner(column, from), corner(column, to));
-                walls.push(match side {
-                    Side::FreeAfter => Wall::new(high, low),
-                    Side::FreeBefore => Wall::new(low, high),
+                sides.push(match free {
+                    Free::After => Side::new(high, low),
+                    Free::Before => Side::new(low, high),
                 });
             });
         }
+        let walls = in_rows(&sides, |corner| {
+            let (column, row) = (corner % corners, corner / corners);
+            Point2::new(
+                frame.origin.x + column as f64 * frame.resolution,
+                frame.origin.y + row as f64 * frame.resolution,
+            )
+        });
         Self { occupied, walls }
     }
 
@@ -136,60 +141,48 @@ impl Walls {
         };
         let turn = eye.limits.field_of_view.map_or(TAU, |angle| angle.min(TAU));
         let begin = eye.heading - 0.5 * turn;
-        let mut spans = self.spans(place, begin);
-        let mut directions: Vec<f64> = spans
-            .iter()
-            .flat_map(|span| [span.begins, span.ends])
-            .filter(|angle| *angle > 0.0 && *angle < turn)
-            .chain([0.0, turn])
-            .collect();
-        directions.sort_unstable_by(f64::total_cmp);
+        let (spans, corners) = self.spans(place, begin);
+        let mut directions = Vec::with_capacity(corners.len() + 2);
+        directions.push(0.0);
+        directions.extend(
+            corners
+                .iter()
+                .map(|corner| corner.direction)
+                .filter(|angle| *angle > 0.0 && *angle < turn),
+        );
+        directions.push(turn);
         directions.dedup_by(|a, b| *a - *b < SAME_DIRECTION);
-        spans.sort_unstable_by(|a, b| a.begins.total_cmp(&b.begins));
-        let mut view = View {
-            place,
-            begin,
-            range: eye.limits.range.unwrap_or(f64::INFINITY),
-            border: Vec::new(),
-        };
-        let (mut open, mut coming) = (Vec::new(), spans.into_iter().peekable());
+        let range = eye.limits.range.unwrap_or(f64::INFINITY);
+        let mut view = View::new(place, begin, range);
+        let mut sweep = Sweep::new(begin, spans);
+        let mut coming = corners.iter().peekable();
         // The nearest wall, and between which directions it is.
-        let mut run: Option<(Span, f64, f64)> = None;
+        let mut run: Option<(usize, f64, f64)> = None;
         for pair in directions.windows(2) {
             let (from, to) = (pair[0], pair[1]);
             let middle = f64::midpoint(from, to);
-            while let Some(span) = coming.next_if(|span| span.begins < middle) {
-                open.push(span);
+            let mut ray = None;
+            while let Some(corner) = coming.next_if(|corner| corner.direction < middle) {
+                if let Some(span) = corner.begins {
+                    sweep.open(span, middle, &mut ray);
+                }
             }
-            open.retain(|span: &Span| span.ends > middle);
-            let ray = direction(begin + middle);
-            let nearest = open
-                .iter()
-                .min_by(|a, b| a.distance(ray).total_cmp(&b.distance(ray)));
-            let Some(nearest) = nearest else {
+            let Some(nearest) = sweep.nearest(middle, &mut ray) else {
                 continue;
             };
             match &mut run {
-                Some((span, _, end)) if span.from == nearest.from => *end = to,
+                Some((span, _, end)) if sweep.is_one_wall(*span, nearest) => *end = to,
                 _ => {
-                    if let Some((span, from, to)) = run.replace((*nearest, from, to)) {
-                        view.add(&span, from, to);
+                    if let Some((span, from, to)) = run.replace((nearest, from, to)) {
+                        view.add(sweep.span(span), from, to);
                     }
                 }
             }
         }
         if let Some((span, from, to)) = run {
-            view.add(&span, from, to);
+            view.add(sweep.span(span), from, to);
         }
-        let mut border = view.border;
-        // All round, it ends where it began.
-        if eye.limits.is_all_round()
-            && let [first, .., last] = border.as_slice()
-            && (first - last).norm_squared() < SAME_PLACE
-        {
-            border.pop();
-        }
-        border
+        view.finish(eye.limits.is_all_round())
     }
 
     /// Where an eye is that stands here, off the sides of its cell; `None` if that is not free.
@@ -210,23 +203,46 @@ impl Walls {
         ))
     }
 
-    /// The walls that face a place, those in two parts over which the sweep begins.
-    fn spans(&self, place: Point2<f64>, begin: f64) -> Vec<Span> {
+    /// The walls that face a place, those in two parts over which the sweep begins, and their ends
+    /// in the order of the sweep.
+    fn spans(&self, place: Point2<f64>, begin: f64) -> (Vec<Span>, Vec<Corner>) {
+        let angle = |v: Vector2<f64>| from_begin(math::atan2(v.y, v.x) - begin);
         let mut spans = Vec::with_capacity(self.walls.len() / 2 + 2);
-        for wall in &self.walls {
-            let (from, along) = (wall.from - place, wall.to - wall.from);
-            if from.perp(&along) <= 0.0 {
+        let mut corners = Vec::with_capacity(self.walls.len());
+        // Where walls begin, for the wall before and the wall behind.
+        let mut directions = vec![f64::NAN; self.walls.len()];
+        let mut direction = |wall: usize, from: Vector2<f64>| {
+            if directions[wall].is_nan() {
+                directions[wall] = angle(from);
+            }
+            directions[wall]
+        };
+        let faces = |wall: &Wall| (wall.from - place).perp(&wall.along) > 0.0;
+        for (index, wall) in self.walls.iter().enumerate() {
+            if !faces(wall) {
                 continue;
             }
-            let to = wall.to - place;
-            let angle = |v: Vector2<f64>| (math::atan2(v.y, v.x) - begin).rem_euclid(TAU);
-            let (begins, ends) = (angle(from), angle(to));
+            let (from, along) = (wall.from - place, wall.along);
+            let next = &self.walls[wall.next];
+            let begins = direction(index, from);
+            let ends = direction(wall.next, next.from - place);
             let span = Span {
                 begins,
                 ends,
                 from,
                 along,
             };
+            corners.push(Corner {
+                direction: begins,
+                begins: Some(spans.len()),
+            });
+            // A wall that begins there says so itself.
+            if !faces(next) {
+                corners.push(Corner {
+                    direction: ends,
+                    begins: None,
+                });
+            }
             if begins <= ends {
                 spans.push(span);
             } else {
@@ -237,122 +253,54 @@ impl Walls {
                 });
             }
         }
-        spans
+        corners.sort_unstable_by(|a, b| a.direction.total_cmp(&b.direction));
+        (spans, corners)
     }
 }
 
-impl Wall {
-    fn new(from: Point2<f64>, to: Point2<f64>) -> Self {
+/// Finds for every wall the one that begins where it ends. Where four walls meet, either of the two
+/// that begin will do.
+fn in_rows(sides: &[Side], place: impl Fn(usize) -> Point2<f64>) -> Vec<Wall> {
+    let by = |corner: fn(&Side) -> usize| {
+        let mut order: Vec<usize> = (0..sides.len()).collect();
+        order.sort_by_key(|&side| corner(&sides[side]));
+        order
+    };
+    let mut walls: Vec<Wall> = sides
+        .iter()
+        .map(|side| {
+            let from = place(side.from);
+            Wall {
+                from,
+                along: place(side.to) - from,
+                next: 0,
+            }
+        })
+        .collect();
+    // At every corner as many end as begin.
+    for (ending, beginning) in by(|side| side.to).into_iter().zip(by(|side| side.from)) {
+        walls[ending].next = beginning;
+    }
+    walls
+}
+
+impl Side {
+    fn new(from: usize, to: usize) -> Self {
         Self { from, to }
     }
 }
 
-impl Span {
-    /// Where on the wall a ray hits it, 0 to 1 from its beginning.
-    fn part(&self, ray: Vector2<f64>) -> f64 {
-        (ray.perp(&self.from) / self.along.perp(&ray)).clamp(0.0, 1.0)
-    }
-
-    /// How far away the wall is in a direction.
-    fn distance(&self, ray: Vector2<f64>) -> f64 {
-        self.from.perp(&self.along) / ray.perp(&self.along)
-    }
-}
-
-/// The border of what is seen, as it grows.
-struct View {
-    place: Point2<f64>,
-    begin: f64,
-    range: f64,
-    border: Vec<Point2<f64>>,
-}
-
-impl View {
-    /// Adds what is seen of a wall between two directions, or of the range before it.
-    fn add(&mut self, span: &Span, from: f64, to: f64) {
-        let (first, last) = (
-            span.part(direction(self.begin + from)),
-            span.part(direction(self.begin + to)),
-        );
-        let point = |part: f64| span.from + span.along * part;
-        if self.range == f64::INFINITY {
-            self.put(point(first));
-            self.put(point(last));
-            return;
-        }
-        // The part of the wall's line within the range: |from + part × along| ≤ range.
-        let (a, b) = (span.along.norm_squared(), span.from.dot(&span.along));
-        let c = span.from.norm_squared() - self.range * self.range;
-        let root = b * b - a * c;
-        let half = root.max(0.0).sqrt();
-        let (near, far) = (
-            first.max((-b - half) / a).min(last),
-            last.min((-b + half) / a).max(first),
-        );
-        if root <= 0.0 || near >= far {
-            self.arc(from, to);
-            return;
-        }
-        let angle = |part: f64| {
-            let v = point(part);
-            let relative = (math::atan2(v.y, v.x) - self.begin).rem_euclid(TAU);
-            // At its ends it may have come out on the other side of the beginning.
-            if (from..=to).contains(&relative) {
-                relative
-            } else if part > f64::midpoint(first, last) {
-                to
-            } else {
-                from
-            }
-        };
-        let (in_range_from, in_range_to) = (angle(near), angle(far));
-        if near > first {
-            self.arc(from, in_range_from);
-        }
-        self.put(point(near));
-        self.put(point(far));
-        if far < last {
-            self.arc(in_range_to, to);
-        }
-    }
-
-    /// Adds an arc at the range.
-    fn arc(&mut self, from: f64, to: f64) {
-        let steps = ((to - from) / ARC_STEP).ceil().max(1.0) as u32;
-        for step in 0..=steps {
-            let angle = from + (to - from) * f64::from(step) / f64::from(steps);
-            self.put(direction(self.begin + angle) * self.range);
-        }
-    }
-
-    fn put(&mut self, offset: Vector2<f64>) {
-        let point = self.place + offset;
-        if self
-            .border
-            .last()
-            .is_none_or(|last| (point - last).norm_squared() > SAME_PLACE)
-        {
-            self.border.push(point);
-        }
-    }
-}
-
-fn direction(angle: f64) -> Vector2<f64> {
-    let (sin, cos) = math::sincos(angle);
-    Vector2::new(cos, sin)
-}
-
 /// On which side of a line between two cells is free space.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Side {
-    FreeBefore,
-    FreeAfter,
+enum Free {
+    Before,
+    After,
 }
 
-fn side(solid_before: bool, solid_after: bool) -> Option<Side> {
+fn free(solid_before: bool, solid_after: bool) -> Option<Free> {
     match (solid_before, solid_after) {
-        (false, true) => Some(Side::FreeBefore),
-        (true, false) => Some(Side::FreeAfter),
+        (false, true) => Some(Free::Before),
+        (true, false) => Some(Free::After),
         _ => None,
     }
 }
@@ -360,8 +308,8 @@ fn side(solid_before: bool, solid_after: bool) -> Option<Side> {
 /// Joins neighbours of one kind: from, to and kind of every run.
 fn joined(
     count: usize,
-    kind: impl Fn(usize) -> Option<Side>,
-) -> impl Iterator<Item = (usize, usize, Side)> {
+    kind: impl Fn(usize) -> Option<Free>,
+) -> impl Iterator<Item = (usize, usize, Free)> {
     let mut next = 0;
     core::iter::from_fn(move || {
         while next < count {

@@ -31,23 +31,46 @@ const PARTS_OF_A_METRE: f64 = 1024.0;
 /// The eyes and what is in their way.
 #[derive(Debug)]
 pub(super) struct Visibility {
-    eyes: Vec<Shown>,
+    eyes: Vec<Viewpoint>,
     walls: Option<Walls>,
     due_ns: u64,
 }
 
 #[derive(Debug)]
-struct Shown {
+struct Viewpoint {
     eye: EyeInfo,
     /// Whether viewers show a polygon of it.
     shown: bool,
+    /// What it saw last and from where: most eyes on fixed places, and robots that wait, see the same.
+    last: Option<(Eye, Vec<Point2<f64>>)>,
+}
+
+impl Viewpoint {
+    fn new(eye: EyeInfo) -> Self {
+        Self {
+            eye,
+            shown: false,
+            last: None,
+        }
+    }
+
+    /// The border of what it sees from a pose.
+    fn seen(&mut self, at: Pose2, walls: &Walls) -> &[Point2<f64>] {
+        let eye = Eye {
+            position: at.position(),
+            heading: at.theta,
+            limits: self.eye.limits(),
+        };
+        let last = self.last.take().filter(|(from, _)| *from == eye);
+        let seen = last.map_or_else(|| walls.seen_from(&eye), |(_, seen)| seen);
+        &self.last.insert((eye, seen)).1
+    }
 }
 
 impl Visibility {
     pub(super) fn new(eyes: Vec<EyeInfo>) -> Self {
-        let eyes = eyes.into_iter().map(|eye| Shown { eye, shown: false });
         Self {
-            eyes: eyes.collect(),
+            eyes: eyes.into_iter().map(Viewpoint::new).collect(),
             walls: None,
             due_ns: 0,
         }
@@ -67,6 +90,9 @@ impl Visibility {
         let cells: Vec<bool> = cells.map(|cell| cell.occupied != 0).collect();
         if cells.len() == frame.len() {
             self.walls = Some(Walls::new(Grid { frame, cells }));
+            for eye in &mut self.eyes {
+                eye.last = None;
+            }
         }
     }
 
@@ -86,31 +112,25 @@ impl Visibility {
             self.due_ns = (time_ns / PERIOD_NS + 1).saturating_mul(PERIOD_NS);
         }
         let mut update = SceneUpdate::default();
-        for Shown { eye, shown } in &mut self.eyes {
-            let border = stand(eye, states)
-                .map(|(at, team)| {
-                    let seen = walls.seen_from(&Eye {
-                        position: at.position(),
-                        heading: at.theta,
-                        limits: eye.limits(),
-                    });
-                    (at, team, seen)
-                })
-                .filter(|(_, _, seen)| seen.len() > 1);
-            if let Some((at, team, seen)) = border {
-                let all_round = eye.limits().is_all_round();
-                let (triangles, lines) = polygon(at.position(), &seen, all_round, team);
+        for shown in &mut self.eyes {
+            let all_round = shown.eye.limits().is_all_round();
+            let drawn = stand(&shown.eye, states).and_then(|(at, team)| {
+                let seen = shown.seen(at, walls);
+                (seen.len() > 1).then(|| polygon(at.position(), seen, all_round, team))
+            });
+            let name = &shown.eye.name;
+            if let Some((triangles, lines)) = drawn {
                 update.entities.push(SceneEntity {
                     triangles: vec![triangles],
                     lines: vec![lines],
-                    ..entity(eye.name.clone(), time_ns)
+                    ..entity(name.clone(), time_ns)
                 });
-                *shown = true;
-            } else if core::mem::take(shown) {
+                shown.shown = true;
+            } else if core::mem::take(&mut shown.shown) {
                 update.deletions.push(SceneEntityDeletion {
                     timestamp: Some(timestamp(time_ns)),
                     r#type: scene_entity_deletion::Type::MatchingId as i32,
-                    id: eye.name.clone(),
+                    id: name.clone(),
                 });
             }
         }

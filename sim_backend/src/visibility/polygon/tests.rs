@@ -1,5 +1,8 @@
+use core::f64::consts::PI;
+
 use proptest::prelude::*;
 
+use super::border::direction;
 use super::*;
 use crate::blur::tests::city;
 use crate::blur::{BlurredMap, PAPER_SIGMA};
@@ -113,7 +116,81 @@ fn on_a_wall_is_as_beside_it() {
     }
 }
 
+/// The border of what an eye sees, by comparing all walls in every direction.
+fn seen_by_comparing_all(walls: &Walls, eye: &Eye) -> Vec<Point2<f64>> {
+    let Some(place) = walls.stand(eye.position) else {
+        return Vec::new();
+    };
+    let turn = eye.limits.field_of_view.unwrap_or(TAU);
+    let begin = eye.heading - 0.5 * turn;
+    let (spans, _) = walls.spans(place, begin);
+    let ends = spans.iter().flat_map(|span| [span.begins, span.ends]);
+    let mut directions: Vec<f64> = ends
+        .filter(|angle| (0.0..turn).contains(angle))
+        .chain([0.0, turn])
+        .collect();
+    directions.sort_by(f64::total_cmp);
+    directions.dedup_by(|a, b| *a - *b < SAME_DIRECTION);
+    let mut view = View::new(place, begin, eye.limits.range.unwrap_or(f64::INFINITY));
+    let nearest = |pair: &[f64]| {
+        let middle = f64::midpoint(pair[0], pair[1]);
+        let ray = direction(begin + middle);
+        let open = spans
+            .iter()
+            .filter(|span| span.begins < middle && span.ends > middle);
+        let nearest = open.min_by(|a, b| a.distance(ray).total_cmp(&b.distance(ray)));
+        nearest.map(|span| (span, pair[0], pair[1]))
+    };
+    let pieces: Vec<_> = directions.windows(2).filter_map(nearest).collect();
+    for wall in pieces.chunk_by(|(a, ..), (b, ..)| a.from == b.from) {
+        let (&(span, from, _), &(_, _, to)) = (wall.first().unwrap(), wall.last().unwrap());
+        view.add(span, from, to);
+    }
+    view.finish(eye.limits.is_all_round())
+}
+
 proptest! {
+    #[test]
+    fn the_sweep_finds_what_comparing_all_walls_finds(
+        cells in prop::collection::vec((0_usize..24, 0_usize..18), 0..120),
+        place in prop_oneof![
+            (-1.0..11.0, -2.0..7.0),
+            // In line with many corners.
+            (0_u8..48, 0_u8..36).prop_map(|(column, row)| {
+                (-1.0 + 0.25 * f64::from(column), -2.0 + 0.25 * f64::from(row))
+            }),
+        ],
+        heading in prop_oneof![-4.0..4.0, Just(PI), Just(0.0), Just(1e3)],
+        range in prop::option::of(0.3..12.0),
+        field_of_view in prop::option::of(0.1..6.2),
+    ) {
+        let walls = Walls::new(room(24, 18, &cells));
+        let eye = Eye {
+            position: Point2::new(place.0, place.1),
+            heading,
+            limits: SightLimits { range, field_of_view },
+        };
+        prop_assert_eq!(walls.seen_from(&eye), seen_by_comparing_all(&walls, &eye));
+    }
+
+    #[test]
+    fn walls_stand_in_closed_rows(
+        cells in prop::collection::vec((0_usize..24, 0_usize..18), 0..120),
+    ) {
+        let walls = Walls::new(room(24, 18, &cells)).walls;
+        let mut begun = vec![0; walls.len()];
+        for wall in &walls {
+            begun[wall.next] += 1;
+            prop_assert!((wall.from + wall.along - walls[wall.next].from).norm() < 1e-12);
+        }
+        prop_assert!(begun.iter().all(|&times| times == 1));
+    }
+
+    #[test]
+    fn angles_are_those_of_one_turn(angle in prop_oneof![-20.0..20.0, Just(0.0), Just(TAU), Just(-TAU)]) {
+        prop_assert_eq!(border::from_begin(angle).to_bits(), f64::rem_euclid(angle, TAU).to_bits());
+    }
+
     /// What lies in the polygon is what lines of sight reach.
     #[test]
     fn in_the_polygon_is_what_lines_of_sight_reach(

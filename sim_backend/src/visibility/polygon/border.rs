@@ -1,0 +1,131 @@
+//! The border of what is seen, as it grows.
+
+use core::f64::consts::{PI, TAU};
+
+use nalgebra::{Point2, Vector2};
+
+use super::sweep::Span;
+use crate::math;
+
+/// Largest angle between two corners where the range is what ends the view [rad].
+const ARC_STEP: f64 = 5.0 * PI / 180.0;
+/// Points closer to each other than the root of this are one [m²].
+const SAME_PLACE: f64 = 1e-18;
+/// Corners of a border to expect.
+const CORNERS: usize = 128;
+
+/// The border of what is seen, as it grows.
+pub(super) struct View {
+    place: Point2<f64>,
+    begin: f64,
+    range: f64,
+    border: Vec<Point2<f64>>,
+}
+
+impl View {
+    /// Nothing yet, from a place, with angles told from `begin` [rad] on, as far as `range` [m].
+    pub(super) fn new(place: Point2<f64>, begin: f64, range: f64) -> Self {
+        Self {
+            place,
+            begin,
+            range,
+            border: Vec::with_capacity(CORNERS),
+        }
+    }
+
+    /// The border; of a view all round, it ends before where it began.
+    pub(super) fn finish(self, all_round: bool) -> Vec<Point2<f64>> {
+        let mut border = self.border;
+        if all_round
+            && let [first, .., last] = border.as_slice()
+            && (first - last).norm_squared() < SAME_PLACE
+        {
+            border.pop();
+        }
+        border
+    }
+
+    /// Adds what is seen of a wall between two directions, or of the range before it.
+    pub(super) fn add(&mut self, span: &Span, from: f64, to: f64) {
+        let (first, last) = (
+            span.part(direction(self.begin + from)),
+            span.part(direction(self.begin + to)),
+        );
+        let point = |part: f64| span.from + span.along * part;
+        if self.range == f64::INFINITY {
+            self.put(point(first));
+            self.put(point(last));
+            return;
+        }
+        // The part of the wall's line within the range: |from + part × along| ≤ range.
+        let (a, b) = (span.along.norm_squared(), span.from.dot(&span.along));
+        let c = span.from.norm_squared() - self.range * self.range;
+        let root = b * b - a * c;
+        let half = root.max(0.0).sqrt();
+        let (near, far) = (
+            first.max((-b - half) / a).min(last),
+            last.min((-b + half) / a).max(first),
+        );
+        if root <= 0.0 || near >= far {
+            self.arc(from, to);
+            return;
+        }
+        let angle = |part: f64| {
+            let v = point(part);
+            let relative = from_begin(math::atan2(v.y, v.x) - self.begin);
+            // At its ends it may have come out on the other side of the beginning.
+            if (from..=to).contains(&relative) {
+                relative
+            } else if part > f64::midpoint(first, last) {
+                to
+            } else {
+                from
+            }
+        };
+        let (in_range_from, in_range_to) = (angle(near), angle(far));
+        if near > first {
+            self.arc(from, in_range_from);
+        }
+        self.put(point(near));
+        self.put(point(far));
+        if far < last {
+            self.arc(in_range_to, to);
+        }
+    }
+
+    /// Adds an arc at the range.
+    fn arc(&mut self, from: f64, to: f64) {
+        let steps = ((to - from) / ARC_STEP).ceil().max(1.0) as u32;
+        for step in 0..=steps {
+            let angle = from + (to - from) * f64::from(step) / f64::from(steps);
+            self.put(direction(self.begin + angle) * self.range);
+        }
+    }
+
+    fn put(&mut self, offset: Vector2<f64>) {
+        let point = self.place + offset;
+        if self
+            .border
+            .last()
+            .is_none_or(|last| (point - last).norm_squared() > SAME_PLACE)
+        {
+            self.border.push(point);
+        }
+    }
+}
+
+/// An angle, mostly from a single turn, as one from 0 to 2π.
+pub(super) fn from_begin(angle: f64) -> f64 {
+    if angle > -TAU && angle < TAU {
+        // The remainder, bit by bit, without dividing.
+        if angle < 0.0 { angle + TAU } else { angle }
+    } else {
+        angle.rem_euclid(TAU)
+    }
+}
+
+/// The unit vector at an angle [rad].
+pub(super) fn direction(angle: f64) -> Vector2<f64> {
+    let (sin, cos) = math::sincos(angle);
+    Vector2::new(cos, sin)
+}

@@ -1,0 +1,114 @@
+//! Which wall is the nearest, as one looks around.
+
+use nalgebra::Vector2;
+
+use super::border::direction;
+
+/// A wall begins behind another if it does by more than this [m²], the area between them; otherwise
+/// their distances decide.
+const CLEARLY: f64 = 1e-9;
+
+/// A wall as it is seen: from the eye, its ends in directions relative to where the sweep begins.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Span {
+    pub(super) begins: f64,
+    /// Not before it begins: a wall over which the sweep begins is two spans.
+    pub(super) ends: f64,
+    pub(super) from: Vector2<f64>,
+    pub(super) along: Vector2<f64>,
+}
+
+/// A direction in which walls begin or end.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Corner {
+    pub(super) direction: f64,
+    /// The span that begins there.
+    pub(super) begins: Option<usize>,
+}
+
+/// A look around, from one direction to the next, at the walls that are there.
+///
+/// Walls do not cross: the nearest stays so until it ends or a nearer one begins. So only those that
+/// begin are compared with it, and all that are open only where it ends.
+pub(super) struct Sweep {
+    begin: f64,
+    spans: Vec<Span>,
+    /// Those that have begun, some of which may have ended.
+    open: Vec<usize>,
+    /// The nearest at the last direction.
+    nearest: Option<usize>,
+}
+
+impl Sweep {
+    /// Begins at an angle [rad], from which on the spans' directions are told.
+    pub(super) fn new(begin: f64, spans: Vec<Span>) -> Self {
+        // Those over which it begins are open already.
+        let open = (0..spans.len()).filter(|&span| spans[span].begins == 0.0);
+        Self {
+            begin,
+            open: open.collect(),
+            spans,
+            nearest: None,
+        }
+    }
+
+    /// A wall as it is seen.
+    pub(super) fn span(&self, span: usize) -> &Span {
+        &self.spans[span]
+    }
+
+    /// A wall begins before the middle of the present directions; `ray` is where that is, once known.
+    pub(super) fn open(&mut self, span: usize, middle: f64, ray: &mut Option<Vector2<f64>>) {
+        self.open.push(span);
+        let here = &self.spans[span];
+        if let Some(nearest) = self.nearest
+            && self.spans[nearest].ends > middle
+            && here.ends > middle
+            && !self.spans[nearest].hides(here)
+        {
+            let ray = *ray.get_or_insert_with(|| direction(self.begin + middle));
+            if here.distance(ray) < self.spans[nearest].distance(ray) {
+                self.nearest = Some(span);
+            }
+        }
+    }
+
+    /// The nearest wall in the middle of the present directions, when all are open that begin before.
+    pub(super) fn nearest(&mut self, middle: f64, ray: &mut Option<Vector2<f64>>) -> Option<usize> {
+        let spans = &self.spans;
+        if self.nearest.is_none_or(|span| spans[span].ends <= middle) {
+            self.open.retain(|&span| spans[span].ends > middle);
+            let ray = *ray.get_or_insert_with(|| direction(self.begin + middle));
+            let distances = self
+                .open
+                .iter()
+                .map(|&span| (span, spans[span].distance(ray)));
+            self.nearest = distances
+                .min_by(|(_, a), (_, b)| a.total_cmp(b))
+                .map(|(span, _)| span);
+        }
+        self.nearest
+    }
+
+    /// Whether two spans are parts of one wall.
+    pub(super) fn is_one_wall(&self, a: usize, b: usize) -> bool {
+        a == b || self.spans[a].from == self.spans[b].from
+    }
+}
+
+impl Span {
+    /// Where on the wall a ray hits it, 0 to 1 from its beginning.
+    pub(super) fn part(&self, ray: Vector2<f64>) -> f64 {
+        (ray.perp(&self.from) / self.along.perp(&ray)).clamp(0.0, 1.0)
+    }
+
+    /// Whether a wall that begins in a direction of this one begins clearly behind it.
+    fn hides(&self, other: &Self) -> bool {
+        (other.from - self.from).perp(&self.along) > CLEARLY
+    }
+
+    /// How far away the wall is in a direction.
+    pub(super) fn distance(&self, ray: Vector2<f64>) -> f64 {
+        self.from.perp(&self.along) / ray.perp(&self.along)
+    }
+}
