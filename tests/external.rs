@@ -162,9 +162,9 @@ fn a_planner_in_python_and_its_warden_may_be_treated_badly() {
     let more = [
         "--allow-external",
         "--kinds",
-        "kill,terminate,pause",
+        "kill,terminate,pause,pause-orchestrator",
         "-n",
-        "5",
+        "8",
     ];
     let seed = ["--fault-seed", "2", "--json"];
     let report = sandbox

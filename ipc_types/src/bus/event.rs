@@ -3,6 +3,7 @@
 use std::os::fd::BorrowedFd;
 use std::time::Duration;
 
+use iceoryx2::port::listener::ListenerWaitError;
 use iceoryx2::prelude::{EventId, FileDescriptorBased as _, Node, ipc};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
@@ -99,7 +100,8 @@ impl Listener {
         Ok(Self { name, port })
     }
 
-    /// Sleeps until woken or until the time is over; calls back once per id that came in.
+    /// Sleeps until woken, until a signal comes or until the time is over; calls back once per id that
+    /// came in.
     ///
     /// # Errors
     /// [`ReceiveError::Transport`] if iceoryx2 fails.
@@ -108,13 +110,22 @@ impl Listener {
         timeout: Duration,
         mut woken: impl FnMut(usize),
     ) -> Result<(), ReceiveError> {
-        self.port
-            .timed_wait(|activation| woken(activation.id.as_value()), timeout)
-            .map(drop)
-            .map_err(|e| ReceiveError::Transport {
+        self.waited(
+            self.port
+                .timed_wait(|activation| woken(activation.id.as_value()), timeout),
+        )
+    }
+
+    /// What a wait came to. A signal woke it (whoever was stopped and goes on gets one too): that is no
+    /// failure, whoever waits looks around and waits again.
+    fn waited(&self, result: Result<u64, ListenerWaitError>) -> Result<(), ReceiveError> {
+        match result {
+            Ok(_) | Err(ListenerWaitError::InterruptSignal) => Ok(()),
+            Err(error) => Err(ReceiveError::Transport {
                 topic: self.name,
-                reason: format!("{e:?}"),
-            })
+                reason: format!("{error:?}"),
+            }),
+        }
     }
 
     /// As [`Listener::wait`], but also wakes when a file of this process (an eventfd, say) can be
@@ -145,13 +156,13 @@ impl Listener {
             tv_nsec: i64::from(timeout.subsec_nanos()),
         };
         match poll(&mut either, Some(&timeout)) {
-            // A signal woke it: whoever waits looks around and waits again.
+            // A signal woke it: see above.
             Ok(_) | Err(rustix::io::Errno::INTR) => {}
             Err(error) => return Err(failed(error.to_string())),
         }
-        self.port
-            .try_wait(|activation| woken(activation.id.as_value()))
-            .map(drop)
-            .map_err(|e| failed(format!("{e:?}")))
+        self.waited(
+            self.port
+                .try_wait(|activation| woken(activation.id.as_value())),
+        )
     }
 }

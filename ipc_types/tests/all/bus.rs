@@ -231,6 +231,29 @@ fn a_listener_wakes_by_an_event_or_a_file_whichever_comes_first() {
 }
 
 #[test]
+fn a_listener_that_is_stopped_and_continued_has_only_waited() {
+    use std::process::Command;
+    use std::sync::atomic::{AtomicBool, Ordering};
+
+    let (_space, bus) = joined("stopped");
+    let _service = bus.create_event("run/wake").unwrap();
+    let listener = bus.listener("run/wake").unwrap();
+    let waited = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            // This whole program, again and again until it is caught waiting.
+            while !waited.load(Ordering::SeqCst) {
+                let words = ["-c", "kill -STOP $PPID; kill -CONT $PPID"];
+                assert!(Command::new("sh").args(words).status().unwrap().success());
+            }
+        });
+        let woken = listener.wait(Duration::from_secs(60), |_| {});
+        waited.store(true, Ordering::SeqCst);
+        woken.unwrap();
+    });
+}
+
+#[test]
 fn events_wake_with_their_ids_coalesced() {
     let (_space, bus) = joined("event");
     let _service = bus.create_event("run/wake").unwrap();

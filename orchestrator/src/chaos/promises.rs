@@ -187,7 +187,11 @@ impl Check<'_> {
                     self.broke(format!("{target} is not named: {words}"));
                 }
                 // Before time starts, whoever fails ends the run.
-                let so_early = ["before it was ready", "was not ready within"];
+                let so_early = [
+                    "before it was ready",
+                    "was not ready within",
+                    "cannot be started",
+                ];
                 let early = so_early.iter().any(|words| ended.stderr.contains(words));
                 if comes_back(fault) && !early {
                     let words = ended.stderr.trim();
