@@ -7,6 +7,9 @@
 //! * [`bus`]: publishers, subscribers, request–response and events of one isolated run;
 //! * [`schema`], [`cdr`]: how logs and other languages see them.
 
+#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
 pub mod bus;
 pub mod cdr;
 pub mod clock;

@@ -1,5 +1,8 @@
 //! The protean command: runs, supervises and records missions of real processes.
 
+#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
 // First, so that its `eprintln!` holds in all others.
 #[macro_use]
 mod terminal;

@@ -2,6 +2,9 @@
 //!
 //! No IPC, no clock, no files beyond the map loaders; everything is a function of its inputs.
 
+#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
 pub mod blur;
 pub mod grid;
 pub mod map;

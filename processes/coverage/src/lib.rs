@@ -22,6 +22,9 @@
 //! They move in a [`space::Space`]; what is left to cover is a [`freshness::Freshness`]; those that
 //! draw their sub-goals on the way share [`wander`].
 
+#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
 pub mod boustrophedon;
 mod counter;
 pub mod decomposition;

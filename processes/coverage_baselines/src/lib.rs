@@ -2,6 +2,9 @@
 //! hides nothing, [`RandomBounce`] is what cleaning robots do, [`Uniform`] hides the most. The
 //! algorithms are in [`coverage`]; the wiring is that of all planners of sub-goals.
 
+#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
 pub mod params;
 
 #[cfg(test)]

@@ -3,6 +3,9 @@
 //! [`design`] makes the sub-goals, by the plans of [`coverage`]; the process is that of all planners
 //! of sub-goals ([`sub_goals`]).
 
+#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
 pub mod design;
 pub mod params;
 

@@ -6,6 +6,9 @@
 //! ([`evader::worth`]): near the exit, but with time to spare, so that pursuers who come for it leave
 //! the exit to it.
 
+#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
 pub mod evader;
 pub mod params;
 pub mod process;

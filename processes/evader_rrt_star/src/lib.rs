@@ -6,6 +6,9 @@
 //! them. The chasing-game paper's planner (§III-G) is [`RrtStarParams::paper`]; everything that is
 //! done otherwise here is a named parameter.
 
+#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
 pub mod bound;
 pub mod cost;
 pub mod evader;

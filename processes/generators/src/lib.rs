@@ -12,6 +12,9 @@
 //! linear, so that fewer than a hundred points give their state away. [`keyed::Keyed`] alone is
 //! meant for an observer who knows the method.
 
+#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
 pub mod cat;
 pub mod chebyshev;
 mod decimal;

@@ -13,6 +13,9 @@
 //!    forward speed and turning rate, within the robot's [`limits::Limits`];
 //! 5. a [`steering::Steering`] goes out: the command, and what a viewer wants to see.
 
+#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
 pub mod bearing;
 pub mod derived;
 pub mod dominance;

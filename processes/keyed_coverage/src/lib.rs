@@ -2,6 +2,9 @@
 //! a process of its own. The algorithm is [`coverage::keyed`]; the wiring is that of all planners
 //! of sub-goals.
 
+#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
 pub mod params;
 
 #[cfg(test)]

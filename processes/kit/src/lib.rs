@@ -3,6 +3,9 @@
 //! A process is an algorithm (a pure library) plus a [`Wiring`] that connects it to its topics;
 //! [`life::run`] does the rest.
 
+#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
 pub mod config;
 pub mod error;
 pub mod guard;

@@ -7,6 +7,9 @@
 //! - [`coverage`]: how much of a workplace a path has covered, and how evenly;
 //! - [`prediction`]: how well somebody foretold where a robot would be.
 
+#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
 pub mod coverage;
 pub mod driven;
 pub mod path;

@@ -4,6 +4,9 @@
 //! [`Navigator`] is the algorithm: it says what to ask, takes what was answered, and commands the
 //! robot, tick by tick. [`process`] wires it to its topics and to `optimiser/plan`.
 
+#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
 pub mod ask;
 pub mod drive;
 pub mod follow;

@@ -5,6 +5,9 @@
 //! about how a robot's goals are made except the key. Each prediction is kept until its time has come
 //! and is then scored against the truth ([`score`]): "unpredictable" becomes a measured number.
 
+#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
 pub mod eyes;
 pub mod knowledge;
 pub mod layout;

@@ -51,6 +51,9 @@
 //! assert!(plan.min_clearance > -1e-3);
 //! ```
 
+#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
 pub mod answer;
 pub mod bound;
 pub mod candidate;

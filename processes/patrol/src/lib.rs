@@ -9,6 +9,9 @@
 //! - [`mission`]: a patrol as a scenario orders it, with everything chosen that was left open;
 //! - [`mixed`]: additional waypoints where obstacles are small, fictive obstacles along large ones.
 
+#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
 pub mod alpha;
 pub mod awg;
 pub mod contour;

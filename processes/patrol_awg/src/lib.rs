@@ -4,6 +4,9 @@
 //! [`PatrolAwg`] is the planner: [`patrol`] makes the waypoints, the waypoint driver of [`guidance`]
 //! drives them. [`process`] wires it to its topics.
 
+#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
 mod params;
 mod planner;
 pub mod process;

@@ -5,6 +5,9 @@
 //! scan, and the waypoint driver of [`guidance`] avoids them as it avoids real ones. [`process`]
 //! wires it to its topics.
 
+#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
 mod params;
 mod planner;
 pub mod process;

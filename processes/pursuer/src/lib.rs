@@ -14,6 +14,9 @@
 //! [`PursuerParams::paper`], every deviation of the defaults is a named parameter. Guards, cuts
 //! and interceptions are not the paper's; they are off unless asked for.
 
+#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
 pub mod assignment;
 pub mod chase;
 pub mod cut_off;

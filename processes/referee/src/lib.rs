@@ -4,6 +4,9 @@
 //! geodesic waves (`guidance::dominance`) it says, for every evader, whether it can be sure of an
 //! escape, and for every place, who reaches it first. It steers nobody.
 
+#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
 pub mod params;
 pub mod process;
 pub mod referee;

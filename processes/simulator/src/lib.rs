@@ -5,6 +5,9 @@
 //! * [`commands`]: which command holds for which robot;
 //! * [`outputs`]: the world as messages.
 
+#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
 pub mod agenda;
 pub mod commands;
 mod obstacles;

@@ -6,6 +6,9 @@
 //! - [`arc_driver`]: driving past sub-goals without stopping at them;
 //! - [`params`]: what can be set of all that.
 
+#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
 pub mod arc_driver;
 pub mod design;
 pub mod follower;

@@ -5,6 +5,9 @@
 //! ([`particle_filter`]). [`tracker::Perception`] does both for a team and a tick. Everything is a
 //! function of its inputs and a ChaCha8 stream per robot watched.
 
+#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
 pub mod belief;
 pub mod fast;
 pub mod memo;
