@@ -297,7 +297,7 @@ impl Cast for Processes<'_> {
                     last_words: self
                         .running
                         .last()
-                        .map_or_else(Vec::new, |p| p.last_words()),
+                        .map_or_else(Vec::new, RunningProcess::last_words),
                 });
             }
         }

@@ -110,7 +110,6 @@ pub fn verify(
         }
         let repeated = &outages.repeated;
         trial.run(&mut cast, repeated, &mut source, watch, &mut done)?;
-        drop(cast);
         done.helpers = tested.helpers;
     }
     if let Some((left, why)) = outages.end {

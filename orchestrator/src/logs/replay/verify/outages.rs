@@ -34,17 +34,16 @@ impl Outages {
         let mut away: Vec<(u32, Left)> = Vec::new();
         for failure in failures {
             let before = away.iter().position(|(index, _)| *index == failure.index);
-            let left = match before {
+            let left = if let Some(at) = before {
                 // It failed before it was back: one outage.
-                Some(at) => away.remove(at).1,
-                None => {
-                    let in_between = failure.had_spoken.then_some(IN_BETWEEN);
-                    if let Some(why) = obstacle(failure.index).or(in_between) {
-                        found.end_with(failure.left, why);
-                        break;
-                    }
-                    failure.left
+                away.remove(at).1
+            } else {
+                let in_between = failure.had_spoken.then_some(IN_BETWEEN);
+                if let Some(why) = obstacle(failure.index).or(in_between) {
+                    found.end_with(failure.left, why);
+                    break;
                 }
+                failure.left
             };
             match failure.back {
                 Some(until) if until > left.tick => found.add(Outage {
