@@ -88,6 +88,46 @@ fn finished(outcome: &Outcome) -> Json {
     summary
 }
 
+/// Perception was killed before the end of a tick and came back, unless that was in the middle of what
+/// it had to say; an evader was gone for good.
+fn tests_go_on_to_the_end_or_to_who_never_came_back(
+    sandbox: &Sandbox,
+    (eyes_left, eyes_were_mid_way): (u64, bool),
+    gone: u64,
+) {
+    let test = [
+        "replay",
+        "run.mcap",
+        "--test",
+        "perception",
+        "--json",
+        "--quiet",
+    ];
+    let ran = sandbox.protean(test).run();
+    let test = ran.json();
+    assert_eq!(test["identical"], true, "{test}");
+    if eyes_were_mid_way {
+        assert_eq!((ran.code, &test["replaced"]), (Some(3), &0.into()), "{ran}");
+        assert_eq!(test["left"]["tick"], eyes_left, "{test}");
+    } else {
+        assert_eq!((ran.code, &test["replaced"]), (Some(0), &1.into()), "{ran}");
+        assert_eq!(test["left"], Json::Null, "{test}");
+    }
+    // Of one that never came back what it said before is compared, and that is said.
+    let evader = ["replay", "run.mcap", "--quiet", "--test"];
+    let evader = evader
+        .iter()
+        .chain(&["evader_potential_evader_1", "--json"]);
+    let ran = sandbox.protean(evader.copied()).run();
+    assert_eq!(ran.code, Some(3), "{ran}");
+    let test = ran.json();
+    assert_eq!(test["left"]["tick"], gone, "{test}");
+    assert_eq!(
+        (&test["identical"], &test["ticks"]),
+        (&true.into(), &gone.into())
+    );
+}
+
 #[test]
 fn killed_processes_rejoin_at_a_tick_that_the_log_tells_and_others_stand_or_go_on() {
     let sandbox = Sandbox::new();
@@ -186,36 +226,10 @@ fn killed_processes_rejoin_at_a_tick_that_the_log_tells_and_others_stand_or_go_o
     );
     assert_eq!(again["left"]["process"], "pursuer_police_2");
     assert_eq!(again["left"]["tick"], left);
-    let test = [
-        "replay",
-        "run.mcap",
-        "--test",
-        "perception",
-        "--json",
-        "--quiet",
-    ];
-    let ran = sandbox.protean(test).run();
-    let test = ran.json();
-    assert_eq!(test["identical"], true, "{test}");
-    if failed[1..2].iter().any(was_mid_way) {
-        assert_eq!((ran.code, &test["replaced"]), (Some(3), &0.into()), "{ran}");
-        assert_eq!(test["left"]["tick"], eyes_left, "{test}");
-    } else {
-        assert_eq!((ran.code, &test["replaced"]), (Some(0), &1.into()), "{ran}");
-        assert_eq!(test["left"], Json::Null, "{test}");
-    }
-    // Of one that never came back what it said before is compared, and that is said.
-    let evader = ["replay", "run.mcap", "--quiet", "--test"];
-    let evader = evader
-        .iter()
-        .chain(&["evader_potential_evader_1", "--json"]);
-    let ran = sandbox.protean(evader.copied()).run();
-    assert_eq!(ran.code, Some(3), "{ran}");
-    let test = ran.json();
-    assert_eq!(test["left"]["tick"], gone, "{test}");
-    assert_eq!(
-        (&test["identical"], &test["ticks"]),
-        (&true.into(), &gone.into())
+    tests_go_on_to_the_end_or_to_who_never_came_back(
+        &sandbox,
+        (eyes_left, was_mid_way(&failed[1])),
+        gone,
     );
     sandbox.assert_nothing_left();
 }
