@@ -88,6 +88,46 @@ fn finished(outcome: &Outcome) -> Json {
     summary
 }
 
+/// Perception was killed before the end of a tick and came back, unless that was in the middle of what
+/// it had to say; an evader was gone for good.
+fn tests_go_on_to_the_end_or_to_who_never_came_back(
+    sandbox: &Sandbox,
+    (eyes_left, eyes_were_mid_way): (u64, bool),
+    gone: u64,
+) {
+    let test = [
+        "replay",
+        "run.mcap",
+        "--test",
+        "perception",
+        "--json",
+        "--quiet",
+    ];
+    let ran = sandbox.protean(test).run();
+    let test = ran.json();
+    assert_eq!(test["identical"], true, "{test}");
+    if eyes_were_mid_way {
+        assert_eq!((ran.code, &test["replaced"]), (Some(3), &0.into()), "{ran}");
+        assert_eq!(test["left"]["tick"], eyes_left, "{test}");
+    } else {
+        assert_eq!((ran.code, &test["replaced"]), (Some(0), &1.into()), "{ran}");
+        assert_eq!(test["left"], Json::Null, "{test}");
+    }
+    // Of one that never came back what it said before is compared, and that is said.
+    let evader = ["replay", "run.mcap", "--quiet", "--test"];
+    let evader = evader
+        .iter()
+        .chain(&["evader_potential_evader_1", "--json"]);
+    let ran = sandbox.protean(evader.copied()).run();
+    assert_eq!(ran.code, Some(3), "{ran}");
+    let test = ran.json();
+    assert_eq!(test["left"]["tick"], gone, "{test}");
+    assert_eq!(
+        (&test["identical"], &test["ticks"]),
+        (&true.into(), &gone.into())
+    );
+}
+
 #[test]
 fn killed_processes_rejoin_at_a_tick_that_the_log_tells_and_others_stand_or_go_on() {
     let sandbox = Sandbox::new();
@@ -155,17 +195,17 @@ fn killed_processes_rejoin_at_a_tick_that_the_log_tells_and_others_stand_or_go_o
         ("perception", 1, eyes_left),
         ("evader_potential_evader_1", 6, gone),
     ];
-    let mut mid_way = failed.iter().filter(|(_, source, tick)| {
+    let was_mid_way = |(_, source, tick): &(&str, u32, u64)| {
         let mut all = history.messages.iter();
         let simulated = |topic: &str| !topic.starts_with("process/") && topic != "run/control";
         all.any(|m| m.source == *source && m.tick == *tick && simulated(&m.topic))
-    });
+    };
     let again = sandbox
         .protean(["rerun", "run.mcap", "--json", "--quiet"])
         .run();
     let again_json = again.json();
     assert_eq!(again_json["same"], true, "{again}");
-    if let Some((name, _, tick)) = mid_way.next() {
+    if let Some((name, _, tick)) = failed.iter().find(|f| was_mid_way(f)) {
         assert_eq!(again.code, Some(3), "{again}");
         assert_eq!(again_json["left"]["process"], *name, "{again}");
         assert_eq!(again_json["left"]["tick"], *tick);
@@ -186,19 +226,11 @@ fn killed_processes_rejoin_at_a_tick_that_the_log_tells_and_others_stand_or_go_o
     );
     assert_eq!(again["left"]["process"], "pursuer_police_2");
     assert_eq!(again["left"]["tick"], left);
-    let test = [
-        "replay",
-        "run.mcap",
-        "--test",
-        "perception",
-        "--json",
-        "--quiet",
-    ];
-    let test = sandbox.protean(test).run();
-    assert_eq!(test.code, Some(3), "{test}");
-    let test = test.json();
-    assert_eq!(test["identical"], true, "{test}");
-    assert_eq!(test["left"]["tick"], eyes_left);
+    tests_go_on_to_the_end_or_to_who_never_came_back(
+        &sandbox,
+        (eyes_left, was_mid_way(&failed[1])),
+        gone,
+    );
     sandbox.assert_nothing_left();
 }
 
@@ -246,6 +278,39 @@ fn a_run_in_which_processes_failed_between_ticks_can_be_done_again_to_the_bit() 
     assert_eq!(again["digest"], summary["digest"]);
     assert_eq!(again["digest_logged"], summary["digest"]);
     assert_eq!(again["left"], Json::Null);
+    // And so can each process alone, failures and all, and those that hear each other together.
+    let history = History::read(&log(&sandbox));
+    let commands = history.messages.iter();
+    let commands = commands.filter(|m| m.source == 3 && m.topic == "robot/command");
+    let ticks: Vec<u64> = commands.map(|m| m.tick).collect();
+    let outages = &of(&summary, "pursuer_police_2")["outages"];
+    let back = outages[1]["back_tick"].as_u64().unwrap();
+    let (all, after) = (ticks.len(), ticks.iter().filter(|&&t| t >= back).count());
+    assert!(after > 100, "{after} of {all} commands");
+    for (tested, replaced) in [
+        (&["pursuer_police_2"][..], 2),
+        (&["perception"], 1),
+        (&["perception", "pursuer_police_2", "pursuer_police_1"], 3),
+    ] {
+        let names = tested.iter().flat_map(|name| ["--test", *name]);
+        let words = ["replay", "run.mcap", "--json", "--quiet"];
+        let test = sandbox.protean(words.into_iter().chain(names)).run();
+        assert_eq!(test.code, Some(0), "{tested:?}: {test}");
+        let test = test.json();
+        assert_eq!(test["identical"], true, "{test}");
+        assert_eq!(test["replaced"], replaced, "{test}");
+        assert_eq!(test["ticks"], summary["ticks"].as_u64().unwrap() + 1);
+        if *tested == ["pursuer_police_2"] {
+            let commands = &test["topics"]["robot/command"];
+            assert_eq!(commands["equal"], all, "{test}");
+            assert_eq!(commands["now"], all, "{test}");
+        }
+    }
+    // Within one process nobody is replaced: up to the first failure, which is said.
+    let test = ["replay", "run.mcap", "--in-process", "--test", "perception"];
+    let test = sandbox.protean(test).run();
+    assert_eq!(test.code, Some(3), "{test}");
+    assert!(test.stdout.contains("not compared: nobody"), "{test}");
     // Left alone it is another history: what is compared is not the same whatever happens.
     let alone = sandbox
         .protean(CHASE.iter().copied().chain(["--force"]))

@@ -35,6 +35,8 @@ pub(super) struct Failure {
     /// Whether the log says what was done about it: the process came back, failed again or was given
     /// up.
     pub(super) is_settled: bool,
+    /// The first tick that it did again, if the log says that it came back.
+    pub(super) back: Option<u64>,
     /// Whether it had said something in the tick that it did not do to its end.
     pub(super) had_spoken: bool,
 }
@@ -53,22 +55,6 @@ pub(super) fn failures(log: &Path, watch: &mut Watch) -> Result<Vec<Failure>, Lo
         found.sort_by_key(|failure| failure.left.tick);
     }
     Ok(found)
-}
-
-/// Who of those with these names left the run first.
-///
-/// # Errors
-/// [`LogsError`]: the log cannot be read.
-pub(super) fn first_to_leave(
-    log: &Path,
-    concerns: impl Fn(&str) -> bool,
-    watch: &mut Watch,
-) -> Result<Option<Left>, LogsError> {
-    let of_them = events(log, watch)?
-        .into_iter()
-        .map(|failure| failure.left)
-        .filter(|left| concerns(&left.process));
-    Ok(of_them.min_by_key(|left| left.tick))
 }
 
 fn events(log: &Path, watch: &mut Watch) -> Result<Vec<Failure>, LogsError> {
@@ -95,6 +81,9 @@ fn events(log: &Path, watch: &mut Watch) -> Result<Vec<Failure>, LogsError> {
                 let mut before = found.iter_mut().filter(|f| f.index == event.process);
                 if let Some(last) = before.next_back() {
                     last.is_settled = true;
+                    if event.kind == ProcessEvent::BACK {
+                        last.back = Some(event.tick);
+                    }
                 }
                 if event.kind != ProcessEvent::LEFT {
                     continue;
@@ -108,6 +97,7 @@ fn events(log: &Path, watch: &mut Watch) -> Result<Vec<Failure>, LogsError> {
                     },
                     index: event.process,
                     is_settled: false,
+                    back: None,
                     had_spoken: false,
                 });
             }

@@ -245,7 +245,7 @@ impl Recorded {
 }
 
 /// Whether a process asks for plans or makes them: that is in no log, nor how far it was with them.
-fn has_to_do_with_plans(process: &ProcessSpec) -> bool {
+pub(super) fn has_to_do_with_plans(process: &ProcessSpec) -> bool {
     let Program::Kind(kind) = &process.program else {
         return false;
     };

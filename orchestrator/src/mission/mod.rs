@@ -25,4 +25,4 @@ pub(crate) mod warden;
 pub use absences::Absence;
 pub use error::MissionError;
 pub use run::{Hook, MissionOptions, MissionReport, run};
-pub(crate) use run::{create_services, write_config};
+pub(crate) use run::{config_path, create_services, write_config};

@@ -402,7 +402,7 @@ fn wait_until(
 
 /// Where the configuration of a process lies. Process names may hold anything: the index makes the
 /// file's name.
-pub(super) fn config_path(root: &Path, config: &ProcessConfig) -> PathBuf {
+pub(crate) fn config_path(root: &Path, config: &ProcessConfig) -> PathBuf {
     root.join(format!("process-{}.json", config.index))
 }
 

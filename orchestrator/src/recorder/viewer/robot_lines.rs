@@ -52,6 +52,9 @@ pub(super) struct RobotLines {
 #[derive(Debug, Clone, Default)]
 struct Lines {
     points: Vec<Point3>,
+    /// Whether they go on from where the robot is: places without times, where the robot is not among
+    /// them.
+    from_robot: bool,
     /// Whether viewers show it.
     shown: bool,
     /// Whether it changed since it was drawn.
@@ -78,7 +81,12 @@ impl RobotLines {
 
     /// Replaces the plan of a robot.
     pub(super) fn set_plan(&mut self, robot: usize, points: impl Iterator<Item = PlanPoint>) {
+        let mut is_timed = false;
+        let points = points.inspect(|p| is_timed |= p.time_s != 0.0);
         self.set(robot, points.map(|p| [p.x, p.y]));
+        if let Some(lines) = self.lines.get_mut(robot) {
+            lines.from_robot = !is_timed;
+        }
     }
 
     /// Replaces the tree of a robot: both ends of every edge.
@@ -114,13 +122,22 @@ impl RobotLines {
             let wanted = state.status == 0 && !lines.points.is_empty();
             let id = format!("{} {}", style.what, info.name);
             if wanted {
+                let start = Point3 {
+                    x: state.x,
+                    y: state.y,
+                    z: style.height,
+                };
+                let start = lines.from_robot.then_some(start);
                 update.entities.push(SceneEntity {
                     lines: vec![LinePrimitive {
                         r#type: style.kind as i32,
                         pose: Some(pose(0.0, 0.0, 0.0, 0.0)),
                         thickness: style.pixels,
                         scale_invariant: true,
-                        points: lines.points.clone(),
+                        points: start
+                            .into_iter()
+                            .chain(lines.points.iter().copied())
+                            .collect(),
                         color: Some(Color {
                             a: style.opacity,
                             ..palette::team(state.team, true)
@@ -181,12 +198,18 @@ mod tests {
 
     #[test]
     fn a_plan_is_drawn_once_and_goes_with_its_robot() {
-        let points = || [PlanPoint::default(); 3].into_iter();
-        drawn_once(
-            RobotLines::plans(1),
-            |lines| lines.set_plan(0, points()),
-            "plan thief",
-            3,
-        );
+        // Without times it begins where the robot is; with times it says itself where that is.
+        for (time_s, points) in [(0.0, 4), (0.1, 3)] {
+            let point = PlanPoint {
+                time_s,
+                ..PlanPoint::default()
+            };
+            drawn_once(
+                RobotLines::plans(1),
+                |lines| lines.set_plan(0, [point; 3].into_iter()),
+                "plan thief",
+                points,
+            );
+        }
     }
 }

@@ -18,6 +18,9 @@ const ACTIVE: u8 = 0;
 /// Height of names above the ground [m]: above obstacles.
 const NAME_HEIGHT: f64 = 0.5;
 
+/// How far behind a robot's edge its name stands [m].
+const NAME_GAP: f64 = 0.45;
+
 /// Height of the text of names [pixels].
 const FONT_PIXELS: f64 = 14.0;
 
@@ -126,7 +129,12 @@ fn robot(info: &RobotInfo, state: &RobotState, time_ns: u64) -> SceneEntity {
             }),
         }],
         texts: vec![TextPrimitive {
-            pose: Some(pose(state.x, state.y + 6.0 * info.radius, NAME_HEIGHT, 0.0)),
+            pose: Some(pose(
+                state.x,
+                state.y + info.radius + NAME_GAP,
+                NAME_HEIGHT,
+                0.0,
+            )),
             billboard: true,
             font_size: FONT_PIXELS,
             scale_invariant: true,
