@@ -13,7 +13,7 @@ use kit::config::Clock;
 use kit::lockstep::Overseer;
 
 use super::error::MissionError;
-use super::gate::{Pace, PageGate};
+use super::gate::{Calls, Pace, PageGate};
 use super::plan::Plan;
 use super::progress::EventPrinter;
 use super::run::MissionOptions;
@@ -253,6 +253,8 @@ pub(super) struct RecorderThread {
     connected: mpsc::Receiver<()>,
     /// Set once nobody sends any more.
     ended: Arc<AtomicBool>,
+    /// To have it take what has been sent.
+    pub(super) calls: Arc<Calls>,
     /// Readable when the thread has ended.
     pub(super) wake: OwnedFd,
 }
@@ -278,7 +280,9 @@ impl RecorderThread {
         let (connect, do_connect) = mpsc::channel();
         let (tell, connected) = mpsc::channel();
         let ended = Arc::new(AtomicBool::new(false));
-        let gate = PageGate::new(overseer.clone(), Arc::clone(&ended), pace);
+        let calls = Arc::new(Calls::default());
+        let (of_gate, of_thread) = (Arc::clone(&calls), Arc::clone(&calls));
+        let gate = PageGate::new(overseer.clone(), Arc::clone(&ended), of_gate, pace);
         let space = plan.run.space()?;
         let bus_options = plan.run.bus_options();
         let thread = std::thread::Builder::new()
@@ -296,7 +300,10 @@ impl RecorderThread {
                     recorder.update_connections()?;
                 }
                 let _ = tell.send(());
-                recorder.run(&gate, &mut printer)
+                of_thread.open(true);
+                let recorded = recorder.run(&gate, &mut printer);
+                of_thread.open(false);
+                recorded
             })
             .map_err(system("cannot start the recorder's thread"))?;
         let recorder = Self {
@@ -304,6 +311,7 @@ impl RecorderThread {
             connect,
             connected,
             ended,
+            calls,
             wake,
         };
         // Its subscriptions must stand before anybody sends.

@@ -266,6 +266,7 @@ impl<'a> Flight<'a> {
             self.bus,
             self.overseer.clone(),
             self.hang_timeout,
+            Arc::clone(&self.recorder.calls),
             self.options,
         )?;
         let started = supervisor.start();

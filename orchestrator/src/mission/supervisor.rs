@@ -2,6 +2,7 @@
 //! and does what the scenario wants done then.
 
 use std::cmp::Ordering;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use ipc_types::bus::Bus;
@@ -16,6 +17,7 @@ use super::children::{RunningProcess, end_all};
 use super::chronicle::Chronicle;
 use super::error::MissionError;
 use super::failure::Failure;
+use super::gate::Calls;
 use super::plan::Plan;
 use super::report;
 use super::run::{MissionOptions, config_path, write_config};
@@ -35,6 +37,7 @@ pub(super) struct Supervisor<'a> {
     charges: Vec<Charge>,
     absences: Absences,
     hang_timeout: Duration,
+    recorder: Arc<Calls>,
     /// Whether the lines of the processes are shown.
     echo: bool,
     last_tick: u64,
@@ -51,6 +54,7 @@ impl<'a> Supervisor<'a> {
         bus: &'a Bus,
         overseer: Overseer,
         hang_timeout: Duration,
+        recorder: Arc<Calls>,
         options: &MissionOptions,
     ) -> Result<Self, MissionError> {
         let chronicle = Chronicle::open(bus, plan.orchestrator_index(), plan.run.tick_period_ns)?;
@@ -69,6 +73,7 @@ impl<'a> Supervisor<'a> {
             processes: Vec::new(),
             charges: Vec::new(),
             hang_timeout,
+            recorder,
             echo: !options.quiet,
             last_tick: 0,
             last_progress: now,
@@ -311,7 +316,7 @@ impl<'a> Supervisor<'a> {
                 continue;
             }
             // Whatever its predecessor has left takes up its place.
-            self.bus.clean_up_dead();
+            self.clean_up_dead();
             self.overseer.reseat(slot);
             self.charges[slot].standing = Standing::Starting {
                 back_tick,
@@ -366,7 +371,7 @@ impl<'a> Supervisor<'a> {
         let name = self.plan.launches[slot].config.name.clone();
         let now = Instant::now();
         // Before it is buried: a sender with a full buffer towards it must not go on waiting.
-        self.bus.clean_up_dead();
+        self.clean_up_dead();
         if policy == OnFailure::Restart {
             let restart = &self.plan.launches[slot].supervision.restart;
             let away_s = restart.backoff(self.charges[slot].failures);
@@ -402,6 +407,12 @@ impl<'a> Supervisor<'a> {
         Ok(())
     }
 
+    /// Frees what the dead have left, once the recorder has taken what they had said.
+    fn clean_up_dead(&self) {
+        self.recorder.call();
+        self.bus.clean_up_dead();
+    }
+
     /// Ends the run because of a process.
     fn abort(&mut self, slot: usize, failure: &Failure, when: &str) -> MissionError {
         let process = &self.processes[slot];
@@ -409,7 +420,7 @@ impl<'a> Supervisor<'a> {
             // Stopped first: nobody waits for the buried, and the world must not go on without.
             self.overseer.set_phase(Phase::Stop);
             self.overseer.bury(slot);
-            self.bus.clean_up_dead();
+            self.clean_up_dead();
         }
         let (name, last_words) = (process.name.clone(), process.last_words());
         let restarts = self.charges.get(slot).map_or(0, |charge| charge.failures);

@@ -85,8 +85,10 @@ impl Recorder {
             // message that it speaks of is in them.
             let ended = gate.ended();
             let completed = gate.completed_tick();
+            let calls = gate.calls();
             let empty = self.drain()?;
             if empty {
+                gate.answer(calls);
                 if ended {
                     break;
                 }

@@ -21,6 +21,16 @@ pub trait Gate {
     /// real time, that it was taken and waits for what may come late.
     fn recorded(&self, tick: u64);
 
+    /// How often somebody has asked the recorder to take what has been sent by then.
+    fn calls(&self) -> u64 {
+        0
+    }
+
+    /// Tells those who asked, the last of them by this call, that it has been taken.
+    fn answer(&self, calls: u64) {
+        let _ = calls;
+    }
+
     /// Whether no message will be sent any more that is not in the buffers already.
     fn ended(&self) -> bool;
 }

@@ -144,7 +144,9 @@ impl Tally {
             // What the gate says must be known before the buffers are looked at: then every
             // message that it speaks of is in them.
             let (ended, completed) = (gate.ended(), gate.completed_tick());
+            let calls = gate.calls();
             self.take(completed, observer)?;
+            gate.answer(calls);
             if ended {
                 return Ok(self.finish());
             }
