@@ -176,7 +176,12 @@ mod tests {
     use super::*;
 
     /// Draws what `set` gives: now and then, as `points` points, until the robot is out.
-    fn drawn_until_out(mut lines: RobotLines, set: impl Fn(&mut RobotLines), id: &str, points: usize) {
+    fn drawn_until_out(
+        mut lines: RobotLines,
+        set: impl Fn(&mut RobotLines),
+        id: &str,
+        points: usize,
+    ) {
         let robots = [RobotInfo {
             name: "thief".to_owned(),
             radius: 0.1,
