@@ -4,8 +4,8 @@ usage: browse.py CHROMIUM PAGE < JSON list of steps
 
 A step is {"eval": JavaScript} (a promise is waited for), {"until": JavaScript} (tried until it gives
 something true), {"key": name}, {"shot": file.png}, {"colours": JavaScript} (what the function makes of the
-red, green, blue and alpha bytes of a screenshot), {"until_colours": JavaScript, "all": keys, "least": n} (until
-all of these numbers of it are that large) or {"dark": true}. Prints {"answers": [...], "errors": [...], "requests": [...]}: what the scripts gave,
+red, green, blue and alpha bytes of a screenshot), {"until_colours": JavaScript, "least": {key: n}} (until
+these numbers of it are that large) or {"dark": true}. Prints {"answers": [...], "errors": [...], "requests": [...]}: what the scripts gave,
 whatever the console complained of, and every address that was asked for.
 """
 
@@ -138,7 +138,7 @@ def take(browser, step):
     elif "until_colours" in step:
         while True:
             found = colours(browser, step["until_colours"])
-            if all(found[key] >= step["least"] for key in step["all"]):
+            if all(found[key] >= least for key, least in step["least"].items()):
                 break
             if time.monotonic() > DEADLINE:
                 raise SystemExit(f"only {found} is drawn: {browser.errors}")

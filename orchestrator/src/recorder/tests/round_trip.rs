@@ -221,6 +221,16 @@ fn pictures_keep_their_rate_and_never_miss_the_first_the_last_or_an_event() {
     assert_eq!(times("/viewer/obstacles"), [0, 3]);
     assert_eq!(times("/viewer/log"), [5]);
 
+    // What lasts comes again after two seconds, with the picture that is due then.
+    let path = directory.path().join("long.mcap");
+    record(&path, &run(100, 1), 5);
+    let times = |topic: &str| -> Vec<u64> {
+        let all = read(&path).into_iter().filter(|m| m.0 == topic);
+        all.map(|m| m.2 / PERIOD_NS).collect()
+    };
+    assert_eq!(times("/viewer/map"), [0, 40, 80]);
+    assert_eq!(times("/viewer/obstacles"), [0, 3, 44, 84]);
+
     let path = directory.path().join("plain.mcap");
     let mut options = options(&path);
     options.viewer = ViewerOptions {

@@ -4,8 +4,10 @@
 //! Everything of one tick is gathered and drawn when the tick is complete, at most
 //! `rate_hz` times per simulated second; the first and the last state and every tick at which
 //! something happened are always drawn. Every message is a whole picture of its topic, so that a
-//! viewer that jumps in time shows the right thing from the one message before.
+//! viewer that jumps in time shows the right thing from the one message before. What seldom changes
+//! is drawn again now and then (see `again`).
 
+mod again;
 mod channel;
 mod dominance;
 mod grid;
@@ -30,6 +32,7 @@ use ipc_types::messages::world::{
     MapCell, MapHeader, ObstacleEvent, RobotState, WorldEvent, WorldHeader,
 };
 
+use self::again::Again;
 use self::channel::ViewerChannel;
 use self::robot_lines::RobotLines;
 use self::shapes::Obstacles;
@@ -72,6 +75,9 @@ pub(super) struct Viewer {
     /// Time from which the next picture is due [ns].
     due_ns: u64,
     state: Option<State>,
+    map: Option<Grid>,
+    map_again: Again,
+    obstacles_again: Again,
     /// Middle of the map [m].
     centre: Option<[f64; 2]>,
     trail: scene::Trail,
@@ -159,6 +165,9 @@ impl Viewer {
             channels,
             due_ns: 0,
             state: None,
+            map: None,
+            map_again: Again::default(),
+            obstacles_again: Again::default(),
             centre: None,
             trail: scene::Trail::default(),
             plans: RobotLines::plans(robots.len()),
@@ -213,12 +222,24 @@ impl Viewer {
             middle(header.origin_y, header.height),
         ]);
         self.visibility.map(header, cells.clone());
-        let Self {
-            channels, buffer, ..
-        } = self;
-        channels.map.write(log, time_ns, &grid, buffer)?;
+        self.map = Some(grid);
+        self.draw_map(time_ns, log)?;
         let walls = walls::draw(header, time_ns, cells);
-        channels.walls.write(log, time_ns, &walls, buffer)
+        self.channels
+            .walls
+            .write(log, time_ns, &walls, &mut self.buffer)
+    }
+
+    fn draw_map(&mut self, time_ns: u64, log: &mut LogWriter) -> Result<(), LogError> {
+        let Some(grid) = &mut self.map else {
+            return Ok(());
+        };
+        grid.timestamp = Some(timestamp(time_ns));
+        self.channels
+            .map
+            .write(log, time_ns, grid, &mut self.buffer)?;
+        self.map_again.drawn(time_ns, self.buffer.len());
+        Ok(())
     }
 
     /// Draws who reaches what first, whenever a referee says it.
@@ -296,7 +317,9 @@ impl Viewer {
         let update = self.obstacles.draw(time_ns);
         self.channels
             .obstacles
-            .write(log, time_ns, &update, &mut self.buffer)
+            .write(log, time_ns, &update, &mut self.buffer)?;
+        self.obstacles_again.drawn(time_ns, self.buffer.len());
+        Ok(())
     }
 
     /// Whether the present tick will be drawn, so that what belongs to it is worth decoding.
@@ -422,11 +445,19 @@ impl Viewer {
             self.channels
                 .plans
                 .write(log, time_ns, &update, &mut self.buffer)?;
+            self.plans.drawn(time_ns, self.buffer.len());
         }
         if let Some(update) = self.trees.draw(&self.robots, &state.robots, time_ns) {
             self.channels
                 .trees
                 .write(log, time_ns, &update, &mut self.buffer)?;
+            self.trees.drawn(time_ns, self.buffer.len());
+        }
+        if self.map_again.is_due(time_ns) {
+            self.draw_map(time_ns, log)?;
+        }
+        if self.obstacles_again.is_due(time_ns) {
+            self.draw_obstacles(time_ns, log)?;
         }
         Ok(())
     }

@@ -9,6 +9,7 @@ use ipc_types::messages::robot::{PlanPoint, TreeEdge};
 use ipc_types::messages::world::RobotState;
 
 use super::super::options::RobotInfo;
+use super::again::Again;
 use super::scene::{entity, pose};
 use super::{palette, timestamp};
 
@@ -47,6 +48,7 @@ const TREE: Style = Style {
 pub(super) struct RobotLines {
     style: &'static Style,
     lines: Vec<Lines>,
+    again: Again,
 }
 
 #[derive(Debug, Clone, Default)]
@@ -76,6 +78,7 @@ impl RobotLines {
         Self {
             style,
             lines: vec![Lines::default(); robots],
+            again: Again::default(),
         }
     }
 
@@ -104,7 +107,8 @@ impl RobotLines {
         }
     }
 
-    /// The lines of all robots that still play, if any changed since the last picture.
+    /// The lines of all robots that still play, if any changed since the last picture, or if it is
+    /// due again.
     pub(super) fn draw(
         &mut self,
         robots: &[RobotInfo],
@@ -112,6 +116,7 @@ impl RobotLines {
         time_ns: u64,
     ) -> Option<SceneUpdate> {
         let style = self.style;
+        let again = self.again.is_due(time_ns);
         let mut update = SceneUpdate::default();
         let mut changed = false;
         for state in states {
@@ -153,11 +158,16 @@ impl RobotLines {
                     id,
                 });
             }
-            changed |= lines.changed || wanted != lines.shown;
+            changed |= lines.changed || wanted != lines.shown || (again && wanted);
             lines.shown = wanted;
             lines.changed = false;
         }
         changed.then_some(update)
+    }
+
+    /// They were drawn, in that many bytes.
+    pub(super) fn drawn(&mut self, time_ns: u64, bytes: usize) {
+        self.again.drawn(time_ns, bytes);
     }
 }
 
@@ -165,8 +175,13 @@ impl RobotLines {
 mod tests {
     use super::*;
 
-    /// Draws what `set` gives: once, as `points` points, until the robot is out.
-    fn drawn_once(mut lines: RobotLines, set: impl Fn(&mut RobotLines), id: &str, points: usize) {
+    /// Draws what `set` gives: now and then, as `points` points, until the robot is out.
+    fn drawn_until_out(
+        mut lines: RobotLines,
+        set: impl Fn(&mut RobotLines),
+        id: &str,
+        points: usize,
+    ) {
         let robots = [RobotInfo {
             name: "thief".to_owned(),
             radius: 0.1,
@@ -178,17 +193,22 @@ mod tests {
         let update = lines.draw(&robots, &[state], 1).unwrap();
         assert_eq!(update.entities[0].id, id);
         assert_eq!(update.entities[0].lines[0].points.len(), points);
+        lines.drawn(1, 100);
         assert!(lines.draw(&robots, &[state], 2).is_none());
+        // After a while once more: viewers may have lost it.
+        let update = lines.draw(&robots, &[state], 2_000_000_001).unwrap();
+        assert_eq!(update.entities[0].lines[0].points.len(), points);
+        lines.drawn(2_000_000_001, 100);
         state.status = 1;
-        let update = lines.draw(&robots, &[state], 3).unwrap();
+        let update = lines.draw(&robots, &[state], 3_000_000_000).unwrap();
         assert_eq!(update.deletions[0].id, id);
-        assert!(lines.draw(&robots, &[state], 4).is_none());
+        assert!(lines.draw(&robots, &[state], 9_000_000_000).is_none());
     }
 
     #[test]
-    fn a_tree_is_drawn_once_and_goes_with_its_robot() {
+    fn a_tree_is_drawn_now_and_then_and_goes_with_its_robot() {
         let edges = || [TreeEdge::default(); 3].into_iter();
-        drawn_once(
+        drawn_until_out(
             RobotLines::trees(1),
             |lines| lines.set_tree(0, edges()),
             "tree thief",
@@ -197,14 +217,14 @@ mod tests {
     }
 
     #[test]
-    fn a_plan_is_drawn_once_and_goes_with_its_robot() {
+    fn a_plan_is_drawn_now_and_then_and_goes_with_its_robot() {
         // Without times it begins where the robot is; with times it says itself where that is.
         for (time_s, points) in [(0.0, 4), (0.1, 3)] {
             let point = PlanPoint {
                 time_s,
                 ..PlanPoint::default()
             };
-            drawn_once(
+            drawn_until_out(
                 RobotLines::plans(1),
                 |lines| lines.set_plan(0, [point; 3].into_iter()),
                 "plan thief",
