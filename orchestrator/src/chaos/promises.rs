@@ -6,12 +6,14 @@
 //! 4. No process of it survives.
 //! 5. No shared memory, socket or file of it remains; after a killed orchestrator not once
 //!    `protean clean` has been through.
-//! 6. Robots whose planner fails stand still one tick after its last command is too old, at the latest.
+//! 6. Robots whose planner fails stand still when its last command is too old, in the next tick at the
+//!    latest.
 //! 7. Its log can be read; a killed orchestrator loses at most the last second.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use kit::config::ticks_within;
 use serde_json::Value as Json;
 
 use super::fault::{Fault, FaultKind, Policy};
@@ -336,7 +338,10 @@ impl Check<'_> {
         // Ticks that a command is good for after its own.
         let good_for = match fault.course {
             Course::LockStep => 0,
-            Course::RealTime => (scenario.run.command_deadline_s / scenario.run.dt + 1e-9) as u64,
+            Course::RealTime => ticks_within(
+                (scenario.run.command_deadline_s * 1e9) as u64,
+                Duration::from_secs_f64(scenario.run.dt),
+            ),
         };
         let stopped = match stops::Robots::read(&log, &robots, &mut watch()) {
             Ok(seen) => seen.stopped(done.at_ns, good_for),

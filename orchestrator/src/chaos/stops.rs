@@ -194,7 +194,7 @@ mod tests {
 
     #[test]
     fn a_robot_drives_on_for_as_long_as_its_last_command_is_good() {
-        // Failed at tick 10 before it answered: followed at the ticks up to 15, held from then on.
+        // Failed at tick 10 before it answered; its last command is good for 9 to 14.
         let stopped = robots(9, 16, 30).stopped(after(10), 5).unwrap();
         assert_eq!(stopped.ticks, 5);
         assert!((stopped.after_s - 0.25).abs() < 1e-12, "{stopped:?}");

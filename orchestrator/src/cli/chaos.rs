@@ -21,7 +21,7 @@ to a process of which something is done at a moment that --fault-seed draws. The
 
   the run ends, in bounded time, with an exit code that says how;
   a process that fails is named, and its policy is followed: the run ends, or the process comes back;
-  robots whose planner fails stand still a tick after its last command is too old, at the latest;
+  robots whose planner fails stand still as soon as its last command is too old;
   what only passes by (a pause, slowness) leaves the history in lock-step as it was, digest and all;
   no process of the run survives, and nothing remains in shared memory or on disk, after a killed
   orchestrator not once `protean clean` has been through;

@@ -1,6 +1,7 @@
 //! What a process is told at its start: one JSON file, written by the orchestrator.
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use ipc_types::bus::{BusError, BusOptions, RunSpace};
 use ipc_types::topics::RunSize;
@@ -102,6 +103,13 @@ pub enum Clock {
     },
 }
 
+/// Ticks after its own for which a command is good: those at which it is younger than the deadline
+/// [simulated ns].
+pub fn ticks_within(deadline_ns: u64, tick_period: Duration) -> u64 {
+    let period_ns = u64::try_from(tick_period.as_nanos()).unwrap_or(u64::MAX);
+    deadline_ns.div_ceil(period_ns.max(1)).saturating_sub(1)
+}
+
 /// What a process does while it waits for its turn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -183,5 +191,23 @@ impl RunConfig {
     /// Seconds of simulated time between two ticks.
     pub fn tick_period(&self) -> f64 {
         self.tick_period_ns as f64 * 1e-9
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_command_is_good_while_it_is_younger_than_the_deadline() {
+        let ticks =
+            |deadline_ms: u64| ticks_within(deadline_ms * 1_000_000, Duration::from_millis(50));
+        // Its own tick, and those 50, 100, 150 and 200 ms later.
+        assert_eq!(ticks(250), 4);
+        assert_eq!(ticks(251), 5);
+        assert_eq!(ticks(120), 2);
+        // Always for its own.
+        assert_eq!((ticks(50), ticks(1), ticks(0)), (0, 0, 0));
+        assert_eq!(ticks_within(u64::MAX, Duration::ZERO), u64::MAX - 1);
     }
 }

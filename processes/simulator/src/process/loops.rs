@@ -79,7 +79,7 @@ impl Simulator {
         deadline_ns: u64,
     ) -> Result<(), ProcessError> {
         let period = self.tick_period.div_f64(factor.max(1e-3));
-        let max_age = deadline_ns / self.tick_period.as_nanos().max(1) as u64;
+        let max_age = kit::config::ticks_within(deadline_ns, self.tick_period);
         let mut due = Instant::now();
         let mut overruns = 0;
         loop {
