@@ -6,5 +6,6 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
+    orchestrator::memory::share_arenas();
     orchestrator::cli::main()
 }
