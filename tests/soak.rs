@@ -123,7 +123,7 @@ fn the_threads_of_an_orchestrator_share_few_arenas() {
     let starts_one = |line: &&str| {
         let start = line.split('-').next().unwrap();
         let start = u64::from_str_radix(start, 16).unwrap();
-        line.contains(" rw-p 00000000 00:00 0") && start % (64 << 20) == 0
+        line.contains(" rw-p 00000000 00:00 0") && start.is_multiple_of(64 << 20)
     };
     let arenas = maps.lines().filter(starts_one).count();
     let processors = std::thread::available_parallelism().unwrap().get();
