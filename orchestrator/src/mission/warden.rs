@@ -60,13 +60,16 @@ const HANDED_ON: [Signal; 6] = [
 pub(super) struct Ward {
     /// Its process id.
     pub(super) pid: u32,
-    pidfd: OwnedFd,
+    /// `None` if it ended so soon that it was gone already: its warden then ends as it did.
+    pidfd: Option<OwnedFd>,
 }
 
 impl Ward {
     /// Sends it a signal; one that has ended hears nothing.
     pub(super) fn signal(&self, signal: Signal) {
-        let _ = rustix::process::pidfd_send_signal(&self.pidfd, signal);
+        if let Some(pidfd) = &self.pidfd {
+            let _ = rustix::process::pidfd_send_signal(pidfd, signal);
+        }
     }
 }
 
@@ -87,17 +90,17 @@ pub(super) fn await_ward(warden: &OwnedFd, stdout: ChildStdout) -> std::io::Resu
     };
     match said {
         Some(("started", pid)) => {
-            let gone = || std::io::Error::from(std::io::ErrorKind::BrokenPipe);
-            let id = Pid::from_raw(pid).ok_or_else(gone)?;
-            let pidfd = rustix::process::pidfd_open(id, PidfdFlags::empty())?;
+            let id = Pid::from_raw(pid).ok_or(std::io::ErrorKind::InvalidData)?;
+            let pidfd = match rustix::process::pidfd_open(id, PidfdFlags::empty()) {
+                Err(rustix::io::Errno::SRCH) => None,
+                opened => Some(opened?),
+            };
             // As long as the warden is there the number is its program's: it keeps that, dead or alive.
             let mut ended = [PollFd::new(warden, PollFlags::IN)];
-            if rustix::event::poll(&mut ended, Some(&Timespec::default()))? > 0 {
-                return Err(gone());
-            }
+            let is_over = rustix::event::poll(&mut ended, Some(&Timespec::default()))? > 0;
             Ok(Ward {
                 pid: pid.unsigned_abs(),
-                pidfd,
+                pidfd: pidfd.filter(|_| !is_over),
             })
         }
         Some(("refused", number)) if number > 0 => Err(std::io::Error::from_raw_os_error(number)),
@@ -291,5 +294,31 @@ fn die_with_this_thread(command: &mut Command) {
     // needs none).
     unsafe {
         command.pre_exec(ask);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_program_that_has_long_ended_was_started_all_the_same() {
+        let mut program = Command::new("true").spawn().unwrap();
+        let pid = program.id();
+        program.wait().unwrap();
+        // A warden that has ended too, once it is looked at.
+        let mut warden = Command::new("echo")
+            .args(["started", &pid.to_string()])
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let pidfd = rustix::process::pidfd_open(Pid::from_child(&warden), PidfdFlags::empty());
+        let stdout = warden.stdout.take().unwrap();
+        warden.wait().unwrap();
+        let ward = await_ward(&pidfd.unwrap(), stdout).unwrap();
+        assert_eq!(ward.pid, pid);
+        assert!(ward.pidfd.is_none());
+        // Whoever has its number now hears nothing.
+        ward.signal(Signal::KILL);
     }
 }
