@@ -3,6 +3,7 @@
 
 use std::fs::File;
 use std::io::Read as _;
+use std::os::unix::process::CommandExt as _;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
@@ -98,7 +99,9 @@ impl Mission {
             let path = annex.path().join(name);
             File::create(&path).map_err(system(path.display().to_string()))
         };
+        // In a group of its own: Ctrl-C is for chaos, which then ends in order.
         let child = mission_command
+            .process_group(0)
             .stdout(out("stdout")?)
             .stderr(out("stderr")?)
             .spawn()

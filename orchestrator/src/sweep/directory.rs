@@ -27,15 +27,27 @@ pub fn kind_of(directory: &Path) -> Result<Kind, SweepError> {
     Ok(manifest.kind)
 }
 
-/// Locks a directory of results until the file is closed.
+/// A directory of results that is locked until this is dropped.
+#[derive(Debug)]
+pub(super) struct Lock(File);
+
+impl Drop for Lock {
+    fn drop(&mut self) {
+        // To close it is not enough: a process that another thread is just starting holds it too, until
+        // it runs its own program.
+        let _ = flock(&self.0, FlockOperation::Unlock);
+    }
+}
+
+/// Locks a directory of results.
 ///
 /// # Errors
 /// [`SweepError::InUse`] if another sweep is at work in it.
-pub(super) fn lock(directory: &Path) -> Result<File, SweepError> {
+pub(super) fn lock(directory: &Path) -> Result<Lock, SweepError> {
     let path = directory.join(LOCK);
     let file = File::create(&path).map_err(SweepError::io(&path, "cannot make the lock file"))?;
     match flock(&file, FlockOperation::NonBlockingLockExclusive) {
-        Ok(()) => Ok(file),
+        Ok(()) => Ok(Lock(file)),
         Err(rustix::io::Errno::WOULDBLOCK) => Err(SweepError::InUse {
             path: directory.to_owned(),
         }),

@@ -10,10 +10,9 @@
 //! | `logs/` | logs that were kept |
 
 use std::collections::BTreeMap;
-use std::fs::File;
 use std::path::{Path, PathBuf};
 
-use super::directory::{MANIFEST, lock, read_manifest, replace, write_manifest};
+use super::directory::{Lock, MANIFEST, lock, read_manifest, replace, write_manifest};
 use super::error::SweepError;
 use super::journal::{self, Entry, Journal};
 use super::manifest::Manifest;
@@ -47,7 +46,7 @@ pub struct Results<R = Row> {
     cpu_ms: BTreeMap<MissionId, f64>,
     /// What was found odd at opening.
     notes: Vec<String>,
-    _lock: File,
+    _lock: Lock,
 }
 
 impl<R: Record> Results<R> {
@@ -117,7 +116,7 @@ impl<R: Record> Results<R> {
         Self::with(directory, manifest, lock)
     }
 
-    fn with(directory: &Path, manifest: Manifest, lock: File) -> Result<Self, SweepError> {
+    fn with(directory: &Path, manifest: Manifest, lock: Lock) -> Result<Self, SweepError> {
         let opened = Journal::open::<R>(directory)?;
         let mut results = Self {
             directory: directory.to_owned(),
