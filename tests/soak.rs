@@ -104,6 +104,16 @@ fn what_was_seen_is_judged_again() {
     assert_eq!(refused.code, Some(2), "{refused}");
     assert!(refused.stderr.contains("soak.csv: "), "{refused}");
     assert!(refused.stderr.contains("line: 2"), "{refused}");
+    // Nothing was seen: that is not flat.
+    for nothing in [head, ""] {
+        sandbox.file("soak.csv", nothing);
+        let refused = sandbox.protean(["soak", "--read", "soak.csv"]).run();
+        assert_eq!(refused.code, Some(2), "{refused}");
+        assert!(
+            refused.stderr.contains("soak.csv: no missions in it"),
+            "{refused}"
+        );
+    }
 }
 
 /// Each keeps pages that are only partly used, so that what is held would grow with their number.

@@ -118,6 +118,10 @@ fn read(path: &Path) -> Result<SoakReport, ExitCode> {
     let missions = File::open(path)
         .map_err(|e| e.to_string())
         .and_then(|file| rows::read(file).map_err(|e| e.to_string()))
+        .and_then(|missions| match missions.len() {
+            0 => Err("no missions in it".to_owned()),
+            _ => Ok(missions),
+        })
         .map_err(|error| {
             eprintln!(
                 "error: {}: {error}; expected the soak.csv of a soak",

@@ -74,7 +74,7 @@ impl Wiring for OptimiserProcess {
 fn attend(bus: &Bus) -> Result<Attendant<OptimiserPlan>, ProcessError> {
     let mut memory = Memory::default();
     let attendant = bus.attend::<OptimiserPlan>(move |header, points| {
-        let last = memory.last(header);
+        let last = memory.followed(header);
         let result = request::decode(header, points)
             .map_err(Refusal::from)
             .and_then(|(problem, options)| {

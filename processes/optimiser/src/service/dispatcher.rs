@@ -194,7 +194,7 @@ impl Desk {
             id,
             problem,
             options,
-            last: self.memory.last(&header),
+            last: self.memory.followed(&header),
             deadline_ns: deadline_ns(&header, clock::monotonic_ns()),
             cancelled,
         });

@@ -15,7 +15,8 @@ const EACH: usize = 4;
 /// The newest plans of every robot, by the requests that they answered.
 ///
 /// What a request finds here depends on the plan that it names and on nothing else that was asked in
-/// between: a client only names plans that it has received, each of which was remembered before.
+/// between: a client only names plans that it has received, each of which was remembered before, and
+/// never one older than it has named already.
 #[derive(Debug, Default)]
 pub struct Memory {
     plans: BTreeMap<u32, VecDeque<(Key, Arc<Plan>)>>,
@@ -26,22 +27,26 @@ type Key = (u32, u64);
 
 impl Memory {
     /// Remembers the plan that answers a request.
-    pub fn keep(&mut self, request: &PlanRequest, plan: Plan) {
+    pub fn keep(&mut self, request: &PlanRequest, mut plan: Plan) {
         if request.robot >= ROBOTS {
             return;
         }
         let plans = self.plans.entry(request.robot).or_default();
+        let key = (request.stamp.source, request.stamp.sequence);
+        // A client that counts anew has been started anew, and knows nothing of what it was answered before.
+        plans.retain(|(known, _)| known.0 != key.0 || known.1 < key.1);
         if plans.len() == EACH {
             plans.pop_front();
         }
-        let key = (request.stamp.source, request.stamp.sequence);
+        plan.samples.shrink_to_fit();
         plans.push_back((key, Arc::new(plan)));
     }
 
-    /// The plan that a request says its robot follows.
-    pub fn last(&self, request: &PlanRequest) -> Option<Arc<Plan>> {
+    /// The plan that a request says its robot follows. What was planned for it before is forgotten.
+    pub fn followed(&mut self, request: &PlanRequest) -> Option<Arc<Plan>> {
         let key = (request.stamp.source, request.last.checked_sub(1)?);
-        let plans = self.plans.get(&request.robot)?;
+        let plans = self.plans.get_mut(&request.robot)?;
+        plans.retain(|(known, _)| known.0 != key.0 || known.1 >= key.1);
         let found = plans.iter().find(|(known, _)| *known == key);
         found.map(|(_, plan)| Arc::clone(plan))
     }
@@ -83,7 +88,8 @@ mod tests {
             memory.keep(&request(1, sequence, 0), plan(sequence as f64));
             memory.keep(&request(2, sequence, 0), plan(10.0 + sequence as f64));
         }
-        let time = |request: PlanRequest| memory.last(&request).map(|plan| plan.final_time);
+        let mut time =
+            |request: PlanRequest| memory.followed(&request).map(|plan| plan.final_time);
         assert_eq!(time(request(1, 9, 6)), Some(5.0));
         assert_eq!(time(request(2, 9, 4)), Some(13.0));
         // None named, one that is forgotten, one that never was, another robot's.
@@ -91,6 +97,30 @@ mod tests {
         assert_eq!(time(request(1, 9, 2)), None);
         assert_eq!(time(request(1, 9, u64::MAX)), None);
         assert_eq!(time(request(3, 9, 6)), None);
+    }
+
+    #[test]
+    fn what_came_before_the_plan_that_is_followed_is_forgotten() {
+        let mut memory = Memory::default();
+        for sequence in 0..4 {
+            memory.keep(&request(1, sequence, 0), plan(sequence as f64));
+        }
+        assert!(memory.followed(&request(1, 4, 3)).is_some());
+        let left: Vec<f64> = memory.plans[&1].iter().map(|(_, p)| p.final_time).collect();
+        // The one that is followed, and one that may be taken up yet.
+        assert_eq!(left, [2.0, 3.0]);
+    }
+
+    #[test]
+    fn a_client_started_anew_finds_no_plans_of_its_former_life() {
+        let mut memory = Memory::default();
+        for sequence in 0..3 {
+            memory.keep(&request(1, sequence, 0), plan(sequence as f64));
+        }
+        memory.keep(&request(1, 0, 0), plan(10.0));
+        let found = memory.followed(&request(1, 1, 1)).map(|p| p.final_time);
+        assert_eq!(found, Some(10.0));
+        assert_eq!(memory.followed(&request(1, 1, 3)), None);
     }
 
     #[test]
