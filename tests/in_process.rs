@@ -2,6 +2,7 @@
 
 use crate::support::Sandbox;
 use crate::support::history::History;
+use crate::support::programs::driven_by;
 use orchestrator::scenario::builtin::SCENARIOS;
 use serde_json::Value as Json;
 
@@ -276,25 +277,7 @@ fn what_needs_processes_is_refused_by_name() {
     assert!(real_time.contains("run.mode"), "{real_time}");
     let both = refused(&["hello", "--real-time"], &[]);
     assert!(both.contains("--real-time"), "{both}");
-    sandbox.file(
-        "own.toml",
-        r#"
-[run]
-seed = 1
-[world]
-map = "builtin:hello"
-[rules]
-time_limit = 1.0
-[[robots]]
-name = "scout"
-team = "neutral"
-start = { x = 1.0, y = 1.0, theta = 0.0 }
-[[processes]]
-name = "mine"
-command = ["./mine"]
-robots = ["scout"]
-"#,
-    );
+    sandbox.file("own.toml", driven_by("mine", r#"command = ["./mine"]"#));
     let external = refused(&["own.toml", "--allow-external"], &[]);
     assert!(
         external.contains("processes.mine.command") && external.contains("run it as"),

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use crate::support::call::{PATIENCE, Running};
 use crate::support::history::History;
+use crate::support::programs::driven_by;
 use crate::support::sandbox::{Process, end_sleeping, signal, sleeping};
 use crate::support::{SOON, Sandbox, python, until, wait_for_tick};
 use rustix::process::Signal;
@@ -192,22 +193,10 @@ fn the_next_run_cleans_up_after_a_killed_orchestrator() {
     assert!(states_of_torn(&log(&sandbox)) > 0);
 }
 
-/// A scenario with a program that never answers and has started others, one in a session of its own
-/// and one that has forgotten its environment as well. (By the time it is called `sleep`, it has.)
-const STUBBORN: &str = r#"
-[world]
-map = "builtin:hello"
-[rules]
-time_limit = 5.0
-[[robots]]
-name = "robot"
-team = "neutral"
-start = { x = 0.5, y = 0.5, theta = 0.0 }
-[[processes]]
-name = "stubborn"
-command = ["/bin/sh", "-c", "setsid env -i sleep TIME & setsid sleep 1000 & wait"]
-robots = ["robot"]
-"#;
+/// Never answers and has started others, one in a session of its own and one that has forgotten its
+/// environment as well. (By the time it is called `sleep`, it has.)
+const STUBBORN: &str =
+    r#"command = ["/bin/sh", "-c", "setsid env -i sleep TIME & setsid sleep 1000 & wait"]"#;
 
 /// The stubborn program in a run, and whom it has started.
 struct Stubborn<'a> {
@@ -224,7 +213,8 @@ impl<'a> Stubborn<'a> {
     fn start(sandbox: &'a Sandbox) -> Self {
         let (before, known) = (sandbox.processes(), sandbox.runs());
         let time = format!("1000.{}", std::process::id());
-        sandbox.file("stubborn.toml", STUBBORN.replace("TIME", &time));
+        let lines = STUBBORN.replace("TIME", &time);
+        sandbox.file("stubborn.toml", driven_by("stubborn", &lines));
         let words = [
             "run",
             "stubborn.toml",

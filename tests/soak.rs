@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use rustix::process::Signal;
 use serde_json::Value as Json;
 
+use crate::support::programs::driven_by;
 use crate::support::{Sandbox, wait_for_tick};
 
 #[test]
@@ -47,13 +48,8 @@ fn missions_come_again_and_again_and_nothing_is_left() {
 #[test]
 fn a_mission_that_fails_is_named() {
     let sandbox = Sandbox::new();
-    sandbox.file(
-        "broken.toml",
-        "[world]\nmap = \"builtin:hello\"\n\
-         [rules]\ntime_limit = 1.0\n\
-         [[robots]]\nname = \"a\"\nteam = \"neutral\"\nstart = { x = 1.0, y = 1.0, theta = 0.0 }\n\
-         [[processes]]\nname = \"nobody\"\ncommand = [\"false\"]\nrobots = [\"a\"]\n",
-    );
+    let broken = driven_by("nobody", r#"command = ["false"]"#);
+    sandbox.file("broken.toml", broken);
     let arguments = ["soak", "broken.toml", "--minutes", "0.001"];
     let refused = sandbox.protean(arguments).run();
     assert_eq!(refused.code, Some(2), "{}", refused.stderr);

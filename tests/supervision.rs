@@ -16,6 +16,7 @@ use serde_json::Value as Json;
 
 use crate::support::call::{Outcome, PATIENCE, Running};
 use crate::support::history::History;
+use crate::support::programs::driven_by;
 use crate::support::sandbox::signal;
 use crate::support::{SOON, Sandbox, until, wait_for_tick};
 
@@ -419,27 +420,15 @@ fn a_navigator_outlives_the_optimiser_and_asks_its_successor() {
     sandbox.assert_nothing_left();
 }
 
-/// A robot whose program never becomes ready, complains, and has started another.
+/// Never becomes ready, complains, and has started another.
 const NEVER_READY: &str = r#"
-[world]
-map = "builtin:hello"
-[rules]
-time_limit = 5.0
-[[robots]]
-name = "robot"
-team = "neutral"
-start = { x = 0.5, y = 0.5, theta = 0.0 }
-[[processes]]
-name = "slow"
 command = ["/bin/sh", "-c", "echo 'still compiling' >&2; sleep 1000 & wait"]
-robots = ["robot"]
-ready_timeout_s = 1.0
-"#;
+ready_timeout_s = 1.0"#;
 
 #[test]
 fn a_program_that_never_becomes_ready_is_named_with_its_words_and_takes_its_own_along() {
     let sandbox = Sandbox::new();
-    sandbox.file("slow.toml", NEVER_READY);
+    sandbox.file("slow.toml", driven_by("slow", NEVER_READY));
     let words = ["run", "slow.toml", "--allow-external", "--quiet"];
     let outcome = sandbox.protean(words).run();
     let words = [
@@ -450,28 +439,15 @@ fn a_program_that_never_becomes_ready_is_named_with_its_words_and_takes_its_own_
     sandbox.assert_nothing_left();
 }
 
-/// A program that writes ten megabytes that are no text and no line, and then a word.
-const NOISY: &str = r#"
-[world]
-map = "builtin:hello"
-[rules]
-time_limit = 5.0
-[[robots]]
-name = "robot"
-team = "neutral"
-start = { x = 0.5, y = 0.5, theta = 0.0 }
-[[processes]]
-name = "noisy"
-command = ["/bin/sh", "-c", '''
+/// Writes ten megabytes that are no text and no line, and then a word.
+const NOISY: &str = r#"command = ["/bin/sh", "-c", '''
     head -c 10485760 /dev/zero | tr '\0' '\377' >&2; printf '\nafter it\n' >&2; exit 3
-''']
-robots = ["robot"]
-"#;
+''']"#;
 
 #[test]
 fn a_program_may_write_whatever_it_likes() {
     let sandbox = Sandbox::new();
-    sandbox.file("noisy.toml", NOISY);
+    sandbox.file("noisy.toml", driven_by("noisy", NOISY));
     let words = ["run", "noisy.toml", "--allow-external"];
     let outcome = sandbox.protean(words).run();
     let beginning = "\u{fffd}".repeat(2048);

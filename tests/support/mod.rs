@@ -8,6 +8,7 @@ pub mod call;
 pub mod geometry;
 pub mod history;
 pub mod invariants;
+pub mod programs;
 pub mod python;
 pub mod rig;
 pub mod sandbox;

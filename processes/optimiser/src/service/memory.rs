@@ -88,8 +88,7 @@ mod tests {
             memory.keep(&request(1, sequence, 0), plan(sequence as f64));
             memory.keep(&request(2, sequence, 0), plan(10.0 + sequence as f64));
         }
-        let mut time =
-            |request: PlanRequest| memory.followed(&request).map(|plan| plan.final_time);
+        let mut time = |request: PlanRequest| memory.followed(&request).map(|plan| plan.final_time);
         assert_eq!(time(request(1, 9, 6)), Some(5.0));
         assert_eq!(time(request(2, 9, 4)), Some(13.0));
         // None named, one that is forgotten, one that never was, another robot's.
