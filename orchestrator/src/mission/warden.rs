@@ -22,6 +22,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use rustix::event::{PollFd, PollFlags};
+use rustix::io::retry_on_intr;
 use rustix::process::{Pid, PidfdFlags, Signal, WaitId, WaitIdOptions};
 use rustix::thread::Timespec;
 use signal_hook::consts::SIGCHLD;
@@ -79,7 +80,9 @@ impl Ward {
 /// What the system said to the program's start, or that the warden said nothing.
 pub(super) fn await_ward(warden: &OwnedFd, stdout: ChildStdout) -> std::io::Result<Ward> {
     let mut ready = [PollFd::new(&stdout, PollFlags::IN)];
-    if rustix::event::poll(&mut ready, Some(&START_WITHIN))? == 0 {
+    // A signal (Ctrl-C, say) that is taken meanwhile is for others to heed.
+    let is_ready = || rustix::event::poll(&mut ready, Some(&START_WITHIN));
+    if retry_on_intr(is_ready)? == 0 {
         return Err(std::io::ErrorKind::TimedOut.into());
     }
     let mut line = String::new();
@@ -97,7 +100,8 @@ pub(super) fn await_ward(warden: &OwnedFd, stdout: ChildStdout) -> std::io::Resu
             };
             // As long as the warden is there the number is its program's: it keeps that, dead or alive.
             let mut ended = [PollFd::new(warden, PollFlags::IN)];
-            let is_over = rustix::event::poll(&mut ended, Some(&Timespec::default()))? > 0;
+            let has_ended = || rustix::event::poll(&mut ended, Some(&Timespec::default()));
+            let is_over = retry_on_intr(has_ended)? > 0;
             Ok(Ward {
                 pid: pid.unsigned_abs(),
                 pidfd: pidfd.filter(|_| !is_over),
@@ -299,6 +303,8 @@ fn die_with_this_thread(command: &mut Command) {
 
 #[cfg(test)]
 mod tests {
+    use signal_hook::consts::SIGWINCH;
+
     use super::*;
 
     #[test]
@@ -320,5 +326,43 @@ mod tests {
         assert!(ward.pidfd.is_none());
         // Whoever has its number now hears nothing.
         ward.signal(Signal::KILL);
+    }
+
+    #[test]
+    #[expect(
+        unsafe_code,
+        reason = "a signal for this thread and no other of the tests'"
+    )]
+    fn a_signal_that_comes_meanwhile_is_no_refusal() {
+        let came = Arc::new(AtomicBool::new(false));
+        signal_hook::flag::register(SIGWINCH, Arc::clone(&came)).unwrap();
+        let mut warden = Command::new("sh")
+            .args(["-c", "read line && echo started $$"])
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let pidfd = rustix::process::pidfd_open(Pid::from_child(&warden), PidfdFlags::empty());
+        let stdout = warden.stdout.take().unwrap();
+        let stat = format!("/proc/self/task/{}/stat", rustix::thread::gettid());
+        // SAFETY: takes nothing and says which thread this is.
+        let waiting = unsafe { libc::pthread_self() };
+        let mut stdin = warden.stdin.take().unwrap();
+        let teller = std::thread::spawn(move || {
+            let sleeps = || std::fs::read_to_string(&stat).unwrap().contains(") S ");
+            while !sleeps() {
+                std::thread::yield_now();
+            }
+            // SAFETY: the thread waits for what is written below, and for this one to end.
+            assert_eq!(unsafe { libc::pthread_kill(waiting, SIGWINCH) }, 0);
+            while !came.load(Ordering::SeqCst) {
+                std::thread::yield_now();
+            }
+            stdin.write_all(b"go\n").unwrap();
+        });
+        let ward = await_ward(&pidfd.unwrap(), stdout);
+        teller.join().unwrap();
+        assert_eq!(ward.unwrap().pid, warden.id());
+        warden.wait().unwrap();
     }
 }
