@@ -46,9 +46,10 @@ impl Memory {
     pub fn followed(&mut self, request: &PlanRequest) -> Option<Arc<Plan>> {
         let key = (request.stamp.source, request.last.checked_sub(1)?);
         let plans = self.plans.get_mut(&request.robot)?;
+        let (_, plan) = plans.iter().find(|(known, _)| *known == key)?;
+        let plan = Arc::clone(plan);
         plans.retain(|(known, _)| known.0 != key.0 || known.1 >= key.1);
-        let found = plans.iter().find(|(known, _)| *known == key);
-        found.map(|(_, plan)| Arc::clone(plan))
+        Some(plan)
     }
 }
 
@@ -108,6 +109,9 @@ mod tests {
         let left: Vec<f64> = memory.plans[&1].iter().map(|(_, p)| p.final_time).collect();
         // The one that is followed, and one that may be taken up yet.
         assert_eq!(left, [2.0, 3.0]);
+        // One that nobody was given is no reason to forget.
+        assert_eq!(memory.followed(&request(1, 4, 1000)), None);
+        assert!(memory.followed(&request(1, 4, 3)).is_some());
     }
 
     #[test]
