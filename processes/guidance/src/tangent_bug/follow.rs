@@ -46,8 +46,8 @@ pub(super) enum Following {
     Leave(Point2<f64>),
     /// All around the boundary without leaving it.
     Closed,
-    /// There is nothing but this boundary in sight.
-    Enclosed,
+    /// There is nothing but this boundary in sight: on towards the point of it that is farthest away.
+    Enclosed(Point2<f64>),
     /// The boundary is not there any more.
     Lost,
 }
@@ -74,13 +74,15 @@ impl Follow {
         self.least
     }
 
-    /// Takes in what is seen. `grown` is the radius obstacles are grown by [m].
+    /// Takes in what is seen. `grown` is the radius obstacles are grown by [m]; `may_trust` says whether
+    /// a goal in sight is reason enough to leave.
     pub(super) fn step(
         &mut self,
         view: &Surroundings,
         sight: &Sight,
         params: &TangentBugParams,
         grown: f64,
+        may_trust: bool,
     ) -> Following {
         let Some(at) = self.boundary(view, grown) else {
             return Following::Lost;
@@ -94,22 +96,35 @@ impl Follow {
                 .iter()
                 .find_map(|part| Run::around(view, at, part * params.jump)?.end(view, self.side))
         };
-        let end = run.end(view, self.side).or_else(finer);
-        if let Some(wall) = view.obstacle(run.nearest(view)) {
+        let gap = run.end(view, self.side).or_else(finer);
+        let run = match gap {
+            Some(_) => run,
+            None => run.parted_where_farthest(view),
+        };
+        if let Some(wall) = view.obstacle(run.nearest_beside(view, self.side)) {
             self.wall = wall;
         }
         for k in run.directions() {
             self.least = self.least.min((sight.goal - view.end(k)).norm());
         }
-        if sight.is_reachable {
+        if may_trust && sight.is_reachable {
             return Following::Leave(sight.goal);
         }
         let (reach, point) = Self::reach(view, sight, &run);
         if reach < self.least - params.leave_margin {
             return Following::Leave(point);
         }
-        let Some(end) = end else {
-            return Following::Enclosed;
+        if gap.is_none() {
+            let unit = self.turning_to(view, sight, params).or_else(|| {
+                let end = run.end(view, self.side)?;
+                self.decided = Some((view.here, end.unit));
+                Some(end.unit)
+            });
+            let way = unit.map(|unit| unit * view.free_towards(unit));
+            return Following::Enclosed(view.here + way.unwrap_or_default());
+        }
+        let Some(end) = gap else {
+            return Following::Lost;
         };
         if let Some(unit) = self.turning_to(view, sight, params) {
             return Following::Along(view.here + unit * view.free_towards(unit));

@@ -33,7 +33,10 @@ use surroundings::{Surroundings, nearest_direction};
 /// Cosine of the angle to the goal at which the way along a boundary brings nothing any more (85°).
 const NO_NEARER: f64 = 0.087;
 /// Looks in a row at nothing but boundary after which the robot is taken for walled in.
-const ENCLOSED_LOOKS: u32 = 20;
+const ENCLOSED_LOOKS: u32 = 60;
+/// Times that a goal in sight is believed to be reachable: between obstacles that leave just too little
+/// room for the robot it may come into sight at every turn, and for ever.
+const MOST_SIGHTINGS: u32 = 5;
 /// What the other side of an obstacle must save before the side is changed, in grown radii.
 const SIDE_HOLD: f64 = 1.5;
 /// Changes of mode within one look: towards the goal, to the boundary, away from it, once each.
@@ -137,6 +140,8 @@ pub struct TangentBug {
     state: State,
     /// Looks in a row at nothing but boundary.
     enclosed: u32,
+    /// Times that a boundary was left because the goal was in sight, and for no other reason.
+    sightings: u32,
     view: Surroundings,
 }
 
@@ -154,6 +159,7 @@ impl TangentBug {
             goal: None,
             state: State::ToGoal { side: None },
             enclosed: 0,
+            sightings: 0,
             view: Surroundings::default(),
         })
     }
@@ -168,6 +174,7 @@ impl TangentBug {
         self.goal = None;
         self.state = State::ToGoal { side: None };
         self.enclosed = 0;
+        self.sightings = 0;
     }
 
     /// What to do at a pose, with the scan made there, to come within `tolerance` [m] of a goal; a
@@ -266,16 +273,22 @@ impl TangentBug {
         })
     }
 
+    /// Whether a goal in sight is reason enough to leave a boundary.
+    fn may_trust(&self) -> bool {
+        self.sightings < MOST_SIGHTINGS
+    }
+
     /// Boundary following.
     fn follow(&mut self, mut follow: Follow, sight: &Sight) -> Change {
-        match follow.step(&self.view, sight, &self.params, self.grown) {
+        let may_trust = self.may_trust();
+        match follow.step(&self.view, sight, &self.params, self.grown, may_trust) {
             Following::Lost => Change::To(State::ToGoal { side: None }),
             Following::Leave(point) => Change::To(State::Leaving {
                 point,
                 follow,
                 from: self.view.here,
             }),
-            Following::Enclosed => self.walled_in(follow),
+            Following::Enclosed(towards) => self.walled_in(follow, towards),
             Following::Closed => Change::To(State::Unreachable),
             Following::Along(towards) => {
                 self.enclosed = 0;
@@ -296,7 +309,9 @@ impl TangentBug {
         let to = point - self.view.here;
         let left = to.norm();
         let nearer = sight.distance < follow.least() - 0.5 * self.params.leave_margin;
-        if nearer || left < 0.25 * self.params.leave_margin || sight.is_reachable {
+        let is_trusted = sight.is_reachable && self.may_trust();
+        if nearer || left < 0.25 * self.params.leave_margin || is_trusted {
+            self.sightings += u32::from(!nearer);
             return Change::To(State::ToGoal {
                 side: Some(follow.side()),
             });
@@ -319,15 +334,16 @@ impl TangentBug {
         })
     }
 
-    /// Nothing but boundary all around: wait a little, for the sensor may err or a body move on.
-    fn walled_in(&mut self, follow: Follow) -> Change {
+    /// Nothing but boundary all around: on a little to where it is farthest away, for the tip of a wedge
+    /// looks like that, the sensor may err or a body move on.
+    fn walled_in(&mut self, follow: Follow, towards: Point2<f64>) -> Change {
         self.enclosed += 1;
         if self.enclosed >= ENCLOSED_LOOKS {
             return Change::To(State::Unreachable);
         }
         let mode = Mode::Boundary(follow.side());
         self.state = State::Following(follow);
-        Change::Answer(self.wait(mode))
+        Change::Answer(Advice::Head { towards, mode })
     }
 
     fn wait(&self, mode: Mode) -> Advice {

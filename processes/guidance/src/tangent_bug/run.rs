@@ -13,6 +13,9 @@ pub enum Side {
     Left,
 }
 
+/// Directions beside an end of a boundary in which it is the wall that is passed there: a third of a turn.
+const BESIDE: usize = DIRECTIONS / 3;
+
 /// Neighbouring directions that end at one piece of boundary: no gap and no jump between them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Run {
@@ -99,14 +102,49 @@ impl Run {
         })
     }
 
+    /// The same, of a run that is all around, with its ends where it is farthest away.
+    pub(super) fn parted_where_farthest(self, view: &Surroundings) -> Self {
+        let farther = |best, k| {
+            if view.free(k) > view.free(best) {
+                k
+            } else {
+                best
+            }
+        };
+        let Some(farthest) = self.directions().filter(|_| self.closed()).reduce(farther) else {
+            return self;
+        };
+        Self {
+            first: (farthest + 1) % DIRECTIONS,
+            count: DIRECTIONS - 1,
+        }
+    }
+
     /// The direction in which it is nearest.
     pub(super) fn nearest(&self, view: &Surroundings) -> usize {
-        let mut best = self.first;
-        for k in self.directions() {
+        Self::nearest_of(self.directions(), view).unwrap_or(self.first)
+    }
+
+    /// The direction in which it is nearest beside the end on a side: where it reaches farther around the robot,
+    /// as in the tip of a wedge, that part of it is another wall.
+    pub(super) fn nearest_beside(&self, view: &Surroundings, side: Side) -> usize {
+        let left_out = self.count.saturating_sub(BESIDE);
+        let skipped = match side {
+            Side::Right => left_out,
+            Side::Left => 0,
+        };
+        let beside = self.directions().skip(skipped).take(BESIDE);
+        Self::nearest_of(beside, view).unwrap_or(self.first)
+    }
+
+    fn nearest_of(directions: impl Iterator<Item = usize>, view: &Surroundings) -> Option<usize> {
+        // The first of those that are equally near.
+        directions.reduce(|best, k| {
             if view.free(k) < view.free(best) {
-                best = k;
+                k
+            } else {
+                best
             }
-        }
-        best
+        })
     }
 }

@@ -1,6 +1,7 @@
 //! A robot with a range sensor and a waypoint driver among obstacles it does not know.
 
 mod driver;
+mod in_sight;
 mod random;
 mod worlds;
 

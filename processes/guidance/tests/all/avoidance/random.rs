@@ -79,6 +79,14 @@ fn the_robot_reaches_what_can_be_reached_and_reports_the_rest() {
 }
 
 #[test]
+fn wedges_are_left_as_they_were_entered() {
+    // The tip of one looks walled in, and a step out of it either wall may be the one that was followed.
+    for seed in [2510, 2889, 5537, 6409, 7180] {
+        assert_eq!(drive(seed, PATROL), Some(true), "world {seed}");
+    }
+}
+
+#[test]
 fn a_robot_whose_speeds_take_time_to_change_does_as_well() {
     let nimble = Machine {
         accelerations: Some((1.0, 8.0)),
