@@ -10,8 +10,9 @@
 //!
 //! The robot is a disc: echoes are grown by its radius and a margin, and the algorithm works with a
 //! point among them. What is narrower than the grown disc counts as closed. Each stretch of motion
-//! towards the goal ends nearer to it, by a fixed margin, than the one before, so there can only be
-//! finitely many; the loop is closed when the robot drives along its own trail.
+//! towards the goal, but for a few that begin because it is in sight, ends nearer to it, by a fixed
+//! margin, than the one before, so there can only be finitely many; the loop is closed when the robot
+//! drives along its own trail.
 
 mod follow;
 mod run;
