@@ -110,7 +110,10 @@ fn a_mission_whose_chaos_was_killed_is_found_by_clean() {
         .join("protean")
         .join(&known)
         .join("annex");
-    let annex = until("the mission's folder", SOON, || std::fs::read(&note).ok());
+    let annex = until("the mission's folder", SOON, || {
+        // It is there a moment before anything is in it.
+        std::fs::read(&note).ok().filter(|path| !path.is_empty())
+    });
     let annex = PathBuf::from(std::ffi::OsString::from_vec(annex));
     let runtime_dir = annex.join("rt");
     let _guard = Killed(runtime_dir.clone());
