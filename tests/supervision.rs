@@ -17,7 +17,7 @@ use serde_json::Value as Json;
 use crate::support::call::{Outcome, PATIENCE, Running};
 use crate::support::history::History;
 use crate::support::programs::driven_by;
-use crate::support::sandbox::signal;
+use crate::support::sandbox::{signal, stop};
 use crate::support::{SOON, Sandbox, until, wait_for_tick};
 
 /// A chase of some thousand ticks that nobody wins, and what becomes of whom.
@@ -246,11 +246,9 @@ fn killed_processes_rejoin_at_a_tick_that_the_log_tells_and_others_stand_or_go_o
 fn kill_between_ticks(sandbox: &Sandbox, run: &str, name: &str, slot: usize) {
     let page = kit::lockstep::TurnPage::open(&Sandbox::prefix(run)).unwrap();
     let (simulator, victim) = (sandbox.process("simulator"), sandbox.process(name));
-    signal(simulator.pid, Signal::STOP);
+    stop(simulator.pid);
     until("a world that stands still", SOON, || {
-        let stat = std::fs::read_to_string(format!("/proc/{}/stat", simulator.pid)).unwrap();
-        let stopped = stat.rsplit(") ").next().unwrap().starts_with('T');
-        (stopped && page.ticks_done(slot) == page.ticks_posted()).then_some(())
+        (page.ticks_done(slot) == page.ticks_posted()).then_some(())
     });
     signal(victim.pid, Signal::KILL);
     until("its end", SOON, || {

@@ -3,7 +3,6 @@
 //! Read from outside, as anybody could: nothing here trusts what the processes say of themselves.
 
 use std::ffi::OsStr;
-use std::os::unix::ffi::OsStrExt as _;
 use std::os::unix::fs::MetadataExt as _;
 use std::path::{Path, PathBuf};
 
@@ -148,15 +147,17 @@ const PREFIX: &str = "protean_";
 /// # Errors
 /// [`CensusError::SharedMemory`] if they cannot be listed.
 pub fn segments_of(root: &Path) -> Result<Vec<String>, CensusError> {
-    let name = root.file_name().unwrap_or_default();
-    let mut prefix = PREFIX.as_bytes().to_vec();
-    prefix.extend_from_slice(name.as_bytes());
-    prefix.push(b'_');
-    let of_it = |segment: &OsStr| segment.as_bytes().starts_with(&prefix);
+    let prefix = prefix_of(root);
     Ok(segments()?
         .into_iter()
-        .filter(|segment| of_it(OsStr::new(segment)))
+        .filter(|segment| segment.starts_with(&prefix))
         .collect())
+}
+
+/// Beginning of the names of a run's shared memory, by the run's directory.
+pub fn prefix_of(root: &Path) -> String {
+    let name = root.file_name().unwrap_or_default().to_string_lossy();
+    format!("{PREFIX}{name}_")
 }
 
 /// The pieces of shared memory of all runs of this user.

@@ -7,8 +7,8 @@ use kit::lockstep::TurnPage;
 use rustix::process::Signal;
 
 use crate::support::history::History;
-use crate::support::sandbox::signal;
-use crate::support::{SOON, Sandbox, until, wait_for_tick};
+use crate::support::sandbox::{signal, stop};
+use crate::support::{SOON, Sandbox, python, until, wait_for_tick};
 
 /// What a killed orchestrator may cost.
 const LOST: Duration = Duration::from_secs(1);
@@ -83,6 +83,98 @@ fn a_killed_orchestrator_costs_the_log_a_second_at_most_and_recover_makes_it_who
             kept >= owed,
             "{kept} states of {owed} that are a second old"
         );
+    }
+    sandbox.assert_nothing_left();
+}
+
+/// What becomes of a run whose world has stood still.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Then {
+    GoesOn,
+    IsInterrupted,
+    IsKilled,
+}
+
+#[test]
+fn the_tick_in_which_the_world_stands_still_is_in_the_log_before_it_ends() {
+    let sandbox = Sandbox::new();
+    // 80 000 ticks: a run that waits for nobody to look at it.
+    let words = [
+        "run",
+        "hello",
+        "--quiet",
+        "--force",
+        "--out",
+        "run.mcap",
+        "--set",
+        "run.dt=0.0001",
+        "--set",
+        "rules.time_limit=8",
+        "--set",
+        "run.hang_timeout_s=300",
+    ];
+    let log = sandbox.path().join("run.mcap");
+    let saved = sandbox.path().join("saved.mcap");
+    // What could be saved of the log if the orchestrator were killed now.
+    let save = || {
+        let words = ["recover", "run.mcap", "--out", "saved.mcap", "--force"];
+        let recovered = sandbox.protean(words).run();
+        assert!(matches!(recovered.code, Some(0 | 3)), "{recovered}");
+        History::read(&saved)
+    };
+    let untouched = sandbox.protean(words).json();
+    let mut known = sandbox.runs();
+    for then in [Then::GoesOn, Then::IsInterrupted, Then::IsKilled] {
+        let running = sandbox.protean(words).arg("--json").start();
+        let run = sandbox.next_run(&known);
+        known.insert(run.clone());
+        wait_for_tick(&run, 20);
+        let page = TurnPage::open(&Sandbox::prefix(&run)).unwrap();
+        let planner = sandbox.process("evader_potential");
+        stop(planner.pid);
+        // Its seat is the one behind the simulator's.
+        until("a tick that it owes", SOON, || {
+            (page.ticks_done(1) < page.ticks_posted()).then_some(())
+        });
+        let posted = page.ticks_posted();
+        let history = until("the state in the log", SOON, || {
+            let history = save();
+            (history.states.len() as u64 >= posted).then_some(history)
+        });
+        assert_eq!(page.ticks_posted(), posted, "it stands still");
+        for (tick, state) in (0..).zip(&history.states) {
+            assert_eq!(state.tick, tick, "once each");
+        }
+        assert_eq!(history.states.len() as u64, posted);
+        assert_eq!(history.commands.len() as u64, posted - 1);
+        if then == Then::IsKilled {
+            running.signal(Signal::KILL);
+            running.finish();
+            sandbox.protean(["clean"]).json();
+            assert_eq!(save(), history);
+            if let Some(theirs) = python::read(&saved) {
+                assert_eq!(theirs.history, history);
+            }
+            continue;
+        }
+        if then == Then::IsInterrupted {
+            running.signal(Signal::INT);
+        }
+        signal(planner.pid, Signal::CONT);
+        let outcome = running.finish();
+        // Nobody can tell from the log afterwards, and readers pass over what was put by.
+        let info = sandbox.protean(["info", "run.mcap"]).json();
+        assert_eq!(info["condition"]["put_by"], 0);
+        assert_eq!(info["condition"]["faults"], serde_json::json!([]));
+        if then == Then::GoesOn {
+            let summary = outcome.json();
+            assert_eq!(summary["digest"], untouched["digest"]);
+            for topic in ["world/state", "robot/command", "robot/plan", "world/event"] {
+                assert_eq!(summary["topics"][topic], untouched["topics"][topic]);
+            }
+        } else if let Some(theirs) = python::read(&log) {
+            assert_eq!(theirs.history, History::read(&log));
+        }
     }
     sandbox.assert_nothing_left();
 }

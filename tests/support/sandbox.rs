@@ -239,6 +239,16 @@ pub fn signal(pid: u32, signal: Signal) {
     }
 }
 
+/// Stops a process, and waits until it does not do anything any more.
+pub fn stop(pid: u32) {
+    signal(pid, Signal::STOP);
+    until("its standstill", SOON, || {
+        let stat = std::fs::read_to_string(format!("/proc/{pid}/stat")).unwrap();
+        let state = stat.rsplit(") ").next().unwrap();
+        state.starts_with('T').then_some(())
+    });
+}
+
 /// The processes called `sleep` with this argument, wherever they are: of those that have forgotten
 /// their environment, nothing else is known.
 fn sleepers(time: &str) -> Vec<u32> {

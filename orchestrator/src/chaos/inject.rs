@@ -9,6 +9,7 @@ use rustix::process::{Pid, Signal, kill_process};
 
 use super::fault::{Fault, FaultKind};
 use super::mission::Mission;
+use super::posts::Posts;
 use crate::census::{self, CensusError, Member, WARDEN};
 use crate::mission::children::CONFIG_VARIABLE;
 
@@ -32,6 +33,8 @@ pub struct Injected {
     pub victim: Member,
     /// The second of its kind, if there is one.
     pub double: Option<Child>,
+    /// How far the world was before an orchestrator was killed.
+    pub(super) posts: Posts,
 }
 
 /// Waits for the moment and does it; `None` if the mission was over before.
@@ -43,9 +46,13 @@ pub(super) fn inject(
     fault: &Fault,
     moment: Duration,
 ) -> Result<Option<Injected>, CensusError> {
+    let mut posts = Posts::default();
     while mission.start.elapsed() < moment {
         if mission.is_over() {
             return Ok(None);
+        }
+        if fault.kind == FaultKind::KillOrchestrator {
+            posts.look(mission);
         }
         sleep((moment.saturating_sub(mission.start.elapsed())).min(Duration::from_millis(5)));
     }
@@ -57,6 +64,7 @@ pub(super) fn inject(
         at_ns: monotonic_ns(),
         victim,
         double: None,
+        posts,
     };
     let pid = injected.victim.pid;
     let done = match fault.kind {

@@ -4,6 +4,7 @@
 //! * [`fault`]: what can be done to whom, drawn from a seed;
 //! * [`mission`]: one run as its own program, with its own runtime directory;
 //! * [`inject`]: does it;
+//! * `posts`: how far the world was when an orchestrator was killed;
 //! * [`promises`]: what must hold afterwards, and what did not;
 //! * `stops`: how soon robots stood whose planner had failed;
 //! * [`table`]: what a person sees of it.
@@ -11,6 +12,7 @@
 pub mod fault;
 pub mod inject;
 pub mod mission;
+mod posts;
 pub mod promises;
 mod stops;
 pub mod table;

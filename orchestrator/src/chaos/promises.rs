@@ -285,11 +285,14 @@ impl Check<'_> {
     /// The log; what it lacks of the time before the orchestrator was killed [s].
     fn log(&mut self, mission: &Mission, done: &Injected) -> Option<f64> {
         let log = mission.log();
+        let killed = self.fault.kind == FaultKind::KillOrchestrator;
         if !log.exists() {
-            // Nothing had happened yet.
+            if killed {
+                // Nothing had happened yet, or this is a loss.
+                self.lost(done, 0);
+            }
             return None;
         }
-        let killed = self.fault.kind == FaultKind::KillOrchestrator;
         let readable = if killed {
             let whole = mission.path().join("recovered.mcap");
             match logs::recover(&log, &whole, true, &mut watch()) {
@@ -306,20 +309,23 @@ impl Check<'_> {
         if !killed {
             return None;
         }
-        match logs::last_sent(&readable, &mut watch()) {
-            Ok(Some(last_ns)) => {
-                let lost_s = done.at_ns.saturating_sub(last_ns) as f64 * 1e-9;
-                if lost_s > LOST {
-                    self.broke(format!("the log lacks the last {lost_s:.3} s"));
-                }
-                Some(lost_s)
-            }
-            Ok(None) => None,
+        match logs::newest_state(&readable, &mut watch()) {
+            Ok(newest) => Some(self.lost(done, newest.map_or(0, |tick| tick + 1))),
             Err(error) => {
                 self.broke(format!("the recovered log cannot be read: {error}"));
                 None
             }
         }
+    }
+
+    /// How old the oldest tick was that is missing in a log of so many [s]. (A world that says
+    /// nothing loses nothing: the time since the last message says less.)
+    fn lost(&mut self, done: &Injected, kept: u64) -> f64 {
+        let lost_s = done.posts.age_beyond(kept, done.at_ns);
+        if lost_s > LOST {
+            self.broke(format!("the log lacks the last {lost_s:.3} s"));
+        }
+        lost_s
     }
 
     /// The robots of a planner that failed; simulated time until they stood [s].

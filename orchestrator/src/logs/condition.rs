@@ -48,6 +48,8 @@ pub struct Condition {
     pub cut_at: Option<u64>,
     /// Messages read from the chunk that was open when the file ended; no checksum covers them.
     pub salvaged: u64,
+    /// Messages of a tick that was not complete when the file ended, which the recorder had put by.
+    pub put_by: u64,
     /// Messages that the file says it holds; only in a summary.
     pub claimed_messages: Option<u64>,
     /// Chunks by compression; the empty name stands for none.
@@ -96,6 +98,12 @@ impl Condition {
             lines.push(format!(
                 "{} messages come from the chunk that was open at the end; no checksum covers them",
                 self.salvaged
+            ));
+        }
+        if self.put_by > 0 {
+            lines.push(format!(
+                "the last {} messages are of a tick that was not over: the recorder had put them by",
+                self.put_by
             ));
         }
         lines

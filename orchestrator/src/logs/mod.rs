@@ -15,7 +15,7 @@ mod filter;
 mod info;
 mod info_text;
 pub(crate) mod known;
-mod last_sent;
+mod newest_state;
 pub(crate) mod origin;
 pub(crate) mod output;
 mod pattern;
@@ -39,7 +39,7 @@ pub use failures::Left;
 pub use filter::{FilterOptions, Filtered, filter};
 pub use info::{LogInfo, TopicInfo};
 pub use info_text::text as info_text;
-pub use last_sent::last_sent;
+pub use newest_state::newest_state;
 pub use pattern::Topics;
 pub use recover::{Recovered, recover};
 pub use replay::{

@@ -20,6 +20,10 @@ const NAP: Duration = Duration::from_millis(10);
 /// Most messages taken from one topic before the others get their turn.
 const TURN: usize = 16_384;
 
+/// Time without a complete tick after which what was said since is put by. Far longer than a tick
+/// takes, and with the time that writing takes less than what a kill may cost.
+const PUT_BY_AFTER: Duration = Duration::from_millis(500);
+
 /// Records every topic of a run.
 ///
 /// The ports of the bus belong to one thread: open the recorder on the thread that runs it.
@@ -76,6 +80,7 @@ impl Recorder {
         observer: &mut dyn Observer,
     ) -> Result<Summary, RecorderError> {
         let (mut recorded, mut told) = (None, None);
+        let (mut moved, mut put_by) = (Instant::now(), 0);
         let mut window = Window::new(match self.recording.order() {
             Order::LockStep => Duration::ZERO,
             Order::RealTime { window } => window,
@@ -103,6 +108,16 @@ impl Recorder {
                 {
                     self.recording.advance(tick, observer)?;
                     recorded = complete;
+                    moved = Instant::now();
+                }
+                // By the clock nothing waits for longer than the window.
+                if self.recording.order() == Order::LockStep
+                    && moved.elapsed() >= PUT_BY_AFTER
+                    && self.recording.arrivals() > put_by
+                {
+                    self.recording.put_by(observer)?;
+                    put_by = self.recording.arrivals();
+                    moved = Instant::now();
                 }
                 // By the clock nobody waits for the log. There it counts what was taken: a window
                 // of more ticks than a batch would have the recorder look for them without rest.

@@ -68,15 +68,25 @@ impl Intake {
     pub(super) fn take<E>(
         &mut self,
         completed: Option<u64>,
+        take: impl FnMut(&Entry, &[u8]) -> Result<(), E>,
+    ) -> Result<(), E> {
+        self.take_while(
+            |entry| completed.is_none_or(|completed| entry.tick <= completed),
+            take,
+        )
+    }
+
+    /// Hands out, in order, the first messages for which this holds.
+    ///
+    /// # Errors
+    /// As [`Intake::take`].
+    pub(super) fn take_while<E>(
+        &mut self,
+        holds: impl Fn(&Entry) -> bool,
         mut take: impl FnMut(&Entry, &[u8]) -> Result<(), E>,
     ) -> Result<(), E> {
-        self.entries.sort_unstable_by_key(|e| {
-            (e.tick, e.rank, e.stamp.source, e.stamp.sequence, e.arrival)
-        });
-        let complete = completed.map_or(self.entries.len(), |completed| {
-            self.entries
-                .partition_point(|entry| entry.tick <= completed)
-        });
+        self.sort();
+        let complete = self.entries.partition_point(holds);
         let mut result = Ok(());
         for entry in &self.entries[..complete] {
             result = take(entry, &self.bytes[entry.start..entry.start + entry.len]);
@@ -94,6 +104,26 @@ impl Intake {
         }
         core::mem::swap(&mut self.bytes, &mut self.spare);
         result
+    }
+
+    /// The messages that wait, in order.
+    pub(super) fn waiting(&mut self) -> impl Iterator<Item = (&Entry, &[u8])> {
+        self.sort();
+        let bytes = &self.bytes;
+        self.entries
+            .iter()
+            .filter_map(|entry| Some((entry, bytes.get(entry.start..entry.start + entry.len)?)))
+    }
+
+    fn sort(&mut self) {
+        self.entries.sort_unstable_by_key(|e| {
+            (e.tick, e.rank, e.stamp.source, e.stamp.sequence, e.arrival)
+        });
+    }
+
+    /// Messages that ever came.
+    pub(super) fn arrivals(&self) -> u64 {
+        self.arrivals
     }
 
     /// Bytes of the messages that wait.

@@ -47,6 +47,7 @@ pub use error::{LogError, RecorderError};
 pub use gate::{Gate, Observer};
 pub use latency::SENSE_TO_ACT;
 pub(crate) use latency::{Latency, since};
+pub(crate) use log_writer::PUT_BY;
 pub use log_writer::{
     ChannelId, ChannelSpec, ChannelTotals, Compression, LogOptions, LogTotals, LogWriter, Manifest,
     ManifestFile,

@@ -1,10 +1,10 @@
 //! The recording of a run, whoever delivers the messages.
 
-use ipc_types::topics::Topic;
+use ipc_types::topics::{Topic, WorldState};
 
 use super::error::LogError;
 use super::gate::Observer;
-use super::intake::Intake;
+use super::intake::{Entry, Intake};
 use super::ledger::Ledger;
 use super::mirror::Mirror;
 use super::options::{Order, RecorderOptions};
@@ -107,6 +107,30 @@ impl Recording {
             sink.write(entry, bytes, observer)
         })?;
         sink.end_of_tick()
+    }
+
+    /// Puts what is known of ticks that are not complete where only a log that ends there is
+    /// read: for a world that stands still within a tick, so that a kill costs nothing that was
+    /// said long before. Order and digest stay what they are.
+    ///
+    /// # Errors
+    /// [`LogError`]; the recording is then at its end.
+    pub fn put_by(&mut self, observer: &mut dyn Observer) -> Result<(), LogError> {
+        let (sink, newest) = (&mut self.sink, self.ledger.newest());
+        // The first state comes first whatever else is said in its tick, and with it there is a
+        // log.
+        let state = topic_info::rank::<WorldState>();
+        self.intake.take_while(
+            |entry| entry.tick == 0 && entry.rank == state,
+            |entry, bytes| sink.write(entry, bytes, observer),
+        )?;
+        let begun = |entry: &Entry| entry.tick <= newest;
+        sink.put_by(self.intake.waiting().filter(|(entry, _)| begun(entry)))
+    }
+
+    /// Messages that have ever been pushed.
+    pub fn arrivals(&self) -> u64 {
+        self.intake.arrivals()
     }
 
     /// Hands what was written to the operating system if the last time is long enough ago.

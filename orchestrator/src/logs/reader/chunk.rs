@@ -27,8 +27,25 @@ pub(super) struct OpenChunk {
     next: usize,
     /// Where it stands in the file.
     pub(super) at: u64,
-    /// Whether the file ends in it.
-    cut: bool,
+    kind: Kind,
+}
+
+/// What its messages are worth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// All of it is there.
+    Whole,
+    /// The file ends in it.
+    Cut,
+    /// It is none: messages that wait for theirs ([`put_by`](super::put_by)).
+    PutBy,
+}
+
+impl OpenChunk {
+    /// Its contents stand in the buffer.
+    pub(super) fn new(at: u64, kind: Kind) -> Self {
+        Self { next: 0, at, kind }
+    }
 }
 
 impl Reader<'_> {
@@ -44,7 +61,7 @@ impl Reader<'_> {
             Some((*opcode.first()?, length))
         });
         let Some((opcode, length)) = prefix.filter(|(_, length)| *length <= fields.0.len()) else {
-            if !rest.is_empty() && !chunk.cut {
+            if !rest.is_empty() && chunk.kind != Kind::Cut {
                 self.condition
                     .fault(chunk.at, "a record in this chunk runs past its end");
             }
@@ -56,8 +73,16 @@ impl Reader<'_> {
         chunk.next = body + length;
         self.chunk = Some(chunk);
         let found = self.record(opcode, body..body + length, chunk.at)?;
-        if chunk.cut && matches!(found, Some(Found::Message(..))) {
-            self.condition.salvaged += 1;
+        if let Some(Found::Message(header, place)) = &found {
+            match chunk.kind {
+                Kind::Whole => {}
+                Kind::Cut => {
+                    self.condition.salvaged += 1;
+                    self.note_salvaged(header, place.clone());
+                }
+                Kind::PutBy if self.count_put_by(header, place.clone()) => {}
+                Kind::PutBy => return Ok(None),
+            }
         }
         Ok(found)
     }
@@ -145,7 +170,8 @@ impl Reader<'_> {
         of_kind.count += 1;
         of_kind.compressed_bytes += compressed.min(there);
         of_kind.uncompressed_bytes += self.buffer.len() as u64;
-        self.chunk = Some(OpenChunk { next: 0, at, cut });
+        let kind = if cut { Kind::Cut } else { Kind::Whole };
+        self.chunk = Some(OpenChunk::new(at, kind));
         Ok(())
     }
 

@@ -6,13 +6,14 @@
 //! its last whole record, those in a chunk that was still open included.
 //!
 //! [`file`] goes from record to record and to the end, [`chunk`] through what is compressed, [`record`]
-//! tells what a record means, [`index`] finds chunks without reading what is before them.
+//! tells what a record means, [`put_by`] keeps what counts only if the file ends there, [`index`] finds chunks without reading what is before them.
 
 mod chunk;
 mod file;
 mod index;
 mod item;
 mod limits;
+mod put_by;
 mod record;
 
 use std::collections::BTreeMap;
@@ -29,6 +30,7 @@ use self::chunk::OpenChunk;
 pub(super) use self::index::ChunkPlace;
 use self::item::Found;
 pub(crate) use self::item::{Channel, Item, Schema};
+use self::put_by::PutBy;
 pub(crate) use self::record::attachment;
 use super::condition::Condition;
 use super::error::LogsError;
@@ -43,6 +45,8 @@ pub(crate) struct Reader<'w> {
     /// A record, or the contents of the chunk.
     buffer: Vec<u8>,
     chunk: Option<OpenChunk>,
+    /// What was put by since the last chunk, and where that stands.
+    put_by: Option<PutBy>,
     /// The message that was handed out last.
     last: Option<(MessageHeader, Range<usize>)>,
     schemas: BTreeMap<u16, Rc<Schema>>,
@@ -90,6 +94,7 @@ impl<'w> Reader<'w> {
             next: 8,
             buffer: Vec::new(),
             chunk: None,
+            put_by: None,
             last: None,
             schemas: BTreeMap::new(),
             channels: BTreeMap::new(),
@@ -130,6 +135,8 @@ impl<'w> Reader<'w> {
                 if let Some(found) = self.next_in_chunk()? {
                     break found;
                 }
+            } else if self.done && self.open_put_by() {
+                // It is read as a last chunk.
             } else if self.done {
                 if let Some(watch) = &mut self.watch {
                     watch.end();
@@ -169,6 +176,7 @@ impl<'w> Reader<'w> {
     pub(super) fn jump(&mut self, at: u64) {
         self.next = at;
         self.chunk = None;
+        self.put_by = None;
         self.last = None;
         self.buffer.clear();
         self.done = false;

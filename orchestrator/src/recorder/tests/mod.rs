@@ -3,6 +3,7 @@
 mod bus;
 mod files;
 mod kill;
+mod put_by;
 mod python;
 mod round_trip;
 mod strangers;

@@ -15,7 +15,7 @@ use super::super::{Observer, Recording, Summary, ViewerOptions};
 use super::{PERIOD_NS, Sent, options, run};
 
 /// A message as read: topic, sequence, log time, publish time, bytes.
-type Read = (String, u32, u64, u64, Vec<u8>);
+pub(super) type Read = (String, u32, u64, u64, Vec<u8>);
 
 /// All messages of a finished log in file order, every checksum checked.
 pub(super) fn read(path: &Path) -> Vec<Read> {
