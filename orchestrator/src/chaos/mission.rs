@@ -18,9 +18,12 @@ use super::{ChaosError, ChaosOptions};
 use crate::mission::annex::Annex;
 use crate::scenario::{OnFailure, ResolvedScenario};
 
-/// Real time without an answer after which a process counts as hung in these missions [s]; far
-/// beyond what a busy machine makes of a living one.
-const HANG_TIMEOUT_S: f64 = 5.0;
+/// Real time without an answer after which a process counts as hung when its mission is left alone
+/// [s].
+const PATIENCE_S: f64 = 60.0;
+
+/// Least of that time in missions to which something is done [s].
+const LEAST_HANG_TIMEOUT_S: f64 = 5.0;
 
 /// Real time that a process has to become ready [s].
 const READY_TIMEOUT_S: f64 = 15.0;
@@ -45,6 +48,14 @@ pub struct Baseline {
     pub lasted_s: f64,
     /// Its digest, in lock-step.
     pub digest: Option<String>,
+}
+
+impl Baseline {
+    /// Real time without an answer after which a process counts as hung [s]: beyond what a busy
+    /// machine makes of a living one, which is never silent for as long as all of this took.
+    pub(super) fn hang_timeout_s(&self) -> f64 {
+        self.lasted_s.max(LEAST_HANG_TIMEOUT_S)
+    }
 }
 
 /// A mission that runs.
@@ -74,15 +85,17 @@ fn system(what: impl Into<String>) -> impl FnOnce(std::io::Error) -> ChaosError 
 }
 
 impl Mission {
-    /// Starts the orchestrator of a mission.
+    /// Starts the orchestrator of a mission; who is silent for so long counts as hung [s].
     pub(super) fn start(
         options: &ChaosOptions,
         course: Course,
         policy: Policy,
+        hang_timeout_s: f64,
     ) -> Result<Self, ChaosError> {
         let annex = Annex::create()?;
         let scenario = annex.path().join("mission.toml");
-        std::fs::write(&scenario, prepared(&options.scenario, policy).to_toml())
+        let prepared = prepared(&options.scenario, policy, hang_timeout_s);
+        std::fs::write(&scenario, prepared.to_toml())
             .map_err(system(scenario.display().to_string()))?;
         let mut mission_command = command(&annex, "run")?;
         mission_command
@@ -220,9 +233,9 @@ pub(super) fn end(child: &mut Child, patience: Duration) -> Option<ExitStatus> {
 pub const SIMULATOR: &str = "simulator";
 
 /// The scenario as it is broken: failures are noticed soon, and dealt with as the policy says.
-fn prepared(scenario: &ResolvedScenario, policy: Policy) -> ResolvedScenario {
+fn prepared(scenario: &ResolvedScenario, policy: Policy, hang_timeout_s: f64) -> ResolvedScenario {
     let mut scenario = scenario.clone();
-    scenario.run.hang_timeout_s = HANG_TIMEOUT_S;
+    scenario.run.hang_timeout_s = hang_timeout_s;
     scenario.run.ready_timeout_s = READY_TIMEOUT_S;
     for process in &mut scenario.processes {
         process.supervision.ready_timeout_s = READY_TIMEOUT_S;
@@ -250,7 +263,7 @@ pub(super) fn baseline(
     options: &ChaosOptions,
     (course, policy): (Course, Policy),
 ) -> Result<Baseline, ChaosError> {
-    let mut mission = Mission::start(options, course, policy)?;
+    let mut mission = Mission::start(options, course, policy, PATIENCE_S)?;
     let ended = mission.end(Duration::from_secs(600));
     let lasted_s = mission.start.elapsed().as_secs_f64();
     let fine = ended.status.and_then(|s| s.code()).is_some_and(|code| {

@@ -42,7 +42,8 @@ pub(super) fn put_to_the_test(
     moment: f64,
     baseline: &Baseline,
 ) -> Result<Outcome, ChaosError> {
-    let mut mission = Mission::start(options, fault.course, fault.policy)?;
+    let hang_timeout_s = baseline.hang_timeout_s();
+    let mut mission = Mission::start(options, fault.course, fault.policy, hang_timeout_s)?;
     let moment = Duration::from_secs_f64(moment * baseline.lasted_s);
     let mut injected = inject(&mut mission, fault, moment)?;
     let roots = mission.roots();

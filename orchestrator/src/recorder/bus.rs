@@ -20,9 +20,10 @@ const NAP: Duration = Duration::from_millis(10);
 /// Most messages taken from one topic before the others get their turn.
 const TURN: usize = 16_384;
 
-/// Time without a complete tick after which what was said since is put by. Far longer than a tick
-/// takes, and with the time that writing takes less than what a kill may cost.
-const PUT_BY_AFTER: Duration = Duration::from_millis(500);
+/// Time between two looks for messages that still wait since the look before, and are put by then:
+/// more than the window of a run by the clock and some ticks, and twice that is less than what a
+/// kill may cost.
+const PUT_BY_LOOK: Duration = Duration::from_millis(400);
 
 /// Records every topic of a run.
 ///
@@ -80,7 +81,7 @@ impl Recorder {
         observer: &mut dyn Observer,
     ) -> Result<Summary, RecorderError> {
         let (mut recorded, mut told) = (None, None);
-        let (mut moved, mut put_by) = (Instant::now(), 0);
+        let (mut looked, mut put_by) = ((Instant::now(), 0), 0);
         let mut window = Window::new(match self.recording.order() {
             Order::LockStep => Duration::ZERO,
             Order::RealTime { window } => window,
@@ -108,16 +109,13 @@ impl Recorder {
                 {
                     self.recording.advance(tick, observer)?;
                     recorded = complete;
-                    moved = Instant::now();
                 }
-                // By the clock nothing waits for longer than the window.
-                if self.recording.order() == Order::LockStep
-                    && moved.elapsed() >= PUT_BY_AFTER
-                    && self.recording.arrivals() > put_by
-                {
-                    self.recording.put_by(observer)?;
-                    put_by = self.recording.arrivals();
-                    moved = Instant::now();
+                if looked.0.elapsed() >= PUT_BY_LOOK {
+                    if self.recording.has_waiting(put_by..looked.1) {
+                        self.recording.put_by(observer)?;
+                        put_by = self.recording.arrivals();
+                    }
+                    looked = (Instant::now(), self.recording.arrivals());
                 }
                 // By the clock nobody waits for the log. There it counts what was taken: a window
                 // of more ticks than a batch would have the recorder look for them without rest.

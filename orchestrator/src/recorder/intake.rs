@@ -1,5 +1,7 @@
 //! Messages between their arrival and their place in the log.
 
+use std::ops::Range;
+
 use ipc_types::cdr;
 use ipc_types::stamp::{Header, Stamp};
 use ipc_types::topics::Topic;
@@ -113,6 +115,12 @@ impl Intake {
         self.entries
             .iter()
             .filter_map(|entry| Some((entry, bytes.get(entry.start..entry.start + entry.len)?)))
+    }
+
+    /// Whether one of the messages that came as one of these waits, of ticks up to `newest`.
+    pub(super) fn has_waiting(&self, newest: u64, arrivals: Range<u64>) -> bool {
+        let mut entries = self.entries.iter();
+        entries.any(|entry| entry.tick <= newest && arrivals.contains(&entry.arrival))
     }
 
     fn sort(&mut self) {

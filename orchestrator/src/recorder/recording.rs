@@ -1,5 +1,7 @@
 //! The recording of a run, whoever delivers the messages.
 
+use std::ops::Range;
+
 use ipc_types::topics::{Topic, WorldState};
 
 use super::error::LogError;
@@ -126,6 +128,13 @@ impl Recording {
         )?;
         let begun = |entry: &Entry| entry.tick <= newest;
         sink.put_by(self.intake.waiting().filter(|(entry, _)| begun(entry)))
+    }
+
+    /// Whether one of these messages, counted from the first that was pushed, waits although its
+    /// tick has begun.
+    pub fn has_waiting(&self, pushed: Range<u64>) -> bool {
+        let newest = self.ledger.newest();
+        self.intake.has_waiting(newest, pushed)
     }
 
     /// Messages that have ever been pushed.

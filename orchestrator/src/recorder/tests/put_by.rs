@@ -84,6 +84,9 @@ fn what_was_said_in_a_tick_that_does_not_end_is_there_and_all_is_said_once_when_
         let path = folder.path().join(format!("{still}.mcap"));
         let (mut recording, rest) = up_to(&path, still, is_command);
         recording.flush_if_due().unwrap();
+        let arrivals = recording.arrivals();
+        assert!(recording.has_waiting(0..arrivals));
+        assert!(!recording.has_waiting(arrivals..u64::MAX));
         let (before, _) = saved(&path);
         assert!(before.iter().all(|m| m.2 < still * super::PERIOD_NS));
         recording.put_by(&mut ()).unwrap();
