@@ -109,6 +109,8 @@ impl Recorder {
                 {
                     self.recording.advance(tick, observer)?;
                     recorded = complete;
+                    // In front of a chunk it counts no more: what waits still is put by again.
+                    put_by = 0;
                 }
                 if looked.0.elapsed() >= PUT_BY_LOOK {
                     if self.recording.has_waiting(put_by..looked.1) {
