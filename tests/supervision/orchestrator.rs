@@ -1,6 +1,7 @@
 //! An orchestrator that is killed: nobody survives it, and its log lacks a second at most.
 
 use std::collections::BTreeSet;
+use std::ops::Range;
 use std::time::{Duration, Instant};
 
 use kit::lockstep::TurnPage;
@@ -13,15 +14,7 @@ use crate::support::{SOON, Sandbox, python, until, wait_for_tick};
 /// What a killed orchestrator may cost.
 const LOST: Duration = Duration::from_secs(1);
 
-const LONG: [&str; 7] = [
-    "run",
-    "chase",
-    "--set",
-    "run.dt=0.0005",
-    "--quiet",
-    "--out",
-    "run.mcap",
-];
+const LONG: [&str; 5] = ["run", "chase", "--set", "run.dt=0.0005", "--quiet"];
 
 #[test]
 fn processes_that_are_stopped_end_with_their_orchestrator_too() {
@@ -43,11 +36,25 @@ fn processes_that_are_stopped_end_with_their_orchestrator_too() {
 
 #[test]
 fn a_killed_orchestrator_costs_the_log_a_second_at_most_and_recover_makes_it_whole() {
+    costs_a_second_at_most(&LONG, 10, 0..2000);
+}
+
+#[test]
+fn by_the_clock_it_costs_no_more_however_slow_the_clock_is() {
+    // Two ticks a second, of which the last two wait for those that follow.
+    let slow = ["run", "hello", "--real-time", "0.1", "--quiet"];
+    costs_a_second_at_most(&slow, 4, 1500..3500);
+}
+
+/// Kills orchestrators of runs so many milliseconds after their first tick.
+fn costs_a_second_at_most(words: &[&str], kills: u32, after_ms: Range<u64>) {
     let sandbox = Sandbox::new();
     let mut known = BTreeSet::new();
     let mut moment = 20_261_122_u64;
-    for _ in 0..10 {
-        let running = sandbox.protean(LONG).arg("--force").start();
+    for kill in 0..kills {
+        let log = format!("{kill}.mcap");
+        let call = sandbox.protean(words.iter().copied());
+        let running = call.arg("--out").arg(&log).start();
         let run = sandbox.next_run(&known);
         known.insert(run.clone());
         wait_for_tick(&run, 1);
@@ -55,7 +62,8 @@ fn a_killed_orchestrator_costs_the_log_a_second_at_most_and_recover_makes_it_who
         moment = moment
             .wrapping_mul(6_364_136_223_846_793_005)
             .wrapping_add(1);
-        let end = Instant::now() + Duration::from_millis((moment >> 33) % 2000);
+        let after_ms = after_ms.start + (moment >> 33) % (after_ms.end - after_ms.start);
+        let end = Instant::now() + Duration::from_millis(after_ms);
         // How far it was, and when that was known.
         let mut posts = vec![(Instant::now(), page.ticks_posted())];
         while Instant::now() < end {
@@ -71,7 +79,7 @@ fn a_killed_orchestrator_costs_the_log_a_second_at_most_and_recover_makes_it_who
             .rev()
             .find(|(at, _)| killed.duration_since(*at) >= LOST)
             .map_or(0, |(_, posted)| *posted);
-        let history = save(&sandbox, "run.mcap");
+        let history = save(&sandbox, &log);
         for (tick, state) in (0..).zip(&history.states) {
             assert_eq!(state.tick, tick, "nothing is missing in between");
         }
