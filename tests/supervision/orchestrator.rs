@@ -41,9 +41,9 @@ fn a_killed_orchestrator_costs_the_log_a_second_at_most_and_recover_makes_it_who
 
 #[test]
 fn by_the_clock_it_costs_no_more_however_slow_the_clock_is() {
-    // Two ticks a second, of which the last two wait for those that follow.
-    let slow = ["run", "hello", "--real-time", "0.1", "--quiet"];
-    costs_a_second_at_most(&slow, 4, 1500..3500);
+    // A tick a second, and the last two wait for those that follow.
+    let slow = ["run", "hello", "--real-time", "0.05", "--quiet"];
+    costs_a_second_at_most(&slow, 4, 2200..4200);
 }
 
 /// Kills orchestrators of runs so many milliseconds after their first tick.
