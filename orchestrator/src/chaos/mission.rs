@@ -22,8 +22,11 @@ use crate::scenario::{OnFailure, ResolvedScenario};
 /// [s].
 const PATIENCE_S: f64 = 60.0;
 
-/// Least of that time in missions to which something is done [s].
-const LEAST_HANG_TIMEOUT_S: f64 = 5.0;
+/// Bounds of that time in missions to which something is done [s].
+const HANG_TIMEOUT_S: (f64, f64) = (5.0, 30.0);
+
+/// Times of an untouched mission that it is in between. The machine may have become busier since.
+const HANG_TIMEOUT: f64 = 5.0;
 
 /// Real time that a process has to become ready [s].
 const READY_TIMEOUT_S: f64 = 15.0;
@@ -54,7 +57,8 @@ impl Baseline {
     /// Real time without an answer after which a process counts as hung [s]: beyond what a busy
     /// machine makes of a living one, which is never silent for as long as all of this took.
     pub(super) fn hang_timeout_s(&self) -> f64 {
-        self.lasted_s.max(LEAST_HANG_TIMEOUT_S)
+        let (least, most) = HANG_TIMEOUT_S;
+        (HANG_TIMEOUT * self.lasted_s).clamp(least, most)
     }
 }
 

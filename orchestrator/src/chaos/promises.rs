@@ -24,7 +24,8 @@ use crate::census;
 use crate::logs::{self, Watch};
 
 /// Times of an untouched mission that one may take in which something was broken, and what comes on
-/// top: hangs must be noticed and processes come back, on a machine that is busy.
+/// top of that and of the time after which a hang is noticed: processes must come back, on a machine
+/// that is busy.
 const PATIENCE: (f64, f64) = (5.0, 40.0);
 
 /// Time after which no process of a run may live whose orchestrator is gone: the grace of its
@@ -47,7 +48,8 @@ pub(super) fn put_to_the_test(
     let moment = Duration::from_secs_f64(moment * baseline.lasted_s);
     let mut injected = inject(&mut mission, fault, moment)?;
     let roots = mission.roots();
-    let patience = Duration::from_secs_f64(PATIENCE.0 * baseline.lasted_s + PATIENCE.1);
+    let patience = PATIENCE.0 * baseline.lasted_s + PATIENCE.1 + hang_timeout_s;
+    let patience = Duration::from_secs_f64(patience);
     let back_after_s = match &injected {
         Some(done) if comes_back(fault) => wait_for_return(&mut mission, done, patience),
         _ => None,
