@@ -127,7 +127,7 @@ fn a_mission_whose_chaos_was_killed_is_found_by_clean() {
             let name = entry.ok()?.file_name().into_string().ok()?;
             name.starts_with('r').then_some(name)
         })?;
-        let shared = || shared_memory(&name) > 0;
+        let shared = || !shared_memory(&name).is_empty();
         shared().then_some(name)
     });
     chaos.signal(Signal::KILL);
@@ -145,7 +145,7 @@ fn a_mission_whose_chaos_was_killed_is_found_by_clean() {
     until("the end of the mission", SOON, || {
         processes_with(&runtime_dir).is_empty().then_some(())
     });
-    assert!(shared_memory(&run) > 0, "nothing to clean");
+    assert!(!shared_memory(&run).is_empty(), "nothing to clean");
     // A process that ends forgets its environment a moment before it lets go of its locks.
     let cleaned = until("the end of its lock", SOON, || {
         let cleaned = clean();
@@ -159,16 +159,23 @@ fn a_mission_whose_chaos_was_killed_is_found_by_clean() {
         assert!(cleaned.stdout.contains(what), "{what}: {cleaned}");
     }
     assert!(!annex.exists());
-    assert_eq!(shared_memory(&run), 0);
+    assert!(shared_memory(&run).is_empty());
     sandbox.assert_nothing_left();
 }
 
-/// A runtime directory whose processes are killed, also by a failing test.
+/// A runtime directory whose processes are killed and whose shared memory is removed, also by a
+/// failing test.
 struct Killed(PathBuf);
 
 impl Drop for Killed {
     fn drop(&mut self) {
         kill_all(&self.0);
+        let runs = std::fs::read_dir(self.0.join("protean"));
+        for run in runs.into_iter().flatten().flatten() {
+            for piece in shared_memory(&run.file_name().to_string_lossy()) {
+                let _ = std::fs::remove_file(piece);
+            }
+        }
     }
 }
 
@@ -179,12 +186,13 @@ fn kill_all(runtime_dir: &Path) {
 }
 
 /// Pieces of shared memory of a run.
-fn shared_memory(run: &str) -> usize {
+fn shared_memory(run: &str) -> Vec<PathBuf> {
     let prefix = Sandbox::prefix(run);
     let entries = std::fs::read_dir("/dev/shm").unwrap().flatten();
     entries
-        .filter(|entry| entry.file_name().to_string_lossy().contains(&prefix))
-        .count()
+        .filter(|entry| entry.file_name().to_string_lossy().starts_with(&prefix))
+        .map(|entry| entry.path())
+        .collect()
 }
 
 #[test]
