@@ -10,6 +10,7 @@ whatever the console complained of, and every address that was asked for.
 """
 
 import base64
+import fcntl
 import json
 import os
 import subprocess
@@ -21,12 +22,31 @@ DEADLINE = time.monotonic() + 150
 KEY_CODES = {" ": ("Space", 32), "ArrowLeft": ("ArrowLeft", 37), "ArrowRight": ("ArrowRight", 39)}
 
 
+# Becomes a program whose descriptors 3 and 4 are these two. (No shell does this: that of Debian knows no
+# descriptor past 9, and how many of its own a parent leaves open here is not known.)
+AS_3_AND_4 = """
+import os, sys
+for given, wanted in zip(sys.argv[1:3], (3, 4)):
+    os.dup2(int(given), wanted)
+    os.close(int(given))
+os.execvp(sys.argv[3], sys.argv[3:])
+"""
+
+
+def past_4(descriptor):
+    """The same pipe at a descriptor that is neither 3 nor 4 nor below."""
+    moved = fcntl.fcntl(descriptor, fcntl.F_DUPFD_CLOEXEC, 5)
+    os.close(descriptor)
+    return moved
+
+
 class Browser:
     """Chromium, spoken to over a pair of pipes (its descriptors 3 and 4)."""
 
     def __init__(self, program, profile, graphics=("--disable-gpu",)):
         to_browser, self.to = os.pipe()
         self.fro, from_browser = os.pipe()
+        to_browser, from_browser = past_4(to_browser), past_4(from_browser)
         words = [
             program, "--headless=new", "--no-sandbox", *graphics, "--no-first-run",
             "--disable-dev-shm-usage", "--disable-extensions", "--disable-background-networking",
@@ -34,7 +54,7 @@ class Browser:
             "--window-size=1500,1000", "about:blank",
         ]
         self.process = subprocess.Popen(
-            ["sh", "-c", f'exec "$@" 3<&{to_browser} 4>&{from_browser}', "sh", *words],
+            [sys.executable, "-c", AS_3_AND_4, str(to_browser), str(from_browser), *words],
             pass_fds=(to_browser, from_browser),
             stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
         )
