@@ -463,3 +463,26 @@ fn a_program_may_write_whatever_it_likes() {
     assert!(outcome.stderr.len() < 20_000, "{}", outcome.stderr.len());
     sandbox.assert_nothing_left();
 }
+
+/// Says what it has open that goes on to whom it starts: not the folder that is looked into.
+const CURIOUS: &str = r#"command = ["/bin/sh", "-c", '''
+    for fd in /proc/$$/fd/*; do test -e "$fd" && echo "open: ${fd##*/}" >&2; done; exit 3
+''']"#;
+
+#[test]
+fn a_program_finds_nothing_open_of_its_orchestrator() {
+    let sandbox = Sandbox::new();
+    sandbox.file("curious.toml", driven_by("curious", CURIOUS));
+    let words = ["run", "curious.toml", "--allow-external"];
+    let outcome = sandbox.protean(words).run();
+    let standard = "[curious] open: 0\n[curious] open: 1\n[curious] open: 2\n";
+    let ended = "error: process curious ended with exit code 3";
+    outcome.refused(1, &[standard, ended]);
+    assert_eq!(
+        outcome.stderr.matches("[curious] open:").count(),
+        3,
+        "{}",
+        outcome.stderr
+    );
+    sandbox.assert_nothing_left();
+}

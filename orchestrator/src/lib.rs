@@ -12,6 +12,7 @@ pub mod census;
 pub mod chaos;
 pub mod chase_page;
 pub mod cli;
+pub mod descriptors;
 pub mod eyes;
 pub mod figures;
 pub mod in_process;

@@ -13,6 +13,7 @@ use serde_json::Value as Json;
 
 use super::probe::{self, Member};
 use super::{BenchError, Deadline, Options};
+use crate::descriptors;
 
 /// Time that a run has to end in order when it is told to.
 const END_WITHIN: Duration = Duration::from_secs(8);
@@ -46,7 +47,8 @@ impl Session {
         let (output, errors) = (file("report.json")?, file("errors.txt")?);
         let this = std::env::current_exe().map_err(BenchError::system("cannot find myself"))?;
         let begun = Instant::now();
-        let mut child = Command::new(this)
+        let mut command = Command::new(this);
+        command
             .args(["run", scenario, "--json", "--quiet", "--force", "--out"])
             .arg(folder.path().join("run.mcap"))
             .args(arguments)
@@ -54,7 +56,9 @@ impl Session {
             .stdout(output)
             .stderr(errors)
             // Ctrl-C in a terminal is for the bench, which then ends the run.
-            .process_group(0)
+            .process_group(0);
+        descriptors::leave_behind(&mut command);
+        let mut child = command
             .spawn()
             .map_err(BenchError::system("cannot start a run"))?;
         let pidfd = rustix::process::pidfd_open(Pid::from_child(&child), PidfdFlags::empty());

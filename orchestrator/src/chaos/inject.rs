@@ -11,6 +11,7 @@ use super::fault::{Fault, FaultKind};
 use super::mission::Mission;
 use super::posts::Posts;
 use crate::census::{self, CensusError, Member, WARDEN};
+use crate::descriptors;
 use crate::mission::children::CONFIG_VARIABLE;
 
 /// How long a process is stopped that is only paused: far less than what counts as hung.
@@ -135,13 +136,14 @@ fn double(victim: &Member) -> Option<Child> {
     let arguments = process.cmdline().ok()?;
     let environment = process.environ().ok()?;
     let config = environment.get(std::ffi::OsStr::new(CONFIG_VARIABLE))?;
-    Command::new(process.exe().ok()?)
+    let mut command = Command::new(process.exe().ok()?);
+    command
         .args(arguments.get(1..)?)
         .env(CONFIG_VARIABLE, config)
         // Held open: its end would tell the process that its orchestrator is gone.
         .stdin(Stdio::piped())
         .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn()
-        .ok()
+        .stderr(Stdio::null());
+    descriptors::leave_behind(&mut command);
+    command.spawn().ok()
 }

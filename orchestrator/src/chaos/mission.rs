@@ -15,6 +15,7 @@ use serde_json::Value as Json;
 
 use super::fault::Policy;
 use super::{ChaosError, ChaosOptions};
+use crate::descriptors;
 use crate::mission::annex::Annex;
 use crate::scenario::{OnFailure, ResolvedScenario};
 
@@ -259,6 +260,7 @@ fn command(annex: &Annex, verb: &str) -> Result<Command, ChaosError> {
         .arg(verb)
         .env("XDG_RUNTIME_DIR", annex.runtime_dir())
         .stdin(Stdio::null());
+    descriptors::leave_behind(&mut command);
     Ok(command)
 }
 

@@ -15,6 +15,7 @@ use rustix::process::{Pid, PidfdFlags, Signal, WaitId, WaitIdOptions};
 
 use super::leftovers;
 use super::warden::{self, Ward};
+use crate::descriptors;
 
 /// Environment variable that tells every process of a run where its configuration lies.
 pub const CONFIG_VARIABLE: &str = "PROTEAN_CONFIG";
@@ -179,6 +180,7 @@ impl RunningProcess {
             .stderr(Stdio::piped())
             // Ctrl-C in a terminal is for the orchestrator, which then ends the run in order.
             .process_group(0);
+        descriptors::leave_behind(&mut command);
         let mut child = command.spawn().map_err(failed("cannot be started"))?;
         let pid = Pid::from_child(&child);
         let pidfd = match rustix::process::pidfd_open(pid, PidfdFlags::empty()) {

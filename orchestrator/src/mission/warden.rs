@@ -28,6 +28,8 @@ use rustix::thread::Timespec;
 use signal_hook::consts::SIGCHLD;
 use signal_hook::low_level;
 
+use crate::descriptors;
+
 /// What wardens are called by `ps`, before the names of their programs.
 pub const TITLE: &str = "protean:warden:";
 
@@ -143,6 +145,7 @@ fn guard(words: &[OsString]) -> std::io::Result<ExitStatus> {
         .stdout(Stdio::null())
         .process_group(0);
     die_with_this_thread(&mut command);
+    descriptors::leave_behind(&mut command);
     let mut child = command.spawn()?;
     let pid = Pid::from_child(&child);
     say("started", pid.as_raw_nonzero().get());
