@@ -5,6 +5,8 @@
 mod disk;
 #[path = "supervision/orchestrator.rs"]
 mod orchestrator;
+#[path = "supervision/room.rs"]
+mod room;
 #[path = "supervision/warden.rs"]
 mod warden;
 

@@ -6,7 +6,8 @@ use std::process::Command;
 use crate::support::{Sandbox, skipped, wait_for_tick};
 
 /// A chase that goes on until its log ends it.
-const ENDLESS: [&str; 6] = ["run", "chase", "--set", "run.dt=0.0005", "--quiet", "--out"];
+pub(super) const ENDLESS: [&str; 6] =
+    ["run", "chase", "--set", "run.dt=0.0005", "--quiet", "--out"];
 
 #[test]
 fn a_log_whose_directory_vanishes_ends_the_run() {
@@ -24,7 +25,7 @@ fn a_log_whose_directory_vanishes_ends_the_run() {
 
 /// Runs a script of the shell where mounting is allowed, in the sandbox's directory; `None`, and a
 /// note that everybody sees, if this machine does not allow it anywhere.
-fn where_one_can_mount(sandbox: &Sandbox, script: &str) -> Option<std::process::Output> {
+pub(super) fn where_one_can_mount(sandbox: &Sandbox, script: &str) -> Option<std::process::Output> {
     let outcome = Command::new("unshare")
         .args(["--map-root-user", "--mount", "sh", "-c", script])
         .current_dir(sandbox.path())
@@ -40,7 +41,7 @@ fn where_one_can_mount(sandbox: &Sandbox, script: &str) -> Option<std::process::
             stderr
         }
     };
-    skipped("disks that are full or read-only", &why);
+    skipped("disks and shared memory that are full or read-only", &why);
     None
 }
 

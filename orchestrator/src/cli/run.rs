@@ -158,7 +158,8 @@ fn agreed(question: &str) -> bool {
     matches!(answer.trim(), "y" | "Y" | "yes" | "Yes")
 }
 
-/// The first Ctrl-C or SIGTERM ends the run in order, the second ends the program.
+/// The first Ctrl-C or SIGTERM ends the run in order, the second ends the program. Shared memory that is
+/// full ends it with an error.
 pub(super) fn handle_signals(interrupted: &Arc<AtomicBool>) -> std::io::Result<()> {
     use signal_hook::consts::{SIGINT, SIGTERM};
     use signal_hook::flag;
@@ -167,5 +168,5 @@ pub(super) fn handle_signals(interrupted: &Arc<AtomicBool>) -> std::io::Result<(
         flag::register(signal, Arc::clone(interrupted))?;
     }
     debug_assert!(!interrupted.load(Ordering::SeqCst));
-    Ok(())
+    mission::tell_when_shared_memory_is_full()
 }

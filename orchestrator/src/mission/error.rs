@@ -7,6 +7,7 @@ use kit::lockstep::PageError;
 
 use super::children::ChildError;
 use super::plan::PlanError;
+use super::room::NoRoom;
 use super::spaces::SpaceError;
 use crate::in_process::InProcessError;
 use crate::live::LiveError;
@@ -18,6 +19,9 @@ pub enum MissionError {
     /// The run's directory cannot be had.
     #[error("run directory: {0}")]
     Space(#[from] SpaceError),
+    /// The processes have no room for what they say.
+    #[error(transparent)]
+    Room(#[from] NoRoom),
     /// The scenario cannot be launched.
     #[error(transparent)]
     Plan(#[from] PlanError),

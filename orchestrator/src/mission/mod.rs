@@ -17,6 +17,7 @@ pub mod plan;
 pub(crate) mod progress;
 pub(crate) mod recording;
 pub mod report;
+pub(crate) mod room;
 mod run;
 pub mod spaces;
 mod supervisor;
@@ -24,5 +25,7 @@ pub(crate) mod warden;
 
 pub use absences::Absence;
 pub use error::MissionError;
+pub use room::NoRoom;
+pub(crate) use room::tell_when_shared_memory_is_full;
 pub use run::{Hook, MissionOptions, MissionReport, run};
 pub(crate) use run::{config_path, create_services, write_config};

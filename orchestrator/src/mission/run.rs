@@ -25,6 +25,7 @@ use super::gate::Pace;
 use super::plan::Plan;
 use super::progress::Progress;
 use super::recording::{Kept, RecorderThread};
+use super::room;
 use super::spaces::{self, OwnedSpace};
 use super::supervisor::Supervisor;
 use crate::live::{LiveServer, LiveTotals};
@@ -111,6 +112,7 @@ pub fn run(
     // What a killed orchestrator left behind goes now; a failure to do so concerns this run only
     // if it cannot have a directory of its own, which is said below.
     let _ = spaces::clean();
+    room::check_start()?;
     let space = OwnedSpace::create()?;
     let log_level = if options.log_level.is_empty() {
         "warn"
@@ -181,7 +183,8 @@ pub fn run(
         first_tick: None,
         interrupted: false,
     };
-    let flown = flight.fly(&space);
+    // Asked before anybody's room is given back.
+    let flown = flight.fly(&space).map_err(room::or_cause);
     if let Some(Hook(look)) = &options.before_end {
         look();
     }
@@ -340,6 +343,8 @@ impl<'a> Flight<'a> {
                 // Why is in the thread's result.
                 return Ok(());
             }
+            // First: who has died of it is not to blame.
+            room::check()?;
             supervisor.attend(ticks, &self.bridge)?;
             if is_interrupted(self.options, &mut self.interrupted) {
                 return Ok(());
@@ -385,6 +390,8 @@ fn wait_until(
     let start = Instant::now();
     loop {
         let behind = supervisor.behind(wanted);
+        // First: who has died of it is not to blame.
+        room::check_start()?;
         supervisor.check_start_up()?;
         let Some((slot, patience)) = behind else {
             return Ok(true);

@@ -19,7 +19,7 @@ use super::error::MissionError;
 use super::failure::Failure;
 use super::gate::Calls;
 use super::plan::Plan;
-use super::report;
+use super::room;
 use super::run::{MissionOptions, config_path, write_config};
 use super::spaces::OwnedSpace;
 use crate::scenario::OnFailure;
@@ -84,6 +84,7 @@ impl<'a> Supervisor<'a> {
     /// Starts all processes.
     pub(super) fn start(&mut self) -> Result<(), MissionError> {
         for (slot, launch) in self.plan.launches.iter().enumerate() {
+            room::check_start()?;
             write_config(self.space.space().root(), &launch.config)?;
             let process = self.launch(slot)?;
             self.processes.push(process);
@@ -174,7 +175,7 @@ impl<'a> Supervisor<'a> {
 
     fn how_it_ended(&self, slot: usize) -> String {
         let exit = self.processes[slot].exit;
-        exit.map_or_else(|| "ended".into(), report::exit_words)
+        exit.map_or_else(|| "ended".into(), room::exit_words)
     }
 
     /// Takes away who failed at this tick in an earlier run, while time is held for that.

@@ -12,7 +12,7 @@ use crate::in_process::Members;
 use crate::mission::bridge::Bridge;
 use crate::mission::children::{RunningProcess, end_all, sleep_until_exit};
 use crate::mission::plan::{Launch, Plan};
-use crate::mission::{MissionError, config_path, report, write_config};
+use crate::mission::{MissionError, config_path, room, write_config};
 
 /// Time that processes have to get ready.
 const READY_WITHIN: Duration = Duration::from_secs(60);
@@ -116,6 +116,7 @@ impl<'a> Processes<'a> {
             echo,
         };
         for launch in launches {
+            room::check_start()?;
             write_config(stage.root(), &launch.config)?;
             started.launch(launch)?;
         }
@@ -161,7 +162,7 @@ impl<'a> Processes<'a> {
                 name: process.name.clone(),
                 how: process
                     .exit
-                    .map_or_else(|| "ended".into(), report::exit_words),
+                    .map_or_else(|| "ended".into(), room::exit_words),
                 when: when.to_owned(),
                 last_words: process.last_words(),
             }),

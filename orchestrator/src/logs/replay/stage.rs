@@ -18,7 +18,7 @@ use ipc_types::topics::{Topic, TopicVisitor, for_each_topic};
 use super::source::Logged;
 use crate::mission::plan::Plan;
 use crate::mission::spaces::{self, OwnedSpace};
-use crate::mission::{MissionError, create_services};
+use crate::mission::{MissionError, create_services, room};
 use crate::scenario::ResolvedScenario;
 
 /// How often the dead are looked for: a reader that died must not hold the replay back for long.
@@ -175,6 +175,7 @@ impl Stage {
     /// without room holds the sender back, also where the run itself would have dropped messages.
     pub(super) fn build(scenario: &ResolvedScenario) -> Result<Self, MissionError> {
         let _ = spaces::clean();
+        room::check_start()?;
         let space = OwnedSpace::create()?;
         let (root, prefix) = (space.space().root(), space.space().prefix());
         let plan = Plan::new(scenario, root, prefix, "warn")?;
