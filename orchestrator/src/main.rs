@@ -7,5 +7,6 @@ use std::process::ExitCode;
 
 fn main() -> ExitCode {
     orchestrator::memory::share_arenas();
+    orchestrator::descriptors::raise_limit();
     orchestrator::cli::main()
 }

@@ -1,5 +1,5 @@
-//! Shared memory that is full, as containers have little of it: nobody is killed without a word, and
-//! nothing is left.
+//! Shared memory that is full, as containers have little of it, and other things that a system may keep
+//! short: nobody is killed without a word, and nothing is left.
 
 use std::collections::BTreeSet;
 use std::fs::File;
@@ -138,5 +138,22 @@ fn nothing_left_by_the_killed(sandbox: &Sandbox) {
         sandbox.processes().is_empty().then_some(())
     });
     sandbox.protean(["clean"]).json();
+    sandbox.assert_nothing_left();
+}
+
+#[test]
+fn a_run_takes_the_descriptors_that_it_may_have_or_says_what_it_lacks() {
+    let sandbox = Sandbox::new();
+    let words = ["run", "chase", "--quiet", "--set", "rules.time_limit=0.5"];
+    let run = |kind| {
+        let call = sandbox.protean(words).arg("--out").arg("run.mcap");
+        call.with_open_files(kind, "100").run()
+    };
+    let needed =
+        "this program may have 100 files open (`ulimit -n`), expected at least 242 for 8 processes";
+    run("-H").refused(1, &[&format!("error: {needed}\n")]);
+    assert!(!sandbox.path().join("run.mcap").exists());
+    let outcome = run("-S");
+    assert_eq!(outcome.code, Some(0), "{outcome}");
     sandbox.assert_nothing_left();
 }

@@ -68,6 +68,12 @@ impl<'a> Call<'a> {
         self.through("sh", &["-c", "ulimit -v \"$0\" && exec \"$@\"", kib])
     }
 
+    /// With at most so many files open: at first (`-S`), or whatever it does (`-H`).
+    pub fn with_open_files(self, kind: &str, count: &str) -> Self {
+        let script = "ulimit -S -n \"$1\" && ulimit \"$0\" -n \"$1\" && shift && exec \"$@\"";
+        self.through("sh", &["-c", script, kind, count])
+    }
+
     /// With at most this much time of the processor [s], then it is killed.
     pub fn within_seconds(self, seconds: &str) -> Self {
         self.through("sh", &["-c", "ulimit -t \"$0\" && exec \"$@\"", seconds])

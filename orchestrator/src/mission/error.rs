@@ -9,6 +9,7 @@ use super::children::ChildError;
 use super::plan::PlanError;
 use super::room::NoRoom;
 use super::spaces::SpaceError;
+use crate::descriptors::TooFew;
 use crate::in_process::InProcessError;
 use crate::live::LiveError;
 use crate::recorder::{LogError, RecorderError};
@@ -22,6 +23,9 @@ pub enum MissionError {
     /// The processes have no room for what they say.
     #[error(transparent)]
     Room(#[from] NoRoom),
+    /// The run cannot have open what it must.
+    #[error(transparent)]
+    Descriptors(#[from] TooFew),
     /// The scenario cannot be launched.
     #[error(transparent)]
     Plan(#[from] PlanError),

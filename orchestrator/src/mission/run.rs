@@ -28,6 +28,7 @@ use super::recording::{Kept, RecorderThread};
 use super::room;
 use super::spaces::{self, OwnedSpace};
 use super::supervisor::Supervisor;
+use crate::descriptors;
 use crate::live::{LiveServer, LiveTotals};
 use crate::memory;
 use crate::recorder::Summary;
@@ -130,6 +131,7 @@ pub fn run(
         space.space().prefix(),
         log_level,
     )?;
+    descriptors::check(plan.launches.len())?;
     let pace = options
         .pace
         .map(|pace| Pace::new(pace, plan.run.tick_period()));
