@@ -110,6 +110,7 @@ pub fn run(
     options: &MissionOptions,
 ) -> Result<MissionReport, MissionError> {
     let start = Instant::now();
+    memory::keep_little();
     // What a killed orchestrator left behind goes now; a failure to do so concerns this run only
     // if it cannot have a directory of its own, which is said below.
     let _ = spaces::clean();

@@ -142,6 +142,7 @@ pub fn soak<W: Write>(
                 failure = Some(format!("digest {digest}, but {first} the first time"));
             }
         }
+        drop(flown);
         let mission = Mission::new(
             scenario,
             begun_s,
