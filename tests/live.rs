@@ -434,7 +434,7 @@ fn a_viewer_that_takes_nothing_does_not_hold_the_run_up() {
     assert_eq!(code, Some(0), "{said}");
     assert!(said.contains("live: 1 viewers"), "{said}");
     // It misses messages; where the run takes long enough for that, it is cut off before.
-    let nothing = "0 left out for those who did not keep up, 0 cut off";
+    let nothing = " 0 left out for those who did not keep up, 0 cut off";
     assert!(!said.contains(nothing), "{said}");
     drop(viewer);
     sandbox.assert_nothing_left();
