@@ -56,6 +56,8 @@ class Browser:
         self.process = subprocess.Popen(
             [sys.executable, "-c", AS_3_AND_4, str(to_browser), str(from_browser), *words],
             pass_fds=(to_browser, from_browser),
+            # What it makes for itself beside the profile goes with it.
+            env=os.environ | {"TMPDIR": profile},
             stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
         )
         os.close(to_browser)
@@ -65,6 +67,17 @@ class Browser:
         self.session = None
         self.errors = []
         self.requests = []
+
+    def end(self):
+        """Lets go of it, and waits for all its processes (they hold its standard error), so that none writes on
+        into the profile while that is removed."""
+        os.close(self.to)
+        os.close(self.fro)
+        try:
+            self.process.communicate(timeout=20)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            self.process.wait()
 
     def receive(self):
         while b"\0" not in self.rest:
@@ -136,8 +149,7 @@ def look(program, address, steps, graphics=("--disable-gpu",)):
             answers = [answer for step in steps for answer in take(browser, step)]
             return {"answers": answers, "errors": browser.errors, "requests": browser.requests}
         finally:
-            browser.process.kill()
-            browser.process.wait()
+            browser.end()
 
 
 def take(browser, step):
