@@ -29,7 +29,7 @@ Missions run one after the other, the same ones again and again in an order that
 keeping their logs. Meanwhile every process is looked at twenty times a second, from outside: memory of its
 own, descriptors, shared memory; once more when time has ended; after every mission, what it left behind.
 The first quarter of the time is for warming up; then the first half of the rest is compared with the second. Of processes that run for
-2 s or more, memory late in their lives is compared with memory early.
+10 s or more (missions by the clock, with --real-time), memory late in their lives is compared with memory early.
 
 Flat means: no memory grew, in all three quartiles, by more than 1 % and 64 KiB over the soak, no descriptors
 or pieces of shared memory were added, nothing was left behind, every mission ended as it should, with the digest it had before.

@@ -4,8 +4,8 @@
 //! what it held the last times. The first quarter of the time is for warming up, and missions that
 //! failed do not count. Of the rest, the quartiles of the first half are held against those of the
 //! second: something grew if all three rose. What only comes more often on a busy machine (a pool with
-//! a thread more, say) moves one or two of them. Of processes that ran for long, memory in the last
-//! quarter of their lives is held against that in the second in the same way.
+//! a thread more, say) moves one or two of them. Of processes that ran for long ([`LONG`]), memory in the
+//! last quarter of their lives is held against that in the second in the same way.
 
 use std::collections::BTreeMap;
 
@@ -17,6 +17,11 @@ use crate::planning::summary::quantile;
 
 /// Missions after warming up from which on growth can be told.
 const ENOUGH: usize = 8;
+
+/// Times that a process was looked at, twenty times a second, from which on growth while it ran can be
+/// told: 10 s. Lives have their warming up too (what an optimiser holds rises with the largest plan so far),
+/// and missions without a clock are over within a few seconds.
+pub const LONG: usize = 200;
 
 /// Share of growth over the soak that passes for flat.
 pub const FLAT: f64 = 0.01;
@@ -71,7 +76,7 @@ pub fn of(missions: &[Mission]) -> Vec<Growth> {
             } else {
                 format!("{}/{name}", mission.scenario)
             };
-            if let Some(parts) = held.early_and_late_bytes {
+            if let Some(parts) = held.early_and_late_bytes.filter(|_| held.samples >= LONG) {
                 lives.entry(who.clone()).or_default().push(parts);
             }
             add(who.clone(), MEMORY, held.memory_bytes);
@@ -179,6 +184,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::soak::mission::Use;
 
     fn series(value: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
         (0..100)
@@ -222,6 +228,35 @@ mod tests {
         let either = lives([900_000, 900_000], [1_900_000, 1_900_000]);
         assert!(!either.unwrap().grew);
         assert!(in_flight("x".into(), &[]).is_none());
+    }
+
+    #[test]
+    fn of_short_lives_nothing_is_said() {
+        let missions = |samples: usize| -> Vec<Mission> {
+            let held = Use {
+                samples,
+                memory_bytes: 1_100_000,
+                descriptors: 30,
+                early_and_late_bytes: Some([1_000_000, 1_100_000]),
+            };
+            let mission = |number: u32| Mission {
+                scenario: "chase".into(),
+                seed: 1,
+                begun_s: f64::from(number),
+                lasted_s: 1.0,
+                processes: BTreeMap::from([("pursuer".to_owned(), held.clone())]),
+                segments: 9,
+                leftovers: Vec::new(),
+                failure: None,
+            };
+            (0..20).map(mission).collect()
+        };
+        let in_flight = |samples| {
+            let growth = of(&missions(samples));
+            growth.into_iter().find(|g| g.what == IN_FLIGHT)
+        };
+        assert_eq!(in_flight(LONG - 1), None);
+        assert!(in_flight(LONG).unwrap().grew);
     }
 
     #[test]

@@ -17,7 +17,7 @@ use crate::scenario::{Program, ResolvedScenario};
 /// Name under which the orchestrator's own figures stand.
 pub const ORCHESTRATOR: &str = "orchestrator";
 
-/// Samples of a process from which on it is said whether it grew while it ran.
+/// Samples of a process from which on its life has quarters to speak of.
 const ENOUGH: usize = 40;
 
 /// How long what is on its way out may take.
