@@ -5,7 +5,10 @@
 //! failed do not count. Of the rest, the quartiles of the first half are held against those of the
 //! second: something grew if all three rose. What only comes more often on a busy machine (a pool with
 //! a thread more, say) moves one or two of them. Of processes that ran for long ([`LONG`]), memory in the
-//! last quarter of their lives is held against that in the second in the same way.
+//! last quarter of their lives is held against that in the second in the same way. Growth goes on: what
+//! takes a step once and is level before and after (a map that changed has been built anew, and what that took
+//! was freed but not given back) has not grown, so that it must have risen to the third quarter and from
+//! there too.
 
 use std::collections::BTreeMap;
 
@@ -61,7 +64,7 @@ pub struct Growth {
 /// What became of everything in a row of missions.
 pub fn of(missions: &[Mission]) -> Vec<Growth> {
     let mut series: BTreeMap<(String, &'static str), Vec<(f64, f64)>> = BTreeMap::new();
-    let mut lives: BTreeMap<String, Vec<[u64; 2]>> = BTreeMap::new();
+    let mut lives: BTreeMap<String, Vec<[u64; 3]>> = BTreeMap::new();
     for mission in missions.iter().filter(|m| m.failure.is_none()) {
         let at = mission.begun_s + mission.lasted_s;
         let mut add = |who: String, what, value: u64| {
@@ -76,7 +79,7 @@ pub fn of(missions: &[Mission]) -> Vec<Growth> {
             } else {
                 format!("{}/{name}", mission.scenario)
             };
-            if let Some(parts) = held.early_and_late_bytes.filter(|_| held.samples >= LONG) {
+            if let Some(parts) = held.quarters_bytes.filter(|_| held.samples >= LONG) {
                 lives.entry(who.clone()).or_default().push(parts);
             }
             add(who.clone(), MEMORY, held.memory_bytes);
@@ -93,13 +96,13 @@ pub fn of(missions: &[Mission]) -> Vec<Growth> {
         .collect()
 }
 
-/// Of the lives of one process, each with its memory early and late [bytes].
-fn in_flight(who: String, lives: &[[u64; 2]]) -> Option<Growth> {
+/// Of the lives of one process, each with its memory in the last three quarters [bytes].
+fn in_flight(who: String, lives: &[[u64; 3]]) -> Option<Growth> {
     if lives.len() < ENOUGH {
         return None;
     }
     let values = |index: usize| lives.iter().map(move |life| life[index] as f64);
-    let (first, last) = (middle(values(0))?, middle(values(1))?);
+    let (first, last) = (middle(values(0))?, middle(values(2))?);
     let share = (last - first) / first.max(1.0);
     Some(Growth {
         who,
@@ -108,7 +111,10 @@ fn in_flight(who: String, lives: &[[u64; 2]]) -> Option<Growth> {
         first,
         last,
         share,
-        grew: all_rose(values(0), values(1), 1.0),
+        // Of each of the two steps a third of what is too much for both is enough.
+        grew: all_rose(values(0), values(2), 1.0)
+            && all_rose(values(0), values(1), 3.0)
+            && all_rose(values(1), values(2), 3.0),
     })
 }
 
@@ -218,14 +224,24 @@ mod tests {
 
     #[test]
     fn a_process_that_grows_while_it_runs_is_told() {
-        let lives = |a: [u64; 2], b: [u64; 2]| in_flight("x".into(), &[a, b].repeat(ENOUGH / 2));
-        let grows = lives([1_000_000, 1_100_000], [1_000_000, 1_080_000]);
+        let lives = |a: [u64; 3], b: [u64; 3]| in_flight("x".into(), &[a, b].repeat(ENOUGH / 2));
+        let grows = lives(
+            [1_000_000, 1_050_000, 1_100_000],
+            [1_000_000, 1_040_000, 1_080_000],
+        );
         let grows = grows.unwrap();
         assert!(grows.grew && (grows.share - 0.09).abs() < 1e-9, "{grows:?}");
-        let level = lives([900_000, 900_000], [1_000_000, 1_001_000]);
+        let level = lives([900_000; 3], [1_000_000, 1_000_000, 1_001_000]);
         assert!(!level.unwrap().grew);
+        // A step and no more, whether early or late.
+        for step in [
+            [1_000_000, 1_100_000, 1_100_000],
+            [1_000_000, 1_000_000, 1_100_000],
+        ] {
+            assert!(!lives(step, step).unwrap().grew);
+        }
         // Some with a thread more than others, early and late.
-        let either = lives([900_000, 900_000], [1_900_000, 1_900_000]);
+        let either = lives([900_000; 3], [1_900_000; 3]);
         assert!(!either.unwrap().grew);
         assert!(in_flight("x".into(), &[]).is_none());
     }
@@ -237,7 +253,7 @@ mod tests {
                 samples,
                 memory_bytes: 1_100_000,
                 descriptors: 30,
-                early_and_late_bytes: Some([1_000_000, 1_100_000]),
+                quarters_bytes: Some([1_000_000, 1_050_000, 1_100_000]),
             };
             let mission = |number: u32| Mission {
                 scenario: "chase".into(),

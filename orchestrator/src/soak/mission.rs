@@ -33,10 +33,10 @@ pub struct Use {
     pub memory_bytes: u64,
     /// Most descriptors.
     pub descriptors: u64,
-    /// Its memory in the second quarter of its life and in the last one (medians) [bytes]; absent if
-    /// it did not run for long, or remembers what it saw.
+    /// Its memory in the second, third and last quarter of its life (medians) [bytes]; absent if it did
+    /// not run for long, or remembers what it saw.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub early_and_late_bytes: Option<[u64; 2]>,
+    pub quarters_bytes: Option<[u64; 3]>,
 }
 
 /// A mission.
@@ -77,8 +77,7 @@ impl Mission {
             .map(|(name, held)| {
                 let at_end = seen.at_end.get(&name).copied();
                 let mut held = Use::of(&held, at_end);
-                held.early_and_late_bytes
-                    .take_if(|_| remembers(scenario, &name));
+                held.quarters_bytes.take_if(|_| remembers(scenario, &name));
                 (name, held)
             })
             .collect();
@@ -89,7 +88,7 @@ impl Mission {
                 samples: 1,
                 memory_bytes: us.memory_bytes,
                 descriptors: us.descriptors,
-                early_and_late_bytes: None,
+                quarters_bytes: None,
             };
             processes.insert(ORCHESTRATOR.to_owned(), now);
         }
@@ -117,7 +116,7 @@ impl Use {
             samples,
             memory_bytes: at_end.unwrap_or_else(|| middle(&held.memory)),
             descriptors: held.descriptors.iter().copied().max().unwrap_or(0),
-            early_and_late_bytes: (samples >= ENOUGH).then(|| [quarter(1), quarter(3)]),
+            quarters_bytes: (samples >= ENOUGH).then(|| [quarter(1), quarter(2), quarter(3)]),
         }
     }
 }
@@ -185,13 +184,13 @@ mod tests {
         // Warm after the first quarter.
         let warm = held((0..40).map(|i| if i < 8 { i * 1000 } else { 10_000 }));
         assert_eq!(
-            Use::of(&warm, None).early_and_late_bytes,
-            Some([10_000, 10_000])
+            Use::of(&warm, None).quarters_bytes,
+            Some([10_000, 10_000, 10_000])
         );
         let grows = held((0..40).map(|i| 10_000 + i * 1000));
         assert_eq!(
-            Use::of(&grows, None).early_and_late_bytes,
-            Some([24_500, 44_500])
+            Use::of(&grows, None).quarters_bytes,
+            Some([24_500, 34_500, 44_500])
         );
         assert_eq!(Use::of(&grows, None).memory_bytes, 29_500);
         assert_eq!(Use::of(&grows, Some(49_000)).memory_bytes, 49_000);
@@ -201,7 +200,7 @@ mod tests {
     #[test]
     fn of_a_short_life_nothing_is_said() {
         let short = held((0..39).map(|i| i * 1000));
-        assert_eq!(Use::of(&short, None).early_and_late_bytes, None);
+        assert_eq!(Use::of(&short, None).quarters_bytes, None);
         assert_eq!(Use::of(&Held::default(), None).memory_bytes, 0);
     }
 }

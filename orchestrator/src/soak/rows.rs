@@ -19,6 +19,9 @@ struct Row {
     memory_bytes: u64,
     descriptors: u64,
     early_bytes: Option<u64>,
+    /// Absent in rows of soaks before there was this column.
+    #[serde(default)]
+    middle_bytes: Option<u64>,
     late_bytes: Option<u64>,
     segments: u64,
     /// One per line.
@@ -59,8 +62,9 @@ impl<W: Write> RowWriter<W> {
                 samples: held.samples,
                 memory_bytes: held.memory_bytes,
                 descriptors: held.descriptors,
-                early_bytes: held.early_and_late_bytes.map(|parts| parts[0]),
-                late_bytes: held.early_and_late_bytes.map(|parts| parts[1]),
+                early_bytes: held.quarters_bytes.map(|parts| parts[0]),
+                middle_bytes: held.quarters_bytes.map(|parts| parts[1]),
+                late_bytes: held.quarters_bytes.map(|parts| parts[2]),
                 segments: mission.segments,
                 leftovers: mission.leftovers.join("\n"),
                 failure: mission.failure.clone().unwrap_or_default(),
@@ -79,11 +83,15 @@ pub fn read(rows: impl Read) -> Result<Vec<Mission>, csv::Error> {
     let mut missions: Vec<(usize, Mission)> = Vec::new();
     for row in csv::Reader::from_reader(rows).deserialize() {
         let row: Row = row?;
+        let quarters = [row.early_bytes, row.middle_bytes, row.late_bytes];
         let held = Use {
             samples: row.samples,
             memory_bytes: row.memory_bytes,
             descriptors: row.descriptors,
-            early_and_late_bytes: row.early_bytes.zip(row.late_bytes).map(|(e, l)| [e, l]),
+            quarters_bytes: match quarters {
+                [Some(early), Some(middle), Some(late)] => Some([early, middle, late]),
+                _ => None,
+            },
         };
         if let Some((number, mission)) = missions.last_mut()
             && *number == row.mission
@@ -113,11 +121,11 @@ mod tests {
 
     #[test]
     fn what_is_read_is_what_was_written() {
-        let held = |early_and_late_bytes| Use {
+        let held = |quarters_bytes| Use {
             samples: 3,
             memory_bytes: 5,
             descriptors: 30,
-            early_and_late_bytes,
+            quarters_bytes,
         };
         let mission = |number: u32, failure: Option<&str>| Mission {
             scenario: "chase \"by the clock\"".into(),
@@ -126,7 +134,7 @@ mod tests {
             lasted_s: 1.0 / 3.0,
             processes: [
                 ("orchestrator".to_owned(), held(None)),
-                ("police, 1".to_owned(), held(Some([7, 9]))),
+                ("police, 1".to_owned(), held(Some([7, 8, 9]))),
             ]
             .into(),
             segments: 40,

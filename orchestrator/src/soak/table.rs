@@ -88,7 +88,7 @@ mod tests {
             samples: 3,
             memory_bytes: memory,
             descriptors: 30,
-            early_and_late_bytes: None,
+            quarters_bytes: None,
         };
         Mission {
             scenario: "chase".into(),
