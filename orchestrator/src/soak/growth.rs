@@ -4,7 +4,8 @@
 //! what it held the last times. The first quarter of the time is for warming up, and missions that
 //! failed do not count. Of the rest, the quartiles of the first half are held against those of the
 //! second: something grew if all three rose. What only comes more often on a busy machine (a pool with
-//! a thread more, say) moves one or two of them.
+//! a thread more, say) moves one or two of them. And the medians must differ by more than missions do: a few of
+//! them whose memory goes up and down tell nothing.
 //!
 //! Of processes that ran for long ([`LONG`]), memory in the last quarter of a life is held against that in the
 //! second and in the third of the same life. Growth goes on: what takes a step once and is level before and
@@ -151,8 +152,16 @@ fn all_rose(
     })
 }
 
+/// How far the median may be off with so many values: medians whose notches do not overlap differ
+/// (R. `McGill`, J. Tukey and W. Larsen, "Variations of box plots", 1978: 1.57 interquartile ranges by the root of the number).
+fn notch(values: impl Iterator<Item = f64> + Clone) -> f64 {
+    let number = values.clone().count().max(1) as f64;
+    let [lower, _, upper] = quartiles(values);
+    1.57 * (upper - lower) / number.sqrt()
+}
+
 /// The values of a series.
-fn of_series(half: &[(f64, f64)]) -> impl Iterator<Item = f64> {
+fn of_series(half: &[(f64, f64)]) -> impl Iterator<Item = f64> + Clone {
     half.iter().map(|v| v.1)
 }
 
@@ -175,7 +184,10 @@ fn growth(who: String, what: &'static str, values: &[(f64, f64)], end: f64) -> O
     let change = (last - first) * stretch;
     let share = change / first.max(1.0);
     let grew = match what {
-        MEMORY => all_rose(of_series(early), of_series(late), stretch),
+        MEMORY => {
+            all_rose(of_series(early), of_series(late), stretch)
+                && last - first > notch(of_series(early)) + notch(of_series(late))
+        }
         // Counts are whole: one more is more.
         _ => quartiles(of_series(early))
             .into_iter()
@@ -222,6 +234,19 @@ mod tests {
         let leak = judged(MEMORY, |t| 1e7 * (1.0 + 0.02 * (t - 25.0) / 75.0));
         assert!(leak.grew, "{leak:?}");
         assert!((leak.share - 0.02).abs() < 0.002, "{leak:?}");
+    }
+
+    #[test]
+    fn few_missions_whose_memory_goes_up_and_down_tell_nothing() {
+        let values = [5.35, 5.75, 5.21, 5.43, 5.73, 5.53, 5.85, 5.58];
+        let of = |leak: f64| {
+            let at = |(i, v): (u32, &f64)| (f64::from(50 + i), (v + leak * f64::from(i)) * 1e6);
+            let values: Vec<(f64, f64)> = (0..).zip(&values).map(at).collect();
+            growth("x".into(), MEMORY, &values, 60.0).unwrap()
+        };
+        let level = of(0.0);
+        assert!(!level.grew && level.share > FLAT, "{level:?}");
+        assert!(of(0.2).grew);
     }
 
     #[test]
