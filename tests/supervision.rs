@@ -7,6 +7,8 @@ mod disk;
 mod orchestrator;
 #[path = "supervision/room.rs"]
 mod room;
+#[path = "supervision/surroundings.rs"]
+mod surroundings;
 #[path = "supervision/warden.rs"]
 mod warden;
 

@@ -198,7 +198,15 @@ mod tests {
         let pid = i32::try_from(child.id()).unwrap();
         let us = i32::try_from(std::process::id()).unwrap();
         let root = directory.path();
-        let mine = children(us).unwrap();
+        // A program that has only just been started may not have its environment yet.
+        let mine = loop {
+            let mine = children(us).unwrap();
+            let of_it = mine.iter().find(|m| m.pid == pid).unwrap();
+            if of_it.root.is_some() {
+                break mine;
+            }
+            std::thread::yield_now();
+        };
         let found = members_of(root).unwrap();
         child.kill().unwrap();
         child.wait().unwrap();

@@ -45,7 +45,7 @@ impl Session {
                 .map_err(BenchError::system("cannot write a temporary file"))
         };
         let (output, errors) = (file("report.json")?, file("errors.txt")?);
-        let this = std::env::current_exe().map_err(BenchError::system("cannot find myself"))?;
+        let this = crate::program::this().map_err(BenchError::system("cannot find myself"))?;
         let begun = Instant::now();
         let mut command = Command::new(this);
         command

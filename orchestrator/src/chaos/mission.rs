@@ -254,7 +254,7 @@ fn prepared(scenario: &ResolvedScenario, policy: Policy, hang_timeout_s: f64) ->
 /// This program, with the mission's runtime directory. (The folder that it works in is ours, from which
 /// the programs of scenarios have their paths.)
 fn command(annex: &Annex, verb: &str) -> Result<Command, ChaosError> {
-    let this = std::env::current_exe().map_err(system("cannot find this program"))?;
+    let this = crate::program::this().map_err(system("cannot find this program"))?;
     let mut command = Command::new(this);
     command
         .arg(verb)

@@ -6,6 +6,7 @@ use std::sync::atomic::AtomicBool;
 
 use super::{EXIT_FAILED, EXIT_PARTIAL, print, print_json};
 use crate::bench::{self, Item, Options};
+use crate::signals;
 
 /// What `--help` says after the options.
 pub const HELP: &str = "\
@@ -68,10 +69,8 @@ pub fn bench(names: &[String], quick: bool, as_json: bool) -> ExitCode {
         .collect();
     let commands: Vec<_> = ELSEWHERE.iter().filter(|(name, _)| wanted(name)).collect();
     let interrupted = Arc::new(AtomicBool::new(false));
-    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
-        // Without a handler a signal ends the bench at once; what it leaves, `protean clean` removes.
-        let _ = signal_hook::flag::register(signal, Arc::clone(&interrupted));
-    }
+    // Without a handler a signal ends the bench at once; what it leaves, `protean clean` removes.
+    let _ = signals::interrupt(&interrupted);
     ipc_types::bus::quiet_transport();
     let options = Options { quick, interrupted };
     let report = bench::run(&items, &options, |what| eprintln!("measuring {what}"));

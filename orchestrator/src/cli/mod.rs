@@ -32,6 +32,7 @@ mod sweep_schedule;
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::{CommandFactory as _, Parser, Subcommand};
 
@@ -281,7 +282,14 @@ struct RunArgs {
 
 /// Runs the command line; returns the exit code.
 pub fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let code = command(Cli::parse());
+    if RESULT_LOST.load(Ordering::Relaxed) && code == ExitCode::SUCCESS {
+        return ExitCode::from(EXIT_FAILED);
+    }
+    code
+}
+
+fn command(cli: Cli) -> ExitCode {
     match cli.command {
         None => run::run(DEFAULT_SCENARIO, &cli.run),
         Some(Command::Run { scenario, args }) => run::run(&scenario, &args),
@@ -333,12 +341,22 @@ pub fn main() -> ExitCode {
     }
 }
 
+/// Whether a result could not be written to stdout.
+static RESULT_LOST: AtomicBool = AtomicBool::new(false);
+
 /// Writes a line to stdout, of text that cannot steer a terminal; a reader that went away
-/// (`protean list | head`) is no error.
+/// (`protean list | head`) is no error. Anything else is told, and the program ends with [`EXIT_FAILED`] if it
+/// would have ended well.
 fn print(text: &str) {
-    use std::io::Write as _;
+    use std::io::{ErrorKind, Write as _};
     let mut out = std::io::stdout().lock();
-    let _ = writeln!(out, "{}", crate::terminal::harmless(text)).and_then(|()| out.flush());
+    let written = writeln!(out, "{}", crate::terminal::harmless(text)).and_then(|()| out.flush());
+    if let Err(error) = written
+        && error.kind() != ErrorKind::BrokenPipe
+        && !RESULT_LOST.swap(true, Ordering::Relaxed)
+    {
+        eprintln!("error: cannot write the result to stdout: {error}");
+    }
 }
 
 /// How many things this machine can do at once.

@@ -10,6 +10,7 @@ use crate::live::LiveTotals;
 use crate::mission::{self, MissionError, MissionOptions, MissionReport, report};
 use crate::scenario::spec::Mode;
 use crate::scenario::{Loader, ResolvedScenario};
+use crate::signals;
 
 /// Levels that `--log-level` takes.
 const LEVELS: [&str; 5] = ["error", "warn", "info", "debug", "trace"];
@@ -158,15 +159,10 @@ fn agreed(question: &str) -> bool {
     matches!(answer.trim(), "y" | "Y" | "yes" | "Yes")
 }
 
-/// The first Ctrl-C or SIGTERM ends the run in order, the second ends the program. Shared memory that is
-/// full ends it with an error.
+/// The first Ctrl-C, SIGTERM or closed terminal ends the run in order ([`signals::interrupt`]). Shared memory
+/// that is full ends it with an error.
 pub(super) fn handle_signals(interrupted: &Arc<AtomicBool>) -> std::io::Result<()> {
-    use signal_hook::consts::{SIGINT, SIGTERM};
-    use signal_hook::flag;
-    for signal in [SIGINT, SIGTERM] {
-        flag::register_conditional_shutdown(signal, 128 + signal, Arc::clone(interrupted))?;
-        flag::register(signal, Arc::clone(interrupted))?;
-    }
+    signals::interrupt(interrupted)?;
     debug_assert!(!interrupted.load(Ordering::SeqCst));
     mission::tell_when_shared_memory_is_full()
 }

@@ -95,6 +95,13 @@ pub struct ChildError {
     pub source: std::io::Error,
 }
 
+impl ChildError {
+    /// What follows the name of the process.
+    pub(super) fn of_it(&self) -> String {
+        format!("{}: {}", self.what, self.source)
+    }
+}
+
 /// How a process is executed.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Executable {
@@ -160,7 +167,7 @@ impl RunningProcess {
             let name = name.to_owned();
             move |source: std::io::Error| ChildError { name, what, source }
         };
-        let this = std::env::current_exe().map_err(failed("cannot find this program"))?;
+        let this = crate::program::this().map_err(failed("cannot find this program"))?;
         let mut command = Command::new(this);
         command.stdout(Stdio::null());
         match executable {

@@ -17,11 +17,10 @@ impl Failure {
     /// What happened to the process, as what follows its name.
     pub(super) fn words(&self, hang_timeout: Duration) -> String {
         match self {
-            Self::Exited(how) => how.clone(),
+            Self::Exited(how) | Self::NotStarted(how) => how.clone(),
             Self::Hung => format!("did not answer for {hang_timeout:?} and was killed"),
             Self::NotReady(waited) => format!("was not ready within {waited:?} and was killed"),
             Self::Repeated => "was taken away, as it had failed then".into(),
-            Self::NotStarted(error) => format!("could not be started: {error}"),
         }
     }
 }

@@ -4,11 +4,13 @@
 //! whatever it starts inherits. Ids alone would not do: they are used again, and nobody has listed the
 //! processes of processes; nor would command lines: programs of the user's own have any.
 
+use std::os::fd::OwnedFd;
 use std::os::unix::ffi::OsStrExt as _;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use rustix::process::{Pid, Signal};
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::process::{Pid, PidfdFlags, Signal, pidfd_open, pidfd_send_signal};
 
 use super::children::CONFIG_VARIABLE;
 use super::warden;
@@ -17,6 +19,8 @@ use super::warden;
 const LOOKS: u32 = 16;
 /// Time for wardens to end what is below them, some of which only they can find.
 const WARDENS_WITHIN: Duration = Duration::from_secs(5);
+/// Time for those that were killed to be gone.
+const GONE_WITHIN: Duration = Duration::from_secs(2);
 /// Time between two looks for them.
 const LOOK: Duration = Duration::from_millis(5);
 
@@ -41,6 +45,7 @@ pub(super) fn kill_those_of(config: &Path) -> Vec<u32> {
 
 fn kill(is_wanted: impl Fn(&u32) -> bool) -> Vec<u32> {
     let mut killed = Vec::new();
+    let mut ends = Vec::new();
     // One that was just starting another may have escaped the first look.
     for _ in 0..LOOKS {
         let found: Vec<u32> = processes()
@@ -49,14 +54,32 @@ fn kill(is_wanted: impl Fn(&u32) -> bool) -> Vec<u32> {
         if found.is_empty() {
             break;
         }
-        let kill = |&pid: &u32| {
-            let pid = i32::try_from(pid).ok().and_then(Pid::from_raw);
-            pid.is_some_and(|pid| rustix::process::kill_process(pid, Signal::KILL).is_ok())
-        };
-        killed.extend(found.into_iter().filter(kill));
+        for id in found {
+            let pid = i32::try_from(id).ok().and_then(Pid::from_raw);
+            let end = pid.and_then(|pid| pidfd_open(pid, PidfdFlags::empty()).ok());
+            // Looked at once more now that its number cannot become somebody else's.
+            if let Some(end) = end.filter(|_| is_wanted(&id))
+                && pidfd_send_signal(&end, Signal::KILL).is_ok()
+            {
+                killed.push(id);
+                ends.push(end);
+            }
+        }
     }
+    await_ends(&ends);
     killed.sort_unstable();
     killed
+}
+
+/// Waits until those that were killed are gone, which takes the system a moment.
+fn await_ends(ends: &[OwnedFd]) {
+    let deadline = Instant::now() + GONE_WITHIN;
+    for end in ends {
+        let left = deadline.saturating_duration_since(Instant::now());
+        let left = Timespec::try_from(left).unwrap_or_default();
+        // A signal only shortens this.
+        let _ = poll(&mut [PollFd::new(end, PollFlags::IN)], Some(&left));
+    }
 }
 
 /// The beginning of an entry of the environment that names this path.

@@ -67,6 +67,15 @@ pub struct Plan {
 }
 
 impl Plan {
+    /// Lets the world be at most so many ticks ahead of what the recorder has taken. For everybody: each
+    /// process has been told its own.
+    pub fn keep_waiting_at_most(&mut self, ticks: u32) {
+        let launches = self.launches.iter_mut();
+        for run in launches.map(|l| &mut l.config.run).chain([&mut self.run]) {
+            run.recorder_ticks = run.recorder_ticks.min(ticks);
+        }
+    }
+
     /// Plans a run of the scenario in a directory.
     ///
     /// # Errors
@@ -350,6 +359,17 @@ mod tests {
         }
         let exact = plan("chase_exact", &[]);
         assert!(exact.launches.iter().all(|l| l.config.upstream.is_empty()));
+    }
+
+    #[test]
+    fn everybody_is_told_how_far_the_world_may_be_ahead() {
+        let mut plan = plan("chase", &[]);
+        plan.keep_waiting_at_most(8);
+        let told = plan.launches.iter().map(|l| l.config.run.recorder_ticks);
+        assert!(
+            told.chain([plan.run.recorder_ticks])
+                .all(|ticks| ticks == 8)
+        );
     }
 
     #[test]

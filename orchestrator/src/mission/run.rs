@@ -138,7 +138,7 @@ pub fn run(
         .map(|pace| Pace::new(pace, plan.run.tick_period()));
     if pace.is_some() {
         // Held back by the recorder, the world is never far ahead of what is shown.
-        plan.run.recorder_ticks = PACED_TICKS;
+        plan.keep_waiting_at_most(PACED_TICKS);
     }
     let mirror = live.as_ref().map(|live| Box::new(live.tap()) as _);
     let kept = Kept::create(scenario, &plan, options, mirror)?;

@@ -13,7 +13,7 @@ use kit::lockstep::{Overseer, Phase, SlotState};
 use super::absences::Absences;
 use super::bridge::Bridge;
 use super::charge::{Charge, Standing};
-use super::children::{RunningProcess, end_all};
+use super::children::{ChildError, RunningProcess, end_all};
 use super::chronicle::Chronicle;
 use super::error::MissionError;
 use super::failure::Failure;
@@ -112,17 +112,17 @@ impl<'a> Supervisor<'a> {
         matches!(self.charges[slot].standing, Standing::Away { .. })
     }
 
-    fn launch(&self, slot: usize) -> Result<RunningProcess, MissionError> {
+    fn launch(&self, slot: usize) -> Result<RunningProcess, ChildError> {
         let launch = &self.plan.launches[slot];
         let config = config_path(self.space.space().root(), &launch.config);
-        Ok(RunningProcess::start_heard(
+        RunningProcess::start_heard(
             &launch.config.name,
             slot,
             &launch.executable,
             &config,
             self.echo,
             Some(self.chronicle.ear()),
-        )?)
+        )
     }
 
     fn note_processes(&self) -> Result<(), MissionError> {
@@ -328,7 +328,7 @@ impl<'a> Supervisor<'a> {
                     self.processes[slot] = process;
                     self.note_processes()?;
                 }
-                Err(error) => self.fail(slot, &Failure::NotStarted(error.to_string()))?,
+                Err(error) => self.fail(slot, &Failure::NotStarted(error.of_it()))?,
             }
         }
         Ok(())

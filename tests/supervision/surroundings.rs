@@ -1,0 +1,152 @@
+//! What an orchestrator is started with, and what is done to it from there, is its own business to cope with.
+
+use std::collections::BTreeSet;
+use std::time::{Duration, Instant};
+
+use rustix::process::Signal;
+
+use super::disk::ENDLESS;
+use crate::support::call::PATIENCE;
+use crate::support::sandbox::signal;
+use crate::support::{SOON, Sandbox, until, wait_for_tick};
+
+#[test]
+fn who_starts_it_may_not_care_for_children() {
+    let sandbox = Sandbox::new();
+    let script = "trap '' CHLD; exec \"$@\"";
+    let outcome = sandbox
+        .protean(["run", "hello", "--quiet", "--out", "run.mcap"])
+        .set(PATIENCE)
+        .through("sh", &["-c", script, "sh"])
+        .run();
+    assert_eq!(outcome.code, Some(0), "{outcome}");
+    assert!(!outcome.stderr.contains("killed"), "{outcome}");
+    sandbox.assert_nothing_left();
+}
+
+#[test]
+fn a_limit_for_the_size_of_files_is_told_and_leaves_nothing() {
+    let sandbox = Sandbox::new();
+    let limited = |blocks| ["-c", "ulimit -f \"$0\" && exec \"$@\"", blocks];
+    let words = ["run", "hello", "--quiet", "--out", "run.mcap"];
+    let call = sandbox.protean(words).through("sh", &limited("100"));
+    let said = "error: cannot write the log run.mcap: File too large";
+    call.run().refused(1, &[said, "it stays readable"]);
+    sandbox.assert_nothing_left();
+    sandbox.protean(words).arg("--force").json();
+    let words = ["filter", "run.mcap", "--out", "part.mcap"];
+    let call = sandbox.protean(words).through("sh", &limited("10"));
+    call.run()
+        .refused(1, &["error: ", "part.mcap", "File too large"]);
+    assert_eq!(sandbox.files(), [sandbox.path().join("run.mcap")]);
+}
+
+#[test]
+fn a_terminal_that_is_closed_ends_the_run_in_order_and_nohup_has_it_go_on() {
+    let sandbox = Sandbox::new();
+    let mut known = BTreeSet::new();
+    for ending in [Signal::HUP, Signal::QUIT] {
+        let words = ENDLESS.iter().copied().chain(["run.mcap", "--force"]);
+        let running = sandbox.protean(words).start();
+        let run = sandbox.next_run(&known);
+        known.insert(run.clone());
+        wait_for_tick(&run, 10);
+        running.signal(ending);
+        let outcome = running.finish();
+        assert_eq!(outcome.code, Some(3), "{outcome}");
+        sandbox.assert_nothing_left();
+    }
+    let words = ENDLESS.iter().copied().chain(["run.mcap", "--force"]);
+    let running = sandbox.protean(words).through("nohup", &[]).start();
+    let run = sandbox.next_run(&known);
+    wait_for_tick(&run, 10);
+    running.signal(Signal::HUP);
+    wait_for_tick(&run, 100);
+    running.signal(Signal::INT);
+    assert_eq!(running.finish().code, Some(3));
+    sandbox.assert_nothing_left();
+}
+
+#[test]
+fn a_program_that_is_replaced_in_the_middle_of_its_run_starts_itself_again() {
+    let sandbox = Sandbox::new();
+    let file = sandbox.path().join("protean");
+    std::fs::copy(env!("CARGO_BIN_EXE_protean"), &file).unwrap();
+    let running = sandbox
+        .protean(["run", "chase", "--quiet", "--json", "--out", "run.mcap"])
+        .set("run.dt=0.002")
+        .set("rules.time_limit=2")
+        .set("processes.pursuer.on_failure=restart")
+        .set(PATIENCE)
+        .through("sh", &["-c", "shift; exec ./protean \"$@\"", "sh"])
+        .start();
+    let run = sandbox.next_run(&BTreeSet::new());
+    wait_for_tick(&run, 20);
+    std::fs::remove_file(&file).unwrap();
+    // What is at its place now is another program.
+    sandbox.file("protean", "#!/bin/sh\nexit 9\n");
+    signal(sandbox.process("pursuer_police_1").pid, Signal::KILL);
+    let outcome = running.finish();
+    // Somebody was away for a while.
+    assert_eq!(outcome.code, Some(3), "{outcome}");
+    assert!(
+        outcome.stderr.contains("pursuer_police_1 is back"),
+        "{outcome}"
+    );
+    std::fs::remove_file(&file).unwrap();
+    sandbox.assert_nothing_left();
+}
+
+#[test]
+fn a_result_that_cannot_be_written_is_told() {
+    let sandbox = Sandbox::new();
+    let full = ["-c", "exec \"$@\" > /dev/full", "sh"];
+    for words in [&["list", "--json"][..], &["messages", "--python"]] {
+        let outcome = sandbox.protean(words.iter().copied()).through("sh", &full);
+        let words = ["error: cannot write the result to stdout: No space left on device"];
+        outcome.run().refused(1, &words);
+    }
+}
+
+#[test]
+fn a_paced_world_is_held_back_and_its_log_is_no_longer_than_another() {
+    let sandbox = Sandbox::new();
+    let run = |log: &str, pace: &[&str]| {
+        let begun = Instant::now();
+        let words = ["run", "chase", "--quiet", "--out", log];
+        let call = sandbox.protean(words.into_iter().chain(pace.iter().copied()));
+        call.set("rules.time_limit=3").json();
+        let length = std::fs::metadata(sandbox.path().join(log)).unwrap().len();
+        (begun.elapsed(), length)
+    };
+    let (_, free) = run("free.mcap", &[]);
+    let (lasted, paced) = run("paced.mcap", &["--pace", "1"]);
+    // All but the few ticks that the recorder may lag behind.
+    assert!(lasted > Duration::from_secs(2), "{lasted:?}");
+    assert!(paced < free + free / 4, "{paced} bytes instead of {free}");
+    sandbox.assert_nothing_left();
+}
+
+#[test]
+fn when_clean_has_returned_those_that_it_killed_are_gone() {
+    let sandbox = Sandbox::new();
+    let running = sandbox
+        .protean(ENDLESS.iter().copied().chain(["run.mcap"]))
+        .start();
+    let run = sandbox.next_run(&BTreeSet::new());
+    wait_for_tick(&run, 5);
+    // Stopped, they do not end by themselves.
+    for process in sandbox.processes() {
+        if process.pid != running.pid() {
+            signal(process.pid, Signal::STOP);
+        }
+    }
+    running.signal(Signal::KILL);
+    running.finish();
+    let cleaned = until("a run that is dead", SOON, || {
+        let cleaned = sandbox.protean(["clean"]).json();
+        (cleaned["runs"][0]["state"] == "removed").then_some(cleaned)
+    });
+    assert_eq!(sandbox.processes(), [], "{cleaned}");
+    sandbox.assert_nothing_left();
+}
