@@ -14,6 +14,7 @@ use serde_json::Value as Json;
 use super::probe::{self, Member};
 use super::{BenchError, Deadline, Options};
 use crate::descriptors;
+use crate::mission::annex::Annex;
 
 /// Time that a run has to end in order when it is told to.
 const END_WITHIN: Duration = Duration::from_secs(8);
@@ -23,7 +24,7 @@ const END_WITHIN: Duration = Duration::from_secs(8);
 pub struct Session {
     child: Child,
     pidfd: OwnedFd,
-    folder: tempfile::TempDir,
+    folder: Annex,
     begun: Instant,
     deadline: Deadline,
 }
@@ -36,10 +37,7 @@ impl Session {
         arguments: &[String],
         deadline: Deadline,
     ) -> Result<Self, BenchError> {
-        let folder = tempfile::Builder::new()
-            .prefix("protean-bench-")
-            .tempdir()
-            .map_err(BenchError::system("cannot make a temporary folder"))?;
+        let folder = Annex::for_files()?;
         let file = |name: &str| {
             File::create(folder.path().join(name))
                 .map_err(BenchError::system("cannot write a temporary file"))

@@ -18,7 +18,8 @@ use super::output::{FILTERED, MANIFEST, RESULT, RUN_DIGEST};
 use super::reader::{Item, Reader};
 use super::watch::Watch;
 use crate::in_process::{self, InProcessOptions};
-use crate::mission::{self, Absence, MissionOptions};
+use crate::mission::annex::Annex;
+use crate::mission::{self, Absence, MissionError, MissionOptions};
 use crate::scenario::kinds::{KINDS, Need, Product, find};
 use crate::scenario::spec::MAX_PROCESSES;
 use crate::scenario::{ProcessSpec, Program, ResolvedScenario};
@@ -92,10 +93,7 @@ pub fn rerun(log: &Path, options: RerunOptions, watch: &mut Watch) -> Result<Rer
     refuse_external(log, &scenario, options.allow_external)?;
     // Nobody looks at it.
     scenario.log.viewer_rate_hz = 0.0;
-    let folder = tempfile::tempdir().map_err(|source| LogsError::Write {
-        path: std::env::temp_dir(),
-        source,
-    })?;
+    let folder = Annex::for_files().map_err(MissionError::Space)?;
     let again = folder.path().join("again.mcap");
     let interrupted = Arc::clone(&watch.interrupted);
     let failed = failures(log, watch)?;

@@ -1,5 +1,5 @@
-//! Runtime directories that a command makes for runs of its own, beside that of the user: noted in a
-//! run directory that is locked as long as the command lives, so that `clean` finds them when it does
+//! Directories that a command makes for runs of its own, for their logs or as their runtime directory, beside
+//! that of the user: noted in a run directory that is locked as long as the command lives, so that `clean` finds them when it does
 //! not any more, however it ended.
 
 use std::fs::DirBuilder;
@@ -29,9 +29,21 @@ impl Annex {
     /// # Errors
     /// [`SpaceError`] if the system refuses.
     pub fn create() -> Result<Self, SpaceError> {
-        let space = OwnedSpace::create()?;
         // Short: names of sockets below it are limited.
-        let above = Path::new("/tmp");
+        Self::create_in(Path::new("/tmp"))
+    }
+
+    /// Makes one for files only, where the user has those that are temporary.
+    ///
+    /// # Errors
+    /// [`SpaceError`] if the system refuses.
+    pub fn for_files() -> Result<Self, SpaceError> {
+        let above = std::env::temp_dir();
+        Self::create_in(&std::path::absolute(&above).map_err(spaces::io(&above))?)
+    }
+
+    fn create_in(above: &Path) -> Result<Self, SpaceError> {
+        let space = OwnedSpace::create()?;
         let directory = tempfile::Builder::new()
             .prefix("pc")
             .rand_bytes(6)
