@@ -47,7 +47,9 @@ fn a_terminal_that_is_closed_ends_the_run_in_order_and_nohup_has_it_go_on() {
     let mut known = BTreeSet::new();
     for ending in [Signal::HUP, Signal::QUIT] {
         let words = ENDLESS.iter().copied().chain(["run.mcap", "--force"]);
-        let running = sandbox.protean(words).start();
+        // As from a terminal, also where the tests themselves run under nohup.
+        let call = sandbox.protean(words);
+        let running = call.through("env", &["--default-signal=HUP"]).start();
         let run = sandbox.next_run(&known);
         known.insert(run.clone());
         wait_for_tick(&run, 10);
