@@ -11,6 +11,7 @@ mod chaos;
 mod chase;
 mod coverage;
 mod external;
+mod goldens;
 mod hostile;
 mod in_process;
 mod latency;

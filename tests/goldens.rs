@@ -1,0 +1,39 @@
+//! Golden files: names and values that users and their programs rely on, pinned in `tests/goldens/`.
+//!
+//! `PROTEAN_GOLDENS=write cargo test --test end_to_end goldens::` writes the files anew. The commit that
+//! changes one says which contract changed and why.
+
+#[path = "goldens/digests.rs"]
+mod digests;
+#[path = "goldens/names.rs"]
+mod names;
+
+use std::path::PathBuf;
+
+/// Compares a text with the golden file of this name, or writes the file if `PROTEAN_GOLDENS=write`.
+#[track_caller]
+fn compare(name: &str, now: &str) {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+        .join("../tests/goldens")
+        .join(name);
+    if std::env::var_os("PROTEAN_GOLDENS").is_some_and(|word| word == "write") {
+        std::fs::write(&path, now).unwrap();
+        return;
+    }
+    let golden = std::fs::read_to_string(&path).unwrap();
+    let missing = golden
+        .lines()
+        .filter(|line| !now.lines().any(|l| l == *line));
+    let added = now
+        .lines()
+        .filter(|line| !golden.lines().any(|l| l == *line));
+    let difference: Vec<String> = missing
+        .map(|line| format!("- {line}"))
+        .chain(added.map(|line| format!("+ {line}")))
+        .collect();
+    assert!(
+        golden == now,
+        "tests/goldens/{name} differs (- golden, + now; order counts):\n{}",
+        difference.join("\n")
+    );
+}
