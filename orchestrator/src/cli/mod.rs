@@ -12,6 +12,7 @@ mod instances;
 mod latency;
 mod list;
 mod logs;
+mod moved;
 mod patrol;
 mod picture;
 mod plan;
@@ -282,6 +283,11 @@ struct RunArgs {
 
 /// Runs the command line; returns the exit code.
 pub fn main() -> ExitCode {
+    let arguments: Vec<OsString> = std::env::args_os().skip(1).collect();
+    if let Some(message) = moved::message(&arguments) {
+        eprintln!("{message}");
+        return ExitCode::from(EXIT_INVALID);
+    }
     let code = command(Cli::parse());
     if RESULT_LOST.load(Ordering::Relaxed) && code == ExitCode::SUCCESS {
         return ExitCode::from(EXIT_FAILED);

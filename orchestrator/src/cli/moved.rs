@@ -1,0 +1,60 @@
+//! Commands that moved or went, each answered with what to type instead.
+
+use std::ffi::{OsStr, OsString};
+
+/// The first words of a command that is no longer there, and what to type instead.
+type Row = (&'static [&'static str], &'static str);
+
+/// One row per command that moved or went.
+const MOVED: &[Row] = &[];
+
+/// The message for a command line, without the program's name, that begins with a command that moved
+/// or went; `None` for any other.
+pub(super) fn message(arguments: &[OsString]) -> Option<String> {
+    find(MOVED, arguments)
+}
+
+fn find(rows: &[Row], arguments: &[OsString]) -> Option<String> {
+    let begins_with = |words: &[&str]| {
+        let given = arguments.get(..words.len());
+        given.is_some_and(|given| given.iter().zip(words).all(|(a, b)| a == OsStr::new(b)))
+    };
+    let (words, instead) = rows.iter().find(|(words, _)| begins_with(words))?;
+    Some(format!(
+        "error: `protean {}` is no longer a command; instead, {instead}",
+        words.join(" ")
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::{CommandFactory as _, Parser as _};
+
+    use super::*;
+    use crate::cli::Cli;
+
+    #[test]
+    fn a_command_that_went_is_answered_with_what_to_type_instead() {
+        let rows: &[Row] = &[(&["sweep", "page"], "type this"), (&["bench"], "type that")];
+        let answer = |line: &str| {
+            let words: Vec<OsString> = line.split_whitespace().map(OsString::from).collect();
+            find(rows, &words)
+        };
+        let said = answer("sweep page DIR --out x.md").unwrap();
+        assert!(said.contains("`protean sweep page`") && said.ends_with("type this"));
+        assert!(answer("bench --json").unwrap().ends_with("type that"));
+        assert_eq!(answer("sweep pages.toml"), None);
+        assert_eq!(answer("sweep"), None);
+        assert_eq!(answer("run bench"), None);
+        assert_eq!(answer(""), None);
+    }
+
+    #[test]
+    fn no_row_hides_a_command_that_is_there() {
+        Cli::command().debug_assert();
+        for (words, _) in MOVED {
+            let line = ["protean"].iter().chain(*words);
+            assert!(Cli::try_parse_from(line).is_err(), "{words:?}");
+        }
+    }
+}
