@@ -21,7 +21,7 @@ use serde_json::Value as Json;
 use crate::support::call::{Outcome, PATIENCE, Running};
 use crate::support::history::History;
 use crate::support::programs::driven_by;
-use crate::support::sandbox::{signal, stop};
+use crate::support::sandbox::signal;
 use crate::support::{SOON, Sandbox, until, wait_for_tick};
 
 /// A chase of some thousand ticks that nobody wins, and what becomes of whom.
@@ -93,44 +93,16 @@ fn finished(outcome: &Outcome) -> Json {
     summary
 }
 
-/// Perception was killed before the end of a tick and came back, unless that was in the middle of what
-/// it had to say; an evader was gone for good.
-fn tests_go_on_to_the_end_or_to_who_never_came_back(
-    sandbox: &Sandbox,
-    (eyes_left, eyes_were_mid_way): (u64, bool),
-    gone: u64,
-) {
-    let test = [
-        "replay",
-        "run.mcap",
-        "--test",
-        "perception",
-        "--json",
-        "--quiet",
-    ];
-    let ran = sandbox.protean(test).run();
-    let test = ran.json();
-    assert_eq!(test["identical"], true, "{test}");
-    if eyes_were_mid_way {
-        assert_eq!((ran.code, &test["replaced"]), (Some(3), &0.into()), "{ran}");
-        assert_eq!(test["left"]["tick"], eyes_left, "{test}");
-    } else {
-        assert_eq!((ran.code, &test["replaced"]), (Some(0), &1.into()), "{ran}");
-        assert_eq!(test["left"], Json::Null, "{test}");
-    }
-    // Of one that never came back what it said before is compared, and that is said.
-    let evader = ["replay", "run.mcap", "--quiet", "--test"];
-    let evader = evader
-        .iter()
-        .chain(&["evader_potential_evader_1", "--json"]);
-    let ran = sandbox.protean(evader.copied()).run();
+/// What a log with failures is compared with goes up to the first of them, which is named.
+#[track_caller]
+fn same_up_to(sandbox: &Sandbox, words: &[&str], same: &str, (name, tick): (&str, u64)) {
+    let more = ["run.mcap", "--json", "--quiet"];
+    let ran = sandbox.protean(words.iter().copied().chain(more)).run();
     assert_eq!(ran.code, Some(3), "{ran}");
-    let test = ran.json();
-    assert_eq!(test["left"]["tick"], gone, "{test}");
-    assert_eq!(
-        (&test["identical"], &test["ticks"]),
-        (&true.into(), &gone.into())
-    );
+    let report = ran.json();
+    assert_eq!(report[same], true, "{report}");
+    assert_eq!(report["left"]["process"], name, "{report}");
+    assert_eq!(report["left"]["tick"], tick, "{report}");
 }
 
 #[test]
@@ -200,132 +172,16 @@ fn killed_processes_rejoin_at_a_tick_that_the_log_tells_and_others_stand_or_go_o
     let extra: Vec<_> = beliefs.symmetric_difference(&expected).collect();
     assert!(extra.iter().all(|&&t| t == eyes_left), "{extra:?}");
 
-    // Such a run can be done again, failures and all; but for one in the middle of what a process had
-    // to say, which is then what is said.
-    let failed = [
-        ("pursuer_police_2", 3, left),
-        ("perception", 1, eyes_left),
-        ("evader_potential_evader_1", 6, gone),
-    ];
-    let was_mid_way = |(_, source, tick): &(&str, u32, u64)| {
-        let mut all = history.messages.iter();
-        let simulated = |topic: &str| !topic.starts_with("process/") && topic != "run/control";
-        all.any(|m| m.source == *source && m.tick == *tick && simulated(&m.topic))
-    };
-    let again = sandbox
-        .protean(["rerun", "run.mcap", "--json", "--quiet"])
-        .run();
-    let again_json = again.json();
-    assert_eq!(again_json["same"], true, "{again}");
-    if let Some((name, _, tick)) = failed.iter().find(|f| was_mid_way(f)) {
-        assert_eq!(again.code, Some(3), "{again}");
-        assert_eq!(again_json["left"]["process"], *name, "{again}");
-        assert_eq!(again_json["left"]["tick"], *tick);
-    } else {
-        assert_eq!(again.code, Some(0), "{again}");
-        assert_eq!(again_json["repeated"], 3, "{again}");
-        assert_eq!(again_json["digest"], summary["digest"]);
-        assert_eq!(again_json["digest_logged"], summary["digest"]);
-    }
-    let again = sandbox
-        .protean(["rerun", "run.mcap", "--in-process", "--json", "--quiet"])
-        .run();
-    assert_eq!(again.code, Some(3), "{again}");
-    let again = again.json();
-    assert_eq!(
-        (&again["same"], &again["repeated"]),
-        (&true.into(), &0.into())
-    );
-    assert_eq!(again["left"]["process"], "pursuer_police_2");
-    assert_eq!(again["left"]["tick"], left);
-    tests_go_on_to_the_end_or_to_who_never_came_back(
-        &sandbox,
-        (eyes_left, was_mid_way(&failed[1])),
-        gone,
-    );
-    sandbox.assert_nothing_left();
-}
-
-/// Ends a process between two ticks: while the world stands still, when it has done its own.
-fn kill_between_ticks(sandbox: &Sandbox, run: &str, name: &str, slot: usize) {
-    let page = kit::lockstep::TurnPage::open(&Sandbox::prefix(run)).unwrap();
-    let (simulator, victim) = (sandbox.process("simulator"), sandbox.process(name));
-    stop(simulator.pid);
-    until("a world that stands still", SOON, || {
-        (page.ticks_done(slot) == page.ticks_posted()).then_some(())
-    });
-    signal(victim.pid, Signal::KILL);
-    until("its end", SOON, || {
-        (!sandbox.processes().contains(&victim)).then_some(())
-    });
-    signal(simulator.pid, Signal::CONT);
-}
-
-#[test]
-fn a_run_in_which_processes_failed_between_ticks_can_be_done_again_to_the_bit() {
-    let sandbox = Sandbox::new();
-    let soon_back = "processes.pursuer.restart={ backoff_s = 0.02, backoff_factor = 1.0 }";
-    let more = ["--set", PATIENCE, "--set", soon_back];
-    let (running, run) = in_the_air(&sandbox, &more, 100);
-    let page = kit::lockstep::TurnPage::open(&Sandbox::prefix(&run)).unwrap();
-    kill_between_ticks(&sandbox, &run, "pursuer_police_2", 3);
-    // The same again as soon as it is back, and others.
-    until("its successor's first tick", SOON, || {
-        (page.times_taken(3) == 2 && page.first_tick(3).is_some()).then_some(())
-    });
-    kill_between_ticks(&sandbox, &run, "pursuer_police_2", 3);
-    kill_between_ticks(&sandbox, &run, "perception", 1);
-    kill_between_ticks(&sandbox, &run, "evader_potential_evader_1", 6);
-    let summary = finished(&running.finish());
-    assert_eq!(of(&summary, "pursuer_police_2")["restarts"], 2, "{summary}");
-
-    let again = sandbox
-        .protean(["rerun", "run.mcap", "--json", "--quiet"])
-        .run();
-    assert_eq!(again.code, Some(0), "{again}");
-    let again = again.json();
-    assert_eq!(again["repeated"], 4, "{again}");
-    assert_eq!(again["digest"], summary["digest"]);
-    assert_eq!(again["digest_logged"], summary["digest"]);
-    assert_eq!(again["left"], Json::Null);
-    // And so can each process alone, failures and all, and those that hear each other together.
-    let history = History::read(&log(&sandbox));
-    let commands = history.messages.iter();
-    let commands = commands.filter(|m| m.source == 3 && m.topic == "robot/command");
-    let ticks: Vec<u64> = commands.map(|m| m.tick).collect();
-    let outages = &of(&summary, "pursuer_police_2")["outages"];
-    let back = outages[1]["back_tick"].as_u64().unwrap();
-    let (all, after) = (ticks.len(), ticks.iter().filter(|&&t| t >= back).count());
-    assert!(after > 100, "{after} of {all} commands");
-    for (tested, replaced) in [
-        (&["pursuer_police_2"][..], 2),
-        (&["perception"], 1),
-        (&["perception", "pursuer_police_2", "pursuer_police_1"], 3),
+    let first = ("pursuer_police_2", left);
+    same_up_to(&sandbox, &["rerun"], "same", first);
+    same_up_to(&sandbox, &["rerun", "--in-process"], "same", first);
+    for own in [
+        first,
+        ("perception", eyes_left),
+        ("evader_potential_evader_1", gone),
     ] {
-        let names = tested.iter().flat_map(|name| ["--test", *name]);
-        let words = ["replay", "run.mcap", "--json", "--quiet"];
-        let test = sandbox.protean(words.into_iter().chain(names)).run();
-        assert_eq!(test.code, Some(0), "{tested:?}: {test}");
-        let test = test.json();
-        assert_eq!(test["identical"], true, "{test}");
-        assert_eq!(test["replaced"], replaced, "{test}");
-        assert_eq!(test["ticks"], summary["ticks"].as_u64().unwrap() + 1);
-        if *tested == ["pursuer_police_2"] {
-            let commands = &test["topics"]["robot/command"];
-            assert_eq!(commands["equal"], all, "{test}");
-            assert_eq!(commands["now"], all, "{test}");
-        }
+        same_up_to(&sandbox, &["replay", "--test", own.0], "identical", own);
     }
-    // Within one process nobody is replaced: up to the first failure, which is said.
-    let test = ["replay", "run.mcap", "--in-process", "--test", "perception"];
-    let test = sandbox.protean(test).run();
-    assert_eq!(test.code, Some(3), "{test}");
-    assert!(test.stdout.contains("not compared: nobody"), "{test}");
-    // Left alone it is another history: what is compared is not the same whatever happens.
-    let alone = sandbox
-        .protean(CHASE.iter().copied().chain(["--force"]))
-        .run();
-    assert_ne!(alone.json()["digest"], summary["digest"]);
     sandbox.assert_nothing_left();
 }
 

@@ -152,27 +152,3 @@ fn when_clean_has_returned_those_that_it_killed_are_gone() {
     assert_eq!(sandbox.processes(), [], "{cleaned}");
     sandbox.assert_nothing_left();
 }
-
-#[test]
-fn a_run_that_is_done_again_and_killed_leaves_nothing_that_clean_does_not_find() {
-    let sandbox = Sandbox::new();
-    let run = ["run", "chase", "--quiet", "--out", "run.mcap"];
-    let call = sandbox.protean(run).set("run.dt=0.001");
-    call.set("rules.time_limit=2").json();
-    std::fs::create_dir(sandbox.path().join("tmp")).unwrap();
-    let here = ["-c", "TMPDIR=tmp exec \"$@\"", "sh"];
-    let words = ["rerun", "run.mcap", "--quiet"];
-    let running = sandbox.protean(words).through("sh", &here).start();
-    sandbox.process("pursuer_police_1");
-    running.signal(Signal::KILL);
-    running.finish();
-    until("the end of all processes", SOON, || {
-        sandbox.processes().is_empty().then_some(())
-    });
-    sandbox.protean(["clean"]).json();
-    assert_eq!(
-        sandbox.files(),
-        [sandbox.path().join("run.mcap"), sandbox.path().join("tmp")]
-    );
-    sandbox.assert_nothing_left();
-}

@@ -28,9 +28,9 @@ goes back 5 s, up and down arrow double and halve the rate, q ends.
 
 With --test, processes of the log's scenario are started, or opened with --in-process, and given in
 lock-step what they heard in the run; what they say is compared with what they said. Processes under test
-hear each other; everybody else is played. One that failed in the run and came back is killed before the
-same tick and started anew for the tick at which it came back, knowing nothing of before. With --set their parameters change, and the report says where
-that shows first and by how much fields differ.
+hear each other; everybody else is played. What a process said before its first failure in the run is
+compared. With --set their parameters change, and the report says where that shows first and by how much
+fields differ.
 
 Exit codes: 0 played, or the same; 1 not the same, or a process or the replay failed; 2 wrong usage, or a
 log that cannot be used; 3 ended before its end, or the log is not whole: what is missing is said.";
@@ -202,15 +202,6 @@ fn verified_text(done: &Verified) -> String {
     if !done.helpers.is_empty() {
         text += &format!("started   {} too\n", done.helpers.join(", "));
     }
-    if done.replaced > 0 {
-        text += &format!(
-            "replaced  {}, at the ticks at which they failed and came back in the run\n",
-            match done.replaced {
-                1 => "once".to_owned(),
-                n => format!("{n} times"),
-            }
-        );
-    }
     for (topic, verdict) in &done.topics {
         text += &format!(
             "{topic}: {} messages in the log, {} now, {} the same\n",
@@ -222,11 +213,8 @@ fn verified_text(done: &Verified) -> String {
         None if done.whole => "result    IDENTICAL".to_owned(),
         None => match &done.left {
             Some(left) => format!(
-                "result    identical up to tick {}, at which {} {}; what came after is not compared: {}",
-                left.tick,
-                left.process,
-                left.reason,
-                done.left_for_good.unwrap_or_default()
+                "result    identical up to tick {}, at which {} {}; what came after is not compared",
+                left.tick, left.process, left.reason
             ),
             None => {
                 "result    identical as far as the log goes, which is not to its end".to_owned()

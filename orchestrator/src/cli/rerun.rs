@@ -10,13 +10,12 @@ use crate::logs::{Rerun, RerunOptions, rerun};
 pub(super) const HELP: &str = "\
 The run is done again from the scenario, seed and events in the log, and every message of the simulated
 history (everything but clocks and heartbeats) is compared, as is the digest. Of a run that was killed or
-interrupted, what the log holds is compared. A process that failed and was replaced or done without is taken
-away again before the same tick; if it had said a part of what it had to say in that tick, if it made plans or
-asked for them, or with --in-process, that cannot be: then what was said before is compared.
+interrupted, what the log holds is compared; of one in which a process failed, what was said before that.
 
 Exit codes: 0 the same, message by message and digest; 1 not the same: the first difference of every topic
 is said; or the run failed; 2 the run in the log cannot be done again: why, is said; 3 the same as far
-as the log goes, but it does not go to the end of its run; or interrupted.";
+as the log goes, but it does not go to the end of its run, or up to the first failure of a process; or
+interrupted.";
 
 /// What `protean rerun` takes.
 #[derive(Debug, clap::Args)]
@@ -87,12 +86,6 @@ fn text(done: &Rerun) -> String {
         }
         None => text += &format!("digest    none in the log, {} now\n", done.digest),
     }
-    if done.repeated > 0 {
-        text += &format!(
-            "failures  {} of processes, repeated at their ticks\n",
-            done.repeated
-        );
-    }
     let Some(comparison) = &done.comparison else {
         text += "messages  not compared: the log holds a part of its run";
         return text;
@@ -103,8 +96,8 @@ fn text(done: &Rerun) -> String {
         None if done.same => {
             text += &match &done.left {
                 Some(left) => format!(
-                    "result    the same up to tick {}, at which process {} {}: what came of that \
-                     depends on when it happened, and cannot be done again",
+                    "result    the same up to tick {}, at which process {} {}; what came after is \
+                     not compared",
                     left.tick, left.process, left.reason
                 ),
                 None => format!(

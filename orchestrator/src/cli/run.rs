@@ -79,7 +79,6 @@ fn fly(
         live: args.live,
         // Who looks on wants to see something.
         pace: args.pace.or(args.live.map(|_| 1.0)).filter(|_| lock_step),
-        absences: Vec::new(),
         interrupted,
         before_end: None,
     };

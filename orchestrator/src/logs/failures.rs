@@ -1,6 +1,8 @@
-//! The processes that failed in the run of a log.
+//! The first process that failed in the run of a log.
+//!
+//! What came of a failure depends on when it happened within its tick, which no log says: what the log
+//! holds from that tick on is not compared.
 
-use std::collections::BTreeSet;
 use std::path::Path;
 
 use ipc_types::messages::process::ProcessEvent;
@@ -10,7 +12,7 @@ use serde::Serialize;
 use zerocopy::FromBytes as _;
 
 use super::error::LogsError;
-use super::known::{self, ENCAPSULATION};
+use super::known::ENCAPSULATION;
 use super::output::MANIFEST;
 use super::reader::{Item, Reader};
 use super::watch::Watch;
@@ -26,41 +28,18 @@ pub struct Left {
     pub reason: String,
 }
 
-/// A failure of a process.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Failure {
-    pub(super) left: Left,
-    /// Index of the process in the run.
-    pub(super) index: u32,
-    /// Whether the log says what was done about it: the process came back, failed again or was given
-    /// up.
-    pub(super) is_settled: bool,
-    /// The first tick that it did again, if the log says that it came back.
-    pub(super) back: Option<u64>,
-    /// Whether it had said something in the tick that it did not do to its end.
-    pub(super) had_spoken: bool,
-}
-
-/// Every failure, by tick.
+/// The earliest failure of a process whose name is `of_interest`.
 ///
 /// # Errors
 /// [`LogsError`]: the log cannot be read.
-pub(super) fn failures(log: &Path, watch: &mut Watch) -> Result<Vec<Failure>, LogsError> {
-    let mut found = events(log, watch)?;
-    if !found.is_empty() {
-        let spoken = speakers(log, &found, watch)?;
-        for failure in &mut found {
-            failure.had_spoken = spoken.contains(&(failure.index, failure.left.tick));
-        }
-        found.sort_by_key(|failure| failure.left.tick);
-    }
-    Ok(found)
-}
-
-fn events(log: &Path, watch: &mut Watch) -> Result<Vec<Failure>, LogsError> {
+pub(super) fn first_failure(
+    log: &Path,
+    of_interest: impl Fn(&str) -> bool,
+    watch: &mut Watch,
+) -> Result<Option<Left>, LogsError> {
     let mut reader = Reader::open(log, Some(watch))?;
     let (mut names, mut channel_id) = (Vec::new(), None);
-    let mut found: Vec<Failure> = Vec::new();
+    let mut first: Option<Left> = None;
     while let Some(item) = reader.next()? {
         match item {
             Item::Metadata(record) if record.name == MANIFEST => {
@@ -78,62 +57,22 @@ fn events(log: &Path, watch: &mut Watch) -> Result<Vec<Failure>, LogsError> {
                 else {
                     continue;
                 };
-                let mut before = found.iter_mut().filter(|f| f.index == event.process);
-                if let Some(last) = before.next_back() {
-                    last.is_settled = true;
-                    if event.kind == ProcessEvent::BACK {
-                        last.back = Some(event.tick);
-                    }
-                }
-                if event.kind != ProcessEvent::LEFT {
+                let earlier = first.as_ref().is_none_or(|first| event.tick < first.tick);
+                if event.kind != ProcessEvent::LEFT || !earlier {
                     continue;
                 }
                 let name = names.get(event.process as usize).cloned();
-                found.push(Failure {
-                    left: Left {
-                        process: name.unwrap_or_else(|| format!("process {}", event.process)),
+                let process = name.unwrap_or_else(|| format!("process {}", event.process));
+                if of_interest(&process) {
+                    first = Some(Left {
+                        process,
                         tick: event.tick,
                         reason: event.reason_text(),
-                    },
-                    index: event.process,
-                    is_settled: false,
-                    back: None,
-                    had_spoken: false,
-                });
-            }
-            _ => {}
-        }
-    }
-    Ok(found)
-}
-
-/// Which of those who failed said something in the tick at which they did, by index and tick.
-fn speakers(
-    log: &Path,
-    failures: &[Failure],
-    watch: &mut Watch,
-) -> Result<BTreeSet<(u32, u64)>, LogsError> {
-    let wanted: BTreeSet<(u32, u64)> = failures.iter().map(|f| (f.index, f.left.tick)).collect();
-    let mut reader = Reader::open(log, Some(watch))?;
-    let (mut channels, mut spoken) = (BTreeSet::new(), BTreeSet::new());
-    while let Some(item) = reader.next()? {
-        match item {
-            Item::Channel(channel) => {
-                let is_history = known::find(&channel.topic).is_some_and(|known| known.simulated);
-                if is_history && known::is_stamped(&channel) {
-                    channels.insert(channel.id);
-                }
-            }
-            Item::Message(header, data) if channels.contains(&header.channel_id) => {
-                if let Some(stamp) = known::stamp(data) {
-                    let said = (stamp.source, stamp.tick);
-                    if wanted.contains(&said) {
-                        spoken.insert(said);
-                    }
+                    });
                 }
             }
             _ => {}
         }
     }
-    Ok(spoken)
+    Ok(first)
 }

@@ -11,18 +11,14 @@ use zerocopy::FromBytes as _;
 
 use super::compare::{Comparison, compare};
 use super::error::LogsError;
-use super::failures::{Failure, Left, failures};
+use super::failures::{Left, first_failure};
 use super::known::{self, ENCAPSULATION};
 use super::origin::{Origin, refuse_external};
 use super::output::{FILTERED, MANIFEST, RESULT, RUN_DIGEST};
 use super::reader::{Item, Reader};
 use super::watch::Watch;
 use crate::in_process::{self, InProcessOptions};
-use crate::mission::annex::Annex;
-use crate::mission::{self, Absence, MissionError, MissionOptions};
-use crate::scenario::kinds::{KINDS, Need, Product, find};
-use crate::scenario::spec::MAX_PROCESSES;
-use crate::scenario::{ProcessSpec, Program, ResolvedScenario};
+use crate::mission::{self, MissionError, MissionOptions};
 
 /// How a run is done again.
 #[derive(Debug, Clone, Copy, Default)]
@@ -48,13 +44,10 @@ pub struct Rerun {
     pub digest_logged: Option<String>,
     /// Fingerprint of the new run.
     pub digest: String,
-    /// Failures of processes in the log that were repeated at their ticks.
-    pub repeated: usize,
-    /// The first process that failed in a way that cannot be repeated, if the run went on after that:
-    /// from then on the run in the log depends on when that was, and is not compared.
+    /// The first process that failed in the run of the log: from its tick on nothing is compared.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub left: Option<Left>,
-    /// Whether the log holds the whole run, and all of it can be done again.
+    /// Whether the log holds the whole run, without a failure.
     pub whole: bool,
     /// Whether the two runs are the same, as far as the log goes.
     pub same: bool,
@@ -93,17 +86,13 @@ pub fn rerun(log: &Path, options: RerunOptions, watch: &mut Watch) -> Result<Rer
     refuse_external(log, &scenario, options.allow_external)?;
     // Nobody looks at it.
     scenario.log.viewer_rate_hz = 0.0;
-    let folder = Annex::for_files().map_err(MissionError::Space)?;
+    let folder = tempfile::tempdir().map_err(|source| MissionError::System {
+        what: "cannot make a temporary directory".into(),
+        source,
+    })?;
     let again = folder.path().join("again.mcap");
     let interrupted = Arc::clone(&watch.interrupted);
-    let failed = failures(log, watch)?;
-    let (absences, left) = if options.in_process {
-        // There nobody can be replaced.
-        (Vec::new(), failed.into_iter().next().map(|f| f.left))
-    } else {
-        recorded.repeatable(&scenario, failed)
-    };
-    let repeated = absences.len();
+    let left = first_failure(log, |_| true, watch)?;
     let report = if options.in_process {
         in_process::run(
             &scenario,
@@ -120,7 +109,6 @@ pub fn rerun(log: &Path, options: RerunOptions, watch: &mut Watch) -> Result<Rer
             &MissionOptions {
                 out: Some(again.clone()),
                 quiet: watch.quiet,
-                absences,
                 interrupted,
                 ..MissionOptions::default()
             },
@@ -157,7 +145,6 @@ pub fn rerun(log: &Path, options: RerunOptions, watch: &mut Watch) -> Result<Rer
             .cloned(),
         digest_logged: digest_logged.cloned(),
         digest,
-        repeated,
         left,
         whole: ended || recorded.filtered && digest_logged.is_some(),
         same,
@@ -168,36 +155,6 @@ pub fn rerun(log: &Path, options: RerunOptions, watch: &mut Watch) -> Result<Rer
 }
 
 impl Recorded {
-    /// Which failures can be repeated, and the first that cannot. Between two ticks a process can be
-    /// taken away; in the middle of one it cannot.
-    fn repeatable(
-        &self,
-        scenario: &ResolvedScenario,
-        failed: Vec<Failure>,
-    ) -> (Vec<Absence>, Option<Left>) {
-        // Time is held by a seat of its own. What a cut or damaged log lacks of the words of a
-        // process nobody knows.
-        let any = scenario.processes.len() < MAX_PROCESSES && !self.filtered && self.whole;
-        let mut absences = Vec::new();
-        for failure in failed {
-            let process = (failure.index as usize)
-                .checked_sub(1)
-                .and_then(|position| scenario.processes.get(position));
-            let can_be = process.is_some_and(|process| !has_to_do_with_plans(process));
-            // One that ended the run is not settled, unless the run was over meanwhile.
-            let went_on = failure.is_settled || self.over;
-            let is_tick = failure.left.tick < u64::from(u32::MAX);
-            if !(any && can_be && went_on && is_tick) || failure.had_spoken {
-                return (absences, Some(failure.left));
-            }
-            absences.push(Absence {
-                tick: failure.left.tick,
-                process: failure.index as usize,
-            });
-        }
-        (absences, None)
-    }
-
     fn read(log: &Path, watch: &mut Watch) -> Result<Self, LogsError> {
         let mut recorded = Self::default();
         let mut reader = Reader::open(log, Some(watch))?;
@@ -240,14 +197,4 @@ impl Recorded {
         }
         Ok(recorded)
     }
-}
-
-/// Whether a process asks for plans or makes them: that is in no log, nor how far it was with them.
-pub(super) fn has_to_do_with_plans(process: &ProcessSpec) -> bool {
-    let Program::Kind(kind) = &process.program else {
-        return false;
-    };
-    find(KINDS, kind).is_some_and(|kind| {
-        kind.makes(Product::Plans) || (kind.needs)(&process.params).contains(&Need::Plans)
-    })
 }

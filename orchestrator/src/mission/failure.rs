@@ -9,8 +9,6 @@ pub(super) enum Failure {
     Hung,
     NotReady(Duration),
     NotStarted(String),
-    /// It was taken away because it had failed there in an earlier run.
-    Repeated,
 }
 
 impl Failure {
@@ -20,7 +18,6 @@ impl Failure {
             Self::Exited(how) | Self::NotStarted(how) => how.clone(),
             Self::Hung => format!("did not answer for {hang_timeout:?} and was killed"),
             Self::NotReady(waited) => format!("was not ready within {waited:?} and was killed"),
-            Self::Repeated => "was taken away, as it had failed then".into(),
         }
     }
 }

@@ -1,7 +1,6 @@
 //! One run, from the resolved scenario to the summary: processes started, supervised, recorded,
 //! ended, and nothing left behind.
 
-mod absences;
 pub mod annex;
 pub(crate) mod bridge;
 mod changes;
@@ -23,7 +22,6 @@ pub mod spaces;
 mod supervisor;
 pub(crate) mod warden;
 
-pub use absences::Absence;
 pub use error::MissionError;
 pub use room::NoRoom;
 pub(crate) use room::tell_when_shared_memory_is_full;

@@ -17,7 +17,6 @@ use ipc_types::topics::{
 use kit::config::{Clock, ProcessConfig};
 use kit::lockstep::{Overseer, Phase, SlotState, TurnPage};
 
-use super::absences::Absence;
 use super::bridge::Bridge;
 use super::children::sleep_until_exit;
 use super::error::MissionError;
@@ -64,9 +63,6 @@ pub struct MissionOptions {
     /// Simulated seconds per second that a run in lock-step keeps to; as fast as it can without.
     /// Its history stays the same.
     pub pace: Option<f64>,
-    /// Processes that are taken away as if they had failed, in lock-step: what has happened in an
-    /// earlier run.
-    pub absences: Vec<Absence>,
     /// Set from outside (Ctrl-C) to end the run in order.
     pub interrupted: Arc<AtomicBool>,
     /// Called when time has ended and all processes are still there.
@@ -147,7 +143,7 @@ pub fn run(
     let services = create_services(&bus, &plan)?;
     let page = Arc::new(TurnPage::create(
         space.space().prefix(),
-        plan.launches.len() + usize::from(!options.absences.is_empty()),
+        plan.launches.len(),
     )?);
     let overseer = Overseer::new(Arc::clone(&page));
     for (slot, launch) in plan.launches.iter().enumerate() {

@@ -1,7 +1,6 @@
 //! Looks after the processes of a run that is in the air: notices who ended or no longer answers,
 //! and does what the scenario wants done then.
 
-use std::cmp::Ordering;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -10,7 +9,6 @@ use ipc_types::messages::process::ProcessEvent;
 use kit::config::Clock;
 use kit::lockstep::{Overseer, Phase, SlotState};
 
-use super::absences::Absences;
 use super::bridge::Bridge;
 use super::charge::{Charge, Standing};
 use super::children::{ChildError, RunningProcess, end_all};
@@ -35,7 +33,6 @@ pub(super) struct Supervisor<'a> {
     /// By their index in the run.
     pub(super) processes: Vec<RunningProcess>,
     charges: Vec<Charge>,
-    absences: Absences,
     hang_timeout: Duration,
     recorder: Arc<Calls>,
     /// Whether the lines of the processes are shown.
@@ -63,11 +60,6 @@ impl<'a> Supervisor<'a> {
             plan,
             space,
             bus,
-            absences: Absences::new(
-                options.absences.clone(),
-                overseer.clone(),
-                plan.launches.len(),
-            ),
             overseer,
             chronicle,
             processes: Vec::new(),
@@ -106,10 +98,6 @@ impl<'a> Supervisor<'a> {
                 Standing::Away { .. } | Standing::Starting { .. }
             )
         })
-    }
-
-    fn is_away(&self, slot: usize) -> bool {
-        matches!(self.charges[slot].standing, Standing::Away { .. })
     }
 
     fn launch(&self, slot: usize) -> Result<RunningProcess, ChildError> {
@@ -167,7 +155,6 @@ impl<'a> Supervisor<'a> {
                 self.fail(slot, &Failure::Exited(how))?;
             }
         }
-        self.repeat_failures()?;
         self.check_starts()?;
         self.check_silence(ticks)?;
         self.start_the_due(bridge)
@@ -176,34 +163,6 @@ impl<'a> Supervisor<'a> {
     fn how_it_ended(&self, slot: usize) -> String {
         let exit = self.processes[slot].exit;
         exit.map_or_else(|| "ended".into(), room::exit_words)
-    }
-
-    /// Takes away who failed at this tick in an earlier run, while time is held for that.
-    fn repeat_failures(&mut self) -> Result<(), MissionError> {
-        while let Some(absence) = self.absences.next() {
-            let slot = absence.process;
-            let held = self.overseer.page().held_before();
-            // Before which tick it can be taken away now, or at the earliest.
-            let earliest = match self.charges.get(slot).map(|charge| charge.standing) {
-                Some(Standing::Present) => held,
-                Some(Standing::Starting { back_tick, .. } | Standing::Away { back_tick, .. }) => {
-                    Some(back_tick)
-                }
-                // No log of ours says that.
-                Some(Standing::Gone) | None => Some(u64::MAX),
-            };
-            match earliest.map(|earliest| earliest.cmp(&absence.tick)) {
-                Some(Ordering::Equal) if !self.is_away(slot) => {
-                    self.processes[slot].kill();
-                    self.fail(slot, &Failure::Repeated)?;
-                }
-                // Too late: what follows is another history, which will be seen.
-                Some(Ordering::Greater) => {}
-                _ => break,
-            }
-            self.absences.done();
-        }
-        Ok(())
     }
 
     /// Whoever was started again may be back, or take too long.
@@ -441,12 +400,6 @@ impl<'a> Supervisor<'a> {
                 name,
                 tick: self.overseer.page().ticks_posted().saturating_sub(1),
                 waited: self.hang_timeout,
-                last_words,
-            },
-            Failure::Repeated => MissionError::Exited {
-                name,
-                how: failure.words(self.hang_timeout),
-                when: format!("{when}{again}"),
                 last_words,
             },
             Failure::NotReady(waited) => MissionError::NotReady {

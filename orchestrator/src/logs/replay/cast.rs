@@ -27,30 +27,6 @@ pub(super) trait Cast {
     fn prepare(&mut self) -> Result<bool, MissionError>;
     /// Gives everybody the turn of a tick and waits until it is done.
     fn turn(&mut self, tick: u64) -> Result<bool, MissionError>;
-
-    /// Takes a process away between two ticks, as its failure did in the run.
-    fn take_away(&mut self, process: u32) -> Result<(), MissionError> {
-        Err(not_replaced(process))
-    }
-
-    /// Starts it anew, to take part from this tick on, before anything of that is said; `greet`
-    /// connects it with those who speak and hear.
-    fn bring_back(
-        &mut self,
-        process: u32,
-        _tick: u64,
-        _greet: &mut dyn FnMut() -> Result<(), MissionError>,
-    ) -> Result<bool, MissionError> {
-        Err(not_replaced(process))
-    }
-}
-
-/// Where processes cannot be replaced, no test asks for it.
-fn not_replaced(process: u32) -> MissionError {
-    MissionError::System {
-        what: format!("process {process} cannot be replaced here"),
-        source: std::io::ErrorKind::Unsupported.into(),
-    }
 }
 
 impl Cast for Members {
@@ -73,7 +49,6 @@ impl Cast for Members {
 /// Real processes; they end when this is dropped.
 pub(super) struct Processes<'a> {
     stage: &'a Stage,
-    launches: &'a [Launch],
     running: Vec<RunningProcess>,
     overseer: Overseer,
     conductor: Conductor,
@@ -88,7 +63,7 @@ impl<'a> Processes<'a> {
     /// Starts these processes of a run, with nobody else at its page.
     pub(super) fn start(
         stage: &'a Stage,
-        launches: &'a [Launch],
+        launches: &[Launch],
         hang_timeout: Duration,
         interrupted: Arc<AtomicBool>,
         echo: bool,
@@ -106,7 +81,6 @@ impl<'a> Processes<'a> {
         let bridge = Bridge::start(&tested, &stage.bus, &page)?;
         let mut started = Self {
             stage,
-            launches,
             running: Vec::new(),
             overseer,
             conductor: Conductor::new(page, 0, 1 << 20, false),
@@ -132,18 +106,6 @@ impl<'a> Processes<'a> {
         self.running.push(process);
         let pids = self.running.iter().map(RunningProcess::pid);
         Ok(self.stage.space.note_processes(pids)?)
-    }
-
-    /// Waits until nobody speaks for a process that is gone any more; false if interrupted.
-    fn await_vacancy(&mut self, slot: usize) -> bool {
-        let is_vacant = |bridge: &Bridge| bridge.is_vacant(slot);
-        while !self.bridge.as_ref().is_none_or(is_vacant) {
-            if self.interrupted() {
-                return false;
-            }
-            sleep_until_exit(&self.running, None, Duration::from_millis(2));
-        }
-        true
     }
 
     fn interrupted(&self) -> bool {
@@ -245,61 +207,6 @@ impl Cast for Processes<'_> {
                         });
                     }
                 }
-            }
-        }
-    }
-
-    fn take_away(&mut self, process: u32) -> Result<(), MissionError> {
-        let slot = process as usize;
-        let Some(at) = self.running.iter().position(|p| p.slot == slot) else {
-            return Ok(());
-        };
-        self.running.remove(at).kill();
-        // Before it is buried: a sender with a full buffer towards it must not go on waiting.
-        self.stage.bus.clean_up_dead();
-        self.overseer.bury(slot);
-        Ok(())
-    }
-
-    fn bring_back(
-        &mut self,
-        process: u32,
-        tick: u64,
-        greet: &mut dyn FnMut() -> Result<(), MissionError>,
-    ) -> Result<bool, MissionError> {
-        let slot = process as usize;
-        let launches = self.launches;
-        let mut all = launches.iter();
-        let Some(launch) = all.find(|launch| launch.config.index == process) else {
-            return Ok(true);
-        };
-        if !self.await_vacancy(slot) {
-            return Ok(false);
-        }
-        self.overseer.expect_back(slot, Some(tick));
-        self.overseer.reseat(slot);
-        self.launch(launch)?;
-        let waited = Duration::from_secs_f64(launch.supervision.ready_timeout_s);
-        let deadline = Instant::now() + waited;
-        loop {
-            match self.conductor.admit(tick, &mut *greet)? {
-                TurnEnd::Complete => return Ok(true),
-                TurnEnd::Stop => return Ok(false),
-                TurnEnd::Idle => {}
-            }
-            self.check_exits(&format!("before it was back at tick {tick}"))?;
-            if self.interrupted() {
-                return Ok(false);
-            }
-            if Instant::now() >= deadline {
-                return Err(MissionError::NotReady {
-                    name: launch.config.name.clone(),
-                    waited,
-                    last_words: self
-                        .running
-                        .last()
-                        .map_or_else(Vec::new, RunningProcess::last_words),
-                });
             }
         }
     }

@@ -57,8 +57,6 @@ trait Voice {
     fn say(&mut self, data: &[u8], clocks: Clocks) -> Result<(), SayError>;
     /// Connects to those who came, who get what lasts.
     fn greet(&self) -> Result<(), SendError>;
-    /// As [`Voice::greet`], as this sender alone.
-    fn greet_as(&self, source: u32) -> Result<(), SendError>;
 }
 
 struct TopicVoice<T: Topic> {
@@ -91,11 +89,6 @@ impl<T: Topic> Voice for TopicVoice<T> {
         self.ports
             .values()
             .try_for_each(ipc_types::bus::Publisher::update_connections)
-    }
-
-    fn greet_as(&self, source: u32) -> Result<(), SendError> {
-        let port = self.ports.get(&source);
-        port.map_or(Ok(()), ipc_types::bus::Publisher::update_connections)
     }
 }
 
@@ -151,12 +144,6 @@ impl Choir {
     /// Connects to those who came since the last time.
     pub(super) fn greet(&self) -> Result<(), SendError> {
         self.voices.iter().try_for_each(|voice| voice.greet())
-    }
-
-    /// Connects one sender to those who came since the last time.
-    pub(super) fn greet_as(&self, source: u32) -> Result<(), SendError> {
-        let mut voices = self.voices.iter();
-        voices.try_for_each(|voice| voice.greet_as(source))
     }
 }
 

@@ -4,7 +4,6 @@
 //! turns as in the run: when the world and those they wait for have spoken. What others say of a
 //! tick comes after their turn, because in the run nobody could count on hearing it earlier.
 
-mod outages;
 mod tested;
 mod trial;
 mod verdict;
@@ -15,22 +14,19 @@ use std::time::Duration;
 
 use ipc_types::bus::Bus;
 
-use self::outages::Outages;
 use self::tested::Tested;
 use self::trial::Trial;
 pub use self::verdict::{TopicVerdict, Verified};
 use super::super::error::LogsError;
-use super::super::failures::failures;
+use super::super::failures::first_failure;
 use super::super::filter::nanoseconds;
 use super::super::pattern::Topics;
-use super::super::rerun::has_to_do_with_plans;
 use super::super::watch::Watch;
 use super::cast::{Processes, within};
 use super::source::Source;
 use super::stage::Stage;
 use crate::mission::MissionError;
 use crate::mission::plan::Plan;
-use crate::scenario::ResolvedScenario;
 
 /// What is tested, and how.
 #[derive(Debug, Clone, Default)]
@@ -61,18 +57,15 @@ pub fn verify(
     let mut to = nanoseconds("--end", options.end_s)?.unwrap_or(u64::MAX);
     let so =
         "a process cannot be given the same once more; `protean replay` without --test plays it";
-    let outages = {
+    let tested = |name: &str| options.processes.iter().any(|tested| tested == name);
+    let left = first_failure(log, tested, watch)?;
+    if let Some(left) = &left {
         let source = Source::open(log, &Topics::default(), 0, false)?;
-        let scenario = source.origin().scenario(log, &options.changes, so)?;
-        let outages = outages(log, &scenario, options, watch)?;
-        if let Some((left, _)) = &outages.end {
-            let period = source.origin().manifest.get("tick_period_ns");
-            let period_ns: Option<u64> = period.and_then(|text| text.parse().ok());
-            let before = left.tick.saturating_mul(period_ns.unwrap_or(1));
-            to = to.min(before.saturating_sub(1));
-        }
-        outages
-    };
+        let period = source.origin().manifest.get("tick_period_ns");
+        let period_ns: Option<u64> = period.and_then(|text| text.parse().ok());
+        let before = left.tick.saturating_mul(period_ns.unwrap_or(1));
+        to = to.min(before.saturating_sub(1));
+    }
     let mut source = Source::open(log, &Topics::default(), to, false)?;
     let scenario = source.origin().scenario(log, &options.changes, so)?;
     let manifest = &source.origin().manifest;
@@ -92,7 +85,7 @@ pub fn verify(
         let bus = Bus::local(plan.run.bus_options(), None);
         let mut trial = Trial::open(&bus, &plan, &tested, &mut source, watch)?;
         let mut cast = within(&tested.launches, &bus)?;
-        trial.run(&mut cast, &[], &mut source, watch, &mut done)?;
+        trial.run(&mut cast, &mut source, watch, &mut done)?;
         done.helpers = tested.helpers;
     } else {
         let stage = Stage::build(&scenario)?;
@@ -108,39 +101,12 @@ pub fn verify(
         if !cast.ready()? {
             return Err(LogsError::Interrupted);
         }
-        let repeated = &outages.repeated;
-        trial.run(&mut cast, repeated, &mut source, watch, &mut done)?;
+        trial.run(&mut cast, &mut source, watch, &mut done)?;
         done.helpers = tested.helpers;
     }
-    if let Some((left, why)) = outages.end {
-        done.whole = false;
-        done.left = Some(left);
-        done.left_for_good = Some(why);
-    }
+    done.whole &= left.is_none();
+    done.left = left;
     done.faults = source.faults();
     done.identical = done.topics.values().all(|topic| topic.first.is_none());
     Ok(done)
-}
-
-/// The failures of those under test in the run.
-fn outages(
-    log: &Path,
-    scenario: &ResolvedScenario,
-    options: &VerifyOptions,
-    watch: &mut Watch,
-) -> Result<Outages, LogsError> {
-    let mut failed = failures(log, watch)?;
-    let concerns = |name: &String| options.processes.contains(name);
-    failed.retain(|failure| concerns(&failure.left.process));
-    Ok(Outages::new(failed, |index| {
-        if options.in_process {
-            return Some("nobody can be replaced with --in-process");
-        }
-        let process = (index as usize)
-            .checked_sub(1)
-            .and_then(|position| scenario.processes.get(position));
-        process
-            .is_none_or(has_to_do_with_plans)
-            .then_some("how far it was with plans is in no log")
-    }))
 }

@@ -14,7 +14,6 @@ use super::super::cast::Cast;
 use super::super::ears::{Ear, Said};
 use super::super::source::{Logged, Source};
 use super::super::stage::{Choir, Clocks, SayError};
-use super::outages::Outage;
 use super::tested::Tested;
 use super::verdict::Verified;
 use crate::mission::MissionError;
@@ -107,7 +106,6 @@ impl<'a> Trial<'a> {
     pub(super) fn run(
         &mut self,
         cast: &mut dyn Cast,
-        outages: &[Outage],
         source: &mut Source,
         watch: &Watch,
         done: &mut Verified,
@@ -149,9 +147,6 @@ impl<'a> Trial<'a> {
                 });
             };
             over = state.phase == WorldHeader::OVER;
-            if !over {
-                go_on(self.replace(cast, outages, now.tick, done)?)?;
-            }
             moment = self.next(source)?;
             for message in &now.said {
                 let speaker = message.speaker();
@@ -175,33 +170,6 @@ impl<'a> Trial<'a> {
         done.whole = over || source.has_index();
         done.wall_time_s = start.elapsed().as_secs_f64();
         Ok(())
-    }
-
-    /// Takes away who failed at this tick in the run, and brings back who came back, before anything
-    /// of the tick is said. False: interrupted.
-    fn replace(
-        &self,
-        cast: &mut dyn Cast,
-        outages: &[Outage],
-        tick: u64,
-        done: &mut Verified,
-    ) -> Result<bool, LogsError> {
-        for outage in outages.iter().filter(|outage| outage.from == tick) {
-            cast.take_away(outage.process)?;
-        }
-        for outage in outages.iter().filter(|outage| outage.until == tick) {
-            // As in the run, where only the world has time to: all others do with what they say next.
-            let mut greet = || {
-                self.choir.greet_as(0)?;
-                let mut ears = self.ears.iter();
-                Ok(ears.try_for_each(Ear::connect)?)
-            };
-            if !cast.bring_back(outage.process, tick, &mut greet)? {
-                return Ok(false);
-            }
-            done.replaced += 1;
-        }
-        Ok(true)
     }
 
     /// Compares what was said in a tick with what is said in the log.

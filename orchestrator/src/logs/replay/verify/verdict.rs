@@ -51,15 +51,9 @@ pub struct Verified {
     pub identical: bool,
     /// Whether the log holds all that was asked for.
     pub whole: bool,
-    /// How often one of them was taken away and came back, as in the run of the log.
-    pub replaced: usize,
-    /// The first of them that failed in the run of the log in a way that is not repeated: only what was
-    /// said before is compared.
+    /// The first of them that failed in the run of the log: only what was said before is compared.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub left: Option<Left>,
-    /// Why that is not repeated.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub left_for_good: Option<&'static str>,
     /// The topics on which they spoke, then or now.
     pub topics: BTreeMap<String, TopicVerdict>,
     /// Real time from the first tick to the last [s].
