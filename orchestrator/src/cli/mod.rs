@@ -92,7 +92,8 @@ enum Command {
         #[arg(long, value_name = "NAME")]
         show: Option<String>,
     },
-    /// Draw a log as one picture: the map, everybody's way, who was caught and who got away
+    /// Draw a log as one picture: the map, the paths of the robots, captures and escapes
+    #[command(after_long_help = picture::HELP)]
     Picture {
         /// A log of a run
         log: PathBuf,

@@ -3,25 +3,23 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use super::{EXIT_FAILED, EXIT_INVALID, print};
+use super::{logs, print};
 use crate::picture::{RunTrace, draw, save};
+
+/// What stands below the options.
+pub(super) const HELP: &str = "\
+Logs that end in the middle are drawn as far as they go.
+
+Exit codes: 0 done, 1 the picture cannot be written, 2 the log cannot be read, is not one of protean or does not
+reach to --at, 3 done, but the log is not whole: what is missing, is said.";
 
 /// Draws a log into an SVG file and prints the file's name.
 pub fn picture(log: &Path, out: Option<PathBuf>, at: Option<f64>, force: bool) -> ExitCode {
-    let out = out.unwrap_or_else(|| log.with_extension("svg"));
-    let drawn = RunTrace::read(log, at).and_then(|trace| save(&draw(&trace), &out, log, force));
-    match drawn {
-        Ok(()) => {
-            print(&out.display().to_string());
-            ExitCode::SUCCESS
-        }
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::from(if error.is_output_failure() {
-                EXIT_FAILED
-            } else {
-                EXIT_INVALID
-            })
-        }
-    }
+    logs::command(false, |watch| {
+        let out = out.unwrap_or_else(|| log.with_extension("svg"));
+        let (trace, condition) = RunTrace::read(log, at, watch)?;
+        save(&draw(&trace), &out, log, force)?;
+        print(&out.display().to_string());
+        Ok(logs::of_condition(log, &condition))
+    })
 }

@@ -1,6 +1,7 @@
 //! What is known of our own topics.
 
 use std::convert::Infallible;
+use std::path::Path;
 use std::sync::LazyLock;
 
 use ipc_types::schema;
@@ -8,6 +9,7 @@ use ipc_types::stamp::Stamp;
 use ipc_types::topics::{RunSize, Topic, TopicVisitor, for_each_topic};
 use zerocopy::FromBytes as _;
 
+use super::error::LogsError;
 use super::reader::Channel;
 
 /// Bytes in front of a message's first field: the encapsulation of CDR.
@@ -74,6 +76,32 @@ fn collect() -> Vec<Known> {
 pub(crate) fn is_stamped(channel: &Channel) -> bool {
     let hash = channel.metadata.get("schema_hash");
     find(&channel.topic).is_some_and(|known| hash == Some(&known.hash))
+}
+
+/// Checks that the messages of a channel, of one of our topics, have the layout of this version.
+/// `version` is the one that the log names, or empty.
+///
+/// # Errors
+/// [`LogsError::Layout`] if the log names another layout, [`LogsError::Foreign`] if it names none.
+pub(crate) fn check_layout(log: &Path, channel: &Channel, version: &str) -> Result<(), LogsError> {
+    if is_stamped(channel) {
+        return Ok(());
+    }
+    let path = log.to_owned();
+    let Some(found) = channel.metadata.get("schema_hash") else {
+        return Err(LogsError::Foreign {
+            path,
+            missing: "schema_hash on its channels",
+        });
+    };
+    let expected = find(&channel.topic).map_or("", |known| &known.hash);
+    Err(LogsError::Layout {
+        path,
+        version: version.to_owned(),
+        topic: channel.topic.clone(),
+        found: found.clone(),
+        expected: expected.to_owned(),
+    })
 }
 
 /// The stamp of a message of such a channel.

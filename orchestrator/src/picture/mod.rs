@@ -8,12 +8,12 @@
 pub(crate) mod canvas;
 mod draw;
 mod draw_layers;
-mod error;
 pub(crate) mod ground;
 mod labels;
 mod layers;
 mod layout;
 mod legend;
+pub(crate) mod log_facts;
 pub(crate) mod logged;
 pub(crate) mod palette;
 mod read;
@@ -26,7 +26,6 @@ mod trail;
 mod tests;
 
 pub use draw::draw;
-pub use error::PictureError;
 pub use ground::{Cells, Ground, Standing};
 pub use layers::{DominanceTrace, PlanTrace, TreeTrace};
 pub use save::save;

@@ -1,89 +1,72 @@
-//! From a log to what a picture shows of it.
+//! Reads what a picture shows from a log.
 
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::{self, Read as _};
 use std::path::Path;
+use std::rc::Rc;
 
+use ipc_types::cdr;
 use ipc_types::messages::perception::{BeliefHeader, Particle};
 use ipc_types::messages::world::{RobotState, WorldEvent};
 use ipc_types::topics::{
     Belief, Dominance, ObstacleEvents, Plan, Topic, Tree, WorldEvents, WorldMap, WorldState,
 };
-use ipc_types::{cdr, schema};
-use mcap::records::{Channel, Record, op};
-use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
-use mcap::{McapError, parse_record};
 use sim_backend::map::ObstacleChange;
 use sim_backend::pose::Pose2;
 
-use super::error::PictureError;
-use super::ground::Ground;
 use super::layers::Layers;
-use super::logged::LoggedScenario;
+use super::log_facts::LogFacts;
 use super::trace::{BeliefTrace, Mark, MarkKind, RobotTrace, RunTrace};
 use super::trail::{Trail, TrailPoint};
-use crate::logs::reader::attachment;
+use crate::logs::known;
+use crate::logs::reader::{Channel, Item, Reader};
+use crate::logs::{Condition, LogsError, Watch};
 use crate::scenario::spec::{MAX_EVENTS, MAX_ROBOTS};
 
-/// Longest record that is read [bytes]: the largest map that a scenario may have, and a little.
-const LONGEST_RECORD: usize = 320 << 20;
-/// Most events that are marked.
+/// Maximum number of events that are marked.
 const MOST_MARKS: usize = 64;
-/// Most particles that are kept of a belief.
+/// Maximum number of particles that are kept of a belief.
 const MOST_PARTICLES: usize = 1000;
-/// Coordinates beyond this [m] are not those of a world of ours.
+/// Largest coordinate of a world [m]; what lies beyond is not drawn.
 const FARTHEST: f64 = 1e6;
 
 impl RunTrace {
-    /// Reads from a log what a picture of the run at simulated time `at` [s] needs; of its end if
-    /// `at` is `None`.
+    /// Reads what a picture of the run at simulated time `at` [s] needs, or of its end if `at` is `None`.
     ///
-    /// The whole file is read and every checksum in it is checked, in memory that depends neither
-    /// on the length of the file nor on what it claims.
+    /// The log is read as far as it goes, in memory that does not grow with its length.
     ///
     /// # Errors
-    /// [`PictureError`]: the file is missing, not an MCAP file, cut off, damaged, not one of our
-    /// logs or of another version, or does not reach to `at`.
-    pub fn read(path: &Path, at: Option<f64>) -> Result<Self, PictureError> {
-        let open = |source| PictureError::Open {
-            path: path.to_owned(),
-            source,
-        };
-        // Look before opening: opening a FIFO would block.
-        if !path.metadata().map_err(open)?.is_file() {
-            return Err(open(io::Error::other("not a regular file")));
-        }
-        let mut file = File::open(path).map_err(open)?;
-        let mut log = Reading::new(path, at);
-        let options = LinearReaderOptions::default()
-            .with_validate_chunk_crcs(true)
-            .with_validate_data_section_crc(true)
-            .with_validate_summary_section_crc(true)
-            .with_record_length_limit(LONGEST_RECORD);
-        let mut reader = LinearReader::new_with_options(options);
-        let mut bytes_read = 0;
-        while let Some(event) = reader.next_event() {
-            match event {
-                Ok(LinearReadEvent::ReadRequest(bytes)) => {
-                    let read = read_some(&mut file, reader.insert(bytes)).map_err(open)?;
-                    reader.notify_read(read);
-                    bytes_read += read;
+    /// [`LogsError`]: the file is missing, not a log of Protean or of another version, or does not
+    /// reach to `at`.
+    pub fn read(
+        log: &Path,
+        at: Option<f64>,
+        watch: &mut Watch,
+    ) -> Result<(Self, Condition), LogsError> {
+        let mut reader = Reader::open(log, Some(watch))?;
+        let mut reading = Reading::new(log, at);
+        while let Some(item) = reader.next()? {
+            match item {
+                Item::Metadata(record) => reading.facts.metadata(record),
+                Item::Attachment(header, data) => {
+                    reading.facts.attachment(log, &header, data)?;
                 }
-                // `parse_record` panics on one that is shorter than its fields.
-                Ok(LinearReadEvent::Record {
-                    opcode: op::ATTACHMENT,
-                    data,
-                }) => log.attachment(data)?,
-                Ok(LinearReadEvent::Record { opcode, data }) => {
-                    let record =
-                        parse_record(opcode, data).map_err(|e| log.damaged(e, bytes_read))?;
-                    log.record(record)?;
+                Item::Channel(channel) => reading.channel(&channel)?,
+                Item::Message(header, data) => {
+                    if let Some(&role) = reading.roles.get(&header.channel_id) {
+                        reading.message(role, header.log_time, data).map_err(|e| {
+                            LogsError::NotRepeatable {
+                                path: log.to_owned(),
+                                reason: format!("a message is damaged: {e}"),
+                            }
+                        })?;
+                    }
                 }
-                Err(error) => return Err(log.damaged(error, bytes_read)),
+                Item::Header { .. } | Item::Schema(..) => {}
             }
         }
-        log.finish(at)
+        reader.check_all()?;
+        let condition = reader.condition().clone();
+        Ok((reading.finish(at)?, condition))
     }
 }
 
@@ -102,15 +85,12 @@ enum Role {
 
 /// What is known of a log so far.
 struct Reading<'a> {
-    path: &'a Path,
-    /// Whether there has been a record.
-    begun: bool,
+    log: &'a Path,
     /// Messages after this time [ns] only tell when the run ended.
     until_ns: u64,
     /// Whether it is of a moment: with what was believed, planned and judged then.
     of_a_moment: bool,
-    manifest: Option<BTreeMap<String, String>>,
-    scenario: Option<LoggedScenario>,
+    facts: LogFacts,
     roles: BTreeMap<u16, Role>,
     /// Time of the last state that is drawn [ns], and the time between two states [ns].
     now_ns: Option<u64>,
@@ -122,8 +102,6 @@ struct Reading<'a> {
     marks: Vec<Mark>,
     /// The last change of every obstacle that changed.
     changes: BTreeMap<u32, ObstacleChange>,
-    /// Bounds and cells as the map messages have them.
-    grid: Ground,
 }
 
 /// What is known of a robot.
@@ -136,15 +114,13 @@ struct Seen {
 }
 
 impl<'a> Reading<'a> {
-    fn new(path: &'a Path, at: Option<f64>) -> Self {
+    fn new(log: &'a Path, at: Option<f64>) -> Self {
         Self {
-            path,
-            begun: false,
+            log,
             // A tick's time is rounded to a nanosecond: half a microsecond more reaches it.
             until_ns: at.map_or(u64::MAX, |at| (at * 1e9 + 500.0) as u64),
             of_a_moment: at.is_some(),
-            manifest: None,
-            scenario: None,
+            facts: LogFacts::default(),
             roles: BTreeMap::new(),
             now_ns: None,
             period_ns: 0,
@@ -154,95 +130,23 @@ impl<'a> Reading<'a> {
             layers: Layers::default(),
             marks: Vec::new(),
             changes: BTreeMap::new(),
-            grid: Ground::default(),
         }
     }
 
-    /// What an error of the reader means, after this many bytes of the file.
-    fn damaged(&self, source: McapError, bytes_read: usize) -> PictureError {
-        let path = self.path.to_owned();
-        // The reader looks at the magic number as soon as it has it.
-        let has_magic = bytes_read >= mcap::MAGIC.len();
-        match source {
-            McapError::UnexpectedEof | McapError::UnexpectedEoc if has_magic => {
-                PictureError::Truncated { path }
-            }
-            McapError::UnexpectedEof => PictureError::NotMcap { path },
-            McapError::BadMagic if !self.begun => PictureError::NotMcap { path },
-            source => PictureError::Damaged { path, source },
-        }
-    }
-
-    fn record(&mut self, record: Record<'_>) -> Result<(), PictureError> {
-        self.begun = true;
-        match record {
-            Record::Metadata(metadata) if metadata.name == "protean" => {
-                self.manifest = Some(metadata.metadata);
-                Ok(())
-            }
-            Record::Channel(channel) => self.channel(&channel),
-            Record::Message { header, data } => match self.roles.get(&header.channel_id) {
-                Some(&role) => self
-                    .message(role, header.log_time, &data)
-                    .map_err(|source| PictureError::Message {
-                        path: self.path.to_owned(),
-                        source,
-                    }),
-                None => Ok(()),
-            },
-            _ => Ok(()),
-        }
-    }
-
-    fn attachment(&mut self, record: &[u8]) -> Result<(), PictureError> {
-        let path = || self.path.to_owned();
-        let found = attachment(record).and_then(|(header, at)| Some((header, record.get(at)?)));
-        let (header, data) = found.ok_or_else(|| PictureError::Attachment { path: path() })?;
-        if header.name == "scenario.toml" {
-            let scenario =
-                LoggedScenario::parse(data).map_err(|reason| PictureError::Scenario {
-                    path: path(),
-                    reason,
-                })?;
-            self.scenario = Some(scenario);
-        }
-        Ok(())
-    }
-
-    fn channel(&mut self, channel: &Channel) -> Result<(), PictureError> {
-        match channel.topic.as_str() {
-            WorldState::NAME => self.take::<WorldState>(channel, Role::State),
-            WorldMap::NAME => self.take::<WorldMap>(channel, Role::Map),
-            WorldEvents::NAME => self.take::<WorldEvents>(channel, Role::Event),
-            ObstacleEvents::NAME => self.take::<ObstacleEvents>(channel, Role::Obstacle),
+    fn channel(&mut self, channel: &Rc<Channel>) -> Result<(), LogsError> {
+        let role = match channel.topic.as_str() {
+            WorldState::NAME => Role::State,
+            WorldMap::NAME => Role::Map,
+            WorldEvents::NAME => Role::Event,
+            ObstacleEvents::NAME => Role::Obstacle,
             // Only a picture of a moment shows these.
-            Belief::NAME if self.of_a_moment => self.take::<Belief>(channel, Role::Belief),
-            Plan::NAME if self.of_a_moment => self.take::<Plan>(channel, Role::Plan),
-            Tree::NAME if self.of_a_moment => self.take::<Tree>(channel, Role::Tree),
-            Dominance::NAME if self.of_a_moment => self.take::<Dominance>(channel, Role::Dominance),
-            _ => Ok(()),
-        }
-    }
-
-    /// Takes up a channel if its messages look like those of this version.
-    fn take<T: Topic>(&mut self, channel: &Channel, role: Role) -> Result<(), PictureError> {
-        let path = || self.path.to_owned();
-        // Another version's channel says so; one that says nothing is not ours.
-        let Some(found) = channel.metadata.get("schema_hash") else {
-            return Err(PictureError::Foreign {
-                path: path(),
-                missing: "schema_hash on its channels",
-            });
+            Belief::NAME if self.of_a_moment => Role::Belief,
+            Plan::NAME if self.of_a_moment => Role::Plan,
+            Tree::NAME if self.of_a_moment => Role::Tree,
+            Dominance::NAME if self.of_a_moment => Role::Dominance,
+            _ => return Ok(()),
         };
-        let expected = schema::hash::<T>();
-        if *found != expected {
-            return Err(PictureError::Layout {
-                path: path(),
-                topic: T::NAME,
-                found: found.clone(),
-                expected,
-            });
-        }
+        known::check_layout(self.log, channel, self.facts.version())?;
         self.roles.insert(channel.id, role);
         Ok(())
     }
@@ -265,7 +169,7 @@ impl<'a> Reading<'a> {
             }
             Role::Map => {
                 let (header, cells) = cdr::decode::<WorldMap>(data)?;
-                self.grid.use_cells(&header, &cells);
+                self.facts.map(&header, &cells);
             }
             Role::Event => {
                 let (_, events) = cdr::decode::<WorldEvents>(data)?;
@@ -371,32 +275,21 @@ impl<'a> Reading<'a> {
         self.beliefs.insert(robot, (time_ns, belief));
     }
 
-    fn finish(self, at: Option<f64>) -> Result<RunTrace, PictureError> {
-        let foreign = |missing| PictureError::Foreign {
-            path: self.path.to_owned(),
-            missing,
-        };
-        let manifest = self
-            .manifest
-            .ok_or_else(|| foreign("metadata record `protean`"))?;
-        let scenario = self
-            .scenario
-            .ok_or_else(|| foreign("attachment scenario.toml"))?;
+    fn finish(mut self, at: Option<f64>) -> Result<RunTrace, LogsError> {
+        let scenario = self.facts.take_scenario(self.log)?;
         let end_s = seconds(self.end_ns);
         if let Some(at) = at
             && !(0.0..=end_s + 1e-6).contains(&at)
         {
-            return Err(PictureError::Time { at, end: end_s });
+            return Err(LogsError::Argument(format!(
+                "--at {at}: expected a time from 0 to the end of the run, {end_s} s"
+            )));
         }
-        let now_ns = self
-            .now_ns
-            .ok_or_else(|| foreign("message of world/state"))?;
-
-        let mut ground = Ground::of(&scenario.world.map, &scenario.rules.exits);
-        if !ground.has_vectors() && self.grid.cells.is_some() {
-            (ground.min, ground.max) = (self.grid.min, self.grid.max);
-            ground.cells = self.grid.cells;
-        }
+        let now_ns = self.now_ns.ok_or_else(|| LogsError::Foreign {
+            path: self.log.to_owned(),
+            missing: "message of world/state",
+        })?;
+        let mut ground = self.facts.take_ground(&scenario);
         self.changes
             .into_values()
             .for_each(|change| ground.apply(change));
@@ -420,7 +313,7 @@ impl<'a> Reading<'a> {
             .collect();
         let plays = |robot: usize| robots.get(robot).is_some_and(|r| r.active);
         let (plans, trees, dominance) = self.layers.finish(plays);
-        let entry = |key| manifest.get(key).cloned().unwrap_or_default();
+        let entry = |key| self.facts.manifest.get(key).cloned().unwrap_or_default();
         Ok(RunTrace {
             title: scenario.title,
             description: scenario.description,
@@ -442,16 +335,6 @@ impl<'a> Reading<'a> {
             dominance,
             marks: self.marks,
         })
-    }
-}
-
-/// Reads what is there; 0 bytes only at the end of the file.
-fn read_some(file: &mut File, buffer: &mut [u8]) -> io::Result<usize> {
-    loop {
-        match file.read(buffer) {
-            Err(e) if e.kind() == io::ErrorKind::Interrupted => {}
-            read => return read,
-        }
     }
 }
 

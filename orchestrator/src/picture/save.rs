@@ -3,20 +3,20 @@
 use std::io::Write as _;
 use std::path::Path;
 
-use super::error::PictureError;
+use crate::logs::LogsError;
 use crate::logs::place::{Place, Readers};
 
 /// Writes the picture beside its destination and then puts it there in one step: whoever looks
 /// sees the old file, no file, or the whole picture. `log` is what it was drawn from.
 ///
 /// # Errors
-/// [`PictureError::Output`] without `force` if there is a file already, in any case if that is the
+/// [`LogsError`] without `force` if there is a file already, in any case if that is the
 /// log, and if it cannot be written.
-pub fn save(svg: &str, path: &Path, log: &Path, force: bool) -> Result<(), PictureError> {
-    let (place, mut file) = Place::new(path, log, force, Readers::Anybody).map_err(Box::new)?;
+pub fn save(svg: &str, path: &Path, log: &Path, force: bool) -> Result<(), LogsError> {
+    let (place, mut file) = Place::new(path, log, force, Readers::Anybody)?;
     file.write_all(svg.as_bytes())
-        .map_err(|source| Box::new(place.failed(source)))?;
-    Ok(place.take(file).map_err(Box::new)?)
+        .map_err(|source| place.failed(source))?;
+    place.take(file)
 }
 
 #[cfg(test)]
@@ -47,7 +47,7 @@ mod tests {
         let log = folder.path().join("a.mcap");
         let missing = folder.path().join("no/such/a.svg");
         let error = save("svg", &missing, &log, false).unwrap_err();
-        assert!(error.is_output_failure(), "{error}");
+        assert!(matches!(error, LogsError::Write { .. }), "{error}");
         // A folder stands where the picture should go.
         let taken = folder.path().join("taken");
         fs::create_dir(&taken).unwrap();

@@ -18,7 +18,7 @@ use crate::statistics::Percentiles;
 
 /// What became of the robots: as the run said at its end, else as the last state in the log has it.
 pub(super) fn outcome(gathered: &Gathered) -> Vec<RobotOutcome> {
-    let said = gathered.result.get("robots");
+    let said = gathered.facts.result.get("robots");
     if let Some(robots) = said.and_then(|text| serde_json::from_str(text).ok()) {
         return robots;
     }
@@ -64,10 +64,10 @@ pub(super) fn missing(gathered: &Gathered) -> Vec<String> {
     if !gathered.condition.is_whole() {
         missing.extend(gathered.condition.lines());
     }
-    if gathered.filtered {
+    if gathered.facts.is_filtered {
         missing.push("the log is a part of another: it was cut by time or topic".to_owned());
     }
-    if gathered.recovered {
+    if gathered.facts.is_recovered {
         missing.push("the log was saved from one that was not whole".to_owned());
     }
     if count("world/state") == 0 {
@@ -77,7 +77,7 @@ pub(super) fn missing(gathered: &Gathered) -> Vec<String> {
             "the log ends before the run did: outcomes are those of its last state".to_owned(),
         );
     }
-    if !gathered.result.contains_key("robots") {
+    if !gathered.facts.result.contains_key("robots") {
         missing
             .push("no result of the run: it was killed, or its end is not in the log".to_owned());
     }
@@ -197,7 +197,7 @@ fn latency(gathered: &mut Gathered) -> Json {
             })
             .collect();
     }
-    let said = gathered.result.get("latency_us");
+    let said = gathered.facts.result.get("latency_us");
     let said: Option<std::collections::BTreeMap<String, Percentiles>> =
         said.and_then(|text| serde_json::from_str(text).ok());
     said.unwrap_or_default()
@@ -209,10 +209,10 @@ fn latency(gathered: &mut Gathered) -> Json {
 /// Everything but the lists and plots.
 pub(super) fn facts(gathered: &mut Gathered) -> Json {
     let latency = latency(gathered);
-    let manifest = |key: &str| gathered.manifest.get(key).cloned();
-    let result = |key: &str| gathered.result.get(key).cloned();
+    let manifest = |key: &str| gathered.facts.manifest.get(key).cloned();
+    let result = |key: &str| gathered.facts.result.get(key).cloned();
     let parsed = |key: &str| -> Option<Json> {
-        let text = gathered.result.get(key)?;
+        let text = gathered.facts.result.get(key)?;
         serde_json::from_str(text).ok()
     };
     let robots: Vec<Json> = gathered
@@ -250,7 +250,7 @@ pub(super) fn facts(gathered: &mut Gathered) -> Json {
         "waypoint_kinds": WaypointEnd::KINDS,
         "latency": latency,
         "per_decade": PER_DECADE,
-        "text": gathered.text,
+        "text": gathered.facts.scenario_text,
     })
 }
 

@@ -20,10 +20,10 @@ use super::measured::Measured;
 use super::sampled::{Sample, Sampled};
 use super::timing::Timing;
 use crate::logs::known;
-use crate::logs::output::{FILTERED, MANIFEST, RECOVERED, RESULT};
 use crate::logs::reader::{Channel, Item, Reader};
 use crate::logs::{Condition, LogsError, Watch};
 use crate::picture::Ground;
+use crate::picture::log_facts::LogFacts;
 use crate::picture::logged::LoggedScenario;
 use crate::scenario::spec::{MAX_EVENTS, MAX_ROBOTS};
 
@@ -44,12 +44,7 @@ pub(super) struct Frame {
 /// What a page shows of a run.
 #[derive(Debug)]
 pub(super) struct Gathered {
-    pub(super) manifest: BTreeMap<String, String>,
-    pub(super) result: BTreeMap<String, String>,
-    pub(super) filtered: bool,
-    pub(super) recovered: bool,
-    /// The scenario's text.
-    pub(super) text: String,
+    pub(super) facts: LogFacts,
     pub(super) scenario: LoggedScenario,
     pub(super) frames: Vec<Sample<Frame>>,
     /// Whether the log reaches the end of the game.
@@ -98,20 +93,13 @@ struct Heard {
 
 /// What is known of a log so far.
 struct Reading {
-    manifest: BTreeMap<String, String>,
-    result: BTreeMap<String, String>,
-    filtered: bool,
-    recovered: bool,
-    text: String,
-    scenario: Option<LoggedScenario>,
+    facts: LogFacts,
     heard: BTreeMap<u16, Heard>,
     frames: Sampled<Frame>,
     over: bool,
     tick_period_ns: u64,
     end_ns: u64,
     last_ns: u64,
-    /// Bounds and cells as the first map message has them.
-    grid: Ground,
     changes: Vec<(u64, ObstacleChange)>,
     /// Where the robots are now; the team by its code.
     now: Vec<RobotState>,
@@ -146,19 +134,13 @@ impl Gathered {
 impl Reading {
     fn new() -> Self {
         Self {
-            manifest: BTreeMap::new(),
-            result: BTreeMap::new(),
-            filtered: false,
-            recovered: false,
-            text: String::new(),
-            scenario: None,
+            facts: LogFacts::default(),
             heard: BTreeMap::new(),
             frames: Sampled::new(0, MOST_STATES, |frame: &Frame| frame.robots.len()),
             over: false,
             tick_period_ns: 0,
             end_ns: 0,
             last_ns: 0,
-            grid: Ground::default(),
             changes: Vec::new(),
             now: Vec::new(),
             layers: Layers::default(),
@@ -177,25 +159,11 @@ impl Reading {
 
     fn item(&mut self, log: &Path, item: Item<'_>) -> Result<(), LogsError> {
         match item {
-            Item::Metadata(record) => match record.name.as_str() {
-                MANIFEST => self.manifest = record.metadata,
-                RESULT => self.result = record.metadata,
-                FILTERED => self.filtered = true,
-                RECOVERED => self.recovered = true,
-                _ => {}
-            },
-            Item::Attachment(header, data) if header.name == "scenario.toml" => {
-                match LoggedScenario::parse(data) {
-                    Ok(scenario) => self.scenario = Some(scenario),
-                    Err(reason) => {
-                        return Err(LogsError::NotRepeatable {
-                            path: log.to_owned(),
-                            reason: format!("the scenario in it cannot be understood: {reason}"),
-                        });
-                    }
-                }
-                self.text = String::from_utf8_lossy(data).into_owned();
-                if let Err(reason) = self.timing.processes_of(&self.text) {
+            Item::Metadata(record) => self.facts.metadata(record),
+            Item::Attachment(header, data) => {
+                if self.facts.attachment(log, &header, data)?
+                    && let Err(reason) = self.timing.processes_of(&self.facts.scenario_text)
+                {
                     self.note(format!(
                         "latency histograms: the log's processes cannot be told apart: {reason}"
                     ));
@@ -203,7 +171,7 @@ impl Reading {
             }
             Item::Channel(channel) => self.channel(log, &channel)?,
             Item::Message(header, data) => self.message(&header, data),
-            Item::Header { .. } | Item::Schema(..) | Item::Attachment(..) => {}
+            Item::Header { .. } | Item::Schema(..) => {}
         }
         Ok(())
     }
@@ -225,17 +193,11 @@ impl Reading {
             _ => None,
         };
         let stamped = known::is_stamped(channel);
-        if !stamped && let Some(of_use) = of_use {
-            let found = channel.metadata.get("schema_hash");
-            let expected = known::find(&channel.topic).map_or("", |known| &known.hash);
-            if let (Use::State, Some(found)) = (of_use, found) {
-                return Err(LogsError::Layout {
-                    path: log.to_owned(),
-                    version: self.manifest.get("version").cloned().unwrap_or_default(),
-                    topic: channel.topic.clone(),
-                    found: found.clone(),
-                    expected: expected.to_owned(),
-                });
+        if let Some(of_use) = of_use
+            && let Err(error) = known::check_layout(log, channel, self.facts.version())
+        {
+            if let Use::State = of_use {
+                return Err(error);
             }
             self.note(format!(
                 "{}: its messages are not those of this version and are left out",
@@ -281,9 +243,9 @@ impl Reading {
                 self.state(time_ns, &header, robots);
             }
             Use::Map => {
-                if self.grid.cells.is_none() {
+                if !self.facts.has_map() {
                     let (header, cells) = cdr::decode::<WorldMap>(data)?;
-                    self.grid.use_cells(&header, &cells);
+                    self.facts.map(&header, &cells);
                 }
             }
             Use::Event => {
@@ -379,26 +341,13 @@ impl Reading {
     }
 
     fn finish(mut self, log: &Path, condition: Condition) -> Result<Gathered, LogsError> {
-        let foreign = |missing| LogsError::Foreign {
-            path: log.to_owned(),
-            missing,
-        };
-        if self.manifest.is_empty() {
-            return Err(foreign("manifest"));
-        }
-        let Some(scenario) = self.scenario.take() else {
-            return Err(foreign("scenario"));
-        };
-        let mut ground = Ground::of(&scenario.world.map, &scenario.rules.exits);
-        if !ground.has_vectors() && self.grid.cells.is_some() {
-            (ground.min, ground.max) = (self.grid.min, self.grid.max);
-            ground.cells = self.grid.cells.take();
-        }
+        let scenario = self.facts.take_scenario(log)?;
+        let ground = self.facts.take_ground(&scenario);
         if self.end_ns == 0 {
             self.end_ns = self.last_ns;
         }
         if self.tick_period_ns == 0 {
-            let period = self.manifest.get("tick_period_ns");
+            let period = self.facts.manifest.get("tick_period_ns");
             self.tick_period_ns = period.and_then(|p| p.parse().ok()).unwrap_or(0);
         }
         let end_ns = self.end_ns;
@@ -412,11 +361,7 @@ impl Reading {
         let frames = self.frames.finish();
         // Without states there is at least where everybody was put.
         Ok(Gathered {
-            manifest: self.manifest,
-            result: self.result,
-            filtered: self.filtered,
-            recovered: self.recovered,
-            text: self.text,
+            facts: self.facts,
             scenario,
             frames,
             over: self.over,

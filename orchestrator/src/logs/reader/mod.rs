@@ -31,7 +31,6 @@ pub(super) use self::index::ChunkPlace;
 use self::item::Found;
 pub(crate) use self::item::{Channel, Item, Schema};
 use self::put_by::PutBy;
-pub(crate) use self::record::attachment;
 use super::condition::Condition;
 use super::error::LogsError;
 use super::watch::Watch;
