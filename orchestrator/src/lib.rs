@@ -35,4 +35,5 @@ pub mod soak;
 pub mod statistics;
 mod storage;
 pub mod sweep;
+pub mod tables;
 pub mod wirings;

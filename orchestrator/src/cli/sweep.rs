@@ -354,7 +354,7 @@ fn local(
     };
     let ran = runner::run(experiment, &mut results, engine.as_ref(), &options);
     // What is done is worth a table also when something went wrong.
-    let written = results.write_csv();
+    let written = results.write_tables();
     let report = ran?;
     written?;
     figures::write(&results)?;

@@ -96,7 +96,7 @@ fn local(
     let ran = carry_out(experiment, &mut results, &options);
     let _ = std::panic::take_hook();
     // What is done is worth a table also when something went wrong.
-    let written = results.write_csv();
+    let written = results.write_tables();
     let report = ran?;
     written?;
     Ok(conclude(&results, Some(&report), args.json))

@@ -31,10 +31,11 @@ mod watch;
 #[cfg(test)]
 mod tests;
 
+pub use crate::tables::Format;
 pub use compare::{Comparison, Difference};
 pub use condition::{Chunks, Condition, Fault};
 pub use error::LogsError;
-pub use export::{ExportOptions, Exported, Format, Table, export};
+pub use export::{ExportOptions, Exported, Table, export};
 pub use failures::Left;
 pub use filter::{FilterOptions, Filtered, filter};
 pub use info::{LogInfo, TopicInfo};

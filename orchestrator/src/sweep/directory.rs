@@ -1,10 +1,11 @@
 //! The files of a directory of results that are not results: its lock and its manifest.
 
 use std::fs::File;
-use std::io::{BufWriter, Write as _};
+use std::io::{self, Write as _};
 use std::path::Path;
 
 use rustix::fs::{FlockOperation, flock};
+use tempfile::NamedTempFile;
 
 use super::error::SweepError;
 use super::manifest::{Kind, Manifest};
@@ -115,13 +116,22 @@ pub(super) fn write_manifest(directory: &Path, manifest: &Manifest) -> Result<()
 /// # Errors
 /// [`SweepError`] if it cannot be written.
 pub(super) fn replace(path: &Path, bytes: &[u8]) -> Result<(), SweepError> {
+    replace_with(path, |mut file| file.write_all(bytes).map(|()| file))
+}
+
+/// Writes a file anew by what is written to a temporary one, as a whole or not at all.
+///
+/// # Errors
+/// [`SweepError`] if it cannot be written.
+pub(super) fn replace_with(
+    path: &Path,
+    write: impl FnOnce(NamedTempFile) -> io::Result<NamedTempFile>,
+) -> Result<(), SweepError> {
     let failed = || SweepError::io(path, "cannot be written");
     let folder = path.parent().unwrap_or(Path::new("."));
-    let mut file = tempfile::NamedTempFile::new_in(folder).map_err(failed())?;
-    let mut writer = BufWriter::new(file.as_file_mut());
-    writer.write_all(bytes).map_err(failed())?;
-    writer.flush().map_err(failed())?;
-    drop(writer);
+    let file = NamedTempFile::new_in(folder)
+        .and_then(write)
+        .map_err(failed())?;
     file.as_file().sync_all().map_err(failed())?;
     // Temporary files are private; results are not.
     let readable = std::os::unix::fs::PermissionsExt::from_mode(0o644);

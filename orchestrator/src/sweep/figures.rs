@@ -12,7 +12,6 @@ use serde::Deserialize;
 use super::cell::Value;
 use super::error::SweepError;
 use super::manifest::ManifestCell;
-use super::measure::measure;
 use super::results::Results;
 use super::row::Row;
 use super::spec::FigureSpec;
@@ -212,7 +211,7 @@ fn chart(figure: &FigureSpec, results: &Results, shown: &Shown, published: &[Pub
             });
         let at = x_of(cell).and_then(|value| places.place(&value));
         if let (Some(x), Some((y, interval)), Some((_, curve))) =
-            (at, measure(figure.metric, rows), series.get_mut(index))
+            (at, figure.metric.measure(rows), series.get_mut(index))
         {
             curve.points.push(Point { x, y, interval });
         }

@@ -48,6 +48,6 @@ pub fn merge<R: Record>(parts: &[PathBuf], out: &Path) -> Result<Results<R>, Swe
         Some(merged) => merged,
         None => Results::read(out)?,
     };
-    merged.write_csv()?;
+    merged.write_tables()?;
     Ok(merged)
 }

@@ -3,7 +3,7 @@
 //! [`Experiment::load`] reads a file that names a scenario, what is varied of it, and seeds, and
 //! checks every scenario that comes of it. [`run`](runner::run) carries out the missions that are
 //! not done yet, several at once, and appends each to the journal of a [`Results`] directory as
-//! soon as it is over; [`Results::write_csv`] writes them in an order that depends on nothing but
+//! soon as it is over; [`Results::write_tables`] writes them in an order that depends on nothing but
 //! the experiment. What a sweep results in is a function of the experiment alone: not of how many
 //! missions run at once, of who carries them out, of interruptions, or of how it was shared out
 //! ([`shard`], [`merge`]).
@@ -12,6 +12,7 @@ mod assignments;
 mod build;
 mod cases;
 mod cell;
+mod columns;
 mod directory;
 pub mod engine;
 mod error;
@@ -22,11 +23,9 @@ mod grid;
 mod journal;
 pub mod launcher;
 mod manifest;
-mod measure;
 pub mod merge;
+mod metrics;
 mod parameters;
-#[cfg(feature = "parquet")]
-mod parquet;
 mod parts;
 pub mod planning;
 pub(crate) mod progress;
@@ -46,13 +45,14 @@ mod tests;
 
 pub use build::describe;
 pub use cell::{Cell, Value};
+pub use columns::ResultColumn;
 pub use directory::kind_of;
 pub use error::SweepError;
 pub use evidence::EvidenceError;
 pub(crate) use evidence::empty_place;
 pub use experiment::{Case, Column, Experiment, LoadOptions};
 pub use manifest::{FORMAT, Kind, Manifest, ManifestCell};
+pub use metrics::Metric;
 pub use results::{MissionId, Results};
 pub use row::{Outcome, Record, Row};
 pub use seeds::Seeds;
-pub use table::{COLUMNS, Field};

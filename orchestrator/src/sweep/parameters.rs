@@ -4,7 +4,7 @@ use super::assignments::{self, Assignment};
 use super::cell::Value;
 use super::reader::Reader;
 use super::spec::ParameterSpec;
-use super::table::COLUMNS;
+use super::table::is_taken;
 use crate::scenario::Draft;
 use crate::scenario::text::{Code, FieldPath, Node, Value as TomlValue, list_choices, nearest};
 use crate::scenario::text::{render_float, write_value};
@@ -100,7 +100,7 @@ fn read_one(reader: &mut Reader, name: String, path: &FieldPath, node: &Node) ->
 /// Whether results can have a column of this name.
 fn is_column(name: &str) -> bool {
     let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
-    (1..=48).contains(&name.len()) && name.chars().all(plain) && !COLUMNS.contains(&name)
+    (1..=48).contains(&name.len()) && name.chars().all(plain) && !is_taken(name)
 }
 
 /// One key, or a list of them.

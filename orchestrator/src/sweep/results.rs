@@ -5,27 +5,29 @@
 //! | `manifest.json` | which experiment and program it belongs to |
 //! | `experiment.toml` | the experiment file |
 //! | `journal.jsonl` | every mission that is over, as they came |
-//! | `results.csv` | the same as a table, in the order of the experiment |
-//! | `times.csv` | CPU times of plans, which depend on the machine |
+//! | `results.csv`, `results.parquet` | the same as a table, in the order of the experiment |
 //! | `logs/` | logs that were kept |
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use super::directory::{Lock, MANIFEST, lock, read_manifest, replace, write_manifest};
+use super::directory::{
+    Lock, MANIFEST, lock, read_manifest, replace, replace_with, write_manifest,
+};
 use super::error::SweepError;
 use super::journal::{self, Entry, Journal};
 use super::manifest::Manifest;
 use super::row::{Record, Row};
 use super::seeds::Seeds;
 use super::table;
+use crate::tables::Format;
 
 /// Name of the copy of the experiment file.
 const EXPERIMENT: &str = "experiment.toml";
-/// Name of the table.
+/// Name of the table as text.
 const TABLE: &str = "results.csv";
-/// Name of the table of CPU times.
-const TIMES: &str = "times.csv";
+/// Name of the table with a type for every column.
+const TYPED_TABLE: &str = "results.parquet";
 
 /// One mission of an experiment. Their order is that of the results.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -338,51 +340,19 @@ impl<R: Record> Results<R> {
         std::fs::read_to_string(&path).map_err(SweepError::io(&path, "cannot read the experiment"))
     }
 
-    /// Writes the table, which replaces an earlier one as a whole or not at all; returns its path.
-    /// With the cargo feature `parquet` the same as `results.parquet` beside it.
+    /// Writes the table, as text and as Parquet, each of which replaces an earlier one as a whole or
+    /// not at all.
     ///
     /// # Errors
     /// [`SweepError::Io`].
-    pub fn write_csv(&mut self) -> Result<PathBuf, SweepError> {
+    pub fn write_tables(&mut self) -> Result<(), SweepError> {
         self.journal.sync()?;
-        let path = self.directory.join(TABLE);
-        let mut bytes = Vec::new();
-        table::write_csv(&mut bytes, &self.manifest, self.rows())
-            .map_err(SweepError::io(&path, "cannot write the table"))?;
-        replace(&path, &bytes)?;
-        self.write_times()?;
-        #[cfg(feature = "parquet")]
-        {
-            let path = self.directory.join("results.parquet");
-            let mut bytes = Vec::new();
-            super::parquet::write(&mut bytes, &self.manifest, self.rows())
-                .map_err(SweepError::io(&path, "cannot write the table"))?;
-            replace(&path, &bytes)?;
+        for (name, format) in [(TABLE, Format::Csv), (TYPED_TABLE, Format::Parquet)] {
+            replace_with(&self.directory.join(name), |file| {
+                table::write(format, file, &self.manifest, self.rows())
+            })?;
         }
-        Ok(path)
-    }
-}
-
-impl<R: Record> Results<R> {
-    /// Writes the CPU times into a table of their own, if there are any: they are of this machine
-    /// and this time, the rows are not.
-    fn write_times(&self) -> Result<(), SweepError> {
-        if self.cpu_ms.is_empty() {
-            return Ok(());
-        }
-        let path = self.directory.join(TIMES);
-        let mut header = vec!["case"];
-        header.extend(self.manifest.parameters.iter().map(String::as_str));
-        header.extend(["seed", "cpu_ms"]);
-        let records = self.cpu_ms.iter().map(|(&mission, &ms)| {
-            let mut record = table::label(&self.manifest, mission);
-            record.push(table::Field::Float(ms));
-            Ok((mission, record))
-        });
-        let mut bytes = Vec::new();
-        table::write_records(&mut bytes, &self.manifest, &header, records)
-            .map_err(SweepError::io(&path, "cannot write the table of times"))?;
-        replace(&path, &bytes)
+        Ok(())
     }
 }
 

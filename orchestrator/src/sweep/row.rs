@@ -3,32 +3,25 @@
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
+use super::columns::ResultColumn;
 use super::manifest::Kind;
-use super::table::{COLUMNS, Field};
 use crate::mission::MissionReport;
 use crate::recorder::{CoverageOutcome, PredictionOutcome, RobotOutcome, Summary};
 
 /// A row of results. Nothing in it depends on the machine or on how it was carried out.
-pub trait Record: Clone + PartialEq + Serialize + DeserializeOwned {
+pub trait Record: Clone + PartialEq + Serialize + DeserializeOwned + 'static {
     /// What it is a row of.
     const KIND: Kind;
 
-    /// The columns of its table: `case`, where the parameters follow, `seed`, and those of
-    /// [`Self::fields`].
-    fn columns() -> &'static [&'static str];
-
-    /// What stands in the columns after `seed`.
-    ///
-    /// # Errors
-    /// What cannot be written as text.
-    fn fields(&self) -> std::io::Result<Vec<Field>>;
+    /// The columns of its table after `case`, the parameters and `seed`.
+    const COLUMNS: &'static [ResultColumn<Self>];
 
     /// Whether it failed, and may be carried out again.
     fn is_failed(&self) -> bool;
 }
 
 /// How a mission ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
     /// Every evader was caught or escaped, every goal was reached.
@@ -36,6 +29,7 @@ pub enum Outcome {
     /// The time limit ended it for at least one robot.
     TimeLimit,
     /// It could not be carried out to its end; `error` says why.
+    #[default]
     Failed,
 }
 
@@ -51,7 +45,7 @@ impl Outcome {
 }
 
 /// What one mission resulted in. Nothing in it depends on the machine or on how it was carried out.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Row {
     /// How it ended.
@@ -145,25 +139,8 @@ impl Row {
     /// The row of a mission that failed.
     pub fn failed(error: impl Into<String>) -> Self {
         Self {
-            outcome: Outcome::Failed,
-            evaders: 0,
-            escaped: 0,
-            caught: 0,
-            held_out: 0,
-            sim_time_s: 0.0,
-            first_capture_s: None,
-            first_escape_s: None,
-            contacts: 0,
-            evader_distance_m: 0.0,
-            evader_mean_speed: None,
-            ticks: 0,
-            escape_possible_fraction: None,
-            escape_impossible_from_s: None,
-            coverage: None,
-            predictions: Vec::new(),
-            digest: String::new(),
             error: error.into(),
-            robots: Vec::new(),
+            ..Self::default()
         }
     }
 
@@ -176,51 +153,7 @@ impl Row {
 impl Record for Row {
     const KIND: Kind = Kind::Missions;
 
-    fn columns() -> &'static [&'static str] {
-        &COLUMNS
-    }
-
-    fn fields(&self) -> std::io::Result<Vec<Field>> {
-        // A mission that failed has no numbers.
-        let known = !self.is_failed();
-        let int = |value: u64| {
-            if known {
-                Field::Int(value.cast_signed())
-            } else {
-                Field::Nothing
-            }
-        };
-        let float = |value: f64| Field::from(known.then_some(value));
-        let mut fields: Vec<Field> = vec![self.outcome.name().into()];
-        fields.extend(
-            [self.evaders, self.escaped, self.caught, self.held_out].map(|n| int(n.into())),
-        );
-        fields.push(float(self.sim_time_s));
-        fields.push(self.first_capture_s.into());
-        fields.push(self.first_escape_s.into());
-        fields.push(int(self.contacts.into()));
-        fields.push(float(self.evader_distance_m));
-        fields.push(self.evader_mean_speed.into());
-        fields.push(int(self.ticks));
-        fields.push(self.escape_possible_fraction.into());
-        fields.push(self.escape_impossible_from_s.into());
-        fields.push(self.coverage.as_ref().map(|c| c.fraction).into());
-        fields.push(self.coverage.as_ref().map(|c| c.coverable_fraction).into());
-        fields.push(self.coverage.as_ref().map(|c| c.way_m).into());
-        fields.push(self.digest.as_str().into());
-        fields.push(self.error.as_str().into());
-        fields.push(if known {
-            Field::Text(serde_json::to_string(&self.robots)?)
-        } else {
-            Field::Nothing
-        });
-        fields.push(if self.predictions.is_empty() {
-            Field::Nothing
-        } else {
-            Field::Text(serde_json::to_string(&self.predictions)?)
-        });
-        Ok(fields)
-    }
+    const COLUMNS: &'static [ResultColumn<Self>] = Self::COLUMNS;
 
     fn is_failed(&self) -> bool {
         Self::is_failed(self)

@@ -3,6 +3,8 @@
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 
+use super::metrics::Metric;
+
 /// Most cells (combinations of case and parameters) of one experiment.
 pub const MAX_CELLS: usize = 10_000;
 /// Most missions (cells times seeds) of one experiment.
@@ -139,45 +141,4 @@ pub struct FigureSpec {
 
 fn by_case() -> String {
     "case".to_owned()
-}
-
-/// What a figure shows of each cell.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Metric {
-    /// Escaped evaders of all evaders, 0 to 1.
-    #[default]
-    EscapeChance,
-    /// Caught evaders of all evaders, 0 to 1.
-    CaptureChance,
-    /// Evaders that were neither caught nor escaped in time, of all evaders, 0 to 1.
-    HeldOutChance,
-    /// Mean simulated length of a game [s].
-    GameTime,
-    /// Mean simulated time of the first capture, of the games that had one [s].
-    FirstCapture,
-    /// Mean simulated time of the first escape, of the games that had one [s].
-    FirstEscape,
-    /// Mean number of contact episodes of all robots per game.
-    Contacts,
-    /// Mean speed of the evaders while they were in the game [m/s].
-    EvaderMeanSpeed,
-    /// Mean part of the game in which an escape was possible, 0 to 1; needs a `referee`.
-    EscapePossible,
-    /// Mean length of a lap through all its waypoints, of the robots that complete laps [m].
-    LapLength,
-    /// Mean time of the longest lap [s].
-    LongestLap,
-    /// Mean distance of a lap through all its waypoints from the route, at equal times [m].
-    PlannedMae,
-    /// The same of laps as they were driven [m].
-    DrivenMae,
-    /// Mean change of direction on laps through all their waypoints [rad].
-    PlannedMaa,
-    /// The same on laps as they were driven [rad].
-    DrivenMaa,
-    /// Waypoints left out, of all, 0 to 1.
-    LeftOut,
-    /// Visited part of the area that can be visited, 0 to 1; needs `[rules.coverage]`.
-    Coverage,
 }

@@ -1,193 +1,205 @@
-//! The rows as a table: `results.csv`.
+//! Rows of results as a table: `results.csv`, `results.parquet`.
+//!
+//! The columns are `case`, the parameters, `seed`, and those of the kind of row
+//! ([`Record::COLUMNS`]).
 
-use std::io::Write;
+use std::io;
+
+use tempfile::NamedTempFile;
 
 use super::cell::Value;
 use super::manifest::Manifest;
 use super::results::MissionId;
-use super::row::Record;
+use super::row::{Record, Row};
+use crate::tables::{self, Cell, Column, Format, Type};
 
-/// The columns that every table of results has, beside those of the parameters, which stand between
-/// `case` and `seed`.
-pub const COLUMNS: [&str; 23] = [
-    "case",
-    "seed",
-    "outcome",
-    "evaders",
-    "escaped",
-    "caught",
-    "held_out",
-    "sim_time_s",
-    "first_capture_s",
-    "first_escape_s",
-    "contacts",
-    "evader_distance_m",
-    "evader_mean_speed",
-    "ticks",
-    "escape_possible_fraction",
-    "escape_impossible_from_s",
-    "coverage_fraction",
-    "coverable_fraction",
-    "way_m",
-    "digest",
-    "error",
-    "robots",
-    "predictions",
-];
-
-/// The header of a table.
-pub(super) fn header<R: Record>(manifest: &Manifest) -> Vec<&str> {
-    let (case, others) = R::columns().split_at(1);
-    let parameters = manifest.parameters.iter().map(String::as_str);
-    let columns = case.iter().copied().chain(parameters);
-    columns.chain(others.iter().copied()).collect()
+/// Whether every table of missions has a column of this name, so that no parameter can.
+pub(super) fn is_taken(name: &str) -> bool {
+    ["case", "seed"].contains(&name) || Row::COLUMNS.iter().any(|column| column.name == name)
 }
 
-/// Writes the rows as CSV, in the order in which they come.
+/// Writes the rows in the order in which they come.
 ///
-/// Numbers are the shortest that read back as the same; what there is not is empty.
+/// Numbers are the shortest that read back as the same; what there is not is empty, in Parquet null.
 ///
 /// # Errors
 /// What the writer said.
-pub(super) fn write_csv<'a, R: Record + 'a>(
-    out: impl Write,
+pub(super) fn write<'a, R: Record + 'a>(
+    format: Format,
+    file: NamedTempFile,
     manifest: &Manifest,
     rows: impl Iterator<Item = (MissionId, &'a R)>,
-) -> std::io::Result<()> {
-    let records = rows.map(|(mission, row)| Ok((mission, record(manifest, mission, row)?)));
-    write_records(out, manifest, &header::<R>(manifest), records)
-}
-
-/// Writes records as CSV, each with the mission that it is of.
-///
-/// # Errors
-/// What the writer said.
-pub(super) fn write_records(
-    out: impl Write,
-    manifest: &Manifest,
-    header: &[&str],
-    records: impl Iterator<Item = std::io::Result<(MissionId, Vec<Field>)>>,
-) -> std::io::Result<()> {
-    let mut csv = csv::WriterBuilder::new()
-        .terminator(csv::Terminator::Any(b'\n'))
-        .from_writer(out);
-    csv.write_record(header).map_err(io)?;
-    for record in records {
-        let (mission, fields) = record?;
-        let texts = fields.iter().zip(0..).map(|(field, column)| {
-            // Parameters stay as they are written: 1.0 is not 1.
-            let parameter = usize::checked_sub(column, 1).and_then(|i| {
-                manifest
-                    .cells
-                    .get(mission.cell)
-                    .and_then(|c| c.values.get(i))
-            });
-            parameter.map_or_else(|| field.to_string(), ToString::to_string)
-        });
-        csv.write_record(texts.collect::<Vec<_>>()).map_err(io)?;
-    }
-    csv.flush()
-}
-
-/// One field of the table.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Field {
-    /// There is none.
-    Nothing,
-    /// True or false.
-    Bool(bool),
-    /// A whole number.
-    Int(i64),
-    /// A number.
-    Float(f64),
-    /// Text.
-    Text(String),
-}
-
-impl Field {
-    /// A whole number; 0 of anything else.
-    #[cfg(feature = "parquet")]
-    pub(super) fn as_int(&self) -> i64 {
-        match self {
-            Self::Int(v) => *v,
-            _ => 0,
+) -> io::Result<NamedTempFile> {
+    let parameters: Vec<Type> = (0..manifest.parameters.len())
+        .map(|index| match format {
+            // As they are written: 1.0 is not 1.
+            Format::Csv => Type::Text,
+            Format::Parquet => type_of(manifest, index),
+        })
+        .collect();
+    let mut columns = vec![Column::new("case", Type::Text)];
+    let names = manifest.parameters.iter().zip(&parameters);
+    columns.extend(names.map(|(name, &kind)| Column::new(name, kind)));
+    columns.push(Column::new("seed", Type::Int));
+    columns.extend(R::COLUMNS.iter().map(|c| Column::new(c.name, c.kind())));
+    let mut table = tables::begin(format, file, &columns)?;
+    let mut cells = Vec::with_capacity(columns.len());
+    for (mission, row) in rows {
+        let cell = manifest.cells.get(mission.cell);
+        cells.clear();
+        cells.push(cell.map_or(Cell::Empty, |c| Cell::Text(c.case.clone())));
+        for (index, &kind) in parameters.iter().enumerate() {
+            let value = cell.and_then(|c| c.values.get(index));
+            cells.push(value.map_or(Cell::Empty, |v| parameter(v, kind)));
         }
-    }
-
-    /// A number; NaN of anything else.
-    #[cfg(feature = "parquet")]
-    pub(super) fn as_float(&self) -> f64 {
-        match self {
-            Self::Float(v) => *v,
-            Self::Int(v) => *v as f64,
-            _ => f64::NAN,
+        // Seeds are below 2^63.
+        cells.push(Cell::Int(mission.seed.cast_signed()));
+        for column in R::COLUMNS {
+            cells.push(column.cell(row)?);
         }
+        table.row(&cells)?;
+    }
+    table.finish()
+}
+
+/// The type that holds all values of a parameter.
+fn type_of(manifest: &Manifest, index: usize) -> Type {
+    let values = manifest.cells.iter().filter_map(|c| c.values.get(index));
+    let all = |is: fn(&Value) -> bool| values.clone().all(is);
+    if all(|v| matches!(v, Value::Int(_))) {
+        Type::Int
+    } else if all(|v| v.number().is_some()) {
+        Type::F64
+    } else if all(|v| matches!(v, Value::Bool(_))) {
+        Type::Bool
+    } else {
+        Type::Text
     }
 }
 
-impl std::fmt::Display for Field {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Nothing => Ok(()),
-            Self::Bool(v) => write!(f, "{v}"),
-            Self::Int(v) => write!(f, "{v}"),
-            Self::Float(v) => write!(f, "{v}"),
-            Self::Text(v) => f.write_str(v),
+/// The value of a parameter in a column of this type.
+fn parameter(value: &Value, kind: Type) -> Cell {
+    match (kind, value) {
+        (Type::Int, Value::Int(v)) => Cell::Int(*v),
+        (Type::F64, value) => value.number().map_or(Cell::Empty, Cell::F64),
+        (Type::Bool, Value::Bool(v)) => Cell::Bool(*v),
+        (_, value) => Cell::Text(value.to_string()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use parquet::file::reader::{FileReader as _, SerializedFileReader};
+    use parquet::record::Field;
+
+    use super::super::Outcome;
+    use super::super::tests::{GOOD, load};
+    use super::*;
+    use crate::recorder::PredictionOutcome;
+
+    fn rows() -> Vec<(MissionId, Row)> {
+        let of = |cell, seed| {
+            let row = Row {
+                evaders: 2,
+                escaped: 1,
+                sim_time_s: 12.25,
+                first_escape_s: (seed == 1).then_some(0.1 + 0.2),
+                digest: "é".repeat(3),
+                predictions: vec![PredictionOutcome {
+                    robot: "evader_1".to_owned(),
+                    method: "curve, \"fitted\"".to_owned(),
+                    observer: 7,
+                    horizon_s: 2.0,
+                    predictions: 40,
+                    without: 0,
+                    mean_m: Some(0.25),
+                    median_m: None,
+                    rms_m: None,
+                    goals_observed: 3,
+                    key_recovered_s: None,
+                    key_recovered_after: None,
+                }],
+                ..Row::failed(if seed == 2 { "broken" } else { "" })
+            };
+            let row = if seed == 1 {
+                let outcome = Outcome::Ended;
+                Row { outcome, ..row }
+            } else {
+                row
+            };
+            (MissionId { cell, seed }, row)
+        };
+        (0..6).flat_map(|cell| [of(cell, 1), of(cell, 2)]).collect()
+    }
+
+    fn written(format: Format) -> NamedTempFile {
+        let manifest = Manifest::of(&load(GOOD).unwrap());
+        let rows = rows();
+        let file = NamedTempFile::new().unwrap();
+        write(format, file, &manifest, rows.iter().map(|(m, r)| (*m, r))).unwrap()
+    }
+
+    #[test]
+    fn parquet_holds_what_the_text_says_in_every_column() {
+        let (text, parquet) = (written(Format::Csv), written(Format::Parquet));
+        let mut csv = csv::Reader::from_path(text.path()).unwrap();
+        let names = csv.headers().unwrap().clone();
+        let at = |name: &str| names.iter().position(|n| n == name).unwrap();
+        let reader = SerializedFileReader::new(parquet.reopen().unwrap()).unwrap();
+        let read: Vec<_> = reader
+            .get_row_iter(None)
+            .unwrap()
+            .map(Result::unwrap)
+            .collect();
+        let records: Vec<_> = csv.records().map(Result::unwrap).collect();
+        assert_eq!((read.len(), records.len()), (12, 12));
+        for (record, row) in records.iter().zip(&read) {
+            for (index, (name, field)) in row.get_column_iter().enumerate() {
+                assert_eq!(*name, names[index]);
+                let text = match field {
+                    Field::Null => String::new(),
+                    Field::Str(v) => v.clone(),
+                    Field::Long(v) => v.to_string(),
+                    Field::Double(v) if name == "relative_speed" => {
+                        // A column of numbers holds 2 as 2.0.
+                        assert_eq!(record[index].parse::<f64>().unwrap(), *v);
+                        continue;
+                    }
+                    Field::Double(v) => v.to_string(),
+                    other => panic!("{name}: {other:?}"),
+                };
+                assert_eq!(record[index], text, "{name}");
+            }
         }
+        let first: Vec<_> = read[0].get_column_iter().map(|(_, f)| f.clone()).collect();
+        assert_eq!(first[at("seed")], Field::Long(1));
+        assert_eq!(first[at("first_escape_s")], Field::Double(0.1 + 0.2));
+        assert_eq!(first[at("first_capture_s")], Field::Null);
+        let Field::Str(predictions) = &first[at("predictions")] else {
+            panic!("predictions are no text: {:?}", first[at("predictions")]);
+        };
+        let predictions: Vec<PredictionOutcome> = serde_json::from_str(predictions).unwrap();
+        assert_eq!(predictions, rows()[0].1.predictions);
     }
-}
 
-impl From<Option<f64>> for Field {
-    fn from(value: Option<f64>) -> Self {
-        value.map_or(Self::Nothing, Self::Float)
-    }
-}
-
-impl From<&str> for Field {
-    fn from(text: &str) -> Self {
-        if text.is_empty() {
-            Self::Nothing
-        } else {
-            Self::Text(text.to_owned())
+    #[test]
+    fn the_documentation_names_every_column() {
+        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs");
+        let text = |file: &str| std::fs::read_to_string(folder.join(file)).unwrap();
+        let plans = super::super::planning::PlanRow::COLUMNS
+            .iter()
+            .map(|c| c.name);
+        for (file, names) in [
+            (
+                "sweep.md",
+                Row::COLUMNS.iter().map(|c| c.name).collect::<Vec<_>>(),
+            ),
+            ("planning.md", plans.collect()),
+        ] {
+            let text = text(file);
+            for name in names {
+                assert!(text.contains(&format!("`{name}`")), "{file}: {name}");
+            }
         }
-    }
-}
-
-impl From<&Value> for Field {
-    fn from(value: &Value) -> Self {
-        match value {
-            Value::Bool(v) => Self::Bool(*v),
-            Value::Int(v) => Self::Int(*v),
-            Value::Float(v) => Self::Float(*v),
-            Value::Text(v) => Self::Text(v.clone()),
-        }
-    }
-}
-
-/// The fields of one row, in the order of [`header`].
-pub(super) fn record<R: Record>(
-    manifest: &Manifest,
-    mission: MissionId,
-    row: &R,
-) -> std::io::Result<Vec<Field>> {
-    let mut record = label(manifest, mission);
-    record.extend(row.fields()?);
-    Ok(record)
-}
-
-/// What says which mission a row is of: case, parameters and seed.
-pub(super) fn label(manifest: &Manifest, mission: MissionId) -> Vec<Field> {
-    let cell = manifest.cells.get(mission.cell);
-    let mut label = vec![cell.map_or(Field::Nothing, |c| c.case.as_str().into())];
-    label.extend(cell.into_iter().flat_map(|c| &c.values).map(Field::from));
-    // Seeds are below 2^63.
-    label.push(Field::Int(mission.seed.cast_signed()));
-    label
-}
-
-fn io(error: csv::Error) -> std::io::Error {
-    match error.into_kind() {
-        csv::ErrorKind::Io(error) => error,
-        other => std::io::Error::other(format!("{other:?}")),
     }
 }

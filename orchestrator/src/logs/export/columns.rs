@@ -3,31 +3,14 @@
 use std::fmt::Write as _;
 use std::io;
 
-use crate::logs::ros2::{Cdr, Cell, Count, DecodeError, Field, Kind, Number, Schema, SchemaError};
+use crate::logs::ros2::{Cdr, Count, DecodeError, Field, Kind, Number, Schema, SchemaError};
+use crate::tables::{Cell, Column, Type};
 
 /// Most columns of a table.
 const MOST_COLUMNS: usize = 2048;
 /// Longest array of numbers, and of messages, that has a column for every number.
 const LONGEST_NUMBERS: usize = 64;
 const LONGEST_MESSAGES: usize = 16;
-
-/// The type of a column.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Type {
-    Bool,
-    Int,
-    UInt,
-    F32,
-    F64,
-    Text,
-}
-
-/// A column.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Column {
-    pub(super) name: String,
-    pub(super) kind: Type,
-}
 
 /// How the messages of a topic become rows.
 #[derive(Debug)]
@@ -52,14 +35,14 @@ impl Layout {
             None => (None, rest),
         };
         let mut columns: Vec<Column> = ["log_time_ns", "publish_time_ns", "sequence"]
-            .map(|name| column(name, Type::UInt))
+            .map(|name| Column::new(name, Type::UInt))
             .to_vec();
         for field in before.iter().chain(after) {
             flatten(field, &field.name, &mut columns)?;
         }
         let count = columns.len();
         if let Some(field) = &elements {
-            columns.push(column(&format!("{}.index", field.name), Type::UInt));
+            columns.push(Column::new(format!("{}.index", field.name), Type::UInt));
             flatten_one(&field.kind, &field.name, &mut columns)?;
         }
         let element_columns = columns.len() - count;
@@ -118,13 +101,6 @@ impl Layout {
     }
 }
 
-fn column(name: &str, kind: Type) -> Column {
-    Column {
-        name: name.to_owned(),
-        kind,
-    }
-}
-
 /// How a field is laid out.
 enum Form {
     One,
@@ -156,7 +132,7 @@ fn flatten(field: &Field, name: &str, columns: &mut Vec<Column>) -> Result<(), S
         Form::Each(count) => {
             (0..count).try_for_each(|i| flatten_one(&field.kind, &format!("{name}.{i}"), columns))
         }
-        Form::Bytes | Form::Json => add(column(name, Type::Text), columns),
+        Form::Bytes | Form::Json => add(Column::new(name, Type::Text), columns),
     }
 }
 
@@ -174,7 +150,7 @@ fn flatten_one(kind: &Kind, name: &str, columns: &mut Vec<Column>) -> Result<(),
         Kind::Number(Number::F32) => Type::F32,
         Kind::Number(Number::F64) => Type::F64,
     };
-    add(column(name, kind), columns)
+    add(Column::new(name, kind), columns)
 }
 
 fn add(column: Column, columns: &mut Vec<Column>) -> Result<(), SchemaError> {

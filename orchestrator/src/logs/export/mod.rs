@@ -1,37 +1,24 @@
 //! The messages of a log as tables: a file for every topic.
 
 mod columns;
-mod csv;
-#[cfg(feature = "parquet")]
-mod parquet;
 
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use serde::Serialize;
-use tempfile::NamedTempFile;
-
-use self::columns::{Column, Layout};
+use self::columns::Layout;
 use super::condition::Condition;
 use super::error::LogsError;
 use super::pattern::Topics;
 use super::place::{Place, Readers};
 use super::reader::{Channel, Item, Reader};
-use super::ros2::{Cell, Schema};
+use super::ros2::Schema;
 use super::watch::Watch;
+use crate::tables::{self, Cell, Format, Rows};
+use serde::Serialize;
 
 /// Most tables that are written at once: each is an open file.
 const MOST_TABLES: usize = 500;
-
-/// The form of a table.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub enum Format {
-    /// Text, a line for every row.
-    Csv,
-    /// Apache Parquet, with a type for every column.
-    Parquet,
-}
 
 /// Which tables are written, and how.
 #[derive(Debug, Clone)]
@@ -68,13 +55,6 @@ pub struct Exported {
     pub source: Condition,
 }
 
-/// Takes rows of a table.
-trait Rows {
-    fn row(&mut self, cells: &[Cell]) -> std::io::Result<()>;
-    /// Writes what is left.
-    fn finish(self: Box<Self>) -> std::io::Result<NamedTempFile>;
-}
-
 /// What becomes of a channel.
 enum Fate {
     /// It is not wanted.
@@ -105,20 +85,13 @@ pub fn export(
     options: &ExportOptions,
     watch: &mut Watch,
 ) -> Result<Exported, LogsError> {
-    if options.format == Format::Parquet && !cfg!(feature = "parquet") {
-        return Err(LogsError::Argument(
-            "--format parquet: this program was built without Parquet; build it with \
-             `--features parquet`, or use --format csv"
-                .to_owned(),
-        ));
-    }
     let mut reader = Reader::open(log, Some(watch))?;
     let folder = Folder::make(out, options.force)?;
     let mut fates: BTreeMap<u16, Fate> = BTreeMap::new();
     let mut skipped: BTreeMap<String, String> = BTreeMap::new();
     let mut names = BTreeMap::new();
     let mut channels: BTreeMap<u16, (String, String)> = BTreeMap::new();
-    let mut tables = 0;
+    let mut count = 0;
     while let Some(item) = reader.next()? {
         let (header, data) = match item {
             Item::Message(header, data) => (header, data),
@@ -172,8 +145,8 @@ pub fn export(
             }
             Some(Fate::Table(open)) => {
                 if open.sink.is_none() {
-                    tables += 1;
-                    if tables > MOST_TABLES {
+                    count += 1;
+                    if count > MOST_TABLES {
                         return Err(LogsError::Argument(format!(
                             "--topics: the log has more than {MOST_TABLES} topics; choose some"
                         )));
@@ -181,7 +154,7 @@ pub fn export(
                     let (place, file) =
                         Place::new(&open.table.file, log, options.force, Readers::Anybody)?;
                     let columns = open.layout.columns();
-                    let rows = sink(options.format, file, columns);
+                    let rows = tables::begin(options.format, file, columns);
                     let rows = rows.map_err(|e| place.failed(e))?;
                     open.sink = Some((rows, place));
                 }
@@ -268,16 +241,6 @@ fn layout(channel: &Channel, schema: Option<&super::reader::Schema>) -> Result<L
     }
     let schema = Schema::parse(&schema.data).map_err(|e| e.to_string())?;
     Layout::new(&schema).map_err(|e| e.to_string())
-}
-
-fn sink(format: Format, file: NamedTempFile, columns: &[Column]) -> std::io::Result<Box<dyn Rows>> {
-    match format {
-        Format::Csv => Ok(Box::new(csv::CsvRows::new(file, columns)?)),
-        #[cfg(feature = "parquet")]
-        Format::Parquet => Ok(Box::new(parquet::ParquetRows::new(file, columns)?)),
-        #[cfg(not(feature = "parquet"))]
-        Format::Parquet => Err(std::io::ErrorKind::Unsupported.into()),
-    }
 }
 
 /// `world/state` is in `world.state.csv`; a name that was taken gets the channel's number.

@@ -1,8 +1,7 @@
 //! Reads the fields of a message.
 
-use core::fmt;
-
 use super::schema::{Count, Field, Kind, Number};
+use crate::tables::Cell;
 
 /// Bytes before the first field.
 const ENCAPSULATION: usize = 4;
@@ -18,34 +17,6 @@ pub(in crate::logs) enum DecodeError {
     Text(String),
     #[error("`{0}` claims more elements than the message has bytes")]
     Count(String),
-}
-
-/// A value of a table.
-#[derive(Debug, Clone, PartialEq)]
-pub(in crate::logs) enum Cell {
-    /// There is none.
-    Empty,
-    Bool(bool),
-    Int(i64),
-    UInt(u64),
-    F32(f32),
-    F64(f64),
-    Text(String),
-}
-
-impl fmt::Display for Cell {
-    /// The shortest text that reads back to the same value.
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Empty => Ok(()),
-            Self::Bool(v) => v.fmt(f),
-            Self::Int(v) => v.fmt(f),
-            Self::UInt(v) => v.fmt(f),
-            Self::F32(v) => v.fmt(f),
-            Self::F64(v) => v.fmt(f),
-            Self::Text(v) => f.write_str(v),
-        }
-    }
 }
 
 /// Walks through the bytes of a message.

@@ -4,5 +4,7 @@
 mod decode;
 mod schema;
 
-pub(super) use decode::{Cdr, Cell, DecodeError, field_at};
+pub(super) use decode::{Cdr, DecodeError, field_at};
+
+pub(super) use crate::tables::Cell;
 pub(super) use schema::{Count, Field, Kind, Number, Schema, SchemaError};

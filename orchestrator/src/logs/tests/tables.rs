@@ -112,19 +112,6 @@ fn tables_are_written_where_nothing_is_lost() {
     );
 }
 
-#[cfg(not(feature = "parquet"))]
-#[test]
-fn parquet_is_refused_by_a_program_without_it() {
-    let folder = tempfile::tempdir().unwrap();
-    let log = folder.path().join("run.mcap");
-    record_run(&log, 2, 4_000, |_, _| {});
-    let out = folder.path().join("tables");
-    let error = export(&log, &out, &options(Format::Parquet, &[]), &mut watch()).unwrap_err();
-    assert!(error.to_string().contains("--features parquet"), "{error}");
-    assert!(!out.exists());
-}
-
-#[cfg(feature = "parquet")]
 #[test]
 fn parquet_holds_what_the_text_says() {
     use parquet::file::reader::{FileReader as _, SerializedFileReader};

@@ -3,26 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use crate::planning::{Answer, Outcome};
+use crate::sweep::columns::ResultColumn;
 use crate::sweep::manifest::Kind;
 use crate::sweep::row::Record;
-use crate::sweep::table::Field;
-
-/// The columns of the table: the parameters stand between `case` and `seed`.
-pub const COLUMNS: [&str; 13] = [
-    "case",
-    "seed",
-    "outcome",
-    "honest",
-    "obstacles",
-    "t_s",
-    "lower_bound_s",
-    "gap",
-    "length_px",
-    "min_clearance_px",
-    "iterations",
-    "control_points",
-    "error",
-];
 
 /// What one plan resulted in. Nothing in it depends on the machine.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -84,26 +67,7 @@ impl PlanRow {
 impl Record for PlanRow {
     const KIND: Kind = Kind::Planning;
 
-    fn columns() -> &'static [&'static str] {
-        &COLUMNS
-    }
-
-    fn fields(&self) -> std::io::Result<Vec<Field>> {
-        let int = |value: Option<u32>| value.map_or(Field::Nothing, |v| Field::Int(v.into()));
-        Ok(vec![
-            self.outcome.name().into(),
-            self.honest.map_or(Field::Nothing, Field::Bool),
-            Field::Int(self.obstacles.into()),
-            self.t_s.into(),
-            self.lower_bound_s.into(),
-            self.gap.into(),
-            self.length_px.into(),
-            self.min_clearance_px.into(),
-            int(self.iterations),
-            int(self.control_points),
-            self.error.as_str().into(),
-        ])
-    }
+    const COLUMNS: &'static [ResultColumn<Self>] = Self::COLUMNS;
 
     fn is_failed(&self) -> bool {
         matches!(self.outcome, Outcome::Invalid | Outcome::Failed)

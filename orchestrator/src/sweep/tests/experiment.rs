@@ -1,7 +1,7 @@
 //! What a good experiment file means.
 
-use super::super::spec::{LogPolicy, Metric};
-use super::super::{Manifest, Seeds, Value};
+use super::super::spec::LogPolicy;
+use super::super::{Manifest, Metric, Seeds, Value};
 use super::*;
 use crate::scenario::Program;
 use sim_backend::team::Team;

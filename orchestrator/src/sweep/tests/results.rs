@@ -48,7 +48,7 @@ fn the_table_is_in_the_order_of_the_experiment_whatever_came_first() {
                 .record(m, row((m.cell as u32 + m.seed as u32) % 3), 0.1)
                 .unwrap();
         }
-        results.write_csv().unwrap();
+        results.write_tables().unwrap();
         table(directory.path())
     };
     let straight = written(&mut missions.iter());
@@ -181,7 +181,7 @@ fn parts_merge_to_the_table_of_the_whole() {
             part.record(m, row, 0.1).unwrap();
         }
     }
-    whole.write_csv().unwrap();
+    whole.write_tables().unwrap();
     let parts = [at("part-2"), at("part-0"), at("part-1")];
     let merged: Results = merge(&parts, &at("merged")).unwrap();
     assert_eq!(merged.missing(), [mission(5, 3)]);

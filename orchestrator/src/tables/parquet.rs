@@ -13,9 +13,7 @@ use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::Type as Node;
 use tempfile::NamedTempFile;
 
-use super::Rows;
-use super::columns::{Column, Type};
-use crate::logs::ros2::Cell;
+use super::{Cell, Column, Rows, Type};
 
 /// Cells that are kept before they are written.
 const MOST_CELLS: usize = 1 << 18;

@@ -5,9 +5,7 @@ use std::io::{self, BufWriter};
 
 use tempfile::NamedTempFile;
 
-use super::Rows;
-use super::columns::Column;
-use crate::logs::ros2::Cell;
+use super::{Cell, Column, Rows};
 
 pub(super) struct CsvRows {
     writer: csv::Writer<BufWriter<NamedTempFile>>,

@@ -1,0 +1,101 @@
+//! Tables with a type for every column, as CSV or Apache Parquet: results of sweeps, messages of logs.
+
+mod csv;
+mod parquet;
+
+use std::fmt;
+use std::io;
+
+use tempfile::NamedTempFile;
+
+/// The form of a table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Format {
+    /// Text, a line for every row.
+    Csv,
+    /// Apache Parquet, with a type for every column.
+    Parquet,
+}
+
+/// The type of a column.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Type {
+    Bool,
+    Int,
+    UInt,
+    F32,
+    F64,
+    Text,
+}
+
+/// A column.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Column {
+    pub(crate) name: String,
+    pub(crate) kind: Type,
+}
+
+impl Column {
+    pub(crate) fn new(name: impl Into<String>, kind: Type) -> Self {
+        let name = name.into();
+        Self { name, kind }
+    }
+}
+
+/// A value of a table: of the type of its column, or none.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Cell {
+    /// No value.
+    Empty,
+    Bool(bool),
+    Int(i64),
+    UInt(u64),
+    F32(f32),
+    F64(f64),
+    Text(String),
+}
+
+impl fmt::Display for Cell {
+    /// The shortest text that reads back to the same value.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Empty => Ok(()),
+            Self::Bool(v) => v.fmt(f),
+            Self::Int(v) => v.fmt(f),
+            Self::UInt(v) => v.fmt(f),
+            Self::F32(v) => v.fmt(f),
+            Self::F64(v) => v.fmt(f),
+            Self::Text(v) => f.write_str(v),
+        }
+    }
+}
+
+/// Takes rows of a table.
+pub(crate) trait Rows {
+    /// Takes a row: a cell for every column.
+    ///
+    /// # Errors
+    /// The file cannot be written, or a cell is not of the type of its column.
+    fn row(&mut self, cells: &[Cell]) -> io::Result<()>;
+
+    /// Writes what is left.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    fn finish(self: Box<Self>) -> io::Result<NamedTempFile>;
+}
+
+/// Begins a table with these columns.
+///
+/// # Errors
+/// The file cannot be written.
+pub(crate) fn begin(
+    format: Format,
+    file: NamedTempFile,
+    columns: &[Column],
+) -> io::Result<Box<dyn Rows>> {
+    Ok(match format {
+        Format::Csv => Box::new(csv::CsvRows::new(file, columns)?),
+        Format::Parquet => Box::new(parquet::ParquetRows::new(file, columns)?),
+    })
+}
