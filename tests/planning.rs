@@ -58,17 +58,3 @@ fn plans_follow_from_scenario_and_seed_alone() {
     assert_ne!(digest(&[&inside[..], &["5"]].concat()), reference);
     sandbox.assert_nothing_left();
 }
-
-#[test]
-fn without_trees_to_show_none_are_logged() {
-    let sandbox = Sandbox::new();
-    let words = [
-        "--set",
-        "rules.time_limit=2",
-        "--set",
-        "processes.evader_rrt_star.params.tree_edges=0",
-    ];
-    let (_, history, _) = play(&sandbox, &words);
-    assert_eq!(history.of("robot/tree").count(), 0);
-    sandbox.assert_nothing_left();
-}

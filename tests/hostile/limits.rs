@@ -151,7 +151,7 @@ fn parts_that_each_are_allowed_may_be_too_much_in_sum() {
             [
                 "too much in sum",
                 "params.search",
-                "4507500 iterations",
+                "4500000 iterations",
                 "at most 4000000",
             ],
         ),

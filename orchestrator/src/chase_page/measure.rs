@@ -2,7 +2,7 @@
 
 use evader_rrt_star::RrtStarParams;
 use evader_rrt_star::cost::{CostModel, Pursuer};
-use evader_rrt_star::ground::Ground;
+use evader_rrt_star::ground::{GOAL_TOLERANCE, Ground};
 use evader_rrt_star::params::Primitive;
 use evader_rrt_star::planning::{Planning, Task};
 use guidance::free_space::FreeSpace;
@@ -134,7 +134,7 @@ impl Setting {
         let model = &self.model;
         let limits =
             Limits::new(model.v_max, model.v_reverse_max, model.omega_max).map_err(failed)?;
-        let mut cost = CostModel::new(params.cost, limits.v_max());
+        let mut cost = CostModel::new(params.cost, params.search.algorithm, limits.v_max());
         cost.set_pursuers(police.iter().map(|&at| Pursuer {
             at,
             v_max: self.police_speed,
@@ -142,23 +142,20 @@ impl Setting {
         let places = self
             .exits
             .iter()
-            .filter_map(|&e| ground.free_place(e, params.goal_tolerance));
+            .filter_map(|&e| ground.free_place(e, GOAL_TOLERANCE));
         let goals: Vec<Point2<f64>> = places.collect();
         let towards = ground.towards(&goals);
         let route = Planning::new(params, &limits, seed)
-            .plan(
-                &Task {
-                    ground,
-                    bodies: &[],
-                    cost: &cost,
-                    start: self.start,
-                    goals: &goals,
-                    towards: &towards,
-                    map_changed: true,
-                    iterations: ITERATIONS,
-                },
-                &mut || false,
-            )
+            .plan(&Task {
+                ground,
+                bodies: &[],
+                cost: &cost,
+                start: self.start,
+                goals: &goals,
+                towards: &towards,
+                map_changed: true,
+                iterations: ITERATIONS,
+            })
             .filter(|route| route.is_complete);
         let from = self.start.position();
         let ways = goals

@@ -43,7 +43,7 @@ pub(super) fn check(ctx: &mut Context<'_>, robots: &[Robot], map: &MapSpec, read
         ),
         (
             sum(of_processes("params.search", iterations)),
-            "iterations and kept nodes of all plans, one per robot",
+            "iterations of all plans, one per robot",
             MAX_SUM_ITERATIONS,
         ),
         (
@@ -139,6 +139,6 @@ fn iterations(process: &ProcessSpec, _: &[Robot]) -> u64 {
         return 0;
     }
     let params = &process.params;
-    let each = number(params, "/search/iterations") + number(params, "/search/max_kept");
+    let each = number(params, "/search/iterations");
     each.saturating_mul(process.robots.len() as u64)
 }

@@ -12,7 +12,7 @@ use evader_rrt_star::bound::Bound;
 use evader_rrt_star::cost::{CostModel, CostParams};
 use evader_rrt_star::ground::Ground;
 use evader_rrt_star::motion::Straight;
-use evader_rrt_star::params::SearchParams;
+use evader_rrt_star::params::{Algorithm, SearchParams};
 use evader_rrt_star::search::{Scene, Search};
 use guidance::tangent_graph::{TangentGraph, Towards};
 use nalgebra::Point2;
@@ -42,7 +42,7 @@ fn main() {
     let budget_ms = words.next().and_then(|w| w.parse().ok()).unwrap_or(120.0);
 
     let mut ground = Ground::new(&support::city(), RADIUS, 1);
-    let cost = CostModel::new(CostParams::length(), 0.45);
+    let cost = CostModel::new(CostParams::length(), Algorithm::Improved, 0.45);
     let Ok(graph) = TangentGraph::new(&ground.space, RADIUS) else {
         eprintln!("the city has no tangent graph");
         return;
@@ -77,7 +77,7 @@ fn main() {
                 search.plant(&scene, root, &[goal], bound);
                 let mut best = f64::INFINITY;
                 loop {
-                    search.run(&scene, BETWEEN_LOOKS, &mut || false);
+                    search.run(&scene, BETWEEN_LOOKS);
                     let (ms, found) = (cpu_ms() - begin, search.progress().best);
                     if found < best {
                         best = found;

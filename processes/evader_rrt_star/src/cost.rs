@@ -3,9 +3,19 @@
 use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 
-use guidance::params::{ParamsError, fraction, not_negative, positive};
+use guidance::params::{ParamsError, fraction, not_negative};
 
 use crate::motion::{Leg, Link};
+use crate::params::Algorithm;
+
+/// Distance of a pursuer at which the danger is 1 [m].
+const SCALE: f64 = 4.0;
+
+/// Time after which a pursuer is not taken to come any nearer [s].
+const HORIZON_S: f64 = 5.0;
+
+/// Distance between two looks along an edge [m].
+const STEP: f64 = 0.5;
 
 /// Most places at which the time-aware cost looks along one edge.
 const MAX_LOOKS: f64 = 32.0;
@@ -38,41 +48,28 @@ pub enum CostKind {
 pub struct CostParams {
     /// Which formula.
     pub kind: CostKind,
-    /// Distance of a pursuer [m] at which the danger is 1, > 0.
-    pub scale: f64,
-    /// Pursuers nearer than this [m] count as this far, > 0: bounds the danger.
-    pub closest: f64,
     /// Extra metres per metre of way where the danger is 1 (`time_aware` only), ≥ 0.
     pub weight: f64,
     /// Share of a pursuer's speed with which it is taken to come nearer (`time_aware` only), in
     /// [0, 1]: 1 for a pursuer that drives straight for the place at once, 0 for one that stays.
     pub reach: f64,
-    /// Time after which a pursuer is not taken to come any nearer [s] (`time_aware` only), ≥ 0.
-    pub horizon_s: f64,
-    /// Distance between two looks along an edge [m] (`time_aware` only), > 0.
-    pub step: f64,
 }
 
 impl Default for CostParams {
     fn default() -> Self {
         Self {
             kind: CostKind::TimeAware,
-            scale: 4.0,
-            closest: 0.5,
             weight: 1.0,
             reach: 0.5,
-            horizon_s: 5.0,
-            step: 0.5,
         }
     }
 }
 
 impl CostParams {
-    /// The values of the chasing-game paper's experiments.
+    /// The paper's formula.
     pub fn paper() -> Self {
         Self {
             kind: CostKind::Paper,
-            closest: 1e-3,
             ..Self::default()
         }
     }
@@ -90,12 +87,8 @@ impl CostParams {
     /// # Errors
     /// [`ParamsError`] naming the first field that is out of range.
     pub fn validate(&self) -> Result<(), ParamsError> {
-        positive("scale", self.scale)?;
-        positive("closest", self.closest)?;
         not_negative("weight", self.weight)?;
-        fraction("reach", self.reach)?;
-        not_negative("horizon_s", self.horizon_s)?;
-        positive("step", self.step)
+        fraction("reach", self.reach)
     }
 }
 
@@ -115,6 +108,8 @@ pub struct Pursuer {
 #[derive(Debug, Clone, PartialEq)]
 pub struct CostModel {
     params: CostParams,
+    /// Pursuers nearer than this count as this far [m].
+    closest: f64,
     /// Speed of the evader [m/s].
     own_speed: f64,
     pursuers: Vec<Pursuer>,
@@ -123,10 +118,11 @@ pub struct CostModel {
 }
 
 impl CostModel {
-    /// The costs for an evader of this speed [m/s] among no pursuers.
-    pub fn new(params: CostParams, own_speed: f64) -> Self {
+    /// The costs for an evader with this search and speed [m/s] among no pursuers.
+    pub fn new(params: CostParams, algorithm: Algorithm, own_speed: f64) -> Self {
         Self {
             params,
+            closest: algorithm.closest(),
             own_speed: own_speed.max(1e-3),
             pursuers: Vec::new(),
             one_speed: None,
@@ -179,7 +175,7 @@ impl CostModel {
     }
 
     fn danger(&self, margin: f64) -> f64 {
-        let ratio = self.params.scale / margin.max(self.params.closest);
+        let ratio = SCALE / margin.max(self.closest);
         ratio * ratio * ratio
     }
 
@@ -204,7 +200,7 @@ impl CostModel {
     }
 
     fn danger_along(&self, from: Point2<f64>, to: Point2<f64>, link: &Link, before: f64) -> f64 {
-        let looks = looks(link.length / self.params.step);
+        let looks = looks(link.length / STEP);
         let share = 1.0 / looks;
         let (chord, bulge) = (to - from, bulge(from, to, link));
         let mut sum = 0.0;
@@ -212,7 +208,7 @@ impl CostModel {
             // The midpoint rule.
             let t = (f64::from(look) + 0.5) * share;
             let at = from + chord * t + bulge * (4.0 * t * (1.0 - t));
-            let seconds = ((before + t * link.length) / self.own_speed).min(self.params.horizon_s);
+            let seconds = ((before + t * link.length) / self.own_speed).min(HORIZON_S);
             let reach = self.params.reach * seconds;
             sum += self.danger(self.margin(at, reach));
         }
@@ -248,7 +244,11 @@ mod tests {
     use super::*;
 
     fn model(params: CostParams, pursuers: &[(f64, f64)]) -> CostModel {
-        let mut model = CostModel::new(params, 0.45);
+        let algorithm = match params.kind {
+            CostKind::Paper => Algorithm::Published,
+            _ => Algorithm::Improved,
+        };
+        let mut model = CostModel::new(params, algorithm, 0.45);
         model.set_pursuers(pursuers.iter().map(|&(x, y)| Pursuer {
             at: Point2::new(x, y),
             v_max: 0.3,
@@ -350,7 +350,6 @@ mod tests {
             bad.validate().unwrap_err().to_string(),
             "`reach` is 1.5, but must be a number between 0 and 1"
         );
-        CostParams::paper().validate().unwrap();
     }
 
     proptest! {
@@ -374,8 +373,7 @@ mod tests {
             cut in 0.1..0.9,
             pursuer in (-9.0..9.0, 4.5..9.0),
         ) {
-            let params = CostParams { step: 0.02, ..CostParams::default() };
-            let model = model(params, &[pursuer]);
+            let model = model(CostParams::default(), &[pursuer]);
             let (from, to) = (Point2::origin(), Point2::new(b.0, b.1));
             let middle = from + (to - from) * cut;
             let whole = line(&model, from, to, 1.0);

@@ -1,11 +1,11 @@
 //! One evader: when it plans, what it does meanwhile, and how it follows its plans.
 
-use evader_potential::Evader;
+use evader_potential::{Evader, EvaderParams};
 use guidance::free_space::FreeSpace;
 use guidance::limits::Limits;
 use guidance::map::PlannerMap;
-use guidance::params::{ParamsError, within};
-use guidance::path_tracking::PathTracker;
+use guidance::params::ParamsError;
+use guidance::path_tracking::{PathTracker, TrackingParams};
 use guidance::steering::Steering;
 use guidance::view::{RobotView, View};
 use nalgebra::Point2;
@@ -14,7 +14,7 @@ use sim_backend::team::Team;
 
 use crate::cost::{CostModel, Pursuer};
 use crate::follow;
-use crate::ground::{Body, Ground};
+use crate::ground::{Body, GOAL_TOLERANCE, Ground};
 use crate::params::{Follower, ReplanRule, RrtStarParams};
 use crate::planning::{Planning, Task};
 use crate::replan::{is_threatened, papers_safety};
@@ -32,6 +32,19 @@ const CHORD: f64 = 0.003;
 
 /// A robot slower than this stands in the way [m/s].
 const STANDING: f64 = 0.02;
+
+/// The paper's measure of safety below which its rule plans anew.
+const PAPER_THRESHOLD: f64 = 1.5;
+
+/// Distance from the exit within which the paper's rule plans at every chance [m].
+const PAPER_NEAR_EXIT: f64 = 0.3;
+
+/// Distance of the control point from a point of the path at which the potential field turns to the
+/// next [m].
+const WAYPOINT_REACHED: f64 = 0.3;
+
+/// Edges of a tree that are shown, at most.
+pub const SHOWN_EDGES: usize = 512;
 
 /// An edge of a tree, drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -58,6 +71,7 @@ struct Pending {
 #[derive(Debug)]
 pub struct RrtStarEvader {
     params: RrtStarParams,
+    field: EvaderParams,
     limits: Limits,
     planning: Planning,
     cost: CostModel,
@@ -92,14 +106,16 @@ impl RrtStarEvader {
     /// [`ParamsError`] if a parameter is out of range.
     pub fn new(params: RrtStarParams, limits: Limits, seed: u64) -> Result<Self, ParamsError> {
         params.validate()?;
+        let field = params.follower.field();
         Ok(Self {
             params,
+            field,
             limits,
             planning: Planning::new(&params, &limits, seed),
-            cost: CostModel::new(params.cost, limits.v_max()),
+            cost: CostModel::new(params.cost, params.search.algorithm, limits.v_max()),
             pursuers: Vec::new(),
             bodies: Vec::new(),
-            flight: Evader::new(params.field, limits, seed).map_err(within("field"))?,
+            flight: Evader::new(field, limits, seed)?,
             grounds: [None, None],
             is_tight: false,
             planned_for: (u64::MAX, Vec::new()),
@@ -140,18 +156,12 @@ impl RrtStarEvader {
         core::mem::take(&mut self.tree_is_new).then_some(&self.tree[..])
     }
 
-    /// What the robot `view.me` does in this tick. `stop` is asked now and then, while it plans,
-    /// whether to be content with what it has.
+    /// What the robot `view.me` does in this tick.
     ///
     /// It stands still when it is not listed or no longer takes part. Without a way to an exit it
     /// goes as far towards one as it found a way, and otherwise flees by its potential field; so it
     /// does where the map's exact geometry is not known.
-    pub fn command(
-        &mut self,
-        map: &PlannerMap,
-        view: &View<'_>,
-        stop: &mut dyn FnMut() -> bool,
-    ) -> Steering {
+    pub fn command(&mut self, map: &PlannerMap, view: &View<'_>) -> Steering {
         let Some(own) = view.own().filter(|own| own.active) else {
             self.route = None;
             return Steering::stop();
@@ -165,7 +175,7 @@ impl RrtStarEvader {
         self.take_up(view.time_s);
         self.drop_blocked(own, map.revision());
         if self.wants_plan(view.time_s, own, &goals) {
-            self.begin(view.time_s, own, &goals, map.revision(), stop);
+            self.begin(view.time_s, own, &goals, map.revision());
             self.take_up(view.time_s);
         }
         let steering = self.follow(map, view, own);
@@ -220,7 +230,7 @@ impl RrtStarEvader {
             return Vec::new();
         };
         view.usable_exits()
-            .filter_map(|exit| ground.free_place(exit, self.params.goal_tolerance))
+            .filter_map(|exit| ground.free_place(exit, GOAL_TOLERANCE))
             .collect()
     }
 
@@ -231,7 +241,7 @@ impl RrtStarEvader {
             return;
         };
         self.tree = pending.tree;
-        self.tree_is_new = self.params.tree_edges > 0;
+        self.tree_is_new = true;
         let complete_before = self.route.as_ref().is_some_and(|route| route.is_complete);
         let Some(route) = pending.route else {
             return;
@@ -279,21 +289,21 @@ impl RrtStarEvader {
         if self.pending.is_some() || goals.is_empty() {
             return false;
         }
-        let rule = self.params.replan;
+        let replan = self.params.replan;
         let since = self.begun_s.map_or(f64::INFINITY, |begun| time_s - begun);
-        if since + SAME_TIME < rule.least_s {
+        if since + SAME_TIME < replan.rule.least_s() {
             return false;
         }
         let Some(route) = &self.route else {
             return true;
         };
-        if self.off_path > rule.off_path {
+        if self.off_path > replan.rule.off_path() {
             return true;
         }
         let here = own.pose.position();
-        match rule.rule {
+        match replan.rule {
             ReplanRule::Periodic => {
-                since + SAME_TIME >= rule.period_s || {
+                since + SAME_TIME >= replan.period_s || {
                     let progress = self.tracker.progress();
                     let length = route.path.length();
                     is_threatened(
@@ -303,19 +313,18 @@ impl RrtStarEvader {
                         },
                         self.limits.v_max(),
                         &self.pursuers,
-                        rule.threat_distance,
-                        rule.threat_horizon_s,
+                        replan.threat_distance,
                     )
                 }
             }
             ReplanRule::Paper => {
                 if goals
                     .iter()
-                    .any(|goal| (goal - here).norm() < rule.paper_near_exit)
+                    .any(|goal| (goal - here).norm() < PAPER_NEAR_EXIT)
                 {
                     return true;
                 }
-                if time_s - self.looked_s + SAME_TIME < rule.period_s {
+                if time_s - self.looked_s + SAME_TIME < replan.period_s {
                     return false;
                 }
                 self.looked_s = time_s;
@@ -325,28 +334,16 @@ impl RrtStarEvader {
                     .skip(self.next)
                     .map(|waypoint| waypoint.pose.position())
                     .collect();
-                papers_safety(&ahead, &self.pursuers) < rule.paper_threshold
+                papers_safety(&ahead, &self.pursuers) < PAPER_THRESHOLD
             }
         }
     }
 
-    fn begin(
-        &mut self,
-        time_s: f64,
-        own: &RobotView,
-        goals: &[Point2<f64>],
-        revision: u64,
-        stop: &mut dyn FnMut() -> bool,
-    ) {
+    fn begin(&mut self, time_s: f64, own: &RobotView, goals: &[Point2<f64>], revision: u64) {
         self.begun_s = Some(time_s);
         self.looked_s = time_s;
-        let timing = self.params.timing;
         let iterations = self.params.search.iterations;
-        let takes_s = if timing.pause {
-            0.0
-        } else {
-            f64::from(iterations) * timing.time_per_iteration_s
-        };
+        let takes_s = f64::from(iterations) * self.params.timing.time_per_iteration_s;
         let start = self.pose_in(takes_s, own);
         let [wide, tight] = &mut self.grounds;
         let Some(ground) = (if self.is_tight { tight } else { wide }) else {
@@ -377,7 +374,7 @@ impl RrtStarEvader {
         let route = if goals.is_empty() {
             None
         } else {
-            self.planning.plan(&task, stop)
+            self.planning.plan(&task)
         };
         self.planned_for = now;
         // With the margin some gap may be too narrow: the next plan goes without, and the one
@@ -399,7 +396,7 @@ impl RrtStarEvader {
     fn pose_in(&self, seconds: f64, own: &RobotView) -> Pose2 {
         let route = self.route.as_ref().filter(|_| seconds > 0.0);
         let is_followed = self.params.follower == Follower::PurePursuit
-            && self.off_path <= self.params.replan.off_path;
+            && self.off_path <= self.params.replan.rule.off_path();
         let along = self.tracker.progress() + seconds * self.limits.v_max();
         route
             .filter(|_| is_followed)
@@ -409,10 +406,6 @@ impl RrtStarEvader {
 
     /// The edges of the tree that are cheapest to reach, and those of the way.
     fn shown_tree(&self) -> Vec<ShownEdge> {
-        let most = self.params.tree_edges as usize;
-        if most == 0 {
-            return Vec::new();
-        }
         let tree = self.planning.tree();
         let mut edges: Vec<ShownEdge> = (0..tree.len() as u32)
             .filter(|&node| tree.node(node).parent != NONE)
@@ -428,7 +421,7 @@ impl RrtStarEvader {
             .collect();
         // A parent is cheaper than its children: what is left is a tree.
         edges.sort_by(|a, b| b.on_path.cmp(&a.on_path).then(a.cost.total_cmp(&b.cost)));
-        edges.truncate(most);
+        edges.truncate(SHOWN_EDGES);
         edges
     }
 
@@ -450,7 +443,7 @@ impl RrtStarEvader {
             &mut self.tracker,
             &own.pose,
             &self.limits,
-            &self.params.tracking,
+            &TrackingParams::default(),
             map.space()?,
             own.radius,
         )?;
@@ -464,13 +457,13 @@ impl RrtStarEvader {
 
     fn float(&mut self, map: &PlannerMap, view: &View<'_>, own: &RobotView) -> Option<Steering> {
         let waypoints = &self.route.as_ref()?.waypoints;
-        let control = own.pose.position() + own.pose.forward() * self.params.field.feedback.epsilon;
+        let control = own.pose.position() + own.pose.forward() * self.field.feedback.epsilon;
         let to = waypoints.get(self.next)?.pose.position();
-        if (control - to).norm() < self.params.waypoint_reached {
+        if (control - to).norm() < WAYPOINT_REACHED {
             self.next += 1;
         }
         let to = waypoints.get(self.next)?.pose.position();
-        let (command, field) = follow::by_field(map, view, own, to, &self.limits, &self.params);
+        let (command, field) = follow::by_field(map, view, own, to, &self.limits, &self.field);
         Some(Steering {
             command,
             waypoint: Some(to),

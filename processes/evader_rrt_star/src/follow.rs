@@ -1,5 +1,6 @@
 //! Following a route.
 
+use evader_potential::EvaderParams;
 use guidance::bearing::Bearings;
 use guidance::feedback_linearisation::command;
 use guidance::free_space::FreeSpace;
@@ -16,7 +17,6 @@ use sim_backend::pose::{Pose2, Twist2};
 use sim_backend::team::Team;
 
 use crate::motion::{Arcs, Motion as _};
-use crate::params::RrtStarParams;
 
 /// Pure pursuit that does not cut corners where the short cut is not free for a robot of this
 /// radius [m].
@@ -60,9 +60,8 @@ pub fn by_field(
     own: &RobotView,
     to: Point2<f64>,
     limits: &Limits,
-    params: &RrtStarParams,
+    field: &EvaderParams,
 ) -> (Twist2, Vector2<f64>) {
-    let field = &params.field;
     // Here the paper has its control point at ε, unlike in its other robots.
     let at = own.pose.position() + own.pose.forward() * field.feedback.epsilon;
     let goal = Some(Goal {

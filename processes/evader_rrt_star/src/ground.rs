@@ -12,6 +12,10 @@ use crate::sampler::FreeSampler;
 /// Steps by which a place is moved out of obstacles.
 const PUSHES: u32 = 16;
 
+/// Distance by which an exit's centre may be moved to where the robot fits [m]; where that is not
+/// enough, the exit is left out.
+pub const GOAL_TOLERANCE: f64 = 0.3;
+
 /// How much farther than necessary a place is moved [m].
 const SLACK: f64 = 1e-6;
 

@@ -3,8 +3,7 @@
 //! [`search`] grows the tree; [`motion`] has its two primitives, [`cost`] what edges cost,
 //! [`bound`] and [`sampler`] where samples are worth drawing, [`index`] who is near. [`evader`]
 //! decides when to plan, waits for its plans as long as they take in simulated time, and follows
-//! them. The chasing-game paper's planner (§III-G) is [`RrtStarParams::paper`]; everything that is
-//! done otherwise here is a named parameter.
+//! them. The chasing-game paper's planner (§III-G) is [`RrtStarParams::paper`].
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use guidance::limits::Limits;
+use guidance::path_tracking::TrackingParams;
 use guidance::tangent_graph::Towards;
 use nalgebra::Point2;
 use sim_backend::pose::Pose2;
@@ -11,14 +12,18 @@ use crate::bound::Bound;
 use crate::cost::CostModel;
 use crate::ground::{Body, Ground};
 use crate::motion::{Arcs, Motion, Straight};
-use crate::params::{Follower, Primitive, RrtStarParams};
+use crate::params::{Algorithm, Follower, Primitive, RrtStarParams};
 use crate::route::Route;
 use crate::search::{Progress, Scene, Search};
 use crate::tree::Tree;
 
+/// Largest bearing of an arc's end from the heading at its start [rad]: half of the largest turn in
+/// one arc.
+const MAX_BEARING: f64 = core::f64::consts::FRAC_PI_4;
+
 /// A search with either primitive.
 trait Engine: core::fmt::Debug + Send {
-    fn plan(&mut self, task: &Task<'_>, stop: &mut dyn FnMut() -> bool) -> Option<Route>;
+    fn plan(&mut self, task: &Task<'_>) -> Option<Route>;
     fn progress(&self) -> Progress;
     fn tree(&self) -> &Tree;
     fn is_on_way(&self, node: u32) -> bool;
@@ -58,8 +63,8 @@ impl Planning {
             Primitive::Line => Box::new(Search::new(params.search, Straight, seed)),
             Primitive::Arc => {
                 let cap = match params.follower {
-                    Follower::PurePursuit => params.tracking.omega_cap,
-                    Follower::PotentialField => params.field.feedback.omega_cap,
+                    Follower::PurePursuit => TrackingParams::default().omega_cap,
+                    Follower::PotentialField => params.follower.field().feedback.omega_cap,
                 };
                 let cap = cap.unwrap_or(f64::INFINITY);
                 let arcs = Arcs {
@@ -67,8 +72,8 @@ impl Planning {
                         .arc
                         .min_radius
                         .unwrap_or(limits.v_max() / limits.omega_max().min(cap)),
-                    max_bearing: params.arc.max_bearing,
-                    free_start: params.arc.free_start,
+                    max_bearing: MAX_BEARING,
+                    free_start: params.search.algorithm == Algorithm::Improved,
                 };
                 Box::new(Search::new(params.search, arcs, seed))
             }
@@ -77,9 +82,9 @@ impl Planning {
     }
 
     /// The best route found: to a goal, or as near as was come to one; `None` if not a step was
-    /// found. `stop` is asked now and then whether to stop early.
-    pub fn plan(&mut self, task: &Task<'_>, stop: &mut dyn FnMut() -> bool) -> Option<Route> {
-        self.engine.plan(task, stop)
+    /// found.
+    pub fn plan(&mut self, task: &Task<'_>) -> Option<Route> {
+        self.engine.plan(task)
     }
 
     /// How far the last plan came.
@@ -99,7 +104,7 @@ impl Planning {
 }
 
 impl<M: Motion + core::fmt::Debug + Send> Engine for Search<M> {
-    fn plan(&mut self, task: &Task<'_>, stop: &mut dyn FnMut() -> bool) -> Option<Route> {
+    fn plan(&mut self, task: &Task<'_>) -> Option<Route> {
         let scene = Scene {
             space: &task.ground.space,
             sampler: &task.ground.sampler,
@@ -108,13 +113,13 @@ impl<M: Motion + core::fmt::Debug + Send> Engine for Search<M> {
             bodies: task.bodies,
         };
         let start = task.start.position();
-        let bound = if task.towards.is_empty() || !self.params().street_bounds {
+        let bound = if task.towards.is_empty() || !self.is_improved() {
             Bound::straight(start, task.goals)
         } else {
             Bound::along_streets(start, task.towards)
         };
         self.replant(&scene, task.start, task.goals, bound, task.map_changed);
-        self.run(&scene, task.iterations, stop);
+        self.run(&scene, task.iterations);
         Route::new(self.way(), true).or_else(|| Route::new(self.partial_way(), false))
     }
 

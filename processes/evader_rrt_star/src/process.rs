@@ -1,8 +1,6 @@
 //! Wires [`RrtStarEvader`] to its topics: state, map and exact shapes in; command, plan and tree
 //! out.
 
-use std::time::{Duration, Instant};
-
 use guidance::map::PlannerMap;
 use guidance::steering::Steering;
 use guidance::view::View;
@@ -10,7 +8,7 @@ use ipc_types::messages::robot::TreeEdge;
 use kit::config::RobotInfo;
 use kit::planner::{PlannedPoint, Planner, PlannerInputs, headed_for, limits};
 
-use crate::params::MAX_TREE_EDGES;
+use crate::evader::SHOWN_EDGES;
 use crate::{RrtStarEvader, RrtStarParams};
 
 /// One evader in its process.
@@ -19,17 +17,13 @@ pub struct RrtStarPlanner {
     evader: RrtStarEvader,
     /// Its highest speed [m/s].
     v_max: f64,
-    /// Wall-clock time of a plan, in real-time runs.
-    budget: Option<Duration>,
-    /// The same while the run is not known to be in real time.
-    real_time_budget: Option<Duration>,
     tree: Vec<TreeEdge>,
 }
 
 impl Planner for RrtStarPlanner {
     type Params = RrtStarParams;
 
-    const TREE_EDGES: usize = MAX_TREE_EDGES as usize;
+    const TREE_EDGES: usize = SHOWN_EDGES;
 
     fn inputs(_: &RrtStarParams) -> PlannerInputs {
         PlannerInputs {
@@ -41,21 +35,11 @@ impl Planner for RrtStarPlanner {
     fn new(params: &RrtStarParams, robot: &RobotInfo, seed: u64) -> Result<Self, String> {
         let limits = limits(robot)?;
         let evader = RrtStarEvader::new(*params, limits, seed).map_err(|e| e.to_string())?;
-        let real_time_budget = params
-            .timing
-            .real_time_budget_s
-            .and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
         Ok(Self {
             evader,
             v_max: limits.v_max(),
-            budget: None,
-            real_time_budget,
             tree: Vec::new(),
         })
-    }
-
-    fn in_real_time(&mut self) {
-        self.budget = self.real_time_budget;
     }
 
     fn prepare(&mut self, map: &PlannerMap, robot: &RobotInfo) {
@@ -63,9 +47,7 @@ impl Planner for RrtStarPlanner {
     }
 
     fn steer(&mut self, map: &PlannerMap, view: &View<'_>) -> Steering {
-        let deadline = self.budget.map(|budget| Instant::now() + budget);
-        let mut stop = || deadline.is_some_and(|deadline| Instant::now() >= deadline);
-        self.evader.command(map, view, &mut stop)
+        self.evader.command(map, view)
     }
 
     fn plan(&self, steering: &Steering, out: &mut Vec<PlannedPoint>) {

@@ -8,20 +8,22 @@ use crate::motion::segment_distance;
 /// Distance between two places at which threats are looked for [m].
 const STEP: f64 = 0.1;
 
+/// How far ahead threats are looked for [s].
+const HORIZON_S: f64 = 3.0;
+
 /// Whether a pursuer can be within `distance` [m] of a place on the way ahead when the evader gets
-/// there, within the next `horizon_s` seconds. `at` gives the way ahead by the distance along it
+/// there, within the next [`HORIZON_S`] seconds. `at` gives the way ahead by the distance along it
 /// [m], as long as there is one.
 pub fn is_threatened(
     at: impl Fn(f64) -> Option<Point2<f64>>,
     own_speed: f64,
     pursuers: &[Pursuer],
     distance: f64,
-    horizon_s: f64,
 ) -> bool {
     if distance <= 0.0 || own_speed <= 0.0 {
         return false;
     }
-    let steps = (horizon_s * own_speed / STEP).clamp(0.0, 1e4) as u32;
+    let steps = (HORIZON_S * own_speed / STEP).clamp(0.0, 1e4) as u32;
     (0..=steps).any(|step| {
         let along = f64::from(step) * STEP;
         let seconds = along / own_speed;
@@ -64,12 +66,12 @@ mod tests {
     #[test]
     fn a_pursuer_threatens_where_it_can_be_in_time() {
         let ahead = |along: f64| (along <= 5.0).then(|| Point2::new(along, 0.0));
-        let threatened = |q: Pursuer| is_threatened(ahead, 0.6, &[q], 0.3, 3.0);
+        let threatened = |q: Pursuer| is_threatened(ahead, 0.6, &[q], 0.3);
         // At 1.8 m after 3 s, when the pursuer can have gone 0.9 m.
         assert!(threatened(pursuer(1.8, 1.1)));
         assert!(!threatened(pursuer(1.8, 1.4)));
         assert!(!threatened(pursuer(4.5, 0.0)));
-        assert!(!is_threatened(ahead, 0.6, &[pursuer(0.0, 0.0)], 0.0, 3.0));
+        assert!(!is_threatened(ahead, 0.6, &[pursuer(0.0, 0.0)], 0.0));
     }
 
     #[test]

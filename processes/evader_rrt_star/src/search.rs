@@ -17,12 +17,11 @@ use crate::cost::CostModel;
 use crate::ground::Body;
 use crate::index::{BucketIndex, Near};
 use crate::motion::{Leg, Link, Motion};
-use crate::params::SearchParams;
+use crate::params::{Algorithm, SearchParams};
 use crate::sampler::FreeSampler;
 use crate::tree::{NONE, ROOT, Tree};
 
-/// Iterations between two looks at the clock, where one is looked at.
-const BETWEEN_LOOKS: u32 = 32;
+pub(crate) use refine::REFINE_SHARE;
 
 /// What a search works in. All of it must be of the same map and the same robot.
 #[derive(Debug, Clone, Copy)]
@@ -78,7 +77,7 @@ pub struct Waypoint {
 
 /// A search for the cheapest way from a pose to the nearest of some goals.
 ///
-/// RRT* (Karaman and Frazzoli 2011) with, each of them a parameter,
+/// RRT* (Karaman and Frazzoli 2011) with, unless it is the published search,
 /// * parents also among the ancestors of near nodes (Quick-RRT*, Jeong et al. 2019),
 /// * samples only where they can shorten the way (Informed RRT*, Gammell et al. 2014; here with
 ///   lower bounds along the streets if they are known),
@@ -143,9 +142,9 @@ impl<M: Motion> Search<M> {
         }
     }
 
-    /// The parameters.
-    pub fn params(&self) -> &SearchParams {
-        &self.params
+    /// Whether this is the improved search, not the published one.
+    pub fn is_improved(&self) -> bool {
+        self.params.algorithm == Algorithm::Improved
     }
 
     /// Begins anew: nothing but the root and the goals [m].
@@ -172,7 +171,7 @@ impl<M: Motion> Search<M> {
         self.pruned = (0, f64::INFINITY);
         // Karaman and Frazzoli 2011, theorem 38, in the plane: γ* = 2 √(1 + 1/2) √(area / π).
         let area = scene.sampler.area();
-        self.gamma = self.params.radius_factor * 2.0 * (1.5 * area / core::f64::consts::PI).sqrt();
+        self.gamma = 2.0 * (1.5 * area / core::f64::consts::PI).sqrt();
         // The goals may be in sight.
         for goal in 1..=self.goals {
             self.join_goal(scene, goal);
@@ -180,16 +179,13 @@ impl<M: Motion> Search<M> {
         self.note_best(scene);
     }
 
-    /// Goes on for this many iterations, or until `stop` says so (asked now and then).
-    pub fn run(&mut self, scene: &Scene<'_>, iterations: u32, stop: &mut dyn FnMut() -> bool) {
+    /// Goes on for this many iterations.
+    pub fn run(&mut self, scene: &Scene<'_>, iterations: u32) {
         if self.tree.is_empty() {
             return;
         }
-        for i in 1..=iterations {
+        for _ in 0..iterations {
             self.iterate(scene);
-            if i % BETWEEN_LOOKS == 0 && stop() {
-                break;
-            }
         }
     }
 
@@ -255,9 +251,10 @@ impl<M: Motion> Search<M> {
             .collect()
     }
 
-    /// The radius within which nodes are joined now [m].
+    /// The radius within which nodes are joined now [m]: γ √(ln n / n) for n nodes, so that it
+    /// shrinks as the tree fills the space. In the published search it stays the longest edge.
     fn radius(&self) -> f64 {
-        if !self.params.shrinking_radius {
+        if !self.is_improved() {
             return self.params.max_edge;
         }
         let n = (self.tree.len() as f64).max(2.0);
@@ -284,7 +281,7 @@ impl<M: Motion> Search<M> {
         if self.first_found.is_none() {
             self.first_found = Some(self.iterations);
         }
-        if self.params.straighten {
+        if self.is_improved() {
             self.straighten(scene);
         }
     }

@@ -52,7 +52,7 @@ fn run(
         let mut robots = vec![robot(0, Team::Evader, body.pose, V_MAX)];
         let police = police.iter().enumerate();
         robots.extend(police.map(|(i, &pose)| robot(i + 1, Team::Police, pose, 0.3)));
-        let steering = evader.command(map, &view(time, &robots, &[EXIT]), &mut || false);
+        let steering = evader.command(map, &view(time, &robots, &[EXIT]));
         body.step(arena, steering.command, DT);
         time += DT;
         if (body.pose.position() - EXIT).norm() < 0.5 {
@@ -101,8 +101,7 @@ fn a_pursuer_in_a_street_turns_the_way_into_another() {
     let lowest = |police: &[(f64, f64)]| {
         let mut evader = evader(&RrtStarParams {
             timing: evader_rrt_star::params::TimingParams {
-                pause: true,
-                ..Default::default()
+                time_per_iteration_s: 0.0,
             },
             ..RrtStarParams::default()
         });
@@ -111,7 +110,7 @@ fn a_pursuer_in_a_street_turns_the_way_into_another() {
         robots.extend(
             police.map(|(i, &(x, y))| robot(i + 1, Team::Police, Pose2::new(x, y, 0.0), 0.3)),
         );
-        evader.command(map, &view(0.0, &robots, &[EXIT]), &mut || false);
+        evader.command(map, &view(0.0, &robots, &[EXIT]));
         let route = evader.route().unwrap();
         assert!(route.is_complete);
         let points = route.path.points().iter();
@@ -132,13 +131,13 @@ fn a_plan_holds_only_after_the_time_that_it_takes() {
     let robots = [robot(0, Team::Evader, START, V_MAX)];
     for tick in 0..10 {
         let time = f64::from(tick) * DT;
-        evader.command(map, &view(time, &robots, &[EXIT]), &mut || false);
+        evader.command(map, &view(time, &robots, &[EXIT]));
         assert_eq!(evader.route().is_some(), tick >= 6, "tick {tick}");
         assert_eq!(evader.take_tree().is_some(), tick == 6, "tick {tick}");
     }
-    params.timing.pause = true;
+    params.timing.time_per_iteration_s = 0.0;
     let mut evader = self::evader(&params);
-    evader.command(map, &view(0.0, &robots, &[EXIT]), &mut || false);
+    evader.command(map, &view(0.0, &robots, &[EXIT]));
     assert!(evader.route().is_some());
 }
 
@@ -172,7 +171,7 @@ fn without_an_exit_or_with_one_behind_walls_it_goes_on_within_its_limits() {
         let mut evader = evader(&RrtStarParams::default());
         for tick in 0..20 {
             let time = f64::from(tick) * DT;
-            let steering = evader.command(map, &view(time, &robots, exits), &mut || false);
+            let steering = evader.command(map, &view(time, &robots, exits));
             assert!(limits.allow(steering.command), "{exits:?}: {steering:?}");
         }
         assert!(evader.route().is_none_or(|route| !route.is_complete));
@@ -188,7 +187,7 @@ fn a_start_that_touches_a_wall_is_led_away_from_it() {
         let robots = [robot(0, Team::Evader, Pose2::new(-4.5, y, 0.0), V_MAX)];
         for tick in 0..3 {
             let time = f64::from(tick) * DT;
-            evader.command(map, &view(time, &robots, &[EXIT]), &mut || false);
+            evader.command(map, &view(time, &robots, &[EXIT]));
         }
         let route = evader.route().unwrap();
         assert!(route.is_complete, "y = {y}");
@@ -202,7 +201,7 @@ fn a_map_without_exact_shapes_leaves_the_potential_field() {
     let map = arena.map();
     let mut evader = evader(&RrtStarParams::default());
     let robots = [robot(0, Team::Evader, START, V_MAX)];
-    let steering = evader.command(&map, &view(0.0, &robots, &[EXIT]), &mut || false);
+    let steering = evader.command(&map, &view(0.0, &robots, &[EXIT]));
     assert!(steering.command.v > 0.0);
     assert!(evader.route().is_none());
 }
@@ -214,11 +213,11 @@ fn who_no_longer_plays_stands_still_and_has_no_plan() {
     let mut robots = [robot(0, Team::Evader, START, V_MAX)];
     for tick in 0..3 {
         let time = f64::from(tick) * DT;
-        evader.command(map, &view(time, &robots, &[EXIT]), &mut || false);
+        evader.command(map, &view(time, &robots, &[EXIT]));
     }
     assert!(evader.route().is_some());
     robots[0].active = false;
-    let steering = evader.command(map, &view(0.2, &robots, &[EXIT]), &mut || false);
+    let steering = evader.command(map, &view(0.2, &robots, &[EXIT]));
     assert_eq!(steering.command, Twist2::STOP);
     assert!(evader.route().is_none());
 }

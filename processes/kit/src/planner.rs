@@ -86,10 +86,6 @@ pub trait Planner: Sized {
         None
     }
 
-    /// Called once if the run is in real time, where a planner may look at the clock. In lock-step
-    /// it must not: the history would depend on the machine.
-    fn in_real_time(&mut self) {}
-
     /// Builds what it needs of a new map, if it wants to do that before the next tick.
     fn prepare(&mut self, map: &PlannerMap, robot: &RobotInfo) {
         let _ = (map, robot);
@@ -158,9 +154,6 @@ impl<P: Planner> Wiring for PlannerProcess<P> {
                 let seed = planner_seed(config.run.seed, &config.kind, &info.name);
                 P::new(&params, info, seed).map(|mut planner| {
                     planner.rules(&config.run.exits, config.run.capture_radius);
-                    if config.run.clock != Clock::LockStep {
-                        planner.in_real_time();
-                    }
                     Driven { robot, planner }
                 })
             })

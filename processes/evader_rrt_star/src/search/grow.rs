@@ -2,7 +2,7 @@
 
 use nalgebra::{Point2, Vector2};
 
-use super::{Scene, Search};
+use super::{REFINE_SHARE, Scene, Search};
 use crate::motion::Motion;
 use crate::sampler::uniform;
 use crate::tree::NONE;
@@ -20,22 +20,25 @@ impl<M: Motion> Search<M> {
     pub(super) fn iterate(&mut self, scene: &Scene<'_>) {
         self.iterations += 1;
         let dice = uniform(&mut self.rng);
-        let has_way = self.best.1 != NONE;
+        let refines = self.is_improved() && self.best.1 != NONE;
         if dice < self.params.goal_bias {
             self.strive(scene);
-        } else if has_way && dice < self.params.goal_bias + self.params.refine_share {
+        } else if refines && dice < self.params.goal_bias + REFINE_SHARE {
             self.refine(scene);
         } else if let Some(sample) = self.sample(scene) {
             self.extend(scene, sample);
-        } else if has_way && self.params.refine_share > 0.0 {
+        } else if refines {
             self.refine(scene);
         }
-        self.prune();
+        if self.is_improved() {
+            self.prune();
+        }
     }
 
     /// A place over which a way can still become cheaper than the best; `None` if none was drawn.
+    /// In the published search, any place.
     fn sample(&mut self, scene: &Scene<'_>) -> Option<Point2<f64>> {
-        if !self.params.informed || !self.best.0.is_finite() {
+        if !self.is_improved() || !self.best.0.is_finite() {
             return scene.sampler.draw(scene.space, &mut self.rng);
         }
         for _ in 0..MAX_DRAWS {
@@ -60,19 +63,20 @@ impl<M: Motion> Search<M> {
         let goal = goal.min(self.goals);
         self.join_goal(scene, goal);
         self.note_best(scene);
-        if self.params.steer && !self.tree.node(goal).cost.is_finite() {
+        if self.is_improved() && !self.tree.node(goal).cost.is_finite() {
             let at = self.tree.node(goal).at();
             self.extend(scene, at);
         }
     }
 
-    /// Adds a node at (or, where no node is near, towards) a sample.
+    /// Adds a node at (or, where no node is near, towards) a sample. The published search drops
+    /// samples that no node is near.
     fn extend(&mut self, scene: &Scene<'_>, sample: Point2<f64>) {
         let mut at = sample;
         let mut near = core::mem::take(&mut self.near);
         self.index.near(at, self.radius(), &mut near);
         if near.is_empty()
-            && self.params.steer
+            && self.is_improved()
             && let Some(nearest) = self.index.nearest(at)
         {
             let from = self.tree.node(nearest.node).at();
@@ -86,7 +90,7 @@ impl<M: Motion> Search<M> {
             });
         }
         self.near = near;
-        let most = if self.params.prune {
+        let most = if self.is_improved() {
             self.best.0 - self.bound.to_goal(at)
         } else {
             f64::INFINITY
@@ -95,7 +99,7 @@ impl<M: Motion> Search<M> {
             return;
         };
         let node = self.add(at, &chosen);
-        if self.params.rewire {
+        if self.is_improved() {
             self.rewire(scene, node);
         }
         self.offer_to_goals(scene, node);

@@ -72,7 +72,7 @@ impl<M: Motion> Search<M> {
     ) {
         let from = self.tree.node(node);
         // Too dear even if nobody threatens.
-        if distance <= self.params.min_edge || from.cost + distance >= most {
+        if distance <= self.params.algorithm.min_edge() || from.cost + distance >= most {
             return;
         }
         let Some(link) = self.link_at(node, to, distance) else {
@@ -91,7 +91,8 @@ impl<M: Motion> Search<M> {
     }
 
     /// The cheapest parent for a point among `self.near` (and their ancestors) from which the way
-    /// to it is free, if it costs less than `most`.
+    /// to it is free, if it costs less than `most`. The published search considers no ancestors,
+    /// and only the cheapest parent: where the way from there is blocked, there is none.
     pub(super) fn choose_parent(
         &mut self,
         scene: &Scene<'_>,
@@ -103,7 +104,7 @@ impl<M: Motion> Search<M> {
         for near in &near {
             self.consider(scene, near.node, to, near.distance, most);
         }
-        if self.params.ancestors > 0 {
+        if self.is_improved() {
             self.consider_ancestors(scene, &near, to, most);
         }
         self.near = near;
@@ -124,13 +125,15 @@ impl<M: Motion> Search<M> {
                     cost: best.cost,
                 });
             }
-            if !self.params.next_best_parent {
+            if !self.is_improved() {
                 return None;
             }
             self.candidates.swap_remove(place);
         }
     }
 
+    /// Considers the parents of near nodes (Quick-RRT* with one generation of ancestors: more
+    /// seldom find a better way).
     fn consider_ancestors(
         &mut self,
         scene: &Scene<'_>,
@@ -142,17 +145,11 @@ impl<M: Motion> Search<M> {
         let mut seen = core::mem::take(&mut self.seen);
         seen.clear();
         for near in near {
-            let mut node = near.node;
-            for _ in 0..self.params.ancestors {
-                node = self.tree.node(node).parent;
-                if node == NONE {
-                    break;
-                }
-                if !seen.contains(&node) {
-                    seen.push(node);
-                    let distance = (to - self.tree.node(node).at()).norm();
-                    self.consider(scene, node, to, distance, most);
-                }
+            let parent = self.tree.node(near.node).parent;
+            if parent != NONE && !seen.contains(&parent) {
+                seen.push(parent);
+                let distance = (to - self.tree.node(parent).at()).norm();
+                self.consider(scene, parent, to, distance, most);
             }
         }
         self.seen = seen;
@@ -202,7 +199,7 @@ impl<M: Motion> Search<M> {
     pub(super) fn rewire(&mut self, scene: &Scene<'_>, parent: u32) {
         let near = core::mem::take(&mut self.near);
         for near in &near {
-            if near.distance > self.params.min_edge {
+            if near.distance > self.params.algorithm.min_edge() {
                 self.offer(scene, near.node, parent, near.distance);
             }
         }

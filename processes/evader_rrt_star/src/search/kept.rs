@@ -16,13 +16,16 @@ const GAIN: f64 = 0.98;
 /// Fewest nodes worth looking through.
 const FEWEST: usize = 512;
 
+/// Nodes taken over from the last tree, at most (those on its best way besides).
+const MAX_KEPT: usize = 1500;
+
 impl<M: Motion> Search<M> {
     /// Takes out the nodes over which no way can become cheaper than the best, from time to time.
     pub(super) fn prune(&mut self) {
         let (size, cost) = self.pruned;
         let nodes = self.tree.len();
         let is_due = nodes >= size.saturating_mul(GROWTH).max(FEWEST) || self.best.0 < GAIN * cost;
-        if !self.params.prune || !self.best.0.is_finite() || !is_due || nodes < FEWEST {
+        if !self.best.0.is_finite() || !is_due || nodes < FEWEST {
             return;
         }
         let best = self.best.0;
@@ -93,7 +96,7 @@ impl<M: Motion> Search<M> {
     /// its best way that the robot reaches next, and everything behind it. Costs are made anew;
     /// ways are checked anew if `recheck` says that obstacles have changed.
     ///
-    /// Without a way, or when no point of it can be reached, nothing is kept.
+    /// Without a way, when no point of it can be reached, and in the published search nothing is kept.
     pub fn replant(
         &mut self,
         scene: &Scene<'_>,
@@ -109,7 +112,7 @@ impl<M: Motion> Search<M> {
                 .zip(goals)
                 .all(|(number, goal)| old.node(number).at() == *goal);
         self.begin(scene, root, goals, bound);
-        if !same_goals || !self.params.warm_start {
+        if !same_goals || !self.is_improved() {
             return;
         }
         let Some((next, chosen)) = self.next_of(scene, &old, &way) else {
@@ -117,9 +120,8 @@ impl<M: Motion> Search<M> {
         };
         let mut numbers = vec![NONE; old.len()];
         self.keep(next, &old, &chosen, &mut numbers);
-        let most = self.params.max_kept as usize;
         for node in behind(&old, next) {
-            if self.tree.len() >= most && !way.contains(&node) {
+            if self.tree.len() >= MAX_KEPT && !way.contains(&node) {
                 continue;
             }
             let at = old.node(node).at();

@@ -13,6 +13,9 @@ use crate::motion::{Link, Motion};
 use crate::sampler::uniform;
 use crate::tree::ROOT;
 
+/// Share of iterations that change points of the best way once there is one.
+pub(crate) const REFINE_SHARE: f64 = 0.3;
+
 /// Least share of the cost that a change must gain: below it nodes pile up for nothing.
 const LEAST_GAIN: f64 = 2e-6;
 
@@ -92,7 +95,7 @@ impl<M: Motion> Search<M> {
                 self.motion.link(&pose, to, distance)
             };
             // False for NaN, too: two points in one place.
-            let Some(link) = link.filter(|_| distance > self.params.min_edge) else {
+            let Some(link) = link.filter(|_| distance > self.params.algorithm.min_edge()) else {
                 return false;
             };
             let edge = scene.cost.edge(at, to, &link, length);

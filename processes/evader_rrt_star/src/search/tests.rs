@@ -6,6 +6,7 @@ use super::*;
 use crate::cost::CostParams;
 use crate::ground::Ground;
 use crate::motion::{Arcs, Straight};
+use crate::params::Algorithm;
 
 const RADIUS: f64 = 0.105;
 
@@ -43,7 +44,7 @@ fn scene<'a>(ground: &'a Ground, cost: &'a CostModel) -> Scene<'a> {
 }
 
 fn by_length() -> CostModel {
-    CostModel::new(CostParams::length(), 0.5)
+    CostModel::new(CostParams::length(), Algorithm::Improved, 0.5)
 }
 
 const FROM: Pose2 = Pose2 {
@@ -63,7 +64,7 @@ fn searched<M: Motion>(
     let mut search = Search::new(params, motion, seed);
     let bound = Bound::straight(FROM.position(), &[TO]);
     search.plant(scene, FROM, &[TO], bound);
-    search.run(scene, iterations, &mut || false);
+    search.run(scene, iterations);
     search
 }
 
@@ -99,7 +100,7 @@ fn is_consistent<M: Motion>(search: &Search<M>, scene: &Scene<'_>) {
 fn rewired_costs_reach_every_node_behind() {
     let ground = four_pillars();
     let length = by_length();
-    let mut danger = CostModel::new(CostParams::default(), 0.5);
+    let mut danger = CostModel::new(CostParams::default(), Algorithm::Improved, 0.5);
     danger.set_pursuers(
         [(0.0, 3.0), (3.0, 0.0)]
             .into_iter()
@@ -163,7 +164,7 @@ fn more_iterations_never_make_the_way_dearer() {
     let mut search = searched(&scene, Straight, SearchParams::default(), 5, 0);
     let mut last = f64::INFINITY;
     for _ in 0..60 {
-        search.run(&scene, 50, &mut || false);
+        search.run(&scene, 50);
         let best = search.progress().best;
         assert!(best <= last, "{best} after {last}");
         last = best;
@@ -297,9 +298,9 @@ fn a_search_without_goals_or_free_space_does_no_harm() {
     let cost = by_length();
     let scene = scene(&ground, &cost);
     let mut search = Search::new(SearchParams::default(), Straight, 1);
-    search.run(&scene, 10, &mut || false);
+    search.run(&scene, 10);
     search.plant(&scene, FROM, &[], Bound::straight(FROM.position(), &[]));
-    search.run(&scene, 100, &mut || false);
+    search.run(&scene, 100);
     assert!(search.way().is_empty());
 
     let full = room(&[(0.0, 0.0, 4.0)]);
@@ -307,16 +308,6 @@ fn a_search_without_goals_or_free_space_does_no_harm() {
     let scene = super::tests::scene(&full, &cost);
     let search = searched(&scene, Straight, SearchParams::default(), 1, 100);
     assert!(search.way().is_empty() && search.partial_way().is_empty());
-}
-
-#[test]
-fn a_search_stops_when_it_is_told_to() {
-    let ground = four_pillars();
-    let cost = by_length();
-    let scene = scene(&ground, &cost);
-    let mut search = searched(&scene, Straight, SearchParams::default(), 1, 0);
-    search.run(&scene, 10_000, &mut || true);
-    assert_eq!(search.progress().iterations, BETWEEN_LOOKS);
 }
 
 proptest! {

@@ -2,6 +2,7 @@
 #![allow(dead_code, reason = "each user needs another part of it")]
 
 use evader_rrt_star::cost::{CostModel, CostParams, Pursuer};
+use evader_rrt_star::params::Algorithm;
 use guidance::free_space::FreeSpace;
 use nalgebra::Point2;
 use sim_backend::pose::Pose2;
@@ -57,8 +58,8 @@ pub fn space(parts: Vec<Convex>, half: f64) -> FreeSpace {
 }
 
 /// Costs for an evader of 0.45 m/s with the Police at their start.
-pub fn costs(params: CostParams) -> CostModel {
-    let mut cost = CostModel::new(params, 0.45);
+pub fn costs(params: CostParams, algorithm: Algorithm) -> CostModel {
+    let mut cost = CostModel::new(params, algorithm, 0.45);
     cost.set_pursuers(POLICE.iter().map(|&(x, y)| Pursuer {
         at: Point2::new(x, y),
         v_max: 0.3,
