@@ -115,7 +115,6 @@ fn a_mission_by_the_clock_is_measured_from_sense_to_act() {
         .protean(words)
         .arg("--log=kept.mcap")
         .arg("--json=-")
-        .arg("--html=page.html")
         .run();
     assert_eq!(outcome.code, Some(0), "{outcome}");
     let json = outcome.json();
@@ -144,12 +143,6 @@ fn a_mission_by_the_clock_is_measured_from_sense_to_act() {
             assert!(turns.contains(name.as_str()), "{name}: {turns:?}");
         }
     }
-    // The page shows the same without asking anybody for anything.
-    let page = std::fs::read_to_string(sandbox.path().join("page.html")).unwrap();
-    assert!(page.matches("<svg").count() >= 3 && page.trim_end().ends_with("</html>"));
-    assert!(page.contains("default-src 'none'") && !page.contains("<script"));
-    let outside = page.replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
-    assert!(!outside.contains("://"), "nothing from elsewhere");
     // The same log says the same once more.
     let again = sandbox
         .protean(["latency", "--of", "kept.mcap"])
@@ -277,64 +270,6 @@ fn baselines_of_every_kind_are_measured_beside_the_mission() {
 }
 
 #[test]
-fn a_message_that_is_not_touched_costs_nothing_by_its_size() {
-    let sandbox = Sandbox::new();
-    let outcome = sandbox
-        .protean([
-            "latency",
-            "--micro",
-            "--quick",
-            "--json",
-            "-",
-            "--html",
-            "page.html",
-        ])
-        .run();
-    assert_eq!(outcome.code, Some(0), "{outcome}");
-    let micro = &outcome.json()["micro"];
-    let hops = micro["hops"].as_array().unwrap();
-    for hop in hops {
-        ordered(&hop["us"]);
-        ordered(&hop["sending_us"]);
-        let ours = hop["way"].as_str().unwrap().starts_with("protean");
-        assert_eq!(hop["ratio_to_raw"].is_f64(), ours, "{hop}");
-    }
-    let part = |part: &str, key: &str| -> BTreeSet<u64> {
-        let own = hops.iter().filter(|h| h["part"] == part);
-        own.map(|h| h[key].as_u64().unwrap()).collect()
-    };
-    let sizes = part("payload", "bytes");
-    assert_eq!((sizes.first(), sizes.last()), (Some(&64), Some(&(4 << 20))));
-    assert_eq!(
-        part("subscribers", "subscribers"),
-        BTreeSet::from([1, 2, 4, 8, 16])
-    );
-    let idle: BTreeSet<&str> = hops
-        .iter()
-        .filter(|h| h["part"] == "idle")
-        .map(|h| h["way"].as_str().unwrap())
-        .collect();
-    assert_eq!(idle.len(), 8, "four strategies, ours and raw: {idle:?}");
-    // The sender's share alone: whoever receives may be without a processor.
-    let sending = |bytes: u64, written: bool| {
-        let own = hops.iter().find(|h| {
-            let ours = h["way"].as_str().unwrap().starts_with("protean");
-            h["part"] == "payload" && ours && h["bytes"] == bytes && h["written"] == written
-        });
-        own.unwrap()["sending_us"]["p50"].as_f64().unwrap()
-    };
-    let (touched, untouched) = (sending(4 << 20, true), sending(4 << 20, false));
-    assert!(
-        5.0 * untouched < touched,
-        "{untouched} us and {touched} us for 4 MiB"
-    );
-    assert!(micro["flatness"].is_f64() && micro["worst_ratio"].is_f64());
-    let page = std::fs::read_to_string(sandbox.path().join("page.html")).unwrap();
-    assert!(page.contains("One hop by payload"));
-    sandbox.assert_nothing_left();
-}
-
-#[test]
 fn ctrl_c_keeps_what_was_measured() {
     let sandbox = Sandbox::new();
     let running = sandbox
@@ -376,8 +311,8 @@ fn what_cannot_be_measured_is_refused_by_name() {
     );
     refused(&["latency", "--of", "missing.mcap"], &["missing.mcap"]);
     refused(
-        &["latency", "--micro", "--rate", "20"],
-        &["--micro", "--rate"],
+        &["bench", "chase", "--quick"],
+        &["protean bench", "-p benchmarks -- chase"],
     );
     refused(
         &["latency", "--rate", "20", "--rate", "50", "--log", "a.mcap"],
@@ -416,13 +351,13 @@ fn what_cannot_be_measured_is_refused_by_name() {
         &["cut.mcap", "robot/command"],
     );
     // Nothing is measured for a place that is taken.
-    std::fs::write(folder.join("taken.html"), "mine").unwrap();
+    std::fs::write(folder.join("taken.json"), "mine").unwrap();
     refused(
-        &["latency", "silent.mcap", "--html", "taken.html"],
-        &["taken.html", "--force"],
+        &["latency", "silent.mcap", "--json", "taken.json"],
+        &["taken.json", "--force"],
     );
     assert_eq!(
-        std::fs::read_to_string(folder.join("taken.html")).unwrap(),
+        std::fs::read_to_string(folder.join("taken.json")).unwrap(),
         "mine"
     );
 }

@@ -1,11 +1,12 @@
-//! What one message costs within one thread: loan, fill, send, receive, free. Ours beside bare
-//! iceoryx2 with the same bytes; and the CDR form for the log beside a plain copy of as many bytes.
+//! The cost of one message within one thread: loan, fill, send, receive, free. Ours beside bare
+//! iceoryx2 with the same bytes, written and (`send_in_place`) untouched, with the ratio of blocks that
+//! take turns; and the CDR form for the log beside a plain copy of as many bytes.
 //!
 //! Baselines measured before on another machine of this kind: bare iceoryx2 loan + send 0.21 us,
 //! receive + free 0.12 us.
 
 use std::hint::black_box;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use iceoryx2::prelude::{NodeBuilder, SignalHandlingMode, ZeroCopySend, ipc};
@@ -13,9 +14,12 @@ use ipc_types::bus::{Bus, BusOptions, PublisherOptions, RunSpace};
 use ipc_types::cdr;
 use ipc_types::messages::robot::ScanHeader;
 use ipc_types::topics::{RunSize, Scan};
+use orchestrator::statistics::paired_ratio;
 
 /// Payloads [bytes].
-const SIZES: [usize; 4] = [64, 1 << 10, 16 << 10, 1 << 20];
+const SIZES: [usize; 6] = [64, 1 << 10, 16 << 10, 256 << 10, 1 << 20, 4 << 20];
+/// Pairs of blocks of which a ratio is the median.
+const PAIRS: usize = 31;
 
 /// As many bytes as the header of our messages has.
 #[derive(Debug, Clone, Copy, Default, ZeroCopySend)]
@@ -86,31 +90,45 @@ fn transport(criterion: &mut Criterion) {
         .expect("a publisher");
     let raw_in = service.subscriber_builder().create().expect("a subscriber");
 
+    let ours = |elements: &[f32]| {
+        publisher
+            .send(ScanHeader::default(), black_box(elements))
+            .expect("room");
+        let message = subscriber.receive().expect("a bus").expect("a message");
+        black_box(message.elements().len());
+    };
+    let raw = |elements: &[f32]| {
+        let mut sample = raw_out.loan_slice_uninit(elements.len()).expect("memory");
+        *sample.user_header_mut() = RawHeader::default();
+        sample
+            .write_from_slice(black_box(elements))
+            .send()
+            .expect("room");
+        let message = raw_in.receive().expect("a bus").expect("a message");
+        black_box(message.payload().len());
+    };
+    let untouched = |length: usize| {
+        publisher
+            .send_in_place(ScanHeader::default(), length, |_| {})
+            .expect("room");
+        let message = subscriber.receive().expect("a bus").expect("a message");
+        black_box(message.elements().len());
+    };
     let mut group = criterion.benchmark_group("send and receive");
     for bytes in SIZES {
         let elements = &data[..bytes / 4];
         group.throughput(Throughput::Bytes(bytes as u64));
         group.bench_function(BenchmarkId::new("ours", bytes), |b| {
-            b.iter(|| {
-                publisher
-                    .send(ScanHeader::default(), black_box(elements))
-                    .expect("room");
-                let message = subscriber.receive().expect("a bus").expect("a message");
-                black_box(message.elements().len())
-            });
+            b.iter(|| ours(elements));
         });
         group.bench_function(BenchmarkId::new("raw iceoryx2", bytes), |b| {
-            b.iter(|| {
-                let mut sample = raw_out.loan_slice_uninit(elements.len()).expect("memory");
-                *sample.user_header_mut() = RawHeader::default();
-                sample
-                    .write_from_slice(black_box(elements))
-                    .send()
-                    .expect("room");
-                let message = raw_in.receive().expect("a bus").expect("a message");
-                black_box(message.payload().len())
-            });
+            b.iter(|| raw(elements));
         });
+        group.bench_function(BenchmarkId::new("ours, untouched", bytes), |b| {
+            b.iter(|| untouched(elements.len()));
+        });
+        let ratio = ratio_in_turns(bytes, || ours(elements), || raw(elements));
+        println!("ours over raw iceoryx2, {bytes} bytes: {ratio:.3}");
     }
     group.finish();
 
@@ -122,6 +140,18 @@ fn transport(criterion: &mut Criterion) {
         b.iter(|| black_box(raw_in.receive().expect("a bus").is_none()));
     });
     group.finish();
+}
+
+/// The median ratio of the times of blocks that take turns.
+fn ratio_in_turns(bytes: usize, ours: impl Fn(), raw: impl Fn()) -> f64 {
+    let calls = (1 << 20) / bytes.max(1 << 9) + 1;
+    let block = |call: &dyn Fn()| {
+        let begun = Instant::now();
+        (0..calls).for_each(|_| call());
+        begun.elapsed().as_secs_f64()
+    };
+    let (ours, raw): (Vec<f64>, Vec<f64>) = (0..PAIRS).map(|_| (block(&ours), block(&raw))).unzip();
+    paired_ratio(&ours, &raw).map_or(f64::NAN, |ratio| ratio.median)
 }
 
 fn encoding(criterion: &mut Criterion) {

@@ -7,7 +7,6 @@
 #[macro_use]
 mod terminal;
 
-pub mod bench;
 pub mod census;
 pub mod chaos;
 pub mod chase_page;

@@ -9,8 +9,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use super::run::{handle_signals, refuse_external};
 use super::{DEFAULT_SCENARIO, EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, OverrideArgs};
 use super::{print, print_json};
-use crate::bench::{BenchError, Options};
-use crate::latency::{LatencyError, Report, Run, baselines, micro, mission, of_log, page, text};
+use crate::latency::baselines::Repetitions;
+use crate::latency::{LatencyError, Report, Run, baselines, mission, of_log, text};
 use crate::logs::place::{Place, Readers};
 use crate::logs::{LogsError, Watch};
 use crate::scenario::{Loader, ResolvedScenario};
@@ -25,14 +25,10 @@ It prints, for the stages from sense to act, for every hop and step, and for the
 turn: count, p50, p90, p99, p99.9, max, jitter (mean of |difference to the one before|) in us; how many ticks
 were answered in time; the baselines. The stages of a tick add up to the whole.
 
---micro measures one hop instead: by payload (64 B to 4 MiB, written and untouched), by subscribers (1 to 16)
-and by what the receiver does until a message comes; ours against bare iceoryx2 in neighbouring blocks.
-
 Examples:
-  protean latency --rate 20 --rate 200 --html latency.html
+  protean latency --rate 20 --rate 200
   protean latency hello --duration 5 --json -
   protean latency --of logs/chase-1.mcap        a recorded log (or just: protean latency logs/chase-1.mcap)
-  protean latency --micro
 
 The fields of the JSON object, and what every row means: docs/latency.md. Progress goes to stderr; Ctrl-C keeps
 what was measured. Exit codes: 0 measured, 1 something failed, 2 wrong arguments, or a log that says nothing,
@@ -61,21 +57,15 @@ pub(super) struct LatencyArgs {
     /// Measure from the stamps in this log, and run nothing
     #[arg(long, value_name = "LOG", conflicts_with_all = ["target", "seed", "set"])]
     of: Option<PathBuf>,
-    /// Measure one hop by payload, subscribers and idle strategy, and run no mission
-    #[arg(long, conflicts_with_all = ["target", "of", "duration", "rate", "log", "seed", "set"])]
-    micro: bool,
     /// Run the mission only
     #[arg(long)]
     no_baselines: bool,
-    /// Fewer repetitions of baselines and of --micro: a first impression
+    /// Fewer repetitions of baselines: a first impression
     #[arg(long)]
     quick: bool,
     /// Write one JSON object to this file; `-`: to stdout, instead of the tables
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Write one page for a browser
-    #[arg(long, value_name = "FILE")]
-    html: Option<PathBuf>,
     /// Keep the mission's log in this file
     #[arg(long, value_name = "FILE", conflicts_with = "of")]
     log: Option<PathBuf>,
@@ -114,20 +104,15 @@ fn measure(args: &LatencyArgs, interrupted: &Arc<AtomicBool>) -> Result<u8, Refu
     ipc_types::bus::quiet_transport();
     // Whether the results may stand there is known before anything is measured.
     let log = log_of(args);
-    let place = |out: &Option<PathBuf>| {
-        let out = out.as_ref().filter(|out| out.as_path() != Path::new("-"));
-        let beside = log.clone().or_else(|| args.log.clone()).unwrap_or_default();
-        out.map(|out| Place::new(out, &beside, args.force, Readers::Anybody))
-            .transpose()
-            .map_err(|error| refusal(&error.into()))
-    };
-    let json = place(&args.json)?;
-    let html = place(&args.html)?;
+    let to_file = args.json.as_deref().filter(|out| *out != Path::new("-"));
+    let beside = log.clone().or_else(|| args.log.clone()).unwrap_or_default();
+    let json = to_file
+        .map(|out| Place::new(out, &beside, args.force, Readers::Anybody))
+        .transpose()
+        .map_err(|error| refusal(&error.into()))?;
     let mut report = Report::new();
     let mut code = 0;
-    if args.micro {
-        of_micro(args, interrupted, &mut report);
-    } else if let Some(log) = &log {
+    if let Some(log) = &log {
         let mut watch = Watch::new(Arc::clone(interrupted), args.quiet);
         let measured = of_log(log, &mut watch).map_err(|error| refusal(&error))?;
         if !measured.condition.data {
@@ -143,18 +128,12 @@ fn measure(args: &LatencyArgs, interrupted: &Arc<AtomicBool>) -> Result<u8, Refu
     } else {
         missions(args, interrupted, &mut report)?;
     }
-    let write = |place: Option<(Place, tempfile::NamedTempFile)>, text: &str| {
-        let Some((place, mut file)) = place else {
-            return Ok(());
-        };
-        let written = file.write_all(text.as_bytes());
-        written
+    if let Some((place, mut file)) = json {
+        writeln!(file, "{:#}", report.json())
             .map_err(|error| place.failed(error))
             .and_then(|()| place.take(file))
-            .map_err(|error| refusal(&error.into()))
-    };
-    write(json, &format!("{:#}\n", report.json()))?;
-    write(html, &page(&report))?;
+            .map_err(|error| refusal(&error.into()))?;
+    }
     if args.json.as_deref() == Some(Path::new("-")) {
         print_json(&report.json());
     } else {
@@ -183,18 +162,6 @@ fn log_of(args: &LatencyArgs) -> Option<PathBuf> {
     let target = args.target.as_ref().map(PathBuf::from);
     let target = target.filter(|path| path.extension().is_some_and(|end| end == "mcap"));
     args.of.clone().or(target)
-}
-
-fn of_micro(args: &LatencyArgs, interrupted: &Arc<AtomicBool>, report: &mut Report) {
-    let options = Options {
-        quick: args.quick,
-        interrupted: Arc::clone(interrupted),
-    };
-    match micro::measure(&options, &mut say(args)) {
-        Ok(micro) => report.micro = Some(micro),
-        Err(error) => report.errors.push(error.to_string()),
-    }
-    report.interrupted = interrupted.load(Ordering::SeqCst);
 }
 
 fn say(args: &LatencyArgs) -> impl FnMut(&str) + Send + use<> {
@@ -267,14 +234,10 @@ fn missions(
             baselines: Vec::new(),
         };
         if !args.no_baselines && !ended {
-            let options = Options {
-                quick: args.quick,
-                interrupted: Arc::clone(interrupted),
-            };
             let payloads = baselines::payloads(&run.measured);
-            match baselines::measure(&payloads, &options, &mut say(args)) {
+            let repetitions = Repetitions::new(args.quick);
+            match baselines::measure(&payloads, repetitions, interrupted, &mut say(args)) {
                 Ok(baselines) => run.baselines = baselines,
-                Err(BenchError::Interrupted) => {}
                 Err(error) => report.errors.push(format!("baselines: {error}")),
             }
         }

@@ -1,6 +1,5 @@
 //! What a person types.
 
-mod bench;
 mod chaos;
 mod check;
 mod clean;
@@ -137,19 +136,6 @@ enum Command {
     /// Do the run in a log again and prove that it is the same
     #[command(after_long_help = rerun::HELP)]
     Rerun(rerun::RerunArgs),
-    /// Measure this machine: real-time factor, ticks/s, hops, start, memory, beside their baselines
-    #[command(after_long_help = bench::HELP)]
-    Bench {
-        /// What to measure (see the end of --help); everything if nothing is named
-        #[arg(value_name = "ITEM", value_parser = clap::builder::PossibleValuesParser::new(bench::names()))]
-        items: Vec<String>,
-        /// Fewer repetitions: a first impression
-        #[arg(long)]
-        quick: bool,
-        /// Print one JSON object
-        #[arg(long)]
-        json: bool,
-    },
     /// Measure how long it takes from the state of the world to the commands for it, hop by hop
     #[command(after_long_help = latency::HELP)]
     Latency(latency::LatencyArgs),
@@ -284,6 +270,12 @@ struct RunArgs {
 
 /// Runs the command line; returns the exit code.
 pub fn main() -> ExitCode {
+    crate::memory::share_arenas();
+    crate::descriptors::raise_limit();
+    if let Err(error) = crate::signals::as_needed() {
+        eprintln!("error: cannot set how signals are taken: {error}");
+        return ExitCode::FAILURE;
+    }
     let arguments: Vec<OsString> = std::env::args_os().skip(1).collect();
     if let Some(message) = moved::message(&arguments) {
         eprintln!("{message}");
@@ -320,7 +312,6 @@ fn command(cli: Cli) -> ExitCode {
         Some(Command::Report(args)) => report::run(&args),
         Some(Command::Replay(args)) => replay::run(args),
         Some(Command::Rerun(args)) => rerun::run(&args),
-        Some(Command::Bench { items, quick, json }) => bench::bench(&items, quick, json),
         Some(Command::Latency(args)) => latency::run(&args),
         Some(Command::Plan(args)) => plan::plan(&args),
         Some(Command::Instances(args)) => instances::instances(&args),

@@ -6,7 +6,10 @@ use std::ffi::{OsStr, OsString};
 type Row = (&'static [&'static str], &'static str);
 
 /// One row per command that moved or went.
-const MOVED: &[Row] = &[];
+const MOVED: &[Row] = &[(
+    &["bench"],
+    "in the source tree, `cargo run --release -p benchmarks -- chase|start|ticks|in-process`",
+)];
 
 /// The message for a command line, without the program's name, that begins with a command that moved
 /// or went; `None` for any other.

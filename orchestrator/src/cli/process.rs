@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use kit::Wiring;
 
 use super::EXIT_INVALID;
-use crate::bench;
+use crate::latency::link;
 use crate::wirings::{self, WiringVisitor};
 
 /// Runs the process of this kind to its end.
@@ -20,11 +20,7 @@ pub fn run(kind: &str, config: &Path) -> ExitCode {
     }
     match kind {
         "simulator" => simulator::process::run(config),
-        // Of the bench: not in the list of kinds, no scenario can ask for them.
-        "bench-planner" => bench::ticks::planner(config),
-        "raw-planner" => bench::raw_planner(config),
-        "bench-sink" => bench::link::sink(config),
-        "bench-crowd" => bench::link::crowd(config),
+        link::SINK_KIND => link::sink(config),
         other => wirings::visit(other, Live(config)).unwrap_or_else(|| {
             eprintln!("error: no process of kind {other:?} in this program");
             ExitCode::from(EXIT_INVALID)

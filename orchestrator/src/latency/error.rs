@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::bench::BenchError;
+use super::link::LinkError;
 use crate::logs::LogsError;
 use crate::mission::MissionError;
 
@@ -25,7 +25,7 @@ pub enum LatencyError {
     Mission(Box<MissionError>),
     /// A baseline could not be measured.
     #[error(transparent)]
-    Bench(#[from] BenchError),
+    Link(#[from] LinkError),
     /// The system refused something.
     #[error("{what}: {source}")]
     System {
@@ -45,7 +45,7 @@ impl LatencyError {
                 **error,
                 LogsError::Write { .. } | LogsError::Mission(_) | LogsError::Interrupted
             ),
-            Self::Mission(_) | Self::Bench(_) | Self::System { .. } => false,
+            Self::Mission(_) | Self::Link(_) | Self::System { .. } => false,
         }
     }
 }

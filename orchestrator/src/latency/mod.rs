@@ -4,22 +4,19 @@
 //! * [`of_log()`] reads the stamps in a log: hops, steps, turns, and the stages of every tick;
 //! * [`run`](mission::run) does a mission in real time to have such a log;
 //! * [`baselines`] passes messages of the same sizes over bare iceoryx2, sockets and pipes;
-//! * [`micro`] measures one hop by payload, subscribers and idle strategy;
-//! * [`Report`] is all of it as a table, as JSON and as a page.
+//! * [`Report`] is all of it as a table and as JSON.
 
 pub mod baselines;
 mod chain;
 mod error;
-pub mod micro;
+pub mod link;
 pub mod mission;
 mod of_log;
-mod page;
 mod report;
 mod text;
 
 pub use chain::{Answers, Passage, REACTION, Stage, TICK_JITTER, WHOLE};
 pub use error::LatencyError;
 pub use of_log::{Measured, Sizes, of_log};
-pub use page::page;
-pub use report::{Report, Run};
+pub use report::{Report, Run, load};
 pub use text::text;

@@ -6,9 +6,7 @@ use serde_json::{Map, Value as Json, json};
 
 use super::baselines::Baseline;
 use super::chain::{REACTION, Stage, TICK_JITTER, WHOLE};
-use super::micro::{GOAL_UP_TO, Hop, Micro};
 use super::of_log::Measured;
-use crate::bench::load;
 use crate::mission::report::machine;
 use crate::statistics::{Distribution, Percentiles};
 
@@ -24,7 +22,7 @@ pub struct Run {
     pub log: Option<PathBuf>,
     /// Whether it was ended before its time.
     pub interrupted: bool,
-    /// What its messages would cost over other ways; empty for a log.
+    /// What its messages would cost over other transports; empty for a log.
     pub baselines: Vec<Baseline>,
 }
 
@@ -33,8 +31,6 @@ pub struct Run {
 pub struct Report {
     /// The missions, or the log.
     pub runs: Vec<Run>,
-    /// One hop, taken apart.
-    pub micro: Option<Micro>,
     /// What could not be measured.
     pub errors: Vec<String>,
     /// Whether it was ended before everything was measured.
@@ -61,7 +57,6 @@ impl Report {
             "interrupted": self.interrupted,
             "errors": self.errors,
             "runs": self.runs.iter().map(Run::json).collect::<Vec<_>>(),
-            "micro": self.micro.as_ref().map(micro),
         })
     }
 }
@@ -151,7 +146,7 @@ impl Run {
                 "mean_bytes": sizes.mean(),
             }))).collect::<Map<_, _>>(),
             "baselines": self.baselines.iter().map(|b| json!({
-                "way": b.way.name(),
+                "way": b.transport.name(),
                 "placement": b.placement.name(),
                 "topic": b.topic,
                 "bytes": b.bytes,
@@ -171,24 +166,27 @@ fn named<'a>(all: impl Iterator<Item = (&'a String, &'a Distribution)>) -> Map<S
         .collect()
 }
 
-fn micro(micro: &Micro) -> Json {
-    let hop = |hop: &Hop| {
-        json!({
-            "part": hop.part,
-            "way": hop.way.name(),
-            "written": hop.way.written,
-            "placement": hop.placement.name(),
-            "bytes": hop.bytes,
-            "subscribers": hop.subscribers,
-            "us": hop.latency,
-            "sending_us": hop.sending,
-            "ratio_to_raw": hop.ratio,
-        })
-    };
-    json!({
-        "hops": micro.hops.iter().map(hop).collect::<Vec<_>>(),
-        "worst_ratio": micro.worst_ratio(),
-        "worst_ratio_up_to_bytes": GOAL_UP_TO,
-        "flatness": micro.flatness(),
-    })
+/// Load averages over 1, 5 and 15 minutes.
+pub fn load() -> [f64; 3] {
+    let text = std::fs::read_to_string("/proc/loadavg").unwrap_or_default();
+    parse_load(&text)
+}
+
+fn parse_load(text: &str) -> [f64; 3] {
+    let mut words = text.split_whitespace();
+    [(); 3].map(|()| words.next().and_then(|w| w.parse().ok()).unwrap_or(0.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_load_is_read_from_the_first_three_words() {
+        assert_eq!(
+            parse_load("0.89 3.23 4.82 1/123 4567\n"),
+            [0.89, 3.23, 4.82]
+        );
+        assert_eq!(parse_load(""), [0.0; 3]);
+    }
 }

@@ -7,9 +7,7 @@ use comfy_table::{CellAlignment, Table};
 
 use super::baselines::Baseline;
 use super::chain::TICK_JITTER;
-use super::micro::{Hop, Micro};
 use super::report::{Report, Run};
-use crate::bench::hop::{GOAL, size_name};
 use crate::mission::report::machine;
 use crate::statistics::Percentiles;
 
@@ -22,9 +20,6 @@ pub fn text(report: &Report) -> String {
     );
     for run in &report.runs {
         of_run(&mut text, run);
-    }
-    if let Some(micro) = &report.micro {
-        of_micro(&mut text, micro);
     }
     for error in &report.errors {
         let _ = write!(text, "\nFAILED: {error}");
@@ -61,7 +56,7 @@ fn cells(p: &Percentiles) -> [String; 7] {
 }
 
 /// Microseconds with two digits after the point below ten.
-pub(super) fn us(value: f64) -> String {
+fn us(value: f64) -> String {
     match value {
         v if v < 10.0 => format!("{v:.2}"),
         v if v < 1000.0 => format!("{v:.1}"),
@@ -70,7 +65,7 @@ pub(super) fn us(value: f64) -> String {
 }
 
 /// What a run was, in a line.
-pub(super) fn headline(run: &Run) -> String {
+fn headline(run: &Run) -> String {
     let m = &run.measured;
     let pace = match m.period_ns {
         Some(period) => format!("real time, {:.0} ticks/s", 1e9 / period.max(1) as f64),
@@ -84,7 +79,7 @@ pub(super) fn headline(run: &Run) -> String {
 }
 
 /// How ticks were answered, in a line or two.
-pub(super) fn deadlines(run: &Run) -> Vec<String> {
+fn deadlines(run: &Run) -> Vec<String> {
     let a = &run.measured.answers;
     let mut lines = vec![format!(
         "deadlines  {} of {} ticks answered in time, {} late, {} not answered, {} without the \
@@ -195,7 +190,10 @@ fn baselines(all: &[Baseline]) -> Table {
     let mut found = table(&header, 2);
     let mut rows: Vec<(String, String)> = Vec::new();
     for b in all {
-        let row = (format!("{}, {} B", b.topic, b.bytes), way_name(b));
+        let row = (
+            format!("{}, {} B", b.topic, b.bytes),
+            b.transport.name().to_owned(),
+        );
         if !rows.contains(&row) {
             rows.push(row);
         }
@@ -205,7 +203,7 @@ fn baselines(all: &[Baseline]) -> Table {
         row.extend(placements.iter().map(|placement| {
             let own = all.iter().find(|b| {
                 b.placement == *placement
-                    && way_name(b) == way
+                    && b.transport.name() == way
                     && format!("{}, {} B", b.topic, b.bytes) == payload
             });
             own.map_or_else(String::new, |own| {
@@ -215,71 +213,4 @@ fn baselines(all: &[Baseline]) -> Table {
         found.add_row(row);
     }
     found
-}
-
-/// The way of a baseline; polling is polling, whether it yields or not.
-pub(super) fn way_name(baseline: &Baseline) -> String {
-    baseline.way.name().replace("poll and yield", "busy poll")
-}
-
-fn of_micro(text: &mut String, micro: &Micro) {
-    for (part, title) in [
-        ("payload", "one hop by payload"),
-        ("subscribers", "one hop by subscribers, 64 B"),
-        (
-            "idle",
-            "one hop by what the receiver does until it comes, 64 B",
-        ),
-    ] {
-        let hops: Vec<&Hop> = micro.hops.iter().filter(|hop| hop.part == part).collect();
-        if hops.is_empty() {
-            continue;
-        }
-        let header = [title, "way", "p50", "p99", "max", "sending p50", "to raw"];
-        let mut found = table(&header, 2);
-        for hop in hops {
-            found.add_row([
-                varied(hop),
-                way_of(hop),
-                us(hop.latency.p50),
-                us(hop.latency.p99),
-                us(hop.latency.max),
-                us(hop.sending.p50),
-                hop.ratio.map_or_else(String::new, |r| format!("{r:.2}×")),
-            ]);
-        }
-        let _ = writeln!(text, "\n{found}");
-    }
-    if let Some(worst) = micro.worst_ratio() {
-        let met = if worst <= GOAL { "met" } else { "MISSED" };
-        let _ = writeln!(
-            text,
-            "ratio      at most {worst:.2} of raw iceoryx2 for 64 B to 1 MiB, written (goal ≤ {GOAL}: {met})"
-        );
-    }
-    if let Some(flat) = micro.flatness() {
-        let _ = writeln!(
-            text,
-            "flatness   4 MiB untouched takes {flat:.2} times as long as 64 B"
-        );
-    }
-}
-
-/// What is varied in a row.
-pub(super) fn varied(hop: &Hop) -> String {
-    match hop.part {
-        "payload" => size_name(hop.bytes),
-        "subscribers" => hop.subscribers.to_string(),
-        _ => hop.placement.name().to_owned(),
-    }
-}
-
-/// How the message of a row went.
-pub(super) fn way_of(hop: &Hop) -> String {
-    let written = match (hop.part, hop.way.written) {
-        ("payload", true) => ", written",
-        ("payload", false) => ", untouched",
-        _ => "",
-    };
-    format!("{}{written}", hop.way.name())
 }

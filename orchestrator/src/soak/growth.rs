@@ -17,8 +17,8 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::mission::{Mission, ORCHESTRATOR};
-use crate::bench::stats::Spread;
 use crate::planning::summary::quantile;
+use crate::statistics::Spread;
 
 /// Missions after warming up from which on growth can be told.
 const ENOUGH: usize = 8;

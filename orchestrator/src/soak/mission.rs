@@ -7,12 +7,12 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 
 use super::watch::{Held, Seen};
-use crate::bench::stats::Spread;
 use crate::census;
 use crate::memory;
 use crate::mission::spaces::{self, Found};
 use crate::scenario::kinds::{KINDS, find};
 use crate::scenario::{Program, ResolvedScenario};
+use crate::statistics::Spread;
 
 /// Name under which the orchestrator's own figures stand.
 pub const ORCHESTRATOR: &str = "orchestrator";

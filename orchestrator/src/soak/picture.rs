@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use super::mission::{Mission, ORCHESTRATOR};
-use crate::bench::stats::Spread;
 use crate::figures::{Chart, Point, Series, Unit};
+use crate::statistics::Spread;
 
 /// Points of a curve.
 const POINTS: usize = 40;

@@ -21,6 +21,7 @@ mod mean;
 mod newcombe;
 mod normal;
 mod sample;
+mod spread;
 mod wilson;
 
 pub use critical::{Critical, Estimate};
@@ -35,4 +36,5 @@ pub use mean::Mean;
 pub use newcombe::newcombe;
 pub use normal::{Z95, simultaneous_z, two_sided, upper_tail, z_of_tail};
 pub use sample::Sample;
+pub use spread::{Spread, paired_ratio};
 pub use wilson::{wilson, wilson_at};

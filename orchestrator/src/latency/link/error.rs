@@ -1,27 +1,15 @@
-//! Why something could not be measured.
+//! Why a transport could not be measured.
 
 use std::time::Duration;
 
 use ipc_types::bus::{BusError, ReceiveError, SendError};
-use kit::lockstep::PageError;
 
 use crate::mission::children::ChildError;
 use crate::mission::spaces::SpaceError;
 
-/// Why something could not be measured.
+/// Why a transport could not be measured.
 #[derive(Debug, thiserror::Error)]
-pub enum BenchError {
-    /// Ended from outside.
-    #[error("interrupted")]
-    Interrupted,
-    /// It took too long.
-    #[error("{what}: not done within {limit:?}")]
-    TooSlow {
-        /// What was waited for.
-        what: String,
-        /// For how long.
-        limit: Duration,
-    },
+pub enum LinkError {
     /// The system refused something.
     #[error("{what}: {source}")]
     System {
@@ -29,14 +17,6 @@ pub enum BenchError {
         what: String,
         /// What the system said.
         source: std::io::Error,
-    },
-    /// A process of the measurement failed.
-    #[error("{process}: {how}")]
-    Process {
-        /// Which one.
-        process: String,
-        /// How it ended, with its last words.
-        how: String,
     },
     /// iceoryx2 refused something.
     #[error("iceoryx2: cannot {what}: {reason}")]
@@ -46,13 +26,21 @@ pub enum BenchError {
         /// What it said.
         reason: String,
     },
-    /// A message did not arrive.
-    #[error("{0}: a message is missing")]
-    Lost(&'static str),
-    /// A process cannot be started.
+    /// The receiver failed.
+    #[error("the receiver ended: {0}")]
+    Receiver(String),
+    /// The receiver took too long.
+    #[error("the receiver did not {what} within {limit:?}")]
+    TooSlow {
+        /// What it should have done.
+        what: &'static str,
+        /// Time that it had.
+        limit: Duration,
+    },
+    /// The receiver cannot be started.
     #[error(transparent)]
     Child(#[from] ChildError),
-    /// No directory for the measurement.
+    /// There is no directory for the measurement.
     #[error(transparent)]
     Space(#[from] SpaceError),
     /// The bus cannot be set up.
@@ -64,12 +52,9 @@ pub enum BenchError {
     /// A message cannot be received.
     #[error(transparent)]
     Receive(#[from] ReceiveError),
-    /// The turn page cannot be set up.
-    #[error(transparent)]
-    Page(#[from] PageError),
 }
 
-impl BenchError {
+impl LinkError {
     pub(super) fn system(what: impl Into<String>) -> impl FnOnce(std::io::Error) -> Self {
         let what = what.into();
         move |source| Self::System { what, source }

@@ -1,16 +1,17 @@
-//! Games per second of runs in one process, beside runs with processes.
+//! Games per second of runs in one process, beside runs with processes; and what a log adds to one.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use orchestrator::in_process::{self, Cache, InProcessOptions};
+use orchestrator::scenario::{ResolvedScenario, load};
+use orchestrator::statistics::{Spread, paired_ratio};
 use rustix::time::{ClockId, clock_gettime};
 
 use super::report::{Figure, Goal};
 use super::session::{Session, number};
-use super::stats::Spread;
-use super::{BenchError, Deadline, Options};
-use crate::in_process::{self, Cache, InProcessOptions};
-use crate::scenario::{ResolvedScenario, load};
+use super::{Options, Result, say};
 
 const ITEM: &str = "in-process";
 /// Games per second and core to be reached.
@@ -63,23 +64,24 @@ const GAMES: [Game; 3] = [
     },
 ];
 
-/// Runs games with many seeds in this thread, and a few of the same with processes.
+/// Runs games with many seeds in this thread, and a few of the same with processes; then a chase
+/// with its log and without, in turns.
 ///
 /// # Errors
-/// [`BenchError`] says what could not be measured.
-pub fn measure(options: &Options, say: &mut impl FnMut(&str)) -> Result<Vec<Figure>, BenchError> {
-    let deadline = Deadline::new();
+/// Why a game failed.
+pub fn measure(options: Options) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
     for game in &GAMES {
         say(&format!("{}, in this process", game.name));
-        let here = here(game, options, deadline)?;
+        let here = here(game, options)?;
         let mut beside = Vec::new();
         for seed in 1..=options.repeats(4, 2) as u64 {
             say(&format!("{}, with processes, seed {seed}", game.name));
-            beside.push(with_processes(game, seed, options, deadline)?);
+            beside.push(with_processes(game, seed)?);
         }
         figures.extend(report(game, &here, &beside));
     }
+    figures.extend(log_share(options)?);
     Ok(figures)
 }
 
@@ -88,39 +90,33 @@ pub fn measure(options: &Options, say: &mut impl FnMut(&str)) -> Result<Vec<Figu
 struct Here {
     /// Per batch, games per second of CPU time.
     rates: Vec<f64>,
-    /// Per batch, CPU time per tick [µs].
+    /// Per batch, CPU time per tick (µs).
     costs: Vec<f64>,
-    /// Per batch, time to resolve a scenario [ms].
+    /// Per batch, time to resolve a scenario (ms).
     resolving: Vec<f64>,
-    /// Per game, its length [ticks].
+    /// Per game, its length (ticks).
     ticks: Vec<f64>,
 }
 
-fn here(game: &Game, options: &Options, deadline: Deadline) -> Result<Here, BenchError> {
+fn here(game: &Game, options: Options) -> Result<Here> {
     let how = InProcessOptions {
         cache: Arc::new(Cache::default()),
         ..InProcessOptions::default()
     };
     let mut here = Here::default();
     let mut seed = 0;
-    let mut play = |games: u64, here: Option<&mut Here>| -> Result<(), BenchError> {
+    let mut play = |games: u64, here: Option<&mut Here>| -> Result<()> {
         let begun = cpu_time();
         let scenarios = (0..games)
             .map(|_| {
                 seed += 1;
                 resolve(game, seed)
             })
-            .collect::<Result<Vec<_>, _>>()?;
+            .collect::<Result<Vec<_>>>()?;
         let resolved = cpu_time();
         let mut ticks = Vec::new();
         for scenario in &scenarios {
-            options.check()?;
-            deadline.check(game.name)?;
-            let report = in_process::run(scenario, &how).map_err(|e| BenchError::Process {
-                process: format!("{} with seed {}", game.name, scenario.run.seed),
-                how: e.to_string(),
-            })?;
-            ticks.push(report.summary.ticks as f64);
+            ticks.push(in_process::run(scenario, &how)?.summary.ticks as f64);
         }
         let took = cpu_time().saturating_sub(resolved).as_secs_f64().max(1e-9);
         if let Some(here) = here {
@@ -140,23 +136,18 @@ fn here(game: &Game, options: &Options, deadline: Deadline) -> Result<Here, Benc
     Ok(here)
 }
 
-/// One game with processes: time before and after its ticks, and per tick [s].
-fn with_processes(
-    game: &Game,
-    seed: u64,
-    options: &Options,
-    deadline: Deadline,
-) -> Result<(f64, f64), BenchError> {
+/// One game with processes: time before and after its ticks, and per tick (s).
+fn with_processes(game: &Game, seed: u64) -> Result<(f64, f64)> {
     let mut arguments = vec!["--seed".to_owned(), seed.to_string()];
     for set in game.set {
         arguments.extend(["--set".to_owned(), (*set).to_owned()]);
     }
     let begun = Instant::now();
-    let session = Session::start(game.scenario, &arguments, deadline)?;
-    let report = session.finish(options, Duration::from_millis(100), |_| {})?;
-    let flown = number(&report, "/wall_time_s");
-    let fixed = (begun.elapsed().as_secs_f64() - flown).max(0.0);
-    Ok((fixed, flown / number(&report, "/ticks").max(1.0)))
+    let session = Session::start(game.scenario, &arguments)?;
+    let report = session.finish(Duration::from_millis(1), |_| {})?;
+    let lasted = number(&report, "/wall_time_s");
+    let fixed = (begun.elapsed().as_secs_f64() - lasted).max(0.0);
+    Ok((fixed, lasted / number(&report, "/ticks").max(1.0)))
 }
 
 fn report(game: &Game, here: &Here, beside: &[(f64, f64)]) -> Vec<Figure> {
@@ -189,16 +180,51 @@ fn report(game: &Game, here: &Here, beside: &[(f64, f64)]) -> Vec<Figure> {
     .collect()
 }
 
-fn resolve(game: &Game, seed: u64) -> Result<ResolvedScenario, BenchError> {
+/// Processor time per tick of a chase that writes a log, beside one that does not, in turns. The file
+/// is in memory, so that no disk counts.
+fn log_share(options: Options) -> Result<Vec<Figure>> {
+    say("chase, in this process with and without a log");
+    let folder = tempfile::tempdir_in("/dev/shm")?;
+    let set = options.quick.then(|| "rules.time_limit=10".to_owned());
+    let scenario = load("chase", set.as_slice(), None).map_err(|e| e.to_string())?;
+    let per_tick = |out: Option<PathBuf>| -> Result<f64> {
+        let how = InProcessOptions {
+            out,
+            force: true,
+            ..InProcessOptions::default()
+        };
+        let begun = cpu_time();
+        let ticks = in_process::run(&scenario, &how)?.summary.ticks;
+        let took = cpu_time().saturating_sub(begun);
+        Ok(took.as_secs_f64() * 1e6 / f64::max(ticks as f64, 1.0))
+    };
+    // Caches are warm before anything is measured.
+    per_tick(None)?;
+    let (mut with, mut without) = (Vec::new(), Vec::new());
+    for _ in 0..options.repeats(6, 2) {
+        with.push(per_tick(Some(folder.path().join("run.mcap")))?);
+        without.push(per_tick(None)?);
+    }
+    let spreads = (
+        Spread::of(with.iter().copied()),
+        Spread::of(without.iter().copied()),
+        paired_ratio(&with, &without),
+    );
+    let (Some(value), Some(base), Some(ratio)) = spreads else {
+        return Ok(Vec::new());
+    };
+    let figure = Figure::new(ITEM, "chase, CPU per tick with a log", value, "us");
+    let figure = figure.against("without a log", base.median);
+    Ok(vec![figure.with_ratio(ratio.median)])
+}
+
+fn resolve(game: &Game, seed: u64) -> Result<ResolvedScenario> {
     let set: Vec<String> = game.set.iter().map(|&set| set.to_owned()).collect();
-    load(game.scenario, &set, Some(seed)).map_err(|problems| BenchError::Process {
-        process: game.name.to_owned(),
-        how: problems.to_string(),
-    })
+    Ok(load(game.scenario, &set, Some(seed)).map_err(|problems| problems.to_string())?)
 }
 
 /// CPU time of this thread.
-pub(super) fn cpu_time() -> Duration {
+fn cpu_time() -> Duration {
     let now = clock_gettime(ClockId::ThreadCPUTime);
     Duration::new(
         u64::try_from(now.tv_sec).unwrap_or(0),

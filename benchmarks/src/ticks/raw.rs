@@ -9,15 +9,15 @@ use std::time::Duration;
 
 use iceoryx2::port::publisher::Publisher;
 use iceoryx2::port::subscriber::Subscriber;
-use iceoryx2::prelude::{Node, NodeBuilder, SignalHandlingMode, ZeroCopySend, ipc};
+use iceoryx2::prelude::{Node, ZeroCopySend, ipc};
 use ipc_types::bus::RunSpace;
 use ipc_types::messages::robot::Command;
 use ipc_types::messages::world::{RobotState, WorldHeader};
 use ipc_types::stamp::PlainHeader;
+use orchestrator::latency::link::{LINE, SharedWords, raw_node, sleep_while, store_and_wake, wake};
 use serde::{Deserialize, Serialize};
 
-use super::BenchError;
-use super::shared::{LINE, SharedWords, sleep_while, store_and_wake, wake};
+use crate::{Failure, Result};
 
 /// Planners of the exchange.
 pub const PLANNERS: usize = 8;
@@ -28,30 +28,32 @@ const COMMAND_WORDS: usize = (size_of::<PlainHeader>() + size_of::<Command>()) /
 /// As many bytes as `world/state` with its header has for eight robots.
 #[derive(Debug, Clone, Copy, ZeroCopySend)]
 #[repr(C)]
-pub struct RawState {
+struct RawState {
     /// The tick, and nothing.
-    pub words: [u64; STATE_WORDS],
+    words: [u64; STATE_WORDS],
 }
 
 /// As many bytes as `robot/command` with its header has.
 #[derive(Debug, Clone, Copy, ZeroCopySend)]
 #[repr(C)]
-pub struct RawCommand {
+struct RawCommand {
     /// The tick, the planner, and nothing.
-    pub words: [u64; COMMAND_WORDS],
+    words: [u64; COMMAND_WORDS],
 }
 
 /// Ticks posted.
-pub const TICK: usize = 0;
+const TICK: usize = 0;
 /// Answers so far.
-pub const ARRIVED: usize = LINE;
+const ARRIVED: usize = LINE;
 /// Answers at which the conductor is woken.
-pub const TARGET: usize = 2 * LINE;
+const TARGET: usize = 2 * LINE;
 /// Planners that have opened their ports.
-pub const READY: usize = 3 * LINE;
+const READY: usize = 3 * LINE;
 /// 1: the ports of all exist; 2: end.
-pub const STAGE: usize = 4 * LINE;
+const STAGE: usize = 4 * LINE;
 
+/// What is wrong when a message did not arrive.
+const LOST: &str = "raw iceoryx2: a message is missing";
 /// Longest sleep before looking whether to end.
 const LOOK_UP: Duration = Duration::from_millis(100);
 
@@ -66,35 +68,16 @@ pub struct RawConfig {
     pub index: u32,
 }
 
-impl RawConfig {
-    /// Reads the file that the bench wrote.
-    pub fn load(path: &Path) -> Result<Self, BenchError> {
-        let failed = BenchError::system(format!("{}", path.display()));
-        std::fs::read(path)
-            .and_then(|text| serde_json::from_slice(&text).map_err(Into::into))
-            .map_err(failed)
-    }
-
-    /// Where the exchange lives.
-    pub fn space(&self) -> Result<RunSpace, BenchError> {
-        Ok(RunSpace::new(&self.root, &self.prefix)?)
-    }
-}
-
-/// A node in a run space.
-pub fn node(space: &RunSpace) -> Result<Node<ipc::Service>, BenchError> {
-    NodeBuilder::new()
-        .config(&space.config(2)?)
-        .signal_handling_mode(SignalHandlingMode::Disabled)
-        .create::<ipc::Service>()
-        .map_err(BenchError::raw("create a node"))
+/// Turns a refusal of iceoryx2 into a failure.
+fn raw<E: core::fmt::Debug>(what: &'static str) -> impl FnOnce(E) -> Failure {
+    move |reason| format!("iceoryx2: cannot {what}: {reason:?}").into()
 }
 
 type Service<T> =
     iceoryx2::service::port_factory::publish_subscribe::PortFactory<ipc::Service, T, ()>;
 
 /// The service of the states, created by whoever comes first.
-pub fn states(node: &Node<ipc::Service>) -> Result<Service<RawState>, BenchError> {
+fn states(node: &Node<ipc::Service>) -> Result<Service<RawState>> {
     node.service_builder(&name("raw/state")?)
         .publish_subscribe::<RawState>()
         .max_publishers(1)
@@ -102,11 +85,11 @@ pub fn states(node: &Node<ipc::Service>) -> Result<Service<RawState>, BenchError
         .subscriber_max_buffer_size(2)
         .enable_safe_overflow(false)
         .open_or_create()
-        .map_err(BenchError::raw("open the states"))
+        .map_err(raw("open the states"))
 }
 
 /// The service of the commands, created by whoever comes first.
-pub fn commands(node: &Node<ipc::Service>) -> Result<Service<RawCommand>, BenchError> {
+fn commands(node: &Node<ipc::Service>) -> Result<Service<RawCommand>> {
     node.service_builder(&name("raw/command")?)
         .publish_subscribe::<RawCommand>()
         .max_publishers(PLANNERS)
@@ -114,17 +97,17 @@ pub fn commands(node: &Node<ipc::Service>) -> Result<Service<RawCommand>, BenchE
         .subscriber_max_buffer_size(2)
         .enable_safe_overflow(false)
         .open_or_create()
-        .map_err(BenchError::raw("open the commands"))
+        .map_err(raw("open the commands"))
 }
 
 /// The name of a service.
-pub fn name(text: &str) -> Result<iceoryx2::prelude::ServiceName, BenchError> {
-    text.try_into().map_err(BenchError::raw("name a service"))
+fn name(text: &str) -> Result<iceoryx2::prelude::ServiceName> {
+    text.try_into().map_err(raw("name a service"))
 }
 
 /// Runs a raw planner to its end.
 pub fn planner(config: &Path) -> ExitCode {
-    match RawConfig::load(config).and_then(|config| planner_with(&config)) {
+    match planner_with(config) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error}");
@@ -133,20 +116,20 @@ pub fn planner(config: &Path) -> ExitCode {
     }
 }
 
-fn planner_with(config: &RawConfig) -> Result<(), BenchError> {
+fn planner_with(config: &Path) -> Result<()> {
+    let config: RawConfig = serde_json::from_slice(&std::fs::read(config)?)?;
     let stop = Arc::new(AtomicBool::new(false));
-    kit::guard::watch_parent(Arc::clone(&stop))
-        .map_err(BenchError::system("cannot start the parent guard"))?;
-    let node = node(&config.space()?)?;
+    kit::guard::watch_parent(Arc::clone(&stop))?;
+    let node = raw_node(&RunSpace::new(&config.root, &config.prefix)?)?;
     let (states, commands) = (states(&node)?, commands(&node)?);
     let state_in = states
         .subscriber_builder()
         .create()
-        .map_err(BenchError::raw("subscribe"))?;
+        .map_err(raw("subscribe"))?;
     let command_out = commands
         .publisher_builder()
         .create()
-        .map_err(BenchError::raw("publish"))?;
+        .map_err(raw("publish"))?;
     let page = SharedWords::open(&config.prefix)?;
     page.word(READY).fetch_add(1, Ordering::SeqCst);
     let stage = page.word(STAGE);
@@ -164,22 +147,17 @@ fn planner_with(config: &RawConfig) -> Result<(), BenchError> {
             sleep_while(tick, posted, LOOK_UP);
             continue;
         }
-        let state = state_in
-            .receive()
-            .map_err(BenchError::raw("receive"))?
-            .ok_or(BenchError::Lost("raw/state"))?;
+        let state = state_in.receive().map_err(raw("receive"))?.ok_or(LOST)?;
         let mut command = RawCommand {
             words: [0; COMMAND_WORDS],
         };
         command.words[0] = state.words[0];
         command.words[1] = u64::from(config.index);
-        let sample = command_out
-            .loan_uninit()
-            .map_err(BenchError::raw("loan a command"))?;
+        let sample = command_out.loan_uninit().map_err(raw("loan a command"))?;
         sample
             .write_payload(command)
             .send()
-            .map_err(BenchError::raw("send a command"))?;
+            .map_err(raw("send a command"))?;
         drop(state);
         done = done.wrapping_add(1);
         let count = arrived.fetch_add(1, Ordering::SeqCst).wrapping_add(1);
@@ -193,14 +171,10 @@ fn planner_with(config: &RawConfig) -> Result<(), BenchError> {
 fn connect(
     state_in: &Subscriber<ipc::Service, RawState, ()>,
     command_out: &Publisher<ipc::Service, RawCommand, ()>,
-) -> Result<(), BenchError> {
+) -> Result<()> {
     use iceoryx2::port::update_connections::UpdateConnections as _;
-    state_in
-        .update_connections()
-        .map_err(BenchError::raw("connect"))?;
-    command_out
-        .update_connections()
-        .map_err(BenchError::raw("connect"))
+    state_in.update_connections().map_err(raw("connect"))?;
+    command_out.update_connections().map_err(raw("connect"))
 }
 
 /// The raw conductor: publishes states, posts ticks, waits, takes commands.
@@ -216,17 +190,17 @@ pub struct RawConductor {
 
 impl RawConductor {
     /// Creates page, services and ports; the planners may start then.
-    pub fn create(space: &RunSpace) -> Result<Self, BenchError> {
-        let node = node(space)?;
+    pub fn create(space: &RunSpace) -> Result<Self> {
+        let node = raw_node(space)?;
         let page = SharedWords::create(space.prefix())?;
         let state_out = states(&node)?
             .publisher_builder()
             .create()
-            .map_err(BenchError::raw("publish"))?;
+            .map_err(raw("publish"))?;
         let commands_in = commands(&node)?
             .subscriber_builder()
             .create()
-            .map_err(BenchError::raw("subscribe"))?;
+            .map_err(raw("subscribe"))?;
         Ok(Self {
             page,
             state_out,
@@ -243,34 +217,28 @@ impl RawConductor {
     }
 
     /// Lets the planners connect their ports, and connects ours.
-    pub fn connect(&self) -> Result<(), BenchError> {
+    pub fn connect(&self) -> Result<()> {
         use iceoryx2::port::update_connections::UpdateConnections as _;
         store_and_wake(self.page.word(STAGE), 1);
         self.state_out
             .update_connections()
-            .map_err(BenchError::raw("connect"))?;
+            .map_err(raw("connect"))?;
         self.commands_in
             .update_connections()
-            .map_err(BenchError::raw("connect"))
+            .map_err(raw("connect"))
     }
 
     /// One tick; `idle` is asked when nothing happens for long.
-    pub fn tick(
-        &mut self,
-        mut idle: impl FnMut() -> Result<(), BenchError>,
-    ) -> Result<(), BenchError> {
+    pub fn tick(&mut self, mut idle: impl FnMut() -> Result<()>) -> Result<()> {
         let mut state = RawState {
             words: [0; STATE_WORDS],
         };
         state.words[0] = u64::from(self.tick);
-        let sample = self
-            .state_out
-            .loan_uninit()
-            .map_err(BenchError::raw("loan a state"))?;
+        let sample = self.state_out.loan_uninit().map_err(raw("loan a state"))?;
         sample
             .write_payload(state)
             .send()
-            .map_err(BenchError::raw("send a state"))?;
+            .map_err(raw("send a state"))?;
         let arrived = self.page.word(ARRIVED);
         let target = (self.tick + 1).wrapping_mul(PLANNERS as u32);
         self.page.word(TARGET).store(target, Ordering::SeqCst);
@@ -290,10 +258,10 @@ impl RawConductor {
             let command = self
                 .commands_in
                 .receive()
-                .map_err(BenchError::raw("receive"))?
-                .ok_or(BenchError::Lost("raw/command"))?;
+                .map_err(raw("receive"))?
+                .ok_or(LOST)?;
             if command.words[0] != u64::from(self.tick - 1) {
-                return Err(BenchError::Lost("raw/command"));
+                return Err(LOST.into());
             }
         }
         Ok(())

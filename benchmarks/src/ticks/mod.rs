@@ -5,6 +5,9 @@
 //! for all, take eight commands. Both sets of processes are alive all the time and asleep while the
 //! other one runs, so that short blocks can take turns: A B A B.
 
+mod crew;
+mod raw;
+
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -19,17 +22,22 @@ use kit::config::{Clock, Idle, ProcessConfig, RobotInfo, RunConfig};
 use kit::inputs::{StateInput, reply_stamp};
 use kit::lockstep::{Conductor, Overseer, Phase, SlotState, TurnEnd, TurnPage};
 use kit::{ProcessError, Wiring};
+use orchestrator::latency::link::pin;
+use orchestrator::mission::spaces::OwnedSpace;
+use orchestrator::statistics::{Spread, paired_ratio};
 use sim_backend::pose::Pose2;
 use sim_backend::spec::Preset;
 use sim_backend::team::Team;
 
-use super::crew::{Crew, launch};
-use super::pinning::pin;
-use super::raw::{PLANNERS, RawConductor, RawConfig};
+use self::crew::Crew;
+pub use self::raw::planner as raw_planner;
+use self::raw::{PLANNERS, RawConductor, RawConfig};
 use super::report::{Figure, Goal};
-use super::stats::{Spread, paired_ratio};
-use super::{BenchError, Deadline, Options};
-use crate::mission::spaces::OwnedSpace;
+use super::{Options, Result, say};
+
+/// Kinds of the processes of this measurement.
+pub const KIT_PLANNER: &str = "bench-planner";
+pub const RAW_PLANNER: &str = "raw-planner";
 
 const ITEM: &str = "ticks";
 /// Share of the raw exchange's speed that the kit should keep.
@@ -44,32 +52,24 @@ const BATCH: u32 = 16;
 /// Measures on all processors, then with everything pinned to one.
 ///
 /// # Errors
-/// [`BenchError`] says what could not be measured.
-pub fn measure(options: &Options, say: &mut impl FnMut(&str)) -> Result<Vec<Figure>, BenchError> {
-    let deadline = Deadline::new();
+/// What could not be set up, or which process ended.
+pub fn measure(options: Options) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
     for (name, pinned) in [("all processors", false), ("one processor", true)] {
         say(&format!(
             "lock-step with {PLANNERS} trivial planners, {name}"
         ));
         // The processes inherit the processors of the thread that starts them.
-        let rates = std::thread::scope(|scope| {
-            scope
-                .spawn(|| {
-                    if pinned {
-                        pin(0)?;
-                    }
-                    alternate(options, deadline)
-                })
-                .join()
-                .unwrap_or_else(|_| {
-                    Err(BenchError::Process {
-                        process: "the measuring thread".into(),
-                        how: "panicked".into(),
-                    })
-                })
-        })?;
-        let (kit, raw) = rates;
+        let joined = std::thread::scope(|scope| {
+            let work = || -> Result<_> {
+                if pinned {
+                    pin(0)?;
+                }
+                alternate(options)
+            };
+            scope.spawn(work).join()
+        });
+        let (kit, raw) = joined.unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
         let (Some(value), Some(baseline), Some(ratio)) = (
             Spread::of(kit.iter().copied()),
             Spread::of(raw.iter().copied()),
@@ -93,25 +93,24 @@ pub fn measure(options: &Options, say: &mut impl FnMut(&str)) -> Result<Vec<Figu
 }
 
 /// Rates of the blocks of the kit and of the raw exchange [ticks/s], pair by pair.
-fn alternate(options: &Options, deadline: Deadline) -> Result<(Vec<f64>, Vec<f64>), BenchError> {
+fn alternate(options: Options) -> Result<(Vec<f64>, Vec<f64>)> {
     let (mut ours, mut theirs) = (Vec::new(), Vec::new());
     // Where the scheduler puts sixteen processes decides a lot, and it seldom changes its mind: the
     // median is over several sets of processes.
     for set in 0..options.repeats(5, 3) {
         // Who starts first may be at an advantage.
-        alternate_set(options, deadline, set % 2 == 0, &mut ours, &mut theirs)?;
+        alternate_set(options, set % 2 == 0, &mut ours, &mut theirs)?;
     }
     Ok((ours, theirs))
 }
 
 /// As [`alternate`], with one set of processes each.
 fn alternate_set(
-    options: &Options,
-    deadline: Deadline,
+    options: Options,
     ours_first: bool,
     ours: &mut Vec<f64>,
     theirs: &mut Vec<f64>,
-) -> Result<(), BenchError> {
+) -> Result<()> {
     let (mut kit, mut raw);
     if ours_first {
         kit = KitExchange::start()?;
@@ -131,8 +130,6 @@ fn alternate_set(
         }
     }
     for _ in 0..pairs {
-        options.check()?;
-        deadline.check("lock-step")?;
         ours.push(rate(time, || kit.tick())?);
         theirs.push(rate(time, || raw.tick())?);
     }
@@ -140,10 +137,7 @@ fn alternate_set(
 }
 
 /// Calls per second over at least this time.
-fn rate(
-    time: Duration,
-    mut call: impl FnMut() -> Result<(), BenchError>,
-) -> Result<f64, BenchError> {
+fn rate(time: Duration, mut call: impl FnMut() -> Result<()>) -> Result<f64> {
     let start = Instant::now();
     let mut calls = 0_u32;
     loop {
@@ -173,7 +167,7 @@ struct KitExchange {
 }
 
 impl KitExchange {
-    fn start() -> Result<Self, BenchError> {
+    fn start() -> Result<Self> {
         let space = OwnedSpace::create()?;
         let run = run_config(space.space().root(), space.space().prefix());
         let bus = Bus::join(space.space(), run.bus_options(), "bench")?;
@@ -193,14 +187,14 @@ impl KitExchange {
             .map(|index| ProcessConfig {
                 run: run.clone(),
                 name: format!("bench-{index}"),
-                kind: "bench-planner".into(),
+                kind: KIT_PLANNER.into(),
                 index,
                 robots: vec![index - 1],
                 upstream: Vec::new(),
                 params: serde_json::Value::Null,
             })
             .collect();
-        let crew = launch(&space, "bench-planner", &configs)?;
+        let crew = Crew::start(&space, KIT_PLANNER, &configs)?;
         let mut exchange = Self {
             overseer,
             crew,
@@ -231,14 +225,13 @@ impl KitExchange {
         Ok(exchange)
     }
 
-    fn reach(&mut self, state: SlotState) -> Result<(), BenchError> {
+    fn reach(&mut self, state: SlotState) -> Result<()> {
         let page = self.overseer.page();
-        self.crew.wait("planners to be ready", || {
-            (1..=PLANNERS).all(|slot| page.state(slot) == state)
-        })
+        self.crew
+            .wait(|| (1..=PLANNERS).all(|slot| page.state(slot) == state))
     }
 
-    fn tick(&mut self) -> Result<(), BenchError> {
+    fn tick(&mut self) -> Result<()> {
         let mut header = WorldHeader::default();
         header.stamp.tick = self.tick;
         self.state_out.send(header, &self.states)?;
@@ -247,7 +240,7 @@ impl KitExchange {
             match self.conductor.wait(self.tick) {
                 TurnEnd::Complete => break,
                 TurnEnd::Idle => self.crew.check()?,
-                TurnEnd::Stop => return Err(BenchError::Interrupted),
+                TurnEnd::Stop => return Err("stopped".into()),
             }
         }
         let mut commands = 0;
@@ -255,7 +248,7 @@ impl KitExchange {
             commands += usize::from(message.header().stamp.tick == self.tick);
         }
         if commands != PLANNERS {
-            return Err(BenchError::Lost("robot/command"));
+            return Err("robot/command: a message is missing".into());
         }
         self.tick += 1;
         Ok(())
@@ -300,14 +293,14 @@ fn run_config(root: &Path, prefix: &str) -> RunConfig {
 }
 
 /// A planner that answers every state with a command, and nothing else.
-pub struct TrivialPlanner {
+struct TrivialPlanner {
     state: StateInput,
     commands: Publisher<Commands>,
     robot: u32,
 }
 
 impl Wiring for TrivialPlanner {
-    fn open(config: &ProcessConfig, bus: &Bus) -> Result<Self, ProcessError> {
+    fn open(config: &ProcessConfig, bus: &Bus) -> std::result::Result<Self, ProcessError> {
         Ok(Self {
             state: StateInput::open(bus, config.run.robots.len())?,
             commands: bus.publisher(PublisherOptions::new(config.index, 1))?,
@@ -315,13 +308,13 @@ impl Wiring for TrivialPlanner {
         })
     }
 
-    fn connect(&mut self) -> Result<(), ProcessError> {
+    fn connect(&mut self) -> std::result::Result<(), ProcessError> {
         self.state.connect()?;
         self.commands.update_connections()?;
         Ok(())
     }
 
-    fn step(&mut self, tick: u64) -> Result<(), ProcessError> {
+    fn step(&mut self, tick: u64) -> std::result::Result<(), ProcessError> {
         self.state.update_to(tick)?;
         if self.state.header.stamp.tick != tick {
             return Err(ProcessError::Protocol(format!(
@@ -345,7 +338,7 @@ impl Wiring for TrivialPlanner {
 }
 
 /// Runs a trivial planner over the kit to its end.
-pub fn planner(config: &Path) -> ExitCode {
+pub fn kit_planner(config: &Path) -> ExitCode {
     kit::run::<TrivialPlanner>(config)
 }
 
@@ -358,7 +351,7 @@ struct RawExchange {
 }
 
 impl RawExchange {
-    fn start() -> Result<Self, BenchError> {
+    fn start() -> Result<Self> {
         let space = OwnedSpace::create()?;
         let conductor = RawConductor::create(space.space())?;
         let configs: Vec<_> = (0..PLANNERS as u32)
@@ -368,7 +361,7 @@ impl RawExchange {
                 index,
             })
             .collect();
-        let crew = launch(&space, "raw-planner", &configs)?;
+        let crew = Crew::start(&space, RAW_PLANNER, &configs)?;
         let mut exchange = Self {
             conductor,
             crew,
@@ -381,14 +374,12 @@ impl RawExchange {
         Ok(exchange)
     }
 
-    fn reach(&mut self, said: usize) -> Result<(), BenchError> {
+    fn reach(&mut self, said: usize) -> Result<()> {
         let conductor = &self.conductor;
-        self.crew.wait("raw planners to be ready", || {
-            conductor.said_ready() >= said
-        })
+        self.crew.wait(|| conductor.said_ready() >= said)
     }
 
-    fn tick(&mut self) -> Result<(), BenchError> {
+    fn tick(&mut self) -> Result<()> {
         let crew = &mut self.crew;
         self.conductor.tick(|| crew.check())
     }

@@ -4,22 +4,22 @@ use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 use kit::lockstep::Phase;
+use orchestrator::statistics::Spread;
 
 use super::probe;
 use super::report::{Figure, Goal};
 use super::session::{Session, View, number};
-use super::stats::Spread;
-use super::{BenchError, Deadline, Options};
+use super::{Options, Result, say};
 
 const ITEM: &str = "start";
-/// Real time within which the first tick should come [s].
+/// Real time within which the first tick should come (s).
 const GOAL_S: f64 = 0.5;
 /// How often a starting run is looked at.
 const BEAT: Duration = Duration::from_micros(500);
 /// Tick at which memory is read: maps and caches are built by then.
 const MEMORY_TICK: u64 = 100;
 
-/// Moments of a start, from outside [s after the run's executable was started].
+/// Moments of a start, from outside (s after the run's executable was started).
 #[derive(Debug, Clone, Copy, Default)]
 struct Parts {
     /// All processes have been started and the turn page exists.
@@ -39,15 +39,14 @@ struct Parts {
 /// Starts the chase several times, then looks at its memory and log once.
 ///
 /// # Errors
-/// [`BenchError`] says what could not be measured.
-pub fn measure(options: &Options, say: &mut impl FnMut(&str)) -> Result<Vec<Figure>, BenchError> {
-    let deadline = Deadline::new();
+/// Why a run failed.
+pub fn measure(options: Options) -> Result<Vec<Figure>> {
     let repeats = options.repeats(7, 3);
     let mut parts = Vec::new();
     let mut said = Vec::new();
     for repeat in 1..=repeats {
         say(&format!("start of the chase, {repeat} of {repeats}"));
-        let (seen, own) = start_once(options, deadline)?;
+        let (seen, own) = start_once()?;
         parts.push(seen);
         said.push(own);
     }
@@ -76,58 +75,49 @@ pub fn measure(options: &Options, say: &mut impl FnMut(&str)) -> Result<Vec<Figu
             .map(|value| Figure::new(ITEM, "first tick, as the run itself says", value, "s")),
     );
     say("memory and log of the chase");
-    figures.extend(memory_and_log(options, deadline)?);
+    figures.extend(memory_and_log()?);
     Ok(figures)
 }
 
 /// Starts a short chase and takes down when what had happened.
-fn start_once(options: &Options, deadline: Deadline) -> Result<(Parts, f64), BenchError> {
+fn start_once() -> Result<(Parts, f64)> {
     let arguments = ["--set", "rules.time_limit=0.5"].map(String::from);
-    let session = Session::start("chase", &arguments, deadline)?;
+    let session = Session::start("chase", &arguments)?;
     let mut parts = Parts::default();
-    let view = loop {
-        if let Some(view) = View::find(session.pid()) {
-            break view;
+    let mut view = None;
+    let report = session.finish(BEAT, |session| {
+        let now = session.age().as_secs_f64();
+        if view.is_none() {
+            view = View::find(session.pid());
+            parts.launched = now;
         }
-        if session.ended_within(BEAT) {
-            // It failed: its words are the error.
-            session.finish(options, BEAT, |_| {})?;
-            return Err(BenchError::Process {
-                process: "protean run".into(),
-                how: "ended before its processes were seen".into(),
-            });
-        }
-        options.check()?;
-        deadline.check("the start of a run")?;
-    };
-    parts.launched = session.age().as_secs_f64();
-    let take = |part: &mut f64, reached: bool, session: &Session| {
-        if reached && *part == 0.0 {
-            *part = session.age().as_secs_f64();
-        }
-    };
-    let report = session.finish(options, BEAT, |session| {
-        let page = &view.page;
-        take(&mut parts.ready, page.phase() >= Phase::Connect, session);
-        take(
-            &mut parts.connected,
-            page.phase() >= Phase::Prepare,
-            session,
-        );
-        take(&mut parts.running, page.phase() >= Phase::Run, session);
-        take(&mut parts.first_tick, page.ticks_posted() >= 1, session);
-        take(&mut parts.answered, page.ticks_posted() >= 2, session);
+        let Some(View { page, .. }) = &view else {
+            return;
+        };
+        let take = |part: &mut f64, reached: bool| {
+            if reached && *part == 0.0 {
+                *part = now;
+            }
+        };
+        take(&mut parts.ready, page.phase() >= Phase::Connect);
+        take(&mut parts.connected, page.phase() >= Phase::Prepare);
+        take(&mut parts.running, page.phase() >= Phase::Run);
+        take(&mut parts.first_tick, page.ticks_posted() >= 1);
+        take(&mut parts.answered, page.ticks_posted() >= 2);
     })?;
+    if view.is_none() {
+        return Err("the run ended before its processes were seen".into());
+    }
     Ok((parts, number(&report, "/start_up_s")))
 }
 
 /// Memory of every process in the middle of a chase, and the size of the log.
-fn memory_and_log(options: &Options, deadline: Deadline) -> Result<Vec<Figure>, BenchError> {
-    let session = Session::start("chase", &[], deadline)?;
+fn memory_and_log() -> Result<Vec<Figure>> {
+    let session = Session::start("chase", &[])?;
     let mut view = None;
     let mut seen: BTreeMap<String, Vec<probe::Memory>> = BTreeMap::new();
     let begun = Instant::now();
-    let report = session.finish(options, Duration::from_millis(2), |session| {
+    let report = session.finish(Duration::from_millis(2), |session| {
         if view.is_none() {
             view = View::find(session.pid());
         }
@@ -148,7 +138,7 @@ fn memory_and_log(options: &Options, deadline: Deadline) -> Result<Vec<Figure>, 
     let mut figures = Vec::new();
     let mut total = 0.0;
     for (kind, memories) in &seen {
-        let mib = |kib: u64| kib as f64 / 1024.0;
+        let mib = |bytes: u64| bytes as f64 / 1_048_576.0;
         total += memories.iter().map(|m| mib(m.pss)).sum::<f64>();
         let name = |what: &str| format!("{what} of {kind} ({} of them)", memories.len());
         figures.extend(

@@ -2,10 +2,10 @@
 
 use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
 use comfy_table::{CellAlignment, Table};
+use orchestrator::latency::load;
+use orchestrator::mission::report::machine;
+use orchestrator::statistics::Spread;
 use serde_json::{Value as Json, json};
-
-use super::stats::Spread;
-use crate::mission::report::machine;
 
 /// What a figure is held against.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,8 +21,6 @@ pub struct Baseline {
 pub enum Goal {
     /// At least so many times the baseline.
     RatioAtLeast(f64),
-    /// At most so many times the baseline.
-    RatioAtMost(f64),
     /// At most this, in the figure's unit.
     AtMost(f64),
     /// At least this, in the figure's unit.
@@ -111,7 +109,6 @@ impl Figure {
     pub fn met(&self) -> Option<bool> {
         Some(match self.goal? {
             Goal::RatioAtLeast(least) => self.ratio? >= least,
-            Goal::RatioAtMost(most) => self.ratio? <= most,
             Goal::AtMost(most) => self.value.median <= most,
             Goal::AtLeast(least) => self.value.median >= least,
         })
@@ -121,7 +118,6 @@ impl Figure {
         let words = match self.goal {
             None => return String::new(),
             Some(Goal::RatioAtLeast(least)) => format!("≥ {least}×"),
-            Some(Goal::RatioAtMost(most)) => format!("≤ {most}×"),
             Some(Goal::AtMost(most)) => format!("≤ {most} {}", self.unit),
             Some(Goal::AtLeast(least)) => format!("≥ {least} {}", self.unit),
         };
@@ -144,7 +140,6 @@ impl Figure {
             "ratio": self.ratio,
             "goal": self.goal.map(|goal| match goal {
                 Goal::RatioAtLeast(least) => json!({ "ratio_at_least": least }),
-                Goal::RatioAtMost(most) => json!({ "ratio_at_most": most }),
                 Goal::AtMost(most) => json!({ "at_most": most }),
                 Goal::AtLeast(least) => json!({ "at_least": least }),
             }),
@@ -160,27 +155,24 @@ pub struct Report {
     pub figures: Vec<Figure>,
     /// Items that failed, with the reason.
     pub errors: Vec<(&'static str, String)>,
-    /// Whether it was ended from outside before everything was measured.
-    pub interrupted: bool,
     /// Load averages over 1, 5 and 15 minutes when the measuring began.
     pub load: [f64; 3],
 }
 
 impl Report {
-    pub(super) fn new() -> Self {
+    pub fn new() -> Self {
         Self {
             load: load(),
             ..Self::default()
         }
     }
 
-    /// The one JSON object of `protean bench --json`.
+    /// The one JSON object of `--json`.
     pub fn json(&self) -> Json {
         json!({
             "version": env!("CARGO_PKG_VERSION"),
             "machine": machine(),
             "load": self.load,
-            "interrupted": self.interrupted,
             "figures": self.figures.iter().map(Figure::json).collect::<Vec<_>>(),
             "errors": self
                 .errors
@@ -233,9 +225,6 @@ impl Report {
         for (item, error) in &self.errors {
             text += &format!("\n{item}: FAILED: {error}");
         }
-        if self.interrupted {
-            text += "\ninterrupted: not everything was measured";
-        }
         text
     }
 }
@@ -250,17 +239,6 @@ fn amount(value: f64) -> String {
     }
 }
 
-/// Load averages over 1, 5 and 15 minutes.
-pub(crate) fn load() -> [f64; 3] {
-    let text = std::fs::read_to_string("/proc/loadavg").unwrap_or_default();
-    parse_load(&text)
-}
-
-fn parse_load(text: &str) -> [f64; 3] {
-    let mut words = text.split_whitespace();
-    [(); 3].map(|()| words.next().and_then(|w| w.parse().ok()).unwrap_or(0.0))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -272,7 +250,7 @@ mod tests {
         let least = figure.clone().with_goal(Goal::RatioAtLeast(0.8));
         assert_eq!(least.met(), Some(true));
         assert_eq!(least.with_ratio(0.7).met(), Some(false));
-        let most = figure.with_goal(Goal::RatioAtMost(0.8));
+        let most = figure.with_goal(Goal::AtMost(80.0));
         assert_eq!(most.met(), Some(false));
         let start = Figure::once("start", "first tick", 0.4, "s").with_goal(Goal::AtMost(0.5));
         assert_eq!(start.met(), Some(true));
@@ -282,7 +260,7 @@ mod tests {
     fn a_figure_against_a_baseline_of_nothing_has_no_ratio() {
         let figure = Figure::once("hop", "64 B", 1.0, "us").against("raw", 0.0);
         assert_eq!(figure.ratio, None);
-        assert_eq!(figure.with_goal(Goal::RatioAtMost(1.2)).met(), None);
+        assert_eq!(figure.with_goal(Goal::RatioAtLeast(0.8)).met(), None);
     }
 
     #[test]
@@ -291,10 +269,9 @@ mod tests {
             figures: vec![
                 Figure::once("hop", "64 B p50", 1.25, "us")
                     .against("raw", 1.0)
-                    .with_goal(Goal::RatioAtMost(1.2)),
+                    .with_goal(Goal::AtMost(1.2)),
             ],
             errors: vec![("ticks", "no room".into())],
-            interrupted: true,
             load: [0.0; 3],
         };
         let text = report.text();
@@ -306,15 +283,5 @@ mod tests {
         assert_eq!(json["figures"][0]["met"], false);
         assert_eq!(json["figures"][0]["baseline"]["name"], "raw");
         assert_eq!(json["errors"][0]["item"], "ticks");
-        assert_eq!(json["interrupted"], true);
-    }
-
-    #[test]
-    fn the_load_is_read_from_the_first_three_words() {
-        assert_eq!(
-            parse_load("0.89 3.23 4.82 1/123 4567\n"),
-            [0.89, 3.23, 4.82]
-        );
-        assert_eq!(parse_load(""), [0.0; 3]);
     }
 }

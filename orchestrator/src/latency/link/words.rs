@@ -1,4 +1,4 @@
-//! A few words of shared memory between the bench and its processes, without the kit.
+//! A few words of shared memory between a measurement and its processes, without the kit.
 
 use std::fs::OpenOptions;
 use std::os::unix::fs::OpenOptionsExt as _;
@@ -9,7 +9,7 @@ use std::time::Duration;
 use memmap2::{MmapOptions, MmapRaw};
 use rustix::thread::futex;
 
-use super::BenchError;
+use super::LinkError;
 
 /// Words of a cache line: neighbours that are written by different processes stand so far apart.
 pub const LINE: usize = 16;
@@ -25,19 +25,25 @@ pub struct SharedWords {
 
 impl SharedWords {
     /// Creates the words of a run space; they are wiped with it.
-    pub fn create(prefix: &str) -> Result<Self, BenchError> {
+    ///
+    /// # Errors
+    /// [`LinkError`] if the system refuses.
+    pub fn create(prefix: &str) -> Result<Self, LinkError> {
         let mut options = OpenOptions::new();
         Self::map(options.create_new(true).mode(0o600), prefix)
     }
 
     /// Opens the words of a run space.
-    pub fn open(prefix: &str) -> Result<Self, BenchError> {
+    ///
+    /// # Errors
+    /// [`LinkError`] if the system refuses.
+    pub fn open(prefix: &str) -> Result<Self, LinkError> {
         Self::map(&mut OpenOptions::new(), prefix)
     }
 
-    fn map(options: &mut OpenOptions, prefix: &str) -> Result<Self, BenchError> {
+    fn map(options: &mut OpenOptions, prefix: &str) -> Result<Self, LinkError> {
         let path = PathBuf::from(format!("/dev/shm/{prefix}words"));
-        let failed = |e| BenchError::system(format!("{}", path.display()))(e);
+        let failed = |e| LinkError::system(format!("{}", path.display()))(e);
         let file = options.read(true).write(true).open(&path).map_err(failed)?;
         // Allocated now, so that a full /dev/shm is an error here; no change if it is there already.
         let whole = rustix::fs::FallocateFlags::empty();

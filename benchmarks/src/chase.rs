@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 use kit::lockstep::Phase;
+use orchestrator::statistics::Spread;
 use serde_json::Value as Json;
 
 use super::probe;
 use super::report::{Figure, Goal};
 use super::session::{Session, View, number};
-use super::stats::Spread;
-use super::{BenchError, Deadline, Options};
+use super::{Options, Result, say};
 
 const ITEM: &str = "chase";
 /// Ticks per simulated second of the scenario.
@@ -39,16 +39,15 @@ const HOPS: [&str; 9] = [
 /// Runs the chase with several seeds, on all processors and pinned to one in turn.
 ///
 /// # Errors
-/// [`BenchError`] says what could not be measured.
-pub fn measure(options: &Options, say: &mut impl FnMut(&str)) -> Result<Vec<Figure>, BenchError> {
-    let deadline = Deadline::new();
+/// Why a run failed.
+pub fn measure(options: Options) -> Result<Vec<Figure>> {
     let seeds = options.repeats(5, 2) as u64;
     let mut reports: [Vec<Json>; 2] = [Vec::new(), Vec::new()];
     for seed in 1..=seeds {
         for (pin, reports) in ["none", "one_core"].iter().zip(&mut reports) {
             say(&format!("chase, seed {seed} of {seeds}, pin = {pin}"));
-            let session = Session::start("chase", &arguments(seed, pin), deadline)?;
-            reports.push(session.finish(options, Duration::from_millis(100), |_| {})?);
+            let session = Session::start("chase", &arguments(seed, pin))?;
+            reports.push(session.finish(Duration::from_millis(10), |_| {})?);
         }
     }
     let mut figures = Vec::new();
@@ -77,7 +76,7 @@ pub fn measure(options: &Options, say: &mut impl FnMut(&str)) -> Result<Vec<Figu
         }
     }
     say("chase, CPU time of every process");
-    figures.extend(cpu(options, deadline)?);
+    figures.extend(cpu()?);
     Ok(figures)
 }
 
@@ -90,7 +89,7 @@ fn arguments(seed: u64, pin: &str) -> [String; 4] {
     ]
 }
 
-/// CPU times of a run at one moment [ns], by kind of process.
+/// CPU times of a run at one moment (ns), by kind of process.
 #[derive(Debug, Clone, Default)]
 struct Moment {
     tick: u64,
@@ -120,11 +119,11 @@ impl Moment {
 }
 
 /// CPU time per tick and kind of process, of one run that is watched while it goes.
-fn cpu(options: &Options, deadline: Deadline) -> Result<Vec<Figure>, BenchError> {
-    let session = Session::start("chase", &arguments(1, "none"), deadline)?;
+fn cpu() -> Result<Vec<Figure>> {
+    let session = Session::start("chase", &arguments(1, "none"))?;
     let mut view = None;
     let (mut first, mut warm, mut last) = (None, None, None);
-    session.finish(options, BEAT, |session| {
+    session.finish(BEAT, |session| {
         if view.is_none() {
             view = View::find(session.pid());
         }

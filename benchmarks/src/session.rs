@@ -1,0 +1,117 @@
+//! A whole run of a scenario as a child of this program, looked at from outside.
+
+use std::fs::File;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use kit::config::ProcessConfig;
+use kit::lockstep::TurnPage;
+use rustix::process::{Pid, Signal};
+use serde_json::Value as Json;
+use tempfile::TempDir;
+
+use super::Result;
+use super::probe::{self, Member};
+
+/// A running `protean run`; ended when dropped. It is of this program's process group, so that Ctrl-C
+/// ends both.
+#[derive(Debug)]
+pub struct Session {
+    child: Child,
+    folder: TempDir,
+    begun: Instant,
+}
+
+impl Session {
+    /// Starts `protean run SCENARIO` with these further arguments; its log goes to a temporary
+    /// folder.
+    ///
+    /// # Errors
+    /// What the system refused.
+    pub fn start(scenario: &str, arguments: &[String]) -> Result<Self> {
+        let folder = tempfile::tempdir()?;
+        let file = |name: &str| File::create(folder.path().join(name));
+        let (output, errors) = (file("report.json")?, file("errors.txt")?);
+        let begun = Instant::now();
+        let child = Command::new(std::env::current_exe()?)
+            .args(["run", scenario, "--json", "--quiet", "--force", "--out"])
+            .arg(folder.path().join("run.mcap"))
+            .args(arguments)
+            .stdin(Stdio::null())
+            .stdout(output)
+            .stderr(errors)
+            .spawn()?;
+        Ok(Self {
+            child,
+            folder,
+            begun,
+        })
+    }
+
+    /// Process id of the run's orchestrator.
+    pub fn pid(&self) -> u32 {
+        self.child.id()
+    }
+
+    /// Time since the run was started.
+    pub fn age(&self) -> Duration {
+        self.begun.elapsed()
+    }
+
+    /// Waits for the end, calling `look` every `beat`; returns what `protean run --json` printed.
+    ///
+    /// # Errors
+    /// What the run said when it failed.
+    pub fn finish(mut self, beat: Duration, mut look: impl FnMut(&Self)) -> Result<Json> {
+        let status = loop {
+            if let Some(status) = self.child.try_wait()? {
+                break status;
+            }
+            look(&self);
+            std::thread::sleep(beat);
+        };
+        let read = |name: &str| std::fs::read_to_string(self.folder.path().join(name));
+        if !status.success() {
+            return Err(format!("protean run: {status}: {}", read("errors.txt")?.trim()).into());
+        }
+        Ok(serde_json::from_str(&read("report.json")?)?)
+    }
+}
+
+impl Drop for Session {
+    fn drop(&mut self) {
+        if matches!(self.child.try_wait(), Ok(Some(_))) {
+            return;
+        }
+        let _ = rustix::process::kill_process(Pid::from_child(&self.child), Signal::TERM);
+        let _ = self.child.wait();
+    }
+}
+
+/// A run as seen from outside: its processes and its turn page.
+#[derive(Debug)]
+pub struct View {
+    /// The processes, the orchestrator not among them.
+    pub members: Vec<Member>,
+    /// The turn page.
+    pub page: TurnPage,
+}
+
+impl View {
+    /// Looks for the run of this orchestrator; `None` while it has no processes or page yet.
+    pub fn find(orchestrator: u32) -> Option<Self> {
+        let members = probe::members(orchestrator);
+        let config = ProcessConfig::load(&members.first()?.config).ok()?;
+        let page = TurnPage::open(&config.run.prefix).ok()?;
+        // Not all of them have been started, or executed, yet.
+        (members.len() == page.processes()).then_some(Self { members, page })
+    }
+}
+
+/// A number in a run's JSON; 0 if it is missing.
+pub fn number(report: &Json, pointer: &str) -> f64 {
+    report
+        .pointer(pointer)
+        .and_then(Json::as_f64)
+        .unwrap_or(0.0)
+}
