@@ -21,7 +21,7 @@ use ipc_types::topics::{Belief, Commands, Plan, Sightings, Topic, WorldState};
 use mcap::WriteOptions;
 use mcap::records::MessageHeader;
 use orchestrator::recorder::{
-    ChannelSpec, Compression, LogOptions, LogWriter, Manifest, Order, ProcessInfo, RecorderOptions,
+    ChannelSpec, Compression, LogOptions, LogWriter, Manifest, ProcessInfo, RecorderOptions,
     Recording, RobotInfo, ViewerOptions,
 };
 
@@ -323,7 +323,6 @@ fn recorder_options(path: &Path, log: LogOptions, viewer: ViewerOptions) -> Reco
             })
             .collect(),
         tick_period_ns: PERIOD_NS,
-        order: Order::LockStep,
         viewer,
         obstacles: Vec::new(),
         eyes: Vec::new(),

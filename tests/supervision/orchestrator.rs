@@ -173,9 +173,7 @@ fn the_tick_in_which_the_world_stands_still_is_in_the_log_before_it_ends() {
         }
         signal(planner.pid, Signal::CONT);
         let outcome = running.finish();
-        // Nobody can tell from the log afterwards, and readers pass over what was put by.
         let info = sandbox.protean(["info", &log]).json();
-        assert_eq!(info["condition"]["put_by"], 0);
         assert_eq!(info["condition"]["faults"], serde_json::json!([]));
         if then == Then::GoesOn {
             let summary = outcome.json();

@@ -8,9 +8,8 @@ use crate::logs::recover;
 
 /// What stands below the options.
 pub(super) const HELP: &str = "\
-Writes everything that can be read into a new log with an index and a summary: every chunk whose checksum
-fits, and what can be decompressed of a chunk that was still open when the run was killed. The messages
-keep their order, times and numbers. The log itself stays as it is.
+Writes everything that can be read into a new log with an index and a summary: every whole chunk whose
+checksum fits. The messages keep their order, times and numbers. The log itself stays as it is.
 
 Exit codes: 0 no data were missing, 1 the new log cannot be written, 2 the file cannot be read or is not
 an MCAP file, 3 something is lost: what, is said.";
@@ -48,12 +47,10 @@ pub fn run(args: &RecoverArgs) -> ExitCode {
                 None => ", how many are lost is not known".to_owned(),
             };
             print(&format!(
-                "{}: {} messages up to {:.2} s ({} from the open chunk{lost}), {} attachments, {} \
-                 metadata records",
+                "{}: {} messages up to {:.2} s{lost}, {} attachments, {} metadata records",
                 args.out.display(),
                 done.messages,
                 done.end_s,
-                done.salvaged,
                 done.attachments,
                 done.metadata,
             ));

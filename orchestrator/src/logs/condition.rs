@@ -46,10 +46,6 @@ pub struct Condition {
     pub index: bool,
     /// Where the first record begins that is not whole, if the file ends in the middle [bytes].
     pub cut_at: Option<u64>,
-    /// Messages read from the chunk that was open when the file ended; no checksum covers them.
-    pub salvaged: u64,
-    /// Messages of a tick that was not complete when the file ended, which the recorder had put by.
-    pub put_by: u64,
     /// Messages that the file says it holds; only in a summary.
     pub claimed_messages: Option<u64>,
     /// Chunks by compression; the empty name stands for none.
@@ -93,18 +89,6 @@ impl Condition {
             .collect();
         if self.faults_omitted > 0 {
             lines.push(format!("and {} more faults", self.faults_omitted));
-        }
-        if self.salvaged > 0 {
-            lines.push(format!(
-                "{} messages come from the chunk that was open at the end; no checksum covers them",
-                self.salvaged
-            ));
-        }
-        if self.put_by > 0 {
-            lines.push(format!(
-                "the last {} messages are of a tick that was not over: the recorder had put them by",
-                self.put_by
-            ));
         }
         lines
     }

@@ -15,8 +15,6 @@ use super::watch::Watch;
 pub struct Recovered {
     /// Messages in the new log.
     pub messages: u64,
-    /// Of these, from the chunk that was open at the end.
-    pub salvaged: u64,
     /// Messages that the old log says it held beyond these; absent if it does not say.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lost: Option<u64>,
@@ -104,14 +102,12 @@ pub fn recover(
             [
                 ("from", name.into_owned()),
                 ("messages", messages.to_string()),
-                ("salvaged", source.salvaged.to_string()),
                 ("faults", source.lines().join("\n")),
             ],
         )?;
     }
     Ok(Recovered {
         messages,
-        salvaged: source.salvaged,
         lost,
         attachments,
         metadata,

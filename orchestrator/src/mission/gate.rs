@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
+use kit::config::Clock;
 use kit::lockstep::Overseer;
 
 use crate::recorder::Gate;
@@ -50,6 +51,7 @@ impl Calls {
 #[derive(Debug, Clone)]
 pub struct PageGate {
     overseer: Overseer,
+    clock: Clock,
     ended: Arc<AtomicBool>,
     calls: Arc<Calls>,
     pace: Option<Pace>,
@@ -60,12 +62,14 @@ impl PageGate {
     /// ticks count as complete no earlier than they are due.
     pub fn new(
         overseer: Overseer,
+        clock: Clock,
         ended: Arc<AtomicBool>,
         calls: Arc<Calls>,
         pace: Option<Pace>,
     ) -> Self {
         Self {
             overseer,
+            clock,
             ended,
             calls,
             pace,
@@ -78,6 +82,13 @@ impl Gate for PageGate {
         if self.ended() {
             return;
         }
+        if self.clock != Clock::LockStep
+            && let Some(tick) = self.overseer.completed_tick()
+        {
+            // In real time nothing waits for the log: the recorder is woken for what it has not
+            // taken, not for what is not written.
+            self.overseer.recorded(tick);
+        }
         match &self.pace {
             // Most of the time the simulator waits for the recorder: that must not wake it.
             Some(pace) => std::thread::sleep(timeout.min(pace.until_due())),
@@ -86,6 +97,9 @@ impl Gate for PageGate {
     }
 
     fn completed_tick(&self) -> Option<u64> {
+        if self.clock != Clock::LockStep {
+            return None;
+        }
         let completed = self.overseer.completed_tick()?;
         match &self.pace {
             Some(pace) => pace.due(completed),

@@ -6,7 +6,6 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, mpsc};
 use std::thread::JoinHandle;
-use std::time::Duration;
 
 use ipc_types::bus::Bus;
 use kit::config::Clock;
@@ -20,8 +19,8 @@ use super::run::MissionOptions;
 use super::{log_path, report};
 use crate::eyes;
 use crate::recorder::{
-    Compression, LogError, LogOptions, Manifest, ManifestFile, Mirror, Order, ProcessInfo,
-    Recorder, RecorderError, RecorderOptions, Recording, RobotInfo, Summary, Tally, ViewerOptions,
+    Compression, LogError, LogOptions, Manifest, ManifestFile, Mirror, ProcessInfo, Recorder,
+    RecorderError, RecorderOptions, Recording, RobotInfo, Summary, Tally, ViewerOptions,
 };
 use crate::scenario::ResolvedScenario;
 use crate::scenario::spec;
@@ -192,13 +191,6 @@ fn recorder_options(
         processes,
         robots: robots(plan),
         tick_period_ns: plan.run.tick_period_ns,
-        order: match plan.run.clock {
-            Clock::LockStep => Order::LockStep,
-            // A quarter of a real second behind: later messages are rarer than lost ones.
-            Clock::RealTime { .. } => Order::RealTime {
-                window: Duration::from_millis(250),
-            },
-        },
         viewer: ViewerOptions {
             rate_hz: scenario.log.viewer_rate_hz,
             ..ViewerOptions::default()
@@ -282,7 +274,13 @@ impl RecorderThread {
         let ended = Arc::new(AtomicBool::new(false));
         let calls = Arc::new(Calls::default());
         let (of_gate, of_thread) = (Arc::clone(&calls), Arc::clone(&calls));
-        let gate = PageGate::new(overseer.clone(), Arc::clone(&ended), of_gate, pace);
+        let gate = PageGate::new(
+            overseer.clone(),
+            plan.run.clock,
+            Arc::clone(&ended),
+            of_gate,
+            pace,
+        );
         let space = plan.run.space()?;
         let bus_options = plan.run.bus_options();
         let thread = std::thread::Builder::new()

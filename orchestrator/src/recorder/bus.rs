@@ -7,10 +7,8 @@ use ipc_types::topics::{Topic, TopicVisitor, for_each_topic};
 
 use super::error::RecorderError;
 use super::gate::{Gate, Observer};
-use super::options::Order;
 use super::recording::Recording;
 use super::summary::Summary;
-use super::window::Window;
 
 /// Longest sleep between two looks at the bus. Messages gather meanwhile, so that the recorder is
 /// woken per batch and not per tick; a gate wakes it earlier when the simulator is about to be
@@ -19,11 +17,6 @@ const NAP: Duration = Duration::from_millis(10);
 
 /// Most messages taken from one topic before the others get their turn.
 const TURN: usize = 16_384;
-
-/// Time between two looks for messages that still wait since the look before, and are put by then:
-/// more than the window of a run by the clock and some ticks, and twice that is less than what a
-/// kill may cost.
-const PUT_BY_LOOK: Duration = Duration::from_millis(400);
 
 /// Records every topic of a run.
 ///
@@ -80,12 +73,7 @@ impl Recorder {
         gate: &dyn Gate,
         observer: &mut dyn Observer,
     ) -> Result<Summary, RecorderError> {
-        let (mut recorded, mut told) = (None, None);
-        let (mut looked, mut put_by) = ((Instant::now(), 0), 0);
-        let mut window = Window::new(match self.recording.order() {
-            Order::LockStep => Duration::ZERO,
-            Order::RealTime { window } => window,
-        });
+        let mut recorded = None;
         loop {
             // What the gate says must be known before the buffers are looked at: then every
             // message that it speaks of is in them.
@@ -98,38 +86,13 @@ impl Recorder {
                 if ended {
                     break;
                 }
-                let complete = match self.recording.order() {
-                    Order::LockStep => completed,
-                    Order::RealTime { .. } => {
-                        window.complete(self.recording.newest_tick(), Instant::now())
-                    }
-                };
-                if complete > recorded
-                    && let Some(tick) = complete
-                {
-                    self.recording.advance(tick, observer)?;
-                    recorded = complete;
-                    // In front of a chunk it counts no more: what waits still is put by again.
-                    put_by = 0;
-                }
-                if looked.0.elapsed() >= PUT_BY_LOOK {
-                    if self.recording.has_waiting(put_by..looked.1) {
-                        self.recording.put_by(observer)?;
-                        put_by = self.recording.arrivals();
-                    }
-                    looked = (Instant::now(), self.recording.arrivals());
-                }
-                // By the clock nobody waits for the log. There it counts what was taken: a window
-                // of more ticks than a batch would have the recorder look for them without rest.
-                let counts = match self.recording.order() {
-                    Order::LockStep => recorded,
-                    Order::RealTime { .. } => completed,
-                };
-                if counts > told
-                    && let Some(tick) = counts
+                self.recording
+                    .write_ready(completed, Instant::now(), observer)?;
+                if completed > recorded
+                    && let Some(tick) = completed
                 {
                     gate.recorded(tick);
-                    told = counts;
+                    recorded = completed;
                 }
             }
             self.recording.flush_if_due()?;

@@ -14,11 +14,10 @@ pub trait Gate {
     fn wait(&self, timeout: Duration);
 
     /// The last complete tick: every message of it and of those before has been sent. `None`
-    /// before the first.
+    /// before the first, and in real time, where nothing says so.
     fn completed_tick(&self) -> Option<u64>;
 
-    /// Tells the simulator that everything up to this tick is in the log (back-pressure), or, in
-    /// real time, that it was taken and waits for what may come late.
+    /// Tells the simulator that everything up to this complete tick is in the log (back-pressure).
     fn recorded(&self, tick: u64);
 
     /// How often somebody has asked the recorder to take what has been sent by then.

@@ -1,7 +1,5 @@
 //! Messages between their arrival and their place in the log.
 
-use std::ops::Range;
-
 use ipc_types::cdr;
 use ipc_types::stamp::{Header, Stamp};
 use ipc_types::topics::Topic;
@@ -25,7 +23,7 @@ pub(super) struct Entry {
     len: usize,
 }
 
-/// Holds messages, in their CDR form, until their tick is complete, and hands them out ordered by
+/// Holds messages, in their CDR form, until their tick is written, and hands them out ordered by
 /// tick, topic, source and sequence: the same order in every run, however they arrived.
 #[derive(Debug, Default)]
 pub(super) struct Intake {
@@ -63,40 +61,29 @@ impl Intake {
         (&mut self.entries[last], &self.bytes[start..])
     }
 
-    /// Hands out, in order, the messages of all ticks up to `completed` (of all if `None`).
+    /// Hands out, in order, the messages of all ticks up to `last` (of all if `None`).
     ///
     /// # Errors
     /// The first error of `take`; what was not handed out then is gone.
     pub(super) fn take<E>(
         &mut self,
-        completed: Option<u64>,
-        take: impl FnMut(&Entry, &[u8]) -> Result<(), E>,
-    ) -> Result<(), E> {
-        self.take_while(
-            |entry| completed.is_none_or(|completed| entry.tick <= completed),
-            take,
-        )
-    }
-
-    /// Hands out, in order, the first messages for which this holds.
-    ///
-    /// # Errors
-    /// As [`Intake::take`].
-    pub(super) fn take_while<E>(
-        &mut self,
-        holds: impl Fn(&Entry) -> bool,
+        last: Option<u64>,
         mut take: impl FnMut(&Entry, &[u8]) -> Result<(), E>,
     ) -> Result<(), E> {
-        self.sort();
-        let complete = self.entries.partition_point(holds);
+        self.entries.sort_unstable_by_key(|e| {
+            (e.tick, e.rank, e.stamp.source, e.stamp.sequence, e.arrival)
+        });
+        let ready = self
+            .entries
+            .partition_point(|entry| last.is_none_or(|last| entry.tick <= last));
         let mut result = Ok(());
-        for entry in &self.entries[..complete] {
+        for entry in &self.entries[..ready] {
             result = take(entry, &self.bytes[entry.start..entry.start + entry.len]);
             if result.is_err() {
                 break;
             }
         }
-        self.entries.drain(..complete);
+        self.entries.drain(..ready);
         self.spare.clear();
         for entry in &mut self.entries {
             let start = self.spare.len();
@@ -106,32 +93,6 @@ impl Intake {
         }
         core::mem::swap(&mut self.bytes, &mut self.spare);
         result
-    }
-
-    /// The messages that wait, in order.
-    pub(super) fn waiting(&mut self) -> impl Iterator<Item = (&Entry, &[u8])> {
-        self.sort();
-        let bytes = &self.bytes;
-        self.entries
-            .iter()
-            .filter_map(|entry| Some((entry, bytes.get(entry.start..entry.start + entry.len)?)))
-    }
-
-    /// Whether one of the messages that came as one of these waits, of ticks up to `newest`.
-    pub(super) fn has_waiting(&self, newest: u64, arrivals: Range<u64>) -> bool {
-        let mut entries = self.entries.iter();
-        entries.any(|entry| entry.tick <= newest && arrivals.contains(&entry.arrival))
-    }
-
-    fn sort(&mut self) {
-        self.entries.sort_unstable_by_key(|e| {
-            (e.tick, e.rank, e.stamp.source, e.stamp.sequence, e.arrival)
-        });
-    }
-
-    /// Messages that ever came.
-    pub(super) fn arrivals(&self) -> u64 {
-        self.arrivals
     }
 
     /// Bytes of the messages that wait.

@@ -28,8 +28,8 @@ pub(super) struct Ledger {
     digest: Digest,
     sources: BTreeSet<u32>,
     tick_period_ns: u64,
-    /// Tick of the newest world state.
-    newest: u64,
+    /// Tick of the newest world state; `None` before the first.
+    newest: Option<u64>,
 }
 
 /// What is known of a topic's messages.
@@ -64,7 +64,7 @@ impl Ledger {
             digest: Digest::default(),
             sources: processes.iter().map(|p| p.index).collect(),
             tick_period_ns,
-            newest: 0,
+            newest: None,
         }
     }
 
@@ -93,8 +93,8 @@ impl Ledger {
         let source = if known { stamp.source } else { STRANGER };
         // Obstacle events are announced: all but those that a robot brings about come before the
         // first tick.
-        let plausible =
-            info.role == Role::Obstacle || stamp.tick <= self.newest.saturating_add(FARTHEST_AHEAD);
+        let farthest = self.newest.unwrap_or(0).saturating_add(FARTHEST_AHEAD);
+        let plausible = info.role == Role::Obstacle || stamp.tick <= farthest;
         let holds = known
             && plausible
             && (!info.simulated || on_time(stamp, self.tick_period_ns))
@@ -113,7 +113,7 @@ impl Ledger {
             self.digest.update(info.name, source, message);
         }
         if info.role == Role::State && holds {
-            self.newest = self.newest.max(stamp.tick);
+            self.newest = self.newest.max(Some(stamp.tick));
         }
         Some(Verdict { holds, plausible })
     }
@@ -125,8 +125,8 @@ impl Ledger {
         self.digest.beginning(info.name, source)
     }
 
-    /// Tick of the newest world state.
-    pub(super) fn newest(&self) -> u64 {
+    /// Tick of the newest world state; `None` before the first.
+    pub(super) fn newest(&self) -> Option<u64> {
         self.newest
     }
 

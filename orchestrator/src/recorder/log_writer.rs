@@ -72,19 +72,6 @@ pub struct ManifestFile {
     pub data: Vec<u8>,
 }
 
-/// Opcode of the record in which messages are put by: private, so other readers pass over it.
-///
-/// It begins with the CRC-32 of what follows (little-endian), which is `Message` records as in a
-/// chunk. It counts if the file ends before another chunk begins; the chunk holds the same
-/// messages, in their final place.
-pub(crate) const PUT_BY: u8 = 0x90;
-
-/// Bytes of a `Message` record in front of its data: channel, sequence, the two times.
-const MESSAGE_FIXED: u64 = 2 + 4 + 8 + 8;
-
-/// Most bytes of such a record; what goes beyond is not put by. Less than readers refuse.
-const PUT_BY_LIMIT: usize = 64 << 20;
-
 /// A channel of a [`LogWriter`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct ChannelId(usize);
@@ -130,16 +117,6 @@ struct Channel {
     id: u16,
     totals: ChannelTotals,
     last_log_time: u64,
-}
-
-/// A message whose place in the log is not known yet.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct UnplacedMessage<'a> {
-    pub(super) channel: ChannelId,
-    pub(super) sequence: u32,
-    pub(super) log_time: u64,
-    pub(super) publish_time: u64,
-    pub(super) data: &'a [u8],
 }
 
 /// Writes the MCAP file of a run.
@@ -322,52 +299,6 @@ impl LogWriter {
         } else {
             Ok(())
         }
-    }
-
-    /// Writes messages whose turn has not come where only a file that ends there is read
-    /// ([`PUT_BY`]), and hands everything to the operating system. They are to be written in
-    /// their turn all the same; the totals do not count them here.
-    ///
-    /// Before the first message nothing is written: a chunk without messages has no index, and
-    /// Foxglove Studio opens no file with such a chunk.
-    ///
-    /// # Errors
-    /// [`LogError::Write`].
-    pub(super) fn put_by<'a>(
-        &mut self,
-        messages: impl IntoIterator<Item = UnplacedMessage<'a>>,
-    ) -> Result<(), LogError> {
-        if self.channels.iter().all(|c| c.totals.messages == 0) {
-            return Ok(());
-        }
-        let mut records = Vec::new();
-        for message in messages {
-            let Some(channel) = self.channels.get(message.channel.0) else {
-                continue;
-            };
-            if records.len() + message.data.len() > PUT_BY_LIMIT {
-                break;
-            }
-            records.push(mcap::records::op::MESSAGE);
-            let length = MESSAGE_FIXED + message.data.len() as u64;
-            records.extend_from_slice(&length.to_le_bytes());
-            records.extend_from_slice(&channel.id.to_le_bytes());
-            records.extend_from_slice(&message.sequence.to_le_bytes());
-            let log_time = message.log_time.max(channel.last_log_time);
-            records.extend_from_slice(&log_time.to_le_bytes());
-            records.extend_from_slice(&message.publish_time.to_le_bytes());
-            records.extend_from_slice(message.data);
-        }
-        if records.is_empty() {
-            return Ok(());
-        }
-        let mut body = crc32fast::hash(&records).to_le_bytes().to_vec();
-        body.append(&mut records);
-        // Outside of chunks.
-        let options = std::iter::empty::<mcap::write::PrivateRecordOptions>().collect();
-        let result = self.writer.write_private_record(PUT_BY, &body, options);
-        self.check(result)?;
-        self.flush()
     }
 
     /// Closes the open chunk if it is older than the options allow. Call it at least that often.

@@ -36,7 +36,6 @@ mod tally;
 mod topic_info;
 mod viewer;
 mod visits;
-mod window;
 
 #[cfg(test)]
 pub(crate) mod tests;
@@ -47,13 +46,12 @@ pub use error::{LogError, RecorderError};
 pub use gate::{Gate, Observer};
 pub use latency::SENSE_TO_ACT;
 pub(crate) use latency::{Latency, since};
-pub(crate) use log_writer::PUT_BY;
 pub use log_writer::{
     ChannelId, ChannelSpec, ChannelTotals, Compression, LogOptions, LogTotals, LogWriter, Manifest,
     ManifestFile,
 };
 pub use mirror::Mirror;
-pub use options::{Order, ProcessInfo, RecorderOptions, RobotInfo};
+pub use options::{ProcessInfo, RecorderOptions, RobotInfo};
 pub use outages::{Outage, ProcessOutcome};
 pub use predicted::PredictionOutcome;
 pub use recording::Recording;

@@ -1,7 +1,6 @@
 //! What the recorder is told about a run.
 
 use std::path::PathBuf;
-use std::time::Duration;
 
 use ipc_types::messages::world::ObstacleEvent;
 
@@ -33,19 +32,6 @@ pub struct RobotInfo {
     pub visits_waypoints: bool,
 }
 
-/// When a tick counts as complete.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Order {
-    /// As soon as the gate says so: every message of it has been sent.
-    LockStep,
-    /// This long after it was the newest, and when the simulator is two ticks ahead of it; a
-    /// message that comes later still is written late.
-    RealTime {
-        /// How far the log stays behind.
-        window: Duration,
-    },
-}
-
 /// What is recorded, how and where.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecorderOptions {
@@ -62,8 +48,6 @@ pub struct RecorderOptions {
     pub robots: Vec<RobotInfo>,
     /// Simulated time between two ticks [ns], > 0.
     pub tick_period_ns: u64,
-    /// When a tick counts as complete.
-    pub order: Order,
     /// What viewers get to see.
     pub viewer: ViewerOptions,
     /// Obstacles that stand from the beginning, for viewers.

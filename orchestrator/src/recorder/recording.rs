@@ -1,19 +1,24 @@
 //! The recording of a run, whoever delivers the messages.
 
-use std::ops::Range;
+use std::collections::VecDeque;
+use std::time::{Duration, Instant};
 
-use ipc_types::topics::{Topic, WorldState};
+use ipc_types::topics::Topic;
 
 use super::error::LogError;
 use super::gate::Observer;
-use super::intake::{Entry, Intake};
+use super::intake::Intake;
 use super::ledger::Ledger;
 use super::mirror::Mirror;
-use super::options::{Order, RecorderOptions};
+use super::options::RecorderOptions;
 use super::parts::Parts;
 use super::sink::Sink;
 use super::summary::Summary;
 use super::topic_info;
+
+/// How long a tick that began waits for its messages before what there is of it is written: in real
+/// time, where nothing says that a tick is complete, and when the world stands still within one.
+const LONGEST_WAIT: Duration = Duration::from_millis(250);
 
 /// Orders, checks, counts, fingerprints and writes the messages of a run.
 ///
@@ -23,8 +28,9 @@ pub struct Recording {
     intake: Intake,
     sink: Sink,
     ledger: Ledger,
-    order: Order,
-    /// The newest tick that is written.
+    /// Ticks that began, and when that was seen; those of the last [`LONGEST_WAIT`], in order.
+    begun: VecDeque<(Instant, u64)>,
+    /// The newest tick that is written, perhaps in part.
     written: u64,
 }
 
@@ -50,7 +56,7 @@ impl Recording {
             intake: Intake::default(),
             sink: Sink::create(options, mirror)?,
             ledger: Ledger::new(&options.processes, options.tick_period_ns),
-            order: options.order,
+            begun: VecDeque::new(),
             written: 0,
         })
     }
@@ -70,7 +76,7 @@ impl Recording {
         let Some(info) = topic_info::all().get(rank) else {
             return;
         };
-        let newest = self.ledger.newest();
+        let newest = self.ledger.newest().unwrap_or(0);
         // From here on only the copy counts: a hostile sender could still write to the original.
         let (entry, bytes) = self.intake.push::<T>(rank, header, elements);
         let message = Parts::of_cdr(info, bytes, elements.len());
@@ -83,16 +89,6 @@ impl Recording {
         }
     }
 
-    /// When a tick counts as complete.
-    pub fn order(&self) -> Order {
-        self.order
-    }
-
-    /// Tick of the newest world state.
-    pub fn newest_tick(&self) -> u64 {
-        self.ledger.newest()
-    }
-
     /// Bytes of messages whose tick is not complete yet.
     pub fn waiting_bytes(&self) -> usize {
         self.intake.waiting_bytes()
@@ -103,43 +99,50 @@ impl Recording {
     /// # Errors
     /// [`LogError`]; the recording is then at its end.
     pub fn advance(&mut self, completed: u64, observer: &mut dyn Observer) -> Result<(), LogError> {
-        self.written = self.written.max(completed);
-        let sink = &mut self.sink;
-        self.intake.take(Some(completed), |entry, bytes| {
-            sink.write(entry, bytes, observer)
-        })?;
-        sink.end_of_tick()
+        self.write(completed, observer)?;
+        self.sink.end_of_tick()
     }
 
-    /// Puts what is known of ticks that are not complete where only a log that ends there is
-    /// read: for a world that stands still within a tick, so that a kill costs nothing that was
-    /// said long before. Order and digest stay what they are.
+    fn write(&mut self, last: u64, observer: &mut dyn Observer) -> Result<(), LogError> {
+        self.written = self.written.max(last);
+        let sink = &mut self.sink;
+        self.intake.take(Some(last), |entry, bytes| {
+            sink.write(entry, bytes, observer)
+        })
+    }
+
+    /// Writes what is ready, in order: the messages of the ticks up to `completed`, all of which have
+    /// been sent, and of those that began [`LONGEST_WAIT`] before `now`. What comes of such a tick
+    /// later is written at the next look. Before the first world state nothing is ready, so that it
+    /// comes first.
     ///
     /// # Errors
     /// [`LogError`]; the recording is then at its end.
-    pub fn put_by(&mut self, observer: &mut dyn Observer) -> Result<(), LogError> {
-        let (sink, newest) = (&mut self.sink, self.ledger.newest());
-        // The first state comes first whatever else is said in its tick, and with it there is a
-        // log.
-        let state = topic_info::rank::<WorldState>();
-        self.intake.take_while(
-            |entry| entry.tick == 0 && entry.rank == state,
-            |entry, bytes| sink.write(entry, bytes, observer),
-        )?;
-        let begun = |entry: &Entry| entry.tick <= newest;
-        sink.put_by(self.intake.waiting().filter(|(entry, _)| begun(entry)))
-    }
-
-    /// Whether one of these messages, counted from the first that was pushed, waits although its
-    /// tick has begun.
-    pub fn has_waiting(&self, pushed: Range<u64>) -> bool {
-        let newest = self.ledger.newest();
-        self.intake.has_waiting(newest, pushed)
-    }
-
-    /// Messages that have ever been pushed.
-    pub fn arrivals(&self) -> u64 {
-        self.intake.arrivals()
+    pub fn write_ready(
+        &mut self,
+        completed: Option<u64>,
+        now: Instant,
+        observer: &mut dyn Observer,
+    ) -> Result<(), LogError> {
+        if let Some(newest) = self.ledger.newest()
+            && self.begun.back().is_none_or(|&(_, tick)| tick < newest)
+        {
+            self.begun.push_back((now, newest));
+        }
+        let waited = |at: Instant| now.saturating_duration_since(at) >= LONGEST_WAIT;
+        let due = self.begun.partition_point(|&(at, _)| waited(at));
+        // The last of them stays, so that it is not taken for a new one.
+        self.begun.drain(..due.saturating_sub(1));
+        let due = self.begun.front().filter(|&&(at, _)| waited(at));
+        let Some(last) = completed.max(due.map(|&(_, tick)| tick)) else {
+            return Ok(());
+        };
+        self.write(last, observer)?;
+        // The picture of a tick that is not complete waits for the rest of it.
+        if completed >= Some(last) {
+            self.sink.end_of_tick()?;
+        }
+        Ok(())
     }
 
     /// Hands what was written to the operating system if the last time is long enough ago.
@@ -156,7 +159,7 @@ impl Recording {
     /// # Errors
     /// [`LogError`]; what was written before stays readable.
     pub fn finish(mut self, observer: &mut dyn Observer) -> Result<Summary, LogError> {
-        let (sink, newest) = (&mut self.sink, self.ledger.newest());
+        let (sink, newest) = (&mut self.sink, self.ledger.newest().unwrap_or(0));
         self.intake.take(None, |entry, bytes| {
             // Announced for a time that never came: kept, but neither shown nor at that time.
             let too_late = entry.tick > newest && is_simulated(entry.rank);

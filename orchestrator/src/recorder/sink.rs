@@ -14,7 +14,7 @@ use super::gate::Observer;
 use super::intake::Entry;
 use super::latency::Latency;
 use super::ledger::Ledger;
-use super::log_writer::{ChannelId, ChannelSpec, LogWriter, UnplacedMessage};
+use super::log_writer::{ChannelId, ChannelSpec, LogWriter};
 use super::malformed::Malformed;
 use super::mirror::Mirror;
 use super::options::RecorderOptions;
@@ -223,26 +223,6 @@ impl Sink {
             Some(viewer) => viewer.end_of_tick(&mut self.log),
             None => Ok(()),
         }
-    }
-
-    /// Puts messages by that are still to be written, in case that it does not come to that. What
-    /// no reader could decode is left out.
-    pub(super) fn put_by<'a>(
-        &mut self,
-        entries: impl Iterator<Item = (&'a Entry, &'a [u8])>,
-    ) -> Result<(), LogError> {
-        let (topics, tick_period_ns) = (&self.topics, self.tick_period_ns);
-        self.log.put_by(entries.filter_map(|(entry, data)| {
-            let topic = topics.get(entry.rank)?;
-            let decodes = topic.info.shape != Shape::One || entry.elements == 1;
-            decodes.then_some(UnplacedMessage {
-                channel: topic.channel,
-                sequence: entry.stamp.sequence as u32,
-                log_time: entry.tick.saturating_mul(tick_period_ns),
-                publish_time: entry.stamp.time_ns,
-                data,
-            })
-        }))
     }
 
     pub(super) fn flush_if_due(&mut self) -> Result<(), LogError> {

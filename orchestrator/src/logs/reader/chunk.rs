@@ -1,6 +1,4 @@
 //! Chunks: taken into memory, checked, decompressed, and read record by record.
-//!
-//! Of a chunk that was still open when the file ended comes out what can be decompressed of it.
 
 use std::fs::File;
 use std::io::{self, BufReader, Read};
@@ -27,25 +25,6 @@ pub(super) struct OpenChunk {
     next: usize,
     /// Where it stands in the file.
     pub(super) at: u64,
-    kind: Kind,
-}
-
-/// What its messages are worth.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
-    /// All of it is there.
-    Whole,
-    /// The file ends in it.
-    Cut,
-    /// It is none: messages that wait for theirs ([`put_by`](super::put_by)).
-    PutBy,
-}
-
-impl OpenChunk {
-    /// Its contents stand in the buffer.
-    pub(super) fn new(at: u64, kind: Kind) -> Self {
-        Self { next: 0, at, kind }
-    }
 }
 
 impl Reader<'_> {
@@ -61,7 +40,7 @@ impl Reader<'_> {
             Some((*opcode.first()?, length))
         });
         let Some((opcode, length)) = prefix.filter(|(_, length)| *length <= fields.0.len()) else {
-            if !rest.is_empty() && chunk.kind != Kind::Cut {
+            if !rest.is_empty() {
                 self.condition
                     .fault(chunk.at, "a record in this chunk runs past its end");
             }
@@ -72,27 +51,12 @@ impl Reader<'_> {
         let body = chunk.next + PREFIX as usize;
         chunk.next = body + length;
         self.chunk = Some(chunk);
-        let found = self.record(opcode, body..body + length, chunk.at)?;
-        if let Some(Found::Message(header, place)) = &found {
-            match chunk.kind {
-                Kind::Whole => {}
-                Kind::Cut => {
-                    self.condition.salvaged += 1;
-                    self.note_salvaged(header, place.clone());
-                }
-                Kind::PutBy if self.count_put_by(header, place.clone()) => {}
-                Kind::PutBy => return Ok(None),
-            }
-        }
-        Ok(found)
+        self.record(opcode, body..body + length, chunk.at)
     }
 
     /// Reads a chunk into the buffer, if it holds.
-    pub(super) fn chunk(&mut self, at: u64, record: u64, cut: bool) -> Result<(), LogsError> {
+    pub(super) fn chunk(&mut self, at: u64, record: u64) -> Result<(), LogsError> {
         self.chunks += 1;
-        if cut {
-            self.cut(at, "a chunk");
-        }
         let mut head = vec![0; (CHUNK_FIXED + COMPRESSION_NAME + 8).min(record as usize)];
         self.file
             .read_exact_at(&mut head, at + PREFIX)
@@ -109,37 +73,34 @@ impl Reader<'_> {
         let header = read();
         let start = at + PREFIX + (head.len() - fields.0.len()) as u64;
         let Some((uncompressed, crc, compression, compressed)) = header else {
-            if !cut {
-                self.lose_chunk(at, "the header of this chunk makes no sense");
-            }
+            self.lose_chunk(at, "the header of this chunk makes no sense");
             return Ok(());
         };
         let there = (at + PREFIX + record).saturating_sub(start);
-        if !cut && compressed > there {
+        if compressed > there {
             self.lose_chunk(at, "the lengths of this chunk contradict each other");
             return Ok(());
         }
-        if !cut && uncompressed > LIMIT as u64 {
+        if uncompressed > LIMIT as u64 {
             let what = format!(
                 "this chunk claims {uncompressed} bytes: more than {LIMIT} are not read at once"
             );
             self.lose_chunk(at, &what);
             return Ok(());
         }
-        let limit = if cut { LIMIT as u64 } else { uncompressed };
         let data = Part {
             file: &self.file,
             next: start,
-            end: start + compressed.min(there),
+            end: start + compressed,
         };
         self.buffer.clear();
         // One byte more than there should be tells that there is more.
         let read = match compression.as_str() {
-            "" => data.take(limit + 1).read_to_end(&mut self.buffer),
+            "" => data.take(uncompressed + 1).read_to_end(&mut self.buffer),
             "zstd" => zstd::Decoder::with_buffer(BufReader::new(data))
-                .and_then(|decoder| decoder.take(limit + 1).read_to_end(&mut self.buffer)),
+                .and_then(|decoder| decoder.take(uncompressed + 1).read_to_end(&mut self.buffer)),
             "lz4" => FrameDecoder::new(data)
-                .take(limit + 1)
+                .take(uncompressed + 1)
                 .read_to_end(&mut self.buffer),
             other => {
                 let shown: String = other.chars().take(20).collect();
@@ -151,10 +112,7 @@ impl Reader<'_> {
                 return Ok(());
             }
         };
-        if cut {
-            // What came out before the end is right: decompression goes from front to back.
-            self.buffer.truncate(LIMIT);
-        } else if let Err(error) = read {
+        if let Err(error) = read {
             self.lose_chunk(at, &format!("this chunk does not decompress: {error}"));
             return Ok(());
         } else if self.buffer.len() as u64 != uncompressed {
@@ -168,10 +126,9 @@ impl Reader<'_> {
         }
         let of_kind = self.condition.chunks.entry(compression).or_default();
         of_kind.count += 1;
-        of_kind.compressed_bytes += compressed.min(there);
+        of_kind.compressed_bytes += compressed;
         of_kind.uncompressed_bytes += self.buffer.len() as u64;
-        let kind = if cut { Kind::Cut } else { Kind::Whole };
-        self.chunk = Some(OpenChunk::new(at, kind));
+        self.chunk = Some(OpenChunk { next: 0, at });
         Ok(())
     }
 

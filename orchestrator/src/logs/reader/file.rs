@@ -9,7 +9,6 @@ use super::Reader;
 use super::item::Found;
 use super::limits::LIMIT;
 use super::record::{PREFIX, name_of};
-use crate::recorder::PUT_BY;
 
 impl Reader<'_> {
     /// The next record of the file; `None` if it is nothing to hand out.
@@ -47,20 +46,15 @@ impl Reader<'_> {
             self.done = true;
             return Ok(None);
         }
-        if length <= available && matches!(opcode, op::CHUNK | op::MESSAGE | op::DATA_END) {
-            // What was put by stands in its place now.
-            self.put_by = None;
-        }
-        if opcode == op::CHUNK {
-            self.chunk(at, length.min(available), length > available)?;
-            self.next = body.saturating_add(length);
-            return Ok(None);
-        }
         if length > available {
             self.cut(at, name_of(opcode));
             return Ok(None);
         }
         self.next = body + length;
+        if opcode == op::CHUNK {
+            self.chunk(at, length)?;
+            return Ok(None);
+        }
         // Indexes are made anew or counted only.
         if matches!(
             opcode,
@@ -81,10 +75,6 @@ impl Reader<'_> {
         let read = self.file.read_exact_at(&mut buffer, body);
         self.buffer = buffer;
         read.map_err(|e| self.failed(e))?;
-        if opcode == PUT_BY {
-            self.keep_put_by(0..length as usize, at);
-            return Ok(None);
-        }
         self.record(opcode, 0..length as usize, at)
     }
 

@@ -3,17 +3,16 @@
 //! No length in the file is believed: memory follows from what is really there and is bounded by
 //! [`limits`]. Checksums of chunks are checked before their messages are handed out. What cannot be
 //! read is noted in the [`Condition`] and passed over; a file that ends in the middle is read to
-//! its last whole record, those in a chunk that was still open included.
+//! its last whole record. A chunk that the file ends in is not read: no checksum covers its part.
 //!
 //! [`file`] goes from record to record and to the end, [`chunk`] through what is compressed, [`record`]
-//! tells what a record means, [`put_by`] keeps what counts only if the file ends there, [`index`] finds chunks without reading what is before them.
+//! tells what a record means, [`index`] finds chunks without reading what is before them.
 
 mod chunk;
 mod file;
 mod index;
 mod item;
 mod limits;
-mod put_by;
 mod record;
 
 use std::collections::BTreeMap;
@@ -30,7 +29,6 @@ use self::chunk::OpenChunk;
 pub(super) use self::index::ChunkPlace;
 use self::item::Found;
 pub(crate) use self::item::{Channel, Item, Schema};
-use self::put_by::PutBy;
 use super::condition::Condition;
 use super::error::LogsError;
 use super::watch::Watch;
@@ -44,8 +42,6 @@ pub(crate) struct Reader<'w> {
     /// A record, or the contents of the chunk.
     buffer: Vec<u8>,
     chunk: Option<OpenChunk>,
-    /// What was put by since the last chunk, and where that stands.
-    put_by: Option<PutBy>,
     /// The message that was handed out last.
     last: Option<(MessageHeader, Range<usize>)>,
     schemas: BTreeMap<u16, Rc<Schema>>,
@@ -93,7 +89,6 @@ impl<'w> Reader<'w> {
             next: 8,
             buffer: Vec::new(),
             chunk: None,
-            put_by: None,
             last: None,
             schemas: BTreeMap::new(),
             channels: BTreeMap::new(),
@@ -134,8 +129,6 @@ impl<'w> Reader<'w> {
                 if let Some(found) = self.next_in_chunk()? {
                     break found;
                 }
-            } else if self.done && self.open_put_by() {
-                // It is read as a last chunk.
             } else if self.done {
                 if let Some(watch) = &mut self.watch {
                     watch.end();
@@ -175,7 +168,6 @@ impl<'w> Reader<'w> {
     pub(super) fn jump(&mut self, at: u64) {
         self.next = at;
         self.chunk = None;
-        self.put_by = None;
         self.last = None;
         self.buffer.clear();
         self.done = false;

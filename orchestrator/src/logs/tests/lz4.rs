@@ -84,17 +84,3 @@ fn chunks_of_lz4_are_read_and_their_checksums_are_checked() {
     let lines = condition.lines().join("\n");
     assert!(lines.contains("less or more"), "{lines}");
 }
-
-#[test]
-fn an_lz4_file_cut_at_any_byte_keeps_every_whole_chunk_and_invents_nothing() {
-    let folder = tempfile::tempdir().unwrap();
-    let plain = small(WriteOptions::new().compression(None), 2, 40);
-    let (expected, _) = ours(&file(&folder, "plain.mcap", &plain));
-    let (bytes, last) = with_lz4(&plain);
-    for length in 8..bytes.len() {
-        let (read, condition) = ours(&file(&folder, "cut.mcap", &bytes[..length]));
-        assert_eq!(read, expected[..read.len()], "{length}");
-        assert!(read.len() >= if length > last { 40 } else { 0 }, "{length}");
-        assert!(!condition.complete, "{length}");
-    }
-}

@@ -8,7 +8,7 @@ use ipc_types::topics::{
     Belief, Commands, RunSize, Topic, TopicVisitor, WorldState, for_each_topic,
 };
 
-use super::super::{Gate, Order, Recorder, Recording};
+use super::super::{Gate, Recorder, Recording};
 use super::{FIRST_ROBOT, PERCEPTION, ROBOTS, SIMULATOR, Sent, options, run};
 
 /// A run space that is wiped when the test ends, also by a panic.
@@ -30,9 +30,16 @@ impl TopicVisitor for Create<'_> {
     }
 }
 
-/// A lock-step gate between two threads; 0 stands for "no tick yet".
-#[derive(Default)]
+/// The clock of a run.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Clock {
+    LockStep,
+    RealTime,
+}
+
+/// A gate between two threads; 0 stands for "no tick yet".
 struct Turns {
+    clock: Clock,
     completed: AtomicU64,
     recorded: AtomicU64,
     ended: AtomicBool,
@@ -40,10 +47,15 @@ struct Turns {
 
 impl Gate for Turns {
     fn wait(&self, timeout: Duration) {
+        if self.clock == Clock::RealTime {
+            let completed = self.completed.load(Ordering::Acquire);
+            self.recorded.store(completed, Ordering::Release);
+        }
         std::thread::sleep(timeout.min(Duration::from_millis(1)));
     }
     fn completed_tick(&self) -> Option<u64> {
-        self.completed.load(Ordering::Acquire).checked_sub(1)
+        let completed = self.completed.load(Ordering::Acquire).checked_sub(1);
+        completed.filter(|_| self.clock == Clock::LockStep)
     }
     fn recorded(&self, tick: u64) {
         self.recorded.store(tick + 1, Ordering::Release);
@@ -56,7 +68,7 @@ impl Gate for Turns {
 const TICKS: u64 = 60;
 const RECORDER_TICKS: u64 = 8;
 
-fn record(order: Order, name: &str) -> super::super::Summary {
+fn record(clock: Clock, name: &str) -> super::super::Summary {
     let directory = tempfile::Builder::new()
         .prefix("pt")
         .tempdir_in("/tmp")
@@ -72,15 +84,18 @@ fn record(order: Order, name: &str) -> super::super::Summary {
             events: 1,
         },
         recorder_ticks: RECORDER_TICKS as usize,
-        overflow: order != Order::LockStep,
+        overflow: clock == Clock::RealTime,
     };
     let holder = Bus::join(&space.0, bus_options, "holder").unwrap();
     let mut services = Create(&holder, Vec::new());
     for_each_topic(&mut services).unwrap();
-    let turns = Turns::default();
-    let mut recorder_options = options(&space.1.path().join("run.mcap"));
-    recorder_options.order = order;
-    let recording = Recording::create(&recorder_options).unwrap();
+    let turns = Turns {
+        clock,
+        completed: AtomicU64::new(0),
+        recorded: AtomicU64::new(0),
+        ended: AtomicBool::new(false),
+    };
+    let recording = Recording::create(&options(&space.1.path().join("run.mcap"))).unwrap();
     let (ready, opened) = std::sync::mpsc::channel();
     let (connected, go) = std::sync::mpsc::channel();
     std::thread::scope(|scope| {
@@ -159,22 +174,14 @@ fn check(summary: &super::super::Summary) {
 
 #[test]
 fn nothing_is_lost_between_shared_memory_and_the_log_and_two_runs_are_one() {
-    let first = record(Order::LockStep, "a");
-    let second = record(Order::LockStep, "b");
+    let first = record(Clock::LockStep, "a");
+    let second = record(Clock::LockStep, "b");
     check(&first);
     check(&second);
     assert_eq!(first.digest, second.digest);
 }
 
 #[test]
-fn in_real_time_the_log_stays_a_window_behind_and_is_complete_at_the_end() {
-    let window = Duration::from_millis(1);
-    check(&record(Order::RealTime { window }, "c"));
-}
-
-#[test]
-fn in_real_time_what_was_taken_counts_however_long_the_window_is() {
-    // The processes above wait until the recorder has told of their ticks.
-    let window = Duration::from_secs(3600);
-    check(&record(Order::RealTime { window }, "d"));
+fn in_real_time_nothing_waits_for_the_log_and_it_is_complete_at_the_end() {
+    check(&record(Clock::RealTime, "c"));
 }

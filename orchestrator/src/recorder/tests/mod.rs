@@ -3,9 +3,9 @@
 mod bus;
 mod files;
 mod kill;
-mod put_by;
 mod python;
 mod round_trip;
+mod still;
 mod strangers;
 
 use std::path::Path;
@@ -28,7 +28,7 @@ use ipc_types::topics::{
 };
 
 use super::{
-    LogOptions, Manifest, ManifestFile, Order, ProcessInfo, RecorderOptions, Recording, RobotInfo,
+    LogOptions, Manifest, ManifestFile, ProcessInfo, RecorderOptions, Recording, RobotInfo,
     ViewerOptions,
 };
 use crate::eyes::{EyeInfo, EyePlace};
@@ -376,7 +376,6 @@ fn options(path: &Path) -> RecorderOptions {
             })
             .to_vec(),
         tick_period_ns: PERIOD_NS,
-        order: Order::LockStep,
         viewer: ViewerOptions::default(),
         obstacles: vec![ObstacleEvent {
             id: 77,
