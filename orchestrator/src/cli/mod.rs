@@ -24,9 +24,7 @@ mod run;
 mod soak;
 mod sweep;
 mod sweep_output;
-mod sweep_page;
 mod sweep_planning;
-mod sweep_plans;
 mod sweep_schedule;
 
 use std::ffi::OsString;

@@ -11,9 +11,7 @@ use serde_json::json;
 
 use super::run::handle_signals;
 use super::sweep_output::{self, Listing, known, list};
-use super::sweep_page::{self, PageArgs};
 use super::sweep_planning;
-use super::sweep_plans::{self, PlansArgs};
 use super::sweep_schedule::schedule;
 use super::{EXIT_FAILED, EXIT_INVALID, print, processors};
 use crate::sweep::engine::{Engine, InProcess, Processes};
@@ -48,10 +46,6 @@ pub(super) struct SweepArgs {
 
 #[derive(Debug, Subcommand)]
 enum SweepCommand {
-    /// Write the page that sets the chase's results beside the published ones
-    Page(PageArgs),
-    /// Measure single plans of the RRT* evaders, for the page
-    Plans(PlansArgs),
     /// Draw the figures of results again
     Figures {
         /// The directory of the results
@@ -137,8 +131,6 @@ pub(super) struct SweepRunArgs {
 pub(super) fn sweep(args: &SweepArgs) -> ExitCode {
     match (&args.command, &args.run.experiment) {
         (Some(SweepCommand::Merge { parts, out, json }), _) => merged(parts, out, *json),
-        (Some(SweepCommand::Page(args)), _) => sweep_page::write(args),
-        (Some(SweepCommand::Plans(args)), _) => sweep_plans::write(args),
         (Some(SweepCommand::Figures { results }), _) => redrawn(results),
         (None, Some(experiment)) => run(experiment, &args.run),
         (None, None) => {
@@ -187,7 +179,7 @@ fn merged(parts: &[PathBuf], out: &Path, as_json: bool) -> ExitCode {
 fn redrawn(directory: &Path) -> ExitCode {
     if matches!(kind_of(directory), Ok(Kind::Planning)) {
         return invalid(
-            "error: results of plans have no figures of their own: `protean sweep page` draws them",
+            "error: results of plans have no figures of their own: experiments/pages draws them",
         );
     }
     match Results::read(directory).and_then(|results| figures::write(&results)) {

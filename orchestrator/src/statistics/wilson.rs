@@ -1,7 +1,9 @@
 //! Wilson's score interval.
 
 use super::interval::Interval;
-use super::normal::Z95;
+
+/// Standard errors to either side that hold 95 % of a normal distribution.
+pub const Z95: f64 = 1.959_963_984_540_054;
 
 /// Wilson's 95 % interval for the chance behind `hits` of `of` independent outcomes.
 ///

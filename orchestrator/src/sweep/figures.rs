@@ -118,22 +118,6 @@ pub fn charts(results: &Results) -> Result<Vec<(String, Chart)>, SweepError> {
         .collect()
 }
 
-/// What people call the cases of an experiment, by name.
-///
-/// # Errors
-/// As [`write`].
-pub fn case_titles(results: &Results) -> Result<Vec<(String, String)>, SweepError> {
-    let cases = shown(results)?.cases.into_iter();
-    Ok(cases
-        .map(|case| {
-            (
-                case.name.clone(),
-                case.title.unwrap_or_else(|| case.name.replace('_', " ")),
-            )
-        })
-        .collect())
-}
-
 fn put(bytes: &[u8], path: &Path) -> Result<(), SweepError> {
     save(bytes, path).map_err(|error| SweepError::Io {
         path: error.path,

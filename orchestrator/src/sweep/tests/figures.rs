@@ -1,12 +1,9 @@
-//! Figures drawn from results, and studies made of them.
+//! Figures drawn from results.
 
 use std::path::Path;
 
-use super::super::{
-    EvidenceError, Manifest, MissionId, Outcome, Results, Row, SweepError, figures,
-};
+use super::super::{Manifest, MissionId, Outcome, Results, Row, SweepError, figures};
 use super::*;
-use crate::chase_page::{Evidence, StudyError};
 
 fn row(escaped: u32) -> Row {
     Row {
@@ -102,38 +99,4 @@ fn published_points_come_from_below_the_experiment_only() {
     let results = results(directory.path(), &text);
     let error = figures::keep_published(folder.path(), &results).unwrap_err();
     assert!(matches!(error, SweepError::Figure { .. }), "{error}");
-}
-
-#[test]
-fn results_become_a_study_once() {
-    let text = changed("name = \"small\"", "name = \"escape_vs_speed\"");
-    let directory = tempfile::tempdir().unwrap();
-    let results = results(directory.path(), &text);
-    let mut evidence = Evidence::default();
-    evidence.add(&results).unwrap();
-    let study = evidence.speed.clone().unwrap();
-    assert_eq!(study.seeds, "1..3");
-    let cell = study.cell("potential", 2.0).unwrap();
-    assert_eq!(
-        (cell.escapes.hits(), cell.escapes.groups(), cell.caught),
-        (6, 3, 0)
-    );
-    let error = evidence.add(&results).unwrap_err();
-    assert!(
-        matches!(error, StudyError::Evidence(EvidenceError::Twice { .. })),
-        "{error}"
-    );
-}
-
-#[test]
-fn other_experiments_have_no_place_on_the_page() {
-    let directory = tempfile::tempdir().unwrap();
-    let results = results(directory.path(), GOOD);
-    let error = Evidence::default().add(&results).unwrap_err();
-    assert!(
-        error
-            .to_string()
-            .contains("expected one of escape_vs_speed"),
-        "{error}"
-    );
 }

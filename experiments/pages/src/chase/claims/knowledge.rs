@@ -1,0 +1,90 @@
+//! Claims about what the Police know.
+
+use orchestrator::statistics::Z95;
+
+use super::super::evidence::Study;
+use super::super::published::{EXACT, FILTER, KNOWLEDGE_RATIOS};
+use super::compare::{Order, family};
+use super::{Finding, Verdict};
+use crate::statistics::{Difference, difference_of_differences};
+use crate::words::{point_range, points, ratio, ratios};
+
+/// Claim (f), first part.
+pub(super) fn raises(study: &Study) -> Finding {
+    let mut pairs = Vec::new();
+    let mut reversed = Vec::new();
+    for r in KNOWLEDGE_RATIOS {
+        let (Some(a), Some(b)) = (study.cell(FILTER, r), study.cell(EXACT, r)) else {
+            return Finding::missing(&format!("both kinds of knowledge at {}", ratio(r)));
+        };
+        let label = format!(
+            "{} less {} at {}",
+            study.title(FILTER),
+            study.title(EXACT),
+            ratio(r)
+        );
+        pairs.push((label, a.escapes, b.escapes));
+        reversed.push((String::new(), b.escapes, a.escapes));
+    }
+    let (Some(comparisons), Some(reversed)) = (family(&pairs), family(&reversed)) else {
+        return Finding::missing("games in every cell");
+    };
+    let is = |order: Order| comparisons.iter().filter(|c| c.order == order).count();
+    let none_rises = reversed
+        .iter()
+        .all(|c| matches!(c.order, Order::NotLower | Order::Higher));
+    let verdict = if is(Order::Lower) > 0 || none_rises {
+        Verdict::Refuted
+    } else if is(Order::Higher) == comparisons.len() {
+        Verdict::Confirmed
+    } else {
+        Verdict::Undecided
+    };
+    Finding {
+        verdict,
+        numbers: comparisons
+            .iter()
+            .map(super::compare::Comparison::words)
+            .collect(),
+    }
+}
+
+/// Claim (f), second part: a conjecture of the paper.
+pub(super) fn fades(study: &Study) -> Finding {
+    let high = [2.0, 2.5, 3.0];
+    let rise = |speeds: &[f64]| {
+        let (filter, exact) = (study.pooled(FILTER, speeds)?, study.pooled(EXACT, speeds)?);
+        Difference::of(&filter, &exact)
+    };
+    let (Some(slow), Some(fast)) = (rise(&KNOWLEDGE_RATIOS), rise(&high)) else {
+        return Finding::missing("both kinds of knowledge at 0.8× to 1.0× and at 2.0× to 3.0×");
+    };
+    let (value, interval) = difference_of_differences(&slow, &fast, Z95);
+    let verdict = if interval.low > 0.0 {
+        Verdict::Confirmed
+    } else if interval.high < 0.0 {
+        Verdict::Refuted
+    } else {
+        Verdict::Undecided
+    };
+    let rise = |at: &[f64], d: &Difference| {
+        let range = point_range(d.interval(Z95));
+        format!(
+            "Rise at {}: {} points ({range})",
+            ratios(at),
+            points(d.value)
+        )
+    };
+    Finding {
+        verdict,
+        numbers: vec![
+            rise(&KNOWLEDGE_RATIOS, &slow),
+            rise(&high, &fast),
+            format!(
+                "Less by {} points ({})",
+                points(value),
+                point_range(interval)
+            ),
+        ],
+    }
+}

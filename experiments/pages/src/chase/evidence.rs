@@ -1,0 +1,100 @@
+//! What the page is made of.
+
+use orchestrator::statistics::Sample;
+
+use crate::plans::Plans;
+
+/// Everything that the page is made of. What is missing is said on the page.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Evidence {
+    /// Escape against speed, our planners (the paper's Fig. 2).
+    pub speed: Option<Study>,
+    /// The same with the paper's parameters.
+    pub speed_paper: Option<Study>,
+    /// Exact knowledge and particle filter (the paper's Fig. 3).
+    pub knowledge: Option<Study>,
+    /// The same with the paper's parameters.
+    pub knowledge_paper: Option<Study>,
+    /// Single plans.
+    pub plans: Option<Plans>,
+}
+
+/// The results of one experiment.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Study {
+    /// Name of the experiment.
+    pub name: String,
+    /// Version of the program that carried it out.
+    pub program: String,
+    /// The seeds, in words.
+    pub seeds: String,
+    /// What is compared, in the order of the experiment.
+    pub methods: Vec<Method>,
+    /// The cells, in the order of the experiment.
+    pub cells: Vec<Cell>,
+}
+
+/// Something that is compared: a way to evade, or what the Police know.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Method {
+    /// Name of its case.
+    pub name: String,
+    /// What people call it.
+    pub title: String,
+}
+
+/// All games of one method at one speed.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Cell {
+    /// Name of its case.
+    pub method: String,
+    /// Speed of the evaders by that of the Police.
+    pub ratio: f64,
+    /// Escaped evaders, game by game.
+    pub escapes: Sample,
+    /// Evaders that were caught.
+    pub caught: u64,
+    /// Evaders that were neither caught nor gone when the time was up.
+    pub held_out: u64,
+    /// Games that failed and count in nothing else.
+    pub failed: u64,
+}
+
+impl Study {
+    /// The cell of a method at a speed.
+    pub fn cell(&self, method: &str, ratio: f64) -> Option<&Cell> {
+        self.cells
+            .iter()
+            .find(|c| c.method == method && same(c.ratio, ratio))
+            .filter(|c| c.escapes.members() > 0)
+    }
+
+    /// The speeds of a method that have games, ascending.
+    pub fn ratios(&self, method: &str) -> Vec<f64> {
+        let cells = self
+            .cells
+            .iter()
+            .filter(|c| c.method == method && c.escapes.members() > 0);
+        let mut ratios: Vec<f64> = cells.map(|c| c.ratio).collect();
+        ratios.sort_by(f64::total_cmp);
+        ratios
+    }
+
+    /// The games of a method at several speeds as one sample; `None` if one of them has none.
+    pub fn pooled(&self, method: &str, ratios: &[f64]) -> Option<Sample> {
+        ratios.iter().try_fold(Sample::default(), |sum, &ratio| {
+            Some(sum.with(&self.cell(method, ratio)?.escapes))
+        })
+    }
+
+    /// What people call a method.
+    pub fn title<'a>(&'a self, method: &'a str) -> &'a str {
+        let found = self.methods.iter().find(|m| m.name == method);
+        found.map_or(method, |m| m.title.as_str())
+    }
+}
+
+/// Whether two speeds are the same, however they were computed.
+pub(super) fn same(a: f64, b: f64) -> bool {
+    (a - b).abs() < 1e-9
+}

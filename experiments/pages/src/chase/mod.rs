@@ -1,0 +1,108 @@
+//! The page that sets our chases beside the published ones: `docs/chase-results.md`.
+//!
+//! The published game is that of I. M. Gomes Ribeiro, J. Fiala and R. Shah, *Multi-robot Navigation
+//! in the Context of a Chasing Game*. The page has curves, a table of all cells, the critical speeds,
+//! and for each of the paper's claims a test and its verdict.
+
+mod claims;
+mod crossing;
+mod curves;
+mod evidence;
+mod published;
+mod read;
+mod table;
+
+#[cfg(test)]
+mod tests;
+
+pub use evidence::Evidence;
+
+use self::claims::claims;
+use self::evidence::Study;
+use self::published::Published;
+use crate::page::{Image, Page};
+use crate::template::{TemplateError, Values};
+
+const TEMPLATE: &str = include_str!("../../templates/chase.md");
+
+/// One experiment of the page.
+struct Part<'a> {
+    study: &'a Option<Study>,
+    published: &'a [Published],
+    title: &'static str,
+    conditions: &'static str,
+    image: &'static str,
+    experiment: &'static str,
+}
+
+/// Makes the page.
+///
+/// # Errors
+/// [`TemplateError`] if the template does not fit.
+pub fn page(evidence: &Evidence) -> Result<Page, TemplateError> {
+    let mut values = Values::default();
+    let mut images = Vec::new();
+    let mut provenance = String::new();
+    for part in parts(evidence) {
+        let Some(study) = part.study else { continue };
+        let name = part.experiment;
+        values.keep(name);
+        values.set(format!("{name}.cells"), table::cells(study, part.published));
+        values.set(format!("{name}.crossings"), crossing::rows(study));
+        images.push(Image {
+            name: part.image,
+            chart: curves::chart(study, part.published, part.title, part.conditions),
+        });
+        provenance += &crate::words::provenance(name, &study.seeds, &study.program);
+    }
+    values.set("provenance", provenance);
+    for claim in claims(evidence) {
+        for (side, finding) in [("ours", &claim.ours), ("paper", &claim.paper)] {
+            let verdict = finding.verdict.markdown();
+            let lines = finding.numbers.iter().map(|line| format!("- {line}\n"));
+            let numbers = lines.collect::<String>();
+            values.set(format!("{}.{side}.verdict", claim.letter), verdict);
+            let text = format!("{verdict}\n\n{numbers}");
+            values.set(format!("{}.{side}", claim.letter), text);
+        }
+    }
+    let text = values.fill(TEMPLATE)?;
+    Ok(Page { text, images })
+}
+
+fn parts(evidence: &Evidence) -> [Part<'_>; 4] {
+    [
+        Part {
+            study: &evidence.speed,
+            published: &published::SPEED,
+            title: "Chance of escape against speed",
+            conditions: "Police 0.3 m/s with exact knowledge, our planners.",
+            image: "chase-escape-vs-speed",
+            experiment: "escape_vs_speed",
+        },
+        Part {
+            study: &evidence.speed_paper,
+            published: &published::SPEED,
+            title: "Chance of escape against speed, the paper's parameters",
+            conditions: "Police 0.3 m/s with exact knowledge, presets of the paper.",
+            image: "chase-escape-vs-speed-paper",
+            experiment: "escape_vs_speed_paper",
+        },
+        Part {
+            study: &evidence.knowledge,
+            published: &published::KNOWLEDGE,
+            title: "Chance of escape and what the Police know",
+            conditions: "RRT* evaders, Police 0.3 m/s, our planners.",
+            image: "chase-knowledge",
+            experiment: "knowledge",
+        },
+        Part {
+            study: &evidence.knowledge_paper,
+            published: &published::KNOWLEDGE,
+            title: "Chance of escape and what the Police know, the paper's parameters",
+            conditions: "RRT* evaders, Police 0.3 m/s, presets of the paper.",
+            image: "chase-knowledge-paper",
+            experiment: "knowledge_paper",
+        },
+    ]
+}

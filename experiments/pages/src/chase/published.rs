@@ -1,0 +1,72 @@
+//! The published results.
+//!
+//! Read off the bars of the paper's figures. All are multiples of 0.1, and no number of games is
+//! given: each is taken as so many of ten. The error bars of the figures are a tenth of each bar,
+//! whatever the number of games, and say nothing.
+
+use super::evidence::same;
+
+/// Games behind each published value, as far as can be told.
+pub(super) const GAMES: u64 = 10;
+
+/// Names of the methods in our experiments.
+pub(super) const BRAITENBERG: &str = "braitenberg";
+pub(super) const FIELD: &str = "potential_field";
+pub(super) const LINE: &str = "rrt_star_line";
+pub(super) const EXACT: &str = "exact";
+pub(super) const FILTER: &str = "particle_filter";
+
+/// A published value.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Published {
+    pub(super) method: &'static str,
+    pub(super) ratio: f64,
+    /// Escapes of [`GAMES`].
+    pub(super) escaped: u64,
+}
+
+const fn value(method: &'static str, ratio: f64, escaped: u64) -> Published {
+    Published {
+        method,
+        ratio,
+        escaped,
+    }
+}
+
+/// Fig. 2: three methods against Police with exact knowledge.
+pub(super) const SPEED: [Published; 12] = [
+    value(BRAITENBERG, 1.5, 0),
+    value(BRAITENBERG, 2.0, 0),
+    value(BRAITENBERG, 2.5, 0),
+    value(BRAITENBERG, 3.0, 1),
+    value(FIELD, 1.5, 2),
+    value(FIELD, 2.0, 7),
+    value(FIELD, 2.5, 5),
+    value(FIELD, 3.0, 5),
+    value(LINE, 1.5, 6),
+    value(LINE, 2.0, 8),
+    value(LINE, 2.5, 7),
+    value(LINE, 3.0, 7),
+];
+
+/// Fig. 3: what the Police know. The method is not stated; RRT* is the one that fits the paper's
+/// conclusion about its critical speed.
+pub(super) const KNOWLEDGE: [Published; 6] = [
+    value(EXACT, 0.8, 0),
+    value(EXACT, 0.9, 2),
+    value(EXACT, 1.0, 2),
+    value(FILTER, 0.8, 3),
+    value(FILTER, 0.9, 6),
+    value(FILTER, 1.0, 8),
+];
+
+/// The speeds of Fig. 2.
+pub(super) const SPEED_RATIOS: [f64; 4] = [1.5, 2.0, 2.5, 3.0];
+/// The speeds of Fig. 3.
+pub(super) const KNOWLEDGE_RATIOS: [f64; 3] = [0.8, 0.9, 1.0];
+
+/// The value that was published for a method at a speed.
+pub(super) fn find(values: &[Published], method: &str, ratio: f64) -> Option<Published> {
+    let mut values = values.iter().copied();
+    values.find(|v| v.method == method && same(v.ratio, ratio))
+}

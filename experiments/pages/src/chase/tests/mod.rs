@@ -1,0 +1,172 @@
+//! Verdicts, and the page as a whole.
+
+mod results;
+mod verdicts;
+
+use orchestrator::figures::draw;
+use orchestrator::statistics::Sample;
+
+use super::evidence::{Cell, Evidence, Method, Study};
+use super::page;
+use crate::plans::{Plan, Plans};
+
+/// `games` games of two evaders of which so many escape altogether, as evenly as it goes.
+fn sample(escaped: u32, games: u32) -> Sample {
+    let pairs = escaped / 2;
+    let single = escaped % 2;
+    (0..games)
+        .map(|i| match i {
+            i if i < pairs => (2, 2),
+            i if i < pairs + single => (1, 2),
+            _ => (0, 2),
+        })
+        .collect()
+}
+
+/// A study of 200 games per cell: methods with their chances [%] at each speed.
+fn study(ratios: &[f64], methods: &[(&str, &[u32])]) -> Study {
+    let cells = methods.iter().flat_map(|(name, percents)| {
+        ratios.iter().zip(*percents).map(|(&ratio, percent)| Cell {
+            method: (*name).to_owned(),
+            ratio,
+            escapes: sample(percent * 4, 200),
+            caught: u64::from(400 - percent * 4),
+            ..Cell::default()
+        })
+    });
+    Study {
+        name: "test".to_owned(),
+        program: "0.1.0".to_owned(),
+        seeds: "1..200".to_owned(),
+        methods: methods
+            .iter()
+            .map(|(name, _)| Method {
+                name: (*name).to_owned(),
+                title: name.replace('_', " "),
+            })
+            .collect(),
+        cells: cells.collect(),
+    }
+}
+
+const SPEEDS: [f64; 7] = [0.8, 0.9, 1.0, 1.5, 2.0, 2.5, 3.0];
+
+fn speed() -> Study {
+    study(
+        &SPEEDS,
+        &[
+            ("braitenberg", &[0, 0, 1, 1, 2, 3, 4]),
+            ("potential_field", &[1, 2, 4, 20, 50, 65, 75]),
+            ("rrt_star_line", &[5, 10, 25, 62, 80, 88, 90]),
+            ("rrt_star_arc", &[4, 9, 22, 60, 78, 86, 88]),
+        ],
+    )
+}
+
+fn knowledge() -> Study {
+    study(
+        &SPEEDS,
+        &[
+            ("exact", &[5, 10, 25, 62, 80, 88, 90]),
+            ("particle_filter", &[35, 50, 60, 85, 92, 95, 96]),
+        ],
+    )
+}
+
+fn plan(case: &str, scene: &str, seed: u64, closest: Option<f64>) -> Plan {
+    Plan {
+        case: case.to_owned(),
+        scene: scene.to_owned(),
+        seed,
+        iterations: 5000,
+        found: closest.is_some(),
+        length_m: closest.map(|_| 18.0),
+        closest_m: closest,
+        shortest_m: Some(17.14),
+        shortest_closest_m: Some(0.5),
+    }
+}
+
+fn plans() -> Plans {
+    let seeds = || 1..=40_u64;
+    let arcs = seeds().map(|s| plan("rrt_star_arc", "start", s, Some(1.0)));
+    let old = seeds().map(|s| {
+        plan(
+            "rrt_star_arc_paper",
+            "start",
+            s,
+            s.is_multiple_of(3).then_some(1.0),
+        )
+    });
+    let around = seeds().map(|s| plan("rrt_star_line", "random", s, Some(1.5 + 0.01 * s as f64)));
+    Plans(arcs.chain(old).chain(around).collect())
+}
+
+fn evidence() -> Evidence {
+    Evidence {
+        speed: Some(speed()),
+        speed_paper: None,
+        knowledge: Some(knowledge()),
+        knowledge_paper: None,
+        plans: Some(plans()),
+    }
+}
+
+#[test]
+fn the_page_is_what_it_was() {
+    let page = page(&evidence()).unwrap();
+    assert_eq!(page.text, include_str!("expected.md"));
+}
+
+#[test]
+fn the_page_shows_its_pictures() {
+    let page = page(&evidence()).unwrap();
+    assert_eq!(page.images.len(), 2);
+    for image in &page.images {
+        assert!(
+            page.text.contains(&format!("(images/{}.svg)", image.name)),
+            "{}",
+            image.name
+        );
+        let svg = draw(&image.chart).svg();
+        assert!(roxmltree::Document::parse(&svg).is_ok());
+        for series in &image.chart.series {
+            assert!(
+                svg.contains(&format!("<title>{}</title>", series.name)),
+                "{}",
+                series.name
+            );
+        }
+    }
+    let published: usize = page.images[0]
+        .chart
+        .series
+        .iter()
+        .map(|s| s.reference.len())
+        .sum();
+    assert_eq!(published, 12);
+}
+
+#[test]
+fn every_cell_has_a_row() {
+    let text = page(&evidence()).unwrap().text;
+    let rows = text.lines().filter(|l| l.contains(" / 400 |")).count();
+    assert_eq!(rows, 7 * 4 + 7 * 2);
+    assert!(
+        text.contains("| potential field | 2.0× | 200 | 200 / 400 | 50.0 % |"),
+        "{text}"
+    );
+}
+
+#[test]
+fn without_results_the_page_says_so() {
+    let page = page(&Evidence::default()).unwrap();
+    assert!(page.images.is_empty());
+    assert_eq!(
+        page.text
+            .matches("*No results of this experiment.*")
+            .count(),
+        4
+    );
+    assert!(!page.text.contains("**confirmed**") && !page.text.contains("**refuted**"));
+}

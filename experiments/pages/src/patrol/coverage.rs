@@ -1,0 +1,67 @@
+//! Ways to choose sub-goals beside each other, at equal ways driven.
+
+use orchestrator::figures::{Chart, Point, Series, Unit};
+use orchestrator::sweep::Row;
+
+use super::alpha::mean;
+use super::evidence::Study;
+
+/// Ways at which the covered part is noted [m].
+const WAYS: [f64; 4] = [250.0, 500.0, 1000.0, 2000.0];
+
+fn at(row: &Row, way: f64) -> Option<f64> {
+    let coverage = row.coverage.as_ref()?;
+    let found = coverage.by_way.iter().find(|c| c.way_m == way)?;
+    Some(found.coverable_fraction)
+}
+
+/// The covered part by the way driven.
+pub(super) fn chart(study: &Study) -> Chart {
+    Chart {
+        x_label: "way driven [m]".into(),
+        y_label: "covered".into(),
+        unit: Unit::Share,
+        series: study
+            .cells
+            .iter()
+            .map(|cell| Series {
+                name: cell.case.replace('_', " "),
+                points: WAYS
+                    .iter()
+                    .filter_map(|&way| {
+                        Some(Point {
+                            x: way,
+                            y: cell.mean(|row| at(row, way))?.value,
+                            interval: None,
+                        })
+                    })
+                    .collect(),
+                reference: Vec::new(),
+            })
+            .collect(),
+        ..Chart::default()
+    }
+}
+
+/// Rows of the table.
+pub(super) fn rows(study: &Study) -> String {
+    let mut text = String::new();
+    for cell in &study.cells {
+        let covered: Vec<String> = WAYS
+            .iter()
+            .map(|&way| {
+                cell.mean(|row| at(row, way))
+                    .map_or_else(|| "–".into(), |mean| format!("{:.3}", mean.value))
+            })
+            .collect();
+        text += &format!(
+            "| {} | {} | {} | {} | {} |\n",
+            cell.case.replace('_', " "),
+            covered.join(" | "),
+            mean(cell, |row| row.coverage.as_ref().map(|c| c.unevenness)),
+            mean(cell, |row| super::evidence::least_error(row, 2.0)),
+            mean(cell, |row| super::evidence::least_error(row, 5.0)),
+        );
+    }
+    text
+}

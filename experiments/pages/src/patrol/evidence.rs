@@ -1,0 +1,120 @@
+//! What the page rests on: results of three experiments.
+
+use std::collections::BTreeMap;
+
+use orchestrator::recorder::LapFigures;
+use orchestrator::statistics::Mean;
+use orchestrator::sweep::{Results, Row};
+
+use crate::place::{PlaceError, empty_place};
+
+/// How wide the zig-zag is.
+pub(super) const ALPHA: &str = "patrol_alpha";
+/// Zig-zag, fictive obstacles and both mixed, among obstacles.
+pub(super) const SQUARE: &str = "patrol_square";
+/// Ways to choose sub-goals.
+pub(super) const COVERAGE: &str = "coverage_sources";
+
+/// What the page rests on.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Evidence {
+    /// Of `patrol_alpha`.
+    pub alpha: Option<Study>,
+    /// Of `patrol_square`.
+    pub square: Option<Study>,
+    /// Of `coverage_sources`.
+    pub coverage: Option<Study>,
+}
+
+/// The results of an experiment with at most one parameter.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Study {
+    /// Version of the program.
+    pub program: String,
+    /// Its seeds, in words.
+    pub seeds: String,
+    /// The cells in the order of the experiment.
+    pub cells: Vec<Cell>,
+}
+
+/// A cell of an experiment.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Cell {
+    /// Name of its case.
+    pub case: String,
+    /// Value of the parameter; empty without one.
+    pub value: String,
+    /// Its missions that did not fail.
+    pub rows: Vec<Row>,
+}
+
+impl Evidence {
+    /// Adds the results of one of the page's experiments.
+    ///
+    /// # Errors
+    /// [`PlaceError`].
+    pub fn add(&mut self, results: &Results) -> Result<(), PlaceError> {
+        let places = [
+            (ALPHA, &mut self.alpha),
+            (SQUARE, &mut self.square),
+            (COVERAGE, &mut self.coverage),
+        ];
+        let name = &results.manifest().experiment;
+        let place = empty_place(places, results.directory(), name)?;
+        *place = Some(Study::of(results));
+        Ok(())
+    }
+}
+
+impl Study {
+    fn of(results: &Results) -> Self {
+        let manifest = results.manifest();
+        let mut rows: BTreeMap<usize, Vec<Row>> = BTreeMap::new();
+        for (mission, row) in results.rows() {
+            if !row.is_failed() {
+                rows.entry(mission.cell).or_default().push(row.clone());
+            }
+        }
+        let cells = manifest.cells.iter().enumerate();
+        Self {
+            program: manifest.program.clone(),
+            seeds: manifest.seeds.to_string(),
+            cells: cells
+                .map(|(index, cell)| Cell {
+                    case: cell.case.clone(),
+                    value: cell
+                        .values
+                        .first()
+                        .map(ToString::to_string)
+                        .unwrap_or_default(),
+                    rows: rows.remove(&index).unwrap_or_default(),
+                })
+                .collect(),
+        }
+    }
+}
+
+impl Cell {
+    /// Mean over the missions that have the value.
+    pub(super) fn mean(&self, value: impl Fn(&Row) -> Option<f64>) -> Option<Mean> {
+        let values: Vec<f64> = self.rows.iter().filter_map(value).collect();
+        Mean::of(&values)
+    }
+}
+
+/// The first robot's laps as planned, or as driven.
+pub(super) fn laps(row: &Row, driven: bool) -> Option<&LapFigures> {
+    let waypoints = row.robots.iter().find_map(|r| r.waypoints.as_ref())?;
+    if driven {
+        waypoints.driven.as_ref()
+    } else {
+        waypoints.planned.as_ref()
+    }
+}
+
+/// The least mean error of all methods that foretold, `horizon` [s] ahead, where the robot would be
+/// [m].
+pub(super) fn least_error(row: &Row, horizon: f64) -> Option<f64> {
+    let of_horizon = row.predictions.iter().filter(|p| p.horizon_s == horizon);
+    of_horizon.filter_map(|p| p.mean_m).min_by(f64::total_cmp)
+}

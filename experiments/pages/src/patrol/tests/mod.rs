@@ -1,0 +1,128 @@
+use orchestrator::recorder::{
+    CoverageByWay, CoverageOutcome, LapFigures, RobotOutcome, WaypointOutcome,
+};
+use orchestrator::sweep::{Outcome, Row};
+
+use super::evidence::{Cell, Study};
+use super::*;
+
+fn row(length_m: f64, mae_m: f64) -> Row {
+    let lap = LapFigures {
+        length_m,
+        mae_m,
+        turns: 119.0,
+        maa: 1.94,
+        maa_fold: 0.77,
+    };
+    let mut row = Row::failed("");
+    row.outcome = Outcome::Ended;
+    row.robots = vec![RobotOutcome {
+        name: "guard".into(),
+        team: "neutral".into(),
+        outcome: "active".into(),
+        time_s: 600.0,
+        distance_m: 580.0,
+        contacts: 0,
+        fail_safe_stops: 0,
+        fail_safe_ticks: 0,
+        escape_possible_fraction: None,
+        escape_impossible_from_s: None,
+        waypoints: Some(WaypointOutcome {
+            reached: 90,
+            inside_obstacle: 10,
+            timed_out: 0,
+            unreachable: 0,
+            farthest_m: 0.05,
+            laps: 5,
+            longest_lap_s: Some(118.0),
+            planned: Some(lap),
+            driven: Some(lap),
+        }),
+    }];
+    row.coverage = Some(CoverageOutcome {
+        fraction: 0.8,
+        coverable_fraction: 0.84,
+        free_m2: 100.0,
+        visited_m2: 80.0,
+        mean_idleness_s: 100.0,
+        worst_idleness_s: 900.0,
+        unevenness: 0.5,
+        way_m: 1100.0,
+        by_way: vec![CoverageByWay {
+            way_m: 1000.0,
+            coverable_fraction: 0.8125,
+        }],
+    });
+    row
+}
+
+fn study(case: &str, value: &str, rows: Vec<Row>) -> Study {
+    Study {
+        program: "0.1.0".into(),
+        seeds: "1..2".into(),
+        cells: vec![Cell {
+            case: case.into(),
+            value: value.into(),
+            rows,
+        }],
+    }
+}
+
+fn line(page: &Page, start: &str) -> String {
+    let mut lines = page.text.lines();
+    lines.find(|l| l.starts_with(start)).unwrap().to_owned()
+}
+
+#[test]
+fn without_results_the_page_says_so_and_has_the_table_of_sequences() {
+    let page = page(&Evidence::default()).unwrap();
+    let missing = page.text.matches("*No results of this experiment.*");
+    assert_eq!(missing.count(), 3);
+    assert!(page.images.is_empty());
+    // Beside the paper's 0.8309, 0.8074 in floating point.
+    let original = line(&page, "| original | 2000 |");
+    assert!(original.contains("0.8309 | 0.8074"), "{original}");
+    assert_eq!(
+        line(&page, "| arcsine | 2000 |")[20..],
+        line(&page, "| arccosine | 2000 |")[22..]
+    );
+}
+
+#[test]
+fn means_stand_beside_the_published_values() {
+    let page = page(&made_up()).unwrap();
+    // 117 m in 120 s.
+    let alpha = line(&page, "| paper_fit | 1.7 |");
+    assert!(
+        alpha.contains("| 0.97 ±") && alpha.contains("| 0.92 ±"),
+        "{alpha}"
+    );
+    let square = line(&page, "| small | awg |");
+    assert!(
+        square.contains("0.71 |") && square.contains("| 0.10 |"),
+        "{square}"
+    );
+    assert!(line(&page, "| chebyshev raw | – | – | 0.812 | – |").contains("0.50"));
+    let names: Vec<_> = page.images.iter().map(|image| image.name).collect();
+    assert_eq!(names, ["patrol-speed", "patrol-mae", "coverage-by-way"]);
+    assert_eq!(page.images[0].chart.series[0].reference[0].y, 0.9651);
+}
+
+/// Results of all three experiments, made up.
+fn made_up() -> Evidence {
+    Evidence {
+        alpha: Some(study(
+            "paper_fit",
+            "1.7",
+            vec![row(116.0, 0.9), row(118.0, 0.94)],
+        )),
+        square: Some(study("awg", "small", vec![row(75.0, 0.71)])),
+        coverage: Some(study("chebyshev_raw", "", vec![row(1.0, 1.0)])),
+    }
+}
+
+#[test]
+fn the_page_is_what_it_was() {
+    let page = page(&made_up()).unwrap();
+    assert_eq!(page.text, include_str!("expected.md"));
+}

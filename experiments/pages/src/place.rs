@@ -1,0 +1,79 @@
+//! The experiments of a page, each with one place for its results.
+
+use std::path::{Path, PathBuf};
+
+/// Results that have no place on a page.
+#[derive(Debug, thiserror::Error)]
+pub enum PlaceError {
+    /// Another experiment than those of the page.
+    #[error(
+        "{} holds the results of the experiment `{name}`; expected one of {expected}",
+        path.display()
+    )]
+    Unknown {
+        /// The directory.
+        path: PathBuf,
+        /// Name of its experiment.
+        name: String,
+        /// The experiments of the page.
+        expected: String,
+    },
+    /// The same experiment twice.
+    #[error("{} holds the experiment `{name}` again; expected each experiment once", path.display())]
+    Twice {
+        /// The directory.
+        path: PathBuf,
+        /// Name of its experiment.
+        name: String,
+    },
+}
+
+/// The place on a page for the results of an experiment: the one beside its name, which must be
+/// there and empty.
+///
+/// # Errors
+/// [`PlaceError`].
+pub fn empty_place<'a, T, const N: usize>(
+    places: [(&str, &'a mut Option<T>); N],
+    path: &Path,
+    name: &str,
+) -> Result<&'a mut Option<T>, PlaceError> {
+    let names = places.each_ref().map(|(name, _)| *name);
+    match places.into_iter().find(|(known, _)| *known == name) {
+        None => Err(PlaceError::Unknown {
+            path: path.to_owned(),
+            name: name.to_owned(),
+            expected: names.join(", "),
+        }),
+        Some((_, Some(_))) => Err(PlaceError::Twice {
+            path: path.to_owned(),
+            name: name.to_owned(),
+        }),
+        Some((_, empty)) => Ok(empty),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_experiment_of_a_page_is_taken_once_and_no_other() {
+        let (mut a, mut b) = (Some(1), None);
+        let path = Path::new("out");
+        let mut take = |name| {
+            *empty_place([("a", &mut a), ("b", &mut b)], path, name)? = Some(2);
+            Ok::<_, PlaceError>(())
+        };
+        take("b").unwrap();
+        for (name, said) in [
+            ("a", "out holds the experiment `a` again"),
+            ("b", "out holds the experiment `b` again"),
+            ("c", "experiment `c`; expected one of a, b"),
+        ] {
+            let error = take(name).unwrap_err().to_string();
+            assert!(error.contains(said), "{error}");
+        }
+        assert_eq!((a, b), (Some(1), Some(2)));
+    }
+}

@@ -1,0 +1,134 @@
+//! Single plans: what the planners find when nothing moves.
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+/// One plan: a row of `plans.csv`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Plan {
+    /// What planned: the name of a case.
+    pub case: String,
+    /// Where the Police stood: `start`, as a game begins, or `random`.
+    pub scene: String,
+    /// Seed of the plan, and of the scene if it is random.
+    pub seed: u64,
+    /// Iterations it was given.
+    pub iterations: u32,
+    /// Whether a way to the exit was found.
+    pub found: bool,
+    /// Length of the way [m].
+    pub length_m: Option<f64>,
+    /// Least distance of the way from any pursuer [m].
+    pub closest_m: Option<f64>,
+    /// Length of the shortest way [m].
+    pub shortest_m: Option<f64>,
+    /// Least distance of the shortest way from any pursuer [m].
+    pub shortest_closest_m: Option<f64>,
+}
+
+/// Single plans, in the order of their file.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Plans(pub Vec<Plan>);
+
+/// Why plans cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum PlansError {
+    /// The file cannot be read.
+    #[error("cannot read {}: {source}", path.display())]
+    Open {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system said.
+        source: std::io::Error,
+    },
+    /// It is not a table of plans.
+    #[error("{}: {reason}; expected the table that `pages plans` writes", path.display())]
+    Format {
+        /// The file.
+        path: PathBuf,
+        /// Line and what is wrong with it.
+        reason: String,
+    },
+}
+
+impl Plans {
+    /// Reads `plans.csv`.
+    ///
+    /// # Errors
+    /// [`PlansError`].
+    pub fn read(path: &Path) -> Result<Self, PlansError> {
+        let bytes = std::fs::read(path).map_err(|source| PlansError::Open {
+            path: path.to_owned(),
+            source,
+        })?;
+        let rows: Result<Vec<Plan>, csv::Error> = csv::Reader::from_reader(bytes.as_slice())
+            .deserialize()
+            .collect();
+        rows.map(Self).map_err(|error| PlansError::Format {
+            path: path.to_owned(),
+            reason: error.to_string(),
+        })
+    }
+
+    /// The table as CSV.
+    ///
+    /// # Errors
+    /// What the writer said.
+    pub fn to_csv(&self) -> Result<Vec<u8>, csv::Error> {
+        let mut csv = csv::Writer::from_writer(Vec::new());
+        for plan in &self.0 {
+            csv.serialize(plan)?;
+        }
+        csv.into_inner().map_err(|error| error.into_error().into())
+    }
+
+    /// The plans of a case in scenes of a kind.
+    pub fn of<'a>(&'a self, case: &'a str, scene: &'a str) -> impl Iterator<Item = &'a Plan> {
+        self.0
+            .iter()
+            .filter(move |p| p.case == case && p.scene == scene)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_written_is_read_back() {
+        let found = Plan {
+            case: "rrt_star_line".to_owned(),
+            scene: "start".to_owned(),
+            seed: 1,
+            iterations: 5000,
+            found: true,
+            length_m: Some(17.25),
+            closest_m: Some(1.5),
+            shortest_m: Some(17.14),
+            shortest_closest_m: Some(0.1),
+        };
+        let lost = Plan {
+            seed: 2,
+            found: false,
+            length_m: None,
+            closest_m: None,
+            ..found.clone()
+        };
+        let plans = Plans(vec![found, lost]);
+        let file = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(file.path(), plans.to_csv().unwrap()).unwrap();
+        assert_eq!(Plans::read(file.path()).unwrap(), plans);
+    }
+
+    #[test]
+    fn another_table_is_refused_with_its_line() {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(file.path(), "case,seed\na,1\n").unwrap();
+        let error = Plans::read(file.path()).unwrap_err().to_string();
+        assert!(error.contains("expected the table"), "{error}");
+        let missing = Plans::read(Path::new("no/such.csv")).unwrap_err();
+        assert!(matches!(missing, PlansError::Open { .. }), "{missing}");
+    }
+}

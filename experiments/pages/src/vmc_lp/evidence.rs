@@ -1,0 +1,117 @@
+//! What the page rests on: results of two experiments.
+
+use std::collections::BTreeMap;
+
+use orchestrator::sweep::planning::{PlanResults, PlanRow};
+
+use crate::place::{PlaceError, empty_place};
+
+/// Names of the experiments.
+pub(super) const SENSITIVITY: &str = "vmc_lp_sensitivity";
+/// The other one.
+pub(super) const VERSUS: &str = "vmc_lp_tables_3_4";
+
+/// What the page rests on.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Evidence {
+    /// Table 2.
+    pub sensitivity: Option<Study>,
+    /// Tables 3 and 4.
+    pub versus: Option<Study>,
+}
+
+/// The results of an experiment with one parameter.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Study {
+    /// Version of the program.
+    pub program: String,
+    /// Its seeds, in words.
+    pub seeds: String,
+    /// The cells, by case and value of the parameter.
+    pub cells: BTreeMap<(String, String), Cell>,
+}
+
+/// The plans of a cell, by seed.
+pub(super) type Cell = BTreeMap<u64, Plan>;
+
+/// What the page says of a plan.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Plan {
+    /// Whether the problem has no solution.
+    pub unsolvable: bool,
+    /// Duration of the plan [s]; `None` without an honest one.
+    pub time: Option<f64>,
+    /// CPU time [ms].
+    pub cpu_ms: Option<f64>,
+}
+
+impl Plan {
+    fn of(row: &PlanRow, cpu_ms: Option<f64>) -> Self {
+        Self {
+            unsolvable: row.is_unsolvable(),
+            time: row.t_s.filter(|_| row.is_honest()),
+            cpu_ms,
+        }
+    }
+}
+
+impl Evidence {
+    /// Adds the results of one of the page's experiments.
+    ///
+    /// # Errors
+    /// [`PlaceError`].
+    pub fn add(&mut self, results: &PlanResults) -> Result<(), PlaceError> {
+        let places = [
+            (SENSITIVITY, &mut self.sensitivity),
+            (VERSUS, &mut self.versus),
+        ];
+        let name = &results.manifest().experiment;
+        let place = empty_place(places, results.directory(), name)?;
+        *place = Some(Study::of(results));
+        Ok(())
+    }
+}
+
+impl Study {
+    fn of(results: &PlanResults) -> Self {
+        let manifest = results.manifest();
+        let mut cells: BTreeMap<(String, String), Cell> = BTreeMap::new();
+        for (mission, row) in results.rows() {
+            let Some(cell) = manifest.cells.get(mission.cell) else {
+                continue;
+            };
+            let value = cell.values.first().map(ToString::to_string);
+            let key = (cell.case.clone(), value.unwrap_or_default());
+            let plan = Plan::of(row, results.cpu_ms(mission));
+            cells.entry(key).or_default().insert(mission.seed, plan);
+        }
+        Self {
+            program: manifest.program.clone(),
+            seeds: manifest.seeds.to_string(),
+            cells,
+        }
+    }
+
+    /// The cell of a case and a value.
+    pub(super) fn cell(&self, case: &str, value: &str) -> Option<&Cell> {
+        self.cells.get(&(case.to_owned(), value.to_owned()))
+    }
+
+    /// How many of how many solvable problems a case failed at; `None` if there were none.
+    pub(super) fn failures(&self, case: &str, value: &str) -> Option<(u64, u64)> {
+        let plans = self.cell(case, value)?.values();
+        let (failed, of) = plans
+            .filter(|p| !p.unsolvable)
+            .fold((0, 0), |(failed, of), p| {
+                (failed + u64::from(p.time.is_none()), of + 1)
+            });
+        (of > 0).then_some((failed, of))
+    }
+
+    /// Problems of a value without a solution.
+    pub(super) fn unsolvable(&self, value: &str) -> usize {
+        let cells = self.cells.iter().filter(|((_, v), _)| v == value);
+        let counts = cells.map(|(_, cell)| cell.values().filter(|p| p.unsolvable).count());
+        counts.max().unwrap_or_default()
+    }
+}

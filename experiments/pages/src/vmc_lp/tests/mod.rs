@@ -1,0 +1,141 @@
+use std::collections::BTreeMap;
+
+use super::evidence::{Plan, Study};
+use super::*;
+
+fn plans(count: u64, failed: u64, time: f64, cpu_ms: f64) -> BTreeMap<u64, Plan> {
+    (0..count)
+        .map(|seed| {
+            let plan = Plan {
+                unsolvable: false,
+                time: (seed >= failed).then_some(time),
+                cpu_ms: Some(cpu_ms),
+            };
+            (seed, plan)
+        })
+        .collect()
+}
+
+#[test]
+fn without_results_the_page_says_so() {
+    let page = page(&Evidence::default()).unwrap();
+    assert_eq!(
+        page.text
+            .matches("*No results of this experiment.*")
+            .count(),
+        2
+    );
+    assert!(page.images.is_empty());
+}
+
+#[test]
+fn counts_are_set_beside_the_published_ones() {
+    let mut study = Study::default();
+    let mut put = |value: &str, failed| {
+        let key = ("vmc".to_owned(), value.to_owned());
+        study.cells.insert(key, plans(500, failed, 39.0, 2.0));
+    };
+    put("radius_5_15", 3);
+    put("radius_20_30", 4);
+    put("obstacles_1_10", 3);
+    put("obstacles_30_40", 60);
+    let evidence = Evidence {
+        sensitivity: Some(study),
+        versus: None,
+    };
+    let page = page(&evidence).unwrap();
+    let line = |start: &str| {
+        let mut lines = page.text.lines();
+        lines.find(|l| l.starts_with(start)).unwrap().to_owned()
+    };
+    assert!(line("| radius | 5 … 15 px | 6/500 | 3/500 |").contains("does not contradict"));
+    assert!(line("| radius | 20 … 30 px | 125/500 | 4/500 |").contains("fewer fail here"));
+    assert!(line("| radius | sensitive | +23.8 | +0.2 |").contains("hardly matters"));
+    assert!(line("| obstacles | sensitive | +9.8 | +11.4 |").contains("confirmed"));
+    assert!(line("| nodes | 10 | 20/500 | – |").contains("no results"));
+    assert_eq!(page.images.len(), 1);
+}
+
+#[test]
+fn methods_are_set_beside_each_other_where_both_have_a_plan() {
+    let mut study = Study::default();
+    for horizon in ["only", "first", "second"] {
+        for (case, failed, time, cpu) in [("lp", 10, 30.0, 1.0), ("vmc", 0, 30.03, 3.0)] {
+            let key = (case.to_owned(), horizon.to_owned());
+            study.cells.insert(key, plans(100, failed, time, cpu));
+        }
+    }
+    let evidence = Evidence {
+        sensitivity: None,
+        versus: Some(study),
+    };
+    let text = page(&evidence).unwrap().text;
+    assert!(
+        text.contains("| 90, 100 of 100 | 30.00, 30.03 | 90/90 "),
+        "{text}"
+    );
+    assert!(
+        text.contains("shorter more often than VMC's: confirmed (ours 270/270"),
+        "{text}"
+    );
+    assert!(
+        text.contains("of the time in most tests: **contradicted** (ours 0/270"),
+        "{text}"
+    );
+    // The published tables by themselves.
+    assert!(
+        text.contains("(Table 3), published | 6, 6 of 6 | 33.13, 34.07 | 5/6 "),
+        "{text}"
+    );
+}
+
+/// Results of both experiments, made up: every setting, method and horizon of the page.
+fn made_up() -> Evidence {
+    let of = |seed: u64, failed: u64, time: f64, cpu_ms: f64| Plan {
+        unsolvable: seed.is_multiple_of(97),
+        time: (seed % 100 >= failed).then_some(time + 0.01 * (seed % 7) as f64),
+        cpu_ms: Some(cpu_ms + 0.1 * (seed % 5) as f64),
+    };
+    let study = || Study {
+        program: "0.1.0".to_owned(),
+        seeds: "1..200".to_owned(),
+        ..Study::default()
+    };
+    let cell = |failed, time, cpu_ms| {
+        let plans = (1..=200).map(|seed| (seed, of(seed, failed, time, cpu_ms)));
+        plans.collect::<BTreeMap<_, _>>()
+    };
+    let mut sensitivity = study();
+    let settings = super::published::TABLE_2
+        .iter()
+        .flat_map(|row| row.settings);
+    for (index, setting) in (0..).zip(settings) {
+        for (case, more) in [("vmc", 0), ("vmc_nodes", 9), ("lp", 1), ("lp_nodes", 20)] {
+            let key = (case.to_owned(), setting.name.to_owned());
+            let failed = index * 5 % 13 + more;
+            sensitivity.cells.insert(key, cell(failed, 39.0, 2.0));
+        }
+    }
+    let mut versus = study();
+    for (index, horizon) in (0_u32..).map(f64::from).zip(["only", "first", "second"]) {
+        for (case, failed, time, cpu_ms) in [
+            ("lp", 0, 30.0, 1.0),
+            ("vmc", 2, 30.001 + 0.1 * index, 3.0),
+            ("lp_paper", 1, 30.02, 1.0 + index),
+            ("vmc_paper", 4, 29.9, 1.5),
+        ] {
+            let key = (case.to_owned(), horizon.to_owned());
+            versus.cells.insert(key, cell(failed, time, cpu_ms));
+        }
+    }
+    Evidence {
+        sensitivity: Some(sensitivity),
+        versus: Some(versus),
+    }
+}
+
+#[test]
+fn the_page_is_what_it_was() {
+    let page = page(&made_up()).unwrap();
+    assert_eq!(page.text, include_str!("expected.md"));
+}

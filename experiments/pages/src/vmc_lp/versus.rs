@@ -1,0 +1,309 @@
+//! Tables 3 and 4: local pursuit against motion camouflage.
+
+use orchestrator::figures::{Chart, Point, Series, Unit};
+use orchestrator::planning::summary::quantile;
+use orchestrator::statistics::{Interval, wilson};
+
+use super::evidence::Study;
+use super::published::{TABLE_3, TABLE_4_FIRST, TABLE_4_SECOND, Test};
+use crate::statistics::fisher_exact;
+use crate::template::Values;
+use crate::words::{p_value, share, shares};
+
+/// Times that differ by less, relative to the smaller one, are the same.
+const SAME: f64 = 1e-4;
+/// A difference that a driver would notice, relative to the smaller time.
+const NOTABLE: f64 = 1e-2;
+/// Values of the experiment's parameter, what they are, and the published tests.
+const HORIZONS: [(&str, &str, &[Test]); 3] = [
+    ("only", "one horizon, 5 obstacles (Table 3)", &TABLE_3),
+    (
+        "first",
+        "first planning, 3 obstacles (Table 4)",
+        &TABLE_4_FIRST,
+    ),
+    (
+        "second",
+        "second planning, 2 more (Table 4)",
+        &TABLE_4_SECOND,
+    ),
+];
+/// Pairs of cases, the names of their slots, and their names in the chart.
+const PAIRS: [(&str, &str, &str, &str); 2] = [
+    ("lp", "vmc", "recommended", "As recommended here"),
+    (
+        "lp_paper",
+        "vmc_paper",
+        "as_published",
+        "8 control points, degree 4, 15 nodes, nothing to fall back on",
+    ),
+];
+
+/// Problems that both methods solved, and what each took.
+#[derive(Debug, Clone, Default, PartialEq)]
+struct Duel {
+    /// Problems with a solution.
+    solvable: u64,
+    /// Of these, those that LP, and VMC, solved.
+    solved: [u64; 2],
+    /// Times to drive [s] of problems that both solved: LP, VMC.
+    times: Vec<[f64; 2]>,
+    /// CPU times: LP, VMC.
+    cpu: Vec<[f64; 2]>,
+}
+
+/// How often something is so, of how many.
+type Measure = fn(&Duel) -> (u64, u64);
+
+impl Duel {
+    fn published(tests: &[Test]) -> Self {
+        Self {
+            solvable: tests.len() as u64,
+            solved: [tests.len() as u64; 2],
+            times: tests.iter().map(|t| t.time).collect(),
+            cpu: tests.iter().map(|t| t.cpu).collect(),
+        }
+    }
+
+    fn of(study: &Study, (lp, vmc): (&str, &str), horizon: &str) -> Option<Self> {
+        let (lp, vmc) = (study.cell(lp, horizon)?, study.cell(vmc, horizon)?);
+        let mut duel = Self::default();
+        for (seed, a) in lp {
+            let Some(b) = vmc.get(seed) else { continue };
+            if a.unsolvable || b.unsolvable {
+                continue;
+            }
+            duel.solvable += 1;
+            duel.solved[0] += u64::from(a.time.is_some());
+            duel.solved[1] += u64::from(b.time.is_some());
+            if let (Some(s), Some(t)) = (a.time, b.time) {
+                duel.times.push([s, t]);
+                if let (Some(s), Some(t)) = (a.cpu_ms, b.cpu_ms) {
+                    duel.cpu.push([s, t]);
+                }
+            }
+        }
+        Some(duel)
+    }
+
+    /// By how much VMC's time is larger than LP's, relative to the smaller one, ascending.
+    fn differences(&self) -> Vec<f64> {
+        let differences = self.times.iter().map(|[a, b]| (b - a) / a.min(*b));
+        let mut differences: Vec<f64> = differences.collect();
+        differences.sort_by(f64::total_cmp);
+        differences
+    }
+
+    /// How often LP's plan is shorter, of those that differ.
+    fn shorter(&self) -> (u64, u64) {
+        let differ = self.differences().into_iter().filter(|d| d.abs() > SAME);
+        differ.fold((0, 0), |(hits, of), d| (hits + u64::from(d > 0.0), of + 1))
+    }
+
+    /// How often the times differ by more than a driver would notice.
+    fn notable(&self) -> (u64, u64) {
+        let hits = self
+            .differences()
+            .iter()
+            .filter(|d| d.abs() > NOTABLE)
+            .count();
+        (hits as u64, self.times.len() as u64)
+    }
+
+    /// How often LP needs less CPU time.
+    fn quicker(&self) -> (u64, u64) {
+        let hits = self.cpu.iter().filter(|[a, b]| a < b).count();
+        (hits as u64, self.cpu.len() as u64)
+    }
+}
+
+fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    quantile(&values, 0.5)
+}
+
+fn number(value: Option<f64>, digits: usize) -> String {
+    value.map_or_else(|| "–".to_owned(), |v| format!("{v:.digits$}"))
+}
+
+fn count((hits, of): (u64, u64)) -> String {
+    if of == 0 {
+        return "–".to_owned();
+    }
+    format!("{hits}/{of} ({})", shares(wilson(hits, of)))
+}
+
+/// Sets the tables and findings of the page.
+pub(super) fn set(study: &Study, values: &mut Values) {
+    for (lp, vmc, slot, _) in PAIRS {
+        values.set(format!("{slot}.table"), table(study, (lp, vmc)));
+        values.set(format!("{slot}.findings"), verdicts(study, (lp, vmc)));
+    }
+}
+
+fn table(study: &Study, pair: (&str, &str)) -> String {
+    let mut text = String::new();
+    for (horizon, title, tests) in HORIZONS {
+        text += &line(&format!("{title}, published"), &Duel::published(tests), "s");
+        match Duel::of(study, pair, horizon) {
+            Some(duel) => text += &line(&format!("{title}, **ours**"), &duel, "ms"),
+            None => text += &format!("| {title}, **ours** | no results | | | | | | | |\n"),
+        }
+    }
+    text
+}
+
+fn line(title: &str, duel: &Duel, unit: &str) -> String {
+    let of = |pairs: &[[f64; 2]], digits: usize| {
+        let (a, b) = (
+            median(pairs.iter().map(|p| p[0])),
+            median(pairs.iter().map(|p| p[1])),
+        );
+        format!("{}, {}", number(a, digits), number(b, digits))
+    };
+    let mut sizes: Vec<f64> = duel.differences().iter().map(|d| d.abs()).collect();
+    sizes.sort_by(f64::total_cmp);
+    let size = |share: f64| {
+        quantile(&sizes, share).map_or_else(|| "–".to_owned(), |v| format!("{:.3} %", 100.0 * v))
+    };
+    format!(
+        "| {title} | {}, {} of {} | {} | {} | {} | {}, {} | {} | {} {unit} | {} |\n",
+        duel.solved[0],
+        duel.solved[1],
+        duel.solvable,
+        of(&duel.times, 2),
+        count(duel.shorter()),
+        count(duel.notable()),
+        size(0.5),
+        size(1.0),
+        count(duel.quicker()),
+        of(&duel.cpu, 2),
+        number(median(duel.cpu.iter().map(|[a, b]| b / a)), 2),
+    )
+}
+
+/// What all horizons together say of the report's observations.
+fn verdicts(study: &Study, pair: (&str, &str)) -> String {
+    let mut ours = Duel::default();
+    let mut theirs = Duel::default();
+    for (horizon, _, tests) in HORIZONS {
+        if let Some(duel) = Duel::of(study, pair, horizon) {
+            ours.times.extend(duel.times);
+            ours.cpu.extend(duel.cpu);
+        }
+        let published = Duel::published(tests);
+        theirs.times.extend(published.times);
+        theirs.cpu.extend(published.cpu);
+    }
+    let more_often = |(hits, of): (u64, u64)| {
+        let Interval { low, high } = wilson(hits, of);
+        if of == 0 {
+            "no data"
+        } else if low > 0.5 {
+            "confirmed"
+        } else if high < 0.5 {
+            "**contradicted**"
+        } else {
+            "not decided"
+        }
+    };
+    let said = |duel: &Duel, of: Measure| {
+        let (hits, of) = of(duel);
+        (share(hits as f64 / of.max(1) as f64), hits, of)
+    };
+    let mut text = String::new();
+    let claims: [(&str, Measure, bool); 2] = [
+        (
+            "LP's plans are shorter more often than VMC's",
+            Duel::shorter,
+            true,
+        ),
+        (
+            "LP needs less CPU time more often than VMC",
+            Duel::quicker,
+            false,
+        ),
+    ];
+    for (claim, measure, ties) in claims {
+        let (theirs, hits, of) = said(&theirs, measure);
+        let mine = measure(&ours);
+        // Hardly any pair that differs is an answer, too.
+        let pairs = ours.times.len() as u64;
+        let rarely = ties && 20 * mine.1 < pairs;
+        let verdict = if rarely {
+            format!(
+                "**contradicted**: {} of {pairs} pairs are the same within 0.01 %",
+                pairs - mine.1
+            )
+        } else {
+            more_often(mine).to_owned()
+        };
+        text += &format!(
+            "- {claim}: {verdict} (ours {}; published {theirs}, {hits}/{of}).\n",
+            count(mine),
+        );
+    }
+    let (a, b) = (ours.notable(), theirs.notable());
+    if a.1 > 0 {
+        let p = fisher_exact(a, b);
+        let verdict = if p >= 0.05 {
+            "not contradicted"
+        } else {
+            "**contradicted**"
+        };
+        text += &format!(
+            "- Which method is chosen makes a difference of more than 1 % of the time in most tests: {verdict} \
+             (ours {}; published {}/{}; {}).\n",
+            count(a),
+            b.0,
+            b.1,
+            p_value(p),
+        );
+    }
+    text
+}
+
+/// What is to be seen of Tables 3 and 4: how much larger VMC's CPU time is.
+pub(super) fn chart(study: &Study) -> Chart {
+    let spread = |duel: &Duel| {
+        let mut ratios: Vec<f64> = duel.cpu.iter().map(|[a, b]| b / a).collect();
+        ratios.sort_by(f64::total_cmp);
+        let at = |share| quantile(&ratios, share);
+        Some((at(0.5)?, (at(0.05)?, at(0.95)?)))
+    };
+    let point = |x: f64, duel: &Duel| {
+        let (y, interval) = spread(duel)?;
+        Some(Point {
+            x,
+            y,
+            interval: Some(interval),
+        })
+    };
+    let places = || (0..).map(f64::from).zip(HORIZONS);
+    let series = PAIRS.map(|(lp, vmc, _, title)| Series {
+        name: title.to_owned(),
+        points: places()
+            .filter_map(|(x, (horizon, _, _))| point(x, &Duel::of(study, (lp, vmc), horizon)?))
+            .collect(),
+        reference: places()
+            .filter(|_| lp == "lp")
+            .filter_map(|(x, (_, _, tests))| point(x, &Duel::published(tests)))
+            .collect(),
+    });
+    Chart {
+        title: "CPU time of VMC by that of LP, the same problem".to_owned(),
+        subtitle: format!(
+            "Median of the problems that both methods solved; bars from the 5th to the 95th percentile. Seeds \
+             {}.",
+            study.seeds
+        ),
+        x_label: "planning".to_owned(),
+        x_names: ["one horizon", "first", "second"].map(str::to_owned).into(),
+        y_label: "VMC's CPU time by LP's".to_owned(),
+        unit: Unit::Number,
+        series: series.into(),
+        reference: "published (6, 4 and 4 tests)".to_owned(),
+        ..Chart::default()
+    }
+}
