@@ -1,14 +1,9 @@
 //! Things broken on purpose: a bounded number of seeded faults, and every promise checked by the
 //! program's own `chaos`.
 
-use std::os::unix::ffi::OsStringExt as _;
-use std::path::{Path, PathBuf};
-
-use rustix::process::Signal;
 use serde_json::Value as Json;
 
-use crate::support::sandbox::{processes_with, signal};
-use crate::support::{SOON, Sandbox, until};
+use crate::support::Sandbox;
 
 /// Does faults of these kinds and returns the report; every promise held.
 fn chaos(kinds: &str, faults: &str) -> Json {
@@ -90,109 +85,6 @@ fn an_orchestrator_that_dies_takes_everything_along_and_loses_a_second_at_most()
             assert!(lost <= 1.0, "{fault}");
         }
     }
-}
-
-#[test]
-fn a_mission_whose_chaos_was_killed_is_found_by_clean() {
-    let sandbox = Sandbox::new();
-    // Fault 0 of this seed is by the clock, so slow that it never comes to it.
-    let chaos = sandbox
-        .protean([
-            "chaos",
-            "hello",
-            "--kinds",
-            "pause",
-            "--fault-seed",
-            "1",
-            "--real-time",
-            "0.01",
-        ])
-        .start();
-    let known = sandbox.next_run(&std::collections::BTreeSet::new());
-    let note = sandbox
-        .runtime_dir()
-        .join("protean")
-        .join(&known)
-        .join("annex");
-    let annex = until("the mission's folder", SOON, || {
-        // It is there a moment before anything is in it.
-        std::fs::read(&note).ok().filter(|path| !path.is_empty())
-    });
-    let annex = PathBuf::from(std::ffi::OsString::from_vec(annex));
-    let runtime_dir = annex.join("rt");
-    let _guard = Killed(runtime_dir.clone());
-    let run = until("a run of the mission", SOON, || {
-        let mut runs = std::fs::read_dir(runtime_dir.join("protean")).ok()?;
-        let name = runs.find_map(|entry| {
-            let name = entry.ok()?.file_name().into_string().ok()?;
-            name.starts_with('r').then_some(name)
-        })?;
-        let shared = || !shared_memory(&name).is_empty();
-        shared().then_some(name)
-    });
-    chaos.signal(Signal::KILL);
-    chaos.finish();
-
-    // Its mission goes on, and is nobody else's to end.
-    let clean = || sandbox.protean(["clean"]).run();
-    let left_alone = clean();
-    assert_eq!(left_alone.code, Some(0), "{left_alone}");
-    let alive = format!("{run}: alive, left alone");
-    assert!(left_alone.stdout.contains(&alive), "{left_alone}");
-    assert!(annex.exists() && note.exists());
-
-    kill_all(&runtime_dir);
-    until("the end of the mission", SOON, || {
-        processes_with(&runtime_dir).is_empty().then_some(())
-    });
-    assert!(!shared_memory(&run).is_empty(), "nothing to clean");
-    // A process that ends forgets its environment a moment before it lets go of its locks.
-    let cleaned = until("the end of its lock", SOON, || {
-        let cleaned = clean();
-        (!cleaned.stdout.contains(&alive)).then_some(cleaned)
-    });
-    assert_eq!(cleaned.code, Some(0), "{cleaned}");
-    for what in [
-        &format!("{run}: removed"),
-        &format!("{}: removed", annex.display()),
-    ] {
-        assert!(cleaned.stdout.contains(what), "{what}: {cleaned}");
-    }
-    assert!(!annex.exists());
-    assert!(shared_memory(&run).is_empty());
-    sandbox.assert_nothing_left();
-}
-
-/// A runtime directory whose processes are killed and whose shared memory is removed, also by a
-/// failing test.
-struct Killed(PathBuf);
-
-impl Drop for Killed {
-    fn drop(&mut self) {
-        kill_all(&self.0);
-        let runs = std::fs::read_dir(self.0.join("protean"));
-        for run in runs.into_iter().flatten().flatten() {
-            for piece in shared_memory(&run.file_name().to_string_lossy()) {
-                let _ = std::fs::remove_file(piece);
-            }
-        }
-    }
-}
-
-fn kill_all(runtime_dir: &Path) {
-    for process in processes_with(runtime_dir) {
-        signal(process.pid, Signal::KILL);
-    }
-}
-
-/// Pieces of shared memory of a run.
-fn shared_memory(run: &str) -> Vec<PathBuf> {
-    let prefix = Sandbox::prefix(run);
-    let entries = std::fs::read_dir("/dev/shm").unwrap().flatten();
-    entries
-        .filter(|entry| entry.file_name().to_string_lossy().starts_with(&prefix))
-        .map(|entry| entry.path())
-        .collect()
 }
 
 #[test]

@@ -95,18 +95,12 @@ fn a_planner_in_python_that_is_killed_is_started_again_and_rejoins() {
         .start();
     let run = sandbox.next_run(&BTreeSet::new());
     wait_for_tick(&run, 100);
-    let pids = sandbox
-        .runtime_dir()
-        .join("protean")
-        .join(&run)
-        .join("pids");
     let planner = || -> Option<u32> {
-        let list = std::fs::read_to_string(&pids).ok()?;
-        list.lines().nth(1)?.parse().ok()
+        let mut all = sandbox.processes().into_iter();
+        let planner = all.find(|process| process.name.contains("python"));
+        planner.map(|process| process.pid)
     };
     let first = planner().unwrap();
-    let name = std::fs::read_to_string(format!("/proc/{first}/comm")).unwrap();
-    assert!(name.starts_with("python"), "{name}");
     signal(first, Signal::KILL);
     until("its successor", SOON, || {
         planner().filter(|&pid| pid != first)
@@ -153,7 +147,7 @@ fn a_planner_in_python_that_is_killed_is_started_again_and_rejoins() {
 }
 
 #[test]
-fn a_planner_in_python_and_its_warden_may_be_treated_badly() {
+fn a_planner_in_python_may_be_treated_badly() {
     let sandbox = Sandbox::new();
     if !prepare(&sandbox) {
         return;
@@ -179,5 +173,5 @@ fn a_planner_in_python_and_its_warden_may_be_treated_badly() {
         let mut all = report["outcomes"].as_array().unwrap().iter();
         all.any(|fault| fault["target"] == target && fault["injected"] == true)
     };
-    assert!(done("planner") && done("warden:planner"), "{report}");
+    assert!(done("planner"), "{report}");
 }

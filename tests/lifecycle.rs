@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use crate::support::call::{PATIENCE, Running};
 use crate::support::history::History;
 use crate::support::programs::driven_by;
-use crate::support::sandbox::{Process, end_sleeping, signal, sleeping};
+use crate::support::sandbox::signal;
 use crate::support::{SOON, Sandbox, python, until, wait_for_tick};
 use rustix::process::Signal;
 
@@ -193,117 +193,30 @@ fn the_next_run_cleans_up_after_a_killed_orchestrator() {
     assert!(states_of_torn(&log(&sandbox)) > 0);
 }
 
-/// Never answers and has started others, one in a session of its own and one that has forgotten its
-/// environment as well. (By the time it is called `sleep`, it has.)
-const STUBBORN: &str =
-    r#"command = ["/bin/sh", "-c", "setsid env -i sleep TIME & setsid sleep 1000 & wait"]"#;
-
-/// The stubborn program in a run, and whom it has started.
-struct Stubborn<'a> {
-    orchestrator: Running<'a>,
-    run: String,
-    warden: Process,
-    /// In a session of its own.
-    far: Process,
-    /// How long the one sleeps that has forgotten its environment: nobody else sleeps so long.
-    time: String,
-}
-
-impl<'a> Stubborn<'a> {
-    fn start(sandbox: &'a Sandbox) -> Self {
-        let (before, known) = (sandbox.processes(), sandbox.runs());
-        let time = format!("1000.{}", std::process::id());
-        let lines = STUBBORN.replace("TIME", &time);
-        sandbox.file("stubborn.toml", driven_by("stubborn", &lines));
-        let words = [
-            "run",
-            "stubborn.toml",
-            "--allow-external",
-            "--force",
-            "--out",
-            "other.mcap",
-        ];
-        let orchestrator = sandbox.protean(words).start();
-        let run = sandbox.next_run(&known);
-        let pids = sandbox
-            .runtime_dir()
-            .join("protean")
-            .join(&run)
-            .join("pids");
-        let program = until("the list of its processes", SOON, || {
-            let list = std::fs::read_to_string(&pids).ok()?;
-            let pids: Vec<u32> = list.lines().filter_map(|pid| pid.parse().ok()).collect();
-            (pids.len() == 2).then(|| pids[1])
-        });
-        let new = || {
-            let mut rest = sandbox.processes();
-            rest.retain(|p| !before.contains(p));
-            rest
-        };
-        let far = until("the program that another starts", SOON, || {
-            new().into_iter().find(|p| p.name == "sleep")
-        });
-        let it = Self {
-            orchestrator,
-            run,
-            warden: sandbox.process("warden:stubborn"),
-            far,
-            time,
-        };
-        until("the one that has forgotten", SOON, || {
-            (it.forgetful() == 1).then_some(())
-        });
-        let listed = new().into_iter().find(|p| p.pid == program).unwrap();
-        assert_eq!(listed.name, "/bin/sh", "the program itself is listed");
-        it
-    }
-
-    /// How many live that nobody finds by their environment.
-    fn forgetful(&self) -> usize {
-        sleeping(&self.time)
-    }
-}
-
-#[test]
-fn whatever_a_program_has_started_ends_with_a_killed_orchestrator() {
-    let sandbox = Sandbox::new();
-    // One that is stopped has its task all the same.
-    for stopped in [false, true] {
-        let it = Stubborn::start(&sandbox);
-        if stopped {
-            signal(it.warden.pid, Signal::STOP);
-        }
-        it.orchestrator.signal(Signal::KILL);
-        until("the end of all", SOON, || {
-            (it.forgetful() == 0 && sandbox.processes().is_empty()).then_some(())
-        });
-        it.orchestrator.finish();
-    }
-    let mut left = sandbox.runtime_files();
-    left.retain(|path| path.is_dir());
-    assert_eq!(left.len(), 1, "the second run has removed the first");
-    sandbox.protean(["clean"]).json();
-    sandbox.assert_nothing_left();
-}
+/// Never answers and has started another in a session of its own.
+const STUBBORN: &str = r#"command = ["/bin/sh", "-c", "setsid sleep 1000 & wait"]"#;
 
 #[test]
 fn clean_kills_what_outlived_its_orchestrator_and_leaves_living_runs_alone() {
     let sandbox = Sandbox::new();
     let (alive, alive_run) = in_the_air(&sandbox, &[], 10);
-    let before = sandbox.processes();
-    let it = Stubborn::start(&sandbox);
+    let (before, known) = (sandbox.processes(), sandbox.runs());
     let others = || {
         let mut rest = sandbox.processes();
         rest.retain(|p| !before.contains(p));
         rest
     };
-    // Nobody is left to see to it.
-    it.orchestrator.signal(Signal::STOP);
-    signal(it.warden.pid, Signal::KILL);
-    it.orchestrator.signal(Signal::KILL);
-    it.orchestrator.finish();
+    sandbox.file("stubborn.toml", driven_by("stubborn", STUBBORN));
+    let words = ["run", "stubborn.toml", "--allow-external", "--quiet"];
+    let stubborn = sandbox.protean(words).start();
+    let stubborn_run = sandbox.next_run(&known);
+    let far = until("the program that another starts", SOON, || {
+        others().into_iter().find(|p| p.name == "sleep")
+    });
+    stubborn.signal(Signal::KILL);
+    stubborn.finish();
     until("the end of all but one", SOON, || {
-        (others() == [it.far.clone()]).then_some(())
+        (others() == [far.clone()]).then_some(())
     });
     let cleaned = sandbox.protean(["clean"]).json();
     let root = |run: &str| sandbox.runtime_dir().join("protean").join(run);
@@ -313,19 +226,14 @@ fn clean_kills_what_outlived_its_orchestrator_and_leaves_living_runs_alone() {
             .find(|r| r["run"] == root(run).to_str().unwrap())
             .unwrap()
     };
-    assert_eq!(of(&it.run)["state"], "removed", "{cleaned}");
+    assert_eq!(of(&stubborn_run)["state"], "removed", "{cleaned}");
     assert_eq!(
-        of(&it.run)["killed"],
-        serde_json::json!([it.far.pid]),
+        of(&stubborn_run)["killed"],
+        serde_json::json!([far.pid]),
         "{cleaned}"
     );
     assert_eq!(of(&alive_run)["state"], "alive", "{cleaned}");
-    until("the end of the stubborn one", SOON, || {
-        (!sandbox.processes().contains(&it.far)).then_some(())
-    });
     assert_eq!(sandbox.processes(), before);
-    // Without warden and environment nobody knows whose it is.
-    end_sleeping(&it.time);
     alive.signal(Signal::INT);
     let outcome = alive.finish();
     assert_eq!(outcome.code, Some(3), "{outcome}");

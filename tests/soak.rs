@@ -1,12 +1,9 @@
 //! Missions back to back, watched from outside.
 
-use std::collections::BTreeSet;
-
-use rustix::process::Signal;
 use serde_json::Value as Json;
 
+use crate::support::Sandbox;
 use crate::support::programs::driven_by;
-use crate::support::{Sandbox, wait_for_tick};
 
 #[test]
 fn missions_come_again_and_again_and_nothing_is_left() {
@@ -110,31 +107,4 @@ fn what_was_seen_is_judged_again() {
             "{refused}"
         );
     }
-}
-
-/// Each keeps pages that are only partly used, so that what is held would grow with their number.
-#[cfg(target_env = "gnu")]
-#[test]
-fn the_threads_of_an_orchestrator_share_few_arenas() {
-    let sandbox = Sandbox::new();
-    let running = sandbox
-        .protean(["run", "hello", "--pace", "1", "--quiet"])
-        .start();
-    let run = sandbox.next_run(&BTreeSet::new());
-    wait_for_tick(&run, 5);
-    let maps = std::fs::read_to_string(format!("/proc/{}/maps", running.pid())).unwrap();
-    running.signal(Signal::INT);
-    assert_eq!(running.finish().code, Some(3));
-    // The memory of every arena but the first begins at a multiple of 64 MiB.
-    let starts_one = |line: &&str| {
-        let start = line.split('-').next().unwrap();
-        let start = u64::from_str_radix(start, 16).unwrap();
-        line.contains(" rw-p 00000000 00:00 0") && start.is_multiple_of(64 << 20)
-    };
-    let arenas = maps.lines().filter(starts_one).count();
-    let processors = std::thread::available_parallelism().unwrap().get();
-    assert!(
-        (1..=processors.max(2)).contains(&arenas),
-        "{arenas}:\n{maps}"
-    );
 }

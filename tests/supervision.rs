@@ -3,14 +3,14 @@
 
 #[path = "supervision/disk.rs"]
 mod disk;
+#[path = "supervision/grandchildren.rs"]
+mod grandchildren;
 #[path = "supervision/orchestrator.rs"]
 mod orchestrator;
 #[path = "supervision/room.rs"]
 mod room;
 #[path = "supervision/surroundings.rs"]
 mod surroundings;
-#[path = "supervision/warden.rs"]
-mod warden;
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;

@@ -14,8 +14,6 @@ use crate::mission::children::CONFIG_VARIABLE;
 
 /// What processes of a run are called by `ps`, before their names.
 const OURS: &str = "protean:";
-/// Beginning of the names of those that stand between the orchestrator and a program of the user's.
-pub const WARDEN: &str = "warden:";
 
 /// Why the machine cannot be looked at.
 #[derive(Debug, thiserror::Error)]
@@ -42,7 +40,7 @@ pub struct Member {
     pub name: String,
     /// Directory of its run; `None` for an orchestrator.
     pub root: Option<PathBuf>,
-    /// Its configuration, which it shares with its warden or program if there is one.
+    /// Its configuration, which it shares with what it has started.
     pub config: Option<PathBuf>,
     /// Resident memory of its own, shared memory and files left out [bytes].
     pub memory_bytes: u64,
@@ -60,32 +58,21 @@ pub fn member(pid: i32) -> Result<Member, CensusError> {
     Ok(look_at(&Process::new(pid)?)?)
 }
 
-/// The living children of an orchestrator, and of its wardens, by their process ids. Those that end
-/// meanwhile are left out.
+/// The living children of an orchestrator by their process ids. Those that end meanwhile are left out.
 ///
 /// # Errors
 /// [`CensusError::Proc`] if `/proc` cannot be read.
 pub fn children(parent: i32) -> Result<Vec<Member>, CensusError> {
-    let mut living = Vec::new();
-    for process in all_processes()? {
-        let Ok(process) = process else { continue };
+    let living = |process: &Process| {
         // Whatever cannot be read has ended, or is none of ours.
-        let Ok(stat) = process.stat() else { continue };
-        if stat.state != 'Z' {
-            living.push((stat.ppid, process));
-        }
-    }
-    let of = |parent: i32| {
-        let its = living.iter().filter(move |(ppid, _)| *ppid == parent);
-        its.filter_map(|(_, process)| look_at(process).ok())
+        let stat = process.stat();
+        stat.is_ok_and(|stat| stat.ppid == parent && stat.state != 'Z')
     };
-    let mut found: Vec<Member> = of(parent).collect();
-    let wardens: Vec<i32> = found
-        .iter()
-        .filter(|m| m.name.starts_with(WARDEN))
-        .map(|m| m.pid)
+    let mut found: Vec<Member> = all_processes()?
+        .flatten()
+        .filter(living)
+        .filter_map(|process| look_at(&process).ok())
         .collect();
-    found.extend(wardens.into_iter().flat_map(of));
     found.sort_by_key(|m| m.pid);
     Ok(found)
 }

@@ -1,60 +1,20 @@
-//! What is open here: as much as must be, and nothing of it in those who are started from here.
+//! Open files: as many as the system permits, and none of them inherited by the processes that are started.
 
 use std::os::unix::process::CommandExt as _;
 use std::process::Command;
 
-use rustix::process::{Resource, getrlimit, setrlimit};
+use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 
-/// What is asked for, where less is allowed at first: several times what the largest run takes.
-const WANTED: u64 = 4096;
-/// What a run has open without its processes: a little more than was counted (155, and 4 for plans).
-const OF_A_RUN: u64 = 170;
-/// What it has open of each process, counted with 2 to 62 of them.
-const OF_A_PROCESS: u64 = 9;
-
-/// Fewer descriptors than a run takes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "this program may have {allowed} files open (`ulimit -n`), expected at least {needed} for {processes} \
-     processes"
-)]
-pub struct TooFew {
-    allowed: u64,
-    needed: u64,
-    processes: usize,
-}
-
-/// Has as many files allowed to this program, and to those that it starts, as any run may need, if the
-/// system permits: the limit that is met first is there for programs that cannot count beyond 1023.
+/// Allows this program, and those that it starts, as many open files as the system permits: a mission
+/// has hundreds open, and the limit that is met first is there for programs that cannot count beyond 1023.
 pub fn raise_limit() {
-    let mut limit = getrlimit(Resource::Nofile);
-    let wanted = limit.maximum.map_or(WANTED, |most| most.min(WANTED));
-    if limit.current.is_some_and(|current| current < wanted) {
-        limit.current = Some(wanted);
-        // Refused, it stays as it was: enough for most runs, and the others say so.
-        let _ = setrlimit(Resource::Nofile, limit);
-    }
-}
-
-/// Whether a run of so many processes may have open what it must: where it may not, libraries say
-/// anything but that.
-///
-/// # Errors
-/// [`TooFew`].
-pub fn check(processes: usize) -> Result<(), TooFew> {
-    enough(getrlimit(Resource::Nofile).current, processes)
-}
-
-fn enough(allowed: Option<u64>, processes: usize) -> Result<(), TooFew> {
-    let needed = OF_A_RUN + OF_A_PROCESS * processes as u64;
-    match allowed {
-        Some(allowed) if allowed < needed => Err(TooFew {
-            allowed,
-            needed,
-            processes,
-        }),
-        _ => Ok(()),
-    }
+    let limit = getrlimit(Resource::Nofile);
+    let raised = Rlimit {
+        current: limit.maximum,
+        maximum: limit.maximum,
+    };
+    // Refused, it stays as it was, and the file that cannot be opened is named.
+    let _ = setrlimit(Resource::Nofile, raised);
 }
 
 /// Has a program started with nothing open but its standard input, output and error, whatever is open
@@ -94,17 +54,6 @@ mod tests {
     use std::os::fd::AsRawFd as _;
 
     use super::*;
-
-    #[test]
-    fn too_few_are_told_beforehand() {
-        assert_eq!(enough(Some(278), 12), Ok(()));
-        assert_eq!(enough(None, 64), Ok(()));
-        let error = enough(Some(277), 12).unwrap_err().to_string();
-        assert_eq!(
-            error,
-            "this program may have 277 files open (`ulimit -n`), expected at least 278 for 12 processes"
-        );
-    }
 
     #[test]
     fn nothing_but_the_standard_ones_goes_on() {

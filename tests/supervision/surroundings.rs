@@ -11,45 +11,12 @@ use crate::support::sandbox::signal;
 use crate::support::{SOON, Sandbox, until, wait_for_tick};
 
 #[test]
-fn who_starts_it_may_not_care_for_children() {
-    let sandbox = Sandbox::new();
-    let script = "trap '' CHLD; exec \"$@\"";
-    let outcome = sandbox
-        .protean(["run", "hello", "--quiet", "--out", "run.mcap"])
-        .set(PATIENCE)
-        .through("sh", &["-c", script, "sh"])
-        .run();
-    assert_eq!(outcome.code, Some(0), "{outcome}");
-    assert!(!outcome.stderr.contains("killed"), "{outcome}");
-    sandbox.assert_nothing_left();
-}
-
-#[test]
-fn a_limit_for_the_size_of_files_is_told_and_leaves_nothing() {
-    let sandbox = Sandbox::new();
-    let limited = |blocks| ["-c", "ulimit -f \"$0\" && exec \"$@\"", blocks];
-    let words = ["run", "hello", "--quiet", "--out", "run.mcap"];
-    let call = sandbox.protean(words).through("sh", &limited("100"));
-    let said = "error: cannot write the log run.mcap: File too large";
-    call.run().refused(1, &[said, "it stays readable"]);
-    sandbox.assert_nothing_left();
-    sandbox.protean(words).arg("--force").json();
-    let words = ["filter", "run.mcap", "--out", "part.mcap"];
-    let call = sandbox.protean(words).through("sh", &limited("10"));
-    call.run()
-        .refused(1, &["error: ", "part.mcap", "File too large"]);
-    assert_eq!(sandbox.files(), [sandbox.path().join("run.mcap")]);
-}
-
-#[test]
-fn a_terminal_that_is_closed_ends_the_run_in_order_and_nohup_has_it_go_on() {
+fn a_terminal_that_is_closed_ends_the_run_in_order() {
     let sandbox = Sandbox::new();
     let mut known = BTreeSet::new();
     for ending in [Signal::HUP, Signal::QUIT] {
         let words = ENDLESS.iter().copied().chain(["run.mcap", "--force"]);
-        // As from a terminal, also where the tests themselves run under nohup.
-        let call = sandbox.protean(words);
-        let running = call.through("env", &["--default-signal=HUP"]).start();
+        let running = sandbox.protean(words).start();
         let run = sandbox.next_run(&known);
         known.insert(run.clone());
         wait_for_tick(&run, 10);
@@ -58,15 +25,6 @@ fn a_terminal_that_is_closed_ends_the_run_in_order_and_nohup_has_it_go_on() {
         assert_eq!(outcome.code, Some(3), "{outcome}");
         sandbox.assert_nothing_left();
     }
-    let words = ENDLESS.iter().copied().chain(["run.mcap", "--force"]);
-    let running = sandbox.protean(words).through("nohup", &[]).start();
-    let run = sandbox.next_run(&known);
-    wait_for_tick(&run, 10);
-    running.signal(Signal::HUP);
-    wait_for_tick(&run, 100);
-    running.signal(Signal::INT);
-    assert_eq!(running.finish().code, Some(3));
-    sandbox.assert_nothing_left();
 }
 
 #[test]

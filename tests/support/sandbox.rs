@@ -45,11 +45,10 @@ impl Sandbox {
             .mode(0o700)
             .create(&base)
             .unwrap();
-        // The program removes the directory with its last run, and with it would go the watch.
-        std::fs::write(base.join("watched"), "").unwrap();
         let watch =
             inotify::init(inotify::CreateFlags::NONBLOCK | inotify::CreateFlags::CLOEXEC).unwrap();
-        let wanted = inotify::WatchFlags::CREATE | inotify::WatchFlags::ONLYDIR;
+        // A run's directory gets its name when it is complete.
+        let wanted = inotify::WatchFlags::MOVED_TO | inotify::WatchFlags::ONLYDIR;
         inotify::add_watch(&watch, &base, wanted).unwrap();
         Self {
             directory,
@@ -146,12 +145,11 @@ impl Sandbox {
         format!("protean_{run}_")
     }
 
-    /// Directories of runs, and locks, that are there now.
+    /// Directories of runs that are there now.
     pub fn runtime_files(&self) -> Vec<PathBuf> {
         std::fs::read_dir(self.runtime_dir().join("protean"))
             .unwrap()
             .map(|entry| entry.unwrap().path())
-            .filter(|path| path.file_name().is_some_and(|name| name != "watched"))
             .collect()
     }
 

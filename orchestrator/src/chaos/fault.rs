@@ -6,7 +6,6 @@ use serde::Serialize;
 
 use super::ChaosOptions;
 use super::mission::Course;
-use crate::census::WARDEN;
 
 /// What is done.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, clap::ValueEnum)]
@@ -95,8 +94,7 @@ pub enum Policy {
 pub struct Fault {
     /// What is done.
     pub kind: FaultKind,
-    /// Name of the process that it is done to; the orchestrator's is `orchestrator`, a warden's
-    /// `warden:` with that of its program.
+    /// Name of the process that it is done to; the orchestrator's is `orchestrator`.
     pub target: String,
     /// In lock-step or by the clock.
     pub course: Course,
@@ -107,20 +105,14 @@ pub struct Fault {
 }
 
 impl Fault {
-    /// Name in the scenario of the process that it is done to, or whose warden it is done to.
-    pub fn process(&self) -> &str {
-        self.target.strip_prefix(WARDEN).unwrap_or(&self.target)
-    }
-
-    /// Whether a process is gone for good by it. A program does not need its warden before the end.
+    /// Whether a process is gone for good by it.
     pub fn is_failure(&self) -> bool {
-        let hung_warden = self.kind == FaultKind::Hang && self.process() != self.target;
-        self.kind.is_failure() && !hung_warden
+        self.kind.is_failure()
     }
 
     /// Whether everything goes on afterwards as if nothing had been.
     pub fn passes(&self) -> bool {
-        self.kind.passes() || (self.kind == FaultKind::Hang && !self.is_failure())
+        self.kind.passes()
     }
 
     /// Draws one.

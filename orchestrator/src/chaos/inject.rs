@@ -1,5 +1,6 @@
 //! Does what a fault says.
 
+use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
@@ -10,7 +11,7 @@ use rustix::process::{Pid, Signal, kill_process};
 use super::fault::{Fault, FaultKind};
 use super::mission::Mission;
 use super::posts::Posts;
-use crate::census::{self, CensusError, Member, WARDEN};
+use crate::census::{self, CensusError, Member};
 use crate::descriptors;
 use crate::mission::children::CONFIG_VARIABLE;
 
@@ -106,20 +107,14 @@ fn find(mission: &mut Mission, fault: &Fault) -> Result<Option<Member>, CensusEr
                 Err(_) => continue,
             }
         }
-        let members = census::children(mission.pid())?;
-        // Between its start and its first words a process is still called as the orchestrator is.
-        let named = |name: &str| {
-            let mut all = members.iter();
-            all.find(|m| m.name == name && m.config.is_some())
+        // By its configuration: an external program can have any name.
+        let is_target = |member: &Member| {
+            let file = member.config.as_deref().and_then(Path::file_name);
+            file.is_some_and(|file| file == mission.config_of(&fault.target).as_str())
         };
-        // A program of the user's has any name: it is found by its warden.
-        let program = || {
-            let warden = named(&format!("{WARDEN}{}", fault.target))?;
-            let mut all = members.iter();
-            all.find(|m| m.config == warden.config && m.pid != warden.pid)
-        };
-        if let Some(member) = named(&fault.target).or_else(program) {
-            return Ok(Some(member.clone()));
+        let mut members = census::children(mission.pid())?.into_iter();
+        if let Some(member) = members.find(is_target) {
+            return Ok(Some(member));
         }
         sleep(LOOK);
     }

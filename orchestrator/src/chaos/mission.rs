@@ -1,8 +1,9 @@
 //! A mission as its own program, with its own runtime directory, so that whatever it leaves is its
 //! own.
 
-use std::fs::File;
+use std::fs::{DirBuilder, File};
 use std::io::Read as _;
+use std::os::unix::fs::DirBuilderExt as _;
 use std::os::unix::process::CommandExt as _;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
@@ -12,12 +13,12 @@ use rustix::event::{PollFd, PollFlags};
 use rustix::process::{Pid, PidfdFlags};
 use serde::Serialize;
 use serde_json::Value as Json;
+use tempfile::TempDir;
 
 use super::fault::Policy;
 use super::{ChaosError, ChaosOptions};
-use crate::descriptors;
-use crate::mission::annex::Annex;
 use crate::scenario::{OnFailure, ResolvedScenario};
+use crate::{descriptors, program};
 
 /// Real time without an answer after which a process counts as hung when its mission is left alone
 /// [s].
@@ -70,7 +71,9 @@ pub struct Mission {
     pub child: Child,
     /// When it was started.
     pub start: Instant,
-    annex: Annex,
+    folder: TempDir,
+    /// Names of its processes behind the simulator.
+    names: Vec<String>,
 }
 
 /// A mission that is over.
@@ -97,16 +100,24 @@ impl Mission {
         policy: Policy,
         hang_timeout_s: f64,
     ) -> Result<Self, ChaosError> {
-        let annex = Annex::create()?;
-        let scenario = annex.path().join("mission.toml");
+        // Short: names of sockets below it are limited.
+        let folder = tempfile::Builder::new()
+            .prefix("pc")
+            .tempdir_in("/tmp")
+            .and_then(|folder| {
+                DirBuilder::new().mode(0o700).create(runtime_dir(&folder))?;
+                Ok(folder)
+            })
+            .map_err(system("cannot make a temporary folder"))?;
+        let scenario = folder.path().join("mission.toml");
         let prepared = prepared(&options.scenario, policy, hang_timeout_s);
         std::fs::write(&scenario, prepared.to_toml())
             .map_err(system(scenario.display().to_string()))?;
-        let mut mission_command = command(&annex, "run")?;
+        let mut mission_command = command(&folder, "run");
         mission_command
             .arg(&scenario)
             .args(["--json", "--quiet", "--out"])
-            .arg(annex.path().join(LOG));
+            .arg(folder.path().join(LOG));
         if options.scenario.uses_external_commands() {
             mission_command.arg("--allow-external");
         }
@@ -114,7 +125,7 @@ impl Mission {
             mission_command.args(["--real-time", &options.real_time.to_string()]);
         }
         let out = |name: &str| {
-            let path = annex.path().join(name);
+            let path = folder.path().join(name);
             File::create(&path).map_err(system(path.display().to_string()))
         };
         // In a group of its own: Ctrl-C is for chaos, which then ends in order.
@@ -127,7 +138,13 @@ impl Mission {
         Ok(Self {
             child,
             start: Instant::now(),
-            annex,
+            folder,
+            names: options
+                .scenario
+                .processes
+                .iter()
+                .map(|process| process.name.clone())
+                .collect(),
         })
     }
 
@@ -141,9 +158,15 @@ impl Mission {
         self.path().join(LOG)
     }
 
+    /// File name of the configuration of a process with this name.
+    pub(super) fn config_of(&self, name: &str) -> String {
+        let position = self.names.iter().position(|other| other == name);
+        format!("process-{}.json", position.map_or(0, |at| at + 1))
+    }
+
     /// Its directory.
     pub fn path(&self) -> &Path {
-        self.annex.path()
+        self.folder.path()
     }
 
     /// Whether it is over.
@@ -162,7 +185,7 @@ impl Mission {
 
     /// Removes what a killed orchestrator left, as its user would.
     pub(super) fn clean(&self) -> Result<(), ChaosError> {
-        command(&self.annex, "clean")?
+        command(&self.folder, "clean")
             .stdout(Stdio::null())
             .stderr(Stdio::null())
             .status()
@@ -170,9 +193,9 @@ impl Mission {
             .map(drop)
     }
 
-    /// What is left in its runtime directory.
+    /// What is left in the directory of its runs.
     pub(super) fn left_in_runtime_dir(&self) -> Vec<String> {
-        let entries = std::fs::read_dir(self.annex.runtime_dir());
+        let entries = std::fs::read_dir(runtime_dir(&self.folder).join("protean"));
         entries
             .into_iter()
             .flatten()
@@ -183,7 +206,7 @@ impl Mission {
 
     /// The directories of its runs: one, or none yet.
     pub fn roots(&self) -> Vec<PathBuf> {
-        let entries = std::fs::read_dir(self.annex.base());
+        let entries = std::fs::read_dir(runtime_dir(&self.folder).join("protean"));
         entries
             .into_iter()
             .flatten()
@@ -251,17 +274,21 @@ fn prepared(scenario: &ResolvedScenario, policy: Policy, hang_timeout_s: f64) ->
     scenario
 }
 
+/// The runtime directory of a mission, in its folder.
+fn runtime_dir(folder: &TempDir) -> PathBuf {
+    folder.path().join("rt")
+}
+
 /// This program, with the mission's runtime directory. (The folder that it works in is ours, from which
 /// the programs of scenarios have their paths.)
-fn command(annex: &Annex, verb: &str) -> Result<Command, ChaosError> {
-    let this = crate::program::this().map_err(system("cannot find this program"))?;
-    let mut command = Command::new(this);
+fn command(folder: &TempDir, verb: &str) -> Command {
+    let mut command = Command::new(program::THIS);
     command
         .arg(verb)
-        .env("XDG_RUNTIME_DIR", annex.runtime_dir())
+        .env("XDG_RUNTIME_DIR", runtime_dir(folder))
         .stdin(Stdio::null());
     descriptors::leave_behind(&mut command);
-    Ok(command)
+    command
 }
 
 /// A mission that nothing is done to.

@@ -28,8 +28,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;
 use serde::Serialize;
 
-use crate::census::{CensusError, WARDEN};
-use crate::mission::spaces::SpaceError;
+use crate::census::CensusError;
 use crate::scenario::{Program, ResolvedScenario};
 use fault::{Fault, FaultKind, Policy};
 use mission::{Baseline, Course};
@@ -59,17 +58,14 @@ pub struct ChaosOptions {
 }
 
 impl ChaosOptions {
-    /// Names of the processes that this can be done to, the simulator first. Programs of the user's come
-    /// with their wardens; what keeps a second process out is the kit, which they need not have.
+    /// Names of the processes that this can be done to, the simulator first. What keeps a second process out is
+    /// the kit, which external programs need not have.
     fn targets(&self, kind: FaultKind) -> Vec<String> {
         let mut names = vec![mission::SIMULATOR.to_owned()];
         for process in &self.scenario.processes {
             let theirs = matches!(process.program, Program::Command(_));
             if !theirs || kind != FaultKind::Double {
                 names.push(process.name.clone());
-            }
-            if theirs && kind != FaultKind::Double {
-                names.push(format!("{WARDEN}{}", process.name));
             }
         }
         names
@@ -140,9 +136,6 @@ pub enum ChaosError {
     /// The machine cannot be looked at.
     #[error(transparent)]
     Census(#[from] CensusError),
-    /// A mission cannot have a directory.
-    #[error(transparent)]
-    Space(#[from] SpaceError),
 }
 
 /// Injects the faults one after the other, each into a mission of its own; `told` hears of each.

@@ -175,7 +175,7 @@ impl Check<'_> {
     /// After a fault of a process.
     fn process(&mut self, ended: &Ended) {
         let Some(code) = self.code(ended) else { return };
-        let (fault, target) = (self.fault, self.fault.process());
+        let (fault, target) = (self.fault, self.fault.target.as_str());
         let by_the_clock = fault.course == Course::RealTime;
         // A process that fails when the game is over is nobody's loss.
         let unharmed = code == 0 && !self.tells_of_failure(ended);
@@ -215,7 +215,7 @@ impl Check<'_> {
         let processes = ended.summary.as_ref().and_then(|s| s.get("processes"));
         processes
             .and_then(Json::as_array)
-            .is_some_and(|all| all.iter().any(|p| p["name"] == self.fault.process()))
+            .is_some_and(|all| all.iter().any(|p| p["name"] == self.fault.target.as_str()))
     }
 
     /// After a fault of the orchestrator.
@@ -339,7 +339,7 @@ impl Check<'_> {
         done: &Injected,
     ) -> Option<f64> {
         let (scenario, fault) = (&options.scenario, self.fault);
-        let robots = stops::driven_by(scenario, fault.process());
+        let robots = stops::driven_by(scenario, &fault.target);
         let log = mission.log();
         if !fault.is_failure() || robots.is_empty() || !log.exists() {
             return None;

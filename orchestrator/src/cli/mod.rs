@@ -34,7 +34,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::{CommandFactory as _, Parser, Subcommand};
 
-use crate::mission::warden;
 use crate::scenario::text::Diagnostics;
 
 /// Exit code of a run that failed.
@@ -184,13 +183,6 @@ enum Command {
         #[arg(long)]
         config: PathBuf,
     },
-    /// Guard a program that is not ours (the orchestrator calls this)
-    #[command(hide = true)]
-    Warden {
-        /// The program and its arguments
-        #[arg(required = true, trailing_var_arg = true, allow_hyphen_values = true)]
-        words: Vec<OsString>,
-    },
 }
 
 /// Port on which viewers look for a live server.
@@ -268,12 +260,7 @@ struct RunArgs {
 
 /// Runs the command line; returns the exit code.
 pub fn main() -> ExitCode {
-    crate::memory::share_arenas();
     crate::descriptors::raise_limit();
-    if let Err(error) = crate::signals::as_needed() {
-        eprintln!("error: cannot set how signals are taken: {error}");
-        return ExitCode::FAILURE;
-    }
     let arguments: Vec<OsString> = std::env::args_os().skip(1).collect();
     if let Some(message) = moved::message(&arguments) {
         eprintln!("{message}");
@@ -333,7 +320,6 @@ fn command(cli: Cli) -> ExitCode {
             ExitCode::SUCCESS
         }
         Some(Command::Process { kind, config }) => process::run(&kind, &config),
-        Some(Command::Warden { words }) => warden::run(&words),
     }
 }
 

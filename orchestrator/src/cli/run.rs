@@ -2,7 +2,7 @@
 
 use std::process::ExitCode;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 use super::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, RunArgs, print, print_json};
 use crate::in_process::{self, InProcessOptions};
@@ -10,7 +10,7 @@ use crate::live::LiveTotals;
 use crate::mission::{self, MissionError, MissionOptions, MissionReport, report};
 use crate::scenario::spec::Mode;
 use crate::scenario::{Loader, ResolvedScenario};
-use crate::signals;
+pub(super) use crate::signals::interrupt as handle_signals;
 
 /// Levels that `--log-level` takes.
 const LEVELS: [&str; 5] = ["error", "warn", "info", "debug", "trace"];
@@ -156,12 +156,4 @@ fn agreed(question: &str) -> bool {
     // Without an answer that can be read there is none.
     let _ = std::io::stdin().read_line(&mut answer);
     matches!(answer.trim(), "y" | "Y" | "yes" | "Yes")
-}
-
-/// The first Ctrl-C, SIGTERM or closed terminal ends the run in order ([`signals::interrupt`]). Shared memory
-/// that is full ends it with an error.
-pub(super) fn handle_signals(interrupted: &Arc<AtomicBool>) -> std::io::Result<()> {
-    signals::interrupt(interrupted)?;
-    debug_assert!(!interrupted.load(Ordering::SeqCst));
-    mission::tell_when_shared_memory_is_full()
 }

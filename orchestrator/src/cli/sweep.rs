@@ -342,7 +342,7 @@ fn local(
     let engine: Box<dyn Engine> = if args.in_process {
         Box::new(InProcess::default())
     } else {
-        Box::new(Processes::new())
+        Box::new(Processes)
     };
     let ran = runner::run(experiment, &mut results, engine.as_ref(), &options);
     // What is done is worth a table also when something went wrong.

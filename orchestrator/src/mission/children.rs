@@ -13,9 +13,8 @@ use std::time::{Duration, Instant};
 use rustix::event::{PollFd, PollFlags};
 use rustix::process::{Pid, PidfdFlags, Signal, WaitId, WaitIdOptions};
 
-use super::leftovers;
-use super::warden::{self, Ward};
-use crate::descriptors;
+use super::orphans;
+use crate::{descriptors, proc, program};
 
 /// Environment variable that tells every process of a run where its configuration lies.
 pub const CONFIG_VARIABLE: &str = "PROTEAN_CONFIG";
@@ -107,7 +106,7 @@ impl ChildError {
 pub enum Executable {
     /// One of our own kinds: this program executes itself.
     Kind(String),
-    /// An executable of the user's with its arguments; the configuration's path is in the
+    /// An external program, not of ours, with its arguments; the configuration's path is in the
     /// environment variable `PROTEAN_CONFIG`.
     Command(Vec<String>),
 }
@@ -119,11 +118,10 @@ pub struct RunningProcess {
     pub name: String,
     /// Index in the run.
     pub slot: usize,
-    /// The process itself, or the warden of a program.
     child: Child,
     pidfd: OwnedFd,
-    ward: Option<Ward>,
-    config: PathBuf,
+    /// Configuration of an external program, by which processes that it has started are found.
+    external: Option<PathBuf>,
     /// The end of this pipe is what tells the process that the orchestrator is gone.
     stdin: Option<ChildStdin>,
     lines: Arc<Mutex<VecDeque<String>>>,
@@ -167,27 +165,30 @@ impl RunningProcess {
             let name = name.to_owned();
             move |source: std::io::Error| ChildError { name, what, source }
         };
-        let this = crate::program::this().map_err(failed("cannot find this program"))?;
-        let mut command = Command::new(this);
-        command.stdout(Stdio::null());
-        match executable {
+        let mut command = match executable {
             Executable::Kind(kind) => {
+                let mut command = Command::new(program::THIS);
                 command.arg0(format!("protean:{name}"));
                 command.args(["process", kind, "--config"]).arg(config);
+                command
             }
             Executable::Command(words) => {
-                command.arg0(format!("{}{name}", warden::TITLE));
-                command.args(["warden", "--"]).args(words);
-                command.stdout(Stdio::piped());
+                orphans::adopt().map_err(failed("cannot be watched"))?;
+                let mut words = words.iter();
+                let mut command = Command::new(words.next().map_or("", |program| program));
+                command.args(words);
+                command
             }
-        }
+        };
         command
             .env(CONFIG_VARIABLE, config)
             .stdin(Stdio::piped())
+            .stdout(Stdio::null())
             .stderr(Stdio::piped())
             // Ctrl-C in a terminal is for the orchestrator, which then ends the run in order.
             .process_group(0);
         descriptors::leave_behind(&mut command);
+        die_with_this_thread(&mut command);
         let mut child = command.spawn().map_err(failed("cannot be started"))?;
         let pid = Pid::from_child(&child);
         let pidfd = match rustix::process::pidfd_open(pid, PidfdFlags::empty()) {
@@ -196,19 +197,6 @@ impl RunningProcess {
                 let _ = child.kill();
                 let _ = child.wait();
                 return Err(failed("cannot be watched")(error.into()));
-            }
-        };
-        let ward = match child
-            .stdout
-            .take()
-            .map(|out| warden::await_ward(&pidfd, out))
-        {
-            None => None,
-            Some(Ok(ward)) => Some(ward),
-            Some(Err(error)) => {
-                let _ = child.kill();
-                let _ = child.wait();
-                return Err(failed("cannot be started")(error));
             }
         };
         let lines = Arc::new(Mutex::new(VecDeque::new()));
@@ -245,18 +233,12 @@ impl RunningProcess {
             slot,
             child,
             pidfd,
-            ward,
-            config: config.to_owned(),
+            external: matches!(executable, Executable::Command(_)).then(|| config.to_owned()),
             stdin,
             lines,
             reader,
             exit: None,
         })
-    }
-
-    /// Process id; of a program of the user's that of itself, not of its warden.
-    pub fn pid(&self) -> u32 {
-        self.ward.as_ref().map_or(self.child.id(), |ward| ward.pid)
     }
 
     /// Takes note if it has ended; true the first time.
@@ -273,9 +255,9 @@ impl RunningProcess {
         match self.child.try_wait() {
             Ok(Some(status)) => {
                 self.exit = Some(status);
-                if self.ward.is_some() {
-                    // Nothing, unless somebody has killed its warden.
-                    leftovers::kill_those_of(&self.config);
+                if let Some(config) = &self.external {
+                    // Also what has left the group.
+                    orphans::kill_with_config(config);
                 }
                 // What it wrote last is worth waiting for: its end of the pipe is closed now. One
                 // that it has handed to somebody outside its group may stay open.
@@ -309,25 +291,12 @@ impl RunningProcess {
             }
             sleep_until_exit(std::slice::from_ref(self), None, Duration::from_millis(50));
         }
-        self.give_up();
-        self.check_exit()
-    }
-
-    /// Kills the warden of a program that has not ended in time, too.
-    fn give_up(&mut self) {
-        if self.exit.is_none() && self.ward.is_some() {
-            let _ = self.child.kill();
-        }
+        false
     }
 
     /// Whether it stands still by SIGSTOP or under a debugger.
     pub fn is_stopped(&self) -> bool {
-        let stat = std::fs::read_to_string(format!("/proc/{}/stat", self.pid()));
-        // The state follows the name, which stands in parentheses and may contain some.
-        stat.is_ok_and(|stat| {
-            let state = stat.rsplit(')').next().unwrap_or_default().trim_start();
-            state.starts_with(['T', 't'])
-        })
+        proc::stat(self.child.id().cast_signed()).is_some_and(|stat| stat.is_stopped())
     }
 
     /// The last lines it wrote to stderr.
@@ -342,17 +311,31 @@ impl RunningProcess {
         if self.exit.is_some() {
             return;
         }
-        let to = |signal| {
-            let _ = rustix::process::pidfd_send_signal(&self.pidfd, signal);
-        };
-        match &self.ward {
-            None => to(signal),
-            Some(ward) => {
-                ward.signal(signal);
-                // Should somebody have stopped it.
-                to(Signal::CONT);
-            }
+        let _ = rustix::process::pidfd_send_signal(&self.pidfd, signal);
+    }
+}
+
+/// Has a process killed, also when it is stopped, as soon as the thread that starts it ends, however that goes.
+#[expect(
+    unsafe_code,
+    reason = "the child must ask for it between fork and exec"
+)]
+fn die_with_this_thread(command: &mut Command) {
+    let parent = rustix::process::getpid();
+    let ask = move || {
+        rustix::process::set_parent_process_death_signal(Some(Signal::KILL))?;
+        // The parent can have ended before that.
+        if rustix::process::getppid() == Some(parent) {
+            Ok(())
+        } else {
+            Err(std::io::Error::from(std::io::ErrorKind::BrokenPipe))
         }
+    };
+    // SAFETY: between fork and exec only two system calls are made, which are safe after a fork of
+    // a program with threads: no lock is taken and no memory allocated (an error without a text
+    // needs none).
+    unsafe {
+        command.pre_exec(ask);
     }
 }
 
@@ -405,7 +388,6 @@ pub fn end_all(processes: &mut [RunningProcess], patience: Duration) -> Vec<Stri
         }
     }
     for process in processes {
-        process.give_up();
         // Closed last: while it is open the process knows that somebody is there.
         process.stdin.take();
     }

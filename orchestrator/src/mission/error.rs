@@ -9,7 +9,6 @@ use super::children::ChildError;
 use super::plan::PlanError;
 use super::room::NoRoom;
 use super::spaces::SpaceError;
-use crate::descriptors::TooFew;
 use crate::in_process::InProcessError;
 use crate::live::LiveError;
 use crate::recorder::{LogError, RecorderError};
@@ -23,9 +22,6 @@ pub enum MissionError {
     /// The processes have no room for what they say.
     #[error(transparent)]
     Room(#[from] NoRoom),
-    /// The run cannot have open what it must.
-    #[error(transparent)]
-    Descriptors(#[from] TooFew),
     /// The scenario cannot be launched.
     #[error(transparent)]
     Plan(#[from] PlanError),

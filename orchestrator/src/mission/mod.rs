@@ -1,7 +1,6 @@
 //! One run, from the resolved scenario to the summary: processes started, supervised, recorded,
 //! ended, and nothing left behind.
 
-pub mod annex;
 pub(crate) mod bridge;
 mod changes;
 mod charge;
@@ -10,8 +9,8 @@ mod chronicle;
 mod error;
 mod failure;
 mod gate;
-mod leftovers;
 mod log_path;
+mod orphans;
 pub mod plan;
 pub(crate) mod progress;
 pub(crate) mod recording;
@@ -20,10 +19,8 @@ pub(crate) mod room;
 mod run;
 pub mod spaces;
 mod supervisor;
-pub(crate) mod warden;
 
 pub use error::MissionError;
 pub use room::NoRoom;
-pub(crate) use room::tell_when_shared_memory_is_full;
 pub use run::{Hook, MissionOptions, MissionReport, run};
 pub(crate) use run::{config_path, create_services, write_config};

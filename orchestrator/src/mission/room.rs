@@ -8,7 +8,6 @@
 use std::os::unix::process::ExitStatusExt as _;
 use std::process::ExitStatus;
 
-use super::error::MissionError;
 use super::report;
 
 /// Where iceoryx2 puts what is shared.
@@ -20,10 +19,6 @@ const LEAST_TO_START: u64 = 4 << 20;
 const LEAST_TO_GO_ON: u64 = 1 << 20;
 /// What is sent to whoever writes where nothing can be had any more.
 const SIGBUS: i32 = signal_hook::consts::SIGBUS;
-/// Said by a program that gets it itself: nothing more can be found out or made then.
-const LAST_WORDS: &str = "error: shared memory is full: nothing can be had in /dev/shm any more; make room there, \
-     make it larger (`docker run --shm-size`, `mount -o remount,size=`), or run fewer robots or \
-     missions at once (what this one leaves is removed by the next run, or by `protean clean`)\n";
 
 /// Shared memory that is full, or nearly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -88,35 +83,6 @@ pub(crate) fn check_start() -> Result<(), NoRoom> {
 /// Whether a run may go on.
 pub(super) fn check() -> Result<(), NoRoom> {
     Room::look().map_or(Ok(()), |room| room.has(LEAST_TO_GO_ON))
-}
-
-/// The cause of this error: there is no room, if that is how it is. Whatever fails then fails for that.
-pub(super) fn or_cause(error: MissionError) -> MissionError {
-    check().map_or_else(MissionError::from, |()| error)
-}
-
-/// Has this program say so if it is itself ended because shared memory is full: with 1, like other runs
-/// that fail. Another cause of that signal ends it as it did.
-///
-/// # Errors
-/// The system's.
-#[expect(unsafe_code, reason = "only in its handler can this signal be told of")]
-pub(crate) fn tell_when_shared_memory_is_full() -> std::io::Result<()> {
-    use signal_hook::low_level::{emulate_default_handler, exit, register};
-    let tell = || {
-        if Room::look().is_none_or(|room| room.has(LEAST_TO_GO_ON).is_ok()) {
-            // Fails for numbers that are no signal only.
-            let _ = emulate_default_handler(SIGBUS);
-        }
-        let _ = rustix::io::write(std::io::stderr(), LAST_WORDS.as_bytes());
-        exit(1);
-    };
-    // SAFETY: what is done on the signal are system calls by their own names (statvfs, write, _exit,
-    // and what signal_hook itself says may be called there): no lock is taken, no memory allocated.
-    unsafe {
-        register(SIGBUS, tell)?;
-    }
-    Ok(())
 }
 
 /// How a process ended, in words, and why if that can be told.

@@ -27,9 +27,7 @@ use super::recording::{Kept, RecorderThread};
 use super::room;
 use super::spaces::{self, OwnedSpace};
 use super::supervisor::Supervisor;
-use crate::descriptors;
 use crate::live::{LiveServer, LiveTotals};
-use crate::memory;
 use crate::recorder::Summary;
 use crate::scenario::ResolvedScenario;
 
@@ -106,7 +104,6 @@ pub fn run(
     options: &MissionOptions,
 ) -> Result<MissionReport, MissionError> {
     let start = Instant::now();
-    memory::keep_little();
     // What a killed orchestrator left behind goes now; a failure to do so concerns this run only
     // if it cannot have a directory of its own, which is said below.
     let _ = spaces::clean();
@@ -128,7 +125,6 @@ pub fn run(
         space.space().prefix(),
         log_level,
     )?;
-    descriptors::check(plan.launches.len())?;
     let pace = options
         .pace
         .map(|pace| Pace::new(pace, plan.run.tick_period()));
@@ -182,8 +178,7 @@ pub fn run(
         first_tick: None,
         interrupted: false,
     };
-    // Asked before anybody's room is given back.
-    let flown = flight.fly(&space).map_err(room::or_cause);
+    let flown = flight.fly(&space);
     if let Some(Hook(look)) = &options.before_end {
         look();
     }
@@ -195,7 +190,6 @@ pub fn run(
     let live = live.map(LiveServer::finish);
     drop(services);
     drop(space);
-    memory::give_back();
     // A failed recorder is the cause rather than the consequence of anything else.
     let mut summary = recorded?;
     if options.without_log {

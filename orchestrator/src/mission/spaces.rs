@@ -1,27 +1,29 @@
-//! The directories of the runs of this user: made for a run, recognised when its owner is gone,
-//! wiped.
+//! Directories of the runs of this user: made for a run, wiped at its end, or found when the orchestrator is
+//! gone.
 //!
-//! Every run has a directory below `$XDG_RUNTIME_DIR/protean` (or `/dev/shm/protean-<uid>`), named by
-//! chance, mode 0700, with a lock file that its orchestrator keeps locked: the lock ends with the
-//! orchestrator, however that ends. The name is also the run's prefix in shared memory.
+//! Every run has a directory below `$XDG_RUNTIME_DIR/protean` (or `/dev/shm/protean-<uid>`) with a random name,
+//! mode 0700, and a lock file in it that its orchestrator keeps locked: the lock ends with the
+//! orchestrator, however that ends. The name is also the run's prefix in shared memory. The directory is made
+//! under another name and renamed once it is locked, so that a run without a lock is always an abandoned one.
 
-use std::fs::{DirBuilder, File, OpenOptions};
+use std::fs::{DirBuilder, File, OpenOptions, Permissions};
+use std::io::ErrorKind;
 use std::os::unix::fs::{DirBuilderExt, MetadataExt, OpenOptionsExt, PermissionsExt};
 use std::path::{Path, PathBuf};
 
 use ipc_types::bus::{BusError, RunSpace};
 use rustix::fs::{FlockOperation, flock};
 
-use super::annex::{self, Abandoned};
-use super::leftovers;
+use super::orphans;
 
 /// File that the orchestrator of a run keeps locked.
 const LOCK: &str = "lock";
-/// File that lists the process ids of a run, one per line.
-const PIDS: &str = "pids";
-
-/// Times that the directory of all runs may vanish under whoever wants to hold it.
-const ATTEMPTS: u32 = 1000;
+/// Beginning of the names of directories of runs.
+const RUN: &str = "r";
+/// Beginning of the names of directories that are being made.
+const NEW: &str = "tmp-";
+/// Attempts to make a directory, each of which may meet a `clean` that takes it for abandoned.
+const ATTEMPTS: u32 = 100;
 
 /// Why a run directory cannot be made.
 #[derive(Debug, thiserror::Error)]
@@ -75,7 +77,7 @@ pub enum SpaceError {
     Name(#[from] BusError),
 }
 
-pub(super) fn io(path: &Path) -> impl FnOnce(std::io::Error) -> SpaceError {
+fn io(path: &Path) -> impl FnOnce(std::io::Error) -> SpaceError {
     let path = path.to_owned();
     move |source| SpaceError::Io { path, source }
 }
@@ -84,7 +86,7 @@ pub(super) fn io(path: &Path) -> impl FnOnce(std::io::Error) -> SpaceError {
 pub(crate) fn base() -> PathBuf {
     match std::env::var_os("XDG_RUNTIME_DIR") {
         // A long runtime directory leaves no room for socket names (see `RunSpace`).
-        Some(dir) if !dir.is_empty() && dir.len() <= 36 => base_below(Path::new(&dir)),
+        Some(dir) if !dir.is_empty() && dir.len() <= 36 => Path::new(&dir).join("protean"),
         // In memory like the messages themselves: on a disk making and wiping the files of a run
         // takes longer than starting its processes. It has the sticky bit that `/tmp` has.
         _ => PathBuf::from(format!(
@@ -92,11 +94,6 @@ pub(crate) fn base() -> PathBuf {
             rustix::process::getuid().as_raw()
         )),
     }
-}
-
-/// The directory of runs below a runtime directory.
-pub(super) fn base_below(runtime_dir: &Path) -> PathBuf {
-    runtime_dir.join("protean")
 }
 
 /// Makes the directory if it is missing.
@@ -120,9 +117,8 @@ fn check_owner(path: &Path) -> Result<(), SpaceError> {
             path: path.to_owned(),
             mode: found.mode() & 0o777,
         }),
-        // Gone with its last run since it was made.
-        Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(io(path)(e)),
-        _ => Ok(()),
+        Ok(_) => Ok(()),
+        Err(e) => Err(io(path)(e)),
     }
 }
 
@@ -148,69 +144,8 @@ fn check_above(path: &Path) -> Result<(), SpaceError> {
     })
 }
 
-/// The directory of all runs, held while run directories appear or go, so that a directory without
-/// its lock is never taken for an abandoned one. Let go of, it takes the directory with it when no
-/// run is left.
-struct HeldBase {
-    path: PathBuf,
-    // Unlocked when closed, after `drop`.
-    _lock: File,
-}
-
-impl HeldBase {
-    fn hold(base: PathBuf) -> Result<Self, SpaceError> {
-        let path = base.join(LOCK);
-        let mut attempts = 0;
-        loop {
-            attempts += 1;
-            check_above(&base)?;
-            make_private(&base)?;
-            check_owner(&base)?;
-            let lock = OpenOptions::new()
-                .create(true)
-                .truncate(false)
-                .write(true)
-                .mode(0o600)
-                .open(&path);
-            let lock = match lock {
-                // The directory went with its last run since it was made. What stays away is no
-                // directory but, say, a link to nowhere.
-                Err(e) if e.kind() == std::io::ErrorKind::NotFound && attempts < ATTEMPTS => {
-                    continue;
-                }
-                lock => lock.map_err(io(&path))?,
-            };
-            flock(&lock, FlockOperation::LockExclusive).map_err(|e| io(&path)(e.into()))?;
-            // Whoever held it before may have removed it: then it keeps nobody out.
-            let held = lock.metadata().map_err(io(&path))?;
-            if path
-                .metadata()
-                .is_ok_and(|named| (named.dev(), named.ino()) == (held.dev(), held.ino()))
-            {
-                check_owner(&base)?;
-                return Ok(Self {
-                    path: base,
-                    _lock: lock,
-                });
-            }
-        }
-    }
-}
-
-impl Drop for HeldBase {
-    fn drop(&mut self) {
-        let lock = self.path.join(LOCK);
-        let no_runs = std::fs::read_dir(&self.path)
-            .is_ok_and(|entries| entries.flatten().all(|entry| !entry.path().is_dir()));
-        if no_runs {
-            // Whoever comes next uses what is left, should one of them fail.
-            let _ = std::fs::remove_file(&lock);
-            let _ = std::fs::remove_dir(&self.path);
-        }
-    }
-}
-
-/// The directory of one run, wiped when dropped.
+/// The directory of one run. Dropped, it kills what is left of the run's processes and removes the
+/// directory and the run's shared memory.
 #[derive(Debug)]
 pub struct OwnedSpace {
     space: RunSpace,
@@ -223,16 +158,37 @@ impl OwnedSpace {
     /// # Errors
     /// [`SpaceError`] if the system refuses.
     pub fn create() -> Result<Self, SpaceError> {
-        let base = HeldBase::hold(base())?;
-        let root = tempfile::Builder::new()
-            .prefix("r")
+        Self::create_in(&base())
+    }
+
+    fn create_in(base: &Path) -> Result<Self, SpaceError> {
+        check_above(base)?;
+        make_private(base)?;
+        check_owner(base)?;
+        let mut attempts = 1;
+        loop {
+            match Self::try_create(base) {
+                // A `clean` came between making and locking it.
+                Err(SpaceError::Io { source, .. })
+                    if attempts < ATTEMPTS
+                        && matches!(source.kind(), ErrorKind::NotFound | ErrorKind::WouldBlock) =>
+                {
+                    attempts += 1;
+                }
+                made => return made,
+            }
+        }
+    }
+
+    fn try_create(base: &Path) -> Result<Self, SpaceError> {
+        let new = tempfile::Builder::new()
+            .prefix(NEW)
             .rand_bytes(8)
             // Left to itself `tempfile` lets in whom the umask lets in.
-            .permissions(std::fs::Permissions::from_mode(0o700))
-            .tempdir_in(&base.path)
-            .map_err(io(&base.path))?
-            .keep();
-        let path = root.join(LOCK);
+            .permissions(Permissions::from_mode(0o700))
+            .tempdir_in(base)
+            .map_err(io(base))?;
+        let path = new.path().join(LOCK);
         let lock = OpenOptions::new()
             .create_new(true)
             .write(true)
@@ -240,41 +196,31 @@ impl OwnedSpace {
             .open(&path)
             .map_err(io(&path))?;
         flock(&lock, FlockOperation::NonBlockingLockExclusive).map_err(|e| io(&path)(e.into()))?;
-        Ok(Self {
-            space: run_space(&root)?,
-            _lock: lock,
-        })
+        let name = new.path().file_name().unwrap_or_default();
+        let root = base.join(name.to_string_lossy().replace(NEW, RUN));
+        let space = run_space(&root)?;
+        std::fs::rename(new.path(), &root).map_err(io(&root))?;
+        // It has another name now and is no longer temporary.
+        let _ = new.keep();
+        orphans::begin_run();
+        Ok(Self { space, _lock: lock })
     }
 
     /// Root and prefix of the run.
     pub fn space(&self) -> &RunSpace {
         &self.space
     }
-
-    /// Writes down the processes of the run, for people and tools that look at it from outside.
-    ///
-    /// # Errors
-    /// [`SpaceError`] if the file cannot be written.
-    pub fn note_processes(&self, pids: impl Iterator<Item = u32>) -> Result<(), SpaceError> {
-        let path = self.space.root().join(PIDS);
-        let text = pids
-            .map(|pid| pid.to_string())
-            .collect::<Vec<_>>()
-            .join("\n");
-        std::fs::write(&path, text).map_err(io(&path))
-    }
 }
 
 impl Drop for OwnedSpace {
     fn drop(&mut self) {
+        orphans::end_run(self.space.root());
         if let Err(error) = self.space.wipe() {
             tracing::warn!(
                 "{}: cannot be removed: {error}",
                 self.space.root().display()
             );
         }
-        // The directory of all runs goes with the last of them.
-        drop(HeldBase::hold(base()));
     }
 }
 
@@ -307,99 +253,169 @@ pub enum Found {
 /// # Errors
 /// [`SpaceError`] if the base directory cannot be used; what cannot be removed is in the result.
 pub fn clean() -> Result<Vec<Found>, SpaceError> {
-    clean_below(base())
+    clean_below(&base())
 }
 
-/// The same of the runs in one directory.
-pub(super) fn clean_below(base: PathBuf) -> Result<Vec<Found>, SpaceError> {
-    let base = HeldBase::hold(base)?;
-    let mut roots: Vec<PathBuf> = std::fs::read_dir(&base.path)
-        .map_err(io(&base.path))?
+/// As [`clean`], of the runs in one directory.
+fn clean_below(base: &Path) -> Result<Vec<Found>, SpaceError> {
+    check_above(base)?;
+    let entries = match std::fs::read_dir(base) {
+        // No run has ever begun.
+        Err(e) if e.kind() == ErrorKind::NotFound => return Ok(Vec::new()),
+        entries => entries.map_err(io(base))?,
+    };
+    check_owner(base)?;
+    let mut roots: Vec<PathBuf> = entries
         .flatten()
         .map(|entry| entry.path())
         .filter(|path| path.is_dir())
         .collect();
     roots.sort();
-    Ok(roots.into_iter().flat_map(clean_one).collect())
+    Ok(roots.into_iter().filter_map(clean_one).collect())
 }
 
-/// Cleans a run, with its annex if it has one.
-fn clean_one(root: PathBuf) -> Vec<Found> {
-    if let Ok(lock) = OpenOptions::new().write(true).open(root.join(LOCK))
-        && flock(&lock, FlockOperation::NonBlockingLockExclusive).is_err()
-    {
-        return vec![Found::Alive(root)];
+/// Cleans a directory if its orchestrator is gone; `None` for one that is no run (yet), or no more.
+fn clean_one(root: PathBuf) -> Option<Found> {
+    let name = root.file_name()?.to_string_lossy();
+    if name.starts_with(NEW) {
+        match lock_of(&root) {
+            Lock::Held => {}
+            // Only if it is empty: its owner may be about to lock it, and makes another then.
+            Lock::Missing => drop(std::fs::remove_dir(&root)),
+            Lock::Taken(_lock) => drop(std::fs::remove_dir_all(&root)),
+        }
+        return None;
     }
-    let mut found = match annex::clean(&root) {
-        // Noted there until it is gone.
-        Abandoned::Stays(found) => return found,
-        Abandoned::Gone(found) => found,
-    };
-    let killed = leftovers::kill_all_of(&root);
-    found.push(
-        match run_space(&root)
-            .map_err(|e| e.to_string())
-            .and_then(|space| space.wipe().map_err(|e| e.to_string()))
-        {
-            Ok(()) => Found::Removed { root, killed },
-            Err(reason) => Found::Failed(root, reason),
+    if !name.starts_with(RUN) {
+        return None;
+    }
+    let lock = lock_of(&root);
+    if matches!(lock, Lock::Held) {
+        return Some(Found::Alive(root));
+    }
+    if !root.is_dir() {
+        // It ended in order just now.
+        return None;
+    }
+    let killed = orphans::kill_run(&root);
+    let wiped = run_space(&root)
+        .map_err(|e| e.to_string())
+        .and_then(|space| space.wipe().map_err(|e| e.to_string()));
+    Some(match wiped {
+        Ok(()) => Found::Removed { root, killed },
+        Err(reason) => Found::Failed(root, reason),
+    })
+}
+
+/// The lock in a directory.
+enum Lock {
+    /// Its orchestrator lives, or the lock cannot be asked for: nothing may be touched.
+    Held,
+    /// It was free and is held now.
+    Taken(File),
+    /// There is none.
+    Missing,
+}
+
+fn lock_of(root: &Path) -> Lock {
+    match OpenOptions::new().write(true).open(root.join(LOCK)) {
+        Ok(lock) => match flock(&lock, FlockOperation::NonBlockingLockExclusive) {
+            Ok(()) => Lock::Taken(lock),
+            Err(_) => Lock::Held,
         },
-    );
-    found
+        Err(e) if e.kind() == ErrorKind::NotFound => Lock::Missing,
+        Err(_) => Lock::Held,
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-
     use super::*;
 
-    #[test]
-    fn one_at_a_time_holds_the_directory_and_the_last_takes_it_along() {
-        let directory = tempfile::tempdir().unwrap();
-        let base = directory.path().join("protean");
-        let (taken, turns) = (AtomicBool::new(false), AtomicUsize::new(0));
-        std::thread::scope(|scope| {
-            for _ in 0..4 {
-                scope.spawn(|| {
-                    for _ in 0..200 {
-                        let held = HeldBase::hold(base.clone()).unwrap();
-                        assert!(!taken.swap(true, Ordering::SeqCst), "two hold it");
-                        assert!(base.join(LOCK).exists());
-                        turns.fetch_add(1, Ordering::SeqCst);
-                        taken.store(false, Ordering::SeqCst);
-                        drop(held);
-                    }
-                });
-            }
-        });
-        assert_eq!(turns.into_inner(), 800);
-        assert!(!base.exists());
+    fn mode(path: &Path, mode: u32) {
+        std::fs::set_permissions(path, Permissions::from_mode(mode)).unwrap();
+    }
+
+    fn names(base: &Path) -> Vec<String> {
+        let mut names: Vec<String> = std::fs::read_dir(base)
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
     }
 
     #[test]
-    fn the_directory_stays_while_a_run_is_there() {
+    fn a_run_is_alive_until_its_owner_ends_and_leaves_nothing() {
         let directory = tempfile::tempdir().unwrap();
         let base = directory.path().join("protean");
-        let held = HeldBase::hold(base.clone()).unwrap();
-        let run = base.join("r12345678");
-        std::fs::create_dir(&run).unwrap();
-        drop(held);
-        assert!(run.exists());
-        std::fs::remove_dir(&run).unwrap();
-        drop(HeldBase::hold(base.clone()).unwrap());
-        assert!(!base.exists());
+        assert_eq!(clean_below(&base).unwrap(), []);
+        let owned = OwnedSpace::create_in(&base).unwrap();
+        let root = owned.space().root().to_owned();
+        assert_eq!(clean_below(&base).unwrap(), [Found::Alive(root.clone())]);
+        assert!(root.join(LOCK).exists());
+        drop(owned);
+        assert_eq!(names(&base), [] as [&str; 0]);
+        assert_eq!(clean_below(&base).unwrap(), []);
+    }
+
+    #[test]
+    fn only_a_lock_that_is_free_or_missing_means_that_a_run_is_abandoned() {
+        let directory = tempfile::tempdir().unwrap();
+        let base = directory.path().join("protean");
+        make_private(&base).unwrap();
+        let root = |name: &str| {
+            let root = base.join(name);
+            std::fs::create_dir(&root).unwrap();
+            root
+        };
+        // A lock that cannot be opened, like one when there are too many open files.
+        let unknown = root("r1");
+        std::fs::create_dir(unknown.join(LOCK)).unwrap();
+        let free = root("r2");
+        File::create(free.join(LOCK)).unwrap();
+        let missing = root("r3");
+        let half_made = root("tmp-4");
+        File::create(half_made.join(LOCK)).unwrap();
+        root("tmp-5");
+        root("other");
+        let removed = |root| Found::Removed {
+            root,
+            killed: Vec::new(),
+        };
+        let expected = [Found::Alive(unknown), removed(free), removed(missing)];
+        assert_eq!(clean_below(&base).unwrap(), expected);
+        assert_eq!(names(&base), ["other", "r1"]);
+    }
+
+    #[test]
+    fn runs_are_made_while_others_clean() {
+        use std::sync::atomic::{AtomicBool, Ordering};
+        let directory = tempfile::tempdir().unwrap();
+        let base = directory.path().join("protean");
+        make_private(&base).unwrap();
+        let stop = AtomicBool::new(false);
+        std::thread::scope(|scope| {
+            scope.spawn(|| {
+                while !stop.load(Ordering::SeqCst) {
+                    for found in clean_below(&base).unwrap() {
+                        assert!(!matches!(found, Found::Failed(..)), "{found:?}");
+                    }
+                }
+            });
+            for _ in 0..200 {
+                let owned = OwnedSpace::create_in(&base).unwrap();
+                assert!(owned.space().root().join(LOCK).exists());
+            }
+            stop.store(true, Ordering::SeqCst);
+        });
+        assert_eq!(names(&base), [] as [&str; 0]);
     }
 
     #[test]
     fn a_directory_that_others_can_open_or_swap_is_refused_by_its_name() {
-        use std::os::unix::fs::PermissionsExt as _;
         let directory = tempfile::tempdir().unwrap();
-        let mode = |path: &Path, mode| {
-            let mode = std::fs::Permissions::from_mode(mode);
-            std::fs::set_permissions(path, mode).unwrap();
-        };
-        let refused = |base: &Path| HeldBase::hold(base.to_owned()).err().map(|e| e.to_string());
+        let refused = |base: &Path| OwnedSpace::create_in(base).err().map(|e| e.to_string());
         let above = directory.path().join("above");
         std::fs::create_dir(&above).unwrap();
         let base = above.join("protean");
@@ -418,10 +434,10 @@ mod tests {
                 (Some(error), Some(path)) => {
                     let start = format!("{}: ", path.display());
                     assert!(error.starts_with(&start), "{error}");
-                    std::fs::remove_dir(&base).unwrap();
                 }
                 (found, _) => panic!("{of_above:o} {of_base:o}: {found:?}"),
             }
+            std::fs::remove_dir(&base).unwrap();
         }
         if !rustix::process::getuid().is_root() {
             eprintln!("skipped: only root can give a directory away");
@@ -442,7 +458,7 @@ mod tests {
         let directory = tempfile::tempdir().unwrap();
         let base = directory.path().join("protean");
         std::os::unix::fs::symlink(directory.path().join("nowhere"), &base).unwrap();
-        let error = HeldBase::hold(base.clone()).err().unwrap().to_string();
+        let error = OwnedSpace::create_in(&base).err().unwrap().to_string();
         assert!(error.starts_with(base.to_str().unwrap()), "{error}");
     }
 }

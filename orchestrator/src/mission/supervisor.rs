@@ -87,7 +87,7 @@ impl<'a> Supervisor<'a> {
                 since: self.last_progress,
             });
         }
-        self.note_processes()
+        Ok(())
     }
 
     /// Whether somebody is to come back.
@@ -111,11 +111,6 @@ impl<'a> Supervisor<'a> {
             self.echo,
             Some(self.chronicle.ear()),
         )
-    }
-
-    fn note_processes(&self) -> Result<(), MissionError> {
-        let pids = self.processes.iter().map(RunningProcess::pid);
-        Ok(self.space.note_processes(pids)?)
     }
 
     /// Connects to the recorder.
@@ -283,10 +278,7 @@ impl<'a> Supervisor<'a> {
                 until: Instant::now() + self.ready_timeout(slot),
             };
             match self.launch(slot) {
-                Ok(process) => {
-                    self.processes[slot] = process;
-                    self.note_processes()?;
-                }
+                Ok(process) => self.processes[slot] = process,
                 Err(error) => self.fail(slot, &Failure::NotStarted(error.of_it()))?,
             }
         }

@@ -8,7 +8,6 @@ use serde::Serialize;
 
 use super::watch::{Held, Seen};
 use crate::census;
-use crate::memory;
 use crate::mission::spaces::{self, Found};
 use crate::scenario::kinds::{KINDS, find};
 use crate::scenario::{Program, ResolvedScenario};
@@ -82,7 +81,6 @@ impl Mission {
             })
             .collect();
         // What has been seen of the mission is not its own, nor what looking at it took.
-        memory::give_back();
         if let Ok(us) = census::member(std::process::id() as i32) {
             let now = Use {
                 samples: 1,

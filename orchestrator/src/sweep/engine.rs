@@ -4,7 +4,6 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity};
 
 use crate::in_process::{self, InProcessOptions};
@@ -34,28 +33,7 @@ pub trait Engine: Sync {
 
 /// Every mission as operating-system processes of its own, in lock-step.
 #[derive(Debug, Clone, Copy)]
-pub struct Processes(());
-
-impl Processes {
-    /// Makes room for the files of many missions at once: every one keeps hundreds of shared
-    /// memory files open.
-    pub fn new() -> Self {
-        let limit = getrlimit(Resource::Nofile);
-        let raised = Rlimit {
-            current: limit.maximum,
-            maximum: limit.maximum,
-        };
-        // What the system does not grant will be missed, and said, where a file cannot be opened.
-        let _ = setrlimit(Resource::Nofile, raised);
-        Self(())
-    }
-}
-
-impl Default for Processes {
-    fn default() -> Self {
-        Self::new()
-    }
-}
+pub struct Processes;
 
 impl Engine for Processes {
     fn fly(&self, scenario: &ResolvedScenario, call: &Call) -> Result<MissionReport, String> {

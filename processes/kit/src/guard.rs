@@ -1,9 +1,8 @@
 //! Ends the process when nobody is left to end it.
 //!
 //! The orchestrator holds the writing end of a pipe to every process's standard input; when the
-//! orchestrator is gone, however it went, the pipe ends. The parent-death signal, which is asked for
-//! as well, alone would not do: it can be lost between `fork` and its setting. But it ends also a
-//! process that is stopped.
+//! orchestrator is gone, however it went, the pipe ends. The parent-death signal, with which the orchestrator
+//! starts every process, comes as well: it ends also a process that is stopped.
 
 use std::io::Read as _;
 use std::sync::Arc;
@@ -22,9 +21,6 @@ pub const EXIT_ORPHANED: u8 = 4;
 /// # Errors
 /// If the watching thread cannot be started.
 pub fn watch_parent(stop: Arc<AtomicBool>) -> std::io::Result<()> {
-    // For a process that is stopped, which no thread of its own can end. Who starts processes ends
-    // them before its thread ends, so that nobody is killed in the middle of a run.
-    rustix::process::set_parent_process_death_signal(Some(rustix::process::Signal::KILL))?;
     std::thread::Builder::new()
         .name("parent-guard".into())
         .spawn(move || {

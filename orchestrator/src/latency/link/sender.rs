@@ -95,7 +95,7 @@ impl Link {
         rustix::fs::mknodat(rustix::fs::CWD, pipe_path(&config.root), fifo, mode, 0)
             .map_err(|e| LinkError::system("cannot make a pipe")(e.into()))?;
         // The receiver pins itself before it opens anything.
-        let mut receiver = Receiver::start(&space, &config)?;
+        let mut receiver = Receiver::start(&config)?;
         let said = |count| page.word(READY).load(Ordering::SeqCst) >= count;
         receiver.wait("open its ports", || said(1))?;
         // It has connected, or its exit was seen.
@@ -263,7 +263,7 @@ impl Drop for Link {
 struct Receiver(RunningProcess);
 
 impl Receiver {
-    fn start(space: &OwnedSpace, config: &SinkConfig) -> Result<Self, LinkError> {
+    fn start(config: &SinkConfig) -> Result<Self, LinkError> {
         let path = config.root.join("process-0.json");
         serde_json::to_vec(config)
             .map_err(std::io::Error::from)
@@ -271,7 +271,6 @@ impl Receiver {
             .map_err(LinkError::system(path.display().to_string()))?;
         let executable = Executable::Kind(SINK_KIND.into());
         let process = RunningProcess::start(SINK_KIND, 0, &executable, &path, true)?;
-        space.note_processes(std::iter::once(process.pid()))?;
         Ok(Self(process))
     }
 

@@ -104,8 +104,7 @@ impl<'a> Processes<'a> {
         let name = &launch.config.name;
         let process = RunningProcess::start(name, slot, &launch.executable, &path, self.echo)?;
         self.running.push(process);
-        let pids = self.running.iter().map(RunningProcess::pid);
-        Ok(self.stage.space.note_processes(pids)?)
+        Ok(())
     }
 
     fn interrupted(&self) -> bool {
