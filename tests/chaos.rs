@@ -70,11 +70,6 @@ fn what_passes_by_changes_nothing() {
 }
 
 #[test]
-fn a_second_of_the_same_is_kept_out() {
-    chaos("double", "3");
-}
-
-#[test]
 fn an_orchestrator_that_dies_takes_everything_along_and_loses_a_second_at_most() {
     let report = chaos(
         "kill-orchestrator,terminate-orchestrator,pause-orchestrator",

@@ -1,12 +1,12 @@
 //! A planner that is not ours: the example in Python takes part in the lock-step by events.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use rustix::process::Signal;
 
 use crate::support::call::PATIENCE;
-use crate::support::history::History;
+use crate::support::history::{History, State};
 use crate::support::sandbox::signal;
 use crate::support::{SOON, Sandbox, skipped, until, wait_for_tick};
 
@@ -66,9 +66,6 @@ fn a_planner_in_python_drives_its_robot_and_the_history_is_the_same_every_time()
     sandbox.assert_nothing_left();
 }
 
-/// Ticks that the planner is away: half a second.
-const AWAY: u64 = 50;
-
 #[test]
 fn a_planner_in_python_that_is_killed_is_started_again_and_rejoins() {
     let sandbox = Sandbox::new();
@@ -83,18 +80,16 @@ fn a_planner_in_python_that_is_killed_is_started_again_and_rejoins() {
         "--quiet",
         "--out",
         "run.mcap",
-        // So slow that it is in the middle of its way when it is killed.
-        "--pace",
-        "4",
+        "--real-time",
+        "2",
     ];
     let running = sandbox
         .protean(words)
-        .set("run.dt=0.01")
         .set("processes.planner.on_failure=restart")
         .set(PATIENCE)
         .start();
     let run = sandbox.next_run(&BTreeSet::new());
-    wait_for_tick(&run, 100);
+    wait_for_tick(&run, 20);
     let planner = || -> Option<u32> {
         let mut all = sandbox.processes().into_iter();
         let planner = all.find(|process| process.name.contains("python"));
@@ -118,30 +113,15 @@ fn a_planner_in_python_that_is_killed_is_started_again_and_rejoins() {
     assert_eq!(outage["reason"], "was ended by signal 9", "{told}");
     let tick = |key: &str| outage[key].as_u64().unwrap();
     let (left, back) = (tick("left_tick"), tick("back_tick"));
-    assert!(left >= 99, "{outage}");
-    assert_eq!(back, left + AWAY);
+    assert!(left < back, "{outage}");
 
-    // The robot stands from the very next state on until its planner is back, then goes on.
+    // Its robot stands meanwhile, and is driven again once it is back.
     let history = History::read(&sandbox.path().join("run.mcap"));
-    let mut commands: BTreeMap<u64, u32> = BTreeMap::new();
-    for command in &history.commands {
-        *commands.entry(command.tick).or_default() += 1;
-    }
-    // The command of one that was killed between that and the end of its turn still counts.
-    let stopped = left + 1 + u64::from(commands.contains_key(&left));
-    for state in &history.states {
-        let away = (stopped..=back).contains(&state.tick);
-        assert_eq!(state.robots[0].fail_safe, away, "tick {}", state.tick);
-    }
-    let ticks = summary["ticks"].as_u64().unwrap();
-    for tick in (0..ticks).filter(|tick| *tick != left) {
-        let expected = u32::from(!(left..back).contains(&tick));
-        assert_eq!(
-            commands.get(&tick).copied().unwrap_or(0),
-            expected,
-            "tick {tick}"
-        );
-    }
+    let stands = |state: &&State| state.robots[0].fail_safe;
+    let first = history.states.iter().find(stands).unwrap();
+    assert!((left..back).contains(&first.tick), "tick {}", first.tick);
+    let moved = history.states.last().unwrap().robots[0].distance - first.robots[0].distance;
+    assert!(moved > 0.5, "{moved} m");
     assert_eq!(history.counts["process/event"].0, 2, "left and back");
     sandbox.assert_nothing_left();
 }

@@ -15,13 +15,14 @@ mod surroundings;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
+use kit::lockstep::{SlotState, TurnPage};
 use rustix::process::Signal;
 use serde_json::Value as Json;
 
 use crate::support::call::{Outcome, PATIENCE, Running};
 use crate::support::history::History;
 use crate::support::programs::driven_by;
-use crate::support::sandbox::signal;
+use crate::support::sandbox::{Process, signal};
 use crate::support::{SOON, Sandbox, until, wait_for_tick};
 
 /// A chase of some thousand ticks that nobody wins, and what becomes of whom.
@@ -36,15 +37,24 @@ const CHASE: [&str; 16] = [
     "--set",
     "rules.time_limit=12",
     "--set",
+    "processes.perception.on_failure=continue",
+    "--set",
+    "processes.pursuer.on_failure=continue",
+    "--set",
+    "processes.evader_potential.on_failure=continue",
+    "--quiet",
+];
+/// The same in real time, without end.
+const RESTARTS: [&str; 8] = [
+    "--real-time",
+    "1",
+    "--set",
+    "rules.time_limit=600",
+    "--set",
     "processes.perception.on_failure=restart",
     "--set",
     "processes.pursuer.on_failure=restart",
-    "--set",
-    "processes.evader_potential.on_failure=stop_robot",
-    "--quiet",
 ];
-/// Ticks that a process is away the first time: half a second.
-const AWAY: u64 = 50;
 
 fn in_the_air<'a>(sandbox: &'a Sandbox, more: &[&'a str], ticks: u64) -> (Running<'a>, String) {
     let words = CHASE.iter().copied().chain(more.iter().copied());
@@ -63,6 +73,27 @@ fn kill(sandbox: &Sandbox, name: &str) {
     signal(sandbox.process(name).pid, Signal::KILL);
 }
 
+/// Kills a process of a run in real time, and waits for the one that is started in its place.
+fn replace(sandbox: &Sandbox, run: &str, name: &str, slot: usize) {
+    let page = TurnPage::open(&Sandbox::prefix(run)).unwrap();
+    let victim = sandbox.process(name);
+    signal(victim.pid, Signal::KILL);
+    await_successor(sandbox, &page, &victim, slot);
+}
+
+/// Waits until the successor of a process takes part, and the log tells.
+fn await_successor(sandbox: &Sandbox, page: &TurnPage, victim: &Process, slot: usize) {
+    until("its successor", SOON, || {
+        let now = sandbox.processes();
+        let is_there = now.iter().any(|p| p.name == victim.name && p != victim);
+        (is_there && page.state(slot) == SlotState::Prepared).then_some(())
+    });
+    let posted = page.ticks_posted();
+    until("twenty ticks more", SOON, || {
+        (page.ticks_posted() > posted + 20).then_some(())
+    });
+}
+
 /// What became of a process.
 #[track_caller]
 fn of<'j>(summary: &'j Json, name: &str) -> &'j Json {
@@ -71,13 +102,12 @@ fn of<'j>(summary: &'j Json, name: &str) -> &'j Json {
     found.unwrap_or_else(|| panic!("{name}: {summary}"))
 }
 
-/// The ticks at which it left and came back, of its only failure.
+/// The only failure of a process, and the tick at which it left.
 #[track_caller]
-fn outage(summary: &Json, name: &str) -> (u64, u64) {
+fn outage<'j>(summary: &'j Json, name: &str) -> (u64, &'j Json) {
     let outages = of(summary, name)["outages"].as_array().unwrap();
     assert_eq!(outages.len(), 1, "{outages:?}");
-    let tick = |key: &str| outages[0][key].as_u64().unwrap();
-    (tick("left_tick"), tick("back_tick"))
+    (outages[0]["left_tick"].as_u64().unwrap(), &outages[0])
 }
 
 #[track_caller]
@@ -106,7 +136,7 @@ fn same_up_to(sandbox: &Sandbox, words: &[&str], same: &str, (name, tick): (&str
 }
 
 #[test]
-fn killed_processes_rejoin_at_a_tick_that_the_log_tells_and_others_stand_or_go_on() {
+fn in_lock_step_a_run_goes_on_without_those_that_were_killed_and_their_robots_stand() {
     let sandbox = Sandbox::new();
     let (running, run) = in_the_air(&sandbox, &["--set", PATIENCE], 100);
     kill(&sandbox, "pursuer_police_2");
@@ -114,22 +144,17 @@ fn killed_processes_rejoin_at_a_tick_that_the_log_tells_and_others_stand_or_go_o
     kill(&sandbox, "perception");
     wait_for_tick(&run, 500);
     kill(&sandbox, "evader_potential_evader_1");
-    let outcome = running.finish();
-    let summary = finished(&outcome);
+    let summary = finished(&running.finish());
+    let gone = |name: &str| {
+        let (left, outage) = outage(&summary, name);
+        assert_eq!(outage["reason"], "was ended by signal 9");
+        assert_eq!(of(&summary, name)["given_up"], true, "{summary}");
+        left
+    };
+    let pursuer = gone("pursuer_police_2");
+    let (eyes, evader) = (gone("perception"), gone("evader_potential_evader_1"));
 
-    let (left, back) = outage(&summary, "pursuer_police_2");
-    assert_eq!(back, left + AWAY);
-    assert_eq!(
-        of(&summary, "pursuer_police_2")["outages"][0]["reason"],
-        "was ended by signal 9"
-    );
-    let (eyes_left, eyes_back) = outage(&summary, "perception");
-    assert_eq!(eyes_back, eyes_left + AWAY);
-    let given_up = of(&summary, "evader_potential_evader_1");
-    assert_eq!(given_up["given_up"], true, "{given_up}");
-    let gone = given_up["outages"][0]["left_tick"].as_u64().unwrap();
-
-    // A robot without its planner is stopped from the very next state on, and moves with it again.
+    // A robot without its planner is stopped from the very next state on.
     let history = History::read(&log(&sandbox));
     let said = |topic: &str, source: u32| -> BTreeSet<u64> {
         let of = |m: &&crate::support::history::Message| m.topic == topic && m.source == source;
@@ -139,46 +164,31 @@ fn killed_processes_rejoin_at_a_tick_that_the_log_tells_and_others_stand_or_go_o
     // The command of a planner that was killed between that and the end of its turn still counts.
     let stopped_from =
         |source, left| left + 1 + u64::from(said("robot/command", source).contains(&left));
-    let (stopped, evader_stopped) = (stopped_from(3, left), stopped_from(6, gone));
+    let (pursuer_stands, evader_stands) = (stopped_from(3, pursuer), stopped_from(6, evader));
     assert_eq!(history.states.len() as u64, 1201);
     for state in &history.states {
         let tick = state.tick;
-        let away = (stopped..=back).contains(&tick);
-        assert_eq!(state.robots[1].fail_safe, away, "tick {tick}");
-        let over = tick >= evader_stopped && !state.over;
-        assert_eq!(state.robots[4].fail_safe, over, "tick {tick}");
+        let (pursuer, evader) = (tick >= pursuer_stands, tick >= evader_stands);
+        assert_eq!(state.robots[1].fail_safe, pursuer, "tick {tick}");
+        assert_eq!(state.robots[4].fail_safe, evader && !state.over, "tick {tick}");
         assert!(!state.robots[0].fail_safe);
     }
-    let robot = |i: usize| &summary["robots"][i];
-    let ticks = back + 1 - stopped;
-    assert_eq!(robot(1)["fail_safe_ticks"], ticks, "{}", robot(1));
-    assert_eq!(robot(1)["fail_safe_stops"], 1);
-    let moved = |from: u64, to: u64| {
-        let at = |tick: u64| &history.states[tick as usize].robots[1];
-        at(to).distance - at(from).distance
-    };
-    assert!(moved(back, back + 200) > 0.0, "it is driven again");
+    assert_eq!(summary["robots"][1]["fail_safe_stops"], 1);
+    // Commands and beliefs say the same: one for every tick up to then, and perhaps the one after
+    // which it was killed.
+    for (topic, source, left) in [("robot/command", 3, pursuer), ("perception/belief", 1, eyes)] {
+        let mut ticks = said(topic, source);
+        ticks.remove(&left);
+        assert_eq!(ticks, (0..left).collect(), "{topic}");
+    }
 
-    // Commands and beliefs say the same: one for every tick but those.
-    let commands = said("robot/command", 3);
-    let expected: BTreeSet<u64> = (0..1200).filter(|t| !(left..back).contains(t)).collect();
-    // One that it was killed after may be there too.
-    let extra: Vec<_> = commands.symmetric_difference(&expected).collect();
-    assert!(extra.iter().all(|&&t| t == left), "{extra:?}");
-    let beliefs = said("perception/belief", 1);
-    let expected: BTreeSet<u64> = (0..1200)
-        .filter(|t| !(eyes_left..eyes_back).contains(t))
-        .collect();
-    let extra: Vec<_> = beliefs.symmetric_difference(&expected).collect();
-    assert!(extra.iter().all(|&&t| t == eyes_left), "{extra:?}");
-
-    let first = ("pursuer_police_2", left);
+    let first = ("pursuer_police_2", pursuer);
     same_up_to(&sandbox, &["rerun"], "same", first);
     same_up_to(&sandbox, &["rerun", "--in-process"], "same", first);
     for own in [
         first,
-        ("perception", eyes_left),
-        ("evader_potential_evader_1", gone),
+        ("perception", eyes),
+        ("evader_potential_evader_1", evader),
     ] {
         same_up_to(&sandbox, &["replay", "--test", own.0], "identical", own);
     }
@@ -186,100 +196,112 @@ fn killed_processes_rejoin_at_a_tick_that_the_log_tells_and_others_stand_or_go_o
 }
 
 #[test]
-fn one_that_stands_still_in_lock_step_is_killed_and_replaced() {
+fn one_that_stands_still_in_lock_step_is_killed() {
     let sandbox = Sandbox::new();
     let (running, _) = in_the_air(&sandbox, &["--set", "run.hang_timeout_s=3"], 50);
     signal(sandbox.process("perception").pid, Signal::STOP);
     let summary = finished(&running.finish());
-    let (left, back) = outage(&summary, "perception");
-    assert_eq!(back, left + AWAY);
-    let reason = &of(&summary, "perception")["outages"][0]["reason"];
-    assert_eq!(reason, "did not answer for 3s and was killed");
+    let (_, outage) = outage(&summary, "perception");
+    assert_eq!(outage["reason"], "did not answer for 3s and was killed");
     sandbox.assert_nothing_left();
 }
 
 #[test]
-fn by_the_clock_those_who_stand_still_are_replaced_or_done_without() {
+fn in_lock_step_nothing_is_restarted_and_check_says_so() {
     let sandbox = Sandbox::new();
-    let more = [
+    let restart = ["--set", "processes.pursuer.on_failure=restart"];
+    let words = [
+        "in lock-step",
+        "(processes.pursuer.on_failure)",
+        "\"abort\" or \"continue\"",
         "--real-time",
-        "1",
-        "--set",
-        "run.hang_timeout_s=2",
-        "--set",
-        "rules.time_limit=600",
     ];
+    for command in ["check", "run"] {
+        let call = sandbox.protean([command, "chase"].into_iter().chain(restart));
+        call.run().refused(2, &words);
+    }
+    let mode = ["--set", "run.mode=real_time"];
+    let words = ["check", "chase"].into_iter().chain(restart).chain(mode);
+    assert_eq!(sandbox.protean(words).run().code, Some(0));
+}
+
+#[test]
+fn in_real_time_those_that_fail_are_replaced_or_done_without() {
+    let sandbox = Sandbox::new();
+    let more: Vec<&str> = RESTARTS
+        .into_iter()
+        .chain(["--set", "run.hang_timeout_s=2"])
+        .collect();
     let (running, run) = in_the_air(&sandbox, &more, 50);
     let evader = sandbox.process("evader_potential_evader_2");
     let pursuer = sandbox.process("pursuer_police_1");
     signal(evader.pid, Signal::STOP);
     signal(pursuer.pid, Signal::STOP);
-    until(
-        "the end of the one and a successor of the other",
-        SOON,
-        || {
-            let now = sandbox.processes();
-            let successor = now.iter().any(|p| p.name == pursuer.name && *p != pursuer);
-            (successor && !now.contains(&evader) && !now.contains(&pursuer)).then_some(())
-        },
-    );
-    let page = kit::lockstep::TurnPage::open(&Sandbox::prefix(&run)).unwrap();
-    until("its first tick", SOON, || page.first_tick(2).map(drop));
-    wait_for_tick(&run, page.ticks_posted() + 20);
+    until("the end of both", SOON, || {
+        let now = sandbox.processes();
+        (!now.contains(&evader) && !now.contains(&pursuer)).then_some(())
+    });
+    let page = TurnPage::open(&Sandbox::prefix(&run)).unwrap();
+    await_successor(&sandbox, &page, &pursuer, 2);
+    // Others learn what they need of the map and of the world again.
+    replace(&sandbox, &run, "perception", 1);
+    replace(&sandbox, &run, "pursuer_police_2", 3);
+    wait_for_tick(&run, page.ticks_posted() + 100);
     running.signal(Signal::INT);
     let outcome = running.finish();
     assert_eq!(outcome.code, Some(3), "{outcome}");
     let summary = outcome.json();
-    let (left, back) = outage(&summary, "pursuer_police_1");
-    assert!(left < back, "{summary}");
+    for name in ["pursuer_police_1", "perception", "pursuer_police_2"] {
+        let (left, outage) = outage(&summary, name);
+        assert!(Some(left) < outage["back_tick"].as_u64(), "{summary}");
+        assert_eq!(of(&summary, name)["restarts"], 1);
+    }
     assert_eq!(of(&summary, "evader_potential_evader_2")["given_up"], true);
-    for robot in [0, 5] {
+    for robot in [0, 1, 5] {
         assert!(summary["robots"][robot]["fail_safe_ticks"].as_u64() > Some(0));
     }
+    let (_, outage) = outage(&summary, "pursuer_police_2");
+    let back = outage["back_tick"].as_u64().unwrap();
+    let history = History::read(&log(&sandbox));
+    let mut after = history.states.iter().filter(|s| s.tick > back + 20);
+    assert!(after.any(|state| !state.robots[1].fail_safe), "it is driven");
     sandbox.assert_nothing_left();
 }
 
 #[test]
 fn restarts_have_a_limit() {
     let sandbox = Sandbox::new();
-    let limit = [
-        "--set",
-        "processes.pursuer.restart={ limit = 1, backoff_s = 0.1 }",
-        "--set",
-        PATIENCE,
-    ];
-    let (running, run) = in_the_air(&sandbox, &limit, 100);
-    kill(&sandbox, "pursuer_police_3");
-    wait_for_tick(&run, 200);
+    let more: Vec<&str> = RESTARTS.into_iter().chain(["--set", PATIENCE]).collect();
+    let (running, run) = in_the_air(&sandbox, &more, 50);
+    for _ in 0..5 {
+        replace(&sandbox, &run, "pursuer_police_3", 4);
+    }
     kill(&sandbox, "pursuer_police_3");
     let words = [
         "error: process pursuer_police_3 was ended by signal 9 at tick ",
-        " after one restart",
+        " after 5 restarts",
     ];
     running.finish().refused(1, &words);
     let history = History::read(&log(&sandbox));
-    assert_eq!(history.counts["process/event"].0, 3, "left, back, left");
+    assert_eq!(history.counts["process/event"].0, 11, "left, back, ..., left");
     sandbox.assert_nothing_left();
 }
 
 #[test]
 fn a_navigator_outlives_the_optimiser_and_asks_its_successor() {
     let sandbox = Sandbox::new();
-    let words = [
-        "run",
-        "popup",
-        "--json",
-        "--quiet",
-        "--set",
-        PATIENCE,
-        "--set",
-        "processes.optimiser.on_failure=restart",
-    ];
-    let running = sandbox.protean(words).start();
+    let words = ["run", "popup", "--json", "--quiet", "--real-time", "10"];
+    let running = sandbox
+        .protean(words)
+        .set(PATIENCE)
+        .set("processes.optimiser.on_failure=restart")
+        .start();
     let run = sandbox.next_run(&BTreeSet::new());
     wait_for_tick(&run, 2);
     kill(&sandbox, "optimiser");
-    let summary = finished(&running.finish());
+    let outcome = running.finish();
+    assert_eq!(outcome.code, Some(3), "{outcome}");
+    let summary = outcome.json();
     assert_eq!(summary["robots"][0]["outcome"], "goal_reached", "{summary}");
     assert_eq!(of(&summary, "optimiser")["restarts"], 1);
     sandbox.assert_nothing_left();

@@ -36,12 +36,12 @@ impl Table {
         let open = || Arc::new(TurnPage::open(&prefix).expect("a page"));
         let threads = (1..=members)
             .map(|slot| {
-                let seat = Participant::new(open(), slot, Vec::new(), false);
+                let seat = Participant::new(open(), slot, Vec::new());
                 std::thread::spawn(move || take_part(&seat))
             })
             .collect();
         let table = Self {
-            conductor: Conductor::new(open(), 0, usize::MAX, false),
+            conductor: Conductor::new(open(), 0, usize::MAX),
             overseer,
             prefix,
             next: 0,

@@ -25,7 +25,7 @@ impl Drivers {
             .iter()
             .map(|&slot| {
                 rig.overseer.seat(slot, true, false);
-                Participant::new(rig.open_page(), slot, Vec::new(), false)
+                Participant::new(rig.open_page(), slot, Vec::new())
             })
             .collect();
         let (states, events) = (rig.subscriber(), rig.subscriber());

@@ -33,19 +33,19 @@ fn a_program_that_is_replaced_in_the_middle_of_its_run_starts_itself_again() {
     let file = sandbox.path().join("protean");
     std::fs::copy(env!("CARGO_BIN_EXE_protean"), &file).unwrap();
     let running = sandbox
-        .protean(["run", "chase", "--quiet", "--json", "--out", "run.mcap"])
-        .set("run.dt=0.002")
-        .set("rules.time_limit=2")
+        .protean(["run", "chase", "--quiet", "--real-time", "1"])
+        .set("rules.time_limit=600")
         .set("processes.pursuer.on_failure=restart")
         .set(PATIENCE)
         .through("sh", &["-c", "shift; exec ./protean \"$@\"", "sh"])
         .start();
     let run = sandbox.next_run(&BTreeSet::new());
-    wait_for_tick(&run, 20);
+    wait_for_tick(&run, 2);
     std::fs::remove_file(&file).unwrap();
     // What is at its place now is another program.
     sandbox.file("protean", "#!/bin/sh\nexit 9\n");
-    signal(sandbox.process("pursuer_police_1").pid, Signal::KILL);
+    super::replace(&sandbox, &run, "pursuer_police_1", 2);
+    running.signal(Signal::INT);
     let outcome = running.finish();
     // Somebody was away for a while.
     assert_eq!(outcome.code, Some(3), "{outcome}");

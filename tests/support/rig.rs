@@ -297,7 +297,7 @@ impl World {
             states: rig.publisher(0, robots.len() + 1),
             maps: rig.publisher(0, cells),
             shapes: rig.publisher(0, 4096),
-            conductor: Conductor::new(rig.open_page(), 0, 1 << 20, false),
+            conductor: Conductor::new(rig.open_page(), 0, 1 << 20),
             robots,
             period_ns: rig.plan.run.tick_period_ns,
             cells,

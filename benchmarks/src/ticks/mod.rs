@@ -18,7 +18,7 @@ use ipc_types::messages::robot::Command;
 use ipc_types::messages::world::{RobotState, WorldHeader};
 use ipc_types::stamp::PlainHeader;
 use ipc_types::topics::{Commands, Status, WorldState};
-use kit::config::{Clock, Idle, ProcessConfig, RobotInfo, RunConfig};
+use kit::config::{Clock, ProcessConfig, RobotInfo, RunConfig};
 use kit::inputs::{StateInput, reply_stamp};
 use kit::lockstep::{Conductor, Overseer, Phase, SlotState, TurnEnd, TurnPage};
 use kit::{ProcessError, Wiring};
@@ -198,7 +198,7 @@ impl KitExchange {
         let mut exchange = Self {
             overseer,
             crew,
-            conductor: Conductor::new(page, 0, usize::MAX, false),
+            conductor: Conductor::new(page, 0, usize::MAX),
             state_out,
             commands_in,
             states: (0..PLANNERS as u32)
@@ -269,7 +269,6 @@ fn run_config(root: &Path, prefix: &str) -> RunConfig {
         seed: 1,
         tick_period_ns: 50_000_000,
         clock: Clock::LockStep,
-        idle: Idle::Block,
         processor: None,
         processes: PLANNERS as u32 + 1,
         events: 0,

@@ -21,8 +21,6 @@ pub enum FaultKind {
     Pause,
     /// A process gets a tenth of its time for a while
     Slow,
-    /// A process is started a second time, with the same configuration
-    Double,
     /// The orchestrator is killed (SIGKILL)
     KillOrchestrator,
     /// The orchestrator is asked to end (SIGTERM)
@@ -33,13 +31,12 @@ pub enum FaultKind {
 
 impl FaultKind {
     /// Every kind.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 8] = [
         Self::Kill,
         Self::Terminate,
         Self::Hang,
         Self::Pause,
         Self::Slow,
-        Self::Double,
         Self::KillOrchestrator,
         Self::TerminateOrchestrator,
         Self::PauseOrchestrator,
@@ -53,7 +50,6 @@ impl FaultKind {
             Self::Hang => "hang",
             Self::Pause => "pause",
             Self::Slow => "slow",
-            Self::Double => "double",
             Self::KillOrchestrator => "kill-orchestrator",
             Self::TerminateOrchestrator => "terminate-orchestrator",
             Self::PauseOrchestrator => "pause-orchestrator",
@@ -120,7 +116,7 @@ impl Fault {
         let mut below = |count: usize| (random.next_u64() % count.max(1) as u64) as usize;
         let kind = options.kinds.get(below(options.kinds.len()));
         let kind = kind.copied().unwrap_or(FaultKind::Kill);
-        let mut targets = options.targets(kind);
+        let mut targets = options.targets();
         let target = targets.swap_remove(below(targets.len()));
         let course = [Course::LockStep, Course::RealTime][below(2)];
         let policy = options.policies.get(below(options.policies.len()));
@@ -133,7 +129,11 @@ impl Fault {
                 target
             },
             course,
-            policy: policy.copied().unwrap_or(Policy::Scenario),
+            // In lock-step nothing is started again.
+            policy: policy
+                .copied()
+                .filter(|_| course == Course::RealTime)
+                .unwrap_or(Policy::Scenario),
             moment,
         }
     }

@@ -1,7 +1,6 @@
 //! Does what a fault says.
 
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
@@ -12,8 +11,6 @@ use super::fault::{Fault, FaultKind};
 use super::mission::Mission;
 use super::posts::Posts;
 use crate::census::{self, CensusError, Member};
-use crate::descriptors;
-use crate::mission::children::CONFIG_VARIABLE;
 
 /// How long a process is stopped that is only paused: far less than what counts as hung.
 const PAUSE: Duration = Duration::from_millis(200);
@@ -33,8 +30,6 @@ pub struct Injected {
     pub at_ns: u64,
     /// The process that it was done to.
     pub victim: Member,
-    /// The second of its kind, if there is one.
-    pub double: Option<Child>,
     /// How far the world was before an orchestrator was killed.
     pub(super) posts: Posts,
 }
@@ -61,11 +56,10 @@ pub(super) fn inject(
     let Some(victim) = find(mission, fault)? else {
         return Ok(None);
     };
-    let mut injected = Injected {
+    let injected = Injected {
         at: Instant::now(),
         at_ns: monotonic_ns(),
         victim,
-        double: None,
         posts,
     };
     let pid = injected.victim.pid;
@@ -89,10 +83,6 @@ pub(super) fn inject(
                 sleep(off / 9);
             }
             true
-        }
-        FaultKind::Double => {
-            injected.double = double(&injected.victim);
-            injected.double.is_some()
         }
     };
     Ok(done.then_some(injected))
@@ -123,22 +113,4 @@ fn find(mission: &mut Mission, fault: &Fault) -> Result<Option<Member>, CensusEr
 
 fn send(pid: i32, signal: Signal) -> bool {
     Pid::from_raw(pid).is_some_and(|pid| kill_process(pid, signal).is_ok())
-}
-
-/// Starts a process a second time, as it was started the first time.
-fn double(victim: &Member) -> Option<Child> {
-    let process = procfs::process::Process::new(victim.pid).ok()?;
-    let arguments = process.cmdline().ok()?;
-    let environment = process.environ().ok()?;
-    let config = environment.get(std::ffi::OsStr::new(CONFIG_VARIABLE))?;
-    let mut command = Command::new(process.exe().ok()?);
-    command
-        .args(arguments.get(1..)?)
-        .env(CONFIG_VARIABLE, config)
-        // Held open: its end would tell the process that its orchestrator is gone.
-        .stdin(Stdio::piped())
-        .stdout(Stdio::null())
-        .stderr(Stdio::null());
-    descriptors::leave_behind(&mut command);
-    command.spawn().ok()
 }

@@ -1,4 +1,4 @@
-//! Breaks things on purpose: processes of real runs are killed, stopped, slowed down and doubled at
+//! Breaks things on purpose: processes of real runs are killed, stopped and slowed down at
 //! moments that a seed draws, and after every fault the promises are checked.
 //!
 //! * [`fault`]: what can be done to whom, drawn from a seed;
@@ -29,7 +29,7 @@ use rand_chacha::rand_core::SeedableRng as _;
 use serde::Serialize;
 
 use crate::census::CensusError;
-use crate::scenario::{Program, ResolvedScenario};
+use crate::scenario::ResolvedScenario;
 use fault::{Fault, FaultKind, Policy};
 use mission::{Baseline, Course};
 
@@ -58,17 +58,12 @@ pub struct ChaosOptions {
 }
 
 impl ChaosOptions {
-    /// Names of the processes that this can be done to, the simulator first. What keeps a second process out is
-    /// the kit, which external programs need not have.
-    fn targets(&self, kind: FaultKind) -> Vec<String> {
-        let mut names = vec![mission::SIMULATOR.to_owned()];
-        for process in &self.scenario.processes {
-            let theirs = matches!(process.program, Program::Command(_));
-            if !theirs || kind != FaultKind::Double {
-                names.push(process.name.clone());
-            }
-        }
-        names
+    /// Names of the processes that something can be done to, the simulator first.
+    fn targets(&self) -> Vec<String> {
+        let names = self.scenario.processes.iter().map(|p| p.name.clone());
+        std::iter::once(mission::SIMULATOR.to_owned())
+            .chain(names)
+            .collect()
     }
 }
 

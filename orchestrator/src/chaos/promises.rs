@@ -46,7 +46,7 @@ pub(super) fn put_to_the_test(
     let hang_timeout_s = baseline.hang_timeout_s();
     let mut mission = Mission::start(options, fault.course, fault.policy, hang_timeout_s)?;
     let moment = Duration::from_secs_f64(moment * baseline.lasted_s);
-    let mut injected = inject(&mut mission, fault, moment)?;
+    let injected = inject(&mut mission, fault, moment)?;
     let roots = mission.roots();
     let patience = PATIENCE.0 * baseline.lasted_s + PATIENCE.1 + hang_timeout_s;
     let patience = Duration::from_secs_f64(patience);
@@ -58,11 +58,6 @@ pub(super) fn put_to_the_test(
     let over_after_s = injected
         .as_ref()
         .map_or(0.0, |done| done.at.elapsed().as_secs_f64());
-    if let Some(mut double) = injected.as_mut().and_then(|done| done.double.take()) {
-        // Its run is over, and nobody but us holds its standard input.
-        drop(double.stdin.take());
-        mission::end(&mut double, GONE_WITHIN);
-    }
     let mut check = Check {
         fault,
         baseline,

@@ -103,10 +103,6 @@ fn load(target: &str, args: &RunArgs) -> Result<ResolvedScenario, String> {
             LEVELS.join(", ")
         ));
     }
-    let mut scenario = Loader::default()
-        .allow_outside(args.overrides.allow_outside)
-        .load(target, &args.overrides.set, args.overrides.seed)
-        .map_err(|problems| problems.to_string())?;
     for (name, factor) in [("--real-time", args.real_time), ("--pace", args.pace)] {
         if let Some(factor) = factor.filter(|factor| !(0.001..=1000.0).contains(factor)) {
             return Err(format!(
@@ -114,10 +110,15 @@ fn load(target: &str, args: &RunArgs) -> Result<ResolvedScenario, String> {
             ));
         }
     }
+    let mut set = args.overrides.set.clone();
     if let Some(factor) = args.real_time {
-        scenario.run.mode = Mode::RealTime;
-        scenario.run.real_time_factor = factor;
+        set.push("run.mode=real_time".to_owned());
+        set.push(format!("run.real_time_factor={factor:?}"));
     }
+    let scenario = Loader::default()
+        .allow_outside(args.overrides.allow_outside)
+        .load(target, &set, args.overrides.seed)
+        .map_err(|problems| problems.to_string())?;
     refuse_external(target, &scenario, args.allow_external)?;
     Ok(scenario)
 }

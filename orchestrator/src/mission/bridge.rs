@@ -7,7 +7,6 @@
 //! the turn in which it connects its ports; then there is a turn per tick. [`END_OF_TURNS`] added to
 //! the index says that there are no more.
 
-use std::cell::Cell;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
@@ -132,8 +131,6 @@ struct Seat {
     clock: Clock,
     tick_period: f64,
     stop: Arc<AtomicBool>,
-    /// Which holder of the seat this is about ([`TurnPage::times_taken`]).
-    holder: Cell<u32>,
     vacant: Arc<AtomicBool>,
 }
 
@@ -146,10 +143,9 @@ impl Seat {
         vacant: Arc<AtomicBool>,
     ) -> Result<Self, MissionError> {
         let index = config.index as usize;
-        let page_holder = page.times_taken(index);
         let upstream = config.upstream.iter().map(|&u| u as usize).collect();
         Ok(Self {
-            participant: Participant::new(Arc::clone(&page), index, upstream, false),
+            participant: Participant::new(Arc::clone(&page), index, upstream),
             page,
             index,
             turn: bus.notifier(TURN_EVENT)?,
@@ -157,7 +153,6 @@ impl Seat {
             clock: config.run.clock,
             tick_period: config.run.tick_period(),
             stop,
-            holder: Cell::new(page_holder),
             vacant,
         })
     }
@@ -165,7 +160,6 @@ impl Seat {
     /// Whether the process whose turns these were is gone.
     fn is_lost(&self) -> bool {
         self.page.state(self.index) == SlotState::Dead
-            || self.page.times_taken(self.index) != self.holder.get()
     }
 
     fn stopping(&self) -> bool {
@@ -205,9 +199,7 @@ impl Seat {
             if self.stopping() {
                 return Ok(false);
             }
-            let holder = self.page.times_taken(self.index);
-            if holder != self.holder.get() && self.page.state(self.index) == SlotState::Starting {
-                self.holder.set(holder);
+            if self.page.state(self.index) == SlotState::Starting {
                 self.vacant.store(false, Ordering::SeqCst);
                 return Ok(true);
             }
@@ -217,7 +209,7 @@ impl Seat {
     }
 
     fn take_turns(&self) -> Result<(), MissionError> {
-        let first = self.participant.first_tick();
+        let joins_late = self.participant.joins_late();
         if !self.answered()? {
             return Ok(());
         }
@@ -233,7 +225,7 @@ impl Seat {
             return Ok(());
         }
         let on = || !self.stopping() && !self.is_lost();
-        if self.participant.is_successor() && !self.participant.ask_to_connect(on) {
+        if joins_late && !self.participant.join(on) {
             return Ok(());
         }
         self.participant.set_state(SlotState::Connected);
@@ -244,20 +236,21 @@ impl Seat {
         {
             self.participant.set_state(SlotState::Prepared);
         }
-        let mut last = first.checked_sub(1);
-        let mut has_begun = false;
+        let mut next = if joins_late {
+            self.participant.ticks_posted()
+        } else {
+            0
+        };
         loop {
             if self.is_lost() {
                 return Ok(());
             }
             let turn = match self.clock {
-                Clock::LockStep => self
-                    .participant
-                    .wait_turn(last.map_or(0, |tick: u64| tick + 1)),
+                Clock::LockStep => self.participant.wait_turn(next),
                 Clock::RealTime { factor, .. } => {
                     let patience = (self.tick_period / factor.max(1e-3) * 0.5).min(1.0);
                     self.participant
-                        .wait_newest(last, Duration::from_secs_f64(patience))
+                        .wait_newest(next, Duration::from_secs_f64(patience))
                 }
             };
             match turn {
@@ -265,16 +258,12 @@ impl Seat {
                 Turn::Idle if self.stopping() => return Ok(()),
                 Turn::Idle => {}
                 Turn::Tick(tick) => {
-                    if !has_begun {
-                        self.participant.begins(tick);
-                        has_begun = true;
-                    }
                     self.turn.notify(self.index)?;
                     if !self.answered()? {
                         return Ok(());
                     }
                     self.participant.done(tick);
-                    last = Some(tick);
+                    next = tick + 1;
                 }
             }
         }

@@ -18,10 +18,10 @@ pub(super) struct Charge {
 pub(super) enum Standing {
     /// It takes part.
     Present,
-    /// It is to be started again: before this tick in lock-step, at this time by the clock.
-    Away { back_tick: u64, due: Instant },
-    /// It has been started again.
-    Starting { back_tick: u64, until: Instant },
+    /// It is to be started again at this time.
+    Away { due: Instant },
+    /// It has been started again, and must be ready by then.
+    Starting { until: Instant },
     /// It will not come back.
     Gone,
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use ipc_types::messages::world::ObstacleEvent;
-use kit::config::{Clock, Idle, ProcessConfig, RobotInfo, RunConfig};
+use kit::config::{Clock, ProcessConfig, RobotInfo, RunConfig};
 use kit::obstacle::{self, ObstacleMessageError};
 use serde_json::Value as Json;
 use sim_backend::map::{ObstacleChange, WorldMap};
@@ -108,10 +108,6 @@ impl Plan {
             tick_period_ns,
             clock,
             hang_timeout_s: scenario.run.hang_timeout_s,
-            idle: match scenario.run.idle {
-                spec::Idle::Block => Idle::Block,
-                spec::Idle::Spin => Idle::Spin,
-            },
             processor: (scenario.run.pin == spec::Pin::OneCore).then(first_processor),
             processes: scenario.processes.len() as u32 + 1,
             events: scenario.events.len() as u32,

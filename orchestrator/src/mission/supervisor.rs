@@ -23,6 +23,11 @@ use super::spaces::OwnedSpace;
 use crate::scenario::OnFailure;
 use crate::scenario::kinds::{KINDS, Product, find};
 
+/// Restarts of a process in one run; its next failure ends the run.
+const MAX_RESTARTS: u32 = 5;
+/// Real time between the failure of a process and its restart.
+const RESTART_AFTER: Duration = Duration::from_millis(500);
+
 /// The processes of a run, and how they are.
 pub(super) struct Supervisor<'a> {
     plan: &'a Plan,
@@ -163,20 +168,20 @@ impl<'a> Supervisor<'a> {
     /// Whoever was started again may be back, or take too long.
     fn check_starts(&mut self) -> Result<(), MissionError> {
         for slot in 0..self.charges.len() {
-            let Standing::Starting { until, .. } = self.charges[slot].standing else {
+            let Standing::Starting { until } = self.charges[slot].standing else {
                 continue;
             };
-            if let Some(tick) = self.overseer.page().first_tick(slot) {
+            let page = self.overseer.page();
+            if page.state(slot) == SlotState::Prepared {
+                let (tick, done) = (page.ticks_posted(), page.ticks_done(slot));
                 let charge = &mut self.charges[slot];
                 charge.standing = Standing::Present;
-                charge.done = tick;
+                charge.done = done;
                 charge.since = Instant::now();
                 let failures = charge.failures;
                 self.tell(slot, ProcessEvent::BACK, tick, failures, "");
                 let name = &self.plan.launches[slot].config.name;
                 tracing::warn!("process {name} is back from tick {tick} on");
-            } else if self.overseer.page().state(slot) == SlotState::Prepared {
-                // It waits for its first tick, which is not its to bring about.
             } else if Instant::now() >= until {
                 let waited = self.ready_timeout(slot);
                 self.processes[slot].kill();
@@ -193,8 +198,7 @@ impl<'a> Supervisor<'a> {
     /// Whoever is alive but does nothing is killed.
     fn check_silence(&mut self, ticks: u64) -> Result<(), MissionError> {
         let now = Instant::now();
-        let is_held = self.overseer.page().held_before().is_some() && self.is_expecting();
-        if ticks != self.last_tick || is_held {
+        if ticks != self.last_tick {
             (self.last_tick, self.last_progress) = (ticks, now);
         } else if now - self.last_progress >= self.hang_timeout {
             self.last_progress = now;
@@ -226,7 +230,7 @@ impl<'a> Supervisor<'a> {
     }
 
     fn hang(&mut self, slot: usize) -> Result<(), MissionError> {
-        if self.policy(slot) != OnFailure::AbortRun {
+        if self.policy(slot) != OnFailure::Abort {
             self.processes[slot].kill();
         }
         self.fail(slot, &Failure::Hung)
@@ -258,23 +262,17 @@ impl<'a> Supervisor<'a> {
 
     /// Starts those whose time has come.
     fn start_the_due(&mut self, bridge: &Bridge) -> Result<(), MissionError> {
-        let held = self.overseer.page().held_before();
         for slot in 0..self.charges.len() {
-            let Standing::Away { back_tick, due } = self.charges[slot].standing else {
+            let Standing::Away { due } = self.charges[slot].standing else {
                 continue;
             };
-            let is_due = match self.plan.run.clock {
-                Clock::LockStep => held.is_some_and(|held| held >= back_tick),
-                Clock::RealTime { .. } => Instant::now() >= due,
-            };
-            if !is_due || !bridge.is_vacant(slot) {
+            if Instant::now() < due || !bridge.is_vacant(slot) {
                 continue;
             }
             // Whatever its predecessor has left takes up its place.
             self.clean_up_dead();
             self.overseer.reseat(slot);
             self.charges[slot].standing = Standing::Starting {
-                back_tick,
                 until: Instant::now() + self.ready_timeout(slot),
             };
             match self.launch(slot) {
@@ -287,12 +285,9 @@ impl<'a> Supervisor<'a> {
 
     /// What is to be done about the next failure of a process.
     fn policy(&self, slot: usize) -> OnFailure {
-        let supervision = &self.plan.launches[slot].supervision;
-        match supervision.on_failure {
-            _ if slot == 0 => OnFailure::AbortRun,
-            OnFailure::Restart if self.charges[slot].failures >= supervision.restart.limit => {
-                supervision.restart.then
-            }
+        match self.plan.launches[slot].supervision.on_failure {
+            _ if slot == 0 => OnFailure::Abort,
+            OnFailure::Restart if self.charges[slot].failures >= MAX_RESTARTS => OnFailure::Abort,
             policy => policy,
         }
     }
@@ -303,16 +298,15 @@ impl<'a> Supervisor<'a> {
         let posted = page.ticks_posted();
         // Asked only now, when the process is known to be dead, and before it is buried: in between
         // nobody gets past the tick that it owes.
-        let left = match (self.plan.run.clock, self.charges[slot].standing) {
-            (Clock::LockStep, Standing::Starting { back_tick, .. }) => back_tick,
-            (Clock::LockStep, _) if slot != 0 => page.ticks_done(slot),
+        let left = match self.plan.run.clock {
+            Clock::LockStep if slot != 0 => page.ticks_done(slot),
             _ => posted.saturating_sub(1),
         };
         let policy = self.policy(slot);
         let words = failure.words(self.hang_timeout);
         let failures = self.charges[slot].failures + 1;
         self.tell(slot, ProcessEvent::LEFT, left, failures, &words);
-        if policy == OnFailure::AbortRun {
+        if policy == OnFailure::Abort {
             return Err(self.abort(
                 slot,
                 failure,
@@ -320,40 +314,28 @@ impl<'a> Supervisor<'a> {
             ));
         }
         self.has_lost = true;
-        let name = self.plan.launches[slot].config.name.clone();
-        let now = Instant::now();
+        let config = &self.plan.launches[slot].config;
+        let name = &config.name;
         // Before it is buried: a sender with a full buffer towards it must not go on waiting.
         self.clean_up_dead();
-        if policy == OnFailure::Restart {
-            let restart = &self.plan.launches[slot].supervision.restart;
-            let away_s = restart.backoff(self.charges[slot].failures);
-            let ticks = (away_s / self.plan.run.tick_period()).round().max(1.0) as u64;
-            let back_tick = left.saturating_add(ticks);
-            let due = match self.plan.run.clock {
-                Clock::LockStep => {
-                    self.overseer.expect_back(slot, Some(back_tick));
-                    now
-                }
-                Clock::RealTime { factor, .. } => {
-                    now + Duration::from_secs_f64(away_s / factor.max(1e-3))
-                }
-            };
-            self.charges[slot].standing = Standing::Away { back_tick, due };
+        self.charges[slot].standing = if policy == OnFailure::Restart {
             tracing::warn!(
-                "process {name} {words} at tick {left}; it is started again after {away_s} s \
-                 (simulated), restart {failures} of {}",
-                restart.limit
+                "process {name} {words} at tick {left}; it is started again, restart {failures} of \
+                 {MAX_RESTARTS}"
             );
+            Standing::Away {
+                due: Instant::now() + RESTART_AFTER,
+            }
         } else {
-            self.overseer.expect_back(slot, None);
-            self.charges[slot].standing = Standing::Gone;
-            let so = match policy {
-                OnFailure::StopRobot => "its robots stand still",
-                _ => "the run goes on without it",
+            let so = if config.robots.is_empty() {
+                "the run goes on without it"
+            } else {
+                "its robots stand still"
             };
             self.tell(slot, ProcessEvent::GIVEN_UP, left, failures, so);
             tracing::warn!("process {name} {words} at tick {left}; {so}");
-        }
+            Standing::Gone
+        };
         self.charges[slot].failures = failures;
         self.overseer.bury(slot);
         Ok(())

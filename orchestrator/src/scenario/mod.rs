@@ -38,7 +38,7 @@ mod tests;
 
 pub use draft::Draft;
 pub use events::{EventSpec, Moment};
-pub use failure::{OnFailure, RestartSpec, Supervision};
+pub use failure::{OnFailure, Supervision};
 pub use load::{Listed, Loader, list, load};
 pub use resolved::{ProcessSpec, Program, ResolvedScenario};
 pub use template::{Grounds, Template};

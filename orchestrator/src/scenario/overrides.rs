@@ -12,7 +12,7 @@ use super::text::{
 /// The key is a dotted path (`run.seed`, `rules.exits[0].circle.radius`); an element of an array of
 /// tables is named by its index or by its `name` (`robots.police_1.limits.v_max`; a process without
 /// a name by its `kind`). The value is TOML; what is not TOML and does not look like it is text, so
-/// that `run.idle=spin` needs no quotes. An index `[+]` behind an array adds an element to it.
+/// that `run.mode=real_time` needs no quotes. An index `[+]` behind an array adds an element to it.
 /// `label` names the argument in errors (`--set`).
 ///
 /// The result is the path of what was set, with elements by their index; `None` if nothing was.

@@ -99,8 +99,7 @@ fn read_block(
     let Some(driven) = read_robots(ctx, node, path, &block, kind, robots) else {
         return;
     };
-    let drives = !driven.is_empty();
-    let Some(supervision) = failure::read(ctx, node, path, &block, drives, run) else {
+    let Some(supervision) = failure::read(ctx, node, path, &block, run) else {
         return;
     };
     let together = block.grouping == Some(Grouping::Together) || driven.len() <= 1;

@@ -5,7 +5,7 @@ use serde_json::{Value as Json, json};
 use sim_backend::spec::{RulesSpec, WorldSpec};
 
 use super::events::EventSpec;
-use super::failure::{OnFailure, Supervision};
+use super::failure::Supervision;
 use super::spec::{LogSpec, RunSpec};
 use super::text::{Node, write_document};
 use crate::sweep::shell::quote;
@@ -111,7 +111,6 @@ impl ResolvedScenario {
             .map(|p| {
                 let Supervision {
                     on_failure,
-                    restart,
                     ready_timeout_s,
                 } = p.supervision;
                 let mut block = json!({
@@ -120,9 +119,6 @@ impl ResolvedScenario {
                     "ready_timeout_s": ready_timeout_s,
                     "params": p.params,
                 });
-                if on_failure == OnFailure::Restart {
-                    block["restart"] = json!(restart);
-                }
                 match &p.program {
                     Program::Kind(kind) => block["kind"] = json!(kind),
                     Program::Command(command) => block["command"] = json!(command),

@@ -6,7 +6,7 @@ use sim_backend::pose::Pose2;
 use sim_backend::spec::{ActuatorSpec, LimitsSpec, OdometrySpec, Preset, Region, ScanSpec};
 use sim_backend::team::Team;
 
-use super::failure::{OnFailure, RestartSpec};
+use super::failure::OnFailure;
 
 /// Most robots in one scenario.
 pub const MAX_ROBOTS: usize = 64;
@@ -44,8 +44,6 @@ pub struct RunSpec {
     pub mode: Mode,
     /// In real time: simulated seconds per second, 0.001 to 1000.
     pub real_time_factor: f64,
-    /// How a process waits for its turn.
-    pub idle: Idle,
     /// On which cores the processes may run.
     pub pin: Pin,
     /// Wall-clock time [s] without an answer after which a process counts as hung, 0.1 to 3600.
@@ -65,7 +63,6 @@ impl Default for RunSpec {
             seed: 1,
             mode: Mode::LockStep,
             real_time_factor: 1.0,
-            idle: Idle::Block,
             pin: Pin::None,
             hang_timeout_s: 10.0,
             ready_timeout_s: 60.0,
@@ -83,17 +80,6 @@ pub enum Mode {
     LockStep,
     /// The clock; late answers are dropped and counted.
     RealTime,
-}
-
-/// How a process waits for its turn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Idle {
-    /// Asleep, without using the processor.
-    #[default]
-    Block,
-    /// Asking again and again: faster with a core for each process, very slow otherwise.
-    Spin,
 }
 
 /// On which cores the processes of a run may be.
@@ -214,7 +200,6 @@ pub(super) struct ProcessBlock {
     pub team: Option<Team>,
     pub grouping: Option<Grouping>,
     pub on_failure: Option<OnFailure>,
-    pub restart: Option<RestartSpec>,
     pub ready_timeout_s: Option<f64>,
     /// Read by the kind.
     #[serde(rename = "params")]

@@ -217,7 +217,6 @@ fn fingerprint(mut scenario: ResolvedScenario) -> String {
     scenario.description.clear();
     scenario.log = spec::LogSpec::default();
     scenario.run.pin = defaults.pin;
-    scenario.run.idle = defaults.idle;
     scenario.run.hang_timeout_s = defaults.hang_timeout_s;
     blake3::hash(scenario.to_toml().as_bytes())
         .to_hex()

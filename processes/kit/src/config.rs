@@ -46,8 +46,6 @@ pub struct RunConfig {
     pub clock: Clock,
     /// Real time without an answer after which a process counts as hung [s].
     pub hang_timeout_s: f64,
-    /// How long to be idle between ticks.
-    pub idle: Idle,
     /// Processor to pin to; `None`: wherever the system likes.
     pub processor: Option<u32>,
     /// Number of processes of the run.
@@ -108,17 +106,6 @@ pub enum Clock {
 pub fn ticks_within(deadline_ns: u64, tick_period: Duration) -> u64 {
     let period_ns = u64::try_from(tick_period.as_nanos()).unwrap_or(u64::MAX);
     deadline_ns.div_ceil(period_ns.max(1)).saturating_sub(1)
-}
-
-/// What a process does while it waits for its turn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Idle {
-    /// Sleep in the kernel until woken.
-    #[default]
-    Block,
-    /// Yield in a loop: faster on free processors, a disaster on busy ones.
-    Spin,
 }
 
 /// Why a configuration cannot be used.

@@ -44,12 +44,6 @@ pub enum ProcessError {
     /// Another process did not keep to the protocol.
     #[error("protocol: {0}")]
     Protocol(String),
-    /// Another process has its place in the run.
-    #[error("process {process} runs already: a second one is not let in")]
-    SeatTaken {
-        /// Name of the process.
-        process: String,
-    },
     /// Told to end in the middle of the run, by SIGTERM or because the orchestrator is gone.
     #[error("told to end in the middle of the run")]
     Terminated,

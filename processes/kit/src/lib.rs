@@ -21,6 +21,6 @@ pub mod seed;
 pub mod shapes;
 pub mod status;
 
-pub use config::{Clock, Idle, ProcessConfig, RobotInfo, RunConfig};
+pub use config::{Clock, ProcessConfig, RobotInfo, RunConfig};
 pub use error::ProcessError;
 pub use life::{Setup, Wiring, run, run_with};

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use ipc_types::bus::Bus;
 
-use crate::config::{Clock, Idle, ProcessConfig};
+use crate::config::{Clock, ProcessConfig};
 use crate::error::ProcessError;
 use crate::guard;
 use crate::lockstep::{Participant, Phase, SlotState, Turn, TurnPage};
@@ -94,12 +94,6 @@ impl Setup {
                 page.processes()
             )));
         }
-        // Before anything else can be touched: two of a kind would speak with one voice.
-        if !page.claim(config.index as usize) {
-            return Err(ProcessError::SeatTaken {
-                process: config.name.clone(),
-            });
-        }
         let bus = Bus::join(&config.run.space()?, config.run.bus_options(), &config.name)?;
         let heartbeat = Heartbeat::open(&bus, config.index, config.run.tick_period_ns)?;
         Ok(Self {
@@ -116,7 +110,6 @@ impl Setup {
             Arc::clone(&self.page),
             config.index as usize,
             config.upstream.iter().map(|&u| u as usize).collect(),
-            config.run.idle == Idle::Spin,
         )
     }
 }
@@ -148,13 +141,10 @@ pub fn run_with(
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             tracing::error!("{error}");
-            // The seat is not that of a second one to give up.
-            if !matches!(error, ProcessError::SeatTaken { .. })
-                && let Ok(page) = TurnPage::open(&config.run.prefix)
-            {
+            if let Ok(page) = TurnPage::open(&config.run.prefix) {
                 let page = Arc::new(page);
                 let slot = config.index as usize;
-                Participant::new(page, slot, Vec::new(), false).set_state(SlotState::Failed);
+                Participant::new(page, slot, Vec::new()).set_state(SlotState::Failed);
             }
             ExitCode::FAILURE
         }
@@ -170,7 +160,7 @@ fn name_process(name: &str) {
 
 fn live<W: Wiring>(config: &ProcessConfig, mut setup: Setup) -> Result<(), ProcessError> {
     let seat = setup.participant(config);
-    let first = seat.first_tick();
+    let joins_late = seat.joins_late();
     let mut wiring = W::open(config, &setup.bus)?;
     seat.set_state(SlotState::Ready);
     let keep_going = || !setup.stop.load(Ordering::Relaxed);
@@ -180,9 +170,9 @@ fn live<W: Wiring>(config: &ProcessConfig, mut setup: Setup) -> Result<(), Proce
     }
     wiring.connect()?;
     setup.heartbeat.connect()?;
-    setup.heartbeat.beat(first, 2, None)?;
+    setup.heartbeat.beat(0, 2, None)?;
     // The others opened their ports long before these, and sent the map.
-    if seat.is_successor() && !seat.ask_to_connect(keep_going) {
+    if joins_late && !seat.join(keep_going) {
         seat.set_state(SlotState::Stopped);
         return Ok(());
     }
@@ -192,19 +182,17 @@ fn live<W: Wiring>(config: &ProcessConfig, mut setup: Setup) -> Result<(), Proce
         seat.set_state(SlotState::Prepared);
     }
 
-    let mut last = first.checked_sub(1);
-    let mut has_begun = false;
+    let mut next = if joins_late { seat.ticks_posted() } else { 0 };
     let mut overruns = 0;
     loop {
         if setup.stop.load(Ordering::Relaxed) {
             break;
         }
-        let next = last.map_or(0, |tick: u64| tick + 1);
         let turn = match config.run.clock {
             Clock::LockStep => seat.wait_turn(next),
             Clock::RealTime { factor, .. } => {
                 let period = config.run.tick_period() / factor.max(1e-3);
-                seat.wait_newest(last, Duration::from_secs_f64((period * 0.5).min(1.0)))
+                seat.wait_newest(next, Duration::from_secs_f64((period * 0.5).min(1.0)))
             }
         };
         match turn {
@@ -215,13 +203,7 @@ fn live<W: Wiring>(config: &ProcessConfig, mut setup: Setup) -> Result<(), Proce
                 }
             }
             Turn::Tick(tick) => {
-                if has_begun || !seat.is_successor() {
-                    overruns += tick - next;
-                }
-                if !has_begun {
-                    seat.begins(tick);
-                    has_begun = true;
-                }
+                overruns += tick - next;
                 setup.bus.begin_turn();
                 let start = Instant::now();
                 if let Err(error) = wiring.step(tick) {
@@ -235,7 +217,7 @@ fn live<W: Wiring>(config: &ProcessConfig, mut setup: Setup) -> Result<(), Proce
                     setup.heartbeat.beat(tick, 3, None)?;
                 }
                 seat.done(tick);
-                last = Some(tick);
+                next = tick + 1;
             }
         }
     }

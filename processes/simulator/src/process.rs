@@ -18,7 +18,7 @@ use ipc_types::topics::{
 };
 use kit::lockstep::{Conductor, Phase, SlotState};
 use kit::maps::{Ground, Maps};
-use kit::{Clock, Idle, ProcessConfig, ProcessError, Setup, shapes};
+use kit::{Clock, ProcessConfig, ProcessError, Setup, shapes};
 use sim_backend::blur::BlurError;
 use sim_backend::robot::Robot;
 use sim_backend::world::World;
@@ -57,7 +57,6 @@ pub fn run(config: &Path) -> ExitCode {
                     Arc::clone(&setup.page),
                     config.index as usize,
                     lag,
-                    config.run.idle == Idle::Spin,
                 );
                 match config.run.clock {
                     Clock::LockStep => simulator.lock_step(&conductor, &mut setup)?,

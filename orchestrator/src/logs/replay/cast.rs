@@ -83,7 +83,7 @@ impl<'a> Processes<'a> {
             stage,
             running: Vec::new(),
             overseer,
-            conductor: Conductor::new(page, 0, 1 << 20, false),
+            conductor: Conductor::new(page, 0, 1 << 20),
             bridge: Some(bridge),
             hang_timeout,
             interrupted,

@@ -168,7 +168,7 @@ impl<'a> Player<'a> {
             options,
             choir,
             control,
-            conductor: Conductor::new(page, 0, 1 << 20, false),
+            conductor: Conductor::new(page, 0, 1 << 20),
             overseer,
             keys,
             screen,

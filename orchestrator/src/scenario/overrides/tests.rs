@@ -8,7 +8,7 @@ use super::*;
 const TEXT: &str = "
     [run]
     seed = 1
-    idle = 'block'
+    mode = 'lock_step'
     [[robots]]
     name = 'police_1'
     start = { x = 1, y = 2, theta = 0 }
@@ -119,14 +119,14 @@ fn what_is_written_can_be_looked_up() {
 
 #[test]
 fn bare_words_are_text_and_everything_else_is_toml() {
-    assert_eq!(at("run.idle=spin", "run.idle"), "\"spin\"");
-    assert_eq!(at("run.idle=\"spin\"", "run.idle"), "\"spin\"");
+    assert_eq!(at("run.mode=real_time", "run.mode"), "\"real_time\"");
+    assert_eq!(at("run.mode=\"real_time\"", "run.mode"), "\"real_time\"");
     assert_eq!(
-        at("run.idle=maps/a b.toml", "run.idle"),
+        at("run.mode=maps/a b.toml", "run.mode"),
         "\"maps/a b.toml\""
     );
-    assert_eq!(at("run.idle=true", "run.idle"), "true");
-    assert_eq!(at("run.idle=a=b", "run.idle"), "\"a=b\"");
+    assert_eq!(at("run.mode=true", "run.mode"), "true");
+    assert_eq!(at("run.mode=a=b", "run.mode"), "\"a=b\"");
 }
 
 #[test]
@@ -204,8 +204,8 @@ proptest! {
         let root = set(&format!("run.seed={float:?}")).unwrap();
         let found = root.get("run").and_then(|n| n.get("seed")).unwrap();
         prop_assert_eq!(&found.value, &Value::Float(float));
-        let root = set(&format!("run.idle=\"{text}\"")).unwrap();
-        let found = root.get("run").and_then(|n| n.get("idle")).unwrap();
+        let root = set(&format!("run.mode=\"{text}\"")).unwrap();
+        let found = root.get("run").and_then(|n| n.get("mode")).unwrap();
         prop_assert_eq!(found.as_str(), Some(text.as_str()));
     }
 }

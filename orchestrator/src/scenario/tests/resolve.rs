@@ -5,7 +5,7 @@ use sim_backend::spec::Condition;
 
 use super::*;
 use crate::scenario::events::{EventSpec, Trigger};
-use crate::scenario::spec::{Idle, Pin};
+use crate::scenario::spec::Pin;
 use crate::scenario::{Moment, Program};
 
 #[test]
@@ -194,7 +194,6 @@ fn what_is_written_out_loads_to_the_same() {
             &text,
             &[
                 "run.seed=77",
-                "run.idle=spin",
                 "run.pin=one_core",
                 "log.compression=none",
                 "world.resolution=0.1",
@@ -202,7 +201,7 @@ fn what_is_written_out_loads_to_the_same() {
             ],
         )
         .unwrap();
-        assert_eq!((s.run.idle, s.run.pin), (Idle::Spin, Pin::OneCore));
+        assert_eq!(s.run.pin, Pin::OneCore);
         let written = s.to_toml();
         let again = load(&written).unwrap_or_else(|e| panic!("{e}\n{written}"));
         assert_eq!(again, s);

@@ -1,6 +1,5 @@
 //! The turn as the simulator sees it.
 
-use std::cell::Cell;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
@@ -29,23 +28,15 @@ pub struct Conductor {
     page: Arc<TurnPage>,
     slot: usize,
     lag: u32,
-    spin: bool,
-    /// The calls of [`TurnPage::call_simulator`] that have been followed.
-    seen: Cell<u32>,
-    /// The first tick, plus one, before which time is to be held; 0 if none is.
-    hold: Cell<u32>,
 }
 
 impl Conductor {
     /// Takes the seat. The simulator may run at most `lag` ticks ahead of the recorder.
-    pub fn new(page: Arc<TurnPage>, slot: usize, lag: usize, spin: bool) -> Self {
+    pub fn new(page: Arc<TurnPage>, slot: usize, lag: usize) -> Self {
         Self {
             page,
             slot,
             lag: lag.max(1) as u32,
-            spin,
-            seen: Cell::new(0),
-            hold: Cell::new(0),
         }
     }
 
@@ -69,95 +60,20 @@ impl Conductor {
             .count() as u32
     }
 
-    /// Looks after those who join in the middle of the run, before anything of tick `tick` is sent:
-    /// has `connect` connect every port if somebody asks for it, and in lock-step holds time while a
-    /// seat waits to be taken again at this tick. Returns [`TurnEnd::Idle`] after [`LOOK_UP`].
+    /// Has `connect` connect every port if a process has joined in the middle of the run since the
+    /// last call (real time).
     ///
     /// # Errors
     /// Those of `connect`.
-    pub fn admit<E>(
-        &self,
-        tick: u64,
-        mut connect: impl FnMut() -> Result<(), E>,
-    ) -> Result<TurnEnd, E> {
+    pub fn admit<E>(&self, connect: impl FnOnce() -> Result<(), E>) -> Result<(), E> {
         let words = self.page.words();
-        let wanted = (tick + 1) as u32;
-        let mut slept = false;
-        loop {
-            let called = words.joins.0.load(Ordering::SeqCst);
-            if called != self.seen.get() {
-                self.seen.set(called);
-                self.answer(&mut connect)?;
-            }
-            let hold = self.hold.get();
-            if hold == 0 || hold > wanted {
-                if words.held.0.load(Ordering::Relaxed) != 0 {
-                    words.held.0.store(0, Ordering::SeqCst);
-                }
-                return Ok(TurnEnd::Complete);
-            }
-            if self.page.phase() == Phase::Stop {
-                return Ok(TurnEnd::Stop);
-            }
-            if slept {
-                return Ok(TurnEnd::Idle);
-            }
-            words.held.0.store(wanted, Ordering::SeqCst);
-            // Looked at after `held` is set: whoever becomes ready sets its state and looks at
-            // `held` then, so that one of the two sees the other.
-            if self.seat_the_waiting(wanted) {
-                continue;
-            }
-            sleep_while(&words.joins.0, called, LOOK_UP);
-            slept = words.joins.0.load(Ordering::SeqCst) == called;
-        }
-    }
-
-    /// Connects to who asks for it, and looks before which tick time is to be held next.
-    fn answer<E>(&self, connect: &mut impl FnMut() -> Result<(), E>) -> Result<(), E> {
-        let asking: Vec<(usize, u32)> = self
-            .members()
-            .map(|slot| (slot, self.page.slot(slot).asks.load(Ordering::SeqCst)))
-            .filter(|&(slot, asks)| asks != self.page.slot(slot).answered.load(Ordering::SeqCst))
-            .collect();
-        if !asking.is_empty() {
+        let joins = words.joins.0.load(Ordering::SeqCst);
+        if joins != words.joined.0.load(Ordering::SeqCst) {
             connect()?;
+            words.joined.0.store(joins, Ordering::SeqCst);
+            wake_all(&words.joined.0);
         }
-        for (slot, asks) in asking {
-            let answered = &self.page.slot(slot).answered;
-            answered.store(asks, Ordering::SeqCst);
-            wake_all(answered);
-        }
-        self.look_ahead();
         Ok(())
-    }
-
-    /// Looks before which tick time is to be held next.
-    fn look_ahead(&self) {
-        let back_at = |slot| self.page.slot(slot).back_at.load(Ordering::SeqCst);
-        let next = self.members().map(back_at).filter(|&tick| tick != 0).min();
-        self.hold.set(next.unwrap_or(0));
-    }
-
-    /// Lets those take part who have prepared for a tick up to this; true if there were any.
-    fn seat_the_waiting(&self, wanted: u32) -> bool {
-        let mut any = false;
-        for slot in self.members() {
-            let words = self.page.slot(slot);
-            let back_at = words.back_at.load(Ordering::SeqCst);
-            // Only whoever is still expected: the orchestrator may have thought better of it.
-            if back_at != 0 && back_at <= wanted && self.page.state(slot) == SlotState::Prepared {
-                let taken_back =
-                    words
-                        .back_at
-                        .compare_exchange(back_at, 0, Ordering::SeqCst, Ordering::SeqCst);
-                any |= taken_back.is_ok();
-            }
-        }
-        if any {
-            self.look_ahead();
-        }
-        any
     }
 
     /// Posts tick `tick`: its state has been published, everybody may step it.
@@ -200,10 +116,6 @@ impl Conductor {
             }
             if missing == 0 {
                 return TurnEnd::Complete;
-            }
-            if self.spin {
-                std::thread::yield_now();
-                continue;
             }
             if slept {
                 return TurnEnd::Idle;

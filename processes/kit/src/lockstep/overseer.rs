@@ -32,28 +32,11 @@ impl Overseer {
         self.reseat(slot);
     }
 
-    /// Gives a slot to the successor of a process that has been buried, which is about to start.
+    /// Gives a slot to the successor of a process that has been buried, which is about to start;
+    /// only in real time.
     pub fn reseat(&self, slot: usize) {
-        let words = self.page.slot(slot.min(MAX_SLOTS - 1));
-        words.first.store(0, Ordering::SeqCst);
-        // What was done without it is not its to do: should it fail at once, it owes the tick for
-        // which it came.
-        if let Some(done) = words.back_at.load(Ordering::SeqCst).checked_sub(1) {
-            words.done.store(done, Ordering::SeqCst);
-        }
-        words.taken.fetch_add(1, Ordering::SeqCst);
-        words
-            .state
-            .store(SlotState::Starting as u32, Ordering::SeqCst);
-    }
-
-    /// Has the simulator hold time before tick `tick`, in lock-step, until a successor has taken the
-    /// seat; `None`: it need not any more. Before [`Overseer::bury`], so that the tick is not missed.
-    pub fn expect_back(&self, slot: usize, tick: Option<u64>) {
-        let back_at = tick.map_or(0, |tick| (tick + 1) as u32);
-        let words = self.page.slot(slot.min(MAX_SLOTS - 1));
-        words.back_at.store(back_at, Ordering::SeqCst);
-        self.page.call_simulator();
+        let state = &self.page.slot(slot.min(MAX_SLOTS - 1)).state;
+        state.store(SlotState::Starting as u32, Ordering::SeqCst);
     }
 
     /// Moves the run on and wakes everybody.
@@ -85,13 +68,12 @@ impl Overseer {
             &words.arrived,
             &words.recorded,
             &words.record_due,
-            &words.joins,
+            &words.joined,
         ] {
             wake_all(&word.0);
         }
         for slot in 0..self.page.processes() {
             wake_all(&self.page.slot(slot).done);
-            wake_all(&self.page.slot(slot).answered);
         }
     }
 

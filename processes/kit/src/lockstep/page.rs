@@ -13,7 +13,7 @@ use rustix::thread::futex;
 pub const MAX_SLOTS: usize = 64;
 
 /// Says that the file is a turn page of this layout.
-const MAGIC: u32 = 0x5052_5432;
+const MAGIC: u32 = 0x5052_5433;
 
 /// Why the page cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -116,19 +116,6 @@ pub(super) struct Slot {
     pub in_loop: AtomicU32,
     /// 1 if other processes wait for this one, so that `done` needs a wake-up call.
     pub watched: AtomicU32,
-    /// How often the seat has been taken, bumped by the orchestrator before each start.
-    pub taken: AtomicU32,
-    /// [`Slot::taken`] of the last process that came for the seat.
-    pub claimed: AtomicU32,
-    /// The tick, plus one, at which the simulator holds time until the seat is taken again; 0 if it
-    /// need not. Written by the orchestrator, taken back by the simulator.
-    pub back_at: AtomicU32,
-    /// [`Slot::taken`] of the one who asks the others to connect to it, in the middle of a run.
-    pub asks: AtomicU32,
-    /// [`Slot::taken`] of the one whom the simulator has connected to last; a futex of who asks.
-    pub answered: AtomicU32,
-    /// The first tick, plus one, that the present holder does or has done; 0 before.
-    pub first: AtomicU32,
 }
 
 /// The shared words. All zero is the valid initial state.
@@ -151,10 +138,10 @@ pub(super) struct Words {
     pub recorded: Line,
     /// Bumped when the recorder should look; its futex.
     pub record_due: Line,
-    /// Bumped when the simulator should look who joins; futex of a simulator that holds time.
+    /// Requests of processes that start in the middle of a run: the simulator is to connect to them.
     pub joins: Line,
-    /// The tick, plus one, before which the simulator holds time for somebody; 0 while time runs.
-    pub held: Line,
+    /// Requests that the simulator has followed; futex of the processes that wait for that.
+    pub joined: Line,
     /// 1 when the game is over; bumps nothing, the recorder and orchestrator look.
     pub over: Line,
     pub slot: [Slot; MAX_SLOTS],
@@ -278,16 +265,6 @@ impl TurnPage {
         &self.words().slot[index.min(MAX_SLOTS - 1)]
     }
 
-    /// Takes the seat for this process; false if one that the orchestrator has started for it was
-    /// here before.
-    pub fn claim(&self, slot: usize) -> bool {
-        let words = self.slot(slot);
-        let taken = words.taken.load(Ordering::SeqCst).max(1);
-        let free = |claimed| (claimed < taken).then_some(taken);
-        let (set, fetch) = (Ordering::SeqCst, Ordering::SeqCst);
-        words.claimed.fetch_update(set, fetch, free).is_ok()
-    }
-
     /// How a process is.
     pub fn state(&self, slot: usize) -> SlotState {
         SlotState::from_word(self.slot(slot).state.load(Ordering::Acquire))
@@ -296,21 +273,6 @@ impl TurnPage {
     /// Ticks that a process has done.
     pub fn ticks_done(&self, slot: usize) -> u64 {
         u64::from(self.slot(slot).done.load(Ordering::Acquire))
-    }
-
-    /// How often the seat has been taken.
-    pub fn times_taken(&self, slot: usize) -> u32 {
-        self.slot(slot).taken.load(Ordering::Acquire)
-    }
-
-    /// The first tick that the present holder of a seat has done or is doing; `None` before.
-    pub fn first_tick(&self, slot: usize) -> Option<u64> {
-        u64::from(self.slot(slot).first.load(Ordering::Acquire)).checked_sub(1)
-    }
-
-    /// The tick before which the simulator holds time until somebody is back; `None` while time runs.
-    pub fn held_before(&self) -> Option<u64> {
-        u64::from(self.words().held.0.load(Ordering::SeqCst)).checked_sub(1)
     }
 
     /// What the run does.
@@ -332,15 +294,6 @@ impl TurnPage {
     /// Whether the simulator said that the game is over.
     pub fn is_over(&self) -> bool {
         self.words().over.0.load(Ordering::Acquire) != 0
-    }
-}
-
-impl TurnPage {
-    /// Has the simulator look who joins.
-    pub(super) fn call_simulator(&self) {
-        let joins = &self.words().joins.0;
-        joins.fetch_add(1, Ordering::SeqCst);
-        wake_all(joins);
     }
 }
 

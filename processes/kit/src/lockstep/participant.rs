@@ -24,18 +24,16 @@ pub struct Participant {
     page: Arc<TurnPage>,
     slot: usize,
     upstream: Vec<usize>,
-    spin: bool,
 }
 
 impl Participant {
     /// Takes the seat; `upstream` are the slots whose output of a tick must be there before this
     /// process steps it (empty: only the simulator's state).
-    pub fn new(page: Arc<TurnPage>, slot: usize, upstream: Vec<usize>, spin: bool) -> Self {
+    pub fn new(page: Arc<TurnPage>, slot: usize, upstream: Vec<usize>) -> Self {
         Self {
             page,
             slot,
             upstream,
-            spin,
         }
     }
 
@@ -48,46 +46,35 @@ impl Participant {
         // The orchestrator looks at the states on its own beat; the simulator sleeps on arrivals.
         wake_all(&self.page.words().arrived.0);
         wake_all(&self.page.slot(self.slot).done);
-        if self.page.held_before().is_some() {
-            self.page.call_simulator();
-        }
     }
 
-    /// In the middle of a run: asks the others, who know nothing of these ports yet, to connect to
-    /// them, and sleeps until the simulator has, which hands out its map; false if the run stops
-    /// first or `keep_going` says no.
-    pub fn ask_to_connect(&self, keep_going: impl Fn() -> bool) -> bool {
-        let own = self.page.slot(self.slot);
-        let me = own.taken.load(Ordering::SeqCst);
-        own.asks.store(me, Ordering::SeqCst);
-        self.page.call_simulator();
+    /// Whether this process starts in the middle of a run, as the successor of one that failed
+    /// (real time). Ask before the process is ready: time does not start without it.
+    pub fn joins_late(&self) -> bool {
+        self.page.phase() == Phase::Run
+    }
+
+    /// In the middle of a run: sleeps until the simulator has connected to the ports of this process
+    /// and so handed out its map; false if the run stops first or `keep_going` says no.
+    pub fn join(&self, keep_going: impl Fn() -> bool) -> bool {
+        let words = self.page.words();
+        let mine = words.joins.0.fetch_add(1, Ordering::SeqCst).wrapping_add(1);
         loop {
-            let answered = own.answered.load(Ordering::SeqCst);
-            if answered == me {
+            let joined = words.joined.0.load(Ordering::SeqCst);
+            // Wrapping comparison: others may ask too.
+            if (joined.wrapping_sub(mine) as i32) >= 0 {
                 return true;
             }
             if self.page.phase() == Phase::Stop || !keep_going() {
                 return false;
             }
-            sleep_while(&own.answered, answered, LOOK_UP);
+            sleep_while(&words.joined.0, joined, LOOK_UP);
         }
     }
 
-    /// The first tick that may be this process's: the one at which time is held for it, or any.
-    pub fn first_tick(&self) -> u64 {
-        let back_at = self.page.slot(self.slot).back_at.load(Ordering::SeqCst);
-        u64::from(back_at).saturating_sub(1)
-    }
-
-    /// Whether somebody else had this seat before.
-    pub fn is_successor(&self) -> bool {
-        self.page.times_taken(self.slot) > 1
-    }
-
-    /// Notes the first tick of this process.
-    pub fn begins(&self, tick: u64) {
-        let first = &self.page.slot(self.slot).first;
-        first.store((tick + 1) as u32, Ordering::SeqCst);
+    /// Ticks posted so far: the first tick that one who joins late can do.
+    pub fn ticks_posted(&self) -> u64 {
+        self.page.ticks_posted()
     }
 
     /// Sleeps until the run has reached `phase`; false if it stops first or `keep_going` says no.
@@ -108,38 +95,20 @@ impl Participant {
     /// everybody upstream has done it or is gone. Returns [`Turn::Idle`] after [`LOOK_UP`].
     pub fn wait_turn(&self, next: u64) -> Turn {
         let wanted = (next + 1) as u32;
-        if self.upstream.is_empty() {
-            return self.wait_word(&self.page.words().tick.0, wanted, next, || false);
-        }
-        loop {
-            for &slot in &self.upstream {
-                let gone = || !self.page.state(slot).is_alive();
-                match self.wait_word(&self.page.slot(slot).done, wanted, next, gone) {
-                    Turn::Tick(_) => {}
-                    other => return other,
-                }
-            }
-            // An upstream that is gone does not tell whether the tick was posted at all.
-            match self.wait_word(&self.page.words().tick.0, wanted, next, || false) {
+        for &slot in &self.upstream {
+            let gone = || !self.page.state(slot).is_alive();
+            match self.wait_word(&self.page.slot(slot).done, wanted, next, gone) {
                 Turn::Tick(_) => {}
                 other => return other,
             }
-            // Who was gone may be back: time was held for it before this tick was posted, so it is
-            // seen here.
-            let owes = |&slot: &usize| {
-                self.page.state(slot).is_alive()
-                    && self.page.slot(slot).done.load(Ordering::SeqCst) < wanted
-            };
-            if !self.upstream.iter().any(owes) {
-                return Turn::Tick(next);
-            }
         }
+        // An upstream that is gone does not tell whether the tick was posted at all.
+        self.wait_word(&self.page.words().tick.0, wanted, next, || false)
     }
 
-    /// Waits for any tick newer than `last` (real time; `None`: the first one): the newest one
-    /// posted. Those upstream get `patience` to finish theirs.
-    pub fn wait_newest(&self, last: Option<u64>, patience: Duration) -> Turn {
-        let next = last.map_or(0, |tick| tick + 1);
+    /// Waits for tick `next` or any after it (real time): the newest one posted. Those upstream get
+    /// `patience` to finish theirs.
+    pub fn wait_newest(&self, next: u64, patience: Duration) -> Turn {
         let turn = self.wait_word(&self.page.words().tick.0, (next + 1) as u32, next, || false);
         let Turn::Tick(_) = turn else { return turn };
         let newest = self.page.ticks_posted().saturating_sub(1);
@@ -163,14 +132,11 @@ impl Participant {
             if self.page.phase() == Phase::Stop {
                 return Turn::Stop;
             }
-            if self.spin {
-                std::thread::yield_now();
-            } else if slept {
+            if slept {
                 return Turn::Idle;
-            } else {
-                sleep_while(word, seen, LOOK_UP);
-                slept = word.load(Ordering::SeqCst) == seen;
             }
+            sleep_while(word, seen, LOOK_UP);
+            slept = word.load(Ordering::SeqCst) == seen;
         }
     }
 

@@ -88,7 +88,7 @@ fn every_tick_is_done_by_everybody_before_the_next_and_downstream_after_upstream
             } else {
                 Vec::new()
             };
-            let seat = Participant::new(page.open(), slot, upstream.clone(), false);
+            let seat = Participant::new(page.open(), slot, upstream.clone());
             let counts = &counts;
             scope.spawn(move || {
                 take_part(&seat, |tick| {
@@ -106,7 +106,7 @@ fn every_tick_is_done_by_everybody_before_the_next_and_downstream_after_upstream
         }
         wait_connected(overseer.page(), 1..6);
         overseer.set_phase(Phase::Run);
-        let conductor = Conductor::new(page.open(), 0, 1_000_000, false);
+        let conductor = Conductor::new(page.open(), 0, 1_000_000);
         conduct(&conductor, TICKS, |tick| {
             for count in &counts[1..] {
                 assert_eq!(count.load(Ordering::SeqCst), tick + 1);
@@ -127,7 +127,7 @@ fn a_process_that_dies_in_the_middle_of_a_tick_is_taken_out_of_the_count() {
         for slot in 1..4 {
             // 3 waits for 1, which dies at tick 50 without a word.
             let upstream = if slot == 3 { vec![1] } else { Vec::new() };
-            let seat = Participant::new(page.open(), slot, upstream, false);
+            let seat = Participant::new(page.open(), slot, upstream);
             let died = died.clone();
             scope.spawn(move || {
                 take_part(&seat, |tick| {
@@ -146,7 +146,7 @@ fn a_process_that_dies_in_the_middle_of_a_tick_is_taken_out_of_the_count() {
             death.recv().unwrap();
             gravedigger.bury(1);
         });
-        let conductor = Conductor::new(page.open(), 0, 1_000_000, false);
+        let conductor = Conductor::new(page.open(), 0, 1_000_000);
         conduct(&conductor, 200, |_| {});
         assert_eq!(overseer.page().ticks_done(1), 50);
         assert_eq!(overseer.page().ticks_done(3), 200);
@@ -160,12 +160,12 @@ fn the_world_waits_for_a_process_that_ended_until_the_orchestrator_has_decided()
     for slot in 1..3 {
         overseer.seat(slot, true, false);
     }
-    let seats = [1, 2].map(|slot| Participant::new(page.open(), slot, Vec::new(), false));
+    let seats = [1, 2].map(|slot| Participant::new(page.open(), slot, Vec::new()));
     for seat in &seats {
         seat.set_state(SlotState::Connected);
     }
     overseer.set_phase(Phase::Run);
-    let conductor = Conductor::new(page.open(), 0, 1_000_000, false);
+    let conductor = Conductor::new(page.open(), 0, 1_000_000);
     for (tick, ended) in (0..).zip([SlotState::Failed, SlotState::Stopped]) {
         conductor.post(tick);
         seats[1].done(tick);
@@ -190,7 +190,7 @@ fn the_simulator_waits_for_a_recorder_that_lags_and_never_runs_further_ahead() {
     const LAG: usize = 8;
     let (page, overseer) = Page::new("lag", 1);
     overseer.set_phase(Phase::Run);
-    let conductor = Conductor::new(page.open(), 0, LAG, false);
+    let conductor = Conductor::new(page.open(), 0, LAG);
     std::thread::scope(|scope| {
         let recorder = overseer.clone();
         scope.spawn(move || {
@@ -220,9 +220,9 @@ fn a_stop_wakes_everybody() {
     overseer.seat(1, true, false);
     overseer.set_phase(Phase::Run);
     std::thread::scope(|scope| {
-        let seat = Participant::new(page.open(), 1, Vec::new(), false);
+        let seat = Participant::new(page.open(), 1, Vec::new());
         scope.spawn(move || take_part(&seat, |_| panic!("no tick was posted")));
-        let conductor = Conductor::new(page.open(), 0, 2, false);
+        let conductor = Conductor::new(page.open(), 0, 2);
         wait_connected(overseer.page(), 1..2);
         scope.spawn(move || {
             assert!(conductor.complete(0));
@@ -238,15 +238,70 @@ fn in_real_time_a_late_process_gets_the_newest_tick() {
     let (page, overseer) = Page::new("late", 2);
     overseer.seat(1, true, false);
     overseer.set_phase(Phase::Run);
-    let seat = Participant::new(page.open(), 1, Vec::new(), false);
-    let conductor = Conductor::new(page.open(), 0, 1, false);
+    let seat = Participant::new(page.open(), 1, Vec::new());
+    let conductor = Conductor::new(page.open(), 0, 1);
     for tick in 0..5 {
         conductor.post_without_waiting(tick);
     }
-    assert_eq!(seat.wait_newest(None, Duration::ZERO), Turn::Tick(4));
-    assert_eq!(seat.wait_newest(Some(4), Duration::ZERO), Turn::Idle);
+    assert_eq!(seat.wait_newest(0, Duration::ZERO), Turn::Tick(4));
+    assert_eq!(seat.wait_newest(5, Duration::ZERO), Turn::Idle);
     conductor.post_without_waiting(5);
-    assert_eq!(seat.wait_newest(Some(4), Duration::ZERO), Turn::Tick(5));
+    assert_eq!(seat.wait_newest(5, Duration::ZERO), Turn::Tick(5));
+}
+
+#[test]
+fn one_that_joins_in_the_middle_of_a_run_waits_until_the_simulator_has_connected_to_it() {
+    let (page, overseer) = Page::new("join", 3);
+    let conductor = Conductor::new(page.open(), 0, 1);
+    let mut connected = 0;
+    let mut admit = || {
+        let connect = || {
+            connected += 1;
+            Ok::<_, std::convert::Infallible>(())
+        };
+        conductor.admit(connect).unwrap();
+        connected
+    };
+    let seat = |slot| Participant::new(page.open(), slot, Vec::new());
+    assert!(!seat(1).joins_late(), "time has not started");
+    overseer.set_phase(Phase::Run);
+    conductor.post_without_waiting(0);
+    assert_eq!(admit(), 0, "no request");
+    overseer.bury(1);
+    overseer.bury(2);
+    std::thread::scope(|scope| {
+        let joined: Vec<_> = [1, 2]
+            .map(|slot| {
+                overseer.reseat(slot);
+                let seat = seat(slot);
+                assert!(seat.joins_late());
+                scope.spawn(move || seat.join(|| true))
+            })
+            .into();
+        while joined.iter().any(|thread| !thread.is_finished()) {
+            admit();
+        }
+        for thread in joined {
+            assert!(thread.join().unwrap());
+        }
+    });
+    assert!((1..=2).contains(&admit()), "once per request at most");
+    assert!(!seat(1).join(|| false), "told to end");
+    overseer.set_phase(Phase::Stop);
+    assert!(!seat(1).join(|| true), "the run ends");
+}
+
+#[test]
+fn a_dead_process_stays_dead_until_its_seat_is_given_again() {
+    let (page, overseer) = Page::new("buried", 2);
+    overseer.seat(1, true, false);
+    let seat = Participant::new(page.open(), 1, Vec::new());
+    seat.set_state(SlotState::Prepared);
+    overseer.bury(1);
+    seat.set_state(SlotState::Connected);
+    assert_eq!(overseer.page().state(1), SlotState::Dead);
+    overseer.reseat(1);
+    assert_eq!(overseer.page().state(1), SlotState::Starting);
 }
 
 #[test]

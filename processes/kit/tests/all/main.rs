@@ -2,4 +2,3 @@
 
 mod inputs;
 mod lockstep;
-mod rejoining;

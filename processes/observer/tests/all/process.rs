@@ -4,7 +4,7 @@ use ipc_types::bus::{Bus, Publisher, PublisherOptions, Subscriber};
 use ipc_types::messages::observer::Prediction;
 use ipc_types::messages::world::{MapCell, MapHeader, RobotState, WorldHeader};
 use ipc_types::topics::{Predictions, WorldMap, WorldState};
-use kit::{Clock, Idle, ProcessConfig, ProcessError, RobotInfo, RunConfig, Wiring as _};
+use kit::{Clock, ProcessConfig, ProcessError, RobotInfo, RunConfig, Wiring as _};
 use observer::process::ObserverProcess;
 use serde_json::json;
 use sim_backend::pose::Pose2;
@@ -30,7 +30,6 @@ fn config(params: serde_json::Value) -> ProcessConfig {
             tick_period_ns: 50_000_000,
             clock: Clock::LockStep,
             hang_timeout_s: 10.0,
-            idle: Idle::Block,
             processor: None,
             processes: 2,
             events: 0,

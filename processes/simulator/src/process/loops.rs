@@ -10,20 +10,6 @@ use kit::{ProcessError, Setup};
 use super::Simulator;
 
 impl Simulator {
-    /// Lets those join who were started again, which may take a while in lock-step; false if the
-    /// run stops.
-    fn admit(&mut self, conductor: &Conductor, setup: &mut Setup) -> Result<bool, ProcessError> {
-        loop {
-            match conductor.admit(self.tick, || self.connect_ports())? {
-                TurnEnd::Complete => return Ok(true),
-                TurnEnd::Stop => return Ok(false),
-                TurnEnd::Idle if setup.stop.load(Ordering::Relaxed) => return Ok(false),
-                TurnEnd::Idle if !setup.heartbeat.is_due() => {}
-                TurnEnd::Idle => setup.heartbeat.beat(self.tick, 3, None)?,
-            }
-        }
-    }
-
     /// Ticks that come when everybody has done the last one.
     pub(super) fn lock_step(
         &mut self,
@@ -31,9 +17,6 @@ impl Simulator {
         setup: &mut Setup,
     ) -> Result<(), ProcessError> {
         loop {
-            if !self.admit(conductor, setup)? {
-                return Ok(());
-            }
             let start = Instant::now();
             let over = self.publish()?;
             if over {
@@ -83,9 +66,7 @@ impl Simulator {
         let mut due = Instant::now();
         let mut overruns = 0;
         loop {
-            if !self.admit(conductor, setup)? {
-                return Ok(());
-            }
+            conductor.admit(|| self.connect_ports())?;
             let start = Instant::now();
             let over = self.publish()?;
             conductor.post_without_waiting(self.tick);
