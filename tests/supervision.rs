@@ -170,13 +170,20 @@ fn in_lock_step_a_run_goes_on_without_those_that_were_killed_and_their_robots_st
         let tick = state.tick;
         let (pursuer, evader) = (tick >= pursuer_stands, tick >= evader_stands);
         assert_eq!(state.robots[1].fail_safe, pursuer, "tick {tick}");
-        assert_eq!(state.robots[4].fail_safe, evader && !state.over, "tick {tick}");
+        assert_eq!(
+            state.robots[4].fail_safe,
+            evader && !state.over,
+            "tick {tick}"
+        );
         assert!(!state.robots[0].fail_safe);
     }
     assert_eq!(summary["robots"][1]["fail_safe_stops"], 1);
     // Commands and beliefs say the same: one for every tick up to then, and perhaps the one after
     // which it was killed.
-    for (topic, source, left) in [("robot/command", 3, pursuer), ("perception/belief", 1, eyes)] {
+    for (topic, source, left) in [
+        ("robot/command", 3, pursuer),
+        ("perception/belief", 1, eyes),
+    ] {
         let mut ticks = said(topic, source);
         ticks.remove(&left);
         assert_eq!(ticks, (0..left).collect(), "{topic}");
@@ -264,7 +271,10 @@ fn in_real_time_those_that_fail_are_replaced_or_done_without() {
     let back = outage["back_tick"].as_u64().unwrap();
     let history = History::read(&log(&sandbox));
     let mut after = history.states.iter().filter(|s| s.tick > back + 20);
-    assert!(after.any(|state| !state.robots[1].fail_safe), "it is driven");
+    assert!(
+        after.any(|state| !state.robots[1].fail_safe),
+        "it is driven"
+    );
     sandbox.assert_nothing_left();
 }
 
@@ -283,7 +293,10 @@ fn restarts_have_a_limit() {
     ];
     running.finish().refused(1, &words);
     let history = History::read(&log(&sandbox));
-    assert_eq!(history.counts["process/event"].0, 11, "left, back, ..., left");
+    assert_eq!(
+        history.counts["process/event"].0, 11,
+        "left, back, ..., left"
+    );
     sandbox.assert_nothing_left();
 }
 

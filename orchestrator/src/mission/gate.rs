@@ -1,6 +1,5 @@
 //! The recorder's view of the turn page.
 
-use std::cell::Cell;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
@@ -54,25 +53,21 @@ pub struct PageGate {
     clock: Clock,
     ended: Arc<AtomicBool>,
     calls: Arc<Calls>,
-    pace: Option<Pace>,
 }
 
 impl PageGate {
-    /// A gate over the page; `ended` is set once no process of the run sends any more. With a pace
-    /// ticks count as complete no earlier than they are due.
+    /// A gate over the page; `ended` is set once no process of the run sends any more.
     pub fn new(
         overseer: Overseer,
         clock: Clock,
         ended: Arc<AtomicBool>,
         calls: Arc<Calls>,
-        pace: Option<Pace>,
     ) -> Self {
         Self {
             overseer,
             clock,
             ended,
             calls,
-            pace,
         }
     }
 }
@@ -89,22 +84,14 @@ impl Gate for PageGate {
             // taken, not for what is not written.
             self.overseer.recorded(tick);
         }
-        match &self.pace {
-            // Most of the time the simulator waits for the recorder: that must not wake it.
-            Some(pace) => std::thread::sleep(timeout.min(pace.until_due())),
-            None => self.overseer.wait_for_records(timeout),
-        }
+        self.overseer.wait_for_records(timeout);
     }
 
     fn completed_tick(&self) -> Option<u64> {
         if self.clock != Clock::LockStep {
             return None;
         }
-        let completed = self.overseer.completed_tick()?;
-        match &self.pace {
-            Some(pace) => pace.due(completed),
-            None => Some(completed),
-        }
+        self.overseer.completed_tick()
     }
 
     fn recorded(&self, tick: u64) {
@@ -121,56 +108,6 @@ impl Gate for PageGate {
 
     fn ended(&self) -> bool {
         self.ended.load(Ordering::SeqCst)
-    }
-}
-
-/// How fast the ticks of a run in lock-step may come.
-///
-/// The simulator may not be far ahead of the recorder, so that holding back the recorder holds back
-/// the world: what it does does not depend on when.
-#[derive(Debug, Clone)]
-pub struct Pace {
-    /// Real time between two ticks.
-    period: Duration,
-    /// The first tick that is not due yet, and when it will be.
-    next: Cell<Option<(u64, Instant)>>,
-}
-
-impl Pace {
-    /// `factor` simulated seconds per second, at ticks of this length [simulated s].
-    pub fn new(factor: f64, tick_period: f64) -> Self {
-        let seconds = tick_period / factor;
-        Self {
-            // A factor beyond all measure is no pace at all.
-            period: Duration::try_from_secs_f64(seconds).unwrap_or_default(),
-            next: Cell::new(None),
-        }
-    }
-
-    /// The last of the completed ticks that is due; the first is due at once.
-    fn due(&self, completed: u64) -> Option<u64> {
-        let now = Instant::now();
-        let (mut tick, mut at) = self.next.get().unwrap_or((0, now));
-        while tick <= completed && at <= now {
-            tick += 1;
-            at += self.period;
-        }
-        if tick <= completed {
-            self.next.set(Some((tick, at)));
-        } else {
-            // The world is late: the schedule shifts, so that it does not race to catch up.
-            self.next.set(Some((tick, at.max(now))));
-        }
-        tick.checked_sub(1)
-    }
-
-    /// Time until the next tick is due.
-    fn until_due(&self) -> Duration {
-        let next = self.next.get();
-        next.map_or(Duration::MAX, |(_, at)| {
-            at.saturating_duration_since(Instant::now())
-        })
-        .max(Duration::from_millis(1))
     }
 }
 
@@ -202,16 +139,5 @@ mod tests {
         });
         // Nobody is waited for who has gone.
         calls.call();
-    }
-
-    #[test]
-    fn ticks_are_due_one_after_the_other_and_never_before_they_are_complete() {
-        let slow = Pace::new(1e-3, 1.0);
-        assert_eq!(slow.due(5), Some(0));
-        assert_eq!(slow.due(5), Some(0), "the next in a quarter of an hour");
-        assert!(slow.until_due() > Duration::from_secs(900));
-        let fast = Pace::new(f64::INFINITY, 1.0);
-        assert_eq!(fast.due(0), Some(0));
-        assert_eq!(fast.due(7), Some(7));
     }
 }

@@ -67,12 +67,10 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Lets the world be at most so many ticks ahead of what the recorder has taken. For everybody: each
-    /// process has been told its own.
-    pub fn keep_waiting_at_most(&mut self, ticks: u32) {
-        let launches = self.launches.iter_mut();
-        for run in launches.map(|l| &mut l.config.run).chain([&mut self.run]) {
-            run.recorder_ticks = run.recorder_ticks.min(ticks);
+    /// Has the world keep to a pace in lock-step [simulated s/s].
+    pub fn keep_pace(&mut self, pace: f64) {
+        if let Some(simulator) = self.launches.first_mut() {
+            simulator.config.run.pace = Some(pace);
         }
     }
 
@@ -107,6 +105,7 @@ impl Plan {
             seed: scenario.run.seed,
             tick_period_ns,
             clock,
+            pace: None,
             hang_timeout_s: scenario.run.hang_timeout_s,
             processor: (scenario.run.pin == spec::Pin::OneCore).then(first_processor),
             processes: scenario.processes.len() as u32 + 1,
@@ -355,17 +354,6 @@ mod tests {
         }
         let exact = plan("chase_exact", &[]);
         assert!(exact.launches.iter().all(|l| l.config.upstream.is_empty()));
-    }
-
-    #[test]
-    fn everybody_is_told_how_far_the_world_may_be_ahead() {
-        let mut plan = plan("chase", &[]);
-        plan.keep_waiting_at_most(8);
-        let told = plan.launches.iter().map(|l| l.config.run.recorder_ticks);
-        assert!(
-            told.chain([plan.run.recorder_ticks])
-                .all(|ticks| ticks == 8)
-        );
     }
 
     #[test]

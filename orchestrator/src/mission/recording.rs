@@ -12,7 +12,7 @@ use kit::config::Clock;
 use kit::lockstep::Overseer;
 
 use super::error::MissionError;
-use super::gate::{Calls, Pace, PageGate};
+use super::gate::{Calls, PageGate};
 use super::plan::Plan;
 use super::progress::EventPrinter;
 use super::run::MissionOptions;
@@ -261,7 +261,6 @@ impl RecorderThread {
         overseer: &Overseer,
         kept: Kept,
         mut printer: EventPrinter,
-        pace: Option<Pace>,
     ) -> Result<Self, MissionError> {
         let system = |what: &str| {
             let what = what.to_owned();
@@ -279,7 +278,6 @@ impl RecorderThread {
             plan.run.clock,
             Arc::clone(&ended),
             of_gate,
-            pace,
         );
         let space = plan.run.space()?;
         let bus_options = plan.run.bus_options();

@@ -20,7 +20,6 @@ use kit::lockstep::{Overseer, Phase, SlotState, TurnPage};
 use super::bridge::Bridge;
 use super::children::sleep_until_exit;
 use super::error::MissionError;
-use super::gate::Pace;
 use super::plan::Plan;
 use super::progress::Progress;
 use super::recording::{Kept, RecorderThread};
@@ -33,8 +32,6 @@ use crate::scenario::ResolvedScenario;
 
 /// Time that processes have to end by themselves when the run stops.
 const END_WITHIN: Duration = Duration::from_secs(3);
-/// Ticks that the recorder of a paced run may lag behind.
-const PACED_TICKS: u32 = 8;
 /// Beat of the supervisor: progress is shown and silence noticed this often. The end of a process
 /// wakes it at once.
 const BEAT: Duration = Duration::from_millis(10);
@@ -125,12 +122,8 @@ pub fn run(
         space.space().prefix(),
         log_level,
     )?;
-    let pace = options
-        .pace
-        .map(|pace| Pace::new(pace, plan.run.tick_period()));
-    if pace.is_some() {
-        // Held back by the recorder, the world is never far ahead of what is shown.
-        plan.keep_waiting_at_most(PACED_TICKS);
+    if let Some(pace) = options.pace {
+        plan.keep_pace(pace);
     }
     let mirror = live.as_ref().map(|live| Box::new(live.tap()) as _);
     let kept = Kept::create(scenario, &plan, options, mirror)?;
@@ -154,7 +147,7 @@ pub fn run(
         .map(|r| r.name.clone())
         .collect();
     let printer = progress.events(robots, options.quiet);
-    let recorder = RecorderThread::start(&plan, &overseer, kept, printer, pace)?;
+    let recorder = RecorderThread::start(&plan, &overseer, kept, printer)?;
 
     let bridge = Bridge::start(&plan, &bus, &page)?;
 

@@ -44,6 +44,9 @@ pub struct RunConfig {
     pub tick_period_ns: u64,
     /// How time passes.
     pub clock: Clock,
+    /// In lock-step: simulated seconds per second that the simulator keeps to; `None`: as fast as it
+    /// can.
+    pub pace: Option<f64>,
     /// Real time without an answer after which a process counts as hung [s].
     pub hang_timeout_s: f64,
     /// Processor to pin to; `None`: wherever the system likes.

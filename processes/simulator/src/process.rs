@@ -53,13 +53,12 @@ pub fn run(config: &Path) -> ExitCode {
             }
             if seat.wait_for_phase(Phase::Run, running) {
                 let lag = (config.run.recorder_ticks as usize).saturating_sub(2);
-                let conductor = Conductor::new(
-                    Arc::clone(&setup.page),
-                    config.index as usize,
-                    lag,
-                );
+                let conductor = Conductor::new(Arc::clone(&setup.page), config.index as usize, lag);
                 match config.run.clock {
-                    Clock::LockStep => simulator.lock_step(&conductor, &mut setup)?,
+                    Clock::LockStep => {
+                        let pace = config.run.pace;
+                        simulator.lock_step(&conductor, &mut setup, pace)?;
+                    }
                     Clock::RealTime {
                         factor,
                         deadline_ns,

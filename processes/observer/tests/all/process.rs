@@ -29,6 +29,7 @@ fn config(params: serde_json::Value) -> ProcessConfig {
             seed: 1,
             tick_period_ns: 50_000_000,
             clock: Clock::LockStep,
+            pace: None,
             hang_timeout_s: 10.0,
             processor: None,
             processes: 2,

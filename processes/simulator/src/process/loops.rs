@@ -1,7 +1,7 @@
 //! Who drives the world from tick to tick: everybody's answers, or the clock.
 
 use std::sync::atomic::Ordering;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use ipc_types::clock;
 use kit::lockstep::{Conductor, TurnEnd};
@@ -9,13 +9,42 @@ use kit::{ProcessError, Setup};
 
 use super::Simulator;
 
+/// Moments at which ticks are due in real time, one period apart.
+struct Schedule {
+    period: Duration,
+    due: Instant,
+}
+
+impl Schedule {
+    /// A schedule whose first tick is due now, at so many simulated seconds per second.
+    fn new(tick_period: Duration, factor: f64) -> Self {
+        Self {
+            period: tick_period.div_f64(factor.max(1e-3)),
+            due: Instant::now(),
+        }
+    }
+
+    /// Time until the next tick is due. Zero if it is late: then the schedule shifts, so that the
+    /// world does not race to catch up.
+    fn until_next(&mut self) -> Duration {
+        self.due += self.period;
+        let now = Instant::now();
+        let left = self.due.saturating_duration_since(now);
+        self.due = self.due.max(now);
+        left
+    }
+}
+
 impl Simulator {
-    /// Ticks that come when everybody has done the last one.
+    /// Ticks that come when everybody has done the last one, and with a pace [simulated s/s] not before
+    /// they are due.
     pub(super) fn lock_step(
         &mut self,
         conductor: &Conductor,
         setup: &mut Setup,
+        pace: Option<f64>,
     ) -> Result<(), ProcessError> {
+        let mut schedule = pace.map(|pace| Schedule::new(self.tick_period, pace));
         loop {
             let start = Instant::now();
             let over = self.publish()?;
@@ -50,6 +79,11 @@ impl Simulator {
                 return Ok(());
             }
             self.advance(0);
+            if let Some(schedule) = &mut schedule
+                && !conductor.sleep(schedule.until_next())
+            {
+                return Ok(());
+            }
         }
     }
 
@@ -61,9 +95,8 @@ impl Simulator {
         factor: f64,
         deadline_ns: u64,
     ) -> Result<(), ProcessError> {
-        let period = self.tick_period.div_f64(factor.max(1e-3));
+        let mut schedule = Schedule::new(self.tick_period, factor);
         let max_age = kit::config::ticks_within(deadline_ns, self.tick_period);
-        let mut due = Instant::now();
         let mut overruns = 0;
         loop {
             conductor.admit(|| self.connect_ports())?;
@@ -74,13 +107,8 @@ impl Simulator {
                 conductor.complete_without_waiting(self.tick);
                 return Ok(());
             }
-            due += period;
-            let left = due.saturating_duration_since(Instant::now());
-            if left.is_zero() {
-                // Late: the schedule shifts, so that the world does not race to catch up.
-                overruns += 1;
-                due = Instant::now();
-            }
+            let left = schedule.until_next();
+            overruns += u64::from(left.is_zero());
             if !conductor.sleep(left) || setup.stop.load(Ordering::Relaxed) {
                 return Ok(());
             }
