@@ -270,7 +270,7 @@ fn results_of_another_experiment_are_refused_and_kept() {
         2,
         &[
             "error: out holds the results of another experiment",
-            "it lacks case plain, limit = 4",
+            "compare its experiment.toml",
             "choose another --out",
         ],
     );
@@ -294,11 +294,6 @@ fn what_is_wrong_with_the_call_is_said_before_anything_runs() {
             &["--set", "rules.time_limt=9"],
             "did you mean `time_limit`?",
         ),
-        (
-            &["--engine", "slurm", "--shard", "1/2"],
-            "leave --shard away",
-        ),
-        (&["--submit"], "--engine parallel or slurm"),
     ] {
         sweep(&sandbox, "out", more).refused(2, &[words]);
     }

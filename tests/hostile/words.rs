@@ -109,7 +109,6 @@ fn no_command_starts_programs_of_a_scenario_or_of_a_log_unasked() {
         &["rerun", "evil.mcap"],
         &["replay", "evil.mcap", "--test", "liar"],
         &["sweep", "experiment.toml"],
-        &["sweep", "experiment.toml", "--engine", "slurm"],
     ] {
         let outcome = sandbox.protean(call.iter().copied()).run();
         outcome.refused(2, &["--allow-external"]);

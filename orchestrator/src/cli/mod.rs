@@ -25,7 +25,6 @@ mod soak;
 mod sweep;
 mod sweep_output;
 mod sweep_planning;
-mod sweep_schedule;
 
 use std::ffi::OsString;
 use std::path::PathBuf;

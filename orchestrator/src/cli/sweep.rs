@@ -12,10 +12,8 @@ use serde_json::json;
 use super::run::handle_signals;
 use super::sweep_output::{self, Listing, known, list};
 use super::sweep_planning;
-use super::sweep_schedule::schedule;
 use super::{EXIT_FAILED, EXIT_INVALID, print, processors};
 use crate::sweep::engine::{Engine, InProcess, Processes};
-use crate::sweep::launcher::Scheduler;
 use crate::sweep::merge::merge;
 use crate::sweep::planning::is_planning;
 use crate::sweep::runner::{self, RunOptions};
@@ -104,15 +102,6 @@ pub(super) struct SweepRunArgs {
     /// Which missions keep their log, in the results' folder logs
     #[arg(long, value_name = "WHICH")]
     pub(super) log: Option<LogPolicy>,
-    /// Who carries it out: this program, or the scheduler a script of which is written
-    #[arg(long, value_enum, default_value_t = Scheduler::Local)]
-    pub(super) engine: Scheduler,
-    /// Parts for a scheduler
-    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=100_000))]
-    pub(super) shards: u32,
-    /// Start the scheduler's script once it is written
-    #[arg(long)]
-    pub(super) submit: bool,
     /// Let scenarios start programs that are not Protean's own
     #[arg(long)]
     pub(super) allow_external: bool,
@@ -144,7 +133,7 @@ pub(super) fn sweep(args: &SweepArgs) -> ExitCode {
 pub(super) fn failed(error: &SweepError) -> ExitCode {
     eprintln!("error: {error}");
     ExitCode::from(match error {
-        SweepError::Io { .. } | SweepError::Launcher { .. } => EXIT_FAILED,
+        SweepError::Io { .. } | SweepError::Resource { .. } => EXIT_FAILED,
         _ => EXIT_INVALID,
     })
 }
@@ -209,12 +198,6 @@ fn run(path: &Path, args: &SweepRunArgs) -> ExitCode {
         (Err(error), _) => return invalid(format!("error: --seeds: {error}")),
         (_, Err(error)) => return invalid(format!("error: --shard: {error}")),
     };
-    if args.engine != Scheduler::Local && args.shard.is_some() {
-        return invalid("error: --engine writes a script for all parts: leave --shard away");
-    }
-    if args.engine == Scheduler::Local && args.submit {
-        return invalid("error: --submit: expected --engine parallel or slurm with it");
-    }
     let options = LoadOptions {
         set: args.set.clone(),
         seeds,
@@ -244,11 +227,8 @@ fn run(path: &Path, args: &SweepRunArgs) -> ExitCode {
     let out = place(args, &experiment.name, shard);
     let ended = if args.dry_run {
         dry_run(&experiment, args, shard, &out)
-    } else if args.engine == Scheduler::Local {
-        local(&experiment, path, args, shard, &out)
     } else {
-        let what = (experiment.name.as_str(), &experiment.run);
-        schedule(what, path, args, args.engine, &out)
+        local(&experiment, path, args, shard, &out)
     };
     ended.unwrap_or_else(|error| failed(&error))
 }
@@ -292,10 +272,9 @@ fn dry_run(
 /// What Ctrl-C sets.
 pub(super) fn interruptible() -> Result<Arc<AtomicBool>, SweepError> {
     let interrupted = Arc::new(AtomicBool::new(false));
-    handle_signals(&interrupted).map_err(|source| SweepError::Launcher {
-        program: "sweep".to_owned(),
+    handle_signals(&interrupted).map_err(|source| SweepError::Resource {
         what: format!("cannot handle signals: {source}"),
-        help: None,
+        help: "",
     })?;
     Ok(interrupted)
 }
@@ -329,12 +308,12 @@ fn local(
         .filter(|folder| !folder.as_os_str().is_empty());
     figures::keep_published(folder.unwrap_or(Path::new(".")), &results)?;
     take_over(&mut results, args, "missions")?;
-    let jobs = args.jobs.map(usize::from).or(experiment.run.jobs);
+    let jobs = args.jobs.map_or_else(processors, usize::from);
     let options = RunOptions {
-        jobs: jobs.unwrap_or_else(processors),
+        jobs,
         shard,
         retry_failed: args.retry_failed,
-        log: args.log.unwrap_or(experiment.run.log),
+        log: args.log.unwrap_or_default(),
         timeout: Duration::from_secs_f64(experiment.run.timeout_s),
         quiet: args.quiet,
         interrupted,

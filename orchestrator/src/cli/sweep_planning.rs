@@ -9,8 +9,6 @@ use serde_json::json;
 use super::processors;
 use super::sweep::{SweepRunArgs, failed, interruptible, invalid, place, take_over};
 use super::sweep_output::{self, Listing, known, list};
-use super::sweep_schedule::schedule;
-use crate::sweep::launcher::Scheduler;
 use crate::sweep::merge::merge;
 use crate::sweep::planning::{
     PlanExperiment, PlanResults, PlanRow, run as carry_out, summary, to_do,
@@ -32,11 +30,8 @@ pub(super) fn run(path: &Path, args: &SweepRunArgs, load: &LoadOptions, shard: S
     let out = place(args, &experiment.name, shard);
     let ended = if args.dry_run {
         dry_run(&experiment, args, shard, &out)
-    } else if args.engine == Scheduler::Local {
-        local(&experiment, args, shard, &out)
     } else {
-        let what = (experiment.name.as_str(), &experiment.run);
-        schedule(what, path, args, args.engine, &out)
+        local(&experiment, args, shard, &out)
     };
     ended.unwrap_or_else(|error| failed(&error))
 }
@@ -81,9 +76,9 @@ fn local(
     let interrupted = interruptible()?;
     let mut results = PlanResults::open(out, &experiment.manifest(), &experiment.text)?;
     take_over(&mut results, args, "plans")?;
-    let jobs = args.jobs.map(usize::from).or(experiment.run.jobs);
+    let jobs = args.jobs.map_or_else(processors, usize::from);
     let options = RunOptions {
-        jobs: jobs.unwrap_or_else(processors),
+        jobs,
         shard,
         retry_failed: args.retry_failed,
         log: LogPolicy::None,

@@ -83,15 +83,13 @@ pub enum SweepError {
         /// Why not.
         reason: String,
     },
-    /// A launcher could not be started, or failed.
-    #[error("{program}: {what}{}", help.map_or(String::new(), |help| format!("; {help}")))]
-    Launcher {
-        /// The program.
-        program: String,
+    /// The system grants no thread or no signal handler.
+    #[error("sweep: {what}{help}")]
+    Resource {
         /// What went wrong.
         what: String,
-        /// What to do about it.
-        help: Option<&'static str>,
+        /// What to do about it, from the separator on; empty if nothing.
+        help: &'static str,
     },
 }
 

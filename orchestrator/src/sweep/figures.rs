@@ -200,24 +200,21 @@ fn chart(figure: &FigureSpec, results: &Results, shown: &Shown, published: &[Pub
             curve.points.push(Point { x, y, interval });
         }
     }
-    let or = |text: &str, other: String| {
-        if text.is_empty() {
-            other
-        } else {
-            text.to_owned()
-        }
-    };
     let title = |name: &str| {
         let parameter = shown.parameters.get(name);
         let title = parameter.and_then(|p| p.title.clone());
         title.unwrap_or_else(|| name.replace('_', " "))
     };
     Chart {
-        title: or(&figure.title, manifest.title.clone()),
+        title: if figure.title.is_empty() {
+            manifest.title.clone()
+        } else {
+            figure.title.clone()
+        },
         subtitle: format!("{}: {}", manifest.experiment, games(&rows)),
-        x_label: or(&figure.x_label, title(&figure.x)),
+        x_label: title(&figure.x),
         x_names: places.names(),
-        y_label: or(&figure.y_label, figure.metric.label().to_owned()),
+        y_label: figure.metric.label().to_owned(),
         unit: figure.metric.unit(),
         series: series.into_iter().map(|(_, series)| series).collect(),
         reference: "published".to_owned(),
@@ -225,8 +222,8 @@ fn chart(figure: &FigureSpec, results: &Results, shown: &Shown, published: &[Pub
     }
 }
 
-/// Which curve a cell belongs to: its key, and what people call it. Parameters that are neither along
-/// the axis nor told apart by the curves make curves of their own.
+/// Which curve a cell belongs to: its key, and its name. Every case has a curve; parameters that are
+/// not along the axis make curves of their own.
 fn curve(
     figure: &FigureSpec,
     shown: &Shown,
@@ -237,30 +234,15 @@ fn curve(
     let case_title = case
         .and_then(|c| c.title.clone())
         .unwrap_or_else(|| cell.case.replace('_', " "));
-    let mut key = Vec::new();
-    let mut first = String::new();
-    let mut rest = Vec::new();
-    if figure.series == "case" {
-        first = case_title;
-        key.push(cell.case.clone());
-    } else if shown.cases.len() > 1 {
-        rest.push(case_title);
-        key.push(cell.case.clone());
-    }
-    for (name, value) in parameters.iter().zip(&cell.values) {
-        if *name == figure.x {
-            continue;
-        }
-        key.push(value.to_string());
-        if *name == figure.series {
-            first = value.to_string();
-        } else {
-            rest.push(format!("{} {value}", name.replace('_', " ")));
+    let mut key = vec![cell.case.clone()];
+    let mut name = vec![case_title];
+    for (parameter, value) in parameters.iter().zip(&cell.values) {
+        if *parameter != figure.x {
+            key.push(value.to_string());
+            name.push(format!("{} {value}", parameter.replace('_', " ")));
         }
     }
-    rest.insert(0, first);
-    rest.retain(|word| !word.is_empty());
-    (key, rest.join(", "))
+    (key, name.join(", "))
 }
 
 /// How many games the cells have, in words.

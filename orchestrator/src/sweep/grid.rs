@@ -1,10 +1,10 @@
-//! `[grid]` and `[[points]]`: which combinations of the parameters are run.
+//! `[grid]`: the values of the parameters, all combinations of which are run.
 
 use super::cell::Value;
 use super::parameters::Parameter;
 use super::reader::Reader;
 use super::spec::MAX_CELLS;
-use crate::scenario::text::{Code, FieldPath, Node, Value as TomlValue, list_choices, nearest};
+use crate::scenario::text::{Code, FieldPath, Node, list_choices, nearest};
 
 /// A value where it is written.
 #[derive(Debug, Clone)]
@@ -16,36 +16,21 @@ pub(super) struct Written {
 /// The combinations in their order, each with a value for every parameter; one empty combination if
 /// there are no parameters. `None` if anything is wrong, which is reported.
 pub(super) fn read(reader: &mut Reader, parameters: &[Parameter]) -> Option<Vec<Vec<Written>>> {
-    let grid = reader.root.get("grid").is_some();
-    let points = reader.root.get("points").is_some();
-    if grid && points {
-        reader.refuse(
-            &FieldPath::key("points"),
-            Code::Requirement,
-            "both [grid] and [[points]]",
-            "one of them: the grid's combinations, or listed ones",
-        );
-        return None;
-    }
-    if !grid && !points {
+    if reader.root.get("grid").is_none() {
         if let Some(parameter) = parameters.first() {
             let message = format!("parameter `{}` is given no values", parameter.name);
             reader.refuse(
                 &FieldPath::key("parameters").then(&parameter.name),
                 Code::Requirement,
                 &message,
-                "a [grid] with a list of values for every parameter, or [[points]]",
+                "a [grid] with a list of values for every parameter",
             );
             return None;
         }
         return Some(vec![Vec::new()]);
     }
     let before = reader.problems.len();
-    let found = if grid {
-        cartesian(reader, parameters)
-    } else {
-        listed(reader, parameters)
-    };
+    let found = cartesian(reader, parameters);
     (reader.problems.len() == before).then_some(found)
 }
 
@@ -142,68 +127,4 @@ fn distinct(
         });
     }
     values
-}
-
-fn listed(reader: &mut Reader, parameters: &[Parameter]) -> Vec<Vec<Written>> {
-    let points = reader.blocks("points");
-    if points.is_empty()
-        && matches!(reader.root.get("points"), Some(n) if matches!(n.value, TomlValue::Array(_)))
-    {
-        reader.refuse(
-            &FieldPath::key("points"),
-            Code::Requirement,
-            "no points are listed",
-            "at least one [[points]] block",
-        );
-    }
-    if points.len() > MAX_CELLS {
-        let message = format!("more than {MAX_CELLS} points");
-        reader.refuse(&FieldPath::key("points"), Code::Limit, &message, "fewer");
-        return Vec::new();
-    }
-    let mut combinations: Vec<Vec<Written>> = Vec::new();
-    for (path, node) in points {
-        let Some(table) = node.as_table() else {
-            reader.wrong_type(&path, &node, "a table with a value for every parameter");
-            continue;
-        };
-        for entry in &table.entries {
-            check_known(reader, parameters, &path.then(&entry.key), &entry.key);
-        }
-        let mut point = Vec::new();
-        for parameter in parameters {
-            let path = path.then(&parameter.name);
-            let Some(node) = table.get(&parameter.name) else {
-                let message = format!("the point has no `{}`", parameter.name);
-                reader.refuse(
-                    &path,
-                    Code::MissingKey,
-                    &message,
-                    "a value for every parameter",
-                );
-                continue;
-            };
-            if let Some(value) = parameter.check(reader, &path, node) {
-                let node = node.clone();
-                point.push(Written { value, node });
-            }
-        }
-        if point.len() != parameters.len() {
-            continue;
-        }
-        let same = |other: &Vec<Written>| {
-            let mut pairs = other.iter().zip(&point);
-            pairs.all(|(a, b)| a.value.same(&b.value))
-        };
-        if combinations.iter().any(same) {
-            reader.refuse(
-                &path,
-                Code::Duplicate,
-                "the same point twice",
-                "different points",
-            );
-        }
-        combinations.push(point);
-    }
-    combinations
 }

@@ -1,27 +1,21 @@
 //! The journal of a sweep: one line of JSON for every mission that is over, in the order in which
 //! they came to their end.
 //!
-//! A line is appended by a single write, so that a killed sweep leaves whole lines, and at most the
-//! last one torn. It is handed to the operating system at once and to the disk once a second: only a
-//! machine that fails loses the missions of the last second, which then run again.
+//! A line is appended by a single write, so that a killed sweep leaves whole lines and at most the
+//! last one torn, which is cut off when the journal is opened again; its mission runs again.
 
-use std::fs::OpenOptions;
-use std::io::{self, Read as _};
+use std::fs::{File, OpenOptions};
+use std::io::{self, Read as _, Write as _};
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::error::SweepError;
 use super::row::Row;
-use crate::storage::Storage;
 
 /// Name of the file.
 pub(super) const FILE: &str = "journal.jsonl";
-
-/// How often the file is handed to the disk.
-const SYNC_EVERY: Duration = Duration::from_secs(1);
 
 /// A line.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -42,12 +36,8 @@ pub(super) struct Entry<R = Row> {
 
 /// Appends to the journal.
 pub(super) struct Journal {
-    storage: Box<dyn Storage>,
+    file: File,
     path: PathBuf,
-    /// Length of the whole lines [bytes].
-    length: u64,
-    last_sync: Instant,
-    unsynced: bool,
 }
 
 /// What a journal held when it was opened.
@@ -67,9 +57,8 @@ impl Journal {
         let path = directory.join(FILE);
         let mut file = OpenOptions::new()
             .create(true)
-            .truncate(false)
             .read(true)
-            .write(true)
+            .append(true)
             .open(&path)
             .map_err(SweepError::io(&path, "cannot open the journal"))?;
         let is_file = file
@@ -87,74 +76,38 @@ impl Journal {
             .map_err(SweepError::io(&path, "cannot read the journal"))?;
         let (entries, whole) = parse(&path, &bytes)?;
         let torn = whole < bytes.len();
-        let mut storage: Box<dyn Storage> = Box::new(file);
         if torn {
-            storage
-                .cut(whole as u64)
+            file.set_len(whole as u64)
                 .map_err(SweepError::io(&path, "cannot cut off the torn last line"))?;
         }
         Ok(Opened {
-            journal: Self::on(storage, path, whole as u64),
+            journal: Self { file, path },
             entries,
             torn,
         })
     }
 
-    /// A journal on a storage that holds `length` bytes of whole lines.
-    pub fn on(storage: Box<dyn Storage>, path: PathBuf, length: u64) -> Self {
-        Self {
-            storage,
-            path,
-            length,
-            last_sync: Instant::now(),
-            unsynced: false,
-        }
-    }
-
-    /// Appends a line. If that fails, what was written of it is taken back.
+    /// Appends a line. After an error the journal is of no more use until it is opened again.
     ///
     /// # Errors
     /// [`SweepError::Io`]; the lines before are kept.
     pub fn append<R: Serialize>(&mut self, entry: &Entry<R>) -> Result<(), SweepError> {
-        let failed = SweepError::io(&self.path, "cannot write the journal");
-        let mut line = match serde_json::to_vec(entry) {
-            Ok(line) => line,
-            Err(error) => return Err(failed(error.into())),
-        };
-        line.push(b'\n');
-        if let Err(error) = self.storage.append(&line) {
-            // A half line that stays is cut off when the journal is opened the next time.
-            let _ = self.storage.cut(self.length);
-            return Err(failed(error));
-        }
-        self.length += line.len() as u64;
-        self.unsynced = true;
-        Ok(())
+        let written = serde_json::to_vec(entry)
+            .map_err(io::Error::from)
+            .and_then(|mut line| {
+                line.push(b'\n');
+                self.file.write_all(&line)
+            });
+        written.map_err(SweepError::io(&self.path, "cannot write the journal"))
     }
 
-    /// Hands what was written to the disk if the last time is long enough ago.
+    /// Waits until everything is on the disk.
     ///
     /// # Errors
     /// [`SweepError::Io`].
-    pub fn sync_if_due(&mut self) -> Result<(), SweepError> {
-        if self.last_sync.elapsed() < SYNC_EVERY {
-            return Ok(());
-        }
-        self.sync()
-    }
-
-    /// Hands what was written to the disk.
-    ///
-    /// # Errors
-    /// [`SweepError::Io`].
-    pub fn sync(&mut self) -> Result<(), SweepError> {
-        self.last_sync = Instant::now();
-        if !std::mem::take(&mut self.unsynced) {
-            return Ok(());
-        }
-        self.storage
-            .sync()
-            .map_err(SweepError::io(&self.path, "cannot write the journal"))
+    pub fn sync(&self) -> Result<(), SweepError> {
+        let synced = self.file.sync_all();
+        synced.map_err(SweepError::io(&self.path, "cannot write the journal"))
     }
 }
 
@@ -198,7 +151,6 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::storage::tests::SmallDisk;
 
     fn entry(seed: u64) -> Entry {
         Entry {
@@ -263,27 +215,5 @@ mod tests {
         let opened = Journal::open::<Row>(directory.path()).unwrap();
         assert!(opened.torn);
         assert_eq!(opened.entries, [entry(0)]);
-    }
-
-    #[test]
-    fn a_full_disk_takes_nothing_from_what_is_done() {
-        let line = serde_json::to_vec(&entry(0)).unwrap().len() + 1;
-        for spare in [0, 1, line - 1] {
-            let disk = SmallDisk::new(2 * line + spare);
-            let mut journal = Journal::on(Box::new(disk.clone()), "j".into(), 0);
-            journal.append(&entry(0)).unwrap();
-            journal.append(&entry(1)).unwrap();
-            let error = journal.append(&entry(2)).unwrap_err().to_string();
-            for word in [
-                "j: cannot write the journal",
-                "what is done is kept",
-                "make room",
-            ] {
-                assert!(error.contains(word), "{error}");
-            }
-            let held = disk.contents.lock().unwrap().clone();
-            assert_eq!(held.len(), 2 * line);
-            assert_eq!(parse::<Row>(Path::new("j"), &held).unwrap().0.len(), 2);
-        }
     }
 }

@@ -172,49 +172,13 @@ impl Manifest {
         })
     }
 
-    /// What of `theirs` is not as here; `None` if both are the same experiment.
+    /// Why `theirs` is not of the same experiment; `None` if it is.
     pub fn difference(&self, theirs: &Self) -> Option<String> {
         if self.blake3 == theirs.blake3 {
             return None;
         }
-        if let Some(difference) = self.other_program(theirs) {
-            return Some(difference);
-        }
-        if self.kind != theirs.kind {
-            return Some("one of them runs missions, the other makes plans".to_owned());
-        }
-        if self.experiment != theirs.experiment {
-            return Some(format!(
-                "it is of the experiment `{}`, this is `{}`",
-                theirs.experiment, self.experiment
-            ));
-        }
-        if self.parameters != theirs.parameters {
-            return Some(format!(
-                "it has the parameters {:?}, this experiment has {:?}",
-                theirs.parameters, self.parameters
-            ));
-        }
-        let labels =
-            |m: &Self| -> Vec<String> { (0..m.cells.len()).map(|i| m.describe(i)).collect() };
-        let (ours, others) = (labels(self), labels(theirs));
-        if let Some(new) = ours.iter().find(|label| !others.contains(label)) {
-            return Some(format!("it lacks {new}"));
-        }
-        if let Some(gone) = others.iter().find(|label| !ours.contains(label)) {
-            return Some(format!("it has {gone}, which this experiment has not"));
-        }
-        if ours != others {
-            return Some("its cells are in another order".to_owned());
-        }
-        let changed = self
-            .cells
-            .iter()
-            .zip(&theirs.cells)
-            .position(|(a, b)| a.blake3 != b.blake3);
-        Some(match changed {
-            Some(cell) => format!("the scenario of {} is another one now", self.describe(cell)),
-            None => "its manifest was changed by hand".to_owned(),
-        })
+        let other =
+            || "compare its experiment.toml and the scenarios named there with yours".to_owned();
+        Some(self.other_program(theirs).unwrap_or_else(other))
     }
 }

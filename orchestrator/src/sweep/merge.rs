@@ -44,7 +44,7 @@ pub fn merge<R: Record>(parts: &[PathBuf], out: &Path) -> Result<Results<R>, Swe
         target.add(&part)?;
         merged = Some(target);
     }
-    let mut merged = match merged {
+    let merged = match merged {
         Some(merged) => merged,
         None => Results::read(out)?,
     };

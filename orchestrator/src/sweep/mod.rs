@@ -20,7 +20,6 @@ mod experiment;
 pub mod figures;
 mod grid;
 mod journal;
-pub mod launcher;
 mod manifest;
 pub mod merge;
 mod metrics;

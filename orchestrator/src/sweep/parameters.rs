@@ -21,11 +21,8 @@ pub(super) struct Parameter {
 
 #[derive(Debug, Clone)]
 enum Effect {
-    /// The value, times a factor, goes to these keys.
-    Keys {
-        keys: Vec<String>,
-        scale: Option<Scale>,
-    },
+    /// The value, times a factor, goes to this key.
+    Key { key: String, scale: Option<Scale> },
     /// The value names a set of overrides.
     Levels(Vec<(String, Vec<Assignment>)>),
 }
@@ -57,8 +54,8 @@ fn read_one(reader: &mut Reader, name: String, path: &FieldPath, node: &Node) ->
     }
     let spec: ParameterSpec = reader.read(node, path)?;
     let effect = match (node.get("set"), node.get("levels")) {
-        (Some(set), None) => Effect::Keys {
-            keys: keys(reader, &path.then("set"), set)?,
+        (Some(set), None) => Effect::Key {
+            key: key(reader, &path.then("set"), set)?,
             scale: match node.get("scale") {
                 Some(scale) => Some(read_scale(reader, &path.then("scale"), scale)?),
                 None => None,
@@ -85,7 +82,7 @@ fn read_one(reader: &mut Reader, name: String, path: &FieldPath, node: &Node) ->
                 path,
                 Code::Requirement,
                 &message,
-                "`set` (the keys that take the value), or `levels` (named tables of overrides)",
+                "`set` (the key that takes the value), or `levels` (named tables of overrides)",
             );
             return None;
         }
@@ -103,22 +100,13 @@ fn is_column(name: &str) -> bool {
     (1..=48).contains(&name.len()) && name.chars().all(plain) && !is_taken(name)
 }
 
-/// One key, or a list of them.
-fn keys(reader: &mut Reader, path: &FieldPath, node: &Node) -> Option<Vec<String>> {
-    const EXPECTED: &str = "a key of the scenario as `--set` takes it, or a list of them, for example \"teams.evader.limits.v_max\"";
-    let list = match &node.value {
-        TomlValue::Array(list) if !list.is_empty() => list.as_slice(),
-        TomlValue::Str(_) => std::slice::from_ref(node),
-        _ => {
-            reader.wrong_type(path, node, EXPECTED);
-            return None;
-        }
-    };
-    let keys: Option<Vec<String>> = list.iter().map(|n| Some(n.as_str()?.to_owned())).collect();
-    if keys.is_none() {
-        reader.wrong_type(path, node, EXPECTED);
+fn key(reader: &mut Reader, path: &FieldPath, node: &Node) -> Option<String> {
+    let key = node.as_str().map(str::to_owned);
+    if key.is_none() {
+        let expected = "a key of the scenario as `--set` takes it, for example \"teams.evader.limits.v_max\"; `levels` for several";
+        reader.wrong_type(path, node, expected);
     }
-    keys
+    key
 }
 
 fn read_scale(reader: &mut Reader, path: &FieldPath, node: &Node) -> Option<Scale> {
@@ -169,12 +157,12 @@ impl Parameter {
             return None;
         };
         match &self.effect {
-            Effect::Keys { scale: Some(_), .. } if value.number().is_none() => {
+            Effect::Key { scale: Some(_), .. } if value.number().is_none() => {
                 let expected = format!("a number, for `{}` is scaled", self.name);
                 reader.wrong_type(path, node, &expected);
                 None
             }
-            Effect::Keys { .. } => Some(value),
+            Effect::Key { .. } => Some(value),
             Effect::Levels(levels) => {
                 let names: Vec<&str> = levels.iter().map(|l| l.0.as_str()).collect();
                 let word = value.to_string();
@@ -212,21 +200,17 @@ impl Parameter {
                 let level = levels.iter().find(|l| l.0 == word);
                 Ok(level.map(|l| l.1.clone()).unwrap_or_default())
             }
-            Effect::Keys { keys, scale } => {
+            Effect::Key { key, scale } => {
                 let text = match (scale, value.number()) {
                     (Some(scale), Some(number)) => {
                         render_float(rounded(number * scale.factor(draft)?))
                     }
                     _ => write_value(node),
                 };
-                let label = reader.line_of(node);
-                Ok(keys
-                    .iter()
-                    .map(|key| Assignment {
-                        argument: format!("{key}={text}"),
-                        label: label.clone(),
-                    })
-                    .collect())
+                Ok(vec![Assignment {
+                    argument: format!("{key}={text}"),
+                    label: reader.line_of(node),
+                }])
             }
         }
     }

@@ -5,7 +5,7 @@ use super::parameters::Parameter;
 use super::reader::Reader;
 use super::seeds::Seeds;
 use super::spec::{FigureSpec, MAX_MISSIONS, RunSpec, SeedsSpec};
-use crate::scenario::text::{Code, FieldPath, Node, Value as TomlValue, list_choices, nearest};
+use crate::scenario::text::{Code, FieldPath, list_choices, nearest};
 
 /// A name becomes a directory, and part of file names.
 pub(super) fn check_name(reader: &mut Reader, path: &FieldPath, name: &str) {
@@ -18,7 +18,7 @@ pub(super) fn check_name(reader: &mut Reader, path: &FieldPath, name: &str) {
 }
 
 pub(super) fn read_seeds(reader: &mut Reader, options: &LoadOptions) -> Option<Seeds> {
-    const FORM: &str = "{ first = 1, count = 200 }, or a list of different whole numbers";
+    const FORM: &str = "{ first = 1, count = 200 }";
     let path = FieldPath::key("seeds");
     let read = match reader.root.get("seeds").cloned() {
         // The command line's seeds do.
@@ -27,7 +27,11 @@ pub(super) fn read_seeds(reader: &mut Reader, options: &LoadOptions) -> Option<S
             reader.refuse(&path, Code::MissingKey, "missing key `seeds`", FORM);
             None
         }
-        Some(node) if node.as_table().is_some() => {
+        Some(node) if node.as_table().is_none() => {
+            reader.wrong_type(&path, &node, FORM);
+            return None;
+        }
+        Some(node) => {
             let spec: SeedsSpec = reader.read(&node, &path)?;
             let seeds = (spec.count <= MAX_MISSIONS as u64)
                 .then(|| Seeds::range(spec.first, spec.count))
@@ -37,25 +41,6 @@ pub(super) fn read_seeds(reader: &mut Reader, options: &LoadOptions) -> Option<S
                 reader.refuse(&path, Code::OutOfRange, "too many seeds", &expected);
             }
             seeds
-        }
-        Some(node) => {
-            let list: Option<Vec<u64>> = node.as_array().and_then(|list| {
-                let seed = |n: &Node| match n.value {
-                    TomlValue::Int(v) => u64::try_from(v).ok(),
-                    _ => None,
-                };
-                list.iter().map(seed).collect()
-            });
-            let Some(list) = list else {
-                reader.wrong_type(&path, &node, FORM);
-                return None;
-            };
-            let count = list.len();
-            let seeds = Seeds::of(list);
-            if seeds.len() != count {
-                reader.refuse(&path, Code::Duplicate, "the same seed twice", FORM);
-            }
-            Some(seeds)
         }
     };
     let seeds = match &options.seeds {
@@ -85,16 +70,6 @@ pub(super) fn read_run(reader: &mut Reader) -> Option<RunSpec> {
             "a number from 1 to 1000000 [s]",
         );
     }
-    if run.jobs.is_some_and(|jobs| !(1..=4096).contains(&jobs)) {
-        let path = path.then("jobs");
-        let message = "`run.jobs` is out of range";
-        reader.refuse(
-            &path,
-            Code::OutOfRange,
-            message,
-            "1 to 4096 missions at once",
-        );
-    }
     Some(run)
 }
 
@@ -120,18 +95,12 @@ pub(super) fn read_figures(
                 "different names",
             );
         }
-        let fields = [("x", &figure.x, false), ("series", &figure.series, true)];
-        for (key, word, case) in fields {
-            if names.contains(&word.as_str()) || case && word == "case" {
-                continue;
-            }
-            let mut choices = names.clone();
-            choices.extend(case.then_some("case"));
-            let message = format!("`{word}` is not a parameter of this experiment");
+        if !names.contains(&figure.x.as_str()) {
+            let message = format!("`{}` is not a parameter of this experiment", figure.x);
             let mut problem = reader
-                .problem(&path.then(key), Code::UnknownName, message)
-                .expected(list_choices(&choices));
-            if let Some(near) = nearest(word, choices) {
+                .problem(&path.then("x"), Code::UnknownName, message)
+                .expected(list_choices(&names));
+            if let Some(near) = nearest(&figure.x, names.iter().copied()) {
                 problem = problem.help(format!("did you mean `{near}`?"));
             }
             reader.problems.push(problem);

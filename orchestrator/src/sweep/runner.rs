@@ -166,10 +166,9 @@ pub fn run(
                 .spawn_scoped(scope, move || shared.work(worker, &tell));
             if let Err(source) = spawned {
                 shared.stop.store(true, Ordering::SeqCst);
-                return Err(SweepError::Launcher {
-                    program: "sweep".to_owned(),
+                return Err(SweepError::Resource {
                     what: format!("cannot start thread {worker}: {source}"),
-                    help: Some("choose fewer --jobs"),
+                    help: "; choose fewer --jobs",
                 });
             }
         }

@@ -28,8 +28,6 @@ pub(super) struct TopLevel {
     pub _parameters: Option<IgnoredAny>,
     #[serde(rename = "grid")]
     pub _grid: Option<IgnoredAny>,
-    #[serde(rename = "points")]
-    pub _points: Option<IgnoredAny>,
     #[serde(rename = "run")]
     pub _run: Option<IgnoredAny>,
     #[serde(rename = "figures")]
@@ -79,27 +77,18 @@ fn one() -> u64 {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct RunSpec {
-    /// Missions at once; as many as there are processors if not said. `--jobs` overrides it.
-    pub jobs: Option<usize>,
-    /// Which missions keep their log. `--log` overrides it.
-    pub log: LogPolicy,
     /// Real time after which a mission is given up and counts as failed [s], 1 to 10⁶.
     pub timeout_s: f64,
 }
 
 impl Default for RunSpec {
     fn default() -> Self {
-        Self {
-            jobs: None,
-            log: LogPolicy::None,
-            timeout_s: 3600.0,
-        }
+        Self { timeout_s: 3600.0 }
     }
 }
 
 /// Which missions keep their log.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, clap::ValueEnum)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
 pub enum LogPolicy {
     /// None, and none is written: the fastest.
     #[default]
@@ -121,24 +110,11 @@ pub struct FigureSpec {
     pub title: String,
     /// Parameter along the horizontal axis.
     pub x: String,
-    /// What the curves are: `case`, or a parameter.
-    #[serde(default = "by_case")]
-    pub series: String,
     /// What stands on the vertical axis.
     #[serde(default)]
     pub metric: Metric,
-    /// Text along the horizontal axis; the parameter's title if empty.
-    #[serde(default)]
-    pub x_label: String,
-    /// Text along the vertical axis; the metric's own if empty.
-    #[serde(default)]
-    pub y_label: String,
     /// CSV file with the columns `series`, `x`, `y` and optionally `low`, `high`: published points to
     /// be shown beside ours. A path beside the experiment file.
     #[serde(default)]
     pub compare: Option<String>,
-}
-
-fn by_case() -> String {
-    "case".to_owned()
 }

@@ -42,8 +42,6 @@ struct TopLevel {
     _parameters: Option<IgnoredAny>,
     #[serde(rename = "grid")]
     _grid: Option<IgnoredAny>,
-    #[serde(rename = "points")]
-    _points: Option<IgnoredAny>,
     #[serde(rename = "run")]
     _run: Option<IgnoredAny>,
 }

@@ -97,10 +97,9 @@ pub fn run(
                 .spawn_scoped(scope, move || work(&tell));
             if let Err(source) = spawned {
                 stop.store(true, Ordering::Relaxed);
-                return Err(SweepError::Launcher {
-                    program: "sweep".to_owned(),
+                return Err(SweepError::Resource {
                     what: format!("cannot start thread {worker}: {source}"),
-                    help: Some("choose fewer --jobs"),
+                    help: "; choose fewer --jobs",
                 });
             }
         }

@@ -46,12 +46,7 @@ fn replacing_what_was_changed_before_is_a_contradiction_and_refining_is_not() {
 }
 
 #[test]
-fn grid_and_points_exclude_each_other() {
-    refused(
-        "[run]",
-        "[[points]]\nrelative_speed = 1.0\n[run]",
-        &["both [grid] and [[points]]"],
-    );
+fn a_key_and_levels_exclude_each_other() {
     refused(
         "scale =",
         "levels.a = { rules.time_limit = 1 }\nscale =",

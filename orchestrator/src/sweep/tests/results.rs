@@ -109,7 +109,7 @@ fn results_of_something_else_are_refused() {
         .to_string();
     for word in [
         "holds the results of another experiment",
-        "the scenario of case potential, relative_speed = 0.8 is another one now",
+        "compare its experiment.toml",
         "choose another --out",
     ] {
         assert!(error.contains(word), "{error}");
@@ -215,7 +215,10 @@ fn parts_that_do_not_belong_together_are_not_merged() {
         .err()
         .unwrap()
         .to_string();
-    assert!(error.contains("it is of the experiment `big`"), "{error}");
+    assert!(
+        error.contains("holds the results of another experiment"),
+        "{error}"
+    );
     open(&at("c"))
         .unwrap()
         .record(mission(0, 1), row(2), 0.1)
