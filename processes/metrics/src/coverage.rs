@@ -15,6 +15,7 @@
 mod grid;
 mod ground;
 mod meter;
+mod spans;
 mod swept;
 #[cfg(test)]
 mod tests;
@@ -23,6 +24,7 @@ mod visits;
 pub use grid::{CellGrid, MAX_CELLS};
 pub use ground::{CoverageError, Ground, Rectangle};
 pub use meter::{CELL_SIDES, DISC_CELL_SIDE, Figures, Meter, Rate};
+pub use spans::{Axis, Lattice, Span};
 pub use swept::Swept;
 pub use visits::Visits;
 

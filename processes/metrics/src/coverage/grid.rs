@@ -2,7 +2,7 @@
 
 use nalgebra::Point2;
 
-use super::{CoverageError, Ground, TOLERANCE};
+use super::{CoverageError, Ground, Lattice, TOLERANCE};
 
 /// Most cells that a workplace may be divided into.
 pub const MAX_CELLS: usize = 16_000_000;
@@ -83,6 +83,11 @@ impl CellGrid {
             self.origin.x + (column as f64 + 0.5) * self.side,
             self.origin.y + (row as f64 + 0.5) * self.side,
         )
+    }
+
+    /// The centres of the cells.
+    pub fn lattice(&self) -> Lattice {
+        Lattice::new(self.center(0), self.side, [self.columns, self.rows])
     }
 
     /// The cell of a point [m]: ⌊x/g + 10⁻⁹⌋ along each axis, clamped to the grid.
