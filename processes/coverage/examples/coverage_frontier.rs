@@ -213,7 +213,7 @@ fn one_key(planner: &Planner, number: u64, guesses: usize) -> Result<Run, Failur
             next = guessing!(RandomBounce::new(&workplace, &parts, home, secret));
         }
         Planner::Boustrophedon => {
-            let mut lanes = Boustrophedon::new(&workplace, &parts, home, 0.1, 1)?;
+            let mut lanes = Boustrophedon::new(&workplace, &parts, home, 0.1)?;
             next = Box::new(move |from| {
                 let goal = lanes.next_goal(from).map(point);
                 (goal, goal.into_iter().collect())

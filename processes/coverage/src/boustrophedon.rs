@@ -5,7 +5,6 @@ mod tests;
 
 use std::collections::{BTreeSet, VecDeque};
 
-use guidance::params::ParamsError;
 use guidance::waypoint::WaypointKind;
 use nalgebra::Point2;
 use sim_backend::shape::Aabb;
@@ -17,7 +16,7 @@ use crate::goal::{Goal, GoalSource};
 use crate::space::Space;
 use crate::workplace::Workplace;
 
-/// Most lanes in one round.
+/// Most lanes.
 pub const MAX_LANES: usize = 1_000_000;
 
 /// Subtracted from a number of lanes before it is rounded up, so that whole ones stay.
@@ -26,9 +25,6 @@ const WHOLE: f64 = 1e-9;
 /// Why there are no lanes.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum BoustrophedonError {
-    /// A parameter out of range.
-    #[error(transparent)]
-    Params(#[from] ParamsError),
     /// A robot too small for its workplace.
     #[error(
         "lanes {spacing} m apart would be more than {MAX_LANES}: take a larger robot or a smaller \
@@ -41,13 +37,12 @@ pub enum BoustrophedonError {
 }
 
 /// Lanes at most two radii apart, along the longer side of each rectangle of the decomposition,
-/// one rectangle after the other in the order of a depth-first walk.
+/// one rectangle after the other in the order of a depth-first walk. It ends when all are driven.
 #[derive(Debug, Clone)]
 pub struct Boustrophedon {
     space: Space,
     spacing: f64,
-    rounds: u32,
-    /// Rectangles of this round still to be driven, the next one last.
+    /// Rectangles still to be driven, the next one last.
     open: Vec<usize>,
     seen: BTreeSet<usize>,
     way: VecDeque<(Point2<f64>, Aabb, WaypointKind)>,
@@ -56,21 +51,16 @@ pub struct Boustrophedon {
 
 impl Boustrophedon {
     /// A planner for the part of a workplace that can be reached from `start` [m], for a robot that
-    /// covers a disc of radius `disc` [m]; it ends after `rounds` ≥ 1.
+    /// covers a disc of radius `disc` [m].
     ///
     /// # Errors
-    /// [`BoustrophedonError`] if the rounds are 0, or the lanes too many or not a distance apart.
+    /// [`BoustrophedonError`] if the lanes are too many or not a distance apart.
     pub fn new(
         workplace: &Workplace,
         decomposition: &Decomposition,
         start: Point2<f64>,
         disc: f64,
-        rounds: u32,
     ) -> Result<Self, BoustrophedonError> {
-        let field = "rounds";
-        if rounds == 0 {
-            return Err(ParamsError::new(field, &rounds, "a whole number of at least 1").into());
-        }
         let space = Space::new(workplace, decomposition, start);
         let spacing = 2.0 * disc;
         let lanes: f64 = space.rectangles().map(|r| lane_count(r, spacing)).sum();
@@ -82,7 +72,6 @@ impl Boustrophedon {
         Ok(Self {
             space,
             spacing,
-            rounds,
             open: vec![home],
             seen: BTreeSet::new(),
             way: VecDeque::new(),
@@ -90,7 +79,7 @@ impl Boustrophedon {
         })
     }
 
-    /// The same planner in a workplace that has changed, from `start` [m]: the round begins anew and
+    /// The same planner in a workplace that has changed, from `start` [m]: the walk begins anew and
     /// numbers go on.
     ///
     /// # Errors
@@ -101,40 +90,27 @@ impl Boustrophedon {
         decomposition: &Decomposition,
         start: Point2<f64>,
     ) -> Result<Self, BoustrophedonError> {
-        let mut other = Self::new(
-            workplace,
-            decomposition,
-            start,
-            0.5 * self.spacing,
-            self.rounds,
-        )?;
+        let mut other = Self::new(workplace, decomposition, start, 0.5 * self.spacing)?;
         other.counter = self.counter;
         Ok(other)
     }
 
-    /// The next rectangle of the walk; begins the next round when this one is over.
-    fn next_rectangle(&mut self, home: usize) -> Option<usize> {
-        loop {
-            while let Some(rectangle) = self.open.pop() {
-                if self.seen.insert(rectangle) {
-                    let mut next: Vec<usize> = self
-                        .space
-                        .decomposition()
-                        .neighbours(rectangle)
-                        .map(|(other, _)| other)
-                        .collect();
-                    next.reverse();
-                    self.open.extend(next);
-                    return Some(rectangle);
-                }
+    /// The next rectangle of the walk.
+    fn next_rectangle(&mut self) -> Option<usize> {
+        while let Some(rectangle) = self.open.pop() {
+            if self.seen.insert(rectangle) {
+                let mut next: Vec<usize> = self
+                    .space
+                    .decomposition()
+                    .neighbours(rectangle)
+                    .map(|(other, _)| other)
+                    .collect();
+                next.reverse();
+                self.open.extend(next);
+                return Some(rectangle);
             }
-            if self.counter.round() + 1 >= self.rounds {
-                return None;
-            }
-            self.counter.begin_round();
-            self.seen.clear();
-            self.open.push(home);
         }
+        None
     }
 
     /// Plans the way to a rectangle and its lanes.
@@ -167,7 +143,7 @@ impl GoalSource for Boustrophedon {
         }
         if self.way.is_empty() {
             let home = self.space.member_at(from);
-            let rectangle = self.next_rectangle(home)?;
+            let rectangle = self.next_rectangle()?;
             self.plan(from, home, rectangle);
         }
         let &(to, within, kind) = self.way.front()?;

@@ -43,6 +43,13 @@ use choice::{Choice, Order, draw_orders};
 /// How many cells away along each axis cells are neighbours, for the worth of slivers.
 const NEIGHBOURHOOD: usize = 2;
 
+/// How much more the last fresh cell of a neighbourhood is worth than one among fresh ones.
+const RARITY: f64 = 1.5;
+
+/// Legs beyond the next that are planned along with it, by orders that only the holder of the key
+/// knows. More cover faster and are no easier to predict, but take time.
+const FORESIGHT: usize = 2;
+
 /// Idle legs in a row after which a fresh cell is headed for.
 const PATIENCE: u32 = 4;
 
@@ -109,7 +116,7 @@ impl KeyedCoverage {
         }
         let space = Space::new(workplace, decomposition, start);
         let grid = CellGrid::new(&workplace.ground()?, cell)?;
-        let freshness = Freshness::new(&grid, &space, radius, params.rarity, NEIGHBOURHOOD);
+        let freshness = Freshness::new(&grid, &space, radius, RARITY, NEIGHBOURHOOD);
         let mut planner = Self {
             params,
             wander: Wander::new(space, key),
@@ -176,7 +183,7 @@ impl KeyedCoverage {
     }
 
     fn fill_orders(&mut self) {
-        while self.orders.len() <= self.params.foresight {
+        while self.orders.len() <= FORESIGHT {
             let orders = draw_orders(&self.params, &mut self.wander.draws);
             self.orders.push_back(orders);
         }

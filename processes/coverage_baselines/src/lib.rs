@@ -60,7 +60,7 @@ impl Design for Boustrophedon {
         } else {
             // Legs keep the margin; what is covered is covered by the body.
             let disc = workplace.radius() - params.follow.margin;
-            Self::Goals::new(workplace, parts, site.start, disc, params.rounds)
+            Self::Goals::new(workplace, parts, site.start, disc)
         };
         made.map_err(|e| e.to_string())
     }

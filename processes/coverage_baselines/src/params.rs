@@ -1,27 +1,16 @@
 //! Parameters of the baselines.
 
 use generators::Key;
-use guidance::params::{ParamsError, require, within};
+use guidance::params::{ParamsError, within};
 use serde::{Deserialize, Serialize};
 use sub_goals::params::FollowParams;
 
 /// Parameters of the boustrophedon.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct BoustrophedonParams {
-    /// How often everything is covered, ≥ 1; the robot stops after that.
-    pub rounds: u32,
     /// What all planners of sub-goals share.
     pub follow: FollowParams,
-}
-
-impl Default for BoustrophedonParams {
-    fn default() -> Self {
-        Self {
-            rounds: 1,
-            follow: FollowParams::default(),
-        }
-    }
 }
 
 impl BoustrophedonParams {
@@ -30,8 +19,6 @@ impl BoustrophedonParams {
     /// # Errors
     /// [`ParamsError`] with the path of the first field that is out of range.
     pub fn validate(&self) -> Result<(), ParamsError> {
-        let expected = "a whole number of at least 1";
-        require(self.rounds > 0, "rounds", &self.rounds, expected)?;
         self.follow.validate().map_err(within("follow"))
     }
 }

@@ -23,6 +23,18 @@ use sim_backend::pose::Pose2;
 pub use disc::{Disc, merged};
 pub use params::{FtoError, FtoParams};
 
+/// First value of the paper's logistic map.
+const Z0: f64 = 0.18;
+
+/// Parameter of the paper's logistic map.
+const R: f64 = 3.99;
+
+/// Least and greatest time without an obstacle [s].
+const GAP_S: [f64; 2] = [2.0, 20.0];
+
+/// Kept free between an obstacle and the robot's body when it stands on its goal [m].
+const GOAL_GAP: f64 = 0.1;
+
 /// What the robot is like, and where.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Carrier {
@@ -39,7 +51,7 @@ pub struct Carrier {
 /// Where the numbers come from.
 #[derive(Debug, Clone)]
 enum Dice {
-    Logistic { z: f64, r: f64 },
+    Logistic(f64),
     Keyed(Box<AnySource>),
 }
 
@@ -47,8 +59,8 @@ impl Dice {
     /// The next number, in [0, 1].
     fn next(&mut self) -> f64 {
         match self {
-            Self::Logistic { z, r } => {
-                *z = *r * *z * (1.0 - *z);
+            Self::Logistic(z) => {
+                *z = R * *z * (1.0 - *z);
                 *z
             }
             Self::Keyed(source) => source.next_unit()[0],
@@ -84,10 +96,7 @@ impl Fto {
     pub fn new(params: &FtoParams) -> Result<Self, FtoError> {
         params.validate()?;
         let dice = match &params.key {
-            None => Dice::Logistic {
-                z: params.z0,
-                r: params.r,
-            },
+            None => Dice::Logistic(Z0),
             Some(key) => Dice::Keyed(Box::new(key.source()?)),
         };
         Ok(Self {
@@ -115,7 +124,7 @@ impl Fto {
             _ => {}
         }
         if let Phase::Active(disc, until) = self.phase
-            && self.is_in_the_way(&disc, carrier)
+            && is_in_the_way(&disc, carrier)
         {
             self.phase = Phase::Withdrawn(until);
         }
@@ -126,7 +135,7 @@ impl Fto {
     }
 
     fn begin_gap(&mut self, from_s: f64) {
-        let [low, high] = self.params.gap_s;
+        let [low, high] = GAP_S;
         self.phase = Phase::Gap(from_s + low + (high - low) * self.dice.next());
     }
 
@@ -146,15 +155,13 @@ impl Fto {
         );
         self.phase = Phase::Active(Disc { center, radius }, until);
     }
+}
 
-    fn is_in_the_way(&self, disc: &Disc, carrier: &Carrier) -> bool {
-        let clear = disc.radius + carrier.radius;
-        let near = |p: Point2<f64>, gap: f64| (p - disc.center).norm() <= clear + gap;
-        near(carrier.pose.position(), 0.0)
-            || carrier
-                .goal
-                .is_some_and(|goal| near(goal, self.params.goal_gap))
-    }
+/// Whether a disc touches the robot's body, or its goal lies within the reach of it.
+fn is_in_the_way(disc: &Disc, carrier: &Carrier) -> bool {
+    let clear = disc.radius + carrier.radius;
+    let near = |p: Point2<f64>, gap: f64| (p - disc.center).norm() <= clear + gap;
+    near(carrier.pose.position(), 0.0) || carrier.goal.is_some_and(|goal| near(goal, GOAL_GAP))
 }
 
 #[cfg(test)]

@@ -93,10 +93,10 @@ fn fictive_obstacles_push_the_robot_off_its_contour_and_the_route_is_kept() {
 fn a_fictive_obstacle_beside_a_real_one_never_leads_to_a_contact() {
     // A corridor of 1.6 m along the left side, walls within the sensor's reach.
     let walls = vec![block([0.1, 6.0], [0.1, 4.0]), block([1.9, 6.0], [0.1, 4.0])];
-    for z0 in ["0.18", "0.3", "0.61"] {
-        let mut planner = patrol(&format!("fto = {{ z0 = {z0}, gap_s = [0.5, 3.0] }}\n"));
-        let found = drive(walls.clone(), start(), 120.0, &mut planner);
-        assert_eq!(found.contacts(), 0, "{z0}");
+    for key in ["1a", "2b", "3c"].map(|byte| byte.repeat(32)) {
+        let mut planner = patrol(&format!("fto = {{ key = \"keyed:{key}\" }}\n"));
+        let found = drive(walls.clone(), start(), 400.0, &mut planner);
+        assert_eq!(found.contacts(), 0, "{key}");
         assert!(
             planner.seen_on_the_first_leg > 5,
             "{}",
@@ -113,9 +113,8 @@ fn the_mixture_has_fictive_obstacles_along_the_large_obstacle_only() {
         block([3.0, 6.0], [1.8, 3.5]),
         block([-1.0, 6.0], [1.7, 3.5]),
     ];
-    let mut planner = patrol(
-        "protection = 'mixed'\nobstacles_known = true\nmixed = { dropped_share = 0.25 }\nfto = { gap_s = [0.5, 2.0] }\n",
-    );
+    let mut planner =
+        patrol("protection = 'mixed'\nobstacles_known = true\nmixed = { dropped_share = 0.25 }\n");
     let found = drive(large, start(), 320.0, &mut planner);
     assert_eq!(found.contacts(), 0);
     assert!(planner.seen > 20, "{}", planner.seen);
@@ -142,7 +141,7 @@ fn parameters_that_cannot_be_are_named() {
         let params: PatrolFtoParams = toml::from_str(&(more.to_owned() + SQUARE)).unwrap();
         params.validate().unwrap_err().to_string()
     };
-    assert!(refused("fto = { r = 5.0 }\n").starts_with("fto: `r` is 5"));
+    assert!(refused("fto = { radius = 0.0 }\n").starts_with("fto: `radius` is 0"));
     assert!(refused("mixed = { retry_laps = 0 }\n").starts_with("`mixed.retry_laps` is 0"));
     assert!(refused("driver = { stuck_s = 0.0 }\n").starts_with("`driver.stuck_s` is 0"));
     assert!(toml::from_str::<PatrolFtoParams>("protection = 'none'").is_err());

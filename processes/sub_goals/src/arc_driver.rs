@@ -22,6 +22,9 @@ use crate::params::FollowParams;
 /// Distance between the points of a path on an arc [m].
 const STEP: f64 = 0.02;
 
+/// Least radius of an arc [m]: at a corner with less room the robot turns on the spot.
+const LEAST_RADIUS: f64 = 0.02;
+
 /// Most sub-goals that may end in a tick.
 const MOST_PER_TICK: usize = 64;
 
@@ -79,7 +82,7 @@ impl ArcDriver {
         Ok(Self {
             limits,
             tracking,
-            rounding: Rounding::new(v, omega, params.most_miss, params.least_radius)?,
+            rounding: Rounding::new(v, omega, params.most_miss, LEAST_RADIUS)?,
             half_turn_s: core::f64::consts::PI / omega,
             time_limit_factor: params.driver.time_limit_factor,
             least_time_s: params.driver.least_time_s,

@@ -32,8 +32,6 @@ pub struct FollowParams {
     pub interpolation: Interpolation,
     /// An arc passes its sub-goal by this at most [m], > 0.
     pub most_miss: f64,
-    /// Arcs of less than this radius are left out: the robot turns on the spot [m], ≥ 0.
-    pub least_radius: f64,
     /// How straight legs are driven.
     pub driver: DriverParams,
     /// How arcs are driven; `arrived` is also the tolerance of corners that are no arcs.
@@ -47,7 +45,6 @@ impl Default for FollowParams {
             margin: 0.05,
             interpolation: Interpolation::default(),
             most_miss: 0.1,
-            least_radius: 0.02,
             // Turned towards the next sub-goal before it sets out, it does not bulge out of its leg.
             driver: DriverParams {
                 go_to: GoToParams {
@@ -82,7 +79,6 @@ impl FollowParams {
         )?;
         not_negative("margin", self.margin)?;
         positive("most_miss", self.most_miss)?;
-        not_negative("least_radius", self.least_radius)?;
         self.driver.validate().map_err(within("driver"))?;
         self.tracking.validate().map_err(within("tracking"))?;
         positive("tracking.speed_fraction", self.tracking.speed_fraction)

@@ -13,6 +13,17 @@ const SHORTEST_LEG: f64 = 0.01;
 /// Candidates per depth of foresight that are followed further.
 const WIDTHS: [usize; 3] = [10, 4, 2];
 
+/// Strips into which the workplace is cut along each axis. An order names an axis and a strip.
+const STRIPS: usize = 4;
+
+/// New ground that a metre of path must be worth, as a share of what it sweeps at most; more makes
+/// shorter legs.
+const THRIFT: f64 = 0.65;
+
+/// Farthest that a sub-goal may lie off the axis through the one before, as a share of the
+/// workplace's side.
+const SIDEWAYS: f64 = 0.1;
+
 /// Probability that a candidate in a strip along a border lies close to that border.
 const NEAR_BORDER: f64 = 0.2;
 
@@ -107,7 +118,7 @@ impl Choice<'_> {
     /// What a metre of path must bring in [m²/m]: falls with the root of what is left to cover, as
     /// the best leg's share of new ground does.
     fn cost(&self) -> f64 {
-        2.0 * self.radius * self.params.thrift * self.freshness.mean_worth().sqrt()
+        2.0 * self.radius * THRIFT * self.freshness.mean_worth().sqrt()
     }
 
     /// A random point that follows an order, obstacles aside.
@@ -116,24 +127,23 @@ impl Choice<'_> {
         let size = bounds.max - bounds.min;
         let (axis, other) = (order.axis, 1 - order.axis);
         let (low, high) = (bounds.min[axis], bounds.max[axis]);
-        let strips = self.params.strips;
         let share = ((from[axis] - low) / size[axis]).clamp(0.0, 1.0);
-        let own = part(share, strips);
-        let mut strip = part(order.strip, strips - 1);
+        let own = part(share, STRIPS);
+        let mut strip = part(order.strip, STRIPS - 1);
         strip += usize::from(strip >= own);
         let mut to = from;
-        to[axis] = low + size[axis] * (strip as f64 + draws.unit()) / strips as f64;
+        to[axis] = low + size[axis] * (strip as f64 + draws.unit()) / STRIPS as f64;
         if draws.chance(NEAR_BORDER) {
             let depth = draws.unit();
             let inward = (2.0 * self.radius * depth * depth).min(size[axis]);
             if strip == 0 {
                 to[axis] = low + inward;
-            } else if strip + 1 == strips {
+            } else if strip + 1 == STRIPS {
                 to[axis] = high - inward;
             }
         }
         if !draws.chance(ON_AXIS) {
-            to[other] += size[other] * self.params.sideways * (2.0 * draws.unit() - 1.0);
+            to[other] += size[other] * SIDEWAYS * (2.0 * draws.unit() - 1.0);
         }
         to
     }

@@ -27,8 +27,7 @@ fn scenes(count: usize) -> Vec<(Workplace, Decomposition, Point2<f64>)> {
 
 fn thrifty() -> KeyedParams {
     KeyedParams {
-        candidates: 16,
-        foresight: 1,
+        candidates: 8,
         ..KeyedParams::default()
     }
 }
@@ -72,7 +71,7 @@ fn no_planner_touches_an_obstacle() {
         let key = [13; 32];
         let keyed = KeyedCoverage::new(&workplace, &parts, start, 0.1, key, thrifty());
         drives_clear(&workplace, &mut keyed.unwrap(), start);
-        let lanes = Boustrophedon::new(&workplace, &parts, start, 0.1, 1);
+        let lanes = Boustrophedon::new(&workplace, &parts, start, 0.1);
         drives_clear(&workplace, &mut lanes.unwrap(), start);
         let mut bounce = RandomBounce::new(&workplace, &parts, start, key);
         drives_clear(&workplace, &mut bounce, start);
@@ -104,7 +103,7 @@ fn keyed_coverage_reaches_all_that_can_be_reached() {
 fn boustrophedon_covers_all_that_can_be_reached() {
     use metrics::coverage::{CellGrid, Swept};
     for (workplace, parts, start) in scenes(12) {
-        let mut planner = Boustrophedon::new(&workplace, &parts, start, 0.1, 1).unwrap();
+        let mut planner = Boustrophedon::new(&workplace, &parts, start, 0.1).unwrap();
         let grid = CellGrid::new(&workplace.ground().unwrap(), 0.1).unwrap();
         let mut swept = Swept::new(grid, workplace.radius());
         let mut from = start;

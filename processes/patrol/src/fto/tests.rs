@@ -105,34 +105,13 @@ fn an_obstacle_that_the_robot_touches_or_that_hides_its_goal_is_withdrawn() {
 
 #[test]
 fn bad_parameters_are_named() {
-    let cases: [(FtoParams, &str); 6] = [
+    let cases: [(FtoParams, &str); 3] = [
         (
             FtoParams {
-                z0: 0.75,
+                active_s: [3.0, 2.0],
                 ..FtoParams::default()
             },
-            "`z0` is 0.75",
-        ),
-        (
-            FtoParams {
-                z0: f64::NAN,
-                ..FtoParams::default()
-            },
-            "`z0` is NaN",
-        ),
-        (
-            FtoParams {
-                r: 4.1,
-                ..FtoParams::default()
-            },
-            "`r` is 4.1",
-        ),
-        (
-            FtoParams {
-                gap_s: [3.0, 2.0],
-                ..FtoParams::default()
-            },
-            "`gap_s` is [3, 2]",
+            "`active_s` is [3, 2]",
         ),
         (
             FtoParams {
