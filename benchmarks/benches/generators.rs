@@ -45,7 +45,6 @@ fn best_rate_alone(source: AnySource) -> f64 {
         AnySource::ChebF64(mut s) => best_rate(&mut s),
         AnySource::Logistic(mut s) => best_rate(&mut s),
         AnySource::Standard(mut s) => best_rate(&mut s),
-        AnySource::Henon(mut s) => best_rate(&mut s),
         AnySource::Keyed(mut s) => best_rate(s.as_mut()),
     }
 }

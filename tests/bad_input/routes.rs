@@ -71,7 +71,6 @@ fn keys_that_are_none_or_make_no_secret() {
             "chebp-raw:0,3",
             "`tx` of `chebp-raw` is 0, but must be above 0",
         ),
-        ("henon:5,5", "escapes to infinity: start closer"),
         ("standard:0,0", "leads to a fixed point"),
     ] {
         let change = format!("processes.cover.params.key={key}");

@@ -27,7 +27,7 @@ pub struct ChebyshevParams {
     /// of the run.
     pub key: Option<Key>,
     /// Generator for which a key is made: `chebp`, `chebp-raw`, `chebf64`, `logistic`, `standard`,
-    /// `henon`, `catp`, `keyed`, …
+    /// `catp`, `keyed`, …
     pub map: KeyKind,
     /// Order of the rectangles in a large loop.
     pub route: Route,

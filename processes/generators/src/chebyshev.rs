@@ -16,12 +16,9 @@ use crate::source::{Source, symmetric_to_unit};
 pub enum Emission {
     /// The state itself: dense at the edges.
     Raw,
-    /// `2·asin(x)/π` (coverage paper, Eq. 4): uniform.
+    /// `2·asin(x)/π` (coverage paper, Eq. 4): uniform. (Its Eq. 5, with acos, is the mirror image.)
     #[default]
     Arcsine,
-    /// `2·acos(x)/π − 1` (coverage paper, Eq. 5, moved from [0, 2] to [−1, 1]): uniform; the mirror
-    /// image of the arcsine form.
-    Arccosine,
 }
 
 impl Emission {
@@ -30,7 +27,6 @@ impl Emission {
         match self {
             Self::Raw => x,
             Self::Arcsine => FRAC_2_PI * libm::asin(x),
-            Self::Arccosine => FRAC_2_PI * libm::acos(x) - 1.0,
         }
     }
 }
@@ -98,7 +94,6 @@ impl ChebP {
         [self.tx, self.ty].map(|t| match self.emission {
             Emission::Raw => libm::cos(TAU * (t as f64 / P as f64)),
             Emission::Arcsine => arcsine(t),
-            Emission::Arccosine => -arcsine(t),
         })
     }
 

@@ -168,15 +168,4 @@ pub enum KeyError {
         /// The generator.
         kind: String,
     },
-    /// A start from which the map goes to infinity.
-    #[error(
-        "from ({x}, {y}) the Hénon map escapes to infinity: start closer to the origin, such as \
-         at 0.1,0.1"
-    )]
-    Escapes {
-        /// First value.
-        x: f64,
-        /// Second value.
-        y: f64,
-    },
 }

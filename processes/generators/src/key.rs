@@ -9,7 +9,7 @@ use crate::cat::{Cat64, CatF64, CatP};
 use crate::chebyshev::{ChebF64, ChebP, Emission};
 use crate::error::KeyError;
 use crate::keyed::Keyed;
-use crate::maps::{Henon, Logistic, Standard};
+use crate::maps::{Logistic, Standard};
 use crate::modulus::P;
 use crate::source::AnySource;
 
@@ -44,7 +44,7 @@ pub enum Key {
         /// Start, in [0, 1).
         y: f64,
     },
-    /// `chebp:tx,ty` (arcsine), `chebp-raw:…`, `chebp-arccosine:…`: [`ChebP`], whole numbers.
+    /// `chebp:tx,ty` (arcsine), `chebp-raw:…`: [`ChebP`], whole numbers.
     ChebP {
         /// State of the first axis.
         tx: u64,
@@ -53,7 +53,7 @@ pub enum Key {
         /// What is given out.
         emission: Emission,
     },
-    /// `chebf64:x,y` (arcsine), `chebf64-raw:…`, `chebf64-arccosine:…`: [`ChebF64`].
+    /// `chebf64:x,y` (arcsine), `chebf64-raw:…`: [`ChebF64`].
     ChebF64 {
         /// Start, in [−1, 1].
         x: f64,
@@ -62,7 +62,7 @@ pub enum Key {
         /// What is given out.
         emission: Emission,
     },
-    /// `logistic:x,y` (arcsine), `logistic-raw:…`, `logistic-arccosine:…`: [`Logistic`].
+    /// `logistic:x,y` (arcsine), `logistic-raw:…`: [`Logistic`].
     Logistic {
         /// Start, in (0, 1).
         x: f64,
@@ -79,13 +79,6 @@ pub enum Key {
         y: f64,
         /// Parameter of the map.
         k: f64,
-    },
-    /// `henon:x,y`: [`Henon`].
-    Henon {
-        /// Start.
-        x: f64,
-        /// Start.
-        y: f64,
     },
     /// `keyed:` and 64 hexadecimal digits: [`Keyed`].
     Keyed {
@@ -104,37 +97,31 @@ pub enum KeyKind {
     Cat64,
     /// `catf64`
     CatF64,
-    /// `chebp`, `chebp-raw`, `chebp-arccosine`
+    /// `chebp`, `chebp-raw`
     ChebP(Emission),
-    /// `chebf64`, `chebf64-raw`, `chebf64-arccosine`
+    /// `chebf64`, `chebf64-raw`
     ChebF64(Emission),
-    /// `logistic`, `logistic-raw`, `logistic-arccosine`
+    /// `logistic`, `logistic-raw`
     Logistic(Emission),
     /// `standard`
     Standard,
-    /// `henon`
-    Henon,
     /// `keyed`
     Keyed,
 }
 
 impl KeyKind {
     /// Every kind there is.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 11] = [
         Self::CatP,
         Self::Cat64,
         Self::CatF64,
         Self::ChebP(Emission::Arcsine),
         Self::ChebP(Emission::Raw),
-        Self::ChebP(Emission::Arccosine),
         Self::ChebF64(Emission::Arcsine),
         Self::ChebF64(Emission::Raw),
-        Self::ChebF64(Emission::Arccosine),
         Self::Logistic(Emission::Arcsine),
         Self::Logistic(Emission::Raw),
-        Self::Logistic(Emission::Arccosine),
         Self::Standard,
-        Self::Henon,
         Self::Keyed,
     ];
 }
@@ -150,7 +137,6 @@ impl Key {
             Self::ChebF64 { emission, .. } => KeyKind::ChebF64(emission),
             Self::Logistic { emission, .. } => KeyKind::Logistic(emission),
             Self::Standard { .. } => KeyKind::Standard,
-            Self::Henon { .. } => KeyKind::Henon,
             Self::Keyed { .. } => KeyKind::Keyed,
         }
     }
@@ -170,7 +156,6 @@ impl Key {
                 AnySource::Logistic(Logistic::new(x, y, emission)?)
             }
             Self::Standard { x, y, k } => AnySource::Standard(Standard::new(x, y, k)?),
-            Self::Henon { x, y } => AnySource::Henon(Henon::new(x, y)?),
             Self::Keyed { key } => AnySource::Keyed(Box::new(Keyed::new(key))),
         })
     }
@@ -250,11 +235,6 @@ impl Key {
                 x: unit(integer()),
                 y: unit(integer()),
                 k: Standard::K,
-            },
-            // A square well inside the basin.
-            KeyKind::Henon => Self::Henon {
-                x: 0.4 * unit(integer()) - 0.2,
-                y: 0.4 * unit(integer()) - 0.2,
             },
             KeyKind::Keyed => {
                 let mut key = [0; 32];

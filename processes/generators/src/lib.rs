@@ -4,7 +4,7 @@
 //! - [`key::Key`] names a generator and its key in one line of text; [`Key::source`] starts it.
 //! - [`cat`]: Arnold's cat map modulo a prime, modulo 2⁶⁴, and in `f64` as the paper has it;
 //! - [`chebyshev`]: the Chebyshev map of degree 6, exact and in `f64`;
-//! - [`maps`]: logistic, standard and Hénon map, drop-in sources of the coverage papers;
+//! - [`maps`]: logistic and standard map, drop-in sources of the coverage papers;
 //! - [`keyed`]: a `ChaCha20` stream;
 //! - [`recovery`]: how an observer who knows the method recovers the state of the linear maps.
 //!
@@ -31,5 +31,5 @@ pub use chebyshev::{ChebF64, ChebP, Emission};
 pub use error::KeyError;
 pub use key::{Key, KeyKind};
 pub use keyed::Keyed;
-pub use maps::{Henon, Logistic, Standard};
+pub use maps::{Logistic, Standard};
 pub use source::{AnySource, Source};

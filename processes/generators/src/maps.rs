@@ -1,5 +1,5 @@
-//! Chaotic maps of other coverage papers, as drop-in sources for comparison: logistic, standard
-//! (Chirikov–Taylor) and Hénon map, all in `f64`.
+//! Chaotic maps of other coverage papers, as drop-in sources for comparison: logistic and
+//! standard map (Chirikov–Taylor), both in `f64`.
 //!
 //! Arnold's map is [`crate::CatP`]. Like every map in `f64`, these end in a cycle some day; they
 //! serve measurements, not protection.
@@ -8,7 +8,7 @@ use core::f64::consts::{FRAC_2_PI, TAU};
 
 use crate::chebyshev::Emission;
 use crate::error::KeyError;
-use crate::source::{Source, symmetric_to_unit};
+use crate::source::Source;
 
 /// Distance within which a value counts as degenerate.
 const TOLERANCE: f64 = 1e-9;
@@ -89,7 +89,6 @@ impl Source for Logistic {
         [self.x, self.y].map(|c| match self.emission {
             Emission::Raw => c,
             Emission::Arcsine => FRAC_2_PI * libm::asin(c.sqrt()),
-            Emission::Arccosine => FRAC_2_PI * libm::acos(c.sqrt()),
         })
     }
 }
@@ -163,71 +162,6 @@ impl Source for Standard {
         self.p = wrap(self.p + self.k * libm::sin(self.theta));
         self.theta = wrap(self.theta + self.p);
         [self.theta / TAU, self.p / TAU]
-    }
-}
-
-/// The Hénon map `x' = 1 − 1.4x² + y`, `y' = 0.3x` (Curiac and Volosencu 2014).
-///
-/// Its points lie on the strange attractor, which the affine map of its bounding box spreads over
-/// the square: coverage of the square is not to be expected.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Henon {
-    x: f64,
-    y: f64,
-}
-
-/// Bounds of `x` on the attractor; `y` is 0.3 times the one before.
-const HENON_X: [f64; 2] = [-1.285, 1.273];
-
-/// Steps that tell whether a start lies in the basin: outside, squares grow beyond any bound in a
-/// few dozen.
-const BASIN_STEPS: u32 = 10_000;
-
-impl Henon {
-    /// Starts from a point in the basin of the attractor.
-    ///
-    /// # Errors
-    /// [`KeyError`] when the orbit escapes to infinity or the point is within 1e-9 of the fixed
-    /// point (0.6313544770895…, 0.1894063431268…).
-    pub fn new(x: f64, y: f64) -> Result<Self, KeyError> {
-        for (name, value) in [("x", x), ("y", y)] {
-            require(value.is_finite(), "henon", name, value, "a finite number")?;
-        }
-        let fixed = (609.0_f64.sqrt() - 7.0) / 28.0;
-        if (x - fixed).abs() <= TOLERANCE && (y - 0.3 * fixed).abs() <= TOLERANCE {
-            return Err(KeyError::FixedPoint {
-                kind: "henon".to_owned(),
-                name: "x",
-                value: x,
-                values: "0.63135447709 with y = 0.18940634313",
-            });
-        }
-        let start = Self { x, y };
-        let mut ahead = start;
-        for _ in 0..BASIN_STEPS {
-            ahead.step();
-            if ahead.x.is_nan() || ahead.x.abs() > 1e3 {
-                return Err(KeyError::Escapes { x, y });
-            }
-        }
-        Ok(start)
-    }
-
-    fn step(&mut self) {
-        (self.x, self.y) = (1.0 - 1.4 * self.x * self.x + self.y, 0.3 * self.x);
-    }
-}
-
-impl Source for Henon {
-    fn next_unit(&mut self) -> [f64; 2] {
-        symmetric_to_unit(self.next_symmetric())
-    }
-
-    fn next_symmetric(&mut self) -> [f64; 2] {
-        self.step();
-        let [low, high] = HENON_X;
-        // A start off the attractor may reach it from outside the box.
-        [self.x, self.y / 0.3].map(|c| (2.0 * (c - low) / (high - low) - 1.0).clamp(-1.0, 1.0))
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::cat::{Cat64, CatF64, CatP};
 use crate::chebyshev::{ChebF64, ChebP};
 use crate::keyed::Keyed;
-use crate::maps::{Henon, Logistic, Standard};
+use crate::maps::{Logistic, Standard};
 
 /// A source of points in the plane, one per step.
 ///
@@ -41,8 +41,6 @@ pub enum AnySource {
     Logistic(Logistic),
     /// Standard map.
     Standard(Standard),
-    /// Hénon map.
-    Henon(Henon),
     /// Keyed stream (boxed: it holds a buffer many times the size of the others).
     Keyed(Box<Keyed>),
 }
@@ -57,7 +55,7 @@ impl AnySource {
             Self::CatF64(source) => source.advance(steps),
             Self::ChebP(source) => source.advance(steps),
             Self::Keyed(source) => source.advance(steps),
-            Self::ChebF64(_) | Self::Logistic(_) | Self::Standard(_) | Self::Henon(_) => {
+            Self::ChebF64(_) | Self::Logistic(_) | Self::Standard(_) => {
                 for _ in 0..steps {
                     self.next_unit();
                 }
@@ -77,7 +75,6 @@ macro_rules! each {
             AnySource::ChebF64($source) => $call,
             AnySource::Logistic($source) => $call,
             AnySource::Standard($source) => $call,
-            AnySource::Henon($source) => $call,
             AnySource::Keyed($source) => $call,
         }
     };

@@ -148,8 +148,6 @@ pub enum ChebyshevForm {
     /// Its arcsine: uniform.
     #[default]
     Arcsine,
-    /// Its arccosine: uniform.
-    Arccosine,
     /// The state itself.
     Raw,
 }
@@ -210,7 +208,6 @@ impl ChebyshevKnowledge {
     pub fn finder(&self) -> ChebyshevRecovery {
         ChebyshevRecovery::new(match self.form {
             ChebyshevForm::Arcsine => Emission::Arcsine,
-            ChebyshevForm::Arccosine => Emission::Arccosine,
             ChebyshevForm::Raw => Emission::Raw,
         })
     }

@@ -10,16 +10,14 @@ use crate::error::KeyError;
 use crate::maps::Standard;
 
 /// The names of all kinds, for messages.
-pub(crate) const KINDS: &str = "catp, cat64, catf64, chebp, chebp-raw, chebp-arccosine, chebf64, \
-    chebf64-raw, chebf64-arccosine, logistic, logistic-raw, logistic-arccosine, standard, henon, \
-    keyed";
+pub(crate) const KINDS: &str = "catp, cat64, catf64, chebp, chebp-raw, chebf64, chebf64-raw, \
+    logistic, logistic-raw, standard, keyed";
 
 /// What is appended to the name of a map for its emission.
 const fn suffix(emission: Emission) -> &'static str {
     match emission {
         Emission::Raw => "-raw",
         Emission::Arcsine => "",
-        Emission::Arccosine => "-arccosine",
     }
 }
 
@@ -33,7 +31,6 @@ impl Display for KeyKind {
             Self::ChebF64(emission) => write!(f, "chebf64{}", suffix(emission)),
             Self::Logistic(emission) => write!(f, "logistic{}", suffix(emission)),
             Self::Standard => f.write_str("standard"),
-            Self::Henon => f.write_str("henon"),
             Self::Keyed => f.write_str("keyed"),
         }
     }
@@ -59,10 +56,9 @@ impl Display for Key {
             Self::CatP { a, b } | Self::Cat64 { a, b } => write!(f, "{a},{b}"),
             Self::ChebP { tx, ty, .. } => write!(f, "{tx},{ty}"),
             // Rust prints the shortest decimal that reads back as the same number.
-            Self::CatF64 { x, y }
-            | Self::ChebF64 { x, y, .. }
-            | Self::Logistic { x, y, .. }
-            | Self::Henon { x, y } => write!(f, "{x},{y}"),
+            Self::CatF64 { x, y } | Self::ChebF64 { x, y, .. } | Self::Logistic { x, y, .. } => {
+                write!(f, "{x},{y}")
+            }
             Self::Standard { x, y, k } if *k == Standard::K => write!(f, "{x},{y}"),
             Self::Standard { x, y, k } => write!(f, "{x},{y},{k}"),
             Self::Keyed { key } => key.iter().try_for_each(|byte| write!(f, "{byte:02x}")),
@@ -114,10 +110,6 @@ impl FromStr for Key {
             KeyKind::Logistic(emission) => {
                 let [x, y] = values.numbers()?;
                 Self::Logistic { x, y, emission }
-            }
-            KeyKind::Henon => {
-                let [x, y] = values.numbers()?;
-                Self::Henon { x, y }
             }
             KeyKind::Standard => values.standard()?,
             KeyKind::Keyed => Self::Keyed {

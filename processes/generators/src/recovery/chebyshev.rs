@@ -63,7 +63,6 @@ impl Observed {
     fn new(emission: Emission, c: f64, sd: f64, steps: u32) -> Self {
         let (s, slope) = match emission {
             Emission::Arcsine => (0.25 * (1.0 - c), 0.25),
-            Emission::Arccosine => (0.25 * (1.0 + c), 0.25),
             Emission::Raw => {
                 let c = c.clamp(-1.0, 1.0);
                 // The slope of acos has no bound at the edges, where c is known no better than sd.

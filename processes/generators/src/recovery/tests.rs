@@ -110,16 +110,14 @@ fn observations_of_chebyshev(emission: Emission, sd: f64, seed: u64) -> usize {
 
 #[test]
 fn the_chebyshev_map_is_recovered_from_fewer_than_30_points() {
-    for emission in [Emission::Arcsine, Emission::Arccosine] {
-        for sd in NOISES {
-            let counts: Vec<_> = (0..KEYS)
-                .map(|seed| observations_of_chebyshev(emission, sd, seed))
-                .collect();
-            assert!(
-                counts.iter().all(|&count| count < 30),
-                "noise {sd}: {counts:?}"
-            );
-        }
+    for sd in NOISES {
+        let counts: Vec<_> = (0..KEYS)
+            .map(|seed| observations_of_chebyshev(Emission::Arcsine, sd, seed))
+            .collect();
+        assert!(
+            counts.iter().all(|&count| count < 30),
+            "noise {sd}: {counts:?}"
+        );
     }
 }
 

@@ -133,30 +133,25 @@ fn the_key_of_a_cat_map_is_recovered_within_a_lap_and_foretells_the_way() {
 
 #[test]
 fn the_key_of_chebyshev_maps_is_recovered_within_thirty_sub_goals() {
-    for (form, emission) in [
-        (ChebyshevForm::Arcsine, Emission::Arcsine),
-        (ChebyshevForm::Arccosine, Emission::Arccosine),
-    ] {
-        let knowledge = ChebyshevKnowledge {
-            rectangle: [0.1, 0.1, 9.9, 9.9],
-            form,
-        };
-        let layout = knowledge.layout().unwrap();
-        let source =
-            ChebP::new(123_456_789_012_345_678, 987_654_321_098_765_432, emission).unwrap();
-        let start = Point2::new(5.0, 5.0);
-        let found = hunt(
-            &layout,
-            knowledge.finder(),
-            AnySource::ChebP(source),
-            start,
-            (0.01, 0.01),
-            60,
-        );
-        let after = found.recovered_after;
-        assert!(after.is_some_and(|after| after < 30), "{form:?} {after:?}");
-        assert!(median(&found.errors) < 0.6);
-    }
+    let knowledge = ChebyshevKnowledge {
+        rectangle: [0.1, 0.1, 9.9, 9.9],
+        form: ChebyshevForm::Arcsine,
+    };
+    let layout = knowledge.layout().unwrap();
+    let state = (123_456_789_012_345_678, 987_654_321_098_765_432);
+    let source = ChebP::new(state.0, state.1, Emission::Arcsine).unwrap();
+    let start = Point2::new(5.0, 5.0);
+    let found = hunt(
+        &layout,
+        knowledge.finder(),
+        AnySource::ChebP(source),
+        start,
+        (0.01, 0.01),
+        60,
+    );
+    let after = found.recovered_after;
+    assert!(after.is_some_and(|after| after < 30), "{after:?}");
+    assert!(median(&found.errors) < 0.6);
 }
 
 #[test]
