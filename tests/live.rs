@@ -3,7 +3,7 @@
 mod replay;
 
 use std::collections::BTreeMap;
-use std::io::{BufRead as _, BufReader, Write as _};
+use std::io::{BufRead as _, BufReader};
 use std::net::TcpStream;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -36,22 +36,21 @@ impl<'a> Watched<'a> {
     pub fn start(sandbox: &'a Sandbox, words: &[&str]) -> Self {
         let run = ["run", "chase", "--live", "0", "--out", "run.mcap"];
         let words = [&run[..], &["--set", PATIENCE], words].concat();
-        Self::start_with(sandbox, &words, Stdio::null())
+        Self::start_with(sandbox, &words)
     }
 
-    /// Starts a replay of a log with `--live 0` and these words, and waits for its address; keys come
-    /// from a pipe.
+    /// Starts a replay of a log with `--live 0` and these words, and waits for its address.
     pub fn replay(sandbox: &'a Sandbox, log: &str, words: &[&str]) -> Self {
         let words = [&["replay", log, "--live", "0"], words].concat();
-        Self::start_with(sandbox, &words, Stdio::piped())
+        Self::start_with(sandbox, &words)
     }
 
-    fn start_with(sandbox: &'a Sandbox, words: &[&str], stdin: Stdio) -> Self {
+    fn start_with(sandbox: &'a Sandbox, words: &[&str]) -> Self {
         let mut child = Command::new(env!("CARGO_BIN_EXE_protean"))
             .args(words)
             .current_dir(sandbox.path())
             .env("XDG_RUNTIME_DIR", sandbox.runtime_dir())
-            .stdin(stdin)
+            .stdin(Stdio::null())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
             .spawn()
@@ -81,13 +80,6 @@ impl<'a> Watched<'a> {
     /// What viewers connect to.
     pub fn url(&self) -> &str {
         &self.url
-    }
-
-    /// Presses keys.
-    fn press(&mut self, keys: &str) {
-        let stdin = self.child.stdin.as_mut().unwrap();
-        stdin.write_all(keys.as_bytes()).unwrap();
-        stdin.flush().unwrap();
     }
 
     /// Ends it as Ctrl-C does.

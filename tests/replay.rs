@@ -1,12 +1,8 @@
 //! Logs that are played again: to whoever listens, and to processes under test.
 
-mod terminal;
-
-use std::collections::BTreeMap;
-use std::io::Write as _;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use ipc_types::bus::{Bus, BusError, RunSpace, Subscriber};
 use ipc_types::cdr;
@@ -14,7 +10,7 @@ use ipc_types::topics::{NAMES, Topic, TopicVisitor, WorldState, for_each_topic};
 use kit::ProcessConfig;
 use serde_json::Value as Json;
 
-use crate::support::call::Call;
+use crate::support::call::{Call, Running};
 use crate::support::{SOON, Sandbox, until};
 
 /// Messages of our topics from a time on [ns], but for what the replay says itself, by topic in the
@@ -112,93 +108,92 @@ impl Listener {
         }
     }
 
-    /// Listens until the replay has ended.
-    fn listen(&self, replay: &mut Replay) -> BTreeMap<String, Vec<Vec<u8>>> {
+    /// Listens to a replay that begins again and again: a whole pass of what is expected, from everybody
+    /// who says something. The first one may have begun before this listener came.
+    fn listen(
+        &self,
+        replay: &mut Running<'_>,
+        expected: &BTreeMap<String, Vec<Vec<u8>>>,
+    ) -> BTreeMap<String, Vec<Vec<u8>>> {
         let mut heard = BTreeMap::new();
         let deadline = Instant::now() + SOON;
-        loop {
-            let ended = replay.0.try_wait().unwrap().is_some();
+        let mut is_asked = false;
+        while replay.is_alive() {
+            assert!(Instant::now() < deadline, "the replay does not end");
             for ear in &self.ears {
                 ear.hear(&mut heard);
             }
-            if ended {
-                heard.remove("run/control");
-                return heard;
+            let all = expected.iter().all(|(topic, messages)| {
+                messages.iter().map(|data| source(data)).all(|source| {
+                    let heard = heard.get(topic).map_or(&[][..], Vec::as_slice);
+                    passes(heard, source).len() > 2
+                })
+            });
+            if all && !is_asked {
+                is_asked = true;
+                replay.signal(rustix::process::Signal::INT);
             }
-            assert!(Instant::now() < deadline, "the replay does not end");
-            std::thread::park_timeout(std::time::Duration::from_millis(1));
+            std::thread::park_timeout(Duration::from_millis(1));
         }
+        heard.remove("run/control");
+        for messages in heard.values_mut() {
+            let sources: BTreeSet<u32> = messages.iter().map(|data| source(data)).collect();
+            let second = |source| passes(messages, source).into_iter().nth(1);
+            *messages = sources.into_iter().filter_map(second).flatten().collect();
+        }
+        heard
     }
 }
 
-/// A replay whose keys are pressed through a pipe.
-struct Replay(Child);
-
-impl Replay {
-    fn start(sandbox: &Sandbox, words: &[&str]) -> Self {
-        let child = Command::new(env!("CARGO_BIN_EXE_protean"))
-            .args(["replay", "run.mcap", "--json", "--quiet", "--paused"])
-            .args(words)
-            .current_dir(sandbox.path())
-            .env("XDG_RUNTIME_DIR", sandbox.runtime_dir())
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .spawn()
-            .unwrap();
-        Self(child)
-    }
-
-    fn press(&mut self, keys: &str) {
-        let stdin = self.0.stdin.as_mut().unwrap();
-        stdin.write_all(keys.as_bytes()).unwrap();
-    }
-
-    fn report(mut self) -> Json {
-        let mut text = String::new();
-        let mut stdout = self.0.stdout.take().unwrap();
-        std::io::Read::read_to_string(&mut stdout, &mut text).unwrap();
-        serde_json::from_str(&text).unwrap()
-    }
+/// The process that sent a message.
+fn source(data: &[u8]) -> u32 {
+    u32::from_le_bytes(data[28..32].try_into().unwrap())
 }
 
-impl Drop for Replay {
-    fn drop(&mut self) {
-        let _ = self.0.kill();
-        let _ = self.0.wait();
+/// What a process said, parted where it begins again.
+fn passes(messages: &[Vec<u8>], of: u32) -> Vec<Vec<Vec<u8>>> {
+    let sequence = |data: &[u8]| u64::from_le_bytes(data[20..28].try_into().unwrap());
+    let (mut passes, mut last): (Vec<Vec<Vec<u8>>>, _) = (Vec::new(), None);
+    for message in messages.iter().filter(|data| source(data) == of) {
+        let now = sequence(message);
+        if last.is_none_or(|last| now <= last) {
+            passes.push(Vec::new());
+        }
+        passes.last_mut().unwrap().push(message.clone());
+        last = Some(now);
     }
+    passes
 }
 
 #[test]
 fn whoever_listens_hears_what_was_recorded_byte_for_byte() {
     let sandbox = Sandbox::new();
     sandbox.record("chase");
-    let known = sandbox.runs();
-    let log = sandbox.path().join("run.mcap");
+    let expected = logged(&sandbox.path().join("run.mcap"), 0, u64::MAX);
     for speed in [&["--rate", "20"][..], &["--as-fast-as-possible"]] {
         let known = sandbox.runs();
-        let mut replay = Replay::start(&sandbox, speed);
+        let call = sandbox.protean(["replay", "run.mcap", "--json", "--loop"]);
+        let mut replay = speed.iter().fold(call, Call::arg).start();
         let listener = Listener::join(&sandbox, &sandbox.next_run(&known));
-        replay.press(" ");
-        let heard = listener.listen(&mut replay);
+        let heard = listener.listen(&mut replay, &expected);
         drop(listener);
-        assert_same(&sorted(heard), &logged(&log, 0, u64::MAX));
-        let report = replay.report();
-        assert_eq!(
-            (&report["times"], &report["malformed"]),
-            (&1.into(), &0.into())
-        );
+        assert_same(&sorted(heard), &expected);
+        let outcome = replay.finish();
+        assert_eq!(outcome.code, Some(3), "{outcome}");
+        assert_eq!(outcome.json()["malformed"], 0, "{outcome}");
     }
-    assert_eq!(known.len(), 1);
     sandbox.assert_nothing_left();
 }
 
 #[test]
-fn a_part_begins_with_what_lasts_and_is_stepped_through_by_keys() {
+fn a_part_begins_with_what_lasts() {
     let sandbox = Sandbox::new();
     sandbox.record("chase_exact");
     let (from, to) = (500_000_000, 1_000_000_000);
-    let known = sandbox.runs();
-    let words = [
+    let part = [
+        "replay",
+        "run.mcap",
+        "--json",
         "--start",
         "0.5",
         "--end",
@@ -206,12 +201,6 @@ fn a_part_begins_with_what_lasts_and_is_stepped_through_by_keys() {
         "--exclude",
         "robot/plan,process/*",
     ];
-    let mut replay = Replay::start(&sandbox, &words);
-    let listener = Listener::join(&sandbox, &sandbox.next_run(&known));
-    // Two single ticks, then the rest.
-    replay.press("s\x1b[C ");
-    let heard = listener.listen(&mut replay);
-    drop(listener);
     let log = sandbox.path().join("run.mcap");
     let mut expected = logged(&log, from, to);
     expected.retain(|topic, _| topic != "robot/plan" && topic != "process/status");
@@ -223,12 +212,18 @@ fn a_part_begins_with_what_lasts_and_is_stepped_through_by_keys() {
             expected.entry(topic.clone()).or_default().insert(0, last);
         }
     }
+    let known = sandbox.runs();
+    let mut replay = sandbox.protean(part).arg("--loop").start();
+    let listener = Listener::join(&sandbox, &sandbox.next_run(&known));
+    let heard = listener.listen(&mut replay, &expected);
+    drop(listener);
     assert_same(&sorted(heard), &expected);
-    let report = replay.report();
-    assert_eq!(
-        (&report["ticks"], &report["restored"]),
-        (&11.into(), &3.into())
-    );
+    replay.finish();
+    let once = sandbox.protean(part).arg("--as-fast-as-possible").run();
+    assert_eq!(once.code, Some(0), "{once}");
+    let report = once.json();
+    let counts = ["ticks", "restored", "times"].map(|key| report[key].as_u64());
+    assert_eq!(counts, [Some(11), Some(3), Some(1)], "{report}");
     sandbox.assert_nothing_left();
 }
 
@@ -366,7 +361,6 @@ fn what_cannot_be_played_or_tested_is_refused() {
             2,
             &["--topics nope", "world/state"],
         ),
-        (&["run.mcap", "--paused"], 2, &["--paused", "stdin"]),
         (
             &["run.mcap", "--test", "simulator"],
             2,

@@ -7,7 +7,6 @@ use std::sync::{Arc, Mutex};
 
 use rustix::fs::{Mode, OFlags};
 use rustix::pty::OpenptFlags;
-use rustix::termios::{self, LocalModes, OptionalActions, SpecialCodeIndex};
 
 /// Both ends of a terminal.
 pub struct Terminal {
@@ -26,23 +25,7 @@ impl Terminal {
         let name = rustix::pty::ptsname(&outside, Vec::new()).unwrap();
         let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::CLOEXEC;
         let inside = rustix::fs::open(name, flags, Mode::empty()).unwrap();
-        // As no terminal is by default: not the kernel's modes are given back, but these.
-        let mut modes = termios::tcgetattr(&inside).unwrap();
-        modes.special_codes[SpecialCodeIndex::VMIN] = 7;
-        modes.local_modes.remove(LocalModes::ECHOK);
-        termios::tcsetattr(&inside, OptionalActions::Now, &modes).unwrap();
         Self { outside, inside }
-    }
-
-    /// What a replay changes, and what it does not.
-    pub fn modes(&self) -> (LocalModes, u8, u8) {
-        let modes = termios::tcgetattr(&self.inside).unwrap();
-        let code = |index| modes.special_codes[index];
-        (
-            modes.local_modes,
-            code(SpecialCodeIndex::VMIN),
-            code(SpecialCodeIndex::VTIME),
-        )
     }
 
     /// Gathers what programs write to it, until the last of them and `inside` are gone.

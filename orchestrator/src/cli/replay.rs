@@ -7,24 +7,21 @@ use super::logs::{self, PartArgs};
 use super::run::tell_of_viewers;
 use super::{DEFAULT_PORT, EXIT_FAILED, EXIT_PARTIAL, print, print_json};
 use crate::logs::{
-    LogsError, ReplayOptions, Replayed, TopicVerdict, Verified, VerifyOptions, Watch, replay,
+    LogsError, ReplayOptions, Replayed, TopicComparison, Verified, VerifyOptions, Watch, replay,
     verify,
 };
 
 /// What stands below the options.
 pub(super) const HELP: &str = "\
 Plays a log into a run of its own, whose root and prefix are said on stderr: viewers and processes join it
-as they join any run. Stamps are those of the log, byte for byte, unless --restamp renews their clocks;
+as they join any run. Stamps are those of the log, byte for byte;
 messages of one tick go out together, the time between ticks is simulated time divided by the rate. What
 lasts (map, state…) is sent first, as it was before the start, and whoever comes late gets it. The time is
-in every stamp; run/control says what the replay does (1 plays, 2 stands, 3 one tick, 4 ends; rate). A
+in every stamp; run/control says what the replay does (1 plays, 4 ends; rate). A
 reader that does not make room holds the replay back, and ends it after 10 s: nothing is dropped.
 
-With --live the same goes to Foxglove and Lichtblick, with the pictures of the log: paused, stepped, at
-the replay's rate. A viewer that does not keep up misses messages; it never holds the replay back.
-
-Keys, on a terminal or from a pipe: space stops and goes on, `s` or right arrow does one tick, left arrow
-goes back 5 s, up and down arrow double and halve the rate, q ends.
+With --live the same goes to Foxglove and Lichtblick, with the pictures of the log, at the replay's rate. A
+viewer that does not keep up misses messages; it never holds the replay back.
 
 With --test, processes of the log's scenario are started, or opened with --in-process, and given in
 lock-step what they heard in the run; what they say is compared with what they said. Processes under test
@@ -55,20 +52,14 @@ pub(super) struct ReplayArgs {
     /// Begin again at the end, until Ctrl-C
     #[arg(long = "loop")]
     again: bool,
-    /// Wait at the start until space (play) or `s` (one tick) is pressed
-    #[arg(long)]
-    paused: bool,
     /// Show the replay live to Foxglove or Lichtblick: serves the topics of the log, the viewers'
     /// pictures included, on this port of 127.0.0.1, read-only, at an address with a secret that is
     /// printed (0: any free port)
     #[arg(long, value_name = "PORT", num_args = 0..=1, default_missing_value = DEFAULT_PORT)]
     live: Option<u16>,
-    /// Renew the clocks in the stamps, as if everything were sent now; everything else stays
-    #[arg(long)]
-    restamp: bool,
     /// Test this process of the scenario against what it heard; may be given several times
     #[arg(long, value_name = "PROCESS", conflicts_with_all = [
-        "rate", "as_fast_as_possible", "start", "again", "topics", "exclude", "paused", "live", "restamp",
+        "rate", "as_fast_as_possible", "start", "again", "topics", "exclude", "live",
     ])]
     test: Vec<String>,
     /// With --test, override a value of the scenario: `processes.police_1.params.gain=2`
@@ -111,8 +102,6 @@ fn play(args: ReplayArgs, watch: &mut Watch) -> Result<ExitCode, LogsError> {
         end_s: args.part.end,
         again: args.again,
         topics: args.part.topics.into(),
-        paused: args.paused,
-        restamp: args.restamp,
         live: args.live,
         quiet: args.quiet,
     };
@@ -175,12 +164,6 @@ fn played_text(done: &Replayed) -> String {
         "{}: {} messages ({} from before the start) of {} ticks in {:.2} s",
         done.scenario, done.messages, done.restored, done.ticks, done.wall_time_s
     );
-    if let (Some(jitter), Some(late)) = (done.jitter_us, done.lateness_us) {
-        text += &format!(
-            "\njitter    p50 {:.0} µs, p99 {:.0} µs, max {:.0} µs between messages; p99 {:.0} µs late",
-            jitter.p50, jitter.p99, jitter.max, late.p99
-        );
-    }
     if done.malformed > 0 {
         text += &format!(
             "\nleft out  {} that are not messages of their topic",
@@ -202,7 +185,7 @@ fn verified_text(done: &Verified) -> String {
     if !done.helpers.is_empty() {
         text += &format!("started   {} too\n", done.helpers.join(", "));
     }
-    for (topic, verdict) in &done.topics {
+    for (topic, verdict) in &done.comparison.topics {
         text += &format!(
             "{topic}: {} messages in the log, {} now, {} the same\n",
             verdict.recorded, verdict.now, verdict.equal
@@ -240,7 +223,7 @@ fn verified_text(done: &Verified) -> String {
     text
 }
 
-fn fields_text(verdict: &TopicVerdict) -> String {
+fn fields_text(verdict: &TopicComparison) -> String {
     let mut text = String::new();
     if let Some(first) = &verdict.first {
         text += &format!(

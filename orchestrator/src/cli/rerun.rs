@@ -90,7 +90,7 @@ fn text(done: &Rerun) -> String {
         text += "messages  not compared: the log holds a part of its run";
         return text;
     };
-    text += &format!("messages  {} are the same\n", comparison.equal);
+    text += &format!("messages  {} are the same\n", comparison.equal());
     match comparison.first() {
         None if done.same && done.whole => text += "result    the same",
         None if done.same => {
@@ -112,7 +112,7 @@ fn text(done: &Rerun) -> String {
                 "result    NOT THE SAME: they part at tick {} on {topic}\n",
                 first.tick
             );
-            for (topic, d) in &comparison.differences {
+            for (topic, d) in comparison.differences() {
                 let or_none = |value: &str| match value {
                     "" => "nothing".to_owned(),
                     value => value.to_owned(),

@@ -11,6 +11,7 @@ use zerocopy::FromBytes as _;
 
 use super::error::LogsError;
 use super::reader::Channel;
+use super::ros2::Schema;
 
 /// Bytes in front of a message's first field: the encapsulation of CDR.
 pub(crate) const ENCAPSULATION: usize = 4;
@@ -26,6 +27,8 @@ pub(crate) struct Known {
     /// Whether only one process ever sends it.
     pub(crate) one_sender: bool,
     pub(crate) hash: String,
+    /// The fields of its messages.
+    pub(super) schema: Option<Schema>,
 }
 
 /// All our topics.
@@ -37,6 +40,11 @@ fn all() -> &'static [Known] {
 /// Our topic with this name.
 pub(crate) fn find(name: &str) -> Option<&'static Known> {
     all().iter().find(|known| known.name == name)
+}
+
+/// Our topic at this place of [`ipc_types::topics::NAMES`].
+pub(super) fn of_rank(rank: usize) -> Option<&'static Known> {
+    all().get(rank)
 }
 
 /// The names of the topics that are part of the simulated history.
@@ -63,6 +71,7 @@ fn collect() -> Vec<Known> {
                 latched: T::qos(&size).history > 0,
                 one_sender: T::qos(&size).publishers == 1,
                 hash: schema::hash::<T>(),
+                schema: Schema::parse(schema::ros2msg::<T>().as_bytes()).ok(),
             });
             Ok(())
         }

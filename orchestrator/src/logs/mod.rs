@@ -7,9 +7,9 @@
 
 mod compare;
 mod condition;
+mod deviation;
 mod error;
 mod export;
-mod failures;
 mod fields;
 mod filter;
 mod info;
@@ -21,10 +21,12 @@ pub(crate) mod output;
 mod pattern;
 pub(crate) mod place;
 pub(crate) mod reader;
+mod recorded;
 mod recover;
 mod replay;
 mod rerun;
 mod ros2;
+mod source;
 pub(crate) mod states;
 mod watch;
 
@@ -32,21 +34,19 @@ mod watch;
 mod tests;
 
 pub use crate::tables::Format;
-pub use compare::{Comparison, Difference};
+pub use compare::{Comparison, Difference, TopicComparison};
 pub use condition::{Chunks, Condition, Fault};
+pub use deviation::Deviation;
 pub use error::LogsError;
 pub use export::{ExportOptions, Exported, Table, export};
-pub use failures::Left;
 pub use filter::{FilterOptions, Filtered, filter};
 pub use info::{LogInfo, TopicInfo};
 pub use info_text::text as info_text;
 pub use newest_state::newest_state;
 pub use pattern::Topics;
+pub use recorded::Left;
 pub use recover::{Recovered, recover};
-pub use replay::{
-    Deviation, ReplayOptions, Replayed, Spread, TopicVerdict, Verified, VerifyOptions, replay,
-    verify,
-};
+pub use replay::{ReplayOptions, Replayed, Verified, VerifyOptions, replay, verify};
 pub use rerun::{Rerun, RerunOptions, rerun};
 pub use watch::Watch;
 

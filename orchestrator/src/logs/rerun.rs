@@ -1,21 +1,16 @@
 //! The run in a log, done again.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
-use ipc_types::messages::world::WorldHeader;
-use ipc_types::topics::{Topic, WorldState};
-use serde::Serialize;
-use zerocopy::FromBytes as _;
+use serde::{Serialize, Serializer};
 
-use super::compare::{Comparison, compare};
+use super::compare::{Comparison, Difference, compare};
 use super::error::LogsError;
-use super::failures::{Left, first_failure};
-use super::known::{self, ENCAPSULATION};
-use super::origin::{Origin, refuse_external};
-use super::output::{FILTERED, MANIFEST, RESULT, RUN_DIGEST};
-use super::reader::{Item, Reader};
+use super::origin::refuse_external;
+use super::output::RUN_DIGEST;
+use super::recorded::{Left, Recorded};
 use super::watch::Watch;
 use crate::in_process::{self, InProcessOptions};
 use crate::mission::{self, MissionError, MissionOptions};
@@ -56,20 +51,31 @@ pub struct Rerun {
     /// Real time that it took [s].
     pub wall_time_s: f64,
     /// Their messages; absent for a log that was cut from another.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(
+        skip_serializing_if = "Option::is_none",
+        serialize_with = "differences_only"
+    )]
     pub comparison: Option<Comparison>,
 }
 
-/// What a log says of its run.
-#[derive(Debug, Default)]
-struct Recorded {
-    origin: Origin,
-    result: BTreeMap<String, String>,
-    filtered: bool,
-    /// Whether the last state of the world is that of its end.
-    over: bool,
-    /// Whether all its messages are there.
-    whole: bool,
+/// Of a whole run, how many messages are equal and where topics differ first.
+#[expect(clippy::ref_option, reason = "serde hands out the field")]
+fn differences_only<S: Serializer>(
+    comparison: &Option<Comparison>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    #[derive(Serialize)]
+    struct Summary<'a> {
+        equal: u64,
+        differences: BTreeMap<&'static str, &'a Difference>,
+        last_tick: u64,
+    }
+    let summary = comparison.as_ref().map(|comparison| Summary {
+        equal: comparison.equal(),
+        differences: comparison.differences().collect(),
+        last_tick: comparison.last_tick,
+    });
+    summary.serialize(serializer)
 }
 
 /// Does the run in a log again, from the scenario in it, and compares.
@@ -77,7 +83,7 @@ struct Recorded {
 /// # Errors
 /// [`LogsError`]: the log cannot be read, or its run cannot be done again.
 pub fn rerun(log: &Path, options: RerunOptions, watch: &mut Watch) -> Result<Rerun, LogsError> {
-    let recorded = Recorded::read(log, watch)?;
+    let recorded = Recorded::read(log, |_| true, watch)?;
     let mut scenario = recorded.origin.scenario(
         log,
         &[],
@@ -92,7 +98,6 @@ pub fn rerun(log: &Path, options: RerunOptions, watch: &mut Watch) -> Result<Rer
     })?;
     let again = folder.path().join("again.mcap");
     let interrupted = Arc::clone(&watch.interrupted);
-    let left = first_failure(log, |_| true, watch)?;
     let report = if options.in_process {
         in_process::run(
             &scenario,
@@ -118,83 +123,31 @@ pub fn rerun(log: &Path, options: RerunOptions, watch: &mut Watch) -> Result<Rer
         return Err(LogsError::Interrupted);
     }
     let digest = report.summary.digest;
+    let has_lost = recorded.left.is_some();
     let ended =
-        recorded.over && recorded.result.contains_key("digest") && recorded.whole && left.is_none();
-    let digest_logged = if recorded.filtered {
-        recorded.result.get(RUN_DIGEST).filter(|_| left.is_none())
+        recorded.over && recorded.result.contains_key("digest") && recorded.whole && !has_lost;
+    let (digest_logged, comparison) = if recorded.filtered {
+        let digest = recorded.result.get(RUN_DIGEST);
+        (digest.filter(|_| !has_lost), None)
     } else {
-        recorded.result.get("digest").filter(|_| ended)
-    };
-    let comparison = if recorded.filtered {
-        None
-    } else {
-        let mut comparison = compare(log, &again, !ended, watch)?;
-        if let Some(left) = &left {
-            comparison.keep_before(left.tick);
-        }
-        Some(comparison)
+        let before = recorded.compared_before();
+        let comparison = compare(log, &again, before, !ended, watch)?;
+        let digest = recorded.result.get("digest");
+        (digest.filter(|_| ended), Some(comparison))
     };
     let digests_agree = digest_logged.is_none_or(|logged| *logged == digest);
-    let same = digests_agree && comparison.as_ref().is_none_or(|c| c.differences.is_empty());
-    let version = recorded.origin.manifest.get("version");
+    let same = digests_agree && comparison.as_ref().is_none_or(|c| c.first().is_none());
     Ok(Rerun {
         scenario: scenario.name,
         seed: scenario.run.seed,
-        recorded_by: version
-            .filter(|version| *version != env!("CARGO_PKG_VERSION"))
-            .cloned(),
+        recorded_by: recorded.other_version(),
+        whole: ended || recorded.filtered && digest_logged.is_some(),
         digest_logged: digest_logged.cloned(),
         digest,
-        left,
-        whole: ended || recorded.filtered && digest_logged.is_some(),
+        left: recorded.left,
         same,
         ticks: report.summary.ticks,
         wall_time_s: report.wall_time_s,
         comparison,
     })
-}
-
-impl Recorded {
-    fn read(log: &Path, watch: &mut Watch) -> Result<Self, LogsError> {
-        let mut recorded = Self::default();
-        let mut reader = Reader::open(log, Some(watch))?;
-        let mut topics = BTreeSet::new();
-        let mut states = None;
-        while let Some(item) = reader.next()? {
-            match item {
-                Item::Metadata(record) => match record.name.as_str() {
-                    MANIFEST => recorded.origin.manifest = record.metadata,
-                    RESULT => recorded.result = record.metadata,
-                    FILTERED => recorded.filtered = true,
-                    _ => {}
-                },
-                Item::Attachment(header, data) if header.name == "scenario.toml" => {
-                    recorded.origin.scenario = Some(data.to_vec());
-                }
-                Item::Channel(channel) => {
-                    recorded.origin.check_layout(log, &channel)?;
-                    if channel.topic == WorldState::NAME {
-                        states = Some(channel.id);
-                    }
-                    topics.insert(channel.topic.clone());
-                }
-                Item::Message(header, data) if Some(header.channel_id) == states => {
-                    let body = data.get(ENCAPSULATION..).unwrap_or_default();
-                    recorded.over = WorldHeader::read_from_prefix(body)
-                        .is_ok_and(|(state, _)| state.phase == WorldHeader::OVER);
-                }
-                _ => {}
-            }
-        }
-        recorded.whole = reader.condition().data;
-        recorded.origin.check(log)?;
-        // A version that knew fewer topics would have said less.
-        if !recorded.filtered
-            && !topics.is_empty()
-            && let Some(topic) = known::simulated().find(|name| !topics.contains(*name))
-        {
-            return Err(recorded.origin.layout(log, topic, "none"));
-        }
-        Ok(recorded)
-    }
 }

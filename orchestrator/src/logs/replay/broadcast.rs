@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::source::{Logged, Source};
+use super::super::source::{Logged, Source};
 use crate::live::{HubTap, LiveError, LiveServer, LiveTotals};
 use crate::recorder::{ChannelSpec, Mirror as _};
 

@@ -4,91 +4,92 @@ use std::collections::BTreeSet;
 
 use ipc_types::bus::{Bus, BusError, ReceiveError, Subscriber};
 use ipc_types::cdr;
-use ipc_types::schema;
-use ipc_types::stamp::{Header as _, Stamp};
+use ipc_types::stamp::Header as _;
 use ipc_types::topics::{Topic, TopicVisitor, for_each_topic};
 
-use super::super::ros2::Schema;
-use super::deviation::Numbers;
+use super::super::source::Logged;
 
-/// What a process said.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Said {
-    pub(super) stamp: Stamp,
-    /// Its CDR form.
-    pub(super) data: Vec<u8>,
+/// Listens to one topic.
+trait Ear {
+    fn connect(&self) -> Result<(), ReceiveError>;
+    /// Takes what these processes have said since the last time, with its sequence number.
+    fn hear(
+        &self,
+        of: &BTreeSet<u32>,
+        said: &mut dyn FnMut(u64, Vec<u8>),
+    ) -> Result<(), ReceiveError>;
 }
 
-/// One topic of the simulated history.
-pub(super) struct Ear {
-    pub(super) topic: &'static str,
-    /// Place of the topic in [`ipc_types::topics::NAMES`].
-    pub(super) rank: usize,
-    pub(super) numbers: Numbers,
-    pub(super) schema: Option<Schema>,
-    tap: Box<dyn Tap>,
+impl<T: Topic> Ear for Subscriber<T> {
+    fn connect(&self) -> Result<(), ReceiveError> {
+        self.update_connections()
+    }
+
+    fn hear(
+        &self,
+        of: &BTreeSet<u32>,
+        said: &mut dyn FnMut(u64, Vec<u8>),
+    ) -> Result<(), ReceiveError> {
+        while let Some(message) = self.receive()? {
+            let stamp = message.header().stamp();
+            if of.contains(&stamp.source) {
+                let mut data = Vec::new();
+                cdr::encode::<T>(message.header(), message.elements(), &mut data);
+                said(stamp.sequence, data);
+            }
+        }
+        Ok(())
+    }
 }
 
-impl Ear {
-    /// Listens to every topic of the simulated history.
-    pub(super) fn all(bus: &Bus) -> Result<Vec<Self>, BusError> {
-        struct Open<'a>(&'a Bus, Vec<Ear>, usize);
+/// Listens to every topic of the simulated history.
+pub(super) struct Ears {
+    /// By the place of their topics in [`ipc_types::topics::NAMES`].
+    ears: Vec<(usize, Box<dyn Ear>)>,
+}
+
+impl Ears {
+    pub(super) fn open(bus: &Bus) -> Result<Self, BusError> {
+        struct Open<'a>(&'a Bus, Vec<(usize, Box<dyn Ear>)>, usize);
         impl TopicVisitor for Open<'_> {
             type Error = BusError;
             fn visit<T: Topic>(&mut self) -> Result<(), BusError> {
-                let rank = self.2;
-                self.2 += 1;
                 if T::SIMULATED {
-                    self.1.push(Ear {
-                        topic: T::NAME,
-                        rank,
-                        numbers: Numbers::of::<T>(),
-                        schema: Schema::parse(schema::ros2msg::<T>().as_bytes()).ok(),
-                        tap: Box::new(self.0.recorder::<T>()?),
-                    });
+                    self.1.push((self.2, Box::new(self.0.recorder::<T>()?)));
                 }
+                self.2 += 1;
                 Ok(())
             }
         }
         let mut open = Open(bus, Vec::new(), 0);
         for_each_topic(&mut open)?;
-        Ok(open.1)
+        Ok(Self { ears: open.1 })
     }
 
     /// Connects to everybody who speaks.
     pub(super) fn connect(&self) -> Result<(), ReceiveError> {
-        self.tap.connect()
+        self.ears.iter().try_for_each(|(_, ear)| ear.connect())
     }
 
-    /// What these have said since the last time, by sender, in the order in which they did.
-    pub(super) fn hear(&self, speakers: &BTreeSet<u32>) -> Result<Vec<Said>, ReceiveError> {
-        let mut said = Vec::new();
-        self.tap.drain(speakers, &mut said)?;
-        said.sort_by_key(|said| (said.stamp.source, said.stamp.sequence));
-        Ok(said)
-    }
-}
-
-/// A subscriber without its type.
-trait Tap {
-    fn connect(&self) -> Result<(), ReceiveError>;
-    fn drain(&self, speakers: &BTreeSet<u32>, said: &mut Vec<Said>) -> Result<(), ReceiveError>;
-}
-
-impl<T: Topic> Tap for Subscriber<T> {
-    fn connect(&self) -> Result<(), ReceiveError> {
-        self.update_connections()
-    }
-
-    fn drain(&self, speakers: &BTreeSet<u32>, said: &mut Vec<Said>) -> Result<(), ReceiveError> {
-        while let Some(message) = self.receive()? {
-            let stamp = *message.header().stamp();
-            if speakers.contains(&stamp.source) {
-                let mut data = Vec::new();
-                cdr::encode::<T>(message.header(), message.elements(), &mut data);
-                said.push(Said { stamp, data });
-            }
+    /// What these processes have said since the last time, in the order of the sequence numbers, as of
+    /// this log time.
+    pub(super) fn hear(&self, of: &BTreeSet<u32>, time: u64) -> Result<Vec<Logged>, ReceiveError> {
+        let mut heard = Vec::new();
+        for (rank, ear) in &self.ears {
+            ear.hear(of, &mut |sequence, data| {
+                let (rank, channel) = (*rank, 0);
+                heard.push((
+                    sequence,
+                    Logged {
+                        time,
+                        rank,
+                        channel,
+                        data,
+                    },
+                ));
+            })?;
         }
-        Ok(())
+        heard.sort_by_key(|(sequence, _)| *sequence);
+        Ok(heard.into_iter().map(|(_, message)| message).collect())
     }
 }

@@ -2,20 +2,12 @@
 
 mod broadcast;
 mod cast;
-mod deviation;
 mod ears;
-mod keys;
-mod pace;
 mod played;
 mod player;
-mod screen;
-mod source;
 mod stage;
-mod terminal;
 mod verify;
 
-pub use deviation::Deviation;
-pub use pace::Spread;
 pub use played::{ReplayOptions, Replayed};
 pub use player::replay;
-pub use verify::{TopicVerdict, Verified, VerifyOptions, verify};
+pub use verify::{Verified, VerifyOptions, verify};

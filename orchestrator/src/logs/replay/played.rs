@@ -5,15 +5,10 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::super::pattern::Topics;
-use super::pace::Spread;
 use crate::live::LiveTotals;
 
 /// How a log is played.
 #[derive(Debug, Clone)]
-#[expect(
-    clippy::struct_excessive_bools,
-    reason = "one per switch of the command line"
-)]
 pub struct ReplayOptions {
     /// Times as fast as recorded, > 0; infinite: as fast as possible.
     pub rate: f64,
@@ -25,10 +20,6 @@ pub struct ReplayOptions {
     pub again: bool,
     /// Which topics.
     pub topics: Topics,
-    /// Whether it waits for a key at the start.
-    pub paused: bool,
-    /// Whether the clocks in the stamps are renewed.
-    pub restamp: bool,
     /// Port on which live viewers are served, if they are; 0 is any that is free.
     pub live: Option<u16>,
     /// Whether nothing is shown.
@@ -43,8 +34,6 @@ impl Default for ReplayOptions {
             end_s: None,
             again: false,
             topics: Topics::default(),
-            paused: false,
-            restamp: false,
             live: None,
             quiet: false,
         }
@@ -74,12 +63,6 @@ pub struct Replayed {
     pub seek_s: f64,
     /// Real time from the first message to the last [s].
     pub wall_time_s: f64,
-    /// |actual − recorded| time between two messages [µs].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub jitter_us: Option<Spread>,
-    /// How long after they were due messages were sent [µs].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub lateness_us: Option<Spread>,
     /// What live viewers got, if they were served.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub live: Option<LiveTotals>,

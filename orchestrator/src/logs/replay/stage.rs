@@ -3,58 +3,29 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use ipc_types::bus::{Bus, BusError, BusOptions, Publisher, PublisherOptions, RunSpace};
-use ipc_types::bus::{SendError, TopicHolder};
-use ipc_types::cdr::{self, DecodeError};
-use ipc_types::clock;
-use ipc_types::stamp::{Header as _, Stamp};
+use ipc_types::bus::TopicHolder;
+use ipc_types::bus::{Bus, BusError, BusOptions, Publisher, PublisherOptions, SendError};
+use ipc_types::cdr;
+use ipc_types::stamp::Header as _;
 use ipc_types::topics::{Topic, TopicVisitor, for_each_topic};
 
-use super::source::Logged;
+use super::super::source::Logged;
 use crate::mission::plan::Plan;
 use crate::mission::spaces::{self, OwnedSpace};
 use crate::mission::{MissionError, create_services, room};
 use crate::scenario::ResolvedScenario;
 
-/// How often the dead are looked for: a reader that died must not hold the replay back for long.
-const BURIAL_EVERY: Duration = Duration::from_millis(250);
-
 /// How often it is looked whether anybody listens still.
 const ATTENTION: Duration = Duration::from_millis(1);
-
-/// Why a message of the log cannot be said again.
-#[derive(Debug, thiserror::Error)]
-pub(super) enum SayError {
-    /// It is not one of its topic.
-    #[error(transparent)]
-    Decode(#[from] DecodeError),
-    /// The topic has no port for its sender.
-    #[error(transparent)]
-    Port(#[from] BusError),
-    /// It was not sent.
-    #[error(transparent)]
-    Send(#[from] SendError),
-}
-
-/// What becomes of the clocks in the stamps.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Clocks {
-    /// As they were.
-    Recorded,
-    /// As if the message had been sent now, what led to it as long before as it was.
-    Now,
-}
 
 /// Says again what was said on a topic.
 trait Voice {
     /// Opens a port for the sender of a message; true if there was none.
     fn open(&mut self, bus: &Bus, source: u32) -> Result<bool, BusError>;
-    fn say(&mut self, data: &[u8], clocks: Clocks) -> Result<(), SayError>;
+    /// Sends a message, byte for byte; false if it is not one of the topic.
+    fn say(&mut self, data: &[u8]) -> Result<bool, SendError>;
     /// Connects to those who came, who get what lasts.
     fn greet(&self) -> Result<(), SendError>;
 }
@@ -74,31 +45,20 @@ impl<T: Topic> Voice for TopicVoice<T> {
         Ok(true)
     }
 
-    fn say(&mut self, data: &[u8], clocks: Clocks) -> Result<(), SayError> {
-        let mut header = cdr::decode_into::<T>(data, &mut self.elements)?;
-        if clocks == Clocks::Now {
-            renew(header.stamp_mut());
-        }
+    fn say(&mut self, data: &[u8]) -> Result<bool, SendError> {
+        let Ok(header) = cdr::decode_into::<T>(data, &mut self.elements) else {
+            return Ok(false);
+        };
         if let Some(port) = self.ports.get(&header.stamp().source) {
             port.repeat(header, &self.elements)?;
         }
-        Ok(())
+        Ok(true)
     }
 
     fn greet(&self) -> Result<(), SendError> {
         self.ports
             .values()
-            .try_for_each(ipc_types::bus::Publisher::update_connections)
-    }
-}
-
-/// Moves the clocks so that the message is sent now. A clock that never ran stays at 0.
-fn renew(stamp: &mut Stamp) {
-    let shift = clock::monotonic_ns().wrapping_sub(stamp.sent_ns);
-    for clock in stamp.clocks_mut() {
-        if *clock != 0 {
-            *clock = clock.wrapping_add(shift);
-        }
+            .try_for_each(Publisher::update_connections)
     }
 }
 
@@ -126,18 +86,23 @@ impl Choir {
     }
 
     /// Opens the port that a message needs; true if it was not open.
-    pub(super) fn open(&mut self, bus: &Bus, rank: usize, source: u32) -> Result<bool, BusError> {
+    pub(super) fn open(
+        &mut self,
+        bus: &Bus,
+        rank: usize,
+        source: u32,
+    ) -> Result<bool, MissionError> {
         match self.voices.get_mut(rank) {
-            Some(voice) => voice.open(bus, source),
+            Some(voice) => Ok(voice.open(bus, source)?),
             None => Ok(false),
         }
     }
 
-    /// Sends a message; its port must be open.
-    pub(super) fn say(&mut self, message: &Logged, clocks: Clocks) -> Result<(), SayError> {
+    /// Sends a message; its port must be open. False if it is not one of its topic.
+    pub(super) fn say(&mut self, message: &Logged) -> Result<bool, MissionError> {
         match self.voices.get_mut(message.rank) {
-            Some(voice) => voice.say(&message.data, clocks),
-            None => Ok(()),
+            Some(voice) => Ok(voice.say(&message.data)?),
+            None => Ok(true),
         }
     }
 
@@ -152,7 +117,6 @@ pub(super) struct Stage {
     pub(super) plan: Plan,
     pub(super) bus: Bus,
     services: Vec<TopicHolder>,
-    _undertaker: Undertaker,
     // Last: nothing of the run may be in use when it is wiped.
     pub(super) space: OwnedSpace,
 }
@@ -172,12 +136,10 @@ impl Stage {
         };
         let bus = Bus::join(space.space(), options, "replay")?;
         let services = create_services(&bus, &plan)?;
-        let undertaker = Undertaker::start(space.space().clone(), options)?;
         Ok(Self {
             plan,
             bus,
             services,
-            _undertaker: undertaker,
             space,
         })
     }
@@ -194,48 +156,5 @@ impl Stage {
     /// Where it lives.
     pub(super) fn root(&self) -> &Path {
         self.space.space().root()
-    }
-}
-
-/// Frees what readers that died have left, on a thread of its own: a sender with a full buffer
-/// towards a dead reader waits until somebody does.
-struct Undertaker {
-    stop: Arc<AtomicBool>,
-    thread: Option<JoinHandle<()>>,
-}
-
-impl Undertaker {
-    fn start(space: RunSpace, options: BusOptions) -> Result<Self, MissionError> {
-        let stop = Arc::new(AtomicBool::new(false));
-        let stopped = Arc::clone(&stop);
-        let thread = std::thread::Builder::new()
-            .name("undertaker".into())
-            .spawn(move || {
-                let Ok(bus) = Bus::join(&space, options, "undertaker") else {
-                    return;
-                };
-                while !stopped.load(Ordering::SeqCst) {
-                    bus.clean_up_dead();
-                    std::thread::park_timeout(BURIAL_EVERY);
-                }
-            })
-            .map_err(|source| MissionError::System {
-                what: "cannot start a thread".into(),
-                source,
-            })?;
-        Ok(Self {
-            stop,
-            thread: Some(thread),
-        })
-    }
-}
-
-impl Drop for Undertaker {
-    fn drop(&mut self) {
-        self.stop.store(true, Ordering::SeqCst);
-        if let Some(thread) = self.thread.take() {
-            thread.thread().unpark();
-            let _ = thread.join();
-        }
     }
 }

@@ -52,6 +52,11 @@ impl<'a> Cdr<'a> {
         Ok(bytes)
     }
 
+    /// Where the value that was read last ends, in bytes of the message.
+    pub(in crate::logs) fn end(&self) -> usize {
+        ENCAPSULATION + self.at
+    }
+
     fn align(&mut self, size: usize) {
         self.at = self.at.next_multiple_of(size);
     }

@@ -1,7 +1,7 @@
 //! The message definitions of ROS 2 (`ros2msg`).
 
 use std::collections::BTreeMap;
-use std::rc::Rc;
+use std::sync::Arc;
 
 /// Deepest nesting of messages.
 const DEEPEST: usize = 16;
@@ -65,7 +65,7 @@ impl Number {
 pub(in crate::logs) enum Kind {
     Number(Number),
     Text,
-    Message(Rc<[Field]>),
+    Message(Arc<[Field]>),
 }
 
 /// How many of it.
@@ -87,7 +87,7 @@ pub(in crate::logs) struct Field {
 /// A message definition with everything nested in it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(in crate::logs) struct Schema {
-    pub(in crate::logs) fields: Rc<[Field]>,
+    pub(in crate::logs) fields: Arc<[Field]>,
 }
 
 impl Schema {
@@ -130,13 +130,13 @@ impl Schema {
 
 struct Parser<'a> {
     sections: BTreeMap<String, &'a [&'a str]>,
-    done: BTreeMap<String, (Rc<[Field]>, usize)>,
+    done: BTreeMap<String, (Arc<[Field]>, usize)>,
     /// Fields so far, every use of a nested message counted.
     fields: usize,
 }
 
 impl Parser<'_> {
-    fn fields(&mut self, lines: &[&str], depth: usize) -> Result<Rc<[Field]>, SchemaError> {
+    fn fields(&mut self, lines: &[&str], depth: usize) -> Result<Arc<[Field]>, SchemaError> {
         if depth > DEEPEST {
             return Err(SchemaError(format!("nested deeper than {DEEPEST}")));
         }
@@ -203,7 +203,7 @@ impl Parser<'_> {
         };
         if let Some((fields, count)) = self.done.get(&key) {
             self.fields += count;
-            return Ok(Kind::Message(Rc::clone(fields)));
+            return Ok(Kind::Message(Arc::clone(fields)));
         }
         let lines = match self.sections.get(&key) {
             Some(lines) => *lines,
@@ -214,7 +214,7 @@ impl Parser<'_> {
         let before = self.fields;
         let fields = self.fields(lines, depth + 1)?;
         self.done
-            .insert(key, (Rc::clone(&fields), self.fields - before));
+            .insert(key, (Arc::clone(&fields), self.fields - before));
         Ok(Kind::Message(fields))
     }
 }

@@ -6,24 +6,24 @@
 
 mod tested;
 mod trial;
-mod verdict;
 
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
 use ipc_types::bus::Bus;
+use serde::Serialize;
 
 use self::tested::Tested;
 use self::trial::Trial;
-pub use self::verdict::{TopicVerdict, Verified};
+use super::super::compare::{Comparison, Difference};
 use super::super::error::LogsError;
-use super::super::failures::first_failure;
 use super::super::filter::nanoseconds;
 use super::super::pattern::Topics;
+use super::super::recorded::{Left, Recorded};
+use super::super::source::Source;
 use super::super::watch::Watch;
 use super::cast::{Processes, within};
-use super::source::Source;
 use super::stage::Stage;
 use crate::mission::MissionError;
 use crate::mission::plan::Plan;
@@ -45,6 +45,48 @@ pub struct VerifyOptions {
     pub quiet: bool,
 }
 
+/// How the processes compare with themselves in the log.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Verified {
+    /// The scenario.
+    pub scenario: String,
+    /// The processes under test.
+    pub processes: Vec<String>,
+    /// Those that were started too, because what they answer is in no log.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub helpers: Vec<String>,
+    /// The version that recorded the log, if it is another.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub recorded_by: Option<String>,
+    /// What was changed.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub changes: Vec<String>,
+    /// Ticks that were done.
+    pub ticks: u64,
+    /// Whether every message is the same.
+    pub identical: bool,
+    /// Whether the log holds all that was asked for.
+    pub whole: bool,
+    /// The first of them that failed in the run of the log: only what was said before is compared.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub left: Option<Left>,
+    /// What they said, then and now.
+    #[serde(flatten)]
+    pub comparison: Comparison,
+    /// Real time from the first tick to the last [s].
+    pub wall_time_s: f64,
+    /// What was wrong with the file.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub faults: Vec<String>,
+}
+
+impl Verified {
+    /// The earliest difference, and its topic.
+    pub fn first(&self) -> Option<(&'static str, &Difference)> {
+        self.comparison.first()
+    }
+}
+
 /// Runs processes of the run in a log against what they heard, and compares what they say.
 ///
 /// # Errors
@@ -54,34 +96,26 @@ pub fn verify(
     options: &VerifyOptions,
     watch: &mut Watch,
 ) -> Result<Verified, LogsError> {
-    let mut to = nanoseconds("--end", options.end_s)?.unwrap_or(u64::MAX);
-    let so =
-        "a process cannot be given the same once more; `protean replay` without --test plays it";
-    let tested = |name: &str| options.processes.iter().any(|tested| tested == name);
-    let left = first_failure(log, tested, watch)?;
-    if let Some(left) = &left {
-        let source = Source::open(log, &Topics::default(), 0, false)?;
-        let period = source.origin().manifest.get("tick_period_ns");
-        let period_ns: Option<u64> = period.and_then(|text| text.parse().ok());
-        let before = left.tick.saturating_mul(period_ns.unwrap_or(1));
-        to = to.min(before.saturating_sub(1));
-    }
-    let mut source = Source::open(log, &Topics::default(), to, false)?;
-    let scenario = source.origin().scenario(log, &options.changes, so)?;
-    let manifest = &source.origin().manifest;
+    let to = nanoseconds("--end", options.end_s)?.unwrap_or(u64::MAX);
+    let is_tested = |name: &str| options.processes.iter().any(|tested| tested == name);
+    let recorded = Recorded::read(log, is_tested, watch)?;
+    let scenario = recorded.origin.scenario(
+        log,
+        &options.changes,
+        "a process cannot be given the same once more; `protean replay` without --test plays it",
+    )?;
+    let before = to.saturating_add(1).min(recorded.compared_before());
+    let mut source = Source::open(log, &Topics::default(), before, false)?;
     let mut done = Verified {
         scenario: scenario.name.clone(),
         processes: options.processes.clone(),
         changes: options.changes.clone(),
-        recorded_by: manifest
-            .get("version")
-            .filter(|version| *version != env!("CARGO_PKG_VERSION"))
-            .cloned(),
+        recorded_by: recorded.other_version(),
         ..Verified::default()
     };
     if options.in_process {
         let plan = Plan::new(&scenario, Path::new(""), "", "warn").map_err(MissionError::from)?;
-        let tested = Tested::new(&plan, &source, options)?;
+        let tested = Tested::new(&plan, &recorded.origin, options)?;
         let bus = Bus::local(plan.run.bus_options(), None);
         let mut trial = Trial::open(&bus, &plan, &tested, &mut source, watch)?;
         let mut cast = within(&tested.launches, &bus)?;
@@ -89,7 +123,7 @@ pub fn verify(
         done.helpers = tested.helpers;
     } else {
         let stage = Stage::build(&scenario)?;
-        let tested = Tested::new(&stage.plan, &source, options)?;
+        let tested = Tested::new(&stage.plan, &recorded.origin, options)?;
         let mut trial = Trial::open(&stage.bus, &stage.plan, &tested, &mut source, watch)?;
         let mut cast = Processes::start(
             &stage,
@@ -104,9 +138,9 @@ pub fn verify(
         trial.run(&mut cast, &mut source, watch, &mut done)?;
         done.helpers = tested.helpers;
     }
-    done.whole &= left.is_none();
-    done.left = left;
+    done.whole &= recorded.left.is_none();
+    done.left = recorded.left;
     done.faults = source.faults();
-    done.identical = done.topics.values().all(|topic| topic.first.is_none());
+    done.identical = done.first().is_none();
     Ok(done)
 }

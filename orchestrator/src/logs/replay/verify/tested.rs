@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::super::super::error::LogsError;
-use super::super::source::Source;
+use super::super::super::origin::Origin;
 use super::VerifyOptions;
 use crate::mission::children::Executable;
 use crate::mission::plan::{Launch, Plan};
@@ -23,11 +23,11 @@ pub(super) struct Tested {
 impl Tested {
     pub(super) fn new(
         plan: &Plan,
-        source: &Source,
+        origin: &Origin,
         options: &VerifyOptions,
     ) -> Result<Self, LogsError> {
         let refuse = |reason: String| LogsError::Argument(format!("--test {reason}"));
-        let manifest = &source.origin().manifest;
+        let manifest = &origin.manifest;
         let names = |names: Vec<&str>| names.join(",");
         let mut now = names(
             plan.launches

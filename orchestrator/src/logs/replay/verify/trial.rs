@@ -7,22 +7,23 @@ use ipc_types::messages::world::WorldHeader;
 use ipc_types::topics::{Control, NAMES, Topic as _, WorldMap, WorldShapes, WorldState};
 use zerocopy::FromBytes as _;
 
+use super::super::super::compare::Comparison;
 use super::super::super::error::LogsError;
-use super::super::super::known::{self, ENCAPSULATION};
+use super::super::super::known::ENCAPSULATION;
+use super::super::super::source::{Logged, Source};
 use super::super::super::watch::Watch;
 use super::super::cast::Cast;
-use super::super::ears::{Ear, Said};
-use super::super::source::{Logged, Source};
-use super::super::stage::{Choir, Clocks, SayError};
+use super::super::ears::Ears;
+use super::super::stage::Choir;
+use super::Verified;
 use super::tested::Tested;
-use super::verdict::Verified;
 use crate::mission::MissionError;
 use crate::mission::plan::Plan;
 
 /// The messages of one tick.
-pub(super) struct Moment {
-    pub(super) tick: u64,
-    pub(super) time: u64,
+struct Moment {
+    tick: u64,
+    time: u64,
     said: Vec<Logged>,
 }
 
@@ -43,7 +44,7 @@ pub(super) struct Trial<'a> {
     bus: &'a Bus,
     tested: &'a Tested,
     choir: Choir,
-    ears: Vec<Ear>,
+    ears: Ears,
     period_ns: u64,
 }
 
@@ -60,7 +61,7 @@ impl<'a> Trial<'a> {
             bus,
             tested,
             choir: Choir::new(),
-            ears: Ear::all(bus).map_err(MissionError::from)?,
+            ears: Ears::open(bus).map_err(MissionError::from)?,
             period_ns: plan.run.tick_period_ns.max(1),
         };
         source.audition(watch, &mut |rank, speaker| {
@@ -75,8 +76,7 @@ impl<'a> Trial<'a> {
         if self.tested.is_silent(speaker) || NAMES.get(rank) == Some(&Control::NAME) {
             return Ok(false);
         }
-        let opened = self.choir.open(self.bus, rank, speaker);
-        opened.map_err(MissionError::from)?;
+        self.choir.open(self.bus, rank, speaker)?;
         Ok(true)
     }
 
@@ -84,12 +84,9 @@ impl<'a> Trial<'a> {
         if !self.open_port(message.rank, message.speaker())? {
             return Ok(());
         }
-        match self.choir.say(message, Clocks::Recorded) {
-            // What is no message of its topic nobody could take up then.
-            Ok(()) | Err(SayError::Decode(_)) => Ok(()),
-            Err(SayError::Port(error)) => Err(MissionError::from(error).into()),
-            Err(SayError::Send(error)) => Err(MissionError::from(error).into()),
-        }
+        // What is no message of its topic nobody could take up then.
+        self.choir.say(message)?;
+        Ok(())
     }
 
     /// Everything of the next tick.
@@ -114,9 +111,8 @@ impl<'a> Trial<'a> {
         self.choir.greet().map_err(MissionError::from)?;
         go_on(cast.connect()?)?;
         self.choir.greet().map_err(MissionError::from)?;
-        for ear in &self.ears {
-            ear.connect().map_err(MissionError::from)?;
-        }
+        self.ears.connect().map_err(MissionError::from)?;
+        let mut comparison = Comparison::of(self.tested.speakers.clone());
         let mut moment = self.next(source)?;
         // Everybody builds what it needs of the map before time starts.
         if let Some(first) = &mut moment {
@@ -159,7 +155,9 @@ impl<'a> Trial<'a> {
             }
             done.ticks += 1;
             // The last tick of a log that was cut may lack something.
-            self.judge(&now, moment.is_none() && !over, done)?;
+            let heard = self.ears.hear(&self.tested.speakers, now.time);
+            let heard = heard.map_err(MissionError::from)?;
+            comparison.add(&now.said, &heard, moment.is_none() && !over);
             for message in &now.said {
                 let speaker = message.speaker();
                 if !self.tested.before.contains(&speaker) {
@@ -167,47 +165,9 @@ impl<'a> Trial<'a> {
                 }
             }
         }
+        done.comparison = comparison;
         done.whole = over || source.has_index();
         done.wall_time_s = start.elapsed().as_secs_f64();
-        Ok(())
-    }
-
-    /// Compares what was said in a tick with what is said in the log.
-    fn judge(&self, moment: &Moment, may_lack: bool, done: &mut Verified) -> Result<(), LogsError> {
-        for ear in &self.ears {
-            let heard = ear
-                .hear(&self.tested.speakers)
-                .map_err(MissionError::from)?;
-            let recorded: Vec<Said> = moment
-                .said
-                .iter()
-                .filter(|message| message.rank == ear.rank)
-                .filter_map(|message| {
-                    let stamp = known::stamp(&message.data)?;
-                    let data = message.data.clone();
-                    let tested = self.tested.speakers.contains(&stamp.source);
-                    tested.then_some(Said { stamp, data })
-                })
-                .collect();
-            if heard.is_empty() && recorded.is_empty() {
-                continue;
-            }
-            let verdict = done.topics.entry(ear.topic.to_owned()).or_default();
-            verdict.recorded += recorded.len() as u64;
-            verdict.now += heard.len() as u64;
-            for &speaker in &self.tested.speakers {
-                let of = |said: &&Said| said.stamp.source == speaker;
-                let mut then = recorded.iter().filter(of);
-                let mut now = heard.iter().filter(of);
-                loop {
-                    match (then.next(), now.next()) {
-                        (None, None) => break,
-                        (None, Some(_)) if may_lack => {}
-                        (a, b) => verdict.compare(ear, moment, a, b),
-                    }
-                }
-            }
-        }
         Ok(())
     }
 }

@@ -9,15 +9,14 @@ use std::rc::Rc;
 
 use mcap::records::MessageHeader;
 
-use super::super::compare::TICK_LIMIT;
-use super::super::error::LogsError;
-use super::super::known;
-use super::super::origin::Origin;
-use super::super::output::MANIFEST;
-use super::super::pattern::Topics;
-use super::super::reader::{Channel, ChunkPlace, Item, Reader, Schema};
-use super::super::states::{States, is_latched};
-use super::super::watch::Watch;
+use super::error::LogsError;
+use super::known;
+use super::origin::Origin;
+use super::output::MANIFEST;
+use super::pattern::Topics;
+use super::reader::{Channel, ChunkPlace, Item, Reader, Schema};
+use super::states::{States, is_latched};
+use super::watch::Watch;
 
 /// Chunks that are looked through for the last words of every sender of a topic that several send.
 const LOOK_BACK: u32 = 32;
@@ -26,6 +25,9 @@ const LOOK_BACK: u32 = 32;
 const AUDITION: usize = 4096;
 /// Bytes of messages after which that ends.
 const AUDITION_BYTES: usize = 8 << 20;
+
+/// Most bytes that the messages of one time may take.
+const TICK_LIMIT: usize = 512 << 20;
 
 /// Behind the magic number at the beginning of a file.
 const BEGINNING: u64 = 8;
@@ -87,19 +89,19 @@ pub(super) struct Source {
     played: BTreeMap<u16, Played>,
     /// The first message from the start on, which was read to find it.
     ahead: Option<Logged>,
-    /// Last log time that is handed out [ns].
-    to: u64,
-    /// Behind this place of the file there is none before `to`.
+    /// Log time before which messages are handed out [ns].
+    before: u64,
+    /// Behind this place of the file there is none before `before`.
     end: u64,
 }
 
 impl Source {
-    /// Opens a log of ours of which these topics are wanted, up to and with log time `to` [ns];
-    /// viewers' pictures only if `pictures` says so.
+    /// Opens a log of ours of which these topics are wanted, up to log time `before` [ns]; viewers'
+    /// pictures only if `pictures` says so.
     pub(super) fn open(
         log: &Path,
         topics: &Topics,
-        to: u64,
+        before: u64,
         pictures: bool,
     ) -> Result<Self, LogsError> {
         let reader = Reader::open(log, None)?;
@@ -111,7 +113,7 @@ impl Source {
             index: None,
             played: BTreeMap::new(),
             ahead: None,
-            to,
+            before,
             end: u64::MAX,
         };
         source.read_head()?;
@@ -123,7 +125,7 @@ impl Source {
         let names = channels.iter().map(|channel| channel.topic.as_str());
         source.topics.check(&names)?;
         if let Some(index) = &source.index {
-            let last = index.iter().rev().find(|chunk| chunk.start <= to);
+            let last = index.iter().rev().find(|chunk| chunk.start < before);
             source.end = last.map_or(0, |chunk| chunk.at);
         }
         Ok(source)
@@ -137,6 +139,16 @@ impl Source {
     /// The file.
     pub(super) fn path(&self) -> &Path {
         self.reader.path()
+    }
+
+    /// Its size [bytes].
+    pub(super) fn length(&self) -> u64 {
+        self.reader.condition().file_bytes
+    }
+
+    /// Where in the file it stands [bytes].
+    pub(super) fn at(&self) -> u64 {
+        self.reader.at()
     }
 
     /// Whether the file has an index.
@@ -154,12 +166,6 @@ impl Source {
     /// What is wrong with what was read of the file.
     pub(super) fn faults(&self) -> Vec<String> {
         self.reader.condition().lines()
-    }
-
-    /// Log time of the last message [ns], if the file has an index.
-    pub(super) fn last_time(&self) -> Option<u64> {
-        let ends = self.index.iter().flatten().map(|chunk| chunk.end);
-        ends.max().map(|end| end.min(self.to))
     }
 
     /// What stands before the first message.
@@ -313,7 +319,7 @@ impl Source {
         while self.reader.at() <= self.end {
             match self.reader.next()? {
                 None => break,
-                Some(Item::Message(header, _)) if header.log_time <= self.to => {
+                Some(Item::Message(header, _)) if header.log_time < self.before => {
                     if let Some(&played) = self.played.get(&header.channel_id) {
                         return Ok(Some((header, played)));
                     }
