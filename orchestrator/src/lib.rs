@@ -7,6 +7,7 @@
 #[macro_use]
 mod terminal;
 
+pub mod atomic_file;
 pub mod census;
 pub mod chaos;
 pub mod cli;

@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
-use orchestrator::figures::save;
+use orchestrator::atomic_file::save;
 use orchestrator::sweep::planning::PlanResults;
 use orchestrator::sweep::{Record, Results};
 

@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use orchestrator::figures::{Chart, SaveError, draw, save};
+use orchestrator::atomic_file::{SaveError, save};
+use orchestrator::figures::{Chart, draw};
 
 /// A page and its pictures.
 #[derive(Debug, Clone, PartialEq)]

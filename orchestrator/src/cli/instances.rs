@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use clap::builder::PossibleValuesParser;
 
 use super::{EXIT_FAILED, EXIT_INVALID, print};
-use crate::figures::save;
+use crate::atomic_file::save;
 use crate::planning::Recipe;
 use crate::planning::generate::{NAMES, with_reference};
 

@@ -9,10 +9,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use super::run::{handle_signals, refuse_external};
 use super::{DEFAULT_SCENARIO, EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, OverrideArgs};
 use super::{print, print_json};
+use crate::atomic_file::Readers;
 use crate::latency::baselines::Repetitions;
 use crate::latency::{LatencyError, Report, Run, baselines, mission, of_log, text};
-use crate::logs::place::{Place, Readers};
-use crate::logs::{LogsError, Watch};
+use crate::logs::{LogsError, Watch, derived};
 use crate::scenario::{Loader, ResolvedScenario};
 
 /// What stands below the options.
@@ -107,9 +107,12 @@ fn measure(args: &LatencyArgs, interrupted: &Arc<AtomicBool>) -> Result<u8, Refu
     let to_file = args.json.as_deref().filter(|out| *out != Path::new("-"));
     let beside = log.clone().or_else(|| args.log.clone()).unwrap_or_default();
     let json = to_file
-        .map(|out| Place::new(out, &beside, args.force, Readers::Anybody))
+        .map(|out| {
+            let file = derived::create(out, &beside, args.force, Readers::Anybody)?;
+            Ok((out, file))
+        })
         .transpose()
-        .map_err(|error| refusal(&error.into()))?;
+        .map_err(|error: LogsError| refusal(&error.into()))?;
     let mut report = Report::new();
     let mut code = 0;
     if let Some(log) = &log {
@@ -128,11 +131,10 @@ fn measure(args: &LatencyArgs, interrupted: &Arc<AtomicBool>) -> Result<u8, Refu
     } else {
         missions(args, interrupted, &mut report)?;
     }
-    if let Some((place, mut file)) = json {
+    if let Some((out, mut file)) = json {
         writeln!(file, "{:#}", report.json())
-            .map_err(|error| place.failed(error))
-            .and_then(|()| place.take(file))
-            .map_err(|error| refusal(&error.into()))?;
+            .and_then(|()| file.commit())
+            .map_err(|error| refusal(&derived::failed(out)(error).into()))?;
     }
     if args.json.as_deref() == Some(Path::new("-")) {
         print_json(&report.json());

@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use super::{logs, print};
-use crate::picture::{RunTrace, draw, save};
+use crate::atomic_file::Readers;
+use crate::logs::derived;
+use crate::picture::{RunTrace, draw};
 
 /// What stands below the options.
 pub(super) const HELP: &str = "\
@@ -18,7 +20,7 @@ pub fn picture(log: &Path, out: Option<PathBuf>, at: Option<f64>, force: bool) -
     logs::command(false, |watch| {
         let out = out.unwrap_or_else(|| log.with_extension("svg"));
         let (trace, condition) = RunTrace::read(log, at, watch)?;
-        save(&draw(&trace), &out, log, force)?;
+        derived::write(draw(&trace).as_bytes(), &out, log, force, Readers::Anybody)?;
         print(&out.display().to_string());
         Ok(logs::of_condition(log, &condition))
     })

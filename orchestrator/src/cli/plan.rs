@@ -12,7 +12,7 @@ use optimiser::options::{Constraints, Guess};
 
 use super::run::handle_signals;
 use super::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, print, processors};
-use crate::figures::save;
+use crate::atomic_file::save;
 use crate::planning::batch::{Settings, solve_all};
 use crate::planning::summary::Summary;
 use crate::planning::{Answer, Element, PlanOptions, read};

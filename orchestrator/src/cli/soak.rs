@@ -13,12 +13,12 @@ use serde_json::json;
 
 use super::run::handle_signals;
 use super::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, OverrideArgs, complain, print, print_json};
-use crate::figures;
 use crate::scenario::spec::Mode;
 use crate::scenario::{self, Loader, ResolvedScenario};
 use crate::soak::mission::Mission;
 use crate::soak::rows::RowWriter;
 use crate::soak::{SoakOptions, SoakReport, growth, picture, rows, soak, table};
+use crate::{atomic_file, figures};
 
 /// Name of the file with the rows.
 const ROWS: &str = "soak.csv";
@@ -249,11 +249,11 @@ fn write(
     folder: &Path,
 ) -> Result<(), Box<dyn std::error::Error>> {
     if let Some(rows) = rows {
-        figures::save(&std::fs::read(rows)?, &folder.join(ROWS))?;
+        atomic_file::save(&std::fs::read(rows)?, &folder.join(ROWS))?;
     }
     let drawing = figures::draw(&picture::chart(&report.missions));
-    figures::save(drawing.svg().as_bytes(), &folder.join("soak.svg"))?;
-    figures::save(&drawing.png(2.0)?, &folder.join("soak.png"))?;
+    atomic_file::save(drawing.svg().as_bytes(), &folder.join("soak.svg"))?;
+    atomic_file::save(&drawing.png(2.0)?, &folder.join("soak.png"))?;
     Ok(())
 }
 

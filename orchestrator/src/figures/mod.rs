@@ -4,7 +4,6 @@
 //! * a [`Chart`] says what is to be seen, in numbers and words;
 //! * [`draw`] arranges it on a page, as a pure function;
 //! * a [`Drawing`] is written as text ([`Drawing::svg`]) or as pixels ([`Drawing::png`]);
-//! * [`save`] puts files where they belong, whole or not at all.
 
 mod axes;
 mod chart;
@@ -14,7 +13,6 @@ mod font;
 mod legend;
 mod marks;
 mod png;
-mod save;
 mod series;
 mod stack;
 mod ticks;
@@ -26,5 +24,4 @@ pub use chart::{Chart, Point, Scale, Series, Unit};
 pub use draw::draw;
 pub use drawing::Drawing;
 pub use png::PngError;
-pub use save::{SaveError, save};
 pub use stack::{Bar, Stack};

@@ -7,6 +7,7 @@
 
 mod compare;
 mod condition;
+pub(crate) mod derived;
 mod deviation;
 mod error;
 mod export;
@@ -19,7 +20,6 @@ mod newest_state;
 pub(crate) mod origin;
 pub(crate) mod output;
 mod pattern;
-pub(crate) mod place;
 pub(crate) mod reader;
 mod recorded;
 mod recover;

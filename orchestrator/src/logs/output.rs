@@ -3,33 +3,33 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::{self, BufWriter};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use mcap::records::{AttachmentHeader, MessageHeader, Metadata};
 use mcap::{Attachment, McapError, WriteOptions};
-use tempfile::NamedTempFile;
 
+use super::derived;
 use super::error::LogsError;
-use super::place::{Place, Readers};
 use super::reader::{Channel, Schema};
+use crate::atomic_file::{AtomicFile, Readers};
 use crate::recorder::{Compression, LogOptions};
 
 /// Writes the same records as the log that they come from, with the same numbers, in new chunks
 /// with checksums and an index.
 pub(super) struct Output {
-    writer: mcap::Writer<BufWriter<NamedTempFile>>,
-    place: Place,
+    writer: mcap::Writer<BufWriter<AtomicFile>>,
+    path: PathBuf,
 }
 
 impl Output {
-    /// See [`Place::new`]; `profile` is that of the log.
+    /// See [`derived::create`]; `profile` is that of the log.
     pub(super) fn create(
         path: &Path,
         log: &Path,
         force: bool,
         profile: &str,
     ) -> Result<Self, LogsError> {
-        let (place, file) = Place::new(path, log, force, Readers::Owner)?;
+        let file = derived::create(path, log, force, Readers::Owner)?;
         let options = LogOptions::default();
         let (compression, level) = match options.compression {
             Compression::None => (None, 0),
@@ -45,8 +45,11 @@ impl Output {
             .profile(profile)
             .library(concat!("protean/", env!("CARGO_PKG_VERSION")))
             .create(BufWriter::new(file))
-            .map_err(|e| failed(&place, e))?;
-        Ok(Self { writer, place })
+            .map_err(|e| failed(path, e))?;
+        Ok(Self {
+            writer,
+            path: path.to_owned(),
+        })
     }
 
     pub(super) fn schema(&mut self, id: u16, schema: &Schema) -> Result<(), LogsError> {
@@ -113,23 +116,23 @@ impl Output {
     pub(super) fn finish(mut self) -> Result<u64, LogsError> {
         let finished = self.writer.finish().map(drop);
         self.check(finished)?;
-        let Self { writer, place } = self;
-        let file = writer
-            .into_inner()
-            .into_inner()
-            .map_err(|e| place.failed(e.into_error()))?;
-        let bytes = file.as_file().metadata().map_err(|e| place.failed(e))?;
-        place.take(file)?;
-        Ok(bytes.len())
+        let Self { writer, path } = self;
+        let commit = || {
+            let file = writer.into_inner().into_inner();
+            let file = file.map_err(io::IntoInnerError::into_error)?;
+            let bytes = file.size()?;
+            file.commit().map(|()| bytes)
+        };
+        commit().map_err(derived::failed(&path))
     }
 
     fn check<T>(&self, result: Result<T, McapError>) -> Result<T, LogsError> {
-        result.map_err(|e| failed(&self.place, e))
+        result.map_err(|e| failed(&self.path, e))
     }
 }
 
-fn failed(place: &Place, error: McapError) -> LogsError {
-    place.failed(match error {
+fn failed(path: &Path, error: McapError) -> LogsError {
+    derived::failed(path)(match error {
         McapError::Io(e) => e,
         other => io::Error::other(other),
     })

@@ -28,7 +28,8 @@ use serde::Serialize;
 
 use self::gather::Gathered;
 use self::pack::{Lists, Raster};
-use crate::logs::place::{Place, Readers};
+use crate::atomic_file::Readers;
+use crate::logs::derived;
 use crate::logs::{Condition, LogsError, Watch};
 use crate::recorder::RobotOutcome;
 
@@ -63,12 +64,12 @@ pub struct Report {
 /// cannot be written.
 pub fn report(log: &Path, out: &Path, force: bool, watch: &mut Watch) -> Result<Report, LogsError> {
     // Whether the page may stand there is known before the log has been read.
-    let (place, mut file) = Place::new(out, log, force, Readers::Owner)?;
+    let mut file = derived::create(out, log, force, Readers::Owner)?;
     let mut gathered = Gathered::read(log, watch)?;
-    let (page, mut report) = page(&mut gathered).map_err(|e| place.failed(e))?;
+    let (page, mut report) = page(&mut gathered).map_err(derived::failed(out))?;
     file.write_all(page.as_bytes())
-        .map_err(|e| place.failed(e))?;
-    place.take(file)?;
+        .and_then(|()| file.commit())
+        .map_err(derived::failed(out))?;
     out.clone_into(&mut report.page);
     Ok(report)
 }

@@ -5,10 +5,10 @@ use std::io::{self, Write as _};
 use std::path::Path;
 
 use rustix::fs::{FlockOperation, flock};
-use tempfile::NamedTempFile;
 
 use super::error::SweepError;
 use super::manifest::{Kind, Manifest};
+use crate::atomic_file::{AtomicFile, Existing, Readers};
 
 /// Name of the manifest.
 pub(super) const MANIFEST: &str = "manifest.json";
@@ -125,17 +125,10 @@ pub(super) fn replace(path: &Path, bytes: &[u8]) -> Result<(), SweepError> {
 /// [`SweepError`] if it cannot be written.
 pub(super) fn replace_with(
     path: &Path,
-    write: impl FnOnce(NamedTempFile) -> io::Result<NamedTempFile>,
+    write: impl FnOnce(AtomicFile) -> io::Result<AtomicFile>,
 ) -> Result<(), SweepError> {
-    let failed = || SweepError::io(path, "cannot be written");
-    let folder = path.parent().unwrap_or(Path::new("."));
-    let file = NamedTempFile::new_in(folder)
+    AtomicFile::create(path, Existing::Replace, Readers::Anybody)
         .and_then(write)
-        .map_err(failed())?;
-    file.as_file().sync_all().map_err(failed())?;
-    // Temporary files are private; results are not.
-    let readable = std::os::unix::fs::PermissionsExt::from_mode(0o644);
-    file.as_file().set_permissions(readable).map_err(failed())?;
-    file.persist(path).map_err(|e| failed()(e.error))?;
-    Ok(())
+        .and_then(AtomicFile::commit)
+        .map_err(SweepError::io(path, "cannot be written"))
 }

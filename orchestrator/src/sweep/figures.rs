@@ -15,7 +15,8 @@ use super::manifest::ManifestCell;
 use super::results::Results;
 use super::row::Row;
 use super::spec::FigureSpec;
-use crate::figures::{Chart, Point, Series, draw, save};
+use crate::atomic_file::save;
+use crate::figures::{Chart, Point, Series, draw};
 
 /// Folder of the figures.
 const FOLDER: &str = "figures";

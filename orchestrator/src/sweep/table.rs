@@ -3,9 +3,7 @@
 //! The columns are `case`, the parameters, `seed`, and those of the kind of row
 //! ([`Record::COLUMNS`]).
 
-use std::io;
-
-use tempfile::NamedTempFile;
+use std::io::{self, Write};
 
 use super::cell::Value;
 use super::manifest::Manifest;
@@ -24,12 +22,12 @@ pub(super) fn is_taken(name: &str) -> bool {
 ///
 /// # Errors
 /// What the writer said.
-pub(super) fn write<'a, R: Record + 'a>(
+pub(super) fn write<'a, R: Record + 'a, W: Write + Send + 'static>(
     format: Format,
-    file: NamedTempFile,
+    file: W,
     manifest: &Manifest,
     rows: impl Iterator<Item = (MissionId, &'a R)>,
-) -> io::Result<NamedTempFile> {
+) -> io::Result<W> {
     let parameters: Vec<Type> = (0..manifest.parameters.len())
         .map(|index| match format {
             // As they are written: 1.0 is not 1.
@@ -91,6 +89,7 @@ fn parameter(value: &Value, kind: Type) -> Cell {
 mod tests {
     use parquet::file::reader::{FileReader as _, SerializedFileReader};
     use parquet::record::Field;
+    use tempfile::NamedTempFile;
 
     use super::super::Outcome;
     use super::super::tests::{GOOD, load};

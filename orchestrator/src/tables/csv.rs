@@ -1,20 +1,18 @@
 //! Tables as text.
 
 use std::fmt::Write as _;
-use std::io::{self, BufWriter};
-
-use tempfile::NamedTempFile;
+use std::io::{self, BufWriter, Write};
 
 use super::{Cell, Column, Rows};
 
-pub(super) struct CsvRows {
-    writer: csv::Writer<BufWriter<NamedTempFile>>,
+pub(super) struct CsvRows<W: Write> {
+    writer: csv::Writer<BufWriter<W>>,
     /// Scratch.
     text: String,
 }
 
-impl CsvRows {
-    pub(super) fn new(file: NamedTempFile, columns: &[Column]) -> io::Result<Self> {
+impl<W: Write> CsvRows<W> {
+    pub(super) fn new(file: W, columns: &[Column]) -> io::Result<Self> {
         let mut writer = csv::Writer::from_writer(BufWriter::new(file));
         writer.write_record(columns.iter().map(|column| &column.name))?;
         Ok(Self {
@@ -24,7 +22,7 @@ impl CsvRows {
     }
 }
 
-impl Rows for CsvRows {
+impl<W: Write> Rows<W> for CsvRows<W> {
     fn row(&mut self, cells: &[Cell]) -> io::Result<()> {
         for cell in cells {
             self.text.clear();
@@ -36,7 +34,7 @@ impl Rows for CsvRows {
         Ok(())
     }
 
-    fn finish(self: Box<Self>) -> io::Result<NamedTempFile> {
+    fn finish(self: Box<Self>) -> io::Result<W> {
         let buffer = self
             .writer
             .into_inner()

@@ -4,9 +4,7 @@ mod csv;
 mod parquet;
 
 use std::fmt;
-use std::io;
-
-use tempfile::NamedTempFile;
+use std::io::{self, Write};
 
 /// The form of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -71,7 +69,7 @@ impl fmt::Display for Cell {
 }
 
 /// Takes rows of a table.
-pub(crate) trait Rows {
+pub(crate) trait Rows<W> {
     /// Takes a row: a cell for every column.
     ///
     /// # Errors
@@ -82,18 +80,18 @@ pub(crate) trait Rows {
     ///
     /// # Errors
     /// The file cannot be written.
-    fn finish(self: Box<Self>) -> io::Result<NamedTempFile>;
+    fn finish(self: Box<Self>) -> io::Result<W>;
 }
 
 /// Begins a table with these columns.
 ///
 /// # Errors
 /// The file cannot be written.
-pub(crate) fn begin(
+pub(crate) fn begin<W: Write + Send + 'static>(
     format: Format,
-    file: NamedTempFile,
+    file: W,
     columns: &[Column],
-) -> io::Result<Box<dyn Rows>> {
+) -> io::Result<Box<dyn Rows<W>>> {
     Ok(match format {
         Format::Csv => Box::new(csv::CsvRows::new(file, columns)?),
         Format::Parquet => Box::new(parquet::ParquetRows::new(file, columns)?),

@@ -1,6 +1,6 @@
 //! Tables as Apache Parquet.
 
-use std::io;
+use std::io::{self, Write};
 use std::sync::Arc;
 
 use parquet::basic::{Compression, ConvertedType, LogicalType, Repetition, Type as Physical};
@@ -11,23 +11,22 @@ use parquet::errors::ParquetError;
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::Type as Node;
-use tempfile::NamedTempFile;
 
 use super::{Cell, Column, Rows, Type};
 
 /// Cells that are kept before they are written.
 const MOST_CELLS: usize = 1 << 18;
 
-pub(super) struct ParquetRows {
-    writer: SerializedFileWriter<NamedTempFile>,
+pub(super) struct ParquetRows<W: Write + Send> {
+    writer: SerializedFileWriter<W>,
     kinds: Vec<Type>,
     /// The cells that are not written yet, by column.
     cells: Vec<Vec<Cell>>,
     rows: usize,
 }
 
-impl ParquetRows {
-    pub(super) fn new(file: NamedTempFile, columns: &[Column]) -> io::Result<Self> {
+impl<W: Write + Send> ParquetRows<W> {
+    pub(super) fn new(file: W, columns: &[Column]) -> io::Result<Self> {
         let schema = || -> Result<Node, ParquetError> {
             let fields: Result<Vec<_>, _> = columns.iter().map(node).collect();
             Node::group_type_builder("messages")
@@ -65,7 +64,7 @@ impl ParquetRows {
     }
 }
 
-impl Rows for ParquetRows {
+impl<W: Write + Send> Rows<W> for ParquetRows<W> {
     fn row(&mut self, cells: &[Cell]) -> io::Result<()> {
         for (column, cell) in self.cells.iter_mut().zip(cells) {
             column.push(cell.clone());
@@ -77,7 +76,7 @@ impl Rows for ParquetRows {
         Ok(())
     }
 
-    fn finish(mut self: Box<Self>) -> io::Result<NamedTempFile> {
+    fn finish(mut self: Box<Self>) -> io::Result<W> {
         self.write().map_err(io::Error::other)?;
         self.writer.into_inner().map_err(io::Error::other)
     }

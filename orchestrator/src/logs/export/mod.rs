@@ -8,12 +8,13 @@ use std::path::{Path, PathBuf};
 
 use self::columns::Layout;
 use super::condition::Condition;
+use super::derived;
 use super::error::LogsError;
 use super::pattern::Topics;
-use super::place::{Place, Readers};
 use super::reader::{Channel, Item, Reader};
 use super::ros2::Schema;
 use super::watch::Watch;
+use crate::atomic_file::{AtomicFile, Readers};
 use crate::tables::{self, Cell, Format, Rows};
 use serde::Serialize;
 
@@ -69,7 +70,7 @@ enum Fate {
 struct Open {
     topic: String,
     layout: Layout,
-    sink: Option<(Box<dyn Rows>, Place)>,
+    sink: Option<Box<dyn Rows<AtomicFile>>>,
     table: Table,
 }
 
@@ -151,12 +152,11 @@ pub fn export(
                             "--topics: the log has more than {MOST_TABLES} topics; choose some"
                         )));
                     }
-                    let (place, file) =
-                        Place::new(&open.table.file, log, options.force, Readers::Anybody)?;
+                    let path = &open.table.file;
+                    let file = derived::create(path, log, options.force, Readers::Anybody)?;
                     let columns = open.layout.columns();
                     let rows = tables::begin(options.format, file, columns);
-                    let rows = rows.map_err(|e| place.failed(e))?;
-                    open.sink = Some((rows, place));
+                    open.sink = Some(rows.map_err(derived::failed(path))?);
                 }
                 open.take(&header, data)?;
             }
@@ -169,10 +169,10 @@ pub fn export(
     let mut finished = Vec::new();
     for fate in fates.into_values() {
         if let Fate::Table(open) = fate
-            && let Some((rows, place)) = open.sink
+            && let Some(rows) = open.sink
         {
-            let file = rows.finish().map_err(|e| place.failed(e))?;
-            finished.push((place, file));
+            let file = rows.finish().map_err(derived::failed(&open.table.file))?;
+            finished.push((open.table.file.clone(), file));
             let name = if done.contains_key(&open.topic) {
                 format!("{} ({})", open.topic, open.table.file.display())
             } else {
@@ -182,8 +182,8 @@ pub fn export(
         }
     }
     // All are complete: only now do they take their places.
-    for (place, file) in finished {
-        place.take(file)?;
+    for (path, file) in finished {
+        file.commit().map_err(derived::failed(&path))?;
     }
     folder.keep();
     Ok(Exported {
@@ -199,7 +199,7 @@ impl Open {
         header: &mcap::records::MessageHeader,
         data: &[u8],
     ) -> Result<(), LogsError> {
-        let Some((rows, place)) = &mut self.sink else {
+        let Some(rows) = &mut self.sink else {
             return Ok(());
         };
         let first = [
@@ -218,7 +218,7 @@ impl Open {
                 self.table.messages += 1;
                 Ok(())
             }
-            Ok(Err(error)) => Err(place.failed(error)),
+            Ok(Err(error)) => Err(derived::failed(&self.table.file)(error)),
             Err(_) => {
                 self.table.undecodable += 1;
                 Ok(())
