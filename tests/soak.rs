@@ -38,7 +38,7 @@ fn missions_come_again_and_again_and_nothing_is_left() {
     assert!(processes(",simulator,") > 0, "{rows}");
     let svg = std::fs::read_to_string(sandbox.path().join("soaked/soak.svg")).unwrap();
     roxmltree::Document::parse(&svg).unwrap();
-    assert!(sandbox.path().join("soaked/soak.png").exists());
+    assert!(sandbox.path().join("soaked/soak.svg").exists());
     assert!(!sandbox.path().join("logs").exists(), "logs are not kept");
 }
 

@@ -35,7 +35,7 @@ Flat means: no memory grew, in all three quartiles, by more than 1 % and 64 KiB 
 or pieces of shared memory were added, nothing was left behind, every mission ended as it should, with the digest it had before.
 
 --read FILE judges the rows of an earlier soak.
---out writes DIR/soak.csv (a row per mission and process, as they end) and DIR/soak.svg, DIR/soak.png.
+--out writes DIR/soak.csv (a row per mission and process, as they end) and DIR/soak.svg.
 
 Exit codes: 0 flat, 1 not flat, 2 wrong usage or scenario, 3 ended by Ctrl-C before its time.";
 
@@ -253,7 +253,6 @@ fn write(
     }
     let drawing = figures::draw(&picture::chart(&report.missions));
     atomic_file::save(drawing.svg().as_bytes(), &folder.join("soak.svg"))?;
-    atomic_file::save(&drawing.png(2.0)?, &folder.join("soak.png"))?;
     Ok(())
 }
 

@@ -99,7 +99,7 @@ impl Axes {
                 written = x + half + apart;
             }
         }
-        drawing.shape(Shape {
+        drawing.shape(&Shape {
             outline: vec![
                 Step::Move(left, top),
                 Step::Line(left, bottom),

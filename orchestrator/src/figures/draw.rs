@@ -53,7 +53,7 @@ pub fn draw(chart: &Chart) -> Drawing {
 
 fn paper(drawing: &mut Drawing) {
     let (w, h) = (drawing.width, drawing.height);
-    drawing.shape(Shape {
+    drawing.shape(&Shape {
         outline: vec![
             Step::Move(0.0, 0.0),
             Step::Line(w, 0.0),

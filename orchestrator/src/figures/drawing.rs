@@ -1,36 +1,14 @@
-//! A drawing: lines, areas and texts on a page, to be written as SVG or PNG.
+//! A drawing: lines, areas and texts on a page, as SVG.
 
 use crate::picture::canvas::{Canvas, Num, Style, escape};
 
 /// Lines, areas and texts on a page; all coordinates are in pixels, y down.
-#[derive(Debug, Clone, PartialEq)]
 pub struct Drawing {
-    /// Width of the page [px].
+    /// Width of the page (px).
     pub(super) width: f64,
-    /// Height of the page [px].
+    /// Height of the page (px).
     pub(super) height: f64,
-    title: String,
-    description: String,
-    pub(super) items: Vec<Item>,
-}
-
-/// Something drawn.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) enum Item {
-    /// A group with a name begins.
-    Begin(String),
-    /// The group that began last ends.
-    End,
-    /// Lines and areas.
-    Shape(Shape),
-    /// A line of text, its base line at this point, turned by −90° if upright.
-    Text {
-        x: f64,
-        y: f64,
-        style: Style,
-        upright: bool,
-        text: String,
-    },
+    canvas: Canvas,
 }
 
 /// An outline, filled or drawn or both.
@@ -60,35 +38,34 @@ pub(super) enum Step {
 }
 
 impl Drawing {
-    /// An empty page of this size [px], with words for those who cannot see it.
+    /// An empty page of this size (px), with words for those who cannot see it.
     pub(super) fn new(width: f64, height: f64, title: &str, description: &str) -> Self {
         Self {
             width,
             height,
-            title: title.to_owned(),
-            description: description.to_owned(),
-            items: Vec::new(),
+            canvas: Canvas::new(width, height, title, description),
         }
     }
 
     /// Everything drawn until [`end`](Self::end) belongs together.
     pub(super) fn begin(&mut self, name: &str) {
-        self.items.push(Item::Begin(name.to_owned()));
+        self.canvas
+            .add(format_args!("<g><title>{}</title>\n", escape(name)));
     }
 
     /// Ends what [`begin`](Self::begin) began.
     pub(super) fn end(&mut self) {
-        self.items.push(Item::End);
+        self.canvas.add(format_args!("</g>\n"));
     }
 
     /// Draws a shape.
-    pub(super) fn shape(&mut self, shape: Shape) {
-        self.items.push(Item::Shape(shape));
+    pub(super) fn shape(&mut self, shape: &Shape) {
+        shape.svg(&mut self.canvas);
     }
 
     /// Draws a straight line.
     pub(super) fn line(&mut self, from: [f64; 2], to: [f64; 2], color: &'static str, width: f64) {
-        self.shape(Shape {
+        self.shape(&Shape {
             outline: vec![Step::Move(from[0], from[1]), Step::Line(to[0], to[1])],
             line: Some((color, width)),
             ..Shape::default()
@@ -97,57 +74,23 @@ impl Drawing {
 
     /// Writes a line of text with its base line at this point.
     pub(super) fn text(&mut self, x: f64, y: f64, style: Style, text: &str) {
-        self.items.push(Item::Text {
-            x,
-            y,
-            style,
-            upright: false,
-            text: text.to_owned(),
-        });
+        self.canvas.label(x, y, &style, text);
     }
 
     /// Writes a line of text upwards.
     pub(super) fn upright(&mut self, x: f64, y: f64, style: Style, text: &str) {
-        self.items.push(Item::Text {
-            x,
-            y,
-            style,
-            upright: true,
-            text: text.to_owned(),
-        });
+        self.canvas.add(format_args!(
+            "<g transform=\"translate({} {}) rotate(-90)\">",
+            Num(x),
+            Num(y)
+        ));
+        self.canvas.label(0.0, 0.0, &style, text);
+        self.canvas.add(format_args!("</g>\n"));
     }
 
     /// The drawing as an SVG document.
-    pub fn svg(&self) -> String {
-        let mut canvas = Canvas::new(self.width, self.height, &self.title, &self.description);
-        for item in &self.items {
-            match item {
-                Item::Begin(name) => {
-                    canvas.add(format_args!("<g><title>{}</title>\n", escape(name)));
-                }
-                Item::End => canvas.add(format_args!("</g>\n")),
-                Item::Shape(shape) => shape.svg(&mut canvas),
-                Item::Text {
-                    x,
-                    y,
-                    style,
-                    upright: false,
-                    text,
-                } => canvas.label(*x, *y, style, text),
-                Item::Text {
-                    x, y, style, text, ..
-                } => {
-                    canvas.add(format_args!(
-                        "<g transform=\"translate({} {}) rotate(-90)\">",
-                        Num(*x),
-                        Num(*y)
-                    ));
-                    canvas.label(0.0, 0.0, style, text);
-                    canvas.add(format_args!("</g>\n"));
-                }
-            }
-        }
-        canvas.finish()
+    pub fn svg(self) -> String {
+        self.canvas.finish()
     }
 }
 

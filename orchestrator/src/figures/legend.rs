@@ -91,7 +91,7 @@ impl Legend {
             let (size, color) = match row.sign {
                 Sign::Curve(index) => {
                     let look = Look::of(index);
-                    drawing.shape(Shape {
+                    drawing.shape(&Shape {
                         outline: vec![Step::Move(left, middle), Step::Line(left + 28.0, middle)],
                         line: Some((look.color, 2.0)),
                         dash: look.dash,

@@ -70,7 +70,7 @@ impl Look {
             // A rim of paper keeps marks apart that lie on each other.
             (self.color, (palette::PAPER, 1.0))
         };
-        drawing.shape(Shape {
+        drawing.shape(&Shape {
             outline,
             fill: Some(fill),
             line: Some(line),

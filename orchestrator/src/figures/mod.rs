@@ -1,18 +1,15 @@
-//! Charts: measured points with their intervals, joined to curves, beside published ones; as SVG and
-//! as PNG.
+//! Charts: measured points with their intervals, joined to curves, beside published ones; as SVG.
 //!
 //! * a [`Chart`] says what is to be seen, in numbers and words;
 //! * [`draw`] arranges it on a page, as a pure function;
-//! * a [`Drawing`] is written as text ([`Drawing::svg`]) or as pixels ([`Drawing::png`]);
+//! * a [`Drawing`] is an SVG document ([`Drawing::svg`]).
 
 mod axes;
 mod chart;
 mod draw;
 mod drawing;
-mod font;
 mod legend;
 mod marks;
-mod png;
 mod series;
 mod stack;
 mod ticks;
@@ -23,5 +20,4 @@ mod tests;
 pub use chart::{Chart, Point, Scale, Series, Unit};
 pub use draw::draw;
 pub use drawing::Drawing;
-pub use png::PngError;
 pub use stack::{Bar, Stack};

@@ -86,7 +86,7 @@ impl Curve<'_> {
         let lower = ends.iter().rev().map(|(x, (low, _))| self.place(*x, *low));
         let mut outline = path(upper.chain(lower));
         outline.push(Step::Close);
-        drawing.shape(Shape {
+        drawing.shape(&Shape {
             outline,
             fill: Some(self.look.color),
             opacity: 0.10,
@@ -98,7 +98,7 @@ impl Curve<'_> {
         if self.points.len() < 2 || !self.joined() {
             return;
         }
-        drawing.shape(Shape {
+        drawing.shape(&Shape {
             outline: path(self.points.iter().map(|p| self.place(p.x, p.y))),
             line: Some((self.look.color, 2.0)),
             dash: self.look.dash,
@@ -116,7 +116,7 @@ impl Curve<'_> {
         for point in drawable(&self.series.reference, self.chart) {
             if let Some((low, high)) = point.interval {
                 let (top, bottom) = (self.place(point.x, high), self.place(point.x, low));
-                drawing.shape(Shape {
+                drawing.shape(&Shape {
                     outline: path([bottom, top].into_iter()),
                     line: Some((self.look.color, 1.0)),
                     dash: &[2.0, 3.0],
@@ -137,7 +137,7 @@ impl Curve<'_> {
     fn bar(&self, drawing: &mut Drawing, x: f64, low: f64, high: f64) {
         let ([x, bottom], [_, top]) = (self.place(x, low), self.place(x, high));
         let cap = MARK * 0.6;
-        drawing.shape(Shape {
+        drawing.shape(&Shape {
             outline: vec![
                 Step::Move(x, bottom),
                 Step::Line(x, top),

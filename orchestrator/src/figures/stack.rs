@@ -137,7 +137,7 @@ fn is_drawn(length: f64) -> bool {
 /// A part from left and top to right and bottom.
 fn rectangle(drawing: &mut Drawing, sides: [f64; 4], index: usize, hint: String) {
     let [left, top, right, bottom] = sides;
-    drawing.shape(Shape {
+    drawing.shape(&Shape {
         outline: vec![
             Step::Move(left, top),
             Step::Line(right, top),

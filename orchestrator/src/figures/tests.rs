@@ -126,18 +126,13 @@ fn a_chart_without_points_says_so() {
             ..Chart::default()
         },
     ] {
-        let drawing = draw(&chart);
-        assert!(drawing.svg().contains("no results"));
-        assert!(drawing.png(1.0).is_ok());
+        assert!(draw(&chart).svg().contains("no results"));
     }
 }
 
 #[test]
 fn the_same_chart_is_the_same_file() {
-    let (a, b) = (draw(&chart()), draw(&chart()));
-    assert_eq!(a, b);
-    assert_eq!(a.svg(), b.svg());
-    assert_eq!(a.png(2.0).unwrap(), b.png(2.0).unwrap());
+    assert_eq!(draw(&chart()).svg(), draw(&chart()).svg());
 }
 
 proptest! {
@@ -161,8 +156,7 @@ proptest! {
             series: vec![series; curves],
             ..Chart::default()
         };
-        let drawing = draw(&chart);
-        let text = drawing.svg();
+        let text = draw(&chart).svg();
         prop_assert!(Document::parse(&text).is_ok());
         prop_assert!(!text.contains("NaN") && !text.contains("inf"));
     }

@@ -1,4 +1,4 @@
-//! The figures of an experiment, drawn from its results: `figures/NAME.svg` and `figures/NAME.png`.
+//! The figures of an experiment, drawn from its results: `figures/NAME.svg`.
 //!
 //! Everything that is drawn lies in the directory of the results: the rows, the experiment file with its
 //! `[[figures]]`, and the published points that they are compared with, which
@@ -20,8 +20,6 @@ use crate::figures::{Chart, Point, Series, draw};
 
 /// Folder of the figures.
 const FOLDER: &str = "figures";
-/// Pixels of a PNG picture for one of the page.
-const ZOOM: f64 = 2.0;
 
 /// What the experiment file says about showing its results.
 #[derive(Debug, Clone, Default, Deserialize)]
@@ -83,17 +81,9 @@ pub fn keep_published(folder: &Path, results: &Results) -> Result<(), SweepError
 pub fn write(results: &Results) -> Result<Vec<PathBuf>, SweepError> {
     let mut written = Vec::new();
     for (name, chart) in charts(results)? {
-        let drawing = draw(&chart);
-        let png = drawing.png(ZOOM).map_err(|error| SweepError::Figure {
-            name: name.clone(),
-            reason: error.to_string(),
-        })?;
-        let folder = results.directory().join(FOLDER);
-        for (bytes, kind) in [(drawing.svg().into_bytes(), "svg"), (png, "png")] {
-            let path = folder.join(format!("{name}.{kind}"));
-            put(&bytes, &path)?;
-            written.push(path);
-        }
+        let path = results.directory().join(FOLDER).join(format!("{name}.svg"));
+        put(draw(&chart).svg().as_bytes(), &path)?;
+        written.push(path);
     }
     Ok(written)
 }

@@ -68,8 +68,7 @@ fn cells_become_points_beside_published_ones() {
 
     let files = figures::write(&results).unwrap();
     let kinds: Vec<_> = files.iter().filter_map(|f| f.extension()).collect();
-    assert_eq!(kinds, ["svg", "png"]);
-    assert!(std::fs::read(&files[1]).unwrap().starts_with(b"\x89PNG"));
+    assert_eq!(kinds, ["svg"]);
     let svg = std::fs::read_to_string(&files[0]).unwrap();
     assert!(roxmltree::Document::parse(&svg).is_ok());
 }
