@@ -7,7 +7,7 @@ use rustix::process::Signal;
 
 use super::driven_by;
 use crate::support::history::History;
-use crate::support::{SOON, Sandbox, until, wait_for_tick};
+use crate::support::{Sandbox, wait_for_tick};
 
 /// Asserts that nothing is left, not even a log: a run that never began has none.
 #[track_caller]
@@ -84,43 +84,6 @@ fn logs_that_cannot_be_written() {
 }
 
 #[test]
-fn a_run_that_never_begins_does_not_cost_an_older_log() {
-    let sandbox = Sandbox::new();
-    let older = sandbox.file("older.mcap", "not to be lost");
-    sandbox.file("own.toml", driven_by("[\"/bin/false\"]"));
-    let before = sandbox.files();
-    let words = ["run", "own.toml", "--allow-external", "--force", "--out"];
-    let outcome = sandbox.protean(words).arg("older.mcap").run();
-    outcome.refused(1, &["process liar ended with exit code 1 before"]);
-    assert_eq!(std::fs::read(&older).unwrap(), b"not to be lost");
-    assert_eq!(sandbox.files(), before);
-    sandbox.assert_nothing_left();
-}
-
-#[test]
-fn a_run_that_is_killed_has_replaced_an_older_log() {
-    let sandbox = Sandbox::new();
-    let older = sandbox.file("older.mcap", "of yesterday");
-    let words = ["run", "hello", "--set", "run.dt=0.0002", "--force", "--out"];
-    let running = sandbox.protean(words).arg("older.mcap").start();
-    until("the log in its place", SOON, || {
-        let begins = std::fs::read(&older).unwrap().starts_with(mcap::MAGIC);
-        begins.then_some(())
-    });
-    running.signal(Signal::KILL);
-    running.finish();
-    let torn = std::fs::read(&older).unwrap();
-    let options = mcap::read::Options::IgnoreEndMagic.into();
-    assert!(mcap::MessageStream::new_with_options(&torn, options).is_ok());
-    let files = sandbox.files();
-    assert!(
-        !files
-            .iter()
-            .any(|path| path.ends_with("older.mcap.partial"))
-    );
-}
-
-#[test]
 fn a_runtime_directory_that_is_not_there_is_named() {
     let sandbox = Sandbox::new();
     let missing = sandbox.path().join("none");
@@ -151,8 +114,9 @@ fn a_log_that_another_run_is_writing_is_left_alone() {
     let path = sandbox.path().join("shared.mcap");
     wait_for_tick(&sandbox.next_run(&BTreeSet::new()), 5);
     let second = ["run", "hello", "--out", "shared.mcap"];
+    let exists = ["shared.mcap exists already"];
+    sandbox.protean(second).run().refused(1, &exists);
     let in_use = ["shared.mcap is being written by another run"];
-    sandbox.protean(second).run().refused(1, &in_use);
     sandbox
         .protean(second)
         .arg("--force")

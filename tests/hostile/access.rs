@@ -130,23 +130,3 @@ fn a_directory_that_somebody_else_has_prepared_is_refused_by_its_name() {
     outcome.refused(1, &[&name, "0777", "XDG_RUNTIME_DIR"]);
     assert!(below(&prepared).is_empty());
 }
-
-#[test]
-fn a_link_in_the_place_of_a_log_is_not_followed() {
-    let sandbox = Sandbox::new();
-    sandbox.file("s.toml", super::GOOD);
-    let precious = sandbox.file("precious", "precious");
-    sandbox.file("run.mcap", "older");
-    let link = sandbox.path().join("run.mcap.partial");
-    std::os::unix::fs::symlink("precious", &link).unwrap();
-    let outcome = sandbox
-        .protean(["run", "s.toml", "--out", "run.mcap", "--force"])
-        .run();
-    assert_ne!(outcome.code, Some(0), "{outcome}");
-    assert!(outcome.stderr.contains("run.mcap.partial"), "{outcome}");
-    assert_eq!(std::fs::read_to_string(&precious).unwrap(), "precious");
-    assert_eq!(
-        std::fs::read_to_string(sandbox.path().join("run.mcap")).unwrap(),
-        "older"
-    );
-}

@@ -34,14 +34,6 @@ pub enum LogError {
         /// What the operating system said.
         source: io::Error,
     },
-    /// The older file could not be replaced.
-    #[error("cannot replace the log {path}: {source}")]
-    Replace {
-        /// The file.
-        path: PathBuf,
-        /// What the operating system said.
-        source: io::Error,
-    },
     /// A write failed; what was written up to the last flush stays readable.
     #[error("cannot write the log {path}: {source} (it stays readable up to {readable} bytes)")]
     Write {

@@ -1,7 +1,7 @@
 //! Messages between their arrival and their place in the log.
 
 use ipc_types::cdr;
-use ipc_types::stamp::{Header, Stamp};
+use ipc_types::stamp::Stamp;
 use ipc_types::topics::Topic;
 
 /// A message that waits for its turn.
@@ -13,8 +13,6 @@ pub(super) struct Entry {
     pub(super) rank: usize,
     /// The simulated part of its stamp, and the clocks.
     pub(super) stamp: Stamp,
-    /// Elements of the message.
-    pub(super) elements: usize,
     /// Whether it failed the checks.
     pub(super) rejected: bool,
     /// Order of arrival, to keep the order of what is otherwise equal.
@@ -29,36 +27,35 @@ pub(super) struct Entry {
 pub(super) struct Intake {
     entries: Vec<Entry>,
     bytes: Vec<u8>,
+    /// Bytes of the messages that are held; behind them stands one that was copied.
+    kept: usize,
     /// Takes over what stays when the rest is handed out; swapped with `bytes`.
     spare: Vec<u8>,
     arrivals: u64,
 }
 
 impl Intake {
-    /// Copies a message out of shared memory; returns it and its CDR form.
-    pub(super) fn push<T: Topic>(
-        &mut self,
-        rank: usize,
-        header: &T::Header,
-        elements: &[T::Element],
-    ) -> (&mut Entry, &[u8]) {
-        let start = self.bytes.len();
+    /// Copies a message out of shared memory; returns its CDR form, which is held if [`Intake::keep`]
+    /// follows.
+    pub(super) fn copy<T: Topic>(&mut self, header: &T::Header, elements: &[T::Element]) -> &[u8] {
+        self.bytes.truncate(self.kept);
         cdr::encode::<T>(header, elements, &mut self.bytes);
-        let stamp = *header.stamp();
-        let entry = Entry {
-            tick: stamp.tick,
+        &self.bytes[self.kept..]
+    }
+
+    /// Holds the message that was copied last.
+    pub(super) fn keep(&mut self, tick: u64, rank: usize, stamp: Stamp, rejected: bool) {
+        self.entries.push(Entry {
+            tick,
             rank,
             stamp,
-            elements: elements.len(),
-            rejected: false,
+            rejected,
             arrival: self.arrivals,
-            start,
-            len: self.bytes.len() - start,
-        };
+            start: self.kept,
+            len: self.bytes.len() - self.kept,
+        });
         self.arrivals += 1;
-        self.entries.push(entry);
-        let last = self.entries.len() - 1;
-        (&mut self.entries[last], &self.bytes[start..])
+        self.kept = self.bytes.len();
     }
 
     /// Hands out, in order, the messages of all ticks up to `last` (of all if `None`).
@@ -92,12 +89,13 @@ impl Intake {
             entry.start = start;
         }
         core::mem::swap(&mut self.bytes, &mut self.spare);
+        self.kept = self.bytes.len();
         result
     }
 
     /// Bytes of the messages that wait.
     pub(super) fn waiting_bytes(&self) -> usize {
-        self.bytes.len()
+        self.kept
     }
 }
 
@@ -121,7 +119,8 @@ mod tests {
             v: (tick * 100 + u64::from(source)) as f64,
             ..Command::default()
         };
-        intake.push::<Commands>(rank, &header, &[command]);
+        intake.copy::<Commands>(&header, &[command]);
+        intake.keep(tick, rank, header.stamp, false);
     }
 
     fn take(intake: &mut Intake, completed: Option<u64>) -> Vec<(u64, usize, u32, u64)> {

@@ -4,7 +4,6 @@
 use std::collections::BTreeSet;
 
 use ipc_types::stamp::Stamp;
-use ipc_types::topics::Shape;
 use zerocopy::FromBytes;
 
 use super::beginnings::Beginning;
@@ -100,8 +99,10 @@ impl Ledger {
             && (!info.simulated || on_time(stamp, self.tick_period_ns))
             && (beginning.is_some() || well_formed(info, message));
         let count = &mut account.count;
-        count.messages += 1;
-        count.bytes += message.cdr_len() as u64;
+        if info.is_decodable(message.count) {
+            count.messages += 1;
+            count.bytes += message.cdr_len() as u64;
+        }
         count.rejected += u64::from(!holds);
         if known {
             let missing = account.sequences.missing(source, stamp.sequence);
@@ -150,7 +151,7 @@ fn on_time(stamp: &Stamp, tick_period_ns: u64) -> bool {
 fn well_formed(info: &TopicInfo, message: &Parts<'_>) -> bool {
     use ipc_types::messages::world::MapHeader;
 
-    if info.shape == Shape::One && message.count != 1 {
+    if !info.is_decodable(message.count) {
         return false;
     }
     if info.role == Role::Map {

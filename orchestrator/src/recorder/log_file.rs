@@ -1,43 +1,37 @@
 //! The file below the MCAP writer: exclusive, locked, buffered, and cut back to whole records when
 //! a write fails.
 
-use std::fs::{File, OpenOptions};
+use std::fs::{File, OpenOptions, Permissions};
 use std::io::{self, Seek, SeekFrom, Write};
-use std::os::unix::fs::OpenOptionsExt as _;
+use std::os::unix::fs::{OpenOptionsExt as _, PermissionsExt as _};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::Duration;
 
 use rustix::fs::{FlockOperation, flock};
 
 use super::error::LogError;
-use super::replacement::Replacement;
 use crate::storage::Storage;
 
 /// Small records (message indexes, headers) are gathered up to this size before they are written.
 const BUFFER_BYTES: usize = 64 * 1024;
 
-/// How often a new file's lock is tried, a millisecond apart.
-const LOCK_ATTEMPTS: usize = 50;
+/// Permissions of a log: the scenario in it holds the keys of its patrols.
+const PRIVATE: u32 = 0o600;
 
 /// Creates the file of a log and locks it for as long as it is open.
 ///
 /// Without `force` the file must not exist. With `force` an existing regular file that no other
-/// run has locked may be there; the log is then written beside it until it takes its place.
-pub(super) fn create(path: &Path, force: bool) -> Result<(File, Option<Replacement>), LogError> {
+/// run has locked is emptied.
+pub(super) fn create(path: &Path, force: bool) -> Result<File, LogError> {
     let failed = |source| LogError::Create {
         path: path.to_owned(),
         source,
     };
-    let in_use = || LogError::InUse {
-        path: path.to_owned(),
-    };
-    match private().write(true).create_new(true).open(path) {
-        Ok(file) => {
-            lock_new(&file).map_err(|_| in_use())?;
-            Ok((file, None))
-        }
+    let mut options = OpenOptions::new();
+    let options = options.write(true).mode(PRIVATE);
+    match options.clone().create_new(true).open(path) {
+        Ok(file) => lock(path, file),
         Err(e) if e.kind() == io::ErrorKind::AlreadyExists => {
             // Look before opening: opening a FIFO would block.
             if !path.metadata().map_err(failed)?.is_file() {
@@ -46,72 +40,27 @@ pub(super) fn create(path: &Path, force: bool) -> Result<(File, Option<Replaceme
                 });
             }
             if !force {
-                let locked = File::open(path).is_ok_and(|file| lock(&file).is_err());
-                return Err(if locked {
-                    in_use()
-                } else {
-                    LogError::Exists {
-                        path: path.to_owned(),
-                    }
+                return Err(LogError::Exists {
+                    path: path.to_owned(),
                 });
             }
-            let older = OpenOptions::new().write(true).open(path).map_err(failed)?;
-            lock(&older).map_err(|_| in_use())?;
-            let (file, replacement) = Replacement::of(path, older, beside)?;
-            Ok((file, Some(replacement)))
+            let file = lock(path, options.open(path).map_err(failed)?)?;
+            file.set_permissions(Permissions::from_mode(PRIVATE))
+                .and_then(|()| file.set_len(0))
+                .map_err(failed)?;
+            Ok(file)
         }
         Err(e) => Err(failed(e)),
     }
 }
 
-/// Opens the file in which a log is written that will replace another; one that a killed run left
-/// there is emptied.
-fn beside(partial: &Path) -> Result<File, LogError> {
-    let path = || partial.to_owned();
-    let failed = |source| LogError::Create {
-        path: path(),
-        source,
-    };
-    if partial
-        .symlink_metadata()
-        .is_ok_and(|found| !found.is_file())
-    {
-        return Err(LogError::NotAFile { path: path() });
+fn lock(path: &Path, file: File) -> Result<File, LogError> {
+    match flock(&file, FlockOperation::NonBlockingLockExclusive) {
+        Ok(()) => Ok(file),
+        Err(_) => Err(LogError::InUse {
+            path: path.to_owned(),
+        }),
     }
-    let file = private()
-        .write(true)
-        .create(true)
-        .truncate(false)
-        // Of a link that somebody put there, the target would be emptied.
-        .custom_flags(rustix::fs::OFlags::NOFOLLOW.bits().cast_signed())
-        .open(partial)
-        .map_err(failed)?;
-    lock(&file).map_err(|_| LogError::InUse { path: path() })?;
-    file.set_len(0).map_err(failed)?;
-    Ok(file)
-}
-
-/// For new files that only this user can read: the scenario in a log holds the keys of its patrols.
-fn private() -> OpenOptions {
-    let mut options = OpenOptions::new();
-    options.mode(0o600);
-    options
-}
-
-fn lock(file: &File) -> rustix::io::Result<()> {
-    flock(file, FlockOperation::NonBlockingLockExclusive)
-}
-
-/// Locks a file that was created just now. Somebody who found it there already may hold its lock
-/// for the moment it takes to see that it is not theirs to take.
-fn lock_new(file: &File) -> rustix::io::Result<()> {
-    for _ in 0..LOCK_ATTEMPTS {
-        if lock(file).is_ok() {
-            return Ok(());
-        }
-        std::thread::sleep(Duration::from_millis(1));
-    }
-    lock(file)
 }
 
 /// The byte stream that the MCAP writer writes to.

@@ -12,7 +12,6 @@ use mcap::{Attachment, McapError, WriteOptions};
 use super::error::LogError;
 use super::log_file::{self, LogFile, Readable};
 use super::mirror::Mirror;
-use super::replacement::Replacement;
 use crate::storage::Storage;
 
 /// How the chunks of a log are compressed.
@@ -34,7 +33,7 @@ pub struct LogOptions {
     /// Wall time after which an open chunk is closed and handed to the operating system: a killed
     /// recorder loses no more than this.
     pub flush_every: Duration,
-    /// Whether an existing file may be replaced.
+    /// Whether an existing file is overwritten.
     pub force: bool,
 }
 
@@ -128,8 +127,6 @@ pub struct LogWriter {
     writer: mcap::Writer<LogFile>,
     readable: Readable,
     path: PathBuf,
-    /// The place of an older file that the log will take.
-    replacement: Option<Replacement>,
     chunk_bytes: u64,
     flush_every: Duration,
     last_flush: Instant,
@@ -140,8 +137,7 @@ pub struct LogWriter {
 }
 
 impl LogWriter {
-    /// Creates the file and writes the manifest. A file that is there already stays until
-    /// [`Self::begin`].
+    /// Creates the file and writes the manifest.
     ///
     /// # Errors
     /// [`LogError::Exists`], [`LogError::InUse`], [`LogError::NotAFile`] or [`LogError::Create`]
@@ -151,10 +147,8 @@ impl LogWriter {
         options: &LogOptions,
         manifest: &Manifest,
     ) -> Result<Self, LogError> {
-        let (file, replacement) = log_file::create(path, options.force)?;
-        let mut log = Self::on(Box::new(file), path, options, manifest)?;
-        log.replacement = replacement;
-        Ok(log)
+        let file = log_file::create(path, options.force)?;
+        Self::on(Box::new(file), path, options, manifest)
     }
 
     pub(super) fn on(
@@ -187,7 +181,6 @@ impl LogWriter {
             writer,
             readable,
             path: path.to_owned(),
-            replacement: None,
             chunk_bytes: options.chunk_bytes.max(1),
             flush_every: options.flush_every,
             last_flush: Instant::now(),
@@ -206,22 +199,6 @@ impl LogWriter {
     /// The file.
     pub fn path(&self) -> &Path {
         &self.path
-    }
-
-    /// Says that the log is worth keeping: now it replaces the file that was there before. Without
-    /// one this does nothing.
-    ///
-    /// # Errors
-    /// [`LogError::Replace`]; the older file then stays.
-    pub fn begin(&mut self) -> Result<(), LogError> {
-        self.replacement
-            .take()
-            .map_or(Ok(()), Replacement::take_place)
-    }
-
-    /// Whether an older file would be lost by finishing the log: [`Self::begin`] has not been called.
-    pub fn would_replace(&self) -> bool {
-        self.replacement.is_some()
     }
 
     /// Lets somebody have everything that is added and written from now on.
@@ -354,10 +331,8 @@ impl LogWriter {
     /// Writes the summary section, waits until the file is on the disk, and says what it holds.
     ///
     /// # Errors
-    /// [`LogError::Write`]; the file then stays readable without its summary. [`LogError::Replace`]
-    /// as [`Self::begin`], which this implies.
+    /// [`LogError::Write`]; the file then stays readable without its summary.
     pub fn finish(mut self) -> Result<LogTotals, LogError> {
-        self.begin()?;
         self.flush()?;
         let result = self.writer.finish().map(drop);
         self.check(result)?;

@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
+use ipc_types::stamp::Header as _;
 use ipc_types::topics::Topic;
 
 use super::error::LogError;
@@ -76,16 +77,22 @@ impl Recording {
         let Some(info) = topic_info::all().get(rank) else {
             return;
         };
-        let newest = self.ledger.newest().unwrap_or(0);
+        let (newest, stamp) = (self.ledger.newest().unwrap_or(0), *header.stamp());
         // From here on only the copy counts: a hostile sender could still write to the original.
-        let (entry, bytes) = self.intake.push::<T>(rank, header, elements);
+        let bytes = self.intake.copy::<T>(header, elements);
         let message = Parts::of_cdr(info, bytes, elements.len());
-        if let Some(verdict) = self.ledger.enter(rank, &entry.stamp, &message) {
-            entry.rejected = !verdict.holds;
+        let Some(verdict) = self.ledger.enter(rank, &stamp, &message) else {
+            return;
+        };
+        if info.is_decodable(elements.len()) {
             // Who speaks outside of simulated history may do so late: about a tick that is written.
-            if !verdict.plausible || (!info.simulated && entry.tick < self.written) {
-                entry.tick = newest;
-            }
+            let is_late = !info.simulated && stamp.tick < self.written;
+            let tick = if is_late || !verdict.plausible {
+                newest
+            } else {
+                stamp.tick
+            };
+            self.intake.keep(tick, rank, stamp, !verdict.holds);
         }
     }
 
@@ -153,8 +160,7 @@ impl Recording {
         self.sink.flush_if_due()
     }
 
-    /// Writes what still waits, ends the log and says what it holds. A log that was to replace an
-    /// older file and holds no world state is given up: the older file stays.
+    /// Writes what still waits, ends the log and says what it holds.
     ///
     /// # Errors
     /// [`LogError`]; what was written before stays readable.

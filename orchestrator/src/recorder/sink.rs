@@ -1,12 +1,11 @@
 //! Where ordered messages go: the log, the latencies, the viewers, the outcome, the observer.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 
 use ipc_types::messages::world::RobotState;
 use ipc_types::topics::{
     Belief, Coverage, Dominance, ObstacleEvents, Plan, Predictions, ProcessEvents, ProcessLog,
-    Scan, Shape, Sightings, Status, Tree, Verdicts, Waypoints, WorldEvents, WorldMap, WorldState,
+    Scan, Sightings, Status, Tree, Verdicts, Waypoints, WorldEvents, WorldMap, WorldState,
 };
 
 use super::error::LogError;
@@ -15,7 +14,6 @@ use super::intake::Entry;
 use super::latency::Latency;
 use super::ledger::Ledger;
 use super::log_writer::{ChannelId, ChannelSpec, LogWriter};
-use super::malformed::Malformed;
 use super::mirror::Mirror;
 use super::options::RecorderOptions;
 use super::summary::{Outcome, Summary, TopicCount, seconds};
@@ -33,7 +31,6 @@ struct TopicChannel {
 pub(super) struct Sink {
     log: LogWriter,
     topics: Vec<TopicChannel>,
-    malformed: Malformed,
     viewer: Option<Viewer>,
     latency: Latency,
     outcome: Outcome,
@@ -70,7 +67,6 @@ impl Sink {
         Ok(Self {
             log,
             topics,
-            malformed: Malformed::default(),
             viewer,
             latency: Latency::new(&options.processes),
             outcome: Outcome::new(&options.robots, &options.processes, options.tick_period_ns),
@@ -96,12 +92,6 @@ impl Sink {
             return Ok(());
         };
         let stamp = &entry.stamp;
-        if topic.info.shape == Shape::One && entry.elements != 1 {
-            let name = topic.info.name;
-            return self
-                .malformed
-                .write(&mut self.log, name, time_ns, stamp.time_ns, bytes);
-        }
         // The counter of the channel has 32 bits; the stamp has all 64.
         let sequence = stamp.sequence as u32;
         self.log
@@ -136,8 +126,6 @@ impl Sink {
                 let Some((header, states)) = view::<WorldState>(bytes) else {
                     return Ok(());
                 };
-                // The run has begun.
-                log.begin()?;
                 robots.clear();
                 robots.extend(states);
                 outcome.state(&header, robots);
@@ -235,13 +223,6 @@ impl Sink {
             viewer.finish(&mut self.log)?;
         }
         let latency = self.latency.finish();
-        if self.log.would_replace() {
-            // Nothing happened: dropped, the log leaves the older file as it was.
-            let (topics, path) = (BTreeMap::new(), PathBuf::new());
-            return Ok(self
-                .outcome
-                .finish(ledger.digest(), topics, latency, path, 0));
-        }
         let path = self.log.path().to_owned();
         let mut summary = self
             .outcome
@@ -251,7 +232,6 @@ impl Sink {
         let totals = self.log.finish()?;
         summary.log_bytes = totals.file_bytes;
         for channel in totals.channels {
-            // What is malformed stands in a channel of its own.
             let topic = ledger.counts().find(|(name, _)| *name == channel.topic);
             let count = TopicCount {
                 messages: channel.messages,

@@ -166,7 +166,8 @@ pub struct TopicCount {
     pub bytes: u64,
     /// Messages that are missing by the sequence numbers.
     pub gaps: u64,
-    /// Messages that failed the checks; they are in the log all the same.
+    /// Messages that failed the checks. They are in the log all the same, but for those with a number
+    /// of elements that no reader could decode.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub rejected: u64,
 }

@@ -110,6 +110,11 @@ impl TopicInfo {
             finite: Finite::of(T::NAME, &header, &element),
         }
     }
+
+    /// Whether a message with this many elements has a CDR form that readers can decode.
+    pub(super) fn is_decodable(&self, elements: usize) -> bool {
+        self.shape == Shape::Many || elements == 1
+    }
 }
 
 /// All topics, in the order of [`ipc_types::topics::NAMES`]: a topic's place in it is its rank.

@@ -415,10 +415,3 @@ pub(crate) fn record_run(
     }
     recording.finish(&mut ()).unwrap()
 }
-
-/// A command message with as many elements as it must not have.
-fn command_element_count(elements: usize) -> Sent {
-    let mut header = PlainHeader::default();
-    header.stamp.source = FIRST_ROBOT;
-    Sent::Command(header, vec![Command::default(); elements])
-}

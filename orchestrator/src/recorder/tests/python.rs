@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use super::super::{Recording, Summary};
-use super::{command_element_count, options, run};
+use super::{options, run};
 
 /// The interpreter with the readers, or why there is none.
 fn python() -> Result<PathBuf, String> {
@@ -47,7 +47,6 @@ fn python_decodes_every_message_of_the_log() {
     for sent in &run(12, 1_000) {
         sent.push(&mut recording);
     }
-    command_element_count(2).push(&mut recording);
     let summary: Summary = recording.finish(&mut ()).unwrap();
     let output = Command::new(python)
         .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("src/recorder/tests/python/read_log.py"))

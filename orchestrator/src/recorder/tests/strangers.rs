@@ -1,4 +1,4 @@
-//! Messages that are not to be believed are in the log all the same, and counted.
+//! Messages that are not to be believed are counted, and in the log if readers can decode them.
 
 use ipc_types::messages::robot::Command;
 use ipc_types::stamp::{PlainHeader, Stamp};
@@ -73,21 +73,13 @@ fn nonsense_is_logged_and_counted_as_rejected() {
 }
 
 #[test]
-fn messages_with_a_wrong_number_of_elements_go_where_readers_can_decode_them() {
+fn messages_with_a_wrong_number_of_elements_are_counted_as_rejected_and_left_out() {
     for count in [0, 2] {
         let sent = command(|_, commands| commands.resize(count, Command::default()));
         let (summary, messages) = with(&[sent]);
-        assert_eq!(summary.topics[Commands::NAME].messages, 18);
-        assert_eq!(summary.topics[Commands::NAME].rejected, 1);
-        assert_eq!(summary.topics["recorder/malformed"].messages, 1);
-        let malformed = messages
-            .iter()
-            .find(|m| m.0 == "recorder/malformed")
-            .unwrap();
-        let tail = &malformed.2[4 + 4 + "robot/command".len() + 1..];
-        let bytes = 4 + size_of::<PlainHeader>() + count * size_of::<Command>();
-        // Padding of the name to four bytes, and the count.
-        assert_eq!(tail.len(), 2 + 4 + bytes, "all of its bytes are there");
+        let counted = summary.topics[Commands::NAME];
+        assert_eq!((counted.messages, counted.rejected), (18, 1));
+        assert_eq!(messages.iter().filter(|m| m.0 == Commands::NAME).count(), 18);
     }
 }
 
