@@ -12,7 +12,6 @@
 mod cache;
 mod crew;
 mod error;
-mod record;
 
 pub use cache::Cache;
 pub(crate) use crew::Members;
@@ -30,11 +29,11 @@ use ipc_types::topics::ObstacleEvents;
 
 use crate::mission::plan::Plan;
 use crate::mission::progress::{EventPrinter, Progress};
-use crate::mission::{MissionError, MissionReport};
+use crate::mission::{MissionError, MissionOptions, MissionReport, recording};
+use crate::recorder::Recorder;
 use crate::scenario::ResolvedScenario;
 use crate::scenario::spec::Mode;
 use crew::Crew;
-use record::Record;
 
 /// Ticks between two looks at the progress.
 const SHOW_EVERY: u64 = 256;
@@ -91,7 +90,15 @@ fn fly(
     let plan = Plan::new(scenario, Path::new(""), "", "warn")?;
     let bus = Bus::local(plan.run.bus_options(), Some(options.cache.commons()));
     // The recorder's subscriptions must stand before anybody sends.
-    let mut record = Record::open(scenario, &plan, &bus, options)?;
+    let log = MissionOptions {
+        out: options.out.clone(),
+        force: options.force,
+        without_log: options.out.is_none(),
+        ..MissionOptions::default()
+    };
+    let beginnings = options.cache.beginnings();
+    let recording = recording::create(scenario, &plan, &log, beginnings, None)?;
+    let mut recorder = Recorder::open(&bus, recording)?;
     let obstacles: Publisher<ObstacleEvents> =
         bus.publisher(PublisherOptions::new(plan.orchestrator_index(), 1))?;
     let mut crew = Crew::open(&plan, &bus)?;
@@ -111,12 +118,12 @@ fn fly(
         let tick = crew.tick();
         match &mut show {
             Some(show) => {
-                record.take(tick, &mut show.events)?;
+                recorder.take(tick, &mut show.events)?;
                 if tick.is_multiple_of(SHOW_EVERY) {
                     show.progress.at(tick as f64 * plan.run.tick_period());
                 }
             }
-            None => record.take(tick, &mut ())?,
+            None => recorder.take(tick, &mut ())?,
         }
         let interrupted = options.interrupted.load(Ordering::Relaxed);
         if over || interrupted {
@@ -127,11 +134,11 @@ fn fly(
     let wall_time_s = first_tick.elapsed().as_secs_f64();
     let summary = match &mut show {
         Some(show) => {
-            let summary = record.finish(&mut show.events);
+            let summary = recorder.finish(&mut show.events);
             show.progress.finish();
             summary?
         }
-        None => record.finish(&mut ())?,
+        None => recorder.finish(&mut ())?,
     };
     Ok(MissionReport {
         summary,

@@ -7,7 +7,6 @@
 //! * [`Report`] is all of it as a table and as JSON.
 
 pub mod baselines;
-mod chain;
 mod error;
 pub mod link;
 pub mod mission;
@@ -15,8 +14,9 @@ mod of_log;
 mod report;
 mod text;
 
-pub use chain::{Answers, Passage, REACTION, Stage, TICK_JITTER, WHOLE};
 pub use error::LatencyError;
 pub use of_log::{Measured, Sizes, of_log};
 pub use report::{Report, Run, load};
 pub use text::text;
+
+pub use crate::recorder::chain::{Answers, Passage, REACTION, Stage, TICK_JITTER, WHOLE};

@@ -7,7 +7,6 @@ use std::rc::Rc;
 use ipc_types::cdr;
 use ipc_types::topics::{Commands, Status, Topic as _, WorldState};
 
-use super::chain::{Answers, Chain, Passage, WHOLE};
 use super::error::LatencyError;
 use crate::logs::origin::Origin;
 use crate::logs::output::MANIFEST;
@@ -17,7 +16,8 @@ use crate::mission::MissionError;
 use crate::mission::plan::Plan;
 use crate::mission::recording;
 use crate::mission::report::mode_name;
-use crate::recorder::{Latency, ProcessInfo, Role};
+use crate::recorder::chain::{Answers, Chain, Passage};
+use crate::recorder::{ProcessInfo, Role};
 use crate::scenario::ResolvedScenario;
 use crate::scenario::spec::Mode;
 use crate::statistics::{Distribution, Distributions};
@@ -76,11 +76,6 @@ pub struct Measured {
 }
 
 impl Measured {
-    /// Hops and steps, without the whole, which the stages have.
-    pub fn hops(&self) -> impl Iterator<Item = (&String, &Distribution)> {
-        self.hops.iter().filter(|(name, _)| *name != WHOLE)
-    }
-
     /// The distribution with this name among hops, stages and ticks.
     pub fn distribution(&self, name: &str) -> Option<&Distribution> {
         [&self.stages, &self.hops, &self.period]
@@ -122,7 +117,6 @@ struct Known {
     scenario: ResolvedScenario,
     processes: Vec<ProcessInfo>,
     period_ns: Option<u64>,
-    latency: Latency,
     chain: Chain,
 }
 
@@ -170,8 +164,7 @@ impl Reading {
             (plan.run.tick_period_ns as f64 / factor) as u64
         });
         Ok(Known {
-            latency: Latency::new(&processes),
-            chain: Chain::new(&processes, period_ns),
+            chain: Chain::new(&processes).with_detail(period_ns),
             scenario,
             processes,
             period_ns,
@@ -197,7 +190,6 @@ impl Reading {
         }
         if stamp.sent_ns != 0 {
             self.stamped += u64::from(matches!(role, Role::State | Role::Command));
-            known.latency.message(role, &stamp);
             known.chain.message(role, &stamp);
         }
     }
@@ -229,8 +221,8 @@ impl Reading {
                 "clocks in its stamps: it was run in one process, where nothing takes time to arrive",
             ));
         }
-        let (answers, passages) = known.chain.finish();
-        let passages = passages.to_vec();
+        known.chain.settle();
+        let detail = known.chain.detail.take().unwrap_or_default();
         let name = |index: u32| {
             let process = known.processes.iter().find(|p| p.index == index);
             process.map_or_else(|| format!("process {index}"), |p| p.name.clone())
@@ -254,12 +246,12 @@ impl Reading {
                 .iter()
                 .filter_map(|(id, topic)| Some((topic.clone(), *self.sizes.get(id)?)))
                 .collect(),
-            hops: known.latency.distributions().clone(),
-            turns: known.chain.turns.clone(),
-            stages: known.chain.stages.clone(),
-            period: known.chain.period.clone(),
-            answers,
-            passages,
+            hops: known.chain.hops,
+            stages: known.chain.stages,
+            turns: detail.turns,
+            period: detail.period,
+            answers: detail.answers,
+            passages: detail.passages,
             condition,
         })
     }

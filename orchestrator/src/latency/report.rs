@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use serde_json::{Map, Value as Json, json};
 
 use super::baselines::Baseline;
-use super::chain::{REACTION, Stage, TICK_JITTER, WHOLE};
 use super::of_log::Measured;
+use super::{REACTION, Stage, TICK_JITTER, WHOLE};
 use crate::mission::report::machine;
 use crate::statistics::{Distribution, Percentiles};
 
@@ -139,7 +139,7 @@ impl Run {
             "stages": stages,
             "followed_ticks": m.passages.len(),
             "largest_sum_error_ns": self.sum_error_ns(),
-            "hops": named(m.hops()),
+            "hops": named(m.hops.iter()),
             "turns": named(m.turns.iter()),
             "messages": m.sizes.iter().map(|(topic, sizes)| (topic.clone(), json!({
                 "count": sizes.messages,

@@ -5,8 +5,8 @@ use std::fmt::Write as _;
 use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
 use comfy_table::{CellAlignment, Table};
 
+use super::TICK_JITTER;
 use super::baselines::Baseline;
-use super::chain::TICK_JITTER;
 use super::report::{Report, Run};
 use crate::mission::report::machine;
 use crate::statistics::Percentiles;
@@ -128,7 +128,7 @@ fn of_run(text: &mut String, run: &Run) {
         stages.add_row([vec![name.to_owned()], cells(&p).to_vec()].concat());
     }
     let mut hops = table(&header("hop"), 1);
-    for (name, own) in run.measured.hops() {
+    for (name, own) in run.measured.hops.iter() {
         hops.add_row([vec![name.clone()], cells(&own.percentiles()).to_vec()].concat());
     }
     let _ = writeln!(text, "{stages}\n\n{hops}\n\n{}\n", turns(run));

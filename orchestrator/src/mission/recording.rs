@@ -8,7 +8,6 @@ use std::sync::{Arc, mpsc};
 use std::thread::JoinHandle;
 
 use ipc_types::bus::Bus;
-use kit::config::Clock;
 use kit::lockstep::Overseer;
 
 use super::error::MissionError;
@@ -19,106 +18,42 @@ use super::run::MissionOptions;
 use super::{log_path, report};
 use crate::eyes;
 use crate::recorder::{
-    Compression, LogError, LogOptions, Manifest, ManifestFile, Mirror, ProcessInfo, Recorder,
-    RecorderError, RecorderOptions, Recording, RobotInfo, Summary, Tally, ViewerOptions,
+    Beginnings, Compression, LogError, LogOptions, Manifest, ManifestFile, Mirror, ProcessInfo,
+    Recorder, RecorderError, RecorderOptions, Recording, RobotInfo, Summary, ViewerOptions,
 };
 use crate::scenario::ResolvedScenario;
 use crate::scenario::spec;
 
-/// What is kept of a run with processes.
-pub(super) enum Kept {
-    /// A log.
-    Log(Box<Recording>),
-    /// What the run amounts to, counted by someone who knows these processes and robots.
-    Tally {
-        /// Everybody who sends.
-        processes: Vec<ProcessInfo>,
-        /// The robots.
-        robots: Vec<RobotInfo>,
-        /// Simulated time between two ticks [ns].
-        tick_period_ns: u64,
-    },
-}
-
-impl Kept {
-    /// Creates the log, if there is to be one.
-    ///
-    /// # Errors
-    /// As [`create_log`].
-    pub(super) fn create(
-        scenario: &ResolvedScenario,
-        plan: &Plan,
-        options: &MissionOptions,
-        mirror: Option<Box<dyn Mirror>>,
-    ) -> Result<Self, MissionError> {
-        // In real time ticks have no end that everybody waits for: only a recording sorts them.
-        if options.without_log && plan.run.clock == Clock::LockStep {
-            return Ok(Self::Tally {
-                processes: processes(plan),
-                robots: robots(plan),
-                tick_period_ns: plan.run.tick_period_ns,
-            });
-        }
-        Ok(Self::Log(Box::new(create_log(
-            scenario, plan, options, mirror,
-        )?)))
+/// Begins to record a run, into a log if one is wanted.
+///
+/// # Errors
+/// As [`create_log`].
+pub(crate) fn create(
+    scenario: &ResolvedScenario,
+    plan: &Plan,
+    options: &MissionOptions,
+    beginnings: Arc<Beginnings>,
+    mirror: Option<Box<dyn Mirror>>,
+) -> Result<Recording, MissionError> {
+    if options.without_log {
+        let period = plan.run.tick_period_ns;
+        let (processes, robots) = (processes(plan), robots(plan));
+        return Ok(Recording::without_log(
+            &processes, &robots, period, beginnings,
+        ));
     }
-}
-
-/// The recorder of a run with processes.
-enum Keeper {
-    Log(Box<Recorder>),
-    Tally(Box<Tally>),
-}
-
-impl Keeper {
-    fn open(bus: &Bus, kept: Kept) -> Result<Self, RecorderError> {
-        Ok(match kept {
-            Kept::Log(recording) => Self::Log(Box::new(Recorder::open(bus, *recording)?)),
-            Kept::Tally {
-                processes,
-                robots,
-                tick_period_ns,
-            } => {
-                // Maps in shared memory are never known from another run.
-                let beginnings = Arc::default();
-                let tally = Tally::open(bus, &processes, &robots, tick_period_ns, beginnings)?;
-                Self::Tally(Box::new(tally))
-            }
-        })
-    }
-
-    fn update_connections(&self) -> Result<(), RecorderError> {
-        match self {
-            Self::Log(recorder) => recorder.update_connections(),
-            Self::Tally(tally) => tally.update_connections(),
-        }
-    }
-
-    fn run(self, gate: &PageGate, printer: &mut EventPrinter) -> Result<Summary, RecorderError> {
-        match self {
-            Self::Log(recorder) => recorder.run(gate, printer),
-            Self::Tally(tally) => tally.run(gate, printer),
-        }
-    }
+    create_log(scenario, plan, options, mirror)
 }
 
 /// Creates the log. Without a name of its own it takes the first free one, also when another run
 /// takes names at the same time.
-pub(crate) fn create_log(
+fn create_log(
     scenario: &ResolvedScenario,
     plan: &Plan,
     options: &MissionOptions,
     mut mirror: Option<Box<dyn Mirror>>,
 ) -> Result<Recording, MissionError> {
     let mut recorder = recorder_options(scenario, plan, options);
-    if options.without_log {
-        // Written where it goes with the run, in memory, and as cheaply as it can be.
-        recorder.path = plan.run.root.join("run.mcap");
-        recorder.log.compression = Compression::None;
-        recorder.viewer.rate_hz = 0.0;
-        return Ok(Recording::create_mirrored(&recorder, &mut mirror)?);
-    }
     loop {
         recorder.path = match &options.out {
             Some(path) => path.clone(),
@@ -259,7 +194,7 @@ impl RecorderThread {
     pub(super) fn start(
         plan: &Plan,
         overseer: &Overseer,
-        kept: Kept,
+        recording: Recording,
         mut printer: EventPrinter,
     ) -> Result<Self, MissionError> {
         let system = |what: &str| {
@@ -289,7 +224,7 @@ impl RecorderThread {
                 // The ports of the bus belong to the thread that opened them.
                 let bus =
                     Bus::join(&space, bus_options, "recorder").map_err(RecorderError::Subscribe)?;
-                let recorder = Keeper::open(&bus, kept)?;
+                let recorder = Recorder::open(&bus, recording)?;
                 let _ = tell.send(());
                 // Both channels end when the run ends before it began.
                 if do_connect.recv().is_ok() {

@@ -22,7 +22,7 @@ use super::children::sleep_until_exit;
 use super::error::MissionError;
 use super::plan::Plan;
 use super::progress::Progress;
-use super::recording::{Kept, RecorderThread};
+use super::recording::{self, RecorderThread};
 use super::room;
 use super::spaces::{self, OwnedSpace};
 use super::supervisor::Supervisor;
@@ -45,8 +45,7 @@ pub struct MissionOptions {
     pub out: Option<PathBuf>,
     /// Whether an existing log may be overwritten.
     pub force: bool,
-    /// Whether no log is kept: the summary is the same, but for its log and its latencies, which
-    /// are empty.
+    /// Whether no log is kept: the summary is the same, but for its log.
     pub without_log: bool,
     /// Whether nothing but errors is shown.
     pub quiet: bool,
@@ -126,7 +125,8 @@ pub fn run(
         plan.keep_pace(pace);
     }
     let mirror = live.as_ref().map(|live| Box::new(live.tap()) as _);
-    let kept = Kept::create(scenario, &plan, options, mirror)?;
+    // Maps in shared memory are never known from another run.
+    let recording = recording::create(scenario, &plan, options, Arc::default(), mirror)?;
 
     let bus = Bus::join(space.space(), plan.run.bus_options(), "orchestrator")?;
     let services = create_services(&bus, &plan)?;
@@ -147,7 +147,7 @@ pub fn run(
         .map(|r| r.name.clone())
         .collect();
     let printer = progress.events(robots, options.quiet);
-    let recorder = RecorderThread::start(&plan, &overseer, kept, printer)?;
+    let recorder = RecorderThread::start(&plan, &overseer, recording, printer)?;
 
     let bridge = Bridge::start(&plan, &bus, &page)?;
 
@@ -185,16 +185,9 @@ pub fn run(
     drop(space);
     // A failed recorder is the cause rather than the consequence of anything else.
     let mut summary = recorded?;
-    if options.without_log {
-        // It went with the run's directory.
-        summary.log = PathBuf::new();
-        summary.log_bytes = 0;
-    } else if first_tick.is_none() {
-        // Nothing happened: a log without a tick would only look like a run. (One that was to
-        // replace another has been given up already, and is not named.)
-        if !summary.log.as_os_str().is_empty() {
-            let _ = std::fs::remove_file(&summary.log);
-        }
+    if first_tick.is_none() && !options.without_log {
+        // Nothing happened: a log without a tick would only look like a run.
+        let _ = std::fs::remove_file(&summary.log);
         summary.log = PathBuf::new();
     }
     flown?;

@@ -3,19 +3,18 @@
 //! The map is by far the largest message of a short run, and in a sweep it is always the same: it
 //! need be checked and fingerprinted once.
 
+use std::any::Any;
 use std::sync::{Arc, Mutex, PoisonError};
-
-use ipc_types::messages::world::MapCell;
 
 use super::parts::Parts;
 
 /// Most maps that are kept; beyond it the one that came first goes.
 const MOST: usize = 16;
 
-/// The first map messages of runs in this process, with the state of the fingerprint behind them.
+/// The first messages of runs in this process, with the state of the fingerprint behind them.
 ///
-/// Only messages whose cells are shared in memory are known again, by the place of their cells: two
-/// messages with the same cells and the same header are the same bytes.
+/// Only messages whose elements are shared in memory are known again, by the place of their elements:
+/// two messages with the same elements and the same header are the same bytes.
 #[derive(Debug, Default)]
 pub struct Beginnings {
     known: Mutex<Vec<Arc<Beginning>>>,
@@ -24,29 +23,37 @@ pub struct Beginnings {
 /// A message that passed the checks, and the state of its stream's hash behind it.
 #[derive(Debug)]
 pub(super) struct Beginning {
-    cells: Arc<[MapCell]>,
+    /// An `Arc<[E]>`.
+    elements: Box<dyn Any + Send + Sync>,
     header: Vec<u8>,
     pub(super) hasher: blake3::Hasher,
 }
 
 impl Beginnings {
-    /// What is known of a message with these cells.
-    pub(super) fn find(
+    /// What is known of a message with these elements.
+    pub(super) fn find<E: Send + Sync + 'static>(
         &self,
-        cells: &Arc<[MapCell]>,
+        elements: &Arc<[E]>,
         message: &Parts<'_>,
     ) -> Option<Arc<Beginning>> {
+        let is_the_same = |known: &Beginning| {
+            let of_known = known.elements.downcast_ref::<Arc<[E]>>();
+            of_known.is_some_and(|of_known| Arc::ptr_eq(of_known, elements))
+                && known.header == header(message)
+        };
         let known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
-        let found = known
-            .iter()
-            .find(|known| Arc::ptr_eq(&known.cells, cells) && known.header == header(message));
-        found.cloned()
+        known.iter().find(|known| is_the_same(known)).cloned()
     }
 
     /// Keeps a message that passed the checks, with the state of its stream's hash behind it.
-    pub(super) fn keep(&self, cells: &Arc<[MapCell]>, message: &Parts<'_>, hasher: blake3::Hasher) {
+    pub(super) fn keep<E: Send + Sync + 'static>(
+        &self,
+        elements: &Arc<[E]>,
+        message: &Parts<'_>,
+        hasher: blake3::Hasher,
+    ) {
         let beginning = Arc::new(Beginning {
-            cells: Arc::clone(cells),
+            elements: Box::new(Arc::clone(elements)),
             header: header(message),
             hasher,
         });

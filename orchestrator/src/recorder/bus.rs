@@ -23,6 +23,8 @@ const TURN: usize = 16_384;
 /// The ports of the bus belong to one thread: open the recorder on the thread that runs it.
 pub struct Recorder {
     taps: Vec<Box<dyn Tap>>,
+    /// Whether messages stay as they are sent: those of one thread.
+    in_place: bool,
     recording: Recording,
 }
 
@@ -49,6 +51,7 @@ impl Recorder {
         for_each_topic(&mut open)?;
         Ok(Self {
             taps: open.1,
+            in_place: bus.is_local(),
             recording,
         })
     }
@@ -131,7 +134,7 @@ impl Recorder {
     fn drain(&mut self) -> Result<bool, ReceiveError> {
         let mut empty = true;
         for tap in &self.taps {
-            empty &= tap.drain(&mut self.recording)?;
+            empty &= tap.drain(&mut self.recording, self.in_place)?;
         }
         Ok(empty)
     }
@@ -149,7 +152,7 @@ impl core::fmt::Debug for Recorder {
 trait Tap {
     fn connect(&self) -> Result<(), ReceiveError>;
     /// Takes messages; `false` if there may be more.
-    fn drain(&self, recording: &mut Recording) -> Result<bool, ReceiveError>;
+    fn drain(&self, recording: &mut Recording, in_place: bool) -> Result<bool, ReceiveError>;
 }
 
 struct TopicTap<T: Topic> {
@@ -162,12 +165,10 @@ impl<T: Topic> Tap for TopicTap<T> {
         self.subscriber.update_connections()
     }
 
-    fn drain(&self, recording: &mut Recording) -> Result<bool, ReceiveError> {
+    fn drain(&self, recording: &mut Recording, in_place: bool) -> Result<bool, ReceiveError> {
         for _ in 0..TURN {
             match self.subscriber.receive()? {
-                Some(message) => {
-                    recording.push_ranked::<T>(self.rank, message.header(), message.elements());
-                }
+                Some(message) => recording.receive(self.rank, &message, in_place),
                 None => return Ok(true),
             }
         }

@@ -2,9 +2,7 @@
 
 use std::time::Duration;
 
-use ipc_types::messages::process::ProcessStatus;
-use ipc_types::messages::world::{RobotState, WorldEvent, WorldHeader};
-use ipc_types::stamp::Stamp;
+use ipc_types::messages::world::WorldEvent;
 
 /// The recorder's side of the machinery that drives a run.
 pub trait Gate {
@@ -34,23 +32,13 @@ pub trait Gate {
     fn ended(&self) -> bool;
 }
 
-/// Sees the stream as it is written, in its order. Runs on the recorder's thread: be quick.
+/// Sees what happens, in the order of the log. Runs on the recorder's thread: be quick.
 pub trait Observer {
-    /// A world state was recorded.
-    fn on_state(&mut self, header: &WorldHeader, robots: &[RobotState]) {
-        let _ = (header, robots);
-    }
-
     /// Something happened in the world at a simulated time [s].
-    fn on_event(&mut self, time_s: f64, event: &WorldEvent) {
-        let _ = (time_s, event);
-    }
-
-    /// A process told how it is.
-    fn on_status(&mut self, stamp: &Stamp, status: &ProcessStatus) {
-        let _ = (stamp, status);
-    }
+    fn on_event(&mut self, time_s: f64, event: &WorldEvent);
 }
 
 /// Looks at nothing.
-impl Observer for () {}
+impl Observer for () {
+    fn on_event(&mut self, _: f64, _: &WorldEvent) {}
+}

@@ -49,13 +49,13 @@ impl Judged {
 #[cfg(test)]
 mod tests {
     use std::collections::BTreeMap;
-    use std::path::PathBuf;
 
     use ipc_types::messages::referee::Verdict;
     use ipc_types::messages::world::{RobotState, WorldHeader};
 
     use super::super::options::RobotInfo;
-    use super::super::summary::{Outcome, Summary};
+    use super::super::outcome::Outcome;
+    use super::super::summary::Summary;
 
     fn verdict(robot: u32, possible: bool) -> Verdict {
         Verdict {
@@ -83,7 +83,7 @@ mod tests {
                 ..RobotState::default()
             })
             .collect();
-        outcome.state(&WorldHeader::default(), &robots);
+        outcome.state(&WorldHeader::default(), robots.into_iter());
         for (robot, (_, verdicts)) in (0..).zip(states) {
             for &(time_s, possible) in *verdicts {
                 outcome.verdict(time_s, &verdict(robot, possible));
@@ -91,13 +91,7 @@ mod tests {
         }
         // A robot that does not exist changes nothing.
         outcome.verdict(1.0, &verdict(99, true));
-        outcome.finish(
-            String::new(),
-            BTreeMap::new(),
-            BTreeMap::new(),
-            PathBuf::new(),
-            0,
-        )
+        outcome.finish(String::new(), BTreeMap::new(), BTreeMap::new())
     }
 
     #[test]

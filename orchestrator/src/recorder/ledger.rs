@@ -68,18 +68,8 @@ impl Ledger {
     }
 
     /// Enters a message of the topic at this place in the list of topics; `None` if there is no
-    /// such topic.
+    /// such topic. A message that is known from another run is not looked through again.
     pub(super) fn enter(
-        &mut self,
-        rank: usize,
-        stamp: &Stamp,
-        message: &Parts<'_>,
-    ) -> Option<Verdict> {
-        self.enter_known(rank, stamp, message, None)
-    }
-
-    /// As [`Ledger::enter`]; a message that is known from another run is not looked through again.
-    pub(super) fn enter_known(
         &mut self,
         rank: usize,
         stamp: &Stamp,

@@ -2,8 +2,9 @@
 //! can open, and what the run amounted to.
 //!
 //! * [`Recorder`] drains the bus on a thread of its own and drives a [`Recording`];
-//! * [`Recording`] orders, checks, counts and fingerprints messages and writes them;
-//! * [`Tally`] says what a run amounts to without a log;
+//! * [`Recording`] checks, counts and fingerprints messages, and hands them on in their order: to the
+//!   outcome of the run, to the log with what viewers see, to an [`Observer`]. A run without a log has
+//!   the same, but for the log;
 //! * [`LogWriter`] is the MCAP file; [`Gate`] and [`Observer`] are the seams to the run.
 //!
 //! Lossless topics are ROS 2 CDR whose body is the message's bytes (`ipc_types::cdr`); beside them
@@ -11,26 +12,27 @@
 
 mod beginnings;
 mod bus;
+pub(crate) mod chain;
 mod checks;
 mod digest;
 mod error;
 mod gate;
 mod intake;
 mod judged;
-mod latency;
 mod ledger;
+mod log;
 mod log_file;
 mod log_writer;
+mod message;
 mod mirror;
 mod options;
 mod outages;
+mod outcome;
 mod parts;
 mod predicted;
 mod recording;
 mod sequence;
-mod sink;
 mod summary;
-mod tally;
 mod topic_info;
 mod viewer;
 mod visits;
@@ -42,8 +44,6 @@ pub use beginnings::Beginnings;
 pub use bus::Recorder;
 pub use error::{LogError, RecorderError};
 pub use gate::{Gate, Observer};
-pub use latency::SENSE_TO_ACT;
-pub(crate) use latency::{Latency, since};
 pub use log_writer::{
     ChannelId, ChannelSpec, ChannelTotals, Compression, LogOptions, LogTotals, LogWriter, Manifest,
     ManifestFile,
@@ -57,7 +57,6 @@ pub use summary::{
     CoverageByWay, CoverageOutcome, EventEntry, RobotOutcome, Summary, TopicCount, status_name,
     team_name,
 };
-pub use tally::Tally;
 pub(crate) use topic_info::Role;
 pub use viewer::ViewerOptions;
 pub use visits::{LapFigures, WaypointOutcome};

@@ -1,38 +1,57 @@
 //! The recording of a run, whoever delivers the messages.
 
 use std::collections::VecDeque;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use ipc_types::stamp::Header as _;
-use ipc_types::topics::Topic;
+use ipc_types::bus::Received;
+use ipc_types::cdr::SequenceHead;
+use ipc_types::stamp::{Header as _, Stamp};
+use ipc_types::topics::{Topic, WorldEvents};
+use zerocopy::IntoBytes as _;
 
+use super::beginnings::Beginnings;
+use super::chain::Chain;
 use super::error::LogError;
 use super::gate::Observer;
-use super::intake::Intake;
-use super::ledger::Ledger;
+use super::intake::{Entry, Intake};
+use super::ledger::{Ledger, Verdict};
+use super::log::Log;
+use super::message::Message;
 use super::mirror::Mirror;
-use super::options::RecorderOptions;
+use super::options::{ProcessInfo, RecorderOptions, RobotInfo};
+use super::outcome::Outcome;
 use super::parts::Parts;
-use super::sink::Sink;
-use super::summary::Summary;
-use super::topic_info;
+use super::summary::{Summary, TopicCount, seconds};
+use super::topic_info::{self, Role, view};
 
 /// How long a tick that began waits for its messages before what there is of it is written: in real
 /// time, where nothing says that a tick is complete, and when the world stands still within one.
 const LONGEST_WAIT: Duration = Duration::from_millis(250);
 
-/// Orders, checks, counts, fingerprints and writes the messages of a run.
+/// Checks, counts and fingerprints the messages of a run as they come, puts them in order, and hands
+/// them to what makes something of them: the outcome, the observer and, if there is one, the log.
 ///
 /// Messages may be pushed in any order that keeps the order of each source; the log, the digest
 /// and the summary do not depend on how those of different sources interleave.
 pub struct Recording {
-    intake: Intake,
-    sink: Sink,
     ledger: Ledger,
+    latencies: Chain,
+    intake: Intake,
     /// Ticks that began, and when that was seen; those of the last [`LONGEST_WAIT`], in order.
     begun: VecDeque<(Instant, u64)>,
-    /// The newest tick that is written, perhaps in part.
-    written: u64,
+    consumers: Consumers,
+    /// The first messages of other runs in this process.
+    beginnings: Arc<Beginnings>,
+}
+
+/// What gets the messages in their order.
+struct Consumers {
+    outcome: Outcome,
+    log: Option<Log>,
+    tick_period_ns: u64,
+    /// The newest tick that was written, perhaps in part.
+    tick: u64,
 }
 
 impl Recording {
@@ -53,27 +72,85 @@ impl Recording {
         options: &RecorderOptions,
         mirror: &mut Option<Box<dyn Mirror>>,
     ) -> Result<Self, LogError> {
+        let log = Log::create(options, mirror)?;
+        let recording = Self::without_log(
+            &options.processes,
+            &options.robots,
+            options.tick_period_ns,
+            Arc::default(),
+        );
         Ok(Self {
-            intake: Intake::default(),
-            sink: Sink::create(options, mirror)?,
-            ledger: Ledger::new(&options.processes, options.tick_period_ns),
-            begun: VecDeque::new(),
-            written: 0,
+            consumers: Consumers {
+                log: Some(log),
+                ..recording.consumers
+            },
+            ..recording
         })
+    }
+
+    /// Comes to the summary alone, for runs of which there are many. `tick_period_ns` is the simulated
+    /// time between two ticks, `beginnings` what other runs in this process know of their maps.
+    pub fn without_log(
+        processes: &[ProcessInfo],
+        robots: &[RobotInfo],
+        tick_period_ns: u64,
+        beginnings: Arc<Beginnings>,
+    ) -> Self {
+        Self {
+            ledger: Ledger::new(processes, tick_period_ns),
+            latencies: Chain::new(processes),
+            intake: Intake::default(),
+            begun: VecDeque::new(),
+            consumers: Consumers {
+                outcome: Outcome::new(robots, processes, tick_period_ns),
+                log: None,
+                tick_period_ns,
+                tick: 0,
+            },
+            beginnings,
+        }
     }
 
     /// Takes a copy of a message. A topic that is not in the list of topics is ignored.
     pub fn push<T: Topic>(&mut self, header: &T::Header, elements: &[T::Element]) {
-        self.push_ranked::<T>(topic_info::rank::<T>(), header, elements);
+        self.copy::<T>(topic_info::rank::<T>(), header, elements);
     }
 
-    /// As [`Recording::push`], for callers that know the topic's place.
-    pub(super) fn push_ranked<T: Topic>(
-        &mut self,
-        rank: usize,
-        header: &T::Header,
-        elements: &[T::Element],
-    ) {
+    /// Takes a message of the topic at this place in the list. `in_place`: nothing can write to the
+    /// message any more, so that it is copied only if it is needed later.
+    pub(super) fn receive<T: Topic>(&mut self, rank: usize, message: &Received<T>, in_place: bool) {
+        let (header, elements) = (message.header(), message.elements());
+        let Some(info) = topic_info::all().get(rank) else {
+            return;
+        };
+        if !in_place || self.consumers.wants(info.role) {
+            self.copy::<T>(rank, header, elements);
+            return;
+        }
+        let stamp = header.stamp();
+        let head = SequenceHead::of::<T>(elements.len());
+        let parts = Parts::new(
+            header.as_bytes(),
+            &head,
+            elements.as_bytes(),
+            elements.len(),
+        );
+        let Some(shared) = message.shared() else {
+            let verdict = self.ledger.enter(rank, stamp, &parts, None);
+            self.measure(info.role, stamp, verdict);
+            return;
+        };
+        let known = self.beginnings.find(shared, &parts);
+        let verdict = self.ledger.enter(rank, stamp, &parts, known.as_deref());
+        if known.is_none()
+            && verdict.is_some_and(|verdict| verdict.holds)
+            && let Some(hasher) = self.ledger.beginning(rank, stamp.source)
+        {
+            self.beginnings.keep(shared, &parts, hasher);
+        }
+    }
+
+    fn copy<T: Topic>(&mut self, rank: usize, header: &T::Header, elements: &[T::Element]) {
         let Some(info) = topic_info::all().get(rank) else {
             return;
         };
@@ -81,12 +158,14 @@ impl Recording {
         // From here on only the copy counts: a hostile sender could still write to the original.
         let bytes = self.intake.copy::<T>(header, elements);
         let message = Parts::of_cdr(info, bytes, elements.len());
-        let Some(verdict) = self.ledger.enter(rank, &stamp, &message) else {
-            return;
-        };
-        if info.is_decodable(elements.len()) {
+        let verdict = self.ledger.enter(rank, &stamp, &message, None);
+        self.measure(info.role, &stamp, verdict);
+        if let Some(verdict) = verdict
+            && info.is_decodable(elements.len())
+            && self.consumers.wants(info.role)
+        {
             // Who speaks outside of simulated history may do so late: about a tick that is written.
-            let is_late = !info.simulated && stamp.tick < self.written;
+            let is_late = !info.simulated && stamp.tick < self.consumers.tick;
             let tick = if is_late || !verdict.plausible {
                 newest
             } else {
@@ -96,7 +175,13 @@ impl Recording {
         }
     }
 
-    /// Bytes of messages whose tick is not complete yet.
+    fn measure(&mut self, role: Role, stamp: &Stamp, verdict: Option<Verdict>) {
+        if verdict.is_some_and(|verdict| verdict.holds) {
+            self.latencies.message(role, stamp);
+        }
+    }
+
+    /// Bytes of messages whose tick has not been written yet.
     pub fn waiting_bytes(&self) -> usize {
         self.intake.waiting_bytes()
     }
@@ -107,15 +192,7 @@ impl Recording {
     /// [`LogError`]; the recording is then at its end.
     pub fn advance(&mut self, completed: u64, observer: &mut dyn Observer) -> Result<(), LogError> {
         self.write(completed, observer)?;
-        self.sink.end_of_tick()
-    }
-
-    fn write(&mut self, last: u64, observer: &mut dyn Observer) -> Result<(), LogError> {
-        self.written = self.written.max(last);
-        let sink = &mut self.sink;
-        self.intake.take(Some(last), |entry, bytes| {
-            sink.write(entry, bytes, observer)
-        })
+        self.consumers.end_of_tick()
     }
 
     /// Writes what is ready, in order: the messages of the ticks up to `completed`, all of which have
@@ -147,9 +224,17 @@ impl Recording {
         self.write(last, observer)?;
         // The picture of a tick that is not complete waits for the rest of it.
         if completed >= Some(last) {
-            self.sink.end_of_tick()?;
+            self.consumers.end_of_tick()?;
         }
         Ok(())
+    }
+
+    fn write(&mut self, last: u64, observer: &mut dyn Observer) -> Result<(), LogError> {
+        let consumers = &mut self.consumers;
+        consumers.tick = consumers.tick.max(last);
+        self.intake.take(Some(last), |entry, bytes| {
+            consumers.message(entry, bytes, observer)
+        })
     }
 
     /// Hands what was written to the operating system if the last time is long enough ago.
@@ -157,25 +242,84 @@ impl Recording {
     /// # Errors
     /// [`LogError::Write`].
     pub fn flush_if_due(&mut self) -> Result<(), LogError> {
-        self.sink.flush_if_due()
+        match &mut self.consumers.log {
+            Some(log) => log.flush_if_due(),
+            None => Ok(()),
+        }
     }
 
-    /// Writes what still waits, ends the log and says what it holds.
+    /// Writes what still waits, ends the log and says what the run amounted to.
     ///
     /// # Errors
     /// [`LogError`]; what was written before stays readable.
     pub fn finish(mut self, observer: &mut dyn Observer) -> Result<Summary, LogError> {
-        let (sink, newest) = (&mut self.sink, self.ledger.newest().unwrap_or(0));
+        let (consumers, newest) = (&mut self.consumers, self.ledger.newest().unwrap_or(0));
         self.intake.take(None, |entry, bytes| {
             // Announced for a time that never came: kept, but neither shown nor at that time.
             let too_late = entry.tick > newest && is_simulated(entry.rank);
             let mut entry = *entry;
             entry.tick = entry.tick.min(newest);
             entry.rejected |= too_late;
-            sink.write(&entry, bytes, observer)
+            consumers.message(&entry, bytes, observer)
         })?;
-        sink.end_of_tick()?;
-        self.sink.finish(&mut self.ledger)
+        let topics = self
+            .ledger
+            .counts()
+            .filter(|(_, count)| *count != TopicCount::default())
+            .map(|(name, count)| (name.to_owned(), count))
+            .collect();
+        let Consumers { outcome, log, .. } = self.consumers;
+        let latency_us = self.latencies.percentiles();
+        let mut summary = outcome.finish(self.ledger.digest(), topics, latency_us);
+        if let Some(log) = log {
+            log.finish(&mut summary)?;
+        }
+        Ok(summary)
+    }
+}
+
+impl Consumers {
+    /// Whether messages with this role go to anything but the ledger and the latencies.
+    fn wants(&self, role: Role) -> bool {
+        self.log.is_some() || Outcome::wants(role)
+    }
+
+    fn message(
+        &mut self,
+        entry: &Entry,
+        bytes: &[u8],
+        observer: &mut dyn Observer,
+    ) -> Result<(), LogError> {
+        let Some(info) = topic_info::all().get(entry.rank) else {
+            return Ok(());
+        };
+        let message = Message {
+            rank: entry.rank,
+            role: info.role,
+            stamp: &entry.stamp,
+            time_ns: entry.tick.saturating_mul(self.tick_period_ns),
+            rejected: entry.rejected,
+            bytes,
+        };
+        if let Some(log) = &mut self.log {
+            log.message(&message)?;
+        }
+        if !message.rejected {
+            self.outcome.message(&message);
+            if message.role == Role::Event
+                && let Some((_, events)) = view::<WorldEvents>(bytes)
+            {
+                events.for_each(|event| observer.on_event(seconds(message.time_ns), &event));
+            }
+        }
+        Ok(())
+    }
+
+    fn end_of_tick(&mut self) -> Result<(), LogError> {
+        match &mut self.log {
+            Some(log) => log.end_of_tick(),
+            None => Ok(()),
+        }
     }
 }
 

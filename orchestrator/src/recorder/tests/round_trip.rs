@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use ipc_types::messages::world::{ObstacleEvent, RobotState, WorldEvent, WorldHeader};
+use ipc_types::messages::world::{ObstacleEvent, WorldEvent};
 use ipc_types::stamp::{PlainHeader, Stamp};
 use ipc_types::topics::{self, ObstacleEvents, ProcessEvents, ProcessLog, Topic, WorldState};
 use ipc_types::{cdr, schema};
@@ -287,7 +287,7 @@ fn the_summary_tells_the_outcome_the_events_and_the_latencies() {
     let hop = &summary.latency_us["perception to pursuer"];
     assert_eq!((hop.count, hop.max), (24, 15.0));
     assert_eq!(summary.latency_us["simulator to evader"].count, 12);
-    assert!(summary.latency_us.contains_key(super::super::SENSE_TO_ACT));
+    assert!(summary.latency_us.contains_key(super::super::chain::WHOLE));
     let json = serde_json::to_value(&summary).unwrap();
     assert_eq!(json["topics"]["world/state"]["gaps"], 0);
     assert_eq!(json["latency_us"]["pursuer step"]["p50"], 5.0);
@@ -295,33 +295,50 @@ fn the_summary_tells_the_outcome_the_events_and_the_latencies() {
 }
 
 #[test]
-fn observers_see_states_and_events_in_order() {
+fn observers_see_events_when_their_tick_is_written() {
     #[derive(Default)]
     struct Seen(Vec<String>);
     impl Observer for Seen {
-        fn on_state(&mut self, header: &WorldHeader, robots: &[RobotState]) {
-            self.0
-                .push(format!("{} with {}", header.stamp.tick, robots.len()));
-        }
         fn on_event(&mut self, time_s: f64, event: &WorldEvent) {
-            self.0
-                .push(format!("{} at {time_s}", WorldEvent::name_of(event.kind)));
+            let what = WorldEvent::name_of(event.kind);
+            self.0.push(format!("{what} at {time_s}"));
         }
     }
     let directory = tempfile::tempdir().unwrap();
     let mut recording = Recording::create(&options(&directory.path().join("run.mcap"))).unwrap();
-    // Arrives backwards, is seen forwards.
-    for sent in run(7, 1).iter().rev() {
+    for sent in &run(7, 1) {
         sent.push(&mut recording);
     }
     let mut seen = Seen::default();
     recording.advance(4, &mut seen).unwrap();
-    assert_eq!(seen.0.len(), 5);
+    assert!(seen.0.is_empty());
     recording.finish(&mut seen).unwrap();
-    assert_eq!(
-        seen.0[4..],
-        ["4 with 3", "5 with 3", "captured at 0.25", "6 with 3"]
+    assert_eq!(seen.0, ["captured at 0.25"]);
+}
+
+#[test]
+fn without_a_log_the_summary_is_the_same() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("run.mcap");
+    let sent = run(12, 1_000);
+    let mut with_log = record(&path, &sent, 7);
+    let options = options(&path);
+    let mut recording = Recording::without_log(
+        &options.processes,
+        &options.robots,
+        PERIOD_NS,
+        std::sync::Arc::default(),
     );
+    for message in &sent {
+        message.push(&mut recording);
+    }
+    let without = recording.finish(&mut ()).unwrap();
+    with_log.log = std::path::PathBuf::new();
+    with_log.log_bytes = 0;
+    with_log
+        .topics
+        .retain(|topic, _| !topic.starts_with("/viewer/"));
+    assert_eq!(without, with_log);
 }
 
 proptest! {

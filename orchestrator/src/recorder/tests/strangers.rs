@@ -79,7 +79,10 @@ fn messages_with_a_wrong_number_of_elements_are_counted_as_rejected_and_left_out
         let (summary, messages) = with(&[sent]);
         let counted = summary.topics[Commands::NAME];
         assert_eq!((counted.messages, counted.rejected), (18, 1));
-        assert_eq!(messages.iter().filter(|m| m.0 == Commands::NAME).count(), 18);
+        assert_eq!(
+            messages.iter().filter(|m| m.0 == Commands::NAME).count(),
+            18
+        );
     }
 }
 

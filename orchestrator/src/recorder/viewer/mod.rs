@@ -11,6 +11,7 @@ mod again;
 mod channel;
 mod dominance;
 mod grid;
+mod messages;
 mod palette;
 mod points;
 mod robot_lines;
@@ -187,7 +188,12 @@ impl Viewer {
     }
 
     /// A new tick begins with this state.
-    pub(super) fn state(&mut self, header: &WorldHeader, time_ns: u64, robots: &[RobotState]) {
+    fn state(
+        &mut self,
+        header: &WorldHeader,
+        time_ns: u64,
+        robots: impl Iterator<Item = RobotState>,
+    ) {
         let first = self.state.is_none();
         let last = header.phase == WorldHeader::OVER;
         let mut kept = self
@@ -196,7 +202,7 @@ impl Viewer {
             .map(|state| state.robots)
             .unwrap_or_default();
         kept.clear();
-        kept.extend_from_slice(robots);
+        kept.extend(robots);
         self.state = Some(State {
             time_ns,
             robots: kept,
@@ -206,7 +212,7 @@ impl Viewer {
     }
 
     /// Draws the map, at every revision.
-    pub(super) fn map(
+    fn map(
         &mut self,
         header: &MapHeader,
         time_ns: u64,
@@ -243,7 +249,7 @@ impl Viewer {
     }
 
     /// Draws who reaches what first, whenever a referee says it.
-    pub(super) fn dominance(
+    fn dominance(
         &mut self,
         header: &DominanceHeader,
         time_ns: u64,
@@ -260,7 +266,7 @@ impl Viewer {
     }
 
     /// Says what happened, and sees to it that the tick is drawn.
-    pub(super) fn event(
+    fn event(
         &mut self,
         event: &WorldEvent,
         time_ns: u64,
@@ -276,7 +282,7 @@ impl Viewer {
     }
 
     /// Says that a process left or came back.
-    pub(super) fn process_event(
+    fn process_event(
         &mut self,
         event: &ProcessEvent,
         time_ns: u64,
@@ -289,7 +295,7 @@ impl Viewer {
     }
 
     /// Shows what a process wrote to stderr.
-    pub(super) fn process_log(
+    fn process_log(
         &mut self,
         header: &LogHeader,
         text: &[u8],
@@ -303,7 +309,7 @@ impl Viewer {
     }
 
     /// Draws the obstacles that come and go.
-    pub(super) fn obstacle(
+    fn obstacle(
         &mut self,
         event: &ObstacleEvent,
         time_ns: u64,
@@ -323,27 +329,27 @@ impl Viewer {
     }
 
     /// Whether the present tick will be drawn, so that what belongs to it is worth decoding.
-    pub(super) fn is_drawing(&self, time_ns: u64) -> bool {
+    fn is_drawing(&self, time_ns: u64) -> bool {
         time_ns >= self.due_ns || self.state.as_ref().is_some_and(|state| state.wanted)
     }
 
     /// Keeps a robot's plan for the picture.
-    pub(super) fn plan(&mut self, robot: u32, points: impl Iterator<Item = PlanPoint>) {
+    fn plan(&mut self, robot: u32, points: impl Iterator<Item = PlanPoint>) {
         self.plans.set_plan(robot as usize, points);
     }
 
     /// Keeps a robot's tree for the picture.
-    pub(super) fn tree(&mut self, robot: u32, edges: impl Iterator<Item = TreeEdge>) {
+    fn tree(&mut self, robot: u32, edges: impl Iterator<Item = TreeEdge>) {
         self.trees.set_tree(robot as usize, edges);
     }
 
     /// Keeps who sees whom for the picture.
-    pub(super) fn sightings(&mut self, sightings: impl Iterator<Item = Sighting>) {
+    fn sightings(&mut self, sightings: impl Iterator<Item = Sighting>) {
         self.sight.set(sightings);
     }
 
     /// Draws a belief about a robot from the bytes of its particles.
-    pub(super) fn belief(
+    fn belief(
         &mut self,
         robot: u32,
         time_ns: u64,
@@ -366,7 +372,7 @@ impl Viewer {
     }
 
     /// Draws a range scan.
-    pub(super) fn scan(
+    fn scan(
         &mut self,
         header: &ScanHeader,
         time_ns: u64,

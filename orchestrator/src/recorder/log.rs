@@ -1,0 +1,152 @@
+//! The log of a run: every message on its own topic, and beside it what viewers see.
+
+use std::collections::BTreeMap;
+
+use super::error::LogError;
+use super::log_writer::{ChannelId, ChannelSpec, LogWriter};
+use super::message::Message;
+use super::mirror::Mirror;
+use super::options::RecorderOptions;
+use super::summary::{Summary, TopicCount};
+use super::topic_info;
+use super::viewer::Viewer;
+
+/// Writes messages in the order in which they come.
+pub(super) struct Log {
+    writer: LogWriter,
+    /// By the places of the topics in their list.
+    channels: Vec<ChannelId>,
+    viewer: Option<Viewer>,
+    /// Time of the present tick [simulated ns].
+    time_ns: u64,
+}
+
+impl Log {
+    /// Creates the file; the mirror is taken once it is there.
+    pub(super) fn create(
+        options: &RecorderOptions,
+        mirror: &mut Option<Box<dyn Mirror>>,
+    ) -> Result<Self, LogError> {
+        let mut writer = LogWriter::create(&options.path, &options.log, &options.manifest)?;
+        if let Some(mirror) = mirror.take() {
+            writer.mirror_to(mirror);
+        }
+        let channel = |info: &topic_info::TopicInfo| {
+            writer.add_channel(&ChannelSpec {
+                topic: info.name,
+                schema_name: &info.schema_name,
+                schema_encoding: "ros2msg",
+                schema: info.schema.as_bytes(),
+                message_encoding: "cdr",
+                metadata: &info.metadata,
+            })
+        };
+        let channels = topic_info::all()
+            .iter()
+            .map(channel)
+            .collect::<Result<_, _>>()?;
+        let viewer = Viewer::new(options, &mut writer)?;
+        // No flush here: a chunk that holds schemas and channels alone has no message index, and
+        // Foxglove Studio opens no file with such a chunk.
+        Ok(Self {
+            writer,
+            channels,
+            viewer,
+            time_ns: 0,
+        })
+    }
+
+    /// Writes a message, and what viewers see of it.
+    pub(super) fn message(&mut self, message: &Message<'_>) -> Result<(), LogError> {
+        if message.time_ns != self.time_ns {
+            self.end_of_tick()?;
+            self.time_ns = message.time_ns;
+        }
+        let Some(channel) = self.channels.get(message.rank) else {
+            return Ok(());
+        };
+        let stamp = message.stamp;
+        // The counter of the channel has 32 bits; the stamp has all 64.
+        let sequence = stamp.sequence as u32;
+        self.writer.write(
+            *channel,
+            sequence,
+            message.time_ns,
+            stamp.time_ns,
+            message.bytes,
+        )?;
+        match &mut self.viewer {
+            Some(viewer) if !message.rejected => viewer.message(message, &mut self.writer),
+            _ => Ok(()),
+        }
+    }
+
+    /// Every message of the present tick has been written.
+    pub(super) fn end_of_tick(&mut self) -> Result<(), LogError> {
+        match &mut self.viewer {
+            Some(viewer) => viewer.end_of_tick(&mut self.writer),
+            None => Ok(()),
+        }
+    }
+
+    pub(super) fn flush_if_due(&mut self) -> Result<(), LogError> {
+        self.writer.flush_if_due()
+    }
+
+    /// Writes how the run ended, closes the file, and says in the summary what it holds.
+    pub(super) fn finish(mut self, summary: &mut Summary) -> Result<(), LogError> {
+        self.end_of_tick()?;
+        if let Some(viewer) = &mut self.viewer {
+            viewer.finish(&mut self.writer)?;
+        }
+        self.writer
+            .metadata("protean.result", result_entries(summary))?;
+        self.writer.path().clone_into(&mut summary.log);
+        let totals = self.writer.finish()?;
+        summary.log_bytes = totals.file_bytes;
+        for channel in totals.channels.into_iter().skip(self.channels.len()) {
+            if channel.messages > 0 {
+                let count = TopicCount {
+                    messages: channel.messages,
+                    bytes: channel.bytes,
+                    ..TopicCount::default()
+                };
+                summary.topics.insert(channel.topic, count);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The end of a run as the last metadata record of its log.
+fn result_entries(summary: &Summary) -> BTreeMap<String, String> {
+    // These structures have string keys and finite numbers only; should one ever not encode, the
+    // log is worth more than the entry.
+    let json = |result: serde_json::Result<String>| result.unwrap_or_default();
+    let coverage = summary
+        .coverage
+        .as_ref()
+        .map(|c| ("coverage", json(serde_json::to_string(c))));
+    let predictions = summary
+        .predictions
+        .as_ref()
+        .map(|p| ("predictions", json(serde_json::to_string(p))));
+    let failed = (!summary.processes.is_empty())
+        .then(|| ("processes", json(serde_json::to_string(&summary.processes))));
+    [
+        ("digest", summary.digest.clone()),
+        ("ticks", summary.ticks.to_string()),
+        ("sim_time_s", summary.sim_time_s.to_string()),
+        ("robots", json(serde_json::to_string(&summary.robots))),
+        (
+            "latency_us",
+            json(serde_json::to_string(&summary.latency_us)),
+        ),
+    ]
+    .into_iter()
+    .chain(coverage)
+    .chain(predictions)
+    .chain(failed)
+    .map(|(key, value)| (key.to_owned(), value))
+    .collect()
+}
