@@ -3,9 +3,9 @@
 
 pub(crate) mod bridge;
 mod changes;
-mod charge;
 pub mod children;
 mod chronicle;
+mod decide;
 mod error;
 mod failure;
 mod gate;

@@ -19,6 +19,7 @@ use kit::lockstep::{Overseer, Phase, SlotState, TurnPage};
 
 use super::bridge::Bridge;
 use super::children::sleep_until_exit;
+use super::decide::Event;
 use super::error::MissionError;
 use super::plan::Plan;
 use super::progress::Progress;
@@ -324,7 +325,7 @@ impl<'a> Flight<'a> {
             }
             // First: who has died of it is not to blame.
             room::check()?;
-            supervisor.attend(ticks, &self.bridge)?;
+            supervisor.attend(&self.bridge)?;
             if is_interrupted(self.options, &mut self.interrupted) {
                 return Ok(());
             }
@@ -349,7 +350,7 @@ impl<'a> Flight<'a> {
         self.progress.finish();
         let recorded = self.recorder.finish();
         // Kept until the recorder has taken what it said last.
-        let has_lost = self.supervisor.is_some_and(|s| s.has_lost);
+        let has_lost = self.supervisor.is_some_and(|s| s.has_lost());
         (recorded, has_lost)
     }
 }
@@ -371,7 +372,7 @@ fn wait_until(
         let behind = supervisor.behind(wanted);
         // First: who has died of it is not to blame.
         room::check_start()?;
-        supervisor.check_start_up()?;
+        supervisor.check_ends()?;
         let Some((slot, patience)) = behind else {
             return Ok(true);
         };
@@ -379,7 +380,7 @@ fn wait_until(
             return Ok(false);
         }
         if start.elapsed() >= patience {
-            return Err(supervisor.not_ready(slot, patience));
+            supervisor.happened(slot, Event::NotReady)?;
         }
         // Processes say how far they are on the page; a few milliseconds are nothing against
         // what starting a process takes.

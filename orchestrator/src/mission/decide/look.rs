@@ -1,0 +1,100 @@
+//! Events that nobody tells: silence, restarts that are due or done, timeouts.
+
+use std::time::Instant;
+
+use super::{Event, Standing, State};
+
+/// A process as it is seen from outside.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::mission) struct Seen {
+    /// Whether it is ready for its first tick.
+    pub(in crate::mission) is_prepared: bool,
+    /// Whether the others wait for it.
+    pub(in crate::mission) takes_part: bool,
+    /// Ticks that it has done.
+    pub(in crate::mission) done: u64,
+    /// Whether nothing of its predecessor keeps it from being started.
+    pub(in crate::mission) is_vacant: bool,
+}
+
+impl State {
+    /// What has happened by `now`, with `posted` ticks, besides the ends of processes; `is_stopped` tells whether a
+    /// process stands still by a signal.
+    pub(in crate::mission) fn look(
+        &mut self,
+        now: Instant,
+        posted: u64,
+        seen: &[Seen],
+        is_stopped: impl Fn(usize) -> bool,
+    ) -> Vec<(usize, Event)> {
+        let mut events = Vec::new();
+        for (slot, (process, seen)) in self.processes.iter().zip(seen).enumerate() {
+            match process.standing {
+                Standing::Starting { .. } if seen.is_prepared => events.push((slot, Event::Back)),
+                Standing::Starting { until } if now >= until => {
+                    events.push((slot, Event::NotReady));
+                }
+                Standing::Away { due } if now >= due && seen.is_vacant => {
+                    events.push((slot, Event::Due));
+                }
+                _ => {}
+            }
+        }
+        let silent = self.silent(now, posted, seen, is_stopped);
+        events.extend(silent.into_iter().map(|slot| (slot, Event::Silent)));
+        events
+    }
+
+    /// The processes that do nothing, each once per hang timeout.
+    fn silent(
+        &mut self,
+        now: Instant,
+        posted: u64,
+        seen: &[Seen],
+        is_stopped: impl Fn(usize) -> bool,
+    ) -> Vec<usize> {
+        if posted != self.last_posted {
+            (self.last_posted, self.last_progress) = (posted, now);
+        } else if now - self.last_progress >= self.hang_timeout {
+            self.last_progress = now;
+            return vec![if self.in_lock_step {
+                self.culprit(posted.saturating_sub(1), seen, is_stopped)
+            } else {
+                0
+            }];
+        }
+        if self.in_lock_step {
+            return Vec::new();
+        }
+        // In real time the world goes on without those that do not answer.
+        let mut silent = Vec::new();
+        for (slot, (process, seen)) in self.processes.iter_mut().zip(seen).enumerate().skip(1) {
+            if process.standing != Standing::Present || !seen.takes_part {
+                continue;
+            }
+            if seen.done != process.done || seen.done >= posted {
+                (process.done, process.since) = (seen.done, now);
+            } else if now - process.since >= self.hang_timeout {
+                process.since = now;
+                silent.push(slot);
+            }
+        }
+        silent
+    }
+
+    /// The process that owes the tick for which all others wait: rather one that stands still or that others
+    /// wait for than one that may be waiting itself.
+    fn culprit(&self, tick: u64, seen: &[Seen], is_stopped: impl Fn(usize) -> bool) -> usize {
+        let owes = |slot: usize| {
+            let seen = seen.get(slot);
+            seen.is_some_and(|seen| seen.takes_part && seen.done <= tick)
+        };
+        let waits = |slot: usize| self.processes[slot].upstream.iter().any(|&up| owes(up));
+        let owing: Vec<usize> = (1..self.processes.len()).filter(|&s| owes(s)).collect();
+        let first = |is_it: &dyn Fn(usize) -> bool| owing.iter().copied().find(|&s| is_it(s));
+        first(&is_stopped)
+            .or_else(|| first(&|slot| self.processes[slot].makes_plans))
+            .or_else(|| first(&|slot| !waits(slot)))
+            .unwrap_or(0)
+    }
+}

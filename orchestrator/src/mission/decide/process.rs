@@ -1,0 +1,78 @@
+//! A process as its decisions need it.
+
+use std::time::{Duration, Instant};
+
+use super::{Action, Failure, OnFailure};
+use crate::mission::plan::Launch;
+use crate::scenario::kinds::{KINDS, Product, find};
+
+/// A process as it is supervised.
+#[derive(Debug)]
+pub(super) struct Process {
+    pub(super) on_failure: OnFailure,
+    pub(super) ready_timeout: Duration,
+    /// Processes whose messages of a tick it waits for.
+    pub(super) upstream: Vec<usize>,
+    pub(super) makes_plans: bool,
+    pub(super) drives_robots: bool,
+    pub(super) standing: Standing,
+    pub(super) failures: u32,
+    /// Why it is being killed.
+    pub(super) killed_for: Option<Failure>,
+    /// Ticks done when more of them were last found.
+    pub(super) done: u64,
+    /// When that was.
+    pub(super) since: Instant,
+}
+
+/// Part of a process in the run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Standing {
+    /// It takes part.
+    Present,
+    /// It is to be started again at this time.
+    Away { due: Instant },
+    /// It has been started again and must be ready by then.
+    Starting { until: Instant },
+    /// It does not come back.
+    Gone,
+}
+
+impl Process {
+    /// The process with this index, which takes part.
+    pub(super) fn new(slot: usize, launch: &Launch, now: Instant) -> Self {
+        let kind = find(KINDS, &launch.config.kind);
+        Self {
+            // Without the world there is no run.
+            on_failure: if slot == 0 {
+                OnFailure::Abort
+            } else {
+                launch.supervision.on_failure
+            },
+            ready_timeout: Duration::from_secs_f64(launch.supervision.ready_timeout_s),
+            upstream: launch
+                .config
+                .upstream
+                .iter()
+                .map(|&up| up as usize)
+                .collect(),
+            makes_plans: kind.is_some_and(|kind| kind.makes(Product::Plans)),
+            drives_robots: !launch.config.robots.is_empty(),
+            standing: Standing::Present,
+            failures: 0,
+            killed_for: None,
+            done: 0,
+            since: now,
+        }
+    }
+
+    /// The action that tells the log of it; `kind` is one of [`ProcessEvent`](ipc_types::messages::process::ProcessEvent).
+    pub(super) fn tell(&self, kind: u32, tick: u64, reason: &str) -> Action {
+        Action::Tell {
+            kind,
+            tick,
+            failures: self.failures,
+            reason: reason.to_owned(),
+        }
+    }
+}

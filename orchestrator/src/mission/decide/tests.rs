@@ -1,0 +1,264 @@
+use super::*;
+
+const TIMEOUT: Duration = Duration::from_secs(10);
+
+fn process(on_failure: OnFailure) -> Process {
+    Process {
+        on_failure,
+        ready_timeout: Duration::from_secs(60),
+        upstream: Vec::new(),
+        makes_plans: false,
+        drives_robots: true,
+        standing: Standing::Present,
+        failures: 0,
+        killed_for: None,
+        done: 0,
+        since: Instant::now(),
+    }
+}
+
+/// A run of the simulator and three processes with this reaction to failures.
+fn state(in_lock_step: bool, on_failure: OnFailure) -> State {
+    let mut state = State {
+        in_lock_step,
+        hang_timeout: TIMEOUT,
+        processes: vec![
+            process(OnFailure::Abort),
+            process(on_failure),
+            process(on_failure),
+            process(on_failure),
+        ],
+        has_begun: false,
+        last_posted: 0,
+        last_progress: Instant::now(),
+        has_lost: false,
+    };
+    state.begin(Instant::now());
+    state
+}
+
+/// With 8 ticks posted, of which the process has done 5.
+fn at(now: Instant) -> Moment {
+    Moment {
+        now,
+        posted: 8,
+        done: 5,
+    }
+}
+
+fn ended() -> Event {
+    Event::Ended("ended with exit code 3".into())
+}
+
+/// The actions in short.
+fn short(actions: &[Action]) -> String {
+    let words = actions.iter().map(|action| match action {
+        Action::Kill => "kill",
+        Action::Stop => "stop",
+        Action::FreeDead => "free",
+        Action::MarkDead => "mark",
+        Action::Restart => "restart",
+        Action::Tell { kind, .. } => match *kind {
+            ProcessEvent::LEFT => "left",
+            ProcessEvent::GIVEN_UP => "given-up",
+            _ => "back",
+        },
+        Action::Warn(_) => "warn",
+        Action::End { .. } => "end",
+    });
+    words.collect::<Vec<_>>().join(" ")
+}
+
+#[test]
+fn a_failure_leads_to_these_actions_in_this_order() {
+    use OnFailure::{Abort, Continue, Restart};
+    let aborted = "left stop mark free end";
+    let done_without = "left free given-up warn mark";
+    let restarted = "left free warn mark";
+    let not_started = Event::NotStarted("no such file".into());
+    for (policy, failures, event, expected) in [
+        (Abort, 0, ended(), aborted),
+        (Abort, 0, Event::Silent, "left end"),
+        (Continue, 0, ended(), done_without),
+        (Continue, 0, Event::Silent, "kill"),
+        (Restart, 0, ended(), restarted),
+        (Restart, 4, ended(), restarted),
+        (Restart, 5, ended(), aborted),
+        (Restart, 4, Event::Silent, "kill"),
+        (Restart, 5, Event::Silent, "left end"),
+        (Restart, 1, Event::NotReady, "kill"),
+        (Restart, 1, not_started.clone(), restarted),
+        (Restart, 5, not_started, aborted),
+        (Restart, 1, Event::Due, "free restart"),
+        (Restart, 1, Event::Back, "back warn"),
+    ] {
+        let mut state = state(false, policy);
+        state.processes[1].failures = failures;
+        let actions = state.decide(1, event.clone(), at(Instant::now()));
+        assert_eq!(short(&actions), expected, "{policy:?} {failures} {event:?}");
+        let goes_on = !expected.ends_with("end");
+        let is_failure = expected.starts_with("left");
+        assert_eq!(state.has_lost(), goes_on && is_failure);
+    }
+}
+
+#[test]
+fn before_time_begins_every_failure_ends_the_run() {
+    for (event, expected) in [(ended(), "stop mark free end"), (Event::NotReady, "end")] {
+        let mut state = state(false, OnFailure::Restart);
+        state.has_begun = false;
+        let actions = state.decide(1, event, at(Instant::now()));
+        assert_eq!(short(&actions), expected);
+        let Some(Action::End { when, .. }) = actions.last() else {
+            panic!("{actions:?}");
+        };
+        assert_eq!(when, "before it was ready");
+    }
+}
+
+#[test]
+fn a_process_that_was_killed_is_named_with_the_reason_for_that() {
+    for (event, reason) in [
+        (Event::Silent, "did not answer for 10s and was killed"),
+        (Event::NotReady, "was not ready within 60s and was killed"),
+    ] {
+        let mut state = state(false, OnFailure::Continue);
+        assert_eq!(state.decide(1, event, at(Instant::now())), [Action::Kill]);
+        let actions = state.decide(1, ended(), at(Instant::now()));
+        let left = Action::Tell {
+            kind: ProcessEvent::LEFT,
+            tick: 7,
+            failures: 1,
+            reason: reason.into(),
+        };
+        assert_eq!(actions[0], left);
+        // Its end may be seen once more.
+        assert_eq!(state.decide(1, ended(), at(Instant::now())), []);
+    }
+}
+
+#[test]
+fn a_process_leaves_at_the_tick_that_it_owes_and_the_world_at_its_last() {
+    for (in_lock_step, slot, tick) in [(true, 1, 5), (true, 0, 7), (false, 1, 7)] {
+        let mut state = state(in_lock_step, OnFailure::Abort);
+        state.processes[slot].failures = 2;
+        let actions = state.decide(slot, ended(), at(Instant::now()));
+        assert!(
+            matches!(actions[0], Action::Tell { tick: left, .. } if left == tick),
+            "{actions:?}"
+        );
+        let Some(Action::End { when, .. }) = actions.last() else {
+            panic!("{actions:?}");
+        };
+        assert_eq!(when, "at tick 7 after 2 restarts");
+    }
+}
+
+/// Processes that take part and have done so many ticks, the simulator first.
+fn seen(done: [u64; 4]) -> [Seen; 4] {
+    done.map(|done| Seen {
+        is_prepared: true,
+        takes_part: true,
+        done,
+        is_vacant: true,
+    })
+}
+
+#[test]
+fn in_lock_step_the_process_that_holds_up_the_others_is_named() {
+    let never = |_: usize| false;
+    let culprit = |done: [u64; 4], planner: usize, stopped: usize| {
+        let mut state = state(true, OnFailure::Abort);
+        // The third waits for what the first says.
+        state.processes[3].upstream = vec![1];
+        state.processes[planner].makes_plans = true;
+        let start = state.last_progress;
+        let seen = seen(done);
+        assert_eq!(state.look(start, 8, &seen, never), []);
+        assert_eq!(state.look(start + TIMEOUT / 2, 8, &seen, never), []);
+        let events = state.look(start + TIMEOUT, 8, &seen, |slot| slot == stopped);
+        assert_eq!(state.look(start + TIMEOUT, 8, &seen, never), []);
+        let [(slot, Event::Silent)] = events[..] else {
+            panic!("{events:?}");
+        };
+        slot
+    };
+    assert_eq!(culprit([0, 8, 8, 8], 0, 0), 0, "all have done theirs");
+    assert_eq!(culprit([0, 8, 7, 8], 0, 0), 2);
+    assert_eq!(culprit([0, 7, 8, 7], 0, 0), 1, "the other waits for it");
+    assert_eq!(culprit([0, 8, 8, 7], 0, 0), 3);
+    assert_eq!(
+        culprit([0, 7, 7, 7], 2, 0),
+        2,
+        "others may wait for its plans"
+    );
+    assert_eq!(culprit([0, 7, 7, 7], 2, 3), 3, "it stands still");
+}
+
+#[test]
+fn in_real_time_each_process_that_does_nothing_is_named() {
+    let mut state = state(false, OnFailure::Restart);
+    let start = state.last_progress;
+    let half = TIMEOUT / 2;
+    let look = |state: &mut State, now: Instant, posted: u64, done: [u64; 4]| {
+        let events = state.look(now, posted, &seen(done), |_| false);
+        let slots = events.into_iter().map(|(slot, event)| {
+            assert_eq!(event, Event::Silent);
+            slot
+        });
+        slots.collect::<Vec<_>>()
+    };
+    assert_eq!(look(&mut state, start, 1, [0, 1, 1, 1]), [] as [usize; 0]);
+    assert_eq!(
+        look(&mut state, start + half, 2, [0, 2, 1, 1]),
+        [] as [usize; 0]
+    );
+    assert_eq!(look(&mut state, start + TIMEOUT, 3, [0, 3, 1, 1]), [2, 3]);
+    assert_eq!(
+        look(&mut state, start + TIMEOUT, 3, [0, 3, 1, 1]),
+        [] as [usize; 0]
+    );
+    // The world itself.
+    let later = start + TIMEOUT + TIMEOUT;
+    assert_eq!(look(&mut state, later, 3, [0, 3, 3, 3]), [0]);
+}
+
+#[test]
+fn a_restart_waits_for_its_time_and_a_vacant_place_and_has_its_own_timeout() {
+    let mut state = state(false, OnFailure::Restart);
+    let now = state.last_progress;
+    state.decide(1, ended(), at(now));
+    assert!(state.is_expecting());
+    let mut seen = seen([8; 4]);
+    (seen[1].is_prepared, seen[1].takes_part) = (false, false);
+    let due = now + RESTART_AFTER;
+    let look = |state: &mut State, now: Instant, seen: &[Seen]| {
+        let events = state.look(now, 8, seen, |_| false);
+        events
+            .into_iter()
+            .map(|(slot, event)| {
+                assert_eq!(slot, 1);
+                event
+            })
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(look(&mut state, now, &seen), []);
+    seen[1].is_vacant = false;
+    assert_eq!(look(&mut state, due, &seen), []);
+    seen[1].is_vacant = true;
+    assert_eq!(look(&mut state, due, &seen), [Event::Due]);
+    state.decide(1, Event::Due, at(due));
+    assert_eq!(look(&mut state, due, &seen), []);
+    let late = due + state.ready_timeout(1);
+    state.last_progress = late;
+    state
+        .processes
+        .iter_mut()
+        .for_each(|process| process.since = late);
+    assert_eq!(look(&mut state, late, &seen), [Event::NotReady]);
+    seen[1].is_prepared = true;
+    assert_eq!(look(&mut state, late, &seen), [Event::Back]);
+    state.decide(1, Event::Back, at(late));
+    assert!(!state.is_expecting());
+    assert_eq!(look(&mut state, late, &seen), []);
+}
