@@ -23,8 +23,8 @@ mod rerun;
 mod run;
 mod soak;
 mod sweep;
+mod sweep_kind;
 mod sweep_output;
-mod sweep_planning;
 
 use std::ffi::OsString;
 use std::path::PathBuf;

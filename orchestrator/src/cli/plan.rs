@@ -219,7 +219,7 @@ impl<'a> Told<'a> {
     fn new(args: &'a PlanArgs, total: usize) -> Self {
         Self {
             args,
-            progress: Progress::of(total, 0, args.quiet, "plans"),
+            progress: Progress::new(total, 0, args.quiet, "plans"),
             summary: Summary::default(),
             total,
             refused: 0,

@@ -7,21 +7,20 @@ use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use clap::Subcommand;
-use serde_json::json;
+use serde_json::Value as Json;
 
 use super::run::handle_signals;
-use super::sweep_output::{self, Listing, known, list};
-use super::sweep_planning;
+use super::sweep_kind::SweepKind;
+use super::sweep_output::{Listing, conclude, known, list};
 use super::{EXIT_FAILED, EXIT_INVALID, print, processors};
-use crate::sweep::engine::{Engine, InProcess, Processes};
 use crate::sweep::merge::merge;
-use crate::sweep::planning::is_planning;
+use crate::sweep::planning::{Task, is_planning};
 use crate::sweep::runner::{self, RunOptions};
 use crate::sweep::shard::Shard;
 use crate::sweep::spec::LogPolicy;
 use crate::sweep::{
-    Experiment, Kind, LoadOptions, Manifest, Record, Results, Row, Seeds, SweepError, figures,
-    kind_of, summary,
+    ExperimentOf, Kind, LoadOptions, Manifest, Mission, Record, Results, Seeds, SweepError,
+    figures, kind_of,
 };
 
 /// What stands below the options.
@@ -130,7 +129,7 @@ pub(super) fn sweep(args: &SweepArgs) -> ExitCode {
 }
 
 /// Says what is wrong; the code of a failure.
-pub(super) fn failed(error: &SweepError) -> ExitCode {
+fn failed(error: &SweepError) -> ExitCode {
     eprintln!("error: {error}");
     ExitCode::from(match error {
         SweepError::Io { .. } | SweepError::Resource { .. } => EXIT_FAILED,
@@ -138,28 +137,31 @@ pub(super) fn failed(error: &SweepError) -> ExitCode {
     })
 }
 
-pub(super) fn invalid(text: impl std::fmt::Display) -> ExitCode {
+fn invalid(text: impl std::fmt::Display) -> ExitCode {
     eprintln!("{text}");
     ExitCode::from(EXIT_INVALID)
 }
 
 fn merged(parts: &[PathBuf], out: &Path, as_json: bool) -> ExitCode {
     match parts.first().map(|part| kind_of(part)).transpose() {
-        Ok(Some(Kind::Planning)) => return sweep_planning::merged(parts, out, as_json),
-        Ok(_) => {}
-        Err(error) => return failed(&error),
+        Ok(Some(Kind::Planning)) => merged_of::<Task>(parts, out, as_json),
+        Ok(_) => merged_of::<Mission>(parts, out, as_json),
+        Err(error) => failed(&error),
     }
+}
+
+fn merged_of<S: SweepKind>(parts: &[PathBuf], out: &Path, as_json: bool) -> ExitCode {
     let drawn = || {
-        let results = merge(parts, out)?;
+        let results = merge::<S::Row>(parts, out)?;
         // Every part has the published points of the figures.
         if let Some(part) = parts.first() {
-            figures::keep_published(part, &results)?;
+            S::keep_published(part, &results)?;
         }
-        figures::write(&results)?;
+        S::draw(&results)?;
         Ok(results)
     };
     match drawn() {
-        Ok(results) => conclude(&results, None, as_json),
+        Ok(results) => conclude::<S>(&results, None, as_json),
         Err(error) => failed(&error),
     }
 }
@@ -182,11 +184,6 @@ fn redrawn(directory: &Path) -> ExitCode {
     }
 }
 
-/// Prints what the results amount to.
-fn conclude(results: &Results, report: Option<&runner::RunReport>, as_json: bool) -> ExitCode {
-    sweep_output::conclude(results, report, as_json, summary::json, summary::text)
-}
-
 fn run(path: &Path, args: &SweepRunArgs) -> ExitCode {
     kit::logging::start("warn");
     let parsed = (
@@ -205,36 +202,36 @@ fn run(path: &Path, args: &SweepRunArgs) -> ExitCode {
         allow_external: args.allow_external,
     };
     if is_planning(path) {
-        return sweep_planning::run(path, args, &options, shard);
+        run_of::<Task>(path, args, &options, shard)
+    } else {
+        run_of::<Mission>(path, args, &options, shard)
     }
-    let experiment = match Experiment::load(path, &options) {
+}
+
+fn run_of<S: SweepKind>(
+    path: &Path,
+    args: &SweepRunArgs,
+    options: &LoadOptions,
+    shard: Shard,
+) -> ExitCode {
+    let experiment = match ExperimentOf::<S>::load(path, options) {
         Ok(experiment) => experiment,
         Err(problems) => return invalid(problems),
     };
-    if let Some(cell) = experiment
-        .cells
-        .iter()
-        .find(|cell| args.in_process && cell.external)
-    {
-        return invalid(format!(
-            "error: --in-process: the scenario of case `{}` starts a program that is not Protean's own, which can only be a process",
-            cell.case
-        ));
-    }
-    for note in &experiment.notes {
-        eprintln!("note: {note}");
+    if let Err(message) = S::check(&experiment, args) {
+        return invalid(format!("error: {message}"));
     }
     let out = place(args, &experiment.name, shard);
     let ended = if args.dry_run {
         dry_run(&experiment, args, shard, &out)
     } else {
-        local(&experiment, path, args, shard, &out)
+        carry_out(&experiment, path, args, shard, &out)
     };
     ended.unwrap_or_else(|error| failed(&error))
 }
 
 /// Where results go.
-pub(super) fn place(args: &SweepRunArgs, name: &str, shard: Shard) -> PathBuf {
+fn place(args: &SweepRunArgs, name: &str, shard: Shard) -> PathBuf {
     args.out.clone().unwrap_or_else(|| {
         let out = Path::new("results").join(name);
         shard
@@ -244,33 +241,29 @@ pub(super) fn place(args: &SweepRunArgs, name: &str, shard: Shard) -> PathBuf {
 }
 
 /// Lists the missions that are still to be carried out.
-fn dry_run(
-    experiment: &Experiment,
+fn dry_run<S: SweepKind>(
+    experiment: &ExperimentOf<S>,
     args: &SweepRunArgs,
     shard: Shard,
     out: &Path,
 ) -> Result<ExitCode, SweepError> {
     let manifest = Manifest::of(experiment);
-    let results = known::<Row>(out, &manifest)?;
+    let results = known::<S::Row>(out, &manifest)?;
     let (open, known) = runner::to_do(experiment, results.as_ref(), shard, args.retry_failed);
     let listing = Listing {
         manifest: &manifest,
         open: &open,
         known,
-        what: "missions to carry out",
+        what: S::TO_DO,
     };
     list(&listing, args.json, |cell| {
-        let cell = experiment.cells.get(cell);
-        json!({
-            "scenario": cell.map(|c| &c.target),
-            "set": cell.map(|c| &c.overrides),
-        })
+        experiment.cells.get(cell).map_or(Json::Null, S::details)
     });
     Ok(ExitCode::SUCCESS)
 }
 
 /// What Ctrl-C sets.
-pub(super) fn interruptible() -> Result<Arc<AtomicBool>, SweepError> {
+fn interruptible() -> Result<Arc<AtomicBool>, SweepError> {
     let interrupted = Arc::new(AtomicBool::new(false));
     handle_signals(&interrupted).map_err(|source| SweepError::Resource {
         what: format!("cannot handle signals: {source}"),
@@ -280,7 +273,7 @@ pub(super) fn interruptible() -> Result<Arc<AtomicBool>, SweepError> {
 }
 
 /// Takes what need not be done again from the results that `--reuse` names.
-pub(super) fn take_over<R: Record>(
+fn take_over<R: Record>(
     results: &mut Results<R>,
     args: &SweepRunArgs,
     what: &str,
@@ -294,8 +287,8 @@ pub(super) fn take_over<R: Record>(
     Ok(())
 }
 
-fn local(
-    experiment: &Experiment,
+fn carry_out<S: SweepKind>(
+    experiment: &ExperimentOf<S>,
     path: &Path,
     args: &SweepRunArgs,
     shard: Shard,
@@ -306,8 +299,8 @@ fn local(
     let folder = path
         .parent()
         .filter(|folder| !folder.as_os_str().is_empty());
-    figures::keep_published(folder.unwrap_or(Path::new(".")), &results)?;
-    take_over(&mut results, args, "missions")?;
+    S::keep_published(folder.unwrap_or(Path::new(".")), &results)?;
+    take_over(&mut results, args, S::UNIT)?;
     let jobs = args.jobs.map_or_else(processors, usize::from);
     let options = RunOptions {
         jobs,
@@ -318,16 +311,11 @@ fn local(
         quiet: args.quiet,
         interrupted,
     };
-    let engine: Box<dyn Engine> = if args.in_process {
-        Box::new(InProcess::default())
-    } else {
-        Box::new(Processes)
-    };
-    let ran = runner::run(experiment, &mut results, engine.as_ref(), &options);
+    let ran = runner::run(experiment, &mut results, S::engine(args).as_ref(), &options);
     // What is done is worth a table also when something went wrong.
     let written = results.write_tables();
     let report = ran?;
     written?;
-    figures::write(&results)?;
-    Ok(conclude(&results, Some(&report), args.json))
+    S::draw(&results)?;
+    Ok(conclude::<S>(&results, Some(&report), args.json))
 }

@@ -6,6 +6,7 @@ use std::process::ExitCode;
 
 use serde_json::{Value as Json, json};
 
+use super::sweep_kind::SweepKind;
 use super::{EXIT_PARTIAL, print, print_json};
 use crate::sweep::runner::RunReport;
 use crate::sweep::{Manifest, MissionId, Record, Results, SweepError};
@@ -90,22 +91,20 @@ pub(super) fn list(listing: &Listing<'_>, as_json: bool, details: impl Fn(usize)
     );
 }
 
-/// Prints what results amount to, with the summary of their kind as JSON or text.
-pub(super) fn conclude<R: Record>(
-    results: &Results<R>,
+/// Prints what results amount to.
+pub(super) fn conclude<S: SweepKind>(
+    results: &Results<S::Row>,
     report: Option<&RunReport>,
     as_json: bool,
-    json: fn(&Results<R>, Option<&RunReport>) -> Json,
-    text: fn(&Results<R>, Option<&RunReport>) -> String,
 ) -> ExitCode {
     for note in results.notes() {
         eprintln!("note: {note}");
     }
     if as_json {
-        print_json(&json(results, report));
+        print_json(&S::json(results, report));
     } else {
         let table = results.directory().join("results.csv");
-        let text = text(results, report);
+        let text = S::text(results, report);
         print(&format!("{text}\nresults   {}", table.display()));
     }
     let failures = results.rows().any(|(_, row)| row.is_failed());

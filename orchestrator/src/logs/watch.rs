@@ -35,7 +35,7 @@ impl Watch {
         self.end();
         if bytes >= LONG && !self.quiet {
             let total = (bytes / MEGABYTE) as usize;
-            self.shown = Some((Progress::of(total, 0, false, "MB"), 0));
+            self.shown = Some((Progress::new(total, 0, false, "MB"), 0));
         }
     }
 

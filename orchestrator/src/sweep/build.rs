@@ -1,12 +1,11 @@
 //! From cases and parameters to the scenarios of the cells, each checked.
 
-use std::collections::BTreeMap;
-
 use super::assignments::Assignment;
 use super::cases::CaseDraft;
 use super::cell::{Cell, Value};
 use super::experiment::LoadOptions;
 use super::grid::Written;
+use super::mission::Mission;
 use super::parameters::{Parameter, ScaleError};
 use super::reader::Reader;
 use crate::scenario::text::{Code, Diagnostic, Diagnostics, FieldPath, Step};
@@ -112,11 +111,11 @@ pub fn describe(case: &str, names: &[&str], values: &[Value]) -> String {
 /// The cells in their order; those whose scenario is wrong are left out, and reported.
 pub(super) fn build(
     reader: &mut Reader,
-    cases: &[CaseDraft],
+    cases: &[CaseDraft<Draft<'static>>],
     parameters: &[Parameter],
     combinations: &[Vec<Written>],
     options: &LoadOptions,
-) -> Vec<Cell> {
+) -> Vec<Cell<Mission>> {
     let names: Vec<&str> = parameters.iter().map(|p| p.name.as_str()).collect();
     let on_top: Vec<Assignment> = options
         .set
@@ -173,10 +172,12 @@ pub(super) fn build(
                 values,
                 target: case.target.clone(),
                 overrides,
-                one_core: scenario.run.pin == spec::Pin::OneCore,
                 external: scenario.uses_external_commands(),
                 blake3: fingerprint(scenario.clone()),
-                template,
+                subject: Mission {
+                    one_core: scenario.run.pin == spec::Pin::OneCore,
+                    template,
+                },
             });
         }
     }
@@ -184,7 +185,11 @@ pub(super) fn build(
 }
 
 /// What a scenario must not have that is run many times over.
-fn unfit(scenario: &ResolvedScenario, case: &CaseDraft, options: &LoadOptions) -> Vec<Diagnostic> {
+fn unfit<D>(
+    scenario: &ResolvedScenario,
+    case: &CaseDraft<D>,
+    options: &LoadOptions,
+) -> Vec<Diagnostic> {
     let mut found = Vec::new();
     if scenario.run.mode != spec::Mode::LockStep {
         found.push(
@@ -221,29 +226,4 @@ fn fingerprint(mut scenario: ResolvedScenario) -> String {
     blake3::hash(scenario.to_toml().as_bytes())
         .to_hex()
         .to_string()
-}
-
-/// Says which cells are the same scenario.
-pub(super) fn twins(cells: &[Cell]) -> Vec<String> {
-    let mut first: BTreeMap<&str, &Cell> = BTreeMap::new();
-    let mut notes = Vec::new();
-    for cell in cells {
-        let Some(earlier) = first.get(cell.blake3.as_str()) else {
-            first.insert(&cell.blake3, cell);
-            continue;
-        };
-        let values = |c: &Cell| {
-            let values = c.values.iter().map(ToString::to_string);
-            std::iter::once(c.case.clone())
-                .chain(values)
-                .collect::<Vec<_>>()
-                .join(", ")
-        };
-        notes.push(format!(
-            "the cells ({}) and ({}) are the same scenario: their results will be the same",
-            values(earlier),
-            values(cell),
-        ));
-    }
-    notes
 }

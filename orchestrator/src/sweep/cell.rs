@@ -2,8 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::scenario::text::{Diagnostics, Node, Value as TomlValue, render_float};
-use crate::scenario::{ResolvedScenario, Template};
+use crate::scenario::text::{Node, Value as TomlValue, render_float};
 
 /// Value of a parameter.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -60,37 +59,26 @@ impl std::fmt::Display for Value {
     }
 }
 
-/// A combination of case and parameters: one scenario, to be run with every seed.
+/// A combination of case and parameters, to be run with every seed.
 #[derive(Clone)]
-pub struct Cell {
+pub struct Cell<S> {
     /// Name of the case.
     pub case: String,
     /// Values of the parameters, in the order of the columns.
     pub values: Vec<Value>,
-    /// The scenario, as `protean run` takes it.
+    /// The scenario, as `protean run` takes it; `planning` for plans.
     pub target: String,
     /// The overrides, as `--set` takes them, in their order.
     pub overrides: Vec<String>,
-    /// Whether the processes of its missions keep to one core.
-    pub one_core: bool,
     /// Whether it starts programs that are not Protean's own.
     pub external: bool,
-    /// Fingerprint of the scenario with everything filled in, but for its seed.
+    /// Fingerprint of the subject with everything filled in, but for its seed.
     pub blake3: String,
-    pub(super) template: Template,
+    /// What its missions are about.
+    pub subject: S,
 }
 
-impl Cell {
-    /// The scenario with a seed.
-    ///
-    /// # Errors
-    /// Those that depend on the seed: a start that finds no room.
-    pub fn scenario(&self, seed: u64) -> Result<ResolvedScenario, Diagnostics> {
-        self.template.with_seed(seed)
-    }
-}
-
-impl std::fmt::Debug for Cell {
+impl<S> std::fmt::Debug for Cell<S> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Cell")
             .field("case", &self.case)

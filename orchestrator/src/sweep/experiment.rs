@@ -1,14 +1,16 @@
 //! From an experiment file to checked cells.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use super::build::{build, twins};
 use super::cases::read_cases;
 use super::cell::Cell;
+use super::mission::Mission;
 use super::parts::{check_name, read_figures, read_run, read_seeds};
 use super::reader::Reader;
 use super::seeds::Seeds;
 use super::spec::{FigureSpec, MAX_CELLS, MAX_MISSIONS, RunSpec, TopLevel};
+use super::subject::Subject;
 use super::{grid, parameters};
 use crate::scenario::files::read_text;
 use crate::scenario::text::{Code, Diagnostic, Diagnostics, FieldPath, Node};
@@ -47,9 +49,12 @@ pub struct Column {
     pub title: String,
 }
 
+/// An experiment of missions of robots.
+pub type Experiment = ExperimentOf<Mission>;
+
 /// An experiment with everything checked.
 #[derive(Debug, Clone)]
-pub struct Experiment {
+pub struct ExperimentOf<S> {
     /// Short name: of the directory of its results.
     pub name: String,
     /// One line for people.
@@ -63,19 +68,17 @@ pub struct Experiment {
     /// The parameters, in the order of the file.
     pub parameters: Vec<Column>,
     /// Every combination of case and parameters: case by case, the last parameter fastest.
-    pub cells: Vec<Cell>,
+    pub cells: Vec<Cell<S>>,
     /// The seeds, the same for every cell.
     pub seeds: Seeds,
     /// How the missions are carried out.
     pub run: RunSpec,
     /// What is drawn of the results.
     pub figures: Vec<FigureSpec>,
-    /// What is odd but not wrong.
-    pub notes: Vec<String>,
 }
 
-impl Experiment {
-    /// Reads an experiment and checks every scenario that comes of it.
+impl<S: Subject> ExperimentOf<S> {
+    /// Reads an experiment and checks every cell that comes of it.
     ///
     /// # Errors
     /// Everything that is wrong, each with file, line, field, value and what was expected.
@@ -113,7 +116,13 @@ impl Experiment {
         let seeds = read_seeds(reader, options);
         let run = read_run(reader);
         let figures = read_figures(reader, &parameters);
-        let cases = read_cases(reader, folder, options);
+        for (key, expected) in S::FOREIGN_KEYS {
+            if root.get(key).is_some() {
+                let message = format!("`{key}` does not fit an experiment of {}", S::UNIT);
+                reader.refuse(&FieldPath::key(key), Code::Requirement, &message, expected);
+            }
+        }
+        let cases = read_cases::<S>(reader, folder, options);
         let (top, combinations, seeds, run) = (top?, combinations?, seeds?, run?);
         let (cases, figures) = (cases?, figures?);
         if !reader.problems.is_empty() {
@@ -126,8 +135,7 @@ impl Experiment {
             reader.refuse(&FieldPath::key("seeds"), Code::Limit, &message, &expected);
             return None;
         }
-        let cells = build(reader, &cases, &parameters, &combinations, options);
-        let notes = twins(&cells);
+        let cells = S::cells(reader, &cases, &parameters, &combinations, options);
         Some(Self {
             name: name.to_owned(),
             title: top.title.unwrap_or_else(|| name.to_owned()),
@@ -145,7 +153,33 @@ impl Experiment {
             seeds,
             run,
             figures,
-            notes,
         })
+    }
+}
+
+impl Experiment {
+    /// Notes on what is odd but not wrong: cells that are the same.
+    pub fn notes(&self) -> Vec<String> {
+        let mut first: BTreeMap<&str, &Cell<Mission>> = BTreeMap::new();
+        let mut notes = Vec::new();
+        for cell in &self.cells {
+            let Some(earlier) = first.get(cell.blake3.as_str()) else {
+                first.insert(&cell.blake3, cell);
+                continue;
+            };
+            let values = |c: &Cell<Mission>| {
+                let values = c.values.iter().map(ToString::to_string);
+                std::iter::once(c.case.clone())
+                    .chain(values)
+                    .collect::<Vec<_>>()
+                    .join(", ")
+            };
+            notes.push(format!(
+                "the cells ({}) and ({}) are the same scenario: their results will be the same",
+                values(earlier),
+                values(cell),
+            ));
+        }
+        notes
     }
 }

@@ -4,8 +4,10 @@ use serde::{Deserialize, Serialize};
 
 use super::build::describe;
 use super::cell::Value;
-use super::experiment::Experiment;
+use super::experiment::ExperimentOf;
+use super::row::Record as _;
 use super::seeds::Seeds;
+use super::subject::Subject;
 
 /// Version of the files in a directory of results; another one is refused.
 pub const FORMAT: u32 = 2;
@@ -77,7 +79,7 @@ pub struct ManifestCell {
 
 impl Manifest {
     /// The manifest of an experiment run by this program.
-    pub fn of(experiment: &Experiment) -> Self {
+    pub fn of<S: Subject>(experiment: &ExperimentOf<S>) -> Self {
         let cells = experiment.cells.iter().map(|cell| ManifestCell {
             case: cell.case.clone(),
             values: cell.values.clone(),
@@ -86,38 +88,17 @@ impl Manifest {
             set: cell.overrides.clone(),
             external: cell.external,
         });
-        Self::new(
-            Kind::Missions,
-            (&experiment.name, &experiment.title),
-            experiment
-                .parameters
-                .iter()
-                .map(|p| p.name.clone())
-                .collect(),
-            cells.collect(),
-            experiment.seeds.clone(),
-        )
-    }
-
-    /// The manifest of an experiment with this name and title, these columns of parameters, cells
-    /// and seeds, run by this program.
-    pub(super) fn new(
-        kind: Kind,
-        (name, title): (&str, &str),
-        parameters: Vec<String>,
-        cells: Vec<ManifestCell>,
-        seeds: Seeds,
-    ) -> Self {
+        let names = experiment.parameters.iter().map(|p| p.name.clone());
         let mut manifest = Self {
             format: FORMAT,
             program: env!("CARGO_PKG_VERSION").to_owned(),
-            kind,
-            experiment: name.to_owned(),
-            title: title.to_owned(),
+            kind: S::Row::KIND,
+            experiment: experiment.name.clone(),
+            title: experiment.title.clone(),
             blake3: String::new(),
-            parameters,
-            cells,
-            seeds,
+            parameters: names.collect(),
+            cells: cells.collect(),
+            seeds: experiment.seeds.clone(),
         };
         manifest.blake3 = manifest.fingerprint();
         manifest

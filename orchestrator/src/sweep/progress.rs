@@ -23,13 +23,8 @@ pub(crate) struct Progress {
 }
 
 impl Progress {
-    /// Progress over `total` missions; `known` are done already.
-    pub fn new(total: usize, known: usize, quiet: bool) -> Self {
-        Self::of(total, known, quiet, "missions")
-    }
-
-    /// The same over something else than missions.
-    pub fn of(total: usize, known: usize, quiet: bool, unit: &'static str) -> Self {
+    /// Progress over `total` of a unit; `known` are done already.
+    pub fn new(total: usize, known: usize, quiet: bool, unit: &'static str) -> Self {
         let terminal = std::io::stderr().is_terminal();
         let bar = ProgressBar::new(total as u64);
         bar.set_draw_target(if quiet || !terminal {

@@ -9,15 +9,21 @@ use crate::mission::MissionReport;
 use crate::recorder::{CoverageOutcome, PredictionOutcome, RobotOutcome, Summary};
 
 /// A row of results. Nothing in it depends on the machine or on how it was carried out.
-pub trait Record: Clone + PartialEq + Serialize + DeserializeOwned + 'static {
+pub trait Record: Clone + PartialEq + Serialize + DeserializeOwned + Send + 'static {
     /// What it is a row of.
     const KIND: Kind;
 
     /// The columns of its table after `case`, the parameters and `seed`.
     const COLUMNS: &'static [ResultColumn<Self>];
 
+    /// The row of a mission that failed, with the reason.
+    fn failed(error: String) -> Self;
+
     /// Whether it failed, and may be carried out again.
     fn is_failed(&self) -> bool;
+
+    /// Why it failed; empty if it did not.
+    fn error(&self) -> &str;
 }
 
 /// How a mission ended.
@@ -155,7 +161,15 @@ impl Record for Row {
 
     const COLUMNS: &'static [ResultColumn<Self>] = Self::COLUMNS;
 
+    fn failed(error: String) -> Self {
+        Self::failed(error)
+    }
+
     fn is_failed(&self) -> bool {
         Self::is_failed(self)
+    }
+
+    fn error(&self) -> &str {
+        &self.error
     }
 }

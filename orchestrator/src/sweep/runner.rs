@@ -8,15 +8,15 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use super::build::describe;
-use super::engine::{Call, Engine, processors, stay_on};
+use super::engine::{Call, processors, stay_on};
 use super::error::SweepError;
-use super::experiment::Experiment;
+use super::experiment::ExperimentOf;
 use super::progress::Progress;
 use super::results::{MissionId, Results, missions};
-use super::row::{Record, Row};
-use super::seeds::Seeds;
+use super::row::Record as _;
 use super::shard::Shard;
 use super::spec::LogPolicy;
+use super::subject::{Ended, Pinning, Subject};
 
 /// How often interruptions and time-outs are looked at.
 const BEAT: Duration = Duration::from_millis(50);
@@ -57,29 +57,14 @@ pub struct RunReport {
 
 /// The missions of a shard that are still to be carried out, in the order of the results, and how
 /// many are done.
-pub fn to_do(
-    experiment: &Experiment,
-    results: Option<&Results>,
-    shard: Shard,
-    retry_failed: bool,
-) -> (Vec<MissionId>, usize) {
-    to_do_of(
-        (experiment.cells.len(), &experiment.seeds),
-        results,
-        shard,
-        retry_failed,
-    )
-}
-
-/// The same of an experiment with so many cells and these seeds.
-pub(super) fn to_do_of<R: Record>(
-    (cells, seeds): (usize, &Seeds),
-    results: Option<&Results<R>>,
+pub fn to_do<S: Subject>(
+    experiment: &ExperimentOf<S>,
+    results: Option<&Results<S::Row>>,
     shard: Shard,
     retry_failed: bool,
 ) -> (Vec<MissionId>, usize) {
     let mut known = 0;
-    let open = missions(cells, seeds)
+    let open = missions(experiment.cells.len(), &experiment.seeds)
         .enumerate()
         .filter(|&(number, _)| shard.has(number))
         .map(|(_, mission)| mission)
@@ -94,9 +79,9 @@ pub(super) fn to_do_of<R: Record>(
 }
 
 /// What the workers share.
-struct Shared<'a> {
-    experiment: &'a Experiment,
-    engine: &'a dyn Engine,
+struct Shared<'a, S: Subject> {
+    experiment: &'a ExperimentOf<S>,
+    engine: &'a S::Engine,
     options: &'a RunOptions,
     logs: PathBuf,
     open: &'a [MissionId],
@@ -115,10 +100,10 @@ struct AtHand {
 }
 
 /// A mission that is over.
-struct Done {
+struct Done<R> {
     mission: MissionId,
     /// `None`: given up because of an interruption.
-    row: Option<Row>,
+    ended: Option<Ended<R>>,
     wall_s: f64,
 }
 
@@ -126,10 +111,10 @@ struct Done {
 ///
 /// # Errors
 /// [`SweepError`] if the results cannot be kept; everything recorded before is.
-pub fn run(
-    experiment: &Experiment,
-    results: &mut Results,
-    engine: &dyn Engine,
+pub fn run<S: Subject>(
+    experiment: &ExperimentOf<S>,
+    results: &mut Results<S::Row>,
+    engine: &S::Engine,
     options: &RunOptions,
 ) -> Result<RunReport, SweepError> {
     let start = Instant::now();
@@ -155,9 +140,9 @@ pub fn run(
         stop: AtomicBool::new(false),
         at_hand: (0..jobs).map(|_| Mutex::new(None)).collect(),
     };
-    let mut progress = Progress::new(open.len(), known, options.quiet);
+    let mut progress = Progress::new(open.len(), known, options.quiet, S::UNIT);
     let mut carried_out = 0;
-    let (tell, done) = mpsc::channel::<Done>();
+    let (tell, done) = mpsc::channel::<Done<S::Row>>();
     let outcome = std::thread::scope(|scope| -> Result<(), SweepError> {
         for worker in 0..jobs {
             let (shared, tell) = (&shared, tell.clone());
@@ -191,10 +176,10 @@ pub fn run(
 }
 
 /// Records what the workers bring, until all of them have ended.
-fn collect(
-    shared: &Shared<'_>,
-    results: &mut Results,
-    done: &mpsc::Receiver<Done>,
+fn collect<S: Subject>(
+    shared: &Shared<'_, S>,
+    results: &mut Results<S::Row>,
+    done: &mpsc::Receiver<Done<S::Row>>,
     progress: &mut Progress,
     carried_out: &mut usize,
 ) -> Result<(), SweepError> {
@@ -202,16 +187,16 @@ fn collect(
         match done.recv_timeout(BEAT) {
             Ok(Done {
                 mission,
-                row: Some(row),
+                ended: Some(Ended { row, cpu_ms }),
                 wall_s,
             }) => {
                 progress.done(row.is_failed(), || {
-                    format!("{} failed: {}", results.describe(mission), row.error)
+                    format!("{} failed: {}", results.describe(mission), row.error())
                 });
-                results.record(mission, row, wall_s)?;
+                results.record_timed(mission, row, wall_s, cpu_ms)?;
                 *carried_out += 1;
             }
-            Ok(Done { row: None, .. }) | Err(RecvTimeoutError::Timeout) => {}
+            Ok(Done { ended: None, .. }) | Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => return Ok(()),
         }
         if shared.is_interrupted() {
@@ -222,7 +207,7 @@ fn collect(
     }
 }
 
-impl Shared<'_> {
+impl<S: Subject> Shared<'_, S> {
     fn is_interrupted(&self) -> bool {
         self.options.interrupted.load(Ordering::SeqCst)
     }
@@ -244,35 +229,19 @@ impl Shared<'_> {
     }
 
     /// Carries out one mission after the other until none is left.
-    fn work(&self, worker: usize, tell: &mpsc::Sender<Done>) {
-        if self.engine.wants_own_processor() {
-            let processors = processors();
-            // With processors to spare, missions may spread over several.
-            let crowded = self.at_hand.len() >= processors.len();
-            let pinned = self.open.first().is_some_and(|mission| {
-                let cell = self.experiment.cells.get(mission.cell);
-                cell.is_some_and(|cell| cell.one_core)
-            });
-            if crowded || pinned {
-                // Other parts may be at work on this machine too.
-                let turn = worker + self.options.shard.index() - 1;
-                let own = turn.checked_rem(processors.len());
-                if let Some(&processor) = own.and_then(|own| processors.get(own)) {
-                    stay_on(processor);
-                }
-            }
-        }
+    fn work(&self, worker: usize, tell: &mpsc::Sender<Done<S::Row>>) {
+        self.take_processor(worker);
         while !self.stop.load(Ordering::SeqCst) {
             let next = self.next.fetch_add(1, Ordering::SeqCst);
             let Some(&mission) = self.open.get(next) else {
                 return;
             };
             let start = Instant::now();
-            let row = self.carry_out(worker, mission, start);
+            let ended = self.carry_out(worker, mission, start);
             let wall_s = start.elapsed().as_secs_f64();
             let told = tell.send(Done {
                 mission,
-                row,
+                ended,
                 wall_s,
             });
             if told.is_err() {
@@ -281,12 +250,33 @@ impl Shared<'_> {
         }
     }
 
-    fn carry_out(&self, worker: usize, mission: MissionId, start: Instant) -> Option<Row> {
+    /// Keeps this worker on a processor of its own if its missions want one.
+    fn take_processor(&self, worker: usize) {
+        let first = self.open.first();
+        let cell = first.and_then(|mission| self.experiment.cells.get(mission.cell));
+        let pinning = cell.map_or(Pinning::Never, |cell| S::pinning(cell, self.engine));
+        if pinning == Pinning::Never {
+            return;
+        }
+        let processors = processors();
+        // With processors to spare, missions may spread over several.
+        if pinning == Pinning::Always || self.at_hand.len() >= processors.len() {
+            // Other parts may be at work on this machine too.
+            let turn = worker + self.options.shard.index() - 1;
+            let own = turn.checked_rem(processors.len());
+            if let Some(&processor) = own.and_then(|own| processors.get(own)) {
+                stay_on(processor);
+            }
+        }
+    }
+
+    fn carry_out(
+        &self,
+        worker: usize,
+        mission: MissionId,
+        start: Instant,
+    ) -> Option<Ended<S::Row>> {
         let cell = self.experiment.cells.get(mission.cell)?;
-        let scenario = match cell.scenario(mission.seed) {
-            Ok(scenario) => scenario,
-            Err(problems) => return Some(Row::failed(problems.to_string())),
-        };
         let log = (self.options.log != LogPolicy::None).then(|| self.log_path(mission));
         let call = Call {
             log: log.clone(),
@@ -303,33 +293,36 @@ impl Shared<'_> {
         if self.stop.load(Ordering::SeqCst) {
             return None;
         }
+        let failed = |error| Ended {
+            row: S::Row::failed(error),
+            cpu_ms: None,
+        };
         // A mission inside this process must not take the others with it.
-        let flown = catch_unwind(AssertUnwindSafe(|| self.engine.fly(&scenario, &call)));
+        let carried_out = catch_unwind(AssertUnwindSafe(|| {
+            S::carry_out(cell, mission.seed, self.engine, &call)
+        }));
         if let Some(Ok(mut slot)) = at_hand.map(Mutex::lock) {
             *slot = None;
         }
-        let row = match flown {
-            Ok(Ok(report)) if report.interrupted => {
-                if self.stop.load(Ordering::SeqCst) {
-                    discard(log.as_deref());
-                    return None;
-                }
+        let interrupted = matches!(carried_out, Ok(None));
+        let ended = match carried_out {
+            Ok(Some(ended)) => ended,
+            Ok(None) => {
                 let limit = self.options.timeout.as_secs_f64();
-                Row::failed(format!("it was not over after {limit} s of real time"))
+                failed(format!("it was not over after {limit} s of real time"))
             }
-            Ok(Ok(report)) => Row::of(&report),
-            // What an interruption breaks is not the mission's fault.
-            Ok(Err(_)) if self.stop.load(Ordering::SeqCst) => {
-                discard(log.as_deref());
-                return None;
-            }
-            Ok(Err(error)) => Row::failed(error),
-            Err(panic) => Row::failed(format!("it panicked: {}", panic_words(panic.as_ref()))),
+            Err(panic) => failed(format!("it panicked: {}", panic_words(panic.as_ref()))),
         };
-        if self.options.log == LogPolicy::Failed && !row.is_failed() {
+        // What an interruption breaks is not the mission's fault.
+        let stopped = self.stop.load(Ordering::SeqCst);
+        if stopped && (interrupted || ended.row.is_failed()) {
+            discard(log.as_deref());
+            return None;
+        }
+        if self.options.log == LogPolicy::Failed && !ended.row.is_failed() {
             discard(log.as_deref());
         }
-        Some(row)
+        Some(ended)
     }
 
     /// `logs/potential-relative_speed=1.5-seed=7.mcap`.

@@ -20,6 +20,8 @@ pub(super) struct TopLevel {
     pub description: Option<String>,
     pub scenario: Option<String>,
     // Read piece by piece, each with its own path.
+    #[serde(rename = "task")]
+    pub _task: Option<IgnoredAny>,
     #[serde(rename = "seeds")]
     pub _seeds: Option<IgnoredAny>,
     #[serde(rename = "cases")]

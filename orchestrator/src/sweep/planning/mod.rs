@@ -5,18 +5,16 @@
 //! ([`Recipe`](crate::planning::Recipe)) and planned once. Its row follows from the experiment alone;
 //! the CPU time that it took does not, and stands in a table of its own.
 
-mod experiment;
 mod row;
-mod runner;
+mod subject;
 pub mod summary;
 mod task;
 
 #[cfg(test)]
 mod tests;
 
-pub use experiment::{PlanCell, PlanExperiment, is_planning};
 pub use row::PlanRow;
-pub use runner::{run, to_do};
+pub use subject::{PlanExperiment, is_planning};
 pub use task::Task;
 
 use super::results::Results;

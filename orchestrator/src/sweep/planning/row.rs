@@ -69,6 +69,26 @@ impl Record for PlanRow {
 
     const COLUMNS: &'static [ResultColumn<Self>] = Self::COLUMNS;
 
+    fn failed(error: String) -> Self {
+        Self {
+            outcome: Outcome::Failed,
+            honest: None,
+            obstacles: 0,
+            t_s: None,
+            lower_bound_s: None,
+            gap: None,
+            length_px: None,
+            min_clearance_px: None,
+            iterations: None,
+            control_points: None,
+            error,
+        }
+    }
+
+    fn error(&self) -> &str {
+        &self.error
+    }
+
     fn is_failed(&self) -> bool {
         matches!(self.outcome, Outcome::Invalid | Outcome::Failed)
     }

@@ -6,10 +6,10 @@ use std::time::Duration;
 use super::*;
 use crate::scenario::text::Diagnostics;
 use crate::sweep::merge::merge;
-use crate::sweep::runner::RunOptions;
+use crate::sweep::runner::{RunOptions, run};
 use crate::sweep::shard::Shard;
 use crate::sweep::spec::LogPolicy;
-use crate::sweep::{LoadOptions, Results, Seeds};
+use crate::sweep::{LoadOptions, Manifest, Results, Seeds};
 
 const SMALL: &str = r#"
 kind = "planning"
@@ -41,7 +41,7 @@ fn load(text: &str) -> Result<PlanExperiment, Diagnostics> {
 }
 
 fn carry_out(experiment: &PlanExperiment, out: &Path, shard: &str) {
-    let mut results = PlanResults::open(out, &experiment.manifest(), &experiment.text).unwrap();
+    let mut results = PlanResults::open(out, &Manifest::of(experiment), &experiment.text).unwrap();
     let options = RunOptions {
         jobs: 2,
         shard: Shard::parse(shard).unwrap(),
@@ -51,7 +51,7 @@ fn carry_out(experiment: &PlanExperiment, out: &Path, shard: &str) {
         quiet: true,
         interrupted: Arc::new(AtomicBool::new(false)),
     };
-    let report = run(experiment, &mut results, &options).unwrap();
+    let report = run(experiment, &mut results, &(), &options).unwrap();
     assert!(report.missing.is_empty() && !report.interrupted);
     results.write_tables().unwrap();
 }
@@ -60,7 +60,7 @@ fn carry_out(experiment: &PlanExperiment, out: &Path, shard: &str) {
 fn shards_put_together_are_the_whole_byte_for_byte() {
     let experiment = load(SMALL).unwrap();
     assert_eq!(experiment.cells.len(), 4);
-    assert!(!experiment.cells[0].task.options.fallbacks);
+    assert!(!experiment.cells[0].subject.options.fallbacks);
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
     carry_out(&experiment, &at("whole"), "1/1");
@@ -81,7 +81,7 @@ fn shards_put_together_are_the_whole_byte_for_byte() {
     // Done is done; what was done elsewhere can be taken over.
     drop(merged);
     carry_out(&experiment, &at("whole"), "1/1");
-    let mut again = PlanResults::open(&at("again"), &experiment.manifest(), "").unwrap();
+    let mut again = PlanResults::open(&at("again"), &Manifest::of(&experiment), "").unwrap();
     let taken = again
         .reuse(&PlanResults::read(&at("whole")).unwrap())
         .unwrap();
@@ -108,12 +108,12 @@ fn keys_of_the_command_line_go_on_top() {
         experiment
             .cells
             .iter()
-            .all(|c| c.task.instances.obstacles == [1, 2])
+            .all(|c| c.subject.instances.obstacles == [1, 2])
     );
     assert_eq!(experiment.seeds.len(), 2);
     assert_ne!(
-        experiment.manifest().blake3,
-        load(SMALL).unwrap().manifest().blake3
+        Manifest::of(&experiment).blake3,
+        Manifest::of(&load(SMALL).unwrap()).blake3
     );
 }
 

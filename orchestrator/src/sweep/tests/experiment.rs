@@ -31,7 +31,7 @@ fn cells_are_all_combinations_case_by_case() {
     );
     assert_eq!(experiment.run.timeout_s, 100.0);
     assert_eq!(experiment.figures[0].metric, Metric::EscapeChance);
-    assert!(experiment.notes.is_empty(), "{:?}", experiment.notes);
+    assert!(experiment.notes().is_empty(), "{:?}", experiment.notes());
 }
 
 #[test]
@@ -178,7 +178,7 @@ fn cells_that_are_the_same_scenario_are_noted() {
         "threat.gain = 0.0",
         "threat.gain = 0.0\n[[cases]]\nname = \"again\"\nset.processes.evader_potential.params.threat.gain = 0.0\n",
     );
-    let notes = load(&text).unwrap().notes;
+    let notes = load(&text).unwrap().notes();
     assert_eq!(notes.len(), 3);
     assert!(
         notes[0].contains("(potential, 0.8) and (again, 0.8) are the same"),
@@ -224,7 +224,7 @@ fn the_experiments_of_the_project_are_fine() {
         if !planning && path.extension().is_some_and(|e| e == "toml") {
             let loaded = Experiment::load(&path, &LoadOptions::default());
             let experiment = loaded.unwrap_or_else(|e| panic!("{e}"));
-            assert!(experiment.notes.is_empty(), "{:?}", experiment.notes);
+            assert!(experiment.notes().is_empty(), "{:?}", experiment.notes());
             count += 1;
         }
     }
