@@ -9,6 +9,7 @@ use crate::ground::Ground;
 use crate::guide::Guide;
 use crate::knots::{self, Headings};
 use crate::lgl::Lgl;
+use crate::obstacle_planes::{NO_DEPTH, depths, grow_margins};
 use crate::options::{Constraints, Options};
 use crate::path::PathPoint;
 use crate::plan::Method;
@@ -22,10 +23,6 @@ use crate::warm::Rest;
 
 /// Most times that a curve is made anew because it is too near to an obstacle between its samples.
 const MOST_REPAIRS: u32 = 8;
-/// Depth [m] that is left.
-const NO_DEPTH: f64 = 2e-5;
-/// What an obstacle is grown by beside the depth, when it is repaired [m].
-const REPAIR: f64 = 1e-4;
 /// How near [relative] to the shortest path a curve is good enough.
 const ENOUGH: f64 = 1e-5;
 /// How far beyond the bounds' corner the reference point lies by default, in their diagonals.
@@ -190,15 +187,8 @@ impl Bench<'_> {
             let Some(points) = drive::path(curve, &z, frame, theta, &self.problem.limits) else {
                 break;
             };
-            let depths = drive::depths(self.ground, &points);
-            let mut clean = true;
-            for (index, depth) in depths {
-                if depth > NO_DEPTH {
-                    clean = false;
-                    search.margins[index] += depth + REPAIR;
-                }
-            }
-            if clean || nodes_only {
+            let deepest = grow_margins(&depths(self.ground, &points), &mut search.margins);
+            if deepest <= NO_DEPTH || nodes_only {
                 result = Some((z, points));
                 break;
             }

@@ -1,10 +1,9 @@
-//! From a curve to a path that can be driven: points dense enough, and how deep they are in what.
+//! From a curve to a path that can be driven: dense enough points.
 
 use nalgebra::Vector2;
 use sim_backend::math;
 
 use crate::curve::{Curve, Trace};
-use crate::ground::Ground;
 use crate::path::{self, PathPoint};
 use crate::problem::RobotLimits;
 use crate::shape::Frame;
@@ -105,25 +104,4 @@ fn places(trace: &Trace<'_>, breaks: &[f64], frame: &Frame) -> Vec<f64> {
         *last = 1.0;
     }
     places
-}
-
-/// How deep [m] a path is at most in each grown obstacle that it is in, by index.
-pub fn depths(ground: &Ground, points: &[PathPoint]) -> Vec<(usize, f64)> {
-    let mut found = Vec::new();
-    for (index, obstacle) in ground.obstacles.iter().enumerate() {
-        let mut least = f64::INFINITY;
-        let mut i = 0;
-        while i < points.len() {
-            let distance = obstacle.contact(points[i].at).distance - ground.clearance;
-            least = least.min(distance);
-            // Distances change by no more than the way: so far ahead there is nothing deep.
-            let reach = points[i].s + distance;
-            i += 1;
-            i += points[i..].partition_point(|p| p.s < reach);
-        }
-        if least < 0.0 {
-            found.push((index, -least));
-        }
-    }
-    found
 }

@@ -64,6 +64,7 @@ pub mod ground;
 pub mod guide;
 pub mod knots;
 pub mod lgl;
+pub mod obstacle_planes;
 pub mod options;
 pub mod params;
 pub mod path;

@@ -5,6 +5,7 @@ use nalgebra::Point2;
 use sim_backend::math;
 
 use crate::guide;
+use crate::plan::Sample;
 
 /// A point of a path.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,6 +18,24 @@ pub struct PathPoint {
     pub theta: f64,
     /// Curvature [1/m]: positive to the left.
     pub kappa: f64,
+}
+
+/// The points of a trajectory's path; curvatures are left 0.
+pub fn of_samples(samples: &[Sample]) -> Vec<PathPoint> {
+    let mut points: Vec<PathPoint> = Vec::with_capacity(samples.len());
+    for sample in samples {
+        let at = Point2::new(sample.x, sample.y);
+        let s = points
+            .last()
+            .map_or(0.0, |last| last.s + (at - last.at).norm());
+        points.push(PathPoint {
+            s,
+            at,
+            theta: sample.theta,
+            kappa: 0.0,
+        });
+    }
+    points
 }
 
 /// Largest distance between points of a path [m].

@@ -13,6 +13,7 @@ use sim_backend::shape::{Contact, Convex};
 use crate::curve::{Curve, Row};
 use crate::ground::Ground;
 use crate::guide::Guide;
+use crate::obstacle_planes::{HalfPlane, NO_DEPTH, surface};
 use crate::program::Program;
 
 /// Length of the guide in the programs' unit: their numbers are about 1 whatever the scale.
@@ -21,8 +22,6 @@ const UNITS: f64 = 8.0;
 const SLACK_COST: f64 = 10.0;
 /// Most cost.
 const MOST_SLACK_COST: f64 = 1e5;
-/// Depth [m] that is none.
-const NO_DEPTH: f64 = 2e-5;
 /// What is kept beside the sag [m].
 const HAIR: f64 = 3e-5;
 /// Most sag [m] between samples: at first, and once it is known about where the curve goes.
@@ -57,6 +56,12 @@ pub struct Frame {
 }
 
 impl Frame {
+    /// The world's own coordinates [m].
+    pub const WORLD: Self = Self {
+        origin: Point2::new(0.0, 0.0),
+        unit: 1.0,
+    };
+
     /// For a path of this length [m] from here.
     pub fn new(origin: Point2<f64>, length: f64) -> Self {
         Self {
@@ -107,9 +112,7 @@ pub struct Search<'a> {
 /// A half-plane at a sample: the curve stays ahead of a line.
 struct Hold {
     at: f64,
-    normal: Vector2<f64>,
-    /// The line's place along the normal [units].
-    line: f64,
+    plane: HalfPlane,
     /// The obstacle, if it may be entered at a cost.
     obstacle: Option<usize>,
 }
@@ -284,7 +287,7 @@ impl<'a> Search<'a> {
         let obstacle = &self.ground.obstacles[index];
         let clearance = self.ground.clearance;
         let (p, contact) = self.outside(obstacle, p, at);
-        let surface = p - contact.normal * contact.distance;
+        let surface = surface(p, &contact);
         // The ends may lie on the obstacle: the margin grows with the way from them.
         let near = at.min(1.0 - at);
         let end = self.guide.at(if at < 0.5 { 0.0 } else { 1.0 });
@@ -293,8 +296,7 @@ impl<'a> Search<'a> {
         let grown = clearance + margin.min(most);
         Hold {
             at,
-            normal: contact.normal,
-            line: self.frame.inward(surface).dot(&contact.normal) + grown / self.frame.unit(),
+            plane: HalfPlane::ahead_of(surface, contact.normal, grown, &self.frame),
             obstacle: Some(index),
         }
     }
@@ -333,8 +335,7 @@ impl<'a> Search<'a> {
                 if distance < EDGE_REACH {
                     holds.push(Hold {
                         at,
-                        normal,
-                        line,
+                        plane: HalfPlane { normal, line },
                         obstacle: None,
                     });
                 }
@@ -394,7 +395,7 @@ impl<'a> Search<'a> {
         }
         for hold in holds {
             self.curve.row(hold.at, 0, z, &mut row);
-            let constant = row.constant(z).dot(&hold.normal);
+            let constant = row.constant(z).dot(&hold.plane.normal);
             let terms = merged(&mut row.terms);
             let slack = hold
                 .obstacle
@@ -402,10 +403,10 @@ impl<'a> Search<'a> {
                 .map(|slack| (slack, -1.0));
             let terms = terms
                 .iter()
-                .map(|(var, term)| (*var, -term.dot(&hold.normal)))
+                .map(|(var, term)| (*var, -term.dot(&hold.plane.normal)))
                 .filter(|(_, c)| *c != 0.0)
                 .chain(slack);
-            program.at_most(terms, constant - hold.line);
+            program.at_most(terms, constant - hold.plane.line);
         }
         (program, slacks)
     }

@@ -2,10 +2,10 @@
 
 use nalgebra::Point2;
 
-use crate::drive;
 use crate::ground::Ground;
 use crate::guide::Guide;
-use crate::path::PathPoint;
+use crate::obstacle_planes;
+use crate::path;
 use crate::plan::{Plan, Sample};
 use crate::problem::Problem;
 
@@ -46,20 +46,8 @@ pub fn rest(problem: &Problem, ground: &Ground, plan: &Plan) -> Option<Rest> {
     if distance(&samples[0]) > NEAR || misses > NEAR {
         return None;
     }
-    let mut points: Vec<PathPoint> = Vec::with_capacity(samples.len());
-    for sample in &samples {
-        let at = Point2::new(sample.x, sample.y);
-        let s = points
-            .last()
-            .map_or(0.0, |last| last.s + (at - last.at).norm());
-        points.push(PathPoint {
-            s,
-            at,
-            theta: sample.theta,
-            kappa: 0.0,
-        });
-    }
-    let depths = drive::depths(ground, &points);
+    let points = path::of_samples(&samples);
+    let depths = obstacle_planes::depths(ground, &points);
     if depths.iter().any(|(_, depth)| *depth > DEEP) {
         return None;
     }

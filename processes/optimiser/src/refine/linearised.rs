@@ -1,12 +1,13 @@
 //! The convex program around a trajectory.
 
-use nalgebra::{Point2, Vector2};
+use nalgebra::Point2;
 use sim_backend::math;
-use sim_backend::shape::Convex;
 
 use super::rollout::{self, Node};
 use super::{CALM, PENALTY, REACH, Refinement};
+use crate::obstacle_planes::{HalfPlane, surface};
 use crate::program::Program;
+use crate::shape::Frame;
 
 /// Indices of a node's variables.
 const X: usize = 0;
@@ -23,22 +24,6 @@ pub(super) struct Next {
     pub time: f64,
     /// The merit, if everything were as linear as in the program.
     pub promised: f64,
-}
-
-/// A node stays ahead of a line.
-struct Hold {
-    node: usize,
-    normal: Vector2<f64>,
-    line: f64,
-}
-
-/// Nearest point of an obstacle's surface and the direction away from it, if it is within reach.
-fn surface(obstacle: &Convex, p: Point2<f64>, reach: f64) -> Option<(Point2<f64>, Vector2<f64>)> {
-    if obstacle.distance(p) > reach {
-        return None;
-    }
-    let contact = obstacle.contact(p);
-    Some((p - contact.normal * contact.distance, contact.normal))
 }
 
 impl Refinement<'_> {
@@ -62,17 +47,17 @@ impl Refinement<'_> {
         program.at_most([(duration, 1.0)], self.time * (1.0 + trust));
         program.at_most([(duration, -1.0)], -self.time * (1.0 - trust.min(0.9)));
         let price = PENALTY / self.problem.limits.top_speed();
-        for (i, hold) in holds.iter().enumerate() {
+        for (i, (node, plane)) in holds.iter().enumerate() {
             let slack = duration + 1 + i;
-            let var = EACH * hold.node;
+            let var = EACH * node;
             program.add_linear(slack, price);
             program.at_most([(slack, -1.0)], 0.0);
             let terms = [
-                (var + X, -hold.normal.x),
-                (var + Y, -hold.normal.y),
+                (var + X, -plane.normal.x),
+                (var + Y, -plane.normal.y),
                 (slack, -1.0),
             ];
-            program.at_most(terms, -hold.line);
+            program.at_most(terms, -plane.line);
         }
         let z = program.solve()?;
         let node = |k: usize| {
@@ -226,23 +211,21 @@ impl Refinement<'_> {
         }
     }
 
-    /// Half-planes that keep nodes from the obstacles near them.
-    fn holds(&self) -> Vec<Hold> {
+    /// Nodes and the half-planes that keep them from the obstacles near them.
+    fn holds(&self) -> Vec<(usize, HalfPlane)> {
         let clearance = self.ground.clearance;
         let step = self.problem.limits.top_speed() * self.step_time();
         let mut holds = Vec::new();
         for (index, obstacle) in self.ground.obstacles.iter().enumerate() {
             let keep = clearance + self.margins[index];
             for (i, node) in self.inner().iter().enumerate() {
-                let Some((surface, normal)) = surface(obstacle, node.at, keep + REACH + step)
-                else {
+                if obstacle.distance(node.at) > keep + REACH + step {
                     continue;
-                };
-                holds.push(Hold {
-                    node: i + 1,
-                    normal,
-                    line: surface.coords.dot(&normal) + keep,
-                });
+                }
+                let contact = obstacle.contact(node.at);
+                let surface = surface(node.at, &contact);
+                let plane = HalfPlane::ahead_of(surface, contact.normal, keep, &Frame::WORLD);
+                holds.push((i + 1, plane));
             }
         }
         holds

@@ -14,7 +14,8 @@ mod rollout;
 use nalgebra::Point2;
 
 use crate::ground::Ground;
-use crate::path::SPACING;
+use crate::obstacle_planes::{self, NO_DEPTH, grow_margins};
+use crate::path::{self, SPACING};
 use crate::plan::Sample;
 use crate::problem::Problem;
 use rollout::Node;
@@ -46,10 +47,6 @@ const CALM: f64 = 1e-4;
 /// Shares of the improvement that a program promises: below the first, the next one gets less
 /// freedom, above the second, more.
 const KEPT: [f64; 2] = [0.3, 0.8];
-/// Depth [m] that is none.
-const NO_DEPTH: f64 = 2e-5;
-/// What an obstacle is grown by beside the depth, when the way between nodes enters it [m].
-const REPAIR: f64 = 1e-4;
 /// Most samples of a trajectory: with more of them its steps are too long for the search to see
 /// what lies between nodes.
 const MOST_SAMPLES: f64 = 2e5;
@@ -204,25 +201,9 @@ impl<'a> Refinement<'a> {
 
     /// Grows the obstacles that the way between nodes enters; how deep [m] it is at most.
     fn repair(&mut self) -> Option<f64> {
-        let samples = self.samples()?;
-        let mut deepest: f64 = 0.0;
-        for (index, obstacle) in self.ground.obstacles.iter().enumerate() {
-            let depths = samples.iter().map(|s| {
-                let p = Point2::new(s.x, s.y);
-                let near = obstacle.distance(p);
-                if near < self.ground.clearance {
-                    self.ground.clearance - obstacle.contact(p).distance
-                } else {
-                    0.0
-                }
-            });
-            let depth = depths.fold(0.0, f64::max);
-            if depth > NO_DEPTH {
-                self.margins[index] += depth + REPAIR;
-                deepest = deepest.max(depth);
-            }
-        }
-        Some(deepest)
+        let points = path::of_samples(&self.samples()?);
+        let depths = obstacle_planes::depths(self.ground, &points);
+        Some(grow_margins(&depths, &mut self.margins))
     }
 
     /// The trajectory, sampled; `None` if that makes too many samples.
