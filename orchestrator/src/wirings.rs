@@ -34,19 +34,25 @@ pub fn visit<V: WiringVisitor>(kind: &str, visitor: V) -> Option<V::Output> {
         }
         "optimiser" => visitor.visit::<optimiser::process::OptimiserProcess>(),
         "navigator" => visitor.visit::<PlannerProcess<navigator::process::NavigatorPlanner>>(),
-        "patrol_awg" => visitor.visit::<PlannerProcess<patrol_awg::process::PatrolAwgPlanner>>(),
-        "patrol_fto" => visitor.visit::<PlannerProcess<patrol_fto::process::PatrolFtoPlanner>>(),
-        "coverage_chebyshev" => {
-            visitor.visit::<PlannerProcess<coverage_chebyshev::ChebyshevPlanner>>()
+        "patrol_awg" => {
+            visitor.visit::<PlannerProcess<patrol_planners::process::PatrolAwgPlanner>>()
         }
-        "keyed_coverage" => visitor.visit::<PlannerProcess<keyed_coverage::KeyedCoveragePlanner>>(),
+        "patrol_fto" => {
+            visitor.visit::<PlannerProcess<patrol_planners::process::PatrolFtoPlanner>>()
+        }
+        "coverage_chebyshev" => {
+            visitor.visit::<PlannerProcess<coverage_planners::ChebyshevPlanner>>()
+        }
+        "keyed_coverage" => {
+            visitor.visit::<PlannerProcess<coverage_planners::KeyedCoveragePlanner>>()
+        }
         "coverage_boustrophedon" => {
-            visitor.visit::<PlannerProcess<coverage_baselines::BoustrophedonPlanner>>()
+            visitor.visit::<PlannerProcess<coverage_planners::BoustrophedonPlanner>>()
         }
         "coverage_random_bounce" => {
-            visitor.visit::<PlannerProcess<coverage_baselines::RandomBouncePlanner>>()
+            visitor.visit::<PlannerProcess<coverage_planners::RandomBouncePlanner>>()
         }
-        "coverage_uniform" => visitor.visit::<PlannerProcess<coverage_baselines::UniformPlanner>>(),
+        "coverage_uniform" => visitor.visit::<PlannerProcess<coverage_planners::UniformPlanner>>(),
         _ => return None,
     })
 }

@@ -3,9 +3,7 @@
 use ::coverage::goal::{Goal, GoalSource};
 use ::coverage::tour::Tour;
 use ::metrics::coverage::{CELL_SIDES, Figures, Meter, Rate};
-use coverage_baselines::{Boustrophedon, RandomBounce, Uniform};
-use coverage_chebyshev::{Chebyshev, ChebyshevParams};
-use keyed_coverage::Keyed;
+use coverage_planners::{Boustrophedon, Chebyshev, ChebyshevParams, Keyed, RandomBounce, Uniform};
 use nalgebra::Point2;
 use serde_json::{Value as Json, json};
 use sim_backend::map::WorldMap;

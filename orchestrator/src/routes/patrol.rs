@@ -6,7 +6,7 @@ use generators::Key;
 use guidance::waypoint::{Waypoint, WaypointKind};
 use metrics::path::PathMetrics;
 use nalgebra::Point2;
-use patrol_awg::PatrolAwgParams;
+use patrol_planners::PatrolAwgParams;
 use serde_json::{Value as Json, json};
 
 use super::{RouteError, Router};

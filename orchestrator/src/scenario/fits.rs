@@ -2,15 +2,12 @@
 //! three shows by itself, and what would otherwise only be seen when the run starts.
 
 use coverage::workplace::{Workplace, WorkplaceError};
-use coverage_baselines::{Boustrophedon, RandomBounce, Uniform};
-use coverage_chebyshev::Chebyshev;
+use coverage_planners::{Boustrophedon, Chebyshev, Keyed, RandomBounce, Uniform};
 use guidance::waypoint_driver::DriverParams;
-use keyed_coverage::Keyed;
 use kit::planner::planner_seed;
 use nalgebra::Point2;
 use patrol::mission::{Drive, MissionParams};
-use patrol_awg::PatrolAwgParams;
-use patrol_fto::PatrolFtoParams;
+use patrol_planners::{PatrolAwgParams, PatrolFtoParams};
 use serde::de::DeserializeOwned;
 use serde_json::Value as Json;
 use sim_backend::map::{MapSpec, WorldMap};

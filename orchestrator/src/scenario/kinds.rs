@@ -1,17 +1,14 @@
 //! The kinds of processes that a scenario may name, and their parameters.
 
-use coverage_baselines::{BoustrophedonParams, RandomParams};
-use coverage_chebyshev::ChebyshevParams;
+use coverage_planners::{BoustrophedonParams, ChebyshevParams, KeyedCoverageParams, RandomParams};
 use evader_braitenberg::BraitenbergParams;
 use evader_potential::EvaderParams;
 use evader_reach_avoid::ReachAvoidParams;
 use evader_rrt_star::RrtStarParams;
-use keyed_coverage::KeyedCoverageParams;
 use navigator::NavigatorParams;
 use observer::ObserverParams;
 use optimiser::OptimiserParams;
-use patrol_awg::PatrolAwgParams;
-use patrol_fto::PatrolFtoParams;
+use patrol_planners::{PatrolAwgParams, PatrolFtoParams};
 use pursuer::PursuerParams;
 use referee::RefereeParams;
 use serde::Serialize;
@@ -19,8 +16,8 @@ use serde_json::Value as Json;
 use tracking::params::PerceptionParams;
 
 pub use super::kind::{KindInfo, Need, Preset, Product, check_params, find};
+use super::params_fault::patrol_fault;
 pub use super::params_fault::{FieldProblem, ParamsFault};
-use super::params_fault::{awg_fault, fto_fault};
 use super::spec::MAX_PARTICLES;
 
 /// What particle filters may have.
@@ -134,7 +131,7 @@ pub static KINDS: &[KindInfo] = &[
             "patrols a contour along a zig-zag that only its key foretells",
             |node| {
                 check_params(node, |params: &PatrolAwgParams| {
-                    params.validate().map_err(awg_fault)
+                    params.validate().map_err(patrol_fault)
                 })
             },
         )
@@ -146,7 +143,7 @@ pub static KINDS: &[KindInfo] = &[
             "patrols a contour past fictive obstacles, or mixes them with a zig-zag",
             |node| {
                 check_params(node, |params: &PatrolFtoParams| {
-                    params.validate().map_err(fto_fault)
+                    params.validate().map_err(patrol_fault)
                 })
             },
         )

@@ -2,8 +2,7 @@
 
 use guidance::params::ParamsError;
 use patrol::mission::MissionError;
-use patrol_awg::PatrolError;
-use patrol_fto::PatrolFtoError;
+use patrol_planners::PatrolError;
 use sim_backend::spec::FieldError;
 
 use super::text::ReadError;
@@ -74,27 +73,13 @@ impl<E: Into<FieldProblem>> From<E> for ParamsFault {
     }
 }
 
-/// A patrol along a zig-zag that cannot be.
-pub(super) fn awg_fault(error: PatrolError) -> ParamsFault {
+/// A patrol that cannot be.
+pub(super) fn patrol_fault(error: PatrolError) -> ParamsFault {
     match error {
         PatrolError::Params(error) => error.into(),
-        PatrolError::Mission(error) => mission_fault(error),
-    }
-}
-
-/// A patrol past fictive obstacles that cannot be.
-pub(super) fn fto_fault(error: PatrolFtoError) -> ParamsFault {
-    match error {
-        PatrolFtoError::Params(error) => error.into(),
-        PatrolFtoError::Mission(error) => mission_fault(error),
-        PatrolFtoError::Fto(error) => named_fault("fto", &error),
-    }
-}
-
-fn mission_fault(error: MissionError) -> ParamsFault {
-    match error {
-        MissionError::Params(error) => error.within("mission").into(),
-        error => named_fault("mission", &error),
+        PatrolError::Mission(MissionError::Params(error)) => error.within("mission").into(),
+        PatrolError::Mission(error) => named_fault("mission", &error),
+        PatrolError::Fto(error) => named_fault("fto", &error),
     }
 }
 

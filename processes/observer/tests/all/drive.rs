@@ -190,7 +190,7 @@ pub fn patrol(
     alpha: f64,
     (v_max, omega_max): (f64, f64),
     key: &str,
-) -> Drive<patrol_awg::process::PatrolAwgPlanner> {
+) -> Drive<patrol_planners::process::PatrolAwgPlanner> {
     let place = Place {
         bounds: [[-2.0, -2.0], [17.0, 17.0]],
         obstacles: Vec::new(),
@@ -210,7 +210,7 @@ pub fn patrol(
 pub const COVERED: [f64; 4] = [0.15, 0.15, 9.85, 9.85];
 
 /// A coverage of 10 m by 10 m.
-pub fn coverage(key: &str) -> Drive<coverage_chebyshev::ChebyshevPlanner> {
+pub fn coverage(key: &str) -> Drive<coverage_planners::ChebyshevPlanner> {
     let place = Place {
         bounds: [[0.0, 0.0], [10.0, 10.0]],
         obstacles: Vec::new(),

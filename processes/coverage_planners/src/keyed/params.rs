@@ -38,12 +38,7 @@ impl KeyedCoverageParams {
     /// # Errors
     /// [`ParamsError`] with the path of the first field that is out of range.
     pub fn validate(&self) -> Result<(), ParamsError> {
-        if let Some(key) = self.key
-            && !matches!(key, Key::Keyed { .. })
-        {
-            let expected = "`keyed:` and 64 hexadecimal digits: no other generator is secret";
-            return Err(ParamsError::new("key", &key, expected));
-        }
+        crate::require_secret(self.key)?;
         self.goals.validate().map_err(within("goals"))?;
         self.follow.validate().map_err(within("follow"))
     }

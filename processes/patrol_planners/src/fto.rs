@@ -1,38 +1,27 @@
-//! The planner: waypoints for the driver, and a scan with obstacles that are not there.
+//! Waypoints for the driver, and a scan with obstacles that are not there.
+
+mod params;
 
 use std::collections::VecDeque;
 
 use generators::AnySource;
 use guidance::free_space::FreeSpace;
 use guidance::map::PlannerMap;
-use guidance::params::{ParamsError, within};
+use guidance::params::within;
 use guidance::steering::Steering;
 use guidance::view::View;
 use guidance::waypoint::{Waypoint, WaypointKind, WaypointReport};
 use guidance::waypoint_driver::{Situation, WaypointDriver};
 use nalgebra::{Point2, Vector2};
 use patrol::awg::{Awg, Laps};
-use patrol::fto::{Carrier, Disc, Fto, FtoError, merged};
+use patrol::fto::{Carrier, Disc, Fto, merged};
 use patrol::mission::{Drive, Mission, MissionError};
 use patrol::mixed::{Method, MixedLaps};
 use sim_backend::spec::RobotModel;
-use thiserror::Error;
 
-use crate::{PatrolFtoParams, Protection};
+use crate::PatrolError;
 
-/// Why a robot cannot patrol.
-#[derive(Debug, Clone, PartialEq, Error)]
-pub enum PatrolFtoError {
-    /// What was ordered cannot be.
-    #[error("mission: {0}")]
-    Mission(#[from] MissionError),
-    /// The fictive obstacles cannot be.
-    #[error("fto: {0}")]
-    Fto(#[from] FtoError),
-    /// A parameter or a limit of the robot is out of its range.
-    #[error(transparent)]
-    Params(#[from] ParamsError),
-}
+pub use params::{PatrolFtoParams, Protection};
 
 /// Where waypoints come from.
 #[derive(Debug, Clone)]
@@ -94,13 +83,13 @@ impl PatrolFto {
     /// A robot that has not set out yet; `seed` is its own and makes the key if none is given.
     ///
     /// # Errors
-    /// [`PatrolFtoError`] naming the parameter that does not do, and what to change.
+    /// [`PatrolError`] naming the parameter that does not do, and what to change.
     pub fn new(
         params: &PatrolFtoParams,
         drive: &Drive,
         model: &RobotModel,
         seed: u64,
-    ) -> Result<Self, PatrolFtoError> {
+    ) -> Result<Self, PatrolError> {
         params.validate()?;
         let mission = params.mission.prepare(drive, &params.driver.go_to, seed)?;
         let source = mission.key.source().map_err(MissionError::Key)?;

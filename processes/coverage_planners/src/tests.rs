@@ -1,6 +1,8 @@
 use coverage::goal::GoalSource;
 use nalgebra::Point2;
 use sim_backend::shape::Aabb;
+use sub_goals::FollowParams;
+use sub_goals::design::{Design, Site};
 
 use super::*;
 
@@ -34,6 +36,9 @@ fn points<D: Design>(text: &str, seed: u64) -> Vec<Point2<f64>> {
 #[test]
 fn the_key_decides_and_else_the_seed() {
     let key = format!("key = \"keyed:{}\"", "07".repeat(32));
+    assert_eq!(points::<Keyed>(&key, 1), points::<Keyed>(&key, 2));
+    assert_ne!(points::<Keyed>("", 1), points::<Keyed>("", 2));
+    assert_eq!(points::<Keyed>("", 1), points::<Keyed>("", 1));
     assert_eq!(
         points::<RandomBounce>(&key, 1),
         points::<RandomBounce>(&key, 2)
@@ -51,12 +56,33 @@ fn lanes_are_as_far_apart_as_the_body_is_wide() {
     assert!(widest > 0.19 && widest <= 0.21 + 1e-12, "{widest}");
 }
 
+fn refusal<D: Design>(text: &str) -> String {
+    let params: D::Params = toml::from_str(text).unwrap();
+    D::validate(&params).unwrap_err()
+}
+
 #[test]
-fn values_out_of_range_are_named() {
-    let params: RandomParams = toml::from_str("key = \"catp:1,2\"").unwrap();
-    let error = Uniform::validate(&params).unwrap_err();
-    assert!(error.starts_with("`key` is catp:"), "{error}");
-    let params: RandomParams = toml::from_str("follow = { margin = -1.0 }").unwrap();
-    let error = RandomBounce::validate(&params).unwrap_err();
-    assert!(error.starts_with("`follow.margin` is -1"), "{error}");
+fn keys_that_are_no_secret_and_values_out_of_range_are_refused() {
+    for text in [
+        refusal::<Keyed>("key = \"catp:0.4,0.644\""),
+        refusal::<Uniform>("key = \"catp:0.4,0.644\""),
+    ] {
+        assert!(text.starts_with("`key` is catp:"), "{text}");
+    }
+    let text = refusal::<Keyed>("goals = { choices = 9.0 }");
+    assert!(text.starts_with("`goals.choices` is 9"), "{text}");
+    for text in [
+        refusal::<Keyed>("follow = { margin = -1.0 }"),
+        refusal::<RandomBounce>("follow = { margin = -1.0 }"),
+        refusal::<Boustrophedon>("follow = { margin = -1.0 }"),
+    ] {
+        assert!(text.starts_with("`follow.margin` is -1"), "{text}");
+    }
+}
+
+#[test]
+fn cells_too_large_for_the_body_are_refused() {
+    let params: KeyedCoverageParams = toml::from_str("goals = { cell = 0.12 }").unwrap();
+    let error = Keyed::goals(&params, &site(), 1, None).unwrap_err();
+    assert!(error.starts_with("`cell` is 0.12"), "{error}");
 }

@@ -6,7 +6,7 @@ use patrol::mission::MissionParams;
 use patrol::mixed::MixedParams;
 use serde::{Deserialize, Serialize};
 
-use crate::PatrolFtoError;
+use crate::PatrolError;
 
 /// What makes the patrol hard to predict.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -47,15 +47,15 @@ impl PatrolFtoParams {
     /// Checks every field.
     ///
     /// # Errors
-    /// [`PatrolFtoError`] with the path of the first that does not do.
-    pub fn validate(&self) -> Result<(), PatrolFtoError> {
+    /// [`PatrolError`] with the path of the first that does not do.
+    pub fn validate(&self) -> Result<(), PatrolError> {
         self.mission.validate()?;
         self.fto.validate()?;
         self.mixed
             .validate()
-            .map_err(|error| PatrolFtoError::Params(error.within("mixed")))?;
+            .map_err(|error| PatrolError::Params(error.within("mixed")))?;
         self.driver
             .validate()
-            .map_err(|error| PatrolFtoError::Params(error.within("driver")))
+            .map_err(|error| PatrolError::Params(error.within("driver")))
     }
 }

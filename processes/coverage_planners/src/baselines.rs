@@ -1,14 +1,7 @@
-//! Baselines of coverage in processes of their own: [`Boustrophedon`] is the most efficient and
-//! hides nothing, [`RandomBounce`] is what cleaning robots do, [`Uniform`] hides the most. The
-//! algorithms are in [`coverage`]; the wiring is that of all planners of sub-goals.
-
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+//! Baselines of coverage: [`Boustrophedon`] is the most efficient and hides nothing,
+//! [`RandomBounce`] is what cleaning robots do, [`Uniform`] hides the most.
 
 pub mod params;
-
-#[cfg(test)]
-mod tests;
 
 use core::marker::PhantomData;
 

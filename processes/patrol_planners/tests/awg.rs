@@ -7,7 +7,7 @@ use guidance::steering::Steering;
 use guidance::view::View;
 use guidance::waypoint::{WaypointKind, WaypointOutcome, WaypointReport};
 use patrol::forecast::Forecast;
-use patrol_awg::{PatrolAwg, PatrolAwgParams};
+use patrol_planners::{PatrolAwg, PatrolAwgParams};
 use sim_backend::pose::Pose2;
 use sim_backend::shape::Shape;
 use support::{Drive, Steers, drive, model};

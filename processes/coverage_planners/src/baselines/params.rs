@@ -39,12 +39,7 @@ impl RandomParams {
     /// # Errors
     /// [`ParamsError`] with the path of the first field that is out of range.
     pub fn validate(&self) -> Result<(), ParamsError> {
-        if let Some(key) = self.key
-            && !matches!(key, Key::Keyed { .. })
-        {
-            let expected = "`keyed:` and 64 hexadecimal digits";
-            return Err(ParamsError::new("key", &key, expected));
-        }
+        crate::require_secret(self.key)?;
         self.follow.validate().map_err(within("follow"))
     }
 }

@@ -1,10 +1,11 @@
-//! The planner: waypoints of the zig-zag, handed to the driver one by one.
+//! Waypoints of the zig-zag, handed to the driver one by one.
+
+mod params;
 
 use std::collections::VecDeque;
 
 use generators::AnySource;
 use guidance::map::PlannerMap;
-use guidance::params::ParamsError;
 use guidance::steering::Steering;
 use guidance::view::View;
 use guidance::waypoint::{Waypoint, WaypointReport};
@@ -13,23 +14,13 @@ use nalgebra::Vector2;
 use patrol::awg::Laps;
 use patrol::mission::{Drive, Mission, MissionError};
 use sim_backend::spec::RobotModel;
-use thiserror::Error;
 
-use crate::{Pace, PatrolAwgParams};
+use crate::PatrolError;
+
+pub use params::{Pace, PatrolAwgParams};
 
 /// Waypoints ahead that are shown.
 pub const SHOWN: usize = 12;
-
-/// Why a robot cannot patrol.
-#[derive(Debug, Clone, PartialEq, Error)]
-pub enum PatrolError {
-    /// What was ordered cannot be.
-    #[error("mission: {0}")]
-    Mission(#[from] MissionError),
-    /// A parameter or a limit of the robot is out of its range.
-    #[error(transparent)]
-    Params(#[from] ParamsError),
-}
 
 /// One robot on patrol.
 #[derive(Debug, Clone)]

@@ -1,14 +1,7 @@
-//! Covers a workplace fast, and unforetold by an observer who knows the method but not the key, in
-//! a process of its own. The algorithm is [`coverage::keyed`]; the wiring is that of all planners
-//! of sub-goals.
-
-#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
-#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+//! Covers a workplace fast, by sub-goals that an observer who knows the method but not the key does
+//! not predict ([`coverage::keyed`]).
 
 pub mod params;
-
-#[cfg(test)]
-mod tests;
 
 use coverage::keyed::KeyedCoverage;
 use generators::Key;

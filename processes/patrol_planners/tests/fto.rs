@@ -1,6 +1,5 @@
 //! Case 2 of the paper with fictive obstacles, and the mixture, driven.
 
-#[path = "../../patrol_awg/tests/support/mod.rs"]
 mod support;
 
 use guidance::map::PlannerMap;
@@ -8,7 +7,7 @@ use guidance::steering::Steering;
 use guidance::view::View;
 use guidance::waypoint::{WaypointKind, WaypointOutcome, WaypointReport};
 use patrol::mission::Drive;
-use patrol_fto::{PatrolFto, PatrolFtoParams};
+use patrol_planners::{PatrolFto, PatrolFtoParams};
 use sim_backend::pose::Pose2;
 use sim_backend::shape::Shape;
 use support::{Steers, drive, model};

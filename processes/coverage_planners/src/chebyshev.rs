@@ -1,4 +1,9 @@
-//! The chaotic coverage planner, as the process that it shares with others wants it.
+//! Covers a workplace by chaotic sub-goals, rectangle after rectangle (Chebyshev coverage paper).
+
+pub mod params;
+
+#[cfg(test)]
+mod tests;
 
 use coverage::decomposition::Decomposition;
 use coverage::plan::{CoveragePlan, PlanSpec};
@@ -9,7 +14,7 @@ use sub_goals::design::{Design, Site};
 use sub_goals::follower::Follower;
 use sub_goals::params::FollowParams;
 
-use crate::params::ChebyshevParams;
+pub use params::ChebyshevParams;
 
 /// The chaotic coverage planner in its process.
 pub type ChebyshevPlanner = Follower<Chebyshev>;

@@ -1,0 +1,94 @@
+//! Wires the planners to their topics: state, map and scan in; command, plan and waypoints out.
+
+use guidance::map::PlannerMap;
+use guidance::steering::Steering;
+use guidance::view::View;
+use guidance::waypoint::WaypointReport;
+use kit::config::RobotInfo;
+use kit::planner::{PlannedPoint, Planner, PlannerInputs};
+use patrol::mission::Drive;
+
+use crate::{PatrolAwg, PatrolAwgParams, PatrolFto, PatrolFtoParams};
+
+/// Waypoints that may end in a tick, at most.
+const WAYPOINTS: usize = 64;
+
+/// The inputs of a patrol, with the exact shapes if it knows the obstacles.
+fn inputs(obstacles_known: bool) -> PlannerInputs {
+    PlannerInputs {
+        scans: true,
+        shapes: obstacles_known,
+        ..PlannerInputs::default()
+    }
+}
+
+/// One robot on patrol along the zig-zag.
+#[derive(Debug)]
+pub struct PatrolAwgPlanner(PatrolAwg);
+
+impl Planner for PatrolAwgPlanner {
+    type Params = PatrolAwgParams;
+
+    const WAYPOINTS: usize = WAYPOINTS;
+
+    fn inputs(params: &PatrolAwgParams) -> PlannerInputs {
+        inputs(params.obstacles_known)
+    }
+
+    fn new(params: &PatrolAwgParams, robot: &RobotInfo, seed: u64) -> Result<Self, String> {
+        PatrolAwg::new(params, &robot.model, seed)
+            .map(Self)
+            .map_err(|error| error.to_string())
+    }
+
+    fn steer(&mut self, map: &PlannerMap, view: &View<'_>) -> Steering {
+        self.0.steer(map, view)
+    }
+
+    fn plan(&self, _: &Steering, out: &mut Vec<PlannedPoint>) {
+        out.extend(self.0.ahead().map(|waypoint| PlannedPoint {
+            at: waypoint.point,
+            ..PlannedPoint::default()
+        }));
+    }
+
+    fn waypoints(&mut self) -> &[WaypointReport] {
+        self.0.reports()
+    }
+}
+
+/// One robot on patrol past fictive obstacles.
+#[derive(Debug)]
+pub struct PatrolFtoPlanner(PatrolFto);
+
+impl Planner for PatrolFtoPlanner {
+    type Params = PatrolFtoParams;
+
+    const WAYPOINTS: usize = WAYPOINTS;
+
+    fn inputs(params: &PatrolFtoParams) -> PlannerInputs {
+        inputs(params.obstacles_known)
+    }
+
+    fn new(params: &PatrolFtoParams, robot: &RobotInfo, seed: u64) -> Result<Self, String> {
+        if robot.beams == 0 {
+            return Err(format!(
+                "{} has no range scanner, without which it cannot see fictive obstacles: give it \
+                 a `scan` table",
+                robot.name
+            ));
+        }
+        let drive = Drive::of(&robot.model).map_err(|error| format!("{}: {error}", robot.name))?;
+        PatrolFto::new(params, &drive, &robot.model, seed)
+            .map(Self)
+            .map_err(|error| error.to_string())
+    }
+
+    fn steer(&mut self, map: &PlannerMap, view: &View<'_>) -> Steering {
+        self.0.steer(map, view)
+    }
+
+    fn waypoints(&mut self) -> &[WaypointReport] {
+        self.0.reports()
+    }
+}
