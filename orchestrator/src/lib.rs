@@ -28,7 +28,6 @@ pub mod report_page;
 pub mod routes;
 pub mod scenario;
 pub mod signals;
-pub mod soak;
 pub mod statistics;
 mod storage;
 pub mod sweep;

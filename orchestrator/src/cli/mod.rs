@@ -21,7 +21,6 @@ mod replay;
 mod report;
 mod rerun;
 mod run;
-mod soak;
 mod sweep;
 mod sweep_kind;
 mod sweep_output;
@@ -153,9 +152,6 @@ enum Command {
     /// Kill, stop, slow down and double processes of runs, and check what must hold all the same
     #[command(after_long_help = chaos::HELP)]
     Chaos(chaos::ChaosArgs),
-    /// Run missions back to back for a long time and see that nothing grows and nothing is left
-    #[command(after_long_help = soak::HELP)]
-    Soak(soak::SoakArgs),
     /// Remove what runs that were killed have left behind
     Clean {
         /// Print one JSON object
@@ -303,7 +299,6 @@ fn command(cli: Cli) -> ExitCode {
         Some(Command::Patrol(command)) => patrol::patrol(command),
         Some(Command::Sweep(args)) => sweep::sweep(&args),
         Some(Command::Chaos(args)) => chaos::run(&args),
-        Some(Command::Soak(args)) => soak::run(&args),
         Some(Command::Clean { json }) => clean::clean(json),
         Some(Command::Messages { python: _ }) => {
             print(ipc_types::python::module().trim_end());

@@ -12,6 +12,10 @@ const MOVED: &[Row] = &[
         "in the source tree, `cargo run --release -p benchmarks -- chase|start|ticks|in-process`",
     ),
     (
+        &["soak"],
+        "in the source tree, `cargo test -p protean --test end_to_end growth:: -- --ignored`",
+    ),
+    (
         &["sweep", "page"],
         "in the source tree, `cargo run --release -p pages -- chase|vmc-lp|patrol DIR…`",
     ),

@@ -80,7 +80,6 @@ fn fly(
         // Who looks on wants to see something.
         pace: args.pace.or(args.live.map(|_| 1.0)).filter(|_| lock_step),
         interrupted,
-        before_end: None,
     };
     mission::run(scenario, &options)
 }

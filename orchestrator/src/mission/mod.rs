@@ -22,5 +22,5 @@ mod supervisor;
 
 pub use error::MissionError;
 pub use room::NoRoom;
-pub use run::{Hook, MissionOptions, MissionReport, run};
+pub use run::{MissionOptions, MissionReport, run};
 pub(crate) use run::{config_path, create_services, write_config};

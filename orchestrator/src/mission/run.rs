@@ -60,18 +60,6 @@ pub struct MissionOptions {
     pub pace: Option<f64>,
     /// Set from outside (Ctrl-C) to end the run in order.
     pub interrupted: Arc<AtomicBool>,
-    /// Called when time has ended and all processes are still there.
-    pub before_end: Option<Hook>,
-}
-
-/// What somebody who looks at a run from outside wants called at a moment of it.
-#[derive(Clone)]
-pub struct Hook(pub Arc<dyn Fn() + Send + Sync>);
-
-impl std::fmt::Debug for Hook {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        formatter.write_str("Hook")
-    }
 }
 
 /// How a run went.
@@ -173,9 +161,6 @@ pub fn run(
         interrupted: false,
     };
     let flown = flight.fly(&space);
-    if let Some(Hook(look)) = &options.before_end {
-        look();
-    }
     let first_tick = flight.first_tick;
     let wall_time_s = first_tick.map_or(0.0, |first| first.elapsed().as_secs_f64());
     let start_up_s = first_tick.map_or(0.0, |first| (first - start).as_secs_f64());
