@@ -132,16 +132,10 @@ fn a_planner_in_python_may_be_treated_badly() {
     if !prepare(&sandbox) {
         return;
     }
-    let words = ["chaos", "hello_python.toml", "--keep", "broken"];
+    let words = ["chaos", "hello_python.toml"];
     let refused = sandbox.protean(words).run();
     refused.refused(2, &["hello_python.toml", "--allow-external", "planner:"]);
-    let more = [
-        "--allow-external",
-        "--kinds",
-        "kill,terminate,pause,pause-orchestrator",
-        "-n",
-        "8",
-    ];
+    let more = ["--allow-external", "--kinds", "kill,pause", "-n", "6"];
     let seed = ["--fault-seed", "2", "--json"];
     let report = sandbox
         .protean(words.into_iter().chain(more).chain(seed))

@@ -8,7 +8,6 @@
 mod terminal;
 
 pub mod atomic_file;
-pub mod census;
 pub mod chaos;
 pub mod cli;
 pub mod descriptors;

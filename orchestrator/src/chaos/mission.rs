@@ -1,90 +1,80 @@
-//! A mission as its own program, with its own runtime directory, so that whatever it leaves is its
-//! own.
+//! A mission as a program of its own, with a runtime directory of its own: everything that it leaves
+//! can be found.
 
-use std::fs::{DirBuilder, File};
-use std::io::Read as _;
-use std::os::unix::fs::DirBuilderExt as _;
+use std::fs::File;
 use std::os::unix::process::CommandExt as _;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
+use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use rustix::event::{PollFd, PollFlags};
-use rustix::process::{Pid, PidfdFlags};
-use serde::Serialize;
+use kit::lockstep::TurnPage;
+use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value as Json;
 use tempfile::TempDir;
 
-use super::fault::Policy;
-use super::{ChaosError, ChaosOptions};
-use crate::scenario::{OnFailure, ResolvedScenario};
-use crate::{descriptors, program};
-
-/// Real time without an answer after which a process counts as hung when its mission is left alone
-/// [s].
-const PATIENCE_S: f64 = 60.0;
-
-/// Bounds of that time in missions to which something is done [s].
-const HANG_TIMEOUT_S: (f64, f64) = (5.0, 30.0);
-
-/// Times of an untouched mission that it is in between. The machine may have become busier since.
-const HANG_TIMEOUT: f64 = 5.0;
-
-/// Real time that a process has to become ready [s].
-const READY_TIMEOUT_S: f64 = 15.0;
+use super::{ChaosError, FaultKind, Outcome};
+use crate::mission::children::CONFIG_VARIABLE;
+use crate::mission::report::exit_words;
+use crate::scenario::ResolvedScenario;
+use crate::scenario::spec::Mode;
+use crate::{descriptors, proc, program};
 
 /// Name of its log.
 pub(super) const LOG: &str = "mission.mcap";
+/// Time for which a process is paused: far less than what counts as hung.
+const PAUSE: Duration = Duration::from_millis(200);
+/// Time between two looks at the machine.
+const LOOK: Duration = Duration::from_millis(5);
 
-/// How a mission's time goes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Course {
-    /// As fast as everybody answers.
-    LockStep,
-    /// By the clock.
-    RealTime,
-}
-
-/// A mission that is left alone.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Baseline {
+/// An undisturbed mission.
+#[derive(Debug)]
+pub(super) struct Baseline {
     /// Real time that it takes [s].
-    pub lasted_s: f64,
+    pub(super) lasted_s: f64,
     /// Its digest, in lock-step.
-    pub digest: Option<String>,
+    pub(super) digest: Option<Json>,
 }
 
 impl Baseline {
-    /// Real time without an answer after which a process counts as hung [s]: beyond what a busy
-    /// machine makes of a living one, which is never silent for as long as all of this took.
-    pub(super) fn hang_timeout_s(&self) -> f64 {
-        let (least, most) = HANG_TIMEOUT_S;
-        (HANG_TIMEOUT * self.lasted_s).clamp(least, most)
+    /// Runs a mission that nothing is done to.
+    pub(super) fn measure(scenario: &ResolvedScenario) -> Result<Self, ChaosError> {
+        let mut mission = Mission::start(scenario)?;
+        let ended = mission.end(Duration::from_secs(600));
+        let lasted_s = mission.start.elapsed().as_secs_f64();
+        let code = ended.status.and_then(|status| status.code());
+        let is_real_time = scenario.run.mode == Mode::RealTime;
+        // In real time a busy machine may lose messages.
+        if code == Some(0) || (code == Some(3) && is_real_time) {
+            let digest = ended.summary["digest"].clone();
+            let digest = (!is_real_time).then_some(digest);
+            return Ok(Self { lasted_s, digest });
+        }
+        let how = ended.status.map_or("did not end".to_owned(), exit_words);
+        let words = ended.stderr;
+        Err(ChaosError::Baseline(format!("{how}: {words}")))
     }
 }
 
 /// A mission that runs.
 #[derive(Debug)]
-pub struct Mission {
-    /// The orchestrator.
-    pub child: Child,
-    /// When it was started.
-    pub start: Instant,
+pub(super) struct Mission {
+    child: Child,
+    start: Instant,
     folder: TempDir,
-    /// Names of its processes behind the simulator.
-    names: Vec<String>,
+    /// Ticks posted, and when that was seen, as often as it had changed.
+    posts: Vec<(u64, Instant)>,
 }
 
 /// A mission that is over.
 #[derive(Debug)]
-pub struct Ended {
+pub(super) struct Ended {
     /// How the orchestrator ended; `None` if it did not and was killed.
-    pub status: Option<ExitStatus>,
-    /// What it printed, if that is an object.
-    pub summary: Option<Json>,
-    /// What it said.
-    pub stderr: String,
+    pub(super) status: Option<ExitStatus>,
+    /// The JSON that it printed; null without.
+    pub(super) summary: Json,
+    /// What it wrote to stderr.
+    pub(super) stderr: String,
 }
 
 fn system(what: impl Into<String>) -> impl FnOnce(std::io::Error) -> ChaosError {
@@ -93,231 +83,206 @@ fn system(what: impl Into<String>) -> impl FnOnce(std::io::Error) -> ChaosError 
 }
 
 impl Mission {
-    /// Starts the orchestrator of a mission; who is silent for so long counts as hung [s].
-    pub(super) fn start(
-        options: &ChaosOptions,
-        course: Course,
-        policy: Policy,
-        hang_timeout_s: f64,
-    ) -> Result<Self, ChaosError> {
+    /// Starts the orchestrator of a mission.
+    pub(super) fn start(scenario: &ResolvedScenario) -> Result<Self, ChaosError> {
         // Short: names of sockets below it are limited.
         let folder = tempfile::Builder::new()
             .prefix("pc")
             .tempdir_in("/tmp")
-            .and_then(|folder| {
-                DirBuilder::new().mode(0o700).create(runtime_dir(&folder))?;
-                Ok(folder)
-            })
             .map_err(system("cannot make a temporary folder"))?;
-        let scenario = folder.path().join("mission.toml");
-        let prepared = prepared(&options.scenario, policy, hang_timeout_s);
-        std::fs::write(&scenario, prepared.to_toml())
-            .map_err(system(scenario.display().to_string()))?;
-        let mut mission_command = command(&folder, "run");
-        mission_command
-            .arg(&scenario)
-            .args(["--json", "--quiet", "--out"])
-            .arg(folder.path().join(LOG));
-        if options.scenario.uses_external_commands() {
-            mission_command.arg("--allow-external");
-        }
-        if course == Course::RealTime {
-            mission_command.args(["--real-time", &options.real_time.to_string()]);
-        }
-        let out = |name: &str| {
+        let file = |name: &str| {
             let path = folder.path().join(name);
             File::create(&path).map_err(system(path.display().to_string()))
         };
+        let runtime_dir = folder.path().join("rt");
+        std::fs::create_dir(&runtime_dir).map_err(system(runtime_dir.display().to_string()))?;
+        let path = folder.path().join("mission.toml");
+        std::fs::write(&path, scenario.to_toml()).map_err(system(path.display().to_string()))?;
+        let mut command = command(folder.path(), "run");
+        command.arg(&path).args(["--json", "--quiet", "--out"]);
+        command.arg(folder.path().join(LOG));
+        if scenario.uses_external_commands() {
+            command.arg("--allow-external");
+        }
         // In a group of its own: Ctrl-C is for chaos, which then ends in order.
-        let child = mission_command
+        let child = command
             .process_group(0)
-            .stdout(out("stdout")?)
-            .stderr(out("stderr")?)
+            .stdout(file("stdout")?)
+            .stderr(file("stderr")?)
             .spawn()
             .map_err(system("this program cannot be started"))?;
         Ok(Self {
             child,
             start: Instant::now(),
             folder,
-            names: options
-                .scenario
-                .processes
-                .iter()
-                .map(|process| process.name.clone())
-                .collect(),
+            posts: Vec::new(),
         })
     }
 
-    /// Its process id.
-    pub fn pid(&self) -> i32 {
-        self.child.id() as i32
-    }
-
-    /// Its log.
-    pub fn log(&self) -> PathBuf {
-        self.path().join(LOG)
-    }
-
-    /// File name of the configuration of a process with this name.
-    pub(super) fn config_of(&self, name: &str) -> String {
-        let position = self.names.iter().position(|other| other == name);
-        format!("process-{}.json", position.map_or(0, |at| at + 1))
+    /// Leaves its directory behind when it is dropped.
+    pub(super) fn keep(&mut self) {
+        self.folder.disable_cleanup(true);
     }
 
     /// Its directory.
-    pub fn path(&self) -> &Path {
+    pub(super) fn path(&self) -> &Path {
         self.folder.path()
     }
 
-    /// Whether it is over.
-    pub fn is_over(&mut self) -> bool {
+    fn is_over(&mut self) -> bool {
         !matches!(self.child.try_wait(), Ok(None))
+    }
+
+    /// Injects a fault when the mission is so old; when that was, or `None` if the mission was over
+    /// before.
+    pub(super) fn inject(&mut self, fault: &Outcome, moment: Duration) -> Option<Instant> {
+        while self.start.elapsed() < moment {
+            if self.is_over() {
+                return None;
+            }
+            self.look_at_ticks();
+            sleep(LOOK.min(moment.saturating_sub(self.start.elapsed())));
+        }
+        let pid = loop {
+            match self.find(fault) {
+                Some(pid) => break Pid::from_raw(pid)?,
+                None if self.is_over() => return None,
+                None => sleep(LOOK),
+            }
+        };
+        let at = Instant::now();
+        let send = |signal| kill_process(pid, signal).is_ok();
+        let is_done = match fault.kind {
+            FaultKind::Kill | FaultKind::KillOrchestrator => send(Signal::KILL),
+            FaultKind::Hang => send(Signal::STOP),
+            FaultKind::Pause => {
+                let is_stopped = send(Signal::STOP);
+                sleep(PAUSE);
+                is_stopped && send(Signal::CONT)
+            }
+        };
+        is_done.then_some(at)
+    }
+
+    /// The process that a fault is for, by the file of its configuration; `None` if it is not there.
+    fn find(&self, fault: &Outcome) -> Option<i32> {
+        let orchestrator = i32::try_from(self.child.id()).ok()?;
+        if fault.kind == FaultKind::KillOrchestrator {
+            return Some(orchestrator);
+        }
+        let file = format!("process-{}.json", fault.index);
+        let is_target = |pid| {
+            let config = proc::variable(pid, CONFIG_VARIABLE);
+            config.is_some_and(|config| Path::new(&config).ends_with(&file))
+        };
+        proc::all()
+            .filter(|stat| stat.parent == orchestrator && stat.state != 'Z')
+            .map(|stat| stat.pid)
+            .find(|&pid| is_target(pid))
+    }
+
+    /// The living processes of the mission, whatever their parents, by their configurations.
+    pub(super) fn living(&self) -> Vec<PathBuf> {
+        let config = |pid| proc::variable(pid, CONFIG_VARIABLE).map(PathBuf::from);
+        proc::all()
+            .filter(|stat| stat.state != 'Z')
+            .filter_map(|stat| config(stat.pid))
+            .filter(|config| config.starts_with(self.path()))
+            .collect()
+    }
+
+    fn look_at_ticks(&mut self) {
+        let mut prefixes = self.runs().into_iter().map(|run| prefix(&run));
+        // The page goes with the run.
+        let page = prefixes.find_map(|prefix| TurnPage::open(&prefix).ok());
+        let ticks = page.map_or(0, |page| page.ticks_posted());
+        let known = self.posts.last().map_or(0, |&(ticks, _)| ticks);
+        if ticks > known {
+            self.posts.push((ticks, Instant::now()));
+        }
+    }
+
+    /// The age, at this moment, of the first tick beyond so many [s]; 0 if there was none.
+    pub(super) fn age_beyond(&self, ticks: u64, now: Instant) -> f64 {
+        let beyond = self.posts.iter().find(|&&(seen, _)| seen > ticks);
+        beyond.map_or(0.0, |&(_, at)| {
+            now.saturating_duration_since(at).as_secs_f64()
+        })
     }
 
     /// Waits until it is over; kills it if it is not by then.
     pub(super) fn end(&mut self, patience: Duration) -> Ended {
+        let deadline = Instant::now() + patience;
+        let status = loop {
+            match self.child.try_wait() {
+                Ok(Some(status)) => break Some(status),
+                Ok(None) if Instant::now() < deadline => sleep(LOOK),
+                _ => {
+                    let _ = self.child.kill();
+                    let _ = self.child.wait();
+                    break None;
+                }
+            }
+        };
         Ended {
-            status: end(&mut self.child, patience),
-            summary: serde_json::from_str(&self.text("stdout")).ok(),
+            status,
+            summary: serde_json::from_str(&self.text("stdout")).unwrap_or_default(),
             stderr: self.text("stderr"),
         }
     }
 
     /// Removes what a killed orchestrator left, as its user would.
-    pub(super) fn clean(&self) -> Result<(), ChaosError> {
-        command(&self.folder, "clean")
+    pub(super) fn clean(&self) {
+        let clean = command(self.path(), "clean")
             .stdout(Stdio::null())
             .stderr(Stdio::null())
-            .status()
-            .map_err(system("this program cannot be started"))
-            .map(drop)
+            .status();
+        if let Err(error) = clean {
+            tracing::warn!("this program cannot be started: {error}");
+        }
     }
 
-    /// What is left in the directory of its runs.
-    pub(super) fn left_in_runtime_dir(&self) -> Vec<String> {
-        let entries = std::fs::read_dir(runtime_dir(&self.folder).join("protean"));
-        entries
-            .into_iter()
-            .flatten()
-            .flatten()
-            .map(|entry| entry.path().display().to_string())
-            .collect()
-    }
-
-    /// The directories of its runs: one, or none yet.
-    pub fn roots(&self) -> Vec<PathBuf> {
-        let entries = std::fs::read_dir(runtime_dir(&self.folder).join("protean"));
-        entries
-            .into_iter()
-            .flatten()
-            .flatten()
-            .map(|entry| entry.path())
-            .filter(|path| path.is_dir())
-            .collect()
+    /// Names of its run directories: one while it runs.
+    pub(super) fn runs(&self) -> Vec<String> {
+        names(&self.path().join("rt/protean"), "r")
     }
 
     fn text(&self, name: &str) -> String {
-        let mut bytes = Vec::new();
-        if let Ok(file) = File::open(self.path().join(name)) {
-            let _ = file.take(1 << 20).read_to_end(&mut bytes);
-        }
+        let bytes = std::fs::read(self.path().join(name)).unwrap_or_default();
         String::from_utf8_lossy(&bytes).into_owned()
     }
 }
 
 impl Drop for Mission {
     fn drop(&mut self) {
-        // Nothing is left, whatever was done to it.
         let _ = self.child.kill();
         let _ = self.child.wait();
-        let _ = self.clean();
+        self.clean();
     }
 }
 
-/// Waits until a process has ended; `None` if it has not by then, and was killed.
-pub(super) fn end(child: &mut Child, patience: Duration) -> Option<ExitStatus> {
-    let deadline = Instant::now() + patience;
-    let pidfd = rustix::process::pidfd_open(Pid::from_child(child), PidfdFlags::empty());
-    loop {
-        if let Ok(Some(status)) = child.try_wait() {
-            return Some(status);
-        }
-        let left = deadline.saturating_duration_since(Instant::now());
-        let (Ok(pidfd), false) = (&pidfd, left.is_zero()) else {
-            let _ = child.kill();
-            let _ = child.wait();
-            return None;
-        };
-        let timeout = rustix::time::Timespec {
-            tv_sec: left.as_secs() as i64,
-            tv_nsec: i64::from(left.subsec_nanos()),
-        };
-        // Woken early or failed: looked at anyway.
-        let _ = rustix::event::poll(&mut [PollFd::new(pidfd, PollFlags::IN)], Some(&timeout));
-    }
+/// Names in a directory that begin so; none if it cannot be read.
+pub(super) fn names(directory: &Path, beginning: &str) -> Vec<String> {
+    let entries = std::fs::read_dir(directory).into_iter().flatten().flatten();
+    entries
+        .map(|entry| entry.file_name().to_string_lossy().into_owned())
+        .filter(|name| name.starts_with(beginning))
+        .collect()
 }
 
-/// Name of the process that is not in the scenario.
-pub const SIMULATOR: &str = "simulator";
-
-/// The scenario as it is broken: failures are noticed soon, and dealt with as the policy says.
-fn prepared(scenario: &ResolvedScenario, policy: Policy, hang_timeout_s: f64) -> ResolvedScenario {
-    let mut scenario = scenario.clone();
-    scenario.run.hang_timeout_s = hang_timeout_s;
-    scenario.run.ready_timeout_s = READY_TIMEOUT_S;
-    for process in &mut scenario.processes {
-        process.supervision.ready_timeout_s = READY_TIMEOUT_S;
-        if policy == Policy::Restart {
-            process.supervision.on_failure = OnFailure::Restart;
-        }
-    }
-    scenario
+/// Beginning of the names of a run's shared memory.
+pub(super) fn prefix(run: &str) -> String {
+    format!("protean_{run}_")
 }
 
-/// The runtime directory of a mission, in its folder.
-fn runtime_dir(folder: &TempDir) -> PathBuf {
-    folder.path().join("rt")
-}
-
-/// This program, with the mission's runtime directory. (The folder that it works in is ours, from which
-/// the programs of scenarios have their paths.)
-fn command(folder: &TempDir, verb: &str) -> Command {
+/// This program, with the mission's runtime directory. (The working directory stays, from which the
+/// programs of scenarios have their paths.)
+fn command(folder: &Path, verb: &str) -> Command {
     let mut command = Command::new(program::THIS);
     command
         .arg(verb)
-        .env("XDG_RUNTIME_DIR", runtime_dir(folder))
+        .env("XDG_RUNTIME_DIR", folder.join("rt"))
         .stdin(Stdio::null());
     descriptors::leave_behind(&mut command);
     command
-}
-
-/// A mission that nothing is done to.
-pub(super) fn baseline(
-    options: &ChaosOptions,
-    (course, policy): (Course, Policy),
-) -> Result<Baseline, ChaosError> {
-    let mut mission = Mission::start(options, course, policy, PATIENCE_S)?;
-    let ended = mission.end(Duration::from_secs(600));
-    let lasted_s = mission.start.elapsed().as_secs_f64();
-    let fine = ended.status.and_then(|s| s.code()).is_some_and(|code| {
-        // By the clock a busy machine may lose messages.
-        code == 0 || (code == 3 && course == Course::RealTime)
-    });
-    let Some(summary) = ended.summary.filter(|_| fine) else {
-        return Err(ChaosError::Baseline {
-            scenario: options.scenario.name.clone(),
-            what: match ended.status {
-                Some(status) => crate::mission::report::exit_words(status),
-                None => "did not end".to_owned(),
-            },
-            stderr: ended.stderr,
-        });
-    };
-    let digest = summary.get("digest").and_then(Json::as_str);
-    Ok(Baseline {
-        lasted_s,
-        digest: digest
-            .filter(|_| course == Course::LockStep)
-            .map(str::to_owned),
-    })
 }

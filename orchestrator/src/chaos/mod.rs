@@ -1,105 +1,118 @@
-//! Breaks things on purpose: processes of real runs are killed, stopped and slowed down at
-//! moments that a seed draws, and after every fault the promises are checked.
+//! Faults on purpose: a process of a run is killed, stopped or paused at a moment that a seed draws,
+//! and afterwards the promises of a run (`docs/reference/promises.md`) are checked from outside: by
+//! `/proc`, `/dev/shm`, the exit code, the summary and the log.
 //!
-//! * [`fault`]: what can be done to whom, drawn from a seed;
-//! * [`mission`]: one run as its own program, with its own runtime directory;
-//! * [`inject`]: does it;
-//! * `posts`: how far the world was when an orchestrator was killed;
-//! * [`promises`]: what must hold afterwards, and what did not;
-//! * `stops`: how soon robots stood whose planner had failed;
-//! * [`table`]: what a person sees of it.
+//! * `mission`: a run as a program of its own, with a runtime directory of its own;
+//! * `check`: the promises.
 
-pub mod fault;
-pub mod inject;
-pub mod mission;
-mod posts;
-pub mod promises;
-mod stops;
-pub mod table;
+mod check;
+mod mission;
 
-use std::collections::BTreeMap;
-use std::collections::btree_map::Entry;
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
+use clap::ValueEnum as _;
 use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng as _;
+use rand_chacha::rand_core::{Rng as _, SeedableRng as _};
 use serde::Serialize;
 
-use crate::census::CensusError;
 use crate::scenario::ResolvedScenario;
-use fault::{Fault, FaultKind, Policy};
-use mission::{Baseline, Course};
+use mission::Baseline;
 
-/// Times that a fault may come too late for its mission before it is given up.
-const ATTEMPTS: u32 = 5;
+/// Kinds of faults.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum FaultKind {
+    /// A process is killed (SIGKILL)
+    Kill,
+    /// A process is stopped for good (SIGSTOP)
+    Hang,
+    /// A process is stopped for 0.2 s (SIGSTOP, SIGCONT)
+    Pause,
+    /// The orchestrator is killed (SIGKILL)
+    KillOrchestrator,
+}
 
-/// What is done.
+/// A fault and its outcome.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Outcome {
+    /// Number of the fault, from 0.
+    pub number: u64,
+    /// Its kind.
+    pub kind: FaultKind,
+    /// Name of the process that it hits.
+    pub target: String,
+    /// Index of that process in the run; 0 for the orchestrator, too.
+    #[serde(skip)]
+    index: usize,
+    /// Its moment: share of the real time that an undisturbed mission takes, 0 to 1.
+    pub moment: f64,
+    /// Whether it happened; else its mission was over before.
+    pub injected: bool,
+    /// Promises that were broken.
+    pub broken: Vec<String>,
+    /// Real time from the fault until the mission was over [s].
+    pub over_after_s: f64,
+    /// Real time before the death of the orchestrator that the log lacks [s].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lost_s: Option<f64>,
+}
+
+impl Outcome {
+    /// Draws a fault.
+    fn draw(options: &ChaosOptions, number: u64) -> Self {
+        // A stream per fault: the first faults do not depend on how many follow.
+        let mut random = ChaCha8Rng::seed_from_u64(options.seed);
+        random.set_stream(number);
+        let mut below = |count: usize| (random.next_u64() % count.max(1) as u64) as usize;
+        let kind = options.kinds.get(below(options.kinds.len()));
+        let kind = kind.copied().unwrap_or(FaultKind::Kill);
+        let mut index = below(options.scenario.processes.len() + 1);
+        let moment = below(1 << 24) as f64 / f64::from(1 << 24);
+        let mut target = "simulator";
+        if kind == FaultKind::KillOrchestrator {
+            (index, target) = (0, "orchestrator");
+        } else if let Some(position) = index.checked_sub(1) {
+            target = &options.scenario.processes[position].name;
+        }
+        Self {
+            number,
+            kind,
+            target: target.to_owned(),
+            index,
+            moment,
+            injected: false,
+            broken: Vec::new(),
+            over_after_s: 0.0,
+            lost_s: None,
+        }
+    }
+}
+
+/// Parameters of the faults.
 #[derive(Debug, Clone)]
 pub struct ChaosOptions {
     /// The mission.
     pub scenario: ResolvedScenario,
     /// Seed of the faults.
     pub seed: u64,
-    /// How many faults.
+    /// Number of faults.
     pub faults: u64,
     /// The kinds to draw from; each as often as the others.
     pub kinds: Vec<FaultKind>,
-    /// What the scenario's processes do when they fail; drawn if there is more than one.
-    pub policies: Vec<Policy>,
-    /// Missions by the clock run so many times as fast as reality.
-    pub real_time: f64,
-    /// Where logs of missions that broke a promise are kept.
-    pub keep: Option<PathBuf>,
-    /// Set from outside (Ctrl-C): ends after the fault that is on.
+    /// Set from outside (Ctrl-C): ends after the present fault.
     pub interrupted: Arc<AtomicBool>,
 }
 
-impl ChaosOptions {
-    /// Names of the processes that something can be done to, the simulator first.
-    fn targets(&self) -> Vec<String> {
-        let names = self.scenario.processes.iter().map(|p| p.name.clone());
-        std::iter::once(mission::SIMULATOR.to_owned())
-            .chain(names)
-            .collect()
-    }
-}
-
-/// A fault and what came of it.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Outcome {
-    /// Number of the fault, from 0.
-    pub number: u64,
-    /// The fault.
-    #[serde(flatten)]
-    pub fault: Fault,
-    /// Whether it was done; else its mission was over every time.
-    pub injected: bool,
-    /// Promises that were broken, in words.
-    pub broken: Vec<String>,
-    /// Real time from the fault until the mission was over [s].
-    pub over_after_s: f64,
-    /// Real time from a failure until the process was there again [s].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub back_after_s: Option<f64>,
-    /// Simulated time from the failure of a planner until its robots stood still [s].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub stopped_after_s: Option<f64>,
-    /// What the log lacks of the time before the orchestrator was killed [s].
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub lost_s: Option<f64>,
-}
-
-/// All of it.
+/// The outcome of all faults.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ChaosReport {
     /// Every fault.
     pub outcomes: Vec<Outcome>,
-    /// Faults that were done.
+    /// Number of faults that happened.
     pub injected: u64,
-    /// Promises that were broken.
+    /// Number of promises that were broken.
     pub broken: u64,
     /// Real time [s].
     pub lasted_s: f64,
@@ -107,72 +120,42 @@ pub struct ChaosReport {
     pub interrupted: bool,
 }
 
-/// Why nothing can be broken.
+/// Failure to inject faults at all.
 #[derive(Debug, thiserror::Error)]
 pub enum ChaosError {
-    /// The mission does not work when nothing is done to it.
-    #[error("{scenario}, left alone, {what}: {stderr}")]
-    Baseline {
-        /// The scenario.
-        scenario: String,
-        /// What happened.
-        what: String,
-        /// Its last words.
-        stderr: String,
-    },
-    /// A program cannot be started, or a file not be made.
+    /// The mission does not work undisturbed.
+    #[error("undisturbed, the mission {0}")]
+    Baseline(String),
+    /// A program cannot be started, or a file cannot be written.
     #[error("{what}: {source}")]
     System {
-        /// What was attempted.
+        /// The attempt.
         what: String,
-        /// What the system said.
+        /// The answer of the system.
         source: std::io::Error,
     },
-    /// The machine cannot be looked at.
-    #[error(transparent)]
-    Census(#[from] CensusError),
 }
 
-/// Injects the faults one after the other, each into a mission of its own; `told` hears of each.
+/// Injects the faults one after the other, each into a mission of its own; `told` gets each outcome.
 ///
 /// # Errors
-/// [`ChaosError`] if missions do not even work when they are left alone, or the machine refuses.
+/// [`ChaosError`] if missions do not even work undisturbed, or the machine refuses.
 pub fn chaos(
     options: &ChaosOptions,
     mut told: impl FnMut(&Outcome),
 ) -> Result<ChaosReport, ChaosError> {
     let start = Instant::now();
-    let mut baselines: BTreeMap<(Course, Policy), Baseline> = BTreeMap::new();
+    let baseline = Baseline::measure(&options.scenario)?;
     let mut outcomes = Vec::new();
     let interrupted = || options.interrupted.load(Ordering::SeqCst);
     for number in 0..options.faults {
         if interrupted() {
             break;
         }
-        // A stream per fault: one fault can be done again alone.
-        let mut random = ChaCha8Rng::seed_from_u64(options.seed);
-        random.set_stream(number);
-        let fault = Fault::draw(options, &mut random);
-        let key = (fault.course, fault.policy);
-        let baseline = match baselines.entry(key) {
-            Entry::Occupied(entry) => entry.into_mut(),
-            Entry::Vacant(entry) => entry.insert(mission::baseline(options, key)?),
-        };
-        let mut outcome = None;
-        for attempt in 0..ATTEMPTS {
-            // What comes too late once comes earlier the next time.
-            let moment = fault.moment * 0.7_f64.powi(attempt as i32);
-            let tried = promises::put_to_the_test(options, number, &fault, moment, baseline)?;
-            let done = tried.injected || interrupted() || !tried.broken.is_empty();
-            outcome = Some(tried);
-            if done {
-                break;
-            }
-        }
-        if let Some(outcome) = outcome {
-            told(&outcome);
-            outcomes.push(outcome);
-        }
+        let mut outcome = Outcome::draw(options, number);
+        check::inject(&options.scenario, &mut outcome, &baseline)?;
+        told(&outcome);
+        outcomes.push(outcome);
     }
     Ok(ChaosReport {
         injected: outcomes.iter().filter(|o| o.injected).count() as u64,
@@ -181,4 +164,37 @@ pub fn chaos(
         lasted_s: start.elapsed().as_secs_f64(),
         interrupted: interrupted(),
     })
+}
+
+/// One line about a fault, and one per promise that it broke.
+pub fn line(outcome: &Outcome) -> String {
+    let (number, target, over_after_s) = (outcome.number, &outcome.target, outcome.over_after_s);
+    let kind = outcome.kind.to_possible_value();
+    let kind = kind.as_ref().map_or("", |value| value.get_name());
+    let moment = 100.0 * outcome.moment;
+    let what = if outcome.injected {
+        format!("over after {over_after_s:.2} s")
+    } else {
+        "too late".to_owned()
+    };
+    let mut line = format!("{number:5}  {kind} {target} at {moment:.0} %: {what}");
+    for broken in &outcome.broken {
+        line += &format!("\n       BROKEN: {broken}");
+    }
+    line
+}
+
+/// The result for people: every fault that broke a promise, and a sum.
+pub fn text(report: &ChaosReport) -> String {
+    let broken = report.outcomes.iter().filter(|o| !o.broken.is_empty());
+    let mut lines: Vec<String> = broken.map(line).collect();
+    let lost = report.outcomes.iter().filter_map(|o| o.lost_s);
+    lines.push(format!(
+        "{} faults injected in {:.1} min, {} promises broken, at most {:.3} s of a log lost",
+        report.injected,
+        report.lasted_s / 60.0,
+        report.broken,
+        lost.fold(0.0, f64::max)
+    ));
+    lines.join("\n")
 }

@@ -102,24 +102,34 @@ fn load(target: &str, args: &RunArgs) -> Result<ResolvedScenario, String> {
             LEVELS.join(", ")
         ));
     }
-    for (name, factor) in [("--real-time", args.real_time), ("--pace", args.pace)] {
-        if let Some(factor) = factor.filter(|factor| !(0.001..=1000.0).contains(factor)) {
-            return Err(format!(
-                "error: {name} {factor}: expected a factor from 0.001 to 1000"
-            ));
-        }
-    }
-    let mut set = args.overrides.set.clone();
-    if let Some(factor) = args.real_time {
-        set.push("run.mode=real_time".to_owned());
-        set.push(format!("run.real_time_factor={factor:?}"));
-    }
+    check_factor("--pace", args.pace)?;
+    let set = with_real_time(&args.overrides.set, args.real_time)?;
     let scenario = Loader::default()
         .allow_outside(args.overrides.allow_outside)
         .load(target, &set, args.overrides.seed)
         .map_err(|problems| problems.to_string())?;
     refuse_external(target, &scenario, args.allow_external)?;
     Ok(scenario)
+}
+
+/// The overrides of a scenario that `--real-time` adds to those of `--set`.
+pub(super) fn with_real_time(set: &[String], factor: Option<f64>) -> Result<Vec<String>, String> {
+    check_factor("--real-time", factor)?;
+    let mut set = set.to_vec();
+    if let Some(factor) = factor {
+        set.push("run.mode=real_time".to_owned());
+        set.push(format!("run.real_time_factor={factor:?}"));
+    }
+    Ok(set)
+}
+
+fn check_factor(name: &str, factor: Option<f64>) -> Result<(), String> {
+    match factor {
+        Some(factor) if !(0.001..=1000.0).contains(&factor) => Err(format!(
+            "error: {name} {factor}: expected a factor from 0.001 to 1000"
+        )),
+        _ => Ok(()),
+    }
 }
 
 /// Programs that are not ours are started only if somebody has looked at them: now, at a terminal, or
