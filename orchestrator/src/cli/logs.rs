@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicBool;
 
 use super::run::handle_signals;
 use super::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL};
-use crate::logs::{Condition, LogsError, Topics, Watch};
+use crate::logs::{Condition, Difference, LogsError, Topics, Watch};
 
 /// Which topics.
 #[derive(Debug, clap::Args)]
@@ -61,6 +61,43 @@ pub(super) fn command(
             _ => EXIT_INVALID,
         })
     })
+}
+
+/// Says that a log is of another version than the program that does it again.
+pub(super) fn note_version(recorded_by: Option<&str>) {
+    if let Some(version) = recorded_by {
+        eprintln!(
+            "note: recorded by protean {version}, done again by {}",
+            env!("CARGO_PKG_VERSION")
+        );
+    }
+}
+
+/// The first difference of a topic, for people.
+pub(super) fn difference(topic: &str, first: &Difference) -> String {
+    let or_none = |value: &str| match value {
+        "" => "nothing".to_owned(),
+        value => value.to_owned(),
+    };
+    format!(
+        "{topic}: {} messages, the first at tick {} ({:.2} s) from source {}: {} {} in the log, {} now",
+        first.messages,
+        first.tick,
+        first.time_s,
+        first.source,
+        first.field,
+        or_none(&first.logged),
+        or_none(&first.again)
+    )
+}
+
+/// The exit code of a comparison: whether all is the same, and whether that is the whole run.
+pub(super) fn of_comparison(same: bool, whole: bool) -> ExitCode {
+    match (same, whole) {
+        (true, true) => ExitCode::SUCCESS,
+        (true, false) => ExitCode::from(EXIT_PARTIAL),
+        (false, _) => ExitCode::from(EXIT_FAILED),
+    }
 }
 
 /// Warns of a log that is not whole; the exit code says whether messages may be missing.

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use super::logs::{self, PartArgs};
 use super::run::tell_of_viewers;
-use super::{DEFAULT_PORT, EXIT_FAILED, EXIT_PARTIAL, print, print_json};
+use super::{DEFAULT_PORT, EXIT_PARTIAL, print, print_json};
 use crate::logs::{
     LogsError, ReplayOptions, Replayed, TopicComparison, Verified, VerifyOptions, Watch, replay,
     verify,
@@ -133,23 +133,14 @@ fn test(args: ReplayArgs, watch: &mut Watch) -> Result<ExitCode, LogsError> {
         quiet: args.quiet,
     };
     let done = verify(&args.log, &options, watch)?;
-    if let Some(version) = &done.recorded_by {
-        eprintln!(
-            "note: recorded by protean {version}, tested by {}",
-            env!("CARGO_PKG_VERSION")
-        );
-    }
+    logs::note_version(done.recorded_by.as_deref());
     if args.json {
         print_json(&serde_json::json!(done));
     } else {
         print(&verified_text(&done));
     }
     warn(&args.log, &done.faults);
-    Ok(match (done.identical, done.whole) {
-        (false, _) => ExitCode::from(EXIT_FAILED),
-        (true, false) => ExitCode::from(EXIT_PARTIAL),
-        (true, true) => ExitCode::SUCCESS,
-    })
+    Ok(logs::of_comparison(done.identical, done.whole))
 }
 
 fn warn(log: &std::path::Path, faults: &[String]) {
@@ -204,20 +195,7 @@ fn verified_text(done: &Verified) -> String {
             }
         },
         Some((topic, first)) => {
-            let or_none = |value: &str| match value {
-                "" => "nothing".to_owned(),
-                value => value.to_owned(),
-            };
-            format!(
-                "result    DIFFERENT: first at tick {} ({:.2} s) on {topic}, source {}: {} {} in the \
-                 log, {} now",
-                first.tick,
-                first.time_s,
-                first.source,
-                first.field,
-                or_none(&first.logged),
-                or_none(&first.again)
-            )
+            format!("result    DIFFERENT: {}", logs::difference(topic, first))
         }
     };
     text

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use super::{EXIT_FAILED, EXIT_PARTIAL, logs, print, print_json};
+use super::{logs, print, print_json};
 use crate::logs::{Rerun, RerunOptions, rerun};
 
 /// What stands below the options.
@@ -49,22 +49,13 @@ pub fn run(args: &RerunArgs) -> ExitCode {
     };
     logs::command(args.quiet, |watch| {
         let done = rerun(&args.log, options, watch)?;
-        if let Some(version) = &done.recorded_by {
-            eprintln!(
-                "note: recorded by protean {version}, done again by {}",
-                env!("CARGO_PKG_VERSION")
-            );
-        }
+        logs::note_version(done.recorded_by.as_deref());
         if args.json {
             print_json(&serde_json::json!(done));
         } else {
             print(&text(&done));
         }
-        Ok(match (done.same, done.whole) {
-            (true, true) => ExitCode::SUCCESS,
-            (true, false) => ExitCode::from(EXIT_PARTIAL),
-            (false, _) => ExitCode::from(EXIT_FAILED),
-        })
+        Ok(logs::of_comparison(done.same, done.whole))
     })
 }
 
@@ -112,22 +103,8 @@ fn text(done: &Rerun) -> String {
                 "result    NOT THE SAME: they part at tick {} on {topic}\n",
                 first.tick
             );
-            for (topic, d) in comparison.differences() {
-                let or_none = |value: &str| match value {
-                    "" => "nothing".to_owned(),
-                    value => value.to_owned(),
-                };
-                text += &format!(
-                    "          {topic}: {} messages, the first at tick {} ({:.2} s) from source \
-                     {}: {} {} in the log, {} now\n",
-                    d.messages,
-                    d.tick,
-                    d.time_s,
-                    d.source,
-                    d.field,
-                    or_none(&d.logged),
-                    or_none(&d.again)
-                );
+            for (topic, first) in comparison.differences() {
+                text += &format!("          {}\n", logs::difference(topic, first));
             }
         }
     }

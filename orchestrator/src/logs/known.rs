@@ -96,21 +96,26 @@ pub(crate) fn check_layout(log: &Path, channel: &Channel, version: &str) -> Resu
     if is_stamped(channel) {
         return Ok(());
     }
-    let path = log.to_owned();
     let Some(found) = channel.metadata.get("schema_hash") else {
         return Err(LogsError::Foreign {
-            path,
+            path: log.to_owned(),
             missing: "schema_hash on its channels",
         });
     };
-    let expected = find(&channel.topic).map_or("", |known| &known.hash);
-    Err(LogsError::Layout {
-        path,
+    Err(other_layout(log, &channel.topic, found, version))
+}
+
+/// The error of a topic that looks different in this version: its layout in the log is `found`. `version`
+/// is the one that the log names, or empty.
+pub(crate) fn other_layout(log: &Path, topic: &str, found: &str, version: &str) -> LogsError {
+    let expected = find(topic).map_or("no such topic", |known| &known.hash);
+    LogsError::Layout {
+        path: log.to_owned(),
         version: version.to_owned(),
-        topic: channel.topic.clone(),
-        found: found.clone(),
+        topic: topic.to_owned(),
+        found: found.to_owned(),
         expected: expected.to_owned(),
-    })
+    }
 }
 
 /// The stamp of a message of such a channel.

@@ -42,14 +42,8 @@ impl Origin {
 
     /// A topic looks different in this version.
     pub(crate) fn layout(&self, log: &Path, topic: &str, found: &str) -> LogsError {
-        let expected = known::find(topic).map_or("no such topic", |known| &known.hash);
-        LogsError::Layout {
-            path: log.to_owned(),
-            version: self.manifest.get("version").cloned().unwrap_or_default(),
-            topic: topic.to_owned(),
-            found: found.to_owned(),
-            expected: expected.to_owned(),
-        }
+        let version = self.manifest.get("version");
+        known::other_layout(log, topic, found, version.map_or("", String::as_str))
     }
 
     /// The scenario as it was run, with these changes; one in real time only if `so` is empty,

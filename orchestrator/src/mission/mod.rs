@@ -23,4 +23,4 @@ mod supervisor;
 pub use error::MissionError;
 pub use room::NoRoom;
 pub use run::{MissionOptions, MissionReport, run};
-pub(crate) use run::{config_path, create_services, write_config};
+pub(crate) use run::{create_services, write_config};

@@ -23,8 +23,9 @@ use super::super::pattern::Topics;
 use super::super::recorded::{Left, Recorded};
 use super::super::source::Source;
 use super::super::watch::Watch;
-use super::cast::{Processes, within};
+use super::cast::Processes;
 use super::stage::Stage;
+use crate::in_process::Members;
 use crate::mission::MissionError;
 use crate::mission::plan::Plan;
 
@@ -118,7 +119,7 @@ pub fn verify(
         let tested = Tested::new(&plan, &recorded.origin, options)?;
         let bus = Bus::local(plan.run.bus_options(), None);
         let mut trial = Trial::open(&bus, &plan, &tested, &mut source, watch)?;
-        let mut cast = within(&tested.launches, &bus)?;
+        let mut cast = Members::open(&tested.launches, &bus).map_err(MissionError::from)?;
         trial.run(&mut cast, &mut source, watch, &mut done)?;
         done.helpers = tested.helpers;
     } else {
@@ -132,9 +133,7 @@ pub fn verify(
             Arc::clone(&watch.interrupted),
             !options.quiet,
         )?;
-        if !cast.ready()? {
-            return Err(LogsError::Interrupted);
-        }
+        cast.ready()?;
         trial.run(&mut cast, &mut source, watch, &mut done)?;
         done.helpers = tested.helpers;
     }

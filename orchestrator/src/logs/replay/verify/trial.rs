@@ -107,9 +107,8 @@ impl<'a> Trial<'a> {
         watch: &Watch,
         done: &mut Verified,
     ) -> Result<(), LogsError> {
-        let go_on = |go_on: bool| go_on.then_some(()).ok_or(LogsError::Interrupted);
         self.choir.greet().map_err(MissionError::from)?;
-        go_on(cast.connect()?)?;
+        cast.connect()?;
         self.choir.greet().map_err(MissionError::from)?;
         self.ears.connect().map_err(MissionError::from)?;
         let mut comparison = Comparison::of(self.tested.speakers.clone());
@@ -124,7 +123,7 @@ impl<'a> Trial<'a> {
                 }
             }
         }
-        go_on(cast.prepare()?)?;
+        cast.prepare()?;
         let start = Instant::now();
         let mut over = false;
         while let Some(now) = moment {
@@ -151,7 +150,7 @@ impl<'a> Trial<'a> {
                 }
             }
             if !over {
-                go_on(cast.turn(now.tick)?)?;
+                cast.turn(now.tick)?;
             }
             done.ticks += 1;
             // The last tick of a log that was cut may lack something.
