@@ -13,9 +13,13 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use evader_rrt_star::bound::Bound;
 use evader_rrt_star::cost::{CostModel, CostParams};
 use evader_rrt_star::ground::Ground;
+use evader_rrt_star::index::BucketIndex;
 use evader_rrt_star::motion::{Arcs, Motion, Straight};
 use evader_rrt_star::params::{Algorithm, SearchParams};
 use evader_rrt_star::search::{Scene, Search};
+use nalgebra::Point2;
+use rand::SeedableRng as _;
+use rand_chacha::ChaCha8Rng;
 use rustix::time::{ClockId, clock_gettime};
 use support::{EXIT, RADIUS, START, city, costs};
 
@@ -94,6 +98,39 @@ fn tries<M: Motion + Copy>(what: &str, scene: &Scene<'_>, motion: M, iterations:
     );
 }
 
+/// Near neighbours in a tree that grows to 1500 points: the index beside a look at every point.
+fn neighbours(criterion: &mut Criterion, ground: &Ground) {
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let draw = |_| ground.sampler.draw(&ground.space, &mut rng);
+    let points: Vec<Point2<f64>> = (0..1500).filter_map(draw).collect();
+    let radius = 1.0;
+    let mut group = criterion.benchmark_group("near_1500");
+    group.bench_function("buckets", |bencher| {
+        let mut found = Vec::new();
+        bencher.iter(|| {
+            let mut index = BucketIndex::new(*ground.space.bounds());
+            for &p in &points {
+                index.near(p, radius, &mut found);
+                black_box(&found);
+                index.insert(p);
+            }
+        });
+    });
+    group.bench_function("every_point", |bencher| {
+        let mut found: Vec<(usize, f64)> = Vec::new();
+        bencher.iter(|| {
+            for (count, &p) in points.iter().enumerate() {
+                found.clear();
+                let before = points.iter().take(count).enumerate();
+                let near = before.map(|(node, at)| (node, (at - p).norm_squared()));
+                found.extend(near.filter(|(_, squared)| *squared <= radius * radius));
+                black_box(&found);
+            }
+        });
+    });
+    group.finish();
+}
+
 fn planning(criterion: &mut Criterion) {
     println!("baseline, paper's Python: 3790 ms for 1500 iterations with 4 Police, found 19/20");
     let space = city();
@@ -153,6 +190,8 @@ fn planning(criterion: &mut Criterion) {
         });
     });
     group.finish();
+
+    neighbours(criterion, &ground);
 
     criterion.bench_function("prepare_map", |bencher| {
         bencher.iter(|| black_box(Ground::new(&space, RADIUS, 1)));

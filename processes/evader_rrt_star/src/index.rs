@@ -1,8 +1,8 @@
 //! Nearest and near neighbours among points in the plane: a grid of buckets.
 //!
 //! The grid is laid anew, finer, whenever the number of points has quadrupled, so that a bucket
-//! holds a point or two whatever their number. For trees that grow one point at a time this beats
-//! balanced trees several times over.
+//! holds a point or two whatever their number. `benches/planning.rs` has it beside a look at every
+//! point (`near_1500`).
 
 use nalgebra::Point2;
 use sim_backend::shape::Aabb;
