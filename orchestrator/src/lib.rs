@@ -22,6 +22,7 @@ pub mod picture;
 pub mod planning;
 mod proc;
 pub mod program;
+mod progress;
 pub mod recorder;
 pub mod report_page;
 pub mod routes;

@@ -16,7 +16,7 @@ use crate::atomic_file::save;
 use crate::planning::batch::{Settings, solve_all};
 use crate::planning::summary::Summary;
 use crate::planning::{Answer, Element, PlanOptions, read};
-use crate::sweep::progress::Progress;
+use crate::progress::Progress;
 
 /// What stands below the options.
 pub(super) const HELP: &str = "\

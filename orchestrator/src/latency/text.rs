@@ -2,14 +2,14 @@
 
 use std::fmt::Write as _;
 
-use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
-use comfy_table::{CellAlignment, Table};
+use comfy_table::Table;
 
 use super::TICK_JITTER;
 use super::baselines::Baseline;
 use super::report::{Report, Run};
 use crate::mission::report::machine;
 use crate::statistics::Percentiles;
+use crate::tables::for_terminal;
 
 /// The tables.
 pub fn text(report: &Report) -> String {
@@ -31,14 +31,7 @@ pub fn text(report: &Report) -> String {
 }
 
 fn table(header: &[&str], texts: usize) -> Table {
-    let mut table = Table::new();
-    table
-        .load_style(UTF8_HORIZONTAL_ONLY)
-        .set_header(header.to_vec());
-    for column in table.column_iter_mut().skip(texts) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
-    table
+    for_terminal(header.iter().copied(), texts)
 }
 
 const PERCENTILES: [&str; 7] = ["count", "p50", "p90", "p99", "p99.9", "max", "jitter"];

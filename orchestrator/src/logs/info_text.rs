@@ -1,15 +1,12 @@
 //! What a log holds, for people.
 
-use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
-use comfy_table::{CellAlignment, Table};
-
 use super::info::LogInfo;
+use crate::tables::for_terminal;
 
 /// The summary for people.
 pub fn text(info: &LogInfo) -> String {
     let mut text = head(info);
-    let mut table = Table::new();
-    table.load_style(UTF8_HORIZONTAL_ONLY).set_header([
+    let header = [
         "topic",
         "messages",
         "bytes",
@@ -18,10 +15,8 @@ pub fn text(info: &LogInfo) -> String {
         "last [s]",
         "longest pause [s]",
         "lost",
-    ]);
-    for column in table.column_iter_mut().skip(1) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
+    ];
+    let mut table = for_terminal(header, 1);
     let number = |value: Option<f64>| value.map_or_else(String::new, |value| format!("{value:.2}"));
     let with = info.topics.iter().filter(|(_, topic)| topic.messages > 0);
     for (name, topic) in with {

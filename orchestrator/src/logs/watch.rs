@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::error::LogsError;
-use crate::sweep::progress::Progress;
+use crate::progress::Progress;
 
 /// Files below this size are read before anybody looks [bytes].
 const LONG: u64 = 32 << 20;

@@ -3,9 +3,10 @@
 use std::io::IsTerminal as _;
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::ProgressBar;
 use ipc_types::messages::world::WorldEvent;
 
+use crate::progress;
 use crate::recorder::Observer;
 
 /// How often a plain line is written when stderr is not a terminal.
@@ -24,19 +25,9 @@ impl Progress {
     /// Progress towards the time limit [s], if there is one; `quiet` shows nothing.
     pub fn new(limit_s: Option<f64>, quiet: bool) -> Self {
         let terminal = std::io::stderr().is_terminal();
-        let bar = match limit_s {
-            Some(limit) if limit.is_finite() => ProgressBar::new((limit * 1e3) as u64),
-            _ => ProgressBar::no_length(),
-        };
-        bar.set_draw_target(if quiet || !terminal {
-            ProgressDrawTarget::hidden()
-        } else {
-            ProgressDrawTarget::stderr_with_hz(10)
-        });
-        // A template that does not parse would only cost the bar its looks.
-        if let Ok(style) = ProgressStyle::with_template("{bar:30} {msg}") {
-            bar.set_style(style);
-        }
+        let limit = limit_s.filter(|limit| limit.is_finite());
+        let length = limit.map(|limit| (limit * 1e3) as u64);
+        let bar = progress::bar(length, "{bar:30} {msg}", quiet);
         let now = Instant::now();
         Self {
             bar,

@@ -2,8 +2,7 @@
 
 use std::process::ExitStatus;
 
-use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
-use comfy_table::{CellAlignment, Table};
+use comfy_table::Table;
 use serde_json::{Value as Json, json};
 
 use super::run::MissionReport;
@@ -12,6 +11,7 @@ use crate::recorder::{
 };
 use crate::scenario::ResolvedScenario;
 use crate::scenario::spec::Mode;
+use crate::tables::for_terminal;
 
 /// Name of a mode in logs.
 pub fn mode_name(mode: Mode) -> &'static str {
@@ -99,14 +99,7 @@ fn factor(report: &MissionReport) -> f64 {
 }
 
 pub(crate) fn table(header: &[&str]) -> Table {
-    let mut table = Table::new();
-    table
-        .load_style(UTF8_HORIZONTAL_ONLY)
-        .set_header(header.to_vec());
-    for column in table.column_iter_mut().skip(1) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
-    table
+    for_terminal(header.iter().copied(), 1)
 }
 
 /// What became of the robots; with what a referee said of them, if one ran.

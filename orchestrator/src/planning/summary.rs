@@ -1,9 +1,7 @@
 //! What many plans amount to.
 
-use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
-use comfy_table::{CellAlignment, Table};
-
 use super::answer::{Answer, Outcome};
+use crate::tables::for_terminal;
 
 /// What many plans amount to.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -64,8 +62,7 @@ impl Summary {
             });
             text.join(" / ")
         };
-        let mut table = Table::new();
-        table.load_style(UTF8_HORIZONTAL_ONLY).set_header([
+        let header = [
             "instances",
             "method",
             "honest",
@@ -75,10 +72,8 @@ impl Summary {
             "no path",
             "no plan",
             "invalid",
-        ]);
-        for column in table.column_iter_mut().skip(2) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
+        ];
+        let mut table = for_terminal(header, 2);
         let none = [Outcome::Infeasible, Outcome::NotHonest, Outcome::Failed];
         let without: usize = none.into_iter().map(|o| self.count(o)).sum();
         table.add_row([

@@ -27,7 +27,6 @@ mod mission;
 mod parameters;
 mod parts;
 pub mod planning;
-pub(crate) mod progress;
 mod reader;
 mod results;
 mod row;

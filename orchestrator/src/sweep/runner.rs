@@ -11,12 +11,12 @@ use super::build::describe;
 use super::engine::{Call, processors, stay_on};
 use super::error::SweepError;
 use super::experiment::ExperimentOf;
-use super::progress::Progress;
 use super::results::{MissionId, Results, missions};
 use super::row::Record as _;
 use super::shard::Shard;
 use super::spec::LogPolicy;
 use super::subject::{Ended, Pinning, Subject};
+use crate::progress::Progress;
 
 /// How often interruptions and time-outs are looked at.
 const BEAT: Duration = Duration::from_millis(50);

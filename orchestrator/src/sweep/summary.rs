@@ -1,7 +1,6 @@
 //! What the cells of an experiment amount to: a table for people, JSON for programs.
 
-use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
-use comfy_table::{CellAlignment, Table};
+use comfy_table::Table;
 use serde_json::{Value as Json, json};
 
 use super::results::{MissionId, Results};
@@ -9,6 +8,7 @@ use super::row::{Record, Row};
 use super::runner::RunReport;
 use super::shell;
 use crate::statistics::{Interval, Sample, Z95, wilson};
+use crate::tables::for_terminal;
 
 /// Most failures that are listed on a terminal; JSON and the table of results have all.
 const SHOWN: usize = 20;
@@ -93,12 +93,7 @@ pub(super) fn cell_table(parameters: &[String], columns: &[&str]) -> Table {
     let header = std::iter::once("case")
         .chain(parameters.iter().map(String::as_str))
         .chain(columns.iter().copied());
-    let mut table = Table::new();
-    table.load_style(UTF8_HORIZONTAL_ONLY).set_header(header);
-    for column in table.column_iter_mut().skip(1) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
-    table
+    for_terminal(header, 1)
 }
 
 /// The command that runs one mission again, alone.

@@ -1,10 +1,14 @@
-//! Tables with a type for every column, as CSV or Apache Parquet: results of sweeps, messages of logs.
+//! Tables with a type for every column, as CSV or Apache Parquet (results of sweeps, messages of
+//! logs), and tables on a terminal.
 
 mod csv;
 mod parquet;
 
 use std::fmt;
 use std::io::{self, Write};
+
+use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
+use comfy_table::{CellAlignment, Table};
 
 /// The form of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -13,6 +17,17 @@ pub enum Format {
     Csv,
     /// Apache Parquet, with a type for every column.
     Parquet,
+}
+
+/// A table for a terminal with these columns: the first `texts` of them to the left, the others to the
+/// right.
+pub(crate) fn for_terminal<'a>(header: impl IntoIterator<Item = &'a str>, texts: usize) -> Table {
+    let mut table = Table::new();
+    table.load_style(UTF8_HORIZONTAL_ONLY).set_header(header);
+    for column in table.column_iter_mut().skip(texts) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    table
 }
 
 /// The type of a column.

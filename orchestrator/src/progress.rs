@@ -1,4 +1,4 @@
-//! What a person sees while a sweep goes on.
+//! Progress of long commands: a bar on a terminal, plain lines elsewhere.
 
 use std::io::IsTerminal as _;
 use std::time::{Duration, Instant};
@@ -8,7 +8,26 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 /// How often a plain line is written when stderr is not a terminal.
 const PLAIN_EVERY: Duration = Duration::from_secs(10);
 
-/// A bar on a terminal, now and then a line elsewhere.
+/// A bar on standard error up to `length`, with this template; hidden if standard error is no terminal,
+/// or `quiet`.
+pub(crate) fn bar(length: Option<u64>, template: &str, quiet: bool) -> ProgressBar {
+    let bar = match length {
+        Some(length) => ProgressBar::new(length),
+        None => ProgressBar::no_length(),
+    };
+    bar.set_draw_target(if quiet || !std::io::stderr().is_terminal() {
+        ProgressDrawTarget::hidden()
+    } else {
+        ProgressDrawTarget::stderr_with_hz(10)
+    });
+    // A template that does not parse would only cost the bar its looks.
+    if let Ok(style) = ProgressStyle::with_template(template) {
+        bar.set_style(style);
+    }
+    bar
+}
+
+/// A bar on a terminal, now and then a line elsewhere, over things of one unit.
 pub(crate) struct Progress {
     bar: ProgressBar,
     plain: bool,
@@ -26,16 +45,7 @@ impl Progress {
     /// Progress over `total` of a unit; `known` are done already.
     pub fn new(total: usize, known: usize, quiet: bool, unit: &'static str) -> Self {
         let terminal = std::io::stderr().is_terminal();
-        let bar = ProgressBar::new(total as u64);
-        bar.set_draw_target(if quiet || !terminal {
-            ProgressDrawTarget::hidden()
-        } else {
-            ProgressDrawTarget::stderr_with_hz(10)
-        });
-        // A template that does not parse would only cost the bar its looks.
-        if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos}/{len}  {msg}") {
-            bar.set_style(style);
-        }
+        let bar = bar(Some(total as u64), "{bar:30} {pos}/{len}  {msg}", quiet);
         if known > 0 && !quiet {
             eprintln!("{known} {unit} are done already");
         }
