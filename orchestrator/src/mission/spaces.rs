@@ -36,25 +36,20 @@ pub enum SpaceError {
         /// What the system said.
         source: std::io::Error,
     },
-    /// Somebody else could look into the runs.
+    /// Another user can look into the runs.
     #[error(
-        "{path}: owned by user {owner}, expected this user ({user}) so that nobody else can look into its runs"
+        "{path}: owned by user {owner} with mode {mode:03o}, expected this user ({user}) and 700 so that no \
+         other can look into its runs"
     )]
-    Foreign {
+    Open {
         /// The directory.
         path: PathBuf,
         /// Its owner.
         owner: u32,
-        /// This user.
-        user: u32,
-    },
-    /// Somebody else may look into the runs.
-    #[error("{path}: mode {mode:03o}, expected 700 so that nobody else can look into its runs")]
-    Open {
-        /// The directory.
-        path: PathBuf,
         /// Its permissions.
         mode: u32,
+        /// This user.
+        user: u32,
     },
     /// Somebody else could put another directory in place of that of the runs.
     #[error(
@@ -104,22 +99,20 @@ fn make_private(path: &Path) -> Result<(), SpaceError> {
     }
 }
 
-/// Makes sure that nobody else can look into the runs.
+/// Makes sure that no other user can look into the runs.
 fn check_owner(path: &Path) -> Result<(), SpaceError> {
     let user = rustix::process::getuid().as_raw();
-    match path.symlink_metadata() {
-        Ok(found) if found.uid() != user => Err(SpaceError::Foreign {
-            path: path.to_owned(),
-            owner: found.uid(),
-            user,
-        }),
-        Ok(found) if found.is_dir() && found.mode() & 0o077 != 0 => Err(SpaceError::Open {
-            path: path.to_owned(),
-            mode: found.mode() & 0o777,
-        }),
-        Ok(_) => Ok(()),
-        Err(e) => Err(io(path)(e)),
+    let found = path.symlink_metadata().map_err(io(path))?;
+    let is_open = found.is_dir() && found.mode() & 0o077 != 0;
+    if found.uid() == user && !is_open {
+        return Ok(());
     }
+    Err(SpaceError::Open {
+        path: path.to_owned(),
+        owner: found.uid(),
+        mode: found.mode() & 0o777,
+        user,
+    })
 }
 
 /// In the directory above only this user and the system may rename: it is theirs, and either others
