@@ -50,8 +50,6 @@ pub struct KindInfo {
     pub check_params: fn(&Node) -> Result<Json, ParamsFault>,
     /// What it needs, given its complete parameters.
     pub needs: fn(&Json) -> Vec<Need>,
-    /// Most allowed of the numeric parameters named.
-    pub caps: &'static [(&'static str, f64)],
     /// Sets of parameters that `params.preset` names; keys beside it change single values.
     pub presets: &'static [Preset],
 }
@@ -93,7 +91,6 @@ impl KindInfo {
             makes: &[],
             check_params,
             needs: |_| Vec::new(),
-            caps: &[],
             presets: &[],
         }
     }

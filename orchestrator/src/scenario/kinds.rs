@@ -18,19 +18,11 @@ use tracking::params::PerceptionParams;
 pub use super::kind::{KindInfo, Need, Preset, Product, check_params, find};
 use super::params_fault::patrol_fault;
 pub use super::params_fault::{FieldProblem, ParamsFault};
-use super::spec::MAX_PARTICLES;
-
-/// What particle filters may have.
-const MOST_PARTICLES: &[(&str, f64)] = &[
-    ("filter.particles", MAX_PARTICLES as f64),
-    ("filter.adaptive.most", MAX_PARTICLES as f64),
-];
 
 /// The kinds of this program, in the order in which they are listed.
 pub static KINDS: &[KindInfo] = &[
     KindInfo {
         makes: &[Product::Beliefs],
-        caps: MOST_PARTICLES,
         presets: &[("paper", || preset(&PerceptionParams::paper()))],
         ..KindInfo::new(
             "perception",
@@ -45,7 +37,6 @@ pub static KINDS: &[KindInfo] = &[
     ),
     KindInfo {
         remembers: true,
-        caps: MOST_PARTICLES,
         ..KindInfo::new(
             "observer",
             "watches robots, predicts where they will be, and measures how wrong it was",

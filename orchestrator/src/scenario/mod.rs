@@ -28,7 +28,6 @@ mod processes;
 mod resolved;
 mod robots;
 pub mod spec;
-mod sums;
 mod template;
 pub mod text;
 mod world;

@@ -11,7 +11,6 @@ use super::process_checks::{check_drivers, check_names, check_needs};
 use super::resolved::{ProcessSpec, Program};
 use super::robots::{Robot, check_name};
 use super::spec::{Grouping, MAX_PROCESSES, ProcessBlock, RunSpec};
-use super::sums;
 use super::text::{Code, FieldPath, Node, Origin, Step, describe, suggest};
 
 /// A process as read, with its place for complaints.
@@ -52,9 +51,6 @@ pub fn resolve(
     {
         check_drivers(ctx, &read, robots);
         check_needs(ctx, &read, robots);
-        if let Some(map) = map.filter(|_| ctx.problems.len() == before) {
-            sums::check(ctx, robots, map, &read);
-        }
         if let Some(map) = map.filter(|_| ctx.problems.len() == before) {
             fits::check(ctx, map, robots, &read, run.seed);
         }
@@ -240,20 +236,6 @@ fn read_params(
             return None;
         }
     };
-    for &(field, max) in kind.caps {
-        let pointer = format!("/{}", field.replace('.', "/"));
-        if let Some(value) = json.pointer(&pointer).and_then(serde_json::Value::as_f64)
-            && value > max
-        {
-            let message = format!("`{field}` is too large");
-            let problem = ctx
-                .problem(params, &path, field, Code::Limit, message)
-                .value(value)
-                .expected(format!("at most {max}"));
-            ctx.problems.push(problem);
-            return None;
-        }
-    }
     Some(json)
 }
 

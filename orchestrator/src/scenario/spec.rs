@@ -14,23 +14,12 @@ pub const MAX_ROBOTS: usize = 64;
 pub const MAX_PROCESSES: usize = 63;
 /// Most beams of one range scan.
 pub const MAX_BEAMS: usize = 4096;
-/// Most particles of one filter.
-pub const MAX_PARTICLES: usize = 1_000_000;
 /// Most cells of the map's grid.
 pub const MAX_CELLS: usize = 25_000_000;
 /// Most ticks up to the time limit of a run.
 pub const MAX_TICKS: f64 = 1e8;
 /// Most events in one scenario.
 pub const MAX_EVENTS: usize = 10_000;
-
-/// Most beams of the scans of all robots.
-pub const MAX_SUM_BEAMS: u64 = 65_536;
-/// Most particles of all filters.
-pub const MAX_SUM_PARTICLES: u64 = 4_000_000;
-/// Most iterations and kept nodes of the plans of all robots whose ways are searched for by RRT*.
-pub const MAX_SUM_ITERATIONS: u64 = 4_000_000;
-/// Most cells of the grids of all processes, each of which has the map for itself.
-pub const MAX_SUM_CELLS: u64 = 400_000_000;
 
 /// `[run]`: time, chance, and how the processes wait for each other.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

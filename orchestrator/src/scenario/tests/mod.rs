@@ -66,7 +66,6 @@ const fn kind(name: &'static str, drives_robots: bool, provides_belief: bool) ->
         },
         check_params: |node| check_params(node, Params::validate),
         needs: |_| Vec::new(),
-        caps: &[("particles", 1e6)],
         presets: &[],
     }
 }
