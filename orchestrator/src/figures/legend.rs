@@ -3,8 +3,8 @@
 use super::chart::Chart;
 use super::drawing::{Drawing, Shape, Step};
 use super::marks::Look;
+use crate::palette;
 use crate::picture::canvas::{Style, wrap};
-use crate::picture::palette;
 
 /// Font size [px].
 const SIZE: f64 = 14.0;

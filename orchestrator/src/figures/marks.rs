@@ -1,7 +1,7 @@
 //! Colours, marks and dashes that keep curves apart, for any colour vision and in print.
 
 use super::drawing::{Drawing, Shape, Step};
-use crate::picture::palette;
+use crate::palette;
 
 /// Okabe and Ito's palette without its yellow, which white paper swallows.
 const COLORS: [&str; 6] = [

@@ -12,10 +12,10 @@ use super::ground::{corners, rectangle};
 use super::labels::{Area, Labels};
 use super::layout::Layout;
 use super::legend::{Legend, scale_bar};
-use super::palette;
 use super::signs::{HALO, MARK, Sign, disc, sign};
 use super::trace::{Mark, RunTrace};
 use super::trail::{TrailPoint, simplify};
+use crate::palette;
 
 /// Smallest radius of a robot on the page [px]: smaller ones are drawn larger.
 const SMALLEST_DISC: f64 = 8.0;

@@ -3,8 +3,8 @@
 use super::canvas::{Canvas, Num};
 use super::ground::Cells;
 use super::layout::Layout;
-use super::palette;
 use super::trace::RunTrace;
+use crate::palette;
 
 /// Most edges of all trees together.
 const MOST_EDGES: usize = 2500;

@@ -4,9 +4,9 @@ use sim_backend::team::Team;
 
 use super::canvas::{Canvas, Num, Style, wrap};
 use super::layout::LEGEND;
-use super::palette;
 use super::signs::{HALO, Sign, disc, sign};
 use super::trace::{MarkKind, RunTrace};
+use crate::palette;
 
 /// Font size of the legend [px].
 const SIZE: f64 = 14.5;

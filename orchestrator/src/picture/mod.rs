@@ -15,7 +15,6 @@ mod layout;
 mod legend;
 pub(crate) mod log_facts;
 pub(crate) mod logged;
-pub(crate) mod palette;
 mod read;
 mod signs;
 mod trace;

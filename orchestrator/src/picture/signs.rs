@@ -3,8 +3,8 @@
 use sim_backend::math;
 
 use super::canvas::{Canvas, Num};
-use super::palette;
 use super::trace::MarkKind;
+use crate::palette;
 
 /// Half the size of a mark [px].
 pub(super) const MARK: f64 = 7.0;

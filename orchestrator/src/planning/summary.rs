@@ -1,6 +1,7 @@
 //! What many plans amount to.
 
 use super::answer::{Answer, Outcome};
+use crate::statistics::quantile;
 use crate::tables::for_terminal;
 
 /// What many plans amount to.
@@ -16,15 +17,6 @@ pub struct Summary {
     cpu_ms: Vec<f64>,
     /// Gaps of honest plans.
     gaps: Vec<f64>,
-}
-
-/// The value below which this share of values in ascending order lies: the least of them that has
-/// at least this share at or below it.
-pub fn quantile(ascending: &[f64], share: f64) -> Option<f64> {
-    let rank = (share * ascending.len() as f64).ceil() as usize;
-    ascending
-        .get(rank.max(1).min(ascending.len()).checked_sub(1)?)
-        .copied()
 }
 
 impl Summary {

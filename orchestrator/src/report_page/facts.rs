@@ -11,8 +11,8 @@ use sim_backend::spec::Region;
 use super::gather::Gathered;
 use super::timing::PER_DECADE;
 use crate::logs::output::RUN_DIGEST;
+use crate::palette;
 use crate::picture::ground::corners;
-use crate::picture::palette;
 use crate::recorder::{RobotOutcome, status_name};
 use crate::statistics::Percentiles;
 

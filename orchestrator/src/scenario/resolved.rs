@@ -8,7 +8,7 @@ use super::events::EventSpec;
 use super::failure::Supervision;
 use super::spec::{LogSpec, RunSpec};
 use super::text::{Node, write_document};
-use crate::sweep::shell::quote;
+use crate::shell::quote;
 
 /// Who a process is.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -11,6 +11,7 @@
 mod distribution;
 mod interval;
 mod mean;
+mod quantile;
 mod sample;
 mod spread;
 mod wilson;
@@ -18,6 +19,7 @@ mod wilson;
 pub use distribution::{Distribution, Distributions, LogHistogram, Percentiles};
 pub use interval::Interval;
 pub use mean::Mean;
+pub use quantile::quantile;
 pub use sample::Sample;
 pub use spread::{Spread, paired_ratio};
 pub use wilson::{Z95, wilson, wilson_at};

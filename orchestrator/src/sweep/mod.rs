@@ -33,7 +33,6 @@ mod row;
 pub mod runner;
 mod seeds;
 pub mod shard;
-pub(crate) mod shell;
 pub mod spec;
 mod subject;
 pub mod summary;

@@ -6,7 +6,7 @@ use serde_json::{Value as Json, json};
 use super::results::{MissionId, Results};
 use super::row::{Record, Row};
 use super::runner::RunReport;
-use super::shell;
+use crate::shell;
 use crate::statistics::{Interval, Sample, Z95, wilson};
 use crate::tables::for_terminal;
 

@@ -1,7 +1,7 @@
 //! Tables 3 and 4: local pursuit against motion camouflage.
 
 use orchestrator::figures::{Chart, Point, Series, Unit};
-use orchestrator::planning::summary::quantile;
+use orchestrator::statistics::quantile;
 use orchestrator::statistics::{Interval, wilson};
 
 use super::evidence::Study;

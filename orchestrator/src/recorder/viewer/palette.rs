@@ -1,30 +1,32 @@
-//! Colours that people with any colour vision tell apart (Okabe and Ito's palette).
+//! Colours of the viewer topics.
 
 use foxglove::messages::Color;
 
+use crate::palette;
+
 /// Colour of the obstacles that come and go: orange.
-pub(super) const OBSTACLE: Color = rgb(230, 159, 0, 0.85);
+pub(super) const OBSTACLE: Color = color(palette::rgb(palette::OBSTACLE), 0.85);
 /// Colour of the obstacles that stand from the beginning: grey, as on the map.
-pub(super) const BUILDING: Color = rgb(105, 112, 122, 1.0);
+pub(super) const BUILDING: Color = color([105, 112, 122], 1.0);
 /// Colour of lines of sight: reddish purple.
-pub(super) const SIGHT: Color = rgb(204, 121, 167, 1.0);
+pub(super) const SIGHT: Color = color(palette::rgb(palette::BELIEF), 1.0);
 /// Opacity of what is seen, and of its border: what lies below shows.
 pub(super) const SEEN: (f64, f64) = (0.1, 0.4);
 /// Colour of names and headings: black.
-pub(super) const INK: Color = rgb(0, 0, 0, 1.0);
+pub(super) const INK: Color = color([0, 0, 0], 1.0);
 /// Grey level of a cell in an obstacle.
 pub(super) const WALL_GREY: u8 = 60;
 /// Grey level of a free cell beside an obstacle; far from obstacles a cell is white.
 pub(super) const EDGE_GREY: u8 = 200;
 
 /// The Police: blue.
-pub(super) const POLICE: [u8; 3] = [0, 114, 178];
+pub(super) const POLICE: [u8; 3] = palette::rgb(palette::POLICE);
 /// Evaders: vermilion.
-pub(super) const EVADER: [u8; 3] = [213, 94, 0];
+pub(super) const EVADER: [u8; 3] = palette::rgb(palette::EVADER);
 /// Places that evaders could be cut off from: orange.
-pub(super) const CUT_OFF: [u8; 3] = [230, 159, 0];
+pub(super) const CUT_OFF: [u8; 3] = palette::rgb(palette::OBSTACLE);
 
-const fn rgb(r: u8, g: u8, b: u8, a: f64) -> Color {
+const fn color([r, g, b]: [u8; 3], a: f64) -> Color {
     Color {
         r: r as f64 / 255.0,
         g: g as f64 / 255.0,
@@ -38,8 +40,8 @@ const fn rgb(r: u8, g: u8, b: u8, a: f64) -> Color {
 pub(super) fn team(team: u8, active: bool) -> Color {
     let alpha = if active { 1.0 } else { 0.35 };
     match team {
-        1 => rgb(POLICE[0], POLICE[1], POLICE[2], alpha),
-        2 => rgb(EVADER[0], EVADER[1], EVADER[2], alpha),
-        _ => rgb(0, 158, 115, alpha),
+        1 => color(POLICE, alpha),
+        2 => color(EVADER, alpha),
+        _ => color(palette::rgb(palette::NEUTRAL), alpha),
     }
 }

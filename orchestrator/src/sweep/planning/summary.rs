@@ -4,7 +4,7 @@ use serde_json::{Value as Json, json};
 
 use super::PlanResults;
 use super::row::PlanRow;
-use crate::planning::summary::quantile;
+use crate::statistics::quantile;
 use crate::statistics::{Interval, wilson};
 use crate::sweep::row::Record as _;
 use crate::sweep::runner::RunReport;

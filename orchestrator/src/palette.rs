@@ -1,5 +1,4 @@
-//! Colours that people with any colour vision tell apart (Okabe and Ito's palette, the one that
-//! the log's viewer topics use), as SVG writes them.
+//! Colours that people with any colour vision tell apart (Okabe and Ito's palette), as SVG writes them.
 
 use sim_backend::team::Team;
 
@@ -21,7 +20,8 @@ pub(crate) const EXIT: &str = "#009e73";
 pub(crate) const POLICE: &str = "#0072b2";
 /// Evaders: vermilion.
 pub(crate) const EVADER: &str = "#d55e00";
-const NEUTRAL: &str = "#009e73";
+/// Robots of no side: bluish green.
+pub(crate) const NEUTRAL: &str = "#009e73";
 /// Particles of a belief: reddish purple.
 pub(crate) const BELIEF: &str = "#cc79a7";
 /// Names of beliefs: the same, dark enough to read.
@@ -42,5 +42,33 @@ pub(crate) fn team(team: Team) -> &'static str {
         Team::Police => POLICE,
         Team::Evader => EVADER,
         Team::Neutral => NEUTRAL,
+    }
+}
+
+/// The parts of a colour `#rrggbb`: red, green, blue.
+pub(crate) const fn rgb(color: &str) -> [u8; 3] {
+    let digits = color.as_bytes();
+    [pair(digits, 1), pair(digits, 3), pair(digits, 5)]
+}
+
+const fn pair(digits: &[u8], at: usize) -> u8 {
+    digit(digits[at]) << 4 | digit(digits[at + 1])
+}
+
+const fn digit(letter: u8) -> u8 {
+    match letter {
+        b'0'..=b'9' => letter - b'0',
+        _ => letter - b'a' + 10,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_colour_has_the_parts_that_its_digits_say() {
+        assert_eq!(rgb("#0072b2"), [0, 114, 178]);
+        assert_eq!(rgb("#ffffff"), [255, 255, 255]);
     }
 }
