@@ -20,7 +20,6 @@ use rand_chacha::ChaCha8Rng;
 use sim_backend::blur::BlurredMap;
 use sim_backend::pose::Pose2;
 use streets::{BLUR, RESOLUTION, SIDE, streets};
-use tracking::memo::VisibilityMemo;
 use tracking::params::{FilterParams, SensorParams};
 use tracking::particle_filter::{MotionLimits, ParticleFilter};
 use tracking::sighting::{Measurement, Sighting};
@@ -80,7 +79,7 @@ fn lost(scene: &Scene, n: usize) -> ParticleFilter {
     let rng = ChaCha8Rng::seed_from_u64(7);
     let mut filter = ParticleFilter::new(&params, LIMITS, Some(scene.start), &scene.space, rng);
     for _ in 0..40 {
-        filter.update(&scene.space, &scene.watch, &Sighting::default(), None, DT);
+        filter.update(&scene.space, &scene.watch, &Sighting::default(), DT);
     }
     filter
 }
@@ -226,20 +225,14 @@ fn table(scene: &Scene) {
         };
         let base = rate(&naive, n, 10, |f| f.update(scene, &scene.seen));
         let ours = rate(&filter, n, 100, |f| {
-            f.update(&scene.space, &scene.watch, &scene.seen, None, DT);
+            f.update(&scene.space, &scene.watch, &scene.seen, DT);
         });
         line("seen", base, ours);
         let base = rate(&naive, n, 2, |f| f.update(scene, &unseen));
         let ours = rate(&filter, n, 30, |f| {
-            f.update(&scene.space, &scene.watch, &unseen, None, DT);
+            f.update(&scene.space, &scene.watch, &unseen, DT);
         });
         line("unseen, exact", base, ours);
-        let mut memo = VisibilityMemo::default();
-        let ours = rate(&filter, n, 30, |f| {
-            memo.clear(&scene.space);
-            f.update(&scene.space, &scene.watch, &unseen, Some(&mut memo), DT);
-        });
-        line("unseen, memo", base, ours);
         let start = Instant::now();
         black_box(filter.belief());
         println!(
@@ -278,7 +271,7 @@ fn benches(c: &mut Criterion) {
         group.bench_function(format!("{name}/arrays f32"), |b| {
             b.iter_custom(|rounds| {
                 timed(rounds, &filter, |f| {
-                    f.update(&scene.space, &scene.watch, &sighting, None, DT);
+                    f.update(&scene.space, &scene.watch, &sighting, DT);
                 })
             });
         });

@@ -9,6 +9,7 @@ pub mod blur;
 pub mod grid;
 pub mod map;
 pub mod math;
+pub mod params;
 pub mod pose;
 pub mod random;
 pub mod robot;

@@ -1,8 +1,9 @@
 //! What every part of the resolution needs: the texts, the tree, and somewhere to complain.
 
 use serde::de::DeserializeOwned;
+use sim_backend::params::ParamsError;
 
-use super::kinds::{FieldProblem, KindInfo};
+use super::kinds::KindInfo;
 use super::text::{
     Code, Diagnostic, Diagnostics, FieldPath, Node, Origin, Sources, problem_at, read,
 };
@@ -73,12 +74,12 @@ impl Context<'_> {
     }
 
     /// Reports a value that a type's own check refused.
-    pub fn refuse(&mut self, node: &Node, base: &FieldPath, found: impl Into<FieldProblem>) {
-        let FieldProblem {
+    pub fn refuse(&mut self, node: &Node, base: &FieldPath, found: ParamsError) {
+        let ParamsError {
             field,
             value,
             expected,
-        } = found.into();
+        } = found;
         let message = if field.is_empty() {
             "value out of range".to_owned()
         } else {

@@ -16,8 +16,8 @@ use serde_json::Value as Json;
 use tracking::params::PerceptionParams;
 
 pub use super::kind::{KindInfo, Need, Preset, Product, check_params, find};
+pub use super::params_fault::ParamsFault;
 use super::params_fault::patrol_fault;
-pub use super::params_fault::{FieldProblem, ParamsFault};
 
 /// The kinds of this program, in the order in which they are listed.
 pub static KINDS: &[KindInfo] = &[

@@ -1,52 +1,10 @@
 //! Why the parameters of a process were refused.
 
-use guidance::params::ParamsError;
 use patrol::mission::MissionError;
 use patrol_planners::PatrolError;
-use sim_backend::spec::FieldError;
+use sim_backend::params::ParamsError;
 
 use super::text::ReadError;
-
-/// A parameter out of its range, as a process crate reports it.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct FieldProblem {
-    /// Dotted path of the parameter inside `params`.
-    pub field: String,
-    /// The value found.
-    pub value: String,
-    /// What would have been accepted.
-    pub expected: String,
-}
-
-impl From<tracking::params::ParamsError> for FieldProblem {
-    fn from(e: tracking::params::ParamsError) -> Self {
-        Self {
-            field: e.field.to_owned(),
-            value: e.value.to_string(),
-            expected: e.expected.to_owned(),
-        }
-    }
-}
-
-impl From<ParamsError> for FieldProblem {
-    fn from(e: ParamsError) -> Self {
-        Self {
-            field: e.field,
-            value: e.value,
-            expected: e.expected.to_owned(),
-        }
-    }
-}
-
-impl From<FieldError> for FieldProblem {
-    fn from(e: FieldError) -> Self {
-        Self {
-            field: e.field,
-            value: e.value,
-            expected: e.expected,
-        }
-    }
-}
 
 /// Why the parameters of a process were refused.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,7 +12,7 @@ pub enum ParamsFault {
     /// They do not fit their type.
     Read(ReadError),
     /// A value is out of its range.
-    Field(FieldProblem),
+    Field(ParamsError),
     /// Values that do not go together, or a table that makes no sense, in words that say what to
     /// change.
     Refused {
@@ -67,9 +25,9 @@ pub enum ParamsFault {
     Write(String),
 }
 
-impl<E: Into<FieldProblem>> From<E> for ParamsFault {
-    fn from(e: E) -> Self {
-        Self::Field(e.into())
+impl From<ParamsError> for ParamsFault {
+    fn from(error: ParamsError) -> Self {
+        Self::Field(error)
     }
 }
 

@@ -5,12 +5,12 @@ use std::path::Path;
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 use sim_backend::map::{MapSpec, RosMap, UnknownCells, VectorMap, VectorMapError};
+use sim_backend::params::ParamsError;
 use sim_backend::shape::ShapeError;
 
 use super::builtin;
 use super::context::Context;
 use super::files::{Base, Found, Refused, read_text};
-use super::kinds::FieldProblem;
 use super::spec::MAX_CELLS;
 use super::text::{Code, FieldPath, Node, SourceKind, nearest, parse_document};
 
@@ -309,13 +309,13 @@ fn check_vectors(ctx: &mut Context<'_>, node: &Node, path: &FieldPath, map: &Vec
 }
 
 /// A shape's complaint as a field and what was expected.
-pub fn shape_problem(e: ShapeError) -> FieldProblem {
+pub fn shape_problem(e: ShapeError) -> ParamsError {
     match e {
-        ShapeError::Field(e) => e.into(),
+        ShapeError::Field(e) => e,
         other => {
             let text = other.to_string();
             let (what, expected) = text.split_once(": expected ").unwrap_or((&text, "a shape"));
-            FieldProblem {
+            ParamsError {
                 field: "polygon.vertices".to_owned(),
                 value: what.to_owned(),
                 expected: expected.to_owned(),

@@ -132,7 +132,7 @@ mod tests {
         };
         assert_eq!(
             bad.validate().unwrap_err().to_string(),
-            "`blocked_range` is 0.4, but must be a finite number above stop_range"
+            "blocked_range = 0.4: expected a finite number above stop_range"
         );
         let bad = BraitenbergParams {
             percentile: f64::NAN,

@@ -25,7 +25,6 @@ pub mod go_to;
 pub mod limits;
 pub mod map;
 pub mod navigation;
-pub mod params;
 pub mod path_tracking;
 pub mod potential_field;
 pub mod steering;
@@ -35,3 +34,5 @@ pub mod view;
 pub mod wavefront;
 pub mod waypoint;
 pub mod waypoint_driver;
+
+pub use sim_backend::params;

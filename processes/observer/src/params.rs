@@ -167,11 +167,7 @@ impl ObserverParams {
         not_negative("arrival", self.arrival)?;
         positive("goal_error", self.goal_error)?;
         not_negative("acceleration", self.acceleration)?;
-        self.filter.validate().map_err(|error| ParamsError {
-            field: error.field.to_owned(),
-            value: error.value.to_string(),
-            expected: error.expected,
-        })?;
+        self.filter.validate()?;
         positive("stretch_step_s", self.stretch_step_s)?;
         require(
             self.stretch_s >= self.stretch_step_s && self.stretch_s <= LONGEST_HORIZON,

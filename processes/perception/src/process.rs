@@ -62,18 +62,11 @@ impl Wiring for PerceptionProcess {
         } else {
             Team::Evader
         });
-        // KLD sampling may use more particles than the start has.
-        let adaptive = params
-            .filter
-            .adaptive
-            .as_ref()
-            .map_or(0, |adaptive| adaptive.most);
-        let capacity = params.filter.particles.max(adaptive);
         Ok(Self {
             state: StateInput::open(bus, robots.len())?,
             map: MapInput::open(bus)?,
             sightings: bus.publisher(PublisherOptions::new(config.index, targets.len()))?,
-            beliefs: bus.publisher(PublisherOptions::new(config.index, capacity))?,
+            beliefs: bus.publisher(PublisherOptions::new(config.index, params.filter.particles))?,
             config: config.clone(),
             params,
             observers,

@@ -10,7 +10,6 @@
 
 pub mod belief;
 pub mod fast;
-pub mod memo;
 pub mod params;
 pub mod particle_filter;
 pub mod sighting;

@@ -9,14 +9,13 @@
 //! 4. seen with σ below 0.01 m: as case 2 with a width of a fraction of a step, then all particles
 //!    take the measured position.
 //!
-//! If nothing is left (or the mean likelihood is below [`FilterParams::lost_below`]), the belief is
+//! If nothing is left (or the mean likelihood is below [`LOST_BELOW`]), the belief is
 //! built anew: around the measurement if there is one, else uniformly over unseen free space that
 //! the opponent can have reached since it was last seen, else over all free space.
 //!
 //! Random numbers come from one ChaCha8 stream per filter, and every sum has a fixed order: the same
 //! inputs give the same bits on every machine.
 
-mod adapt;
 mod cloud;
 mod foresee;
 mod predict;
@@ -27,6 +26,7 @@ mod weigh;
 use nalgebra::Point2;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
+use sim_backend::params::Fidelity;
 use sim_backend::pose::Pose2;
 
 use self::cloud::Cloud;
@@ -34,11 +34,30 @@ pub use self::predict::MotionLimits;
 use self::predict::{Motion, Teleport};
 use self::weigh::{Seen, Unseen};
 use crate::belief::{Belief, Particle, moments};
-use crate::memo::VisibilityMemo;
 use crate::params::FilterParams;
 use crate::sighting::{Measurement, Sighting};
 use crate::space::Space;
 use crate::watch::Watch;
+
+/// How often per second the factor 1 − V of an unseen opponent is applied [1/s]: once per tick of the
+/// experiments.
+const CLEARING_RATE: f64 = 20.0;
+
+/// Measurement noise below which all particles take the measured position and heading [m, rad].
+const SNAP_BELOW: f64 = 0.01;
+
+/// Width of the likelihood that is applied before snapping [distance (angle) covered per tick at the
+/// largest speed (turning rate)]. It keeps the hypotheses that predicted the measurement, which is
+/// how headings are learned.
+const SNAP_WIDTH: f64 = 0.15;
+
+/// Mean likelihood (1 for a perfect fit) below which the belief is given up and built anew. A correct
+/// belief falls below it by bad luck with this probability per tick.
+const LOST_BELOW: f64 = 1e-4;
+
+/// Distance added to what the opponent can have covered unseen when the belief is built anew around
+/// the last place where it was seen [m].
+const RECOVERY_MARGIN: f64 = 0.5;
 
 /// Particles handled together: all their arrays fit the first-level cache.
 const BLOCK: usize = 512;
@@ -69,7 +88,6 @@ struct Scratch {
     noise: Vec<u8>,
     places: Vec<u32>,
     cells: Vec<u32>,
-    keys: Vec<u64>,
 }
 
 impl ParticleFilter {
@@ -145,25 +163,21 @@ impl ParticleFilter {
 
     /// Advances the belief by `dt` [s] (> 0, finite) and takes in a sighting.
     ///
-    /// `watch` holds the observers of this tick; `memo`, if given, must have been cleared for this
-    /// tick and is used where the opponent is unseen.
-    pub fn update(
-        &mut self,
-        space: &Space,
-        watch: &Watch,
-        sighting: &Sighting,
-        memo: Option<&mut VisibilityMemo>,
-        dt: f64,
-    ) {
+    /// `watch` holds the observers of this tick.
+    pub fn update(&mut self, space: &Space, watch: &Watch, sighting: &Sighting, dt: f64) {
         self.seen = sighting.is_seen();
         self.unseen_for = if self.seen { 0.0 } else { self.unseen_for + dt };
         if let Some(m) = &sighting.measurement {
             self.last_seen = Some(m.position);
         }
-        self.predict_and_weigh(space, watch, sighting.measurement.as_ref(), memo, dt);
+        self.predict_and_weigh(space, watch, sighting.measurement.as_ref(), dt);
 
         let (sum, squares) = weigh::totals(&self.weights);
-        if sum > 0.0 && sum >= self.params.lost_below * self.len() as f64 {
+        let lost_below = match self.params.fidelity {
+            Fidelity::Ours => LOST_BELOW,
+            Fidelity::Published => 0.0,
+        };
+        if sum > 0.0 && sum >= lost_below * self.len() as f64 {
             self.effective = sum * sum / squares;
             self.resample(sum);
         } else {
@@ -179,14 +193,18 @@ impl ParticleFilter {
         space: &Space,
         watch: &Watch,
         measurement: Option<&Measurement>,
-        mut memo: Option<&mut VisibilityMemo>,
         dt: f64,
     ) {
         let motion = Motion::new(&self.params, self.limits, dt);
+        // The published program weighs all particles alike before it snaps them.
+        let snap_width = match self.params.fidelity {
+            Fidelity::Ours => SNAP_WIDTH,
+            Fidelity::Published => 0.0,
+        };
         let seen = measurement.map(|m| {
             let wide = |sigma: f64, step: f64| {
-                if sigma < self.params.snap_below {
-                    self.params.snap_width * step
+                if sigma < SNAP_BELOW {
+                    snap_width * step
                 } else {
                     0.0
                 }
@@ -199,9 +217,9 @@ impl ParticleFilter {
         let unseen = Unseen {
             space,
             watch,
-            exponent: exponent(self.params.clearing_rate * dt),
+            exponent: exponent(CLEARING_RATE * dt),
         };
-        let mut teleport = Teleport::new(&self.params, dt, &mut self.rng);
+        let mut teleport = Teleport::new(dt, &mut self.rng);
         let n = self.particles.len();
         for first in (0..n).step_by(BLOCK) {
             let range = first..n.min(first + BLOCK);
@@ -212,41 +230,21 @@ impl ParticleFilter {
             let mut particles = self.particles.stretch(range.clone());
             let weights = &mut self.weights[range];
             if let Some(seen) = &seen {
-                teleport.apply(&mut particles, &mut self.rng, |_, _, _| ());
+                teleport.apply(&mut particles, &mut self.rng);
                 seen.weigh(&particles, weights);
                 weigh::drop_invalid(space, &particles, weights, places);
                 continue;
             }
-            // Each particle is looked up once, and again only if it turned or jumped.
             if self.params.turn_at_walls {
                 motion.turn_at_walls(space, &mut particles, places, &mut self.rng);
-            } else {
-                space.locate(particles.x, particles.y, places);
             }
-            teleport.apply(&mut particles, &mut self.rng, |i, x, y| {
-                places[i] = space.place_of(x, y);
-            });
-            unseen.weigh(&particles, weights, memo.as_deref_mut(), places);
+            teleport.apply(&mut particles, &mut self.rng);
+            unseen.weigh(&particles, weights);
         }
     }
 
     fn resample(&mut self, sum: f64) {
-        let n = self.len();
-        if self.params.resample_below < 1.0
-            && self.effective >= self.params.resample_below * n as f64
-        {
-            let scale = (n as f64 / sum) as f32;
-            for w in &mut self.weights {
-                *w *= scale;
-            }
-            return;
-        }
-        let count = match &self.params.adaptive {
-            // The spread of the belief of the tick before: a step behind, but at no extra cost.
-            Some(_) if self.scratch.keys.is_empty() => n,
-            Some(adaptive) => adapt::sample_size(adaptive, self.scratch.keys.len()),
-            None => n,
-        };
+        let count = self.len();
         // In (0, 1): a zero weight has no descendants even at the first pointer.
         let offset = (f64::from(self.rng.random::<u32>()) + 0.5) / 4_294_967_296.0;
         resample::choose(&self.weights, sum, count, offset, &mut self.scratch.starts);
@@ -256,11 +254,7 @@ impl ParticleFilter {
             &mut self.scratch.resampled,
         );
         core::mem::swap(&mut self.particles, &mut self.scratch.resampled);
-        self.weights.clear();
-        self.weights.resize(count, 1.0);
-        if let Some(adaptive) = &self.params.adaptive {
-            adapt::occupied_bins(adaptive, &self.particles, &mut self.scratch.keys);
-        }
+        self.weights.fill(1.0);
     }
 
     fn rebuild(&mut self, space: &Space, watch: &Watch, measurement: Option<&Measurement>) {
@@ -270,12 +264,8 @@ impl ParticleFilter {
             recover::around_measurement(&mut self.particles, space, m, velocities, &mut self.rng);
         } else {
             let fastest = self.limits.v_max.max(self.limits.v_reverse_max);
-            let reach = self.last_seen.map(|centre| {
-                (
-                    centre,
-                    self.params.recovery_margin + fastest * self.unseen_for,
-                )
-            });
+            let radius = RECOVERY_MARGIN + fastest * self.unseen_for;
+            let reach = self.last_seen.map(|centre| (centre, radius));
             recover::over_unseen(
                 &mut self.particles,
                 space,
@@ -292,12 +282,12 @@ impl ParticleFilter {
 
     /// Sets what was measured practically without noise.
     fn snap(&mut self, m: &Measurement) {
-        if m.sigma < self.params.snap_below {
+        if m.sigma < SNAP_BELOW {
             self.particles.x.fill(m.position.x as f32);
             self.particles.y.fill(m.position.y as f32);
         }
         if let Some((theta, sigma)) = m.heading
-            && sigma < self.params.snap_below
+            && sigma < SNAP_BELOW
         {
             self.particles.heading.fill(crate::fast::wrap(theta as f32));
         }

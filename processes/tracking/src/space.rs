@@ -77,11 +77,6 @@ impl Space {
             cell as usize % self.frame.width,
             cell as usize / self.frame.width,
         );
-        self.place_in((col, row), fx, fy)
-    }
-
-    /// World position of a point in a cell (column, row), given by two fractions.
-    pub(crate) fn place_in(&self, (col, row): (usize, usize), fx: f64, fy: f64) -> Point2<f64> {
         Point2::new(
             self.frame.origin.x + (col as f64 + fx) * self.frame.resolution,
             self.frame.origin.y + (row as f64 + fy) * self.frame.resolution,
@@ -103,28 +98,12 @@ impl Space {
     pub(crate) fn place_of(&self, x: f32, y: f32) -> u32 {
         let (right, top) = (self.frame.width as f32, self.frame.height as f32);
         let stride = (self.frame.width + 2) as u32;
-        let (u, w) = self.in_cells(x, y);
-        border_index(w, top) * stride + border_index(u, right)
-    }
-
-    /// 1 per free cell, row by row with a border of zeros one cell wide on each side.
-    pub(crate) fn valid(&self) -> &[u8] {
-        &self.valid
-    }
-
-    /// Columns of the bordered table.
-    pub(crate) fn stride(&self) -> usize {
-        self.frame.width + 2
-    }
-
-    /// A point [m] in cells from the grid's corner.
-    #[inline]
-    pub(crate) fn in_cells(&self, x: f32, y: f32) -> (f32, f32) {
         let [x0, y0] = self.origin;
-        (
+        let (u, w) = (
             (x - x0) * self.cells_per_metre,
             (y - y0) * self.cells_per_metre,
-        )
+        );
+        border_index(w, top) * stride + border_index(u, right)
     }
 
     /// 1 if the place found by [`Self::locate`] is valid, else 0.

@@ -2,12 +2,12 @@
 
 use rand_chacha::ChaCha8Rng;
 use sim_backend::blur::BlurredMap;
+use sim_backend::params::ParamsError;
 use sim_backend::pose::Pose2;
 use thiserror::Error;
 
 use crate::belief::{Belief, Particle};
-use crate::memo::VisibilityMemo;
-use crate::params::{ParamsError, PerceptionParams};
+use crate::params::PerceptionParams;
 use crate::particle_filter::{MotionLimits, ParticleFilter};
 use crate::sighting::{Sighting, sense};
 use crate::space::Space;
@@ -115,7 +115,6 @@ pub struct Perception {
     params: PerceptionParams,
     space: Space,
     watch: Watch,
-    memo: VisibilityMemo,
     tracks: Vec<Track>,
 }
 
@@ -157,7 +156,6 @@ impl Perception {
             watch: Watch::new(&params.sensor),
             params: params.clone(),
             space,
-            memo: VisibilityMemo::default(),
             tracks,
         })
     }
@@ -192,9 +190,6 @@ impl Perception {
             });
         }
         self.watch.set(self.space.field(), observers);
-        if self.params.filter.memo {
-            self.memo.clear(&self.space);
-        }
         for track in &mut self.tracks {
             let truth = targets.iter().find(|target| target.robot == track.robot);
             track.active = truth.is_some();
@@ -206,10 +201,9 @@ impl Perception {
                 truth.pose,
                 &mut track.noise,
             );
-            let memo = self.params.filter.memo.then_some(&mut self.memo);
             track
                 .filter
-                .update(&self.space, &self.watch, &track.sighting, memo, dt);
+                .update(&self.space, &self.watch, &track.sighting, dt);
             track.belief = track.filter.belief();
         }
         Ok(&self.tracks)

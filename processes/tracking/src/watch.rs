@@ -83,52 +83,6 @@ impl Watch {
         best
     }
 
-    /// As [`Self::visibility`], over the observers that have their [`Self::bit`] in `mask`.
-    #[inline]
-    pub(crate) fn best_of(
-        &self,
-        mask: u32,
-        field: &VisibilityField,
-        p: Point2<f64>,
-        end: RayEnd,
-    ) -> f32 {
-        let mut best = 0.0_f32;
-        for (k, eye) in self.eyes.iter().enumerate() {
-            if mask & Self::bit(k) != 0 && (!self.limited || self.covers(eye, p)) {
-                best = best.max(field.between(eye.end, end));
-            }
-        }
-        best
-    }
-
-    /// Appends the visibility of a prepared ray end from every observer, 0 from those that do not
-    /// see it: [`Self::observers`] values.
-    pub(crate) fn views(
-        &self,
-        field: &VisibilityField,
-        p: Point2<f64>,
-        end: RayEnd,
-        out: &mut Vec<f32>,
-    ) {
-        out.extend(self.eyes.iter().map(|eye| {
-            if !self.limited || self.covers(eye, p) {
-                field.between(eye.end, end)
-            } else {
-                0.0
-            }
-        }));
-    }
-
-    /// How many observers stand in free space.
-    pub(crate) fn observers(&self) -> usize {
-        self.eyes.len()
-    }
-
-    /// The bit that stands for an observer in a mask; all from the 32nd on share the last.
-    pub(crate) fn bit(observer: usize) -> u32 {
-        1 << observer.min(31)
-    }
-
     /// Whether a point lies within an observer's range and field of view.
     fn covers(&self, eye: &Eye, p: Point2<f64>) -> bool {
         let offset = p - eye.position;

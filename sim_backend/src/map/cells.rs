@@ -5,8 +5,9 @@ use serde::{Deserialize, Serialize};
 
 use super::{MAX_CELLS, MAX_EXITS};
 use crate::grid::{Grid, GridFrame};
+use crate::params::{ParamsError, require};
 use crate::shape::Aabb;
-use crate::spec::{FieldError, Region, check, coordinate, positive};
+use crate::spec::{Region, coordinate, positive};
 
 /// Most runs of a map: what a scenario in a log has room for.
 pub const MAX_RUNS: usize = 1_000_000;
@@ -66,9 +67,9 @@ impl CellMap {
     ///
     /// # Errors
     /// Names the first field that is out of its range.
-    pub fn validate(&self) -> Result<(), FieldError> {
+    pub fn validate(&self) -> Result<(), ParamsError> {
         let cells = self.width.saturating_mul(self.height);
-        check(
+        require(
             (1..=MAX_CELLS).contains(&cells),
             "width × height",
             format!("{} × {}", self.width, self.height),
@@ -80,7 +81,7 @@ impl CellMap {
             let far = self.origin[axis] + count as f64 * self.resolution;
             coordinate(&format!("origin[{axis}] + cells · resolution"), far)?;
         }
-        check(
+        require(
             self.runs.len() <= MAX_RUNS,
             "runs",
             format!("{} runs", self.runs.len()),
@@ -90,7 +91,7 @@ impl CellMap {
             .runs
             .iter()
             .try_fold(0usize, |sum, &run| sum.checked_add(run));
-        check(
+        require(
             sum == Some(cells),
             "runs",
             sum.map_or_else(
@@ -99,7 +100,7 @@ impl CellMap {
             ),
             format!("run lengths that add up to width × height = {cells}"),
         )?;
-        check(
+        require(
             self.exits.len() <= MAX_EXITS,
             "exits",
             format!("{} exits", self.exits.len()),
@@ -126,7 +127,7 @@ impl CellMap {
     ///
     /// # Errors
     /// As [`Self::validate`].
-    pub fn to_grid(&self) -> Result<Grid<bool>, FieldError> {
+    pub fn to_grid(&self) -> Result<Grid<bool>, ParamsError> {
         self.validate()?;
         let mut cells = Vec::with_capacity(self.width * self.height);
         let mut occupied = false;

@@ -10,7 +10,8 @@ use nalgebra::Point2;
 
 use super::{CellMap, Pgm, PgmError, UnknownCells};
 use crate::grid::{Grid, GridFrame};
-use crate::spec::{FieldError, MAX_COORDINATE};
+use crate::params::ParamsError;
+use crate::spec::MAX_COORDINATE;
 
 /// Largest YAML file that is read [bytes].
 const MAX_YAML: u64 = 1 << 20;
@@ -82,7 +83,7 @@ pub enum RosMapError {
         /// The YAML file.
         path: PathBuf,
         /// What is wrong.
-        source: FieldError,
+        source: ParamsError,
     },
 }
 
@@ -207,7 +208,7 @@ impl RosMap {
         };
         if map.free_thresh > map.occupied_thresh {
             let expected = format!("at most occupied_thresh = {}", map.occupied_thresh);
-            let source = FieldError::new("free_thresh", map.free_thresh, expected);
+            let source = ParamsError::new("free_thresh", map.free_thresh, expected);
             return Err(RosMapError::Field {
                 path: path.to_owned(),
                 source,

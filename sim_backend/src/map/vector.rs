@@ -6,8 +6,9 @@ use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 
 use crate::grid::GridFrame;
+use crate::params::{ParamsError, require};
 use crate::shape::{Aabb, Shape, ShapeError};
-use crate::spec::{FieldError, Region, check, coordinate, positive};
+use crate::spec::{Region, coordinate, positive};
 
 /// Most cells that the grid of a map may have, unless the map itself sets a lower limit.
 pub const MAX_CELLS: usize = 1 << 26;
@@ -79,7 +80,7 @@ pub struct ObstacleSpec {
 pub enum VectorMapError {
     /// A value out of its range.
     #[error(transparent)]
-    Field(#[from] FieldError),
+    Field(#[from] ParamsError),
     /// The shape of an obstacle is wrong.
     #[error("obstacles[{index}]{}: {source}", quoted(name))]
     Obstacle {
@@ -162,8 +163,8 @@ impl VectorMap {
     }
 
     /// Refuses more of anything than is meant, before any of it is computed with.
-    fn check_counts(&self) -> Result<(), FieldError> {
-        check(
+    fn check_counts(&self) -> Result<(), ParamsError> {
+        require(
             self.obstacles.len() <= MAX_OBSTACLES,
             "obstacles",
             format!("{} obstacles", self.obstacles.len()),
@@ -187,14 +188,14 @@ impl VectorMap {
                 MAX_CUTS,
             ),
         ] {
-            check(
+            require(
                 count <= most,
                 "obstacles",
                 format!("{count} ({what})"),
                 format!("at most {most}; divide large polygons"),
             )?;
         }
-        check(
+        require(
             self.exits.len() <= MAX_EXITS,
             "exits",
             format!("{} exits", self.exits.len()),
@@ -212,12 +213,12 @@ impl VectorMap {
     ///
     /// # Errors
     /// Names the field that is out of its range, or the limit on the number of cells.
-    pub fn frame(&self) -> Result<GridFrame, FieldError> {
+    pub fn frame(&self) -> Result<GridFrame, ParamsError> {
         let Bounds { min, max } = self.bounds;
         for axis in 0..2 {
             coordinate(&format!("bounds.min[{axis}]"), min[axis])?;
             coordinate(&format!("bounds.max[{axis}]"), max[axis])?;
-            check(
+            require(
                 max[axis] > min[axis],
                 &format!("bounds.max[{axis}]"),
                 max[axis],
@@ -225,7 +226,7 @@ impl VectorMap {
             )?;
         }
         positive("resolution", self.resolution, "m")?;
-        check(
+        require(
             (1..=MAX_CELLS).contains(&self.max_cells),
             "max_cells",
             self.max_cells,
@@ -237,7 +238,7 @@ impl VectorMap {
             (cells - 1e-6).ceil().max(1.0)
         };
         let (width, height) = (count(0), count(1));
-        check(
+        require(
             width * height <= self.max_cells as f64,
             "resolution",
             self.resolution,

@@ -5,8 +5,9 @@ use std::sync::Arc;
 
 use super::{CellMap, MapError, MapSpec, ShapeMap, VectorMap, cells};
 use crate::grid::{Grid, GridFrame};
+use crate::params::ParamsError;
 use crate::shape::{Aabb, Convex, Shape, ShapeError};
-use crate::spec::{FieldError, Region};
+use crate::spec::Region;
 
 /// Number of an obstacle, unique within its map for as long as the obstacle exists.
 #[derive(
@@ -149,7 +150,7 @@ impl WorldMap {
     ///
     /// # Errors
     /// As [`CellMap::validate`].
-    pub fn from_cells(map: &CellMap) -> Result<Self, FieldError> {
+    pub fn from_cells(map: &CellMap) -> Result<Self, ParamsError> {
         let grid = map.to_grid()?;
         let ground = cells::rectangles(&grid)
             .into_iter()

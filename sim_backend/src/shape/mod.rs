@@ -13,8 +13,9 @@ use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 
 use crate::math;
+use crate::params::{ParamsError, require};
 use crate::pose::Pose2;
-use crate::spec::{FieldError, check, coordinate, positive};
+use crate::spec::{coordinate, positive};
 
 /// Most vertices that one polygon may have.
 pub const MAX_VERTICES: usize = 4096;
@@ -68,7 +69,7 @@ pub(crate) struct Effort {
 pub enum ShapeError {
     /// A value out of its range.
     #[error(transparent)]
-    Field(#[from] FieldError),
+    Field(#[from] ParamsError),
     /// Two edges of a polygon meet where they should not.
     #[error(
         "polygon.vertices: edge {first} (from vertex {first}) meets edge {second} (from vertex \
@@ -116,7 +117,7 @@ impl Shape {
                 coordinate("rectangle.center[1]", center[1])?;
                 positive("rectangle.half_extents[0]", half_extents[0], "m")?;
                 positive("rectangle.half_extents[1]", half_extents[1], "m")?;
-                check(
+                require(
                     angle.is_finite(),
                     "rectangle.angle",
                     angle,

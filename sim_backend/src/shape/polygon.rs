@@ -6,11 +6,12 @@ use parry2d_f64::shape::TriMesh;
 use parry2d_f64::transformation::hertel_mehlhorn;
 
 use super::{Convex, Effort, MAX_CONCAVE_VERTICES, MAX_VERTICES, ShapeError};
-use crate::spec::{check, coordinate};
+use crate::params::require;
+use crate::spec::coordinate;
 
 /// The convex parts of a simple polygon given in either orientation.
 pub(super) fn convex_parts(vertices: &[[f64; 2]]) -> Result<Vec<Convex>, ShapeError> {
-    check(
+    require(
         (3..=MAX_VERTICES).contains(&vertices.len()),
         "polygon.vertices",
         format!("{} vertices", vertices.len()),
@@ -33,7 +34,7 @@ pub(super) fn convex_parts(vertices: &[[f64; 2]]) -> Result<Vec<Convex>, ShapeEr
     if is_convex(&points) {
         return Ok(vec![Convex::polygon(&points)]);
     }
-    check(
+    require(
         points.len() <= MAX_CONCAVE_VERTICES,
         "polygon.vertices",
         format!("{} vertices of a polygon that is not convex", points.len()),

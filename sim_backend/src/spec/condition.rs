@@ -3,8 +3,9 @@
 use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 
-use super::{FieldError, Region, check, coordinate, non_negative, positive};
+use super::{Region, coordinate, non_negative, positive};
 use crate::math;
+use crate::params::{ParamsError, require};
 use crate::robot::Robot;
 
 /// What must be true of a robot.
@@ -38,10 +39,10 @@ impl Condition {
     ///
     /// # Errors
     /// Names the first that is out of its range.
-    pub fn validate(&self) -> Result<(), FieldError> {
+    pub fn validate(&self) -> Result<(), ParamsError> {
         match *self {
             Self::Travelled { travelled } => non_negative("travelled", travelled, "m"),
-            Self::Progress { progress } => check(
+            Self::Progress { progress } => require(
                 (0.0..=1.0).contains(&progress),
                 "progress",
                 progress,

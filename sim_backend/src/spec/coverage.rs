@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{FieldError, positive};
+use super::positive;
+use crate::params::ParamsError;
 use crate::team::Team;
 
 /// Accounting of the free area that robots have visited, and of how long it has been since.
@@ -52,7 +53,7 @@ impl CoverageSpec {
     ///
     /// # Errors
     /// Names the first field that is out of its range.
-    pub fn validate(&self) -> Result<(), FieldError> {
+    pub fn validate(&self) -> Result<(), ParamsError> {
         if let Some(radius) = self.radius {
             positive("radius", radius, "m")?;
         }

@@ -1,6 +1,6 @@
-//! Checks on single values, and the error that names what is wrong with one.
+//! Checks of lengths and coordinates, which have a limit of sense.
 
-use core::fmt::Display;
+use crate::params::{ParamsError, require};
 
 /// Largest coordinate or length that a map, shape or robot may have [m].
 ///
@@ -8,52 +8,9 @@ use core::fmt::Display;
 /// that contacts keep their tolerance.
 pub const MAX_COORDINATE: f64 = 1e5;
 
-/// A value of a specification that is out of its range.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{field} = {value}: expected {expected}")]
-pub struct FieldError {
-    /// The field, as written in the scenario, with the path to it (`limits.v_max`).
-    pub field: String,
-    /// The value that was given.
-    pub value: String,
-    /// What would have been accepted, with its unit.
-    pub expected: String,
-}
-
-impl FieldError {
-    pub(crate) fn new(field: &str, value: impl Display, expected: impl Into<String>) -> Self {
-        Self {
-            field: field.to_owned(),
-            value: value.to_string(),
-            expected: expected.into(),
-        }
-    }
-
-    /// The same error one table further out: `v_max` becomes `limits.v_max`.
-    #[must_use]
-    pub fn within(mut self, table: &str) -> Self {
-        self.field = format!("{table}.{}", self.field);
-        self
-    }
-}
-
-/// `Ok` if the condition holds, otherwise the error with these parts.
-pub(crate) fn check(
-    holds: bool,
-    field: &str,
-    value: impl Display,
-    expected: impl Into<String>,
-) -> Result<(), FieldError> {
-    if holds {
-        Ok(())
-    } else {
-        Err(FieldError::new(field, value, expected))
-    }
-}
-
 /// Requires a finite number > 0 that is not absurdly large.
-pub(crate) fn positive(field: &str, value: f64, unit: &str) -> Result<(), FieldError> {
-    check(
+pub(crate) fn positive(field: &str, value: f64, unit: &str) -> Result<(), ParamsError> {
+    require(
         value > 0.0 && value <= MAX_COORDINATE,
         field,
         value,
@@ -62,8 +19,8 @@ pub(crate) fn positive(field: &str, value: f64, unit: &str) -> Result<(), FieldE
 }
 
 /// Requires a finite number ≥ 0 that is not absurdly large.
-pub(crate) fn non_negative(field: &str, value: f64, unit: &str) -> Result<(), FieldError> {
-    check(
+pub(crate) fn non_negative(field: &str, value: f64, unit: &str) -> Result<(), ParamsError> {
+    require(
         (0.0..=MAX_COORDINATE).contains(&value),
         field,
         value,
@@ -72,8 +29,8 @@ pub(crate) fn non_negative(field: &str, value: f64, unit: &str) -> Result<(), Fi
 }
 
 /// Requires a coordinate within ±[`MAX_COORDINATE`].
-pub(crate) fn coordinate(field: &str, value: f64) -> Result<(), FieldError> {
-    check(
+pub(crate) fn coordinate(field: &str, value: f64) -> Result<(), ParamsError> {
+    require(
         value.abs() <= MAX_COORDINATE,
         field,
         value,
@@ -86,7 +43,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn errors_name_field_value_and_expectation() {
+    fn what_is_not_a_sensible_length_is_refused() {
         let error = positive("v_max", -0.5, "m/s").unwrap_err().within("limits");
         assert_eq!(
             error.to_string(),

@@ -13,8 +13,8 @@ mod sensor;
 
 pub use condition::Condition;
 pub use coverage::CoverageSpec;
-pub use field::{FieldError, MAX_COORDINATE};
-pub(crate) use field::{check, coordinate, non_negative, positive};
+pub use field::MAX_COORDINATE;
+pub(crate) use field::{coordinate, non_negative, positive};
 pub use region::Region;
 pub use robot::{ActuatorSpec, LimitsSpec, Preset, RobotModel, RobotSpec};
 pub use rules::{Blocked, CaptureSpec, OutOfPlay, RulesSpec};

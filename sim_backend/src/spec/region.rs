@@ -3,8 +3,9 @@
 use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 
-use super::{FieldError, coordinate, positive};
+use super::{coordinate, positive};
 use crate::math;
+use crate::params::ParamsError;
 
 /// A region of the plane that a robot reaches with its centre.
 ///
@@ -78,7 +79,7 @@ impl Region {
     ///
     /// # Errors
     /// Names the first field that is out of its range.
-    pub fn validate(&self) -> Result<(), FieldError> {
+    pub fn validate(&self) -> Result<(), ParamsError> {
         match *self {
             Self::Circle { center, radius } => {
                 coordinate("circle.center[0]", center[0])?;
@@ -94,7 +95,7 @@ impl Region {
                 coordinate("rectangle.center[1]", center[1])?;
                 positive("rectangle.half_extents[0]", half_extents[0], "m")?;
                 positive("rectangle.half_extents[1]", half_extents[1], "m")?;
-                super::check(
+                crate::params::require(
                     angle.is_finite(),
                     "rectangle.angle",
                     angle,

@@ -2,9 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{
-    FieldError, OdometrySpec, Region, ScanSpec, check, coordinate, non_negative, positive,
-};
+use super::{OdometrySpec, Region, ScanSpec, coordinate, non_negative, positive};
+use crate::params::{ParamsError, require};
 use crate::pose::Pose2;
 use crate::team::Team;
 
@@ -94,8 +93,8 @@ impl RobotSpec {
     ///
     /// # Errors
     /// Names the first field that is out of its range.
-    pub fn validate(&self) -> Result<(), FieldError> {
-        check(
+    pub fn validate(&self) -> Result<(), ParamsError> {
+        require(
             !self.name.is_empty(),
             "name",
             "\"\"",
@@ -103,7 +102,7 @@ impl RobotSpec {
         )?;
         coordinate("start.x", self.start.x)?;
         coordinate("start.y", self.start.y)?;
-        check(
+        require(
             self.start.theta.is_finite(),
             "start.theta",
             self.start.theta,
@@ -112,7 +111,7 @@ impl RobotSpec {
         let model = self.model();
         positive("radius", model.radius, "m")?;
         positive("wheel_separation", model.wheel_separation, "m")?;
-        let within = |e: FieldError| e.within("limits");
+        let within = |e: ParamsError| e.within("limits");
         positive("v_max", model.v_max, "m/s").map_err(within)?;
         non_negative("v_reverse_max", model.v_reverse_max, "m/s").map_err(within)?;
         non_negative("omega_max", model.omega_max, "rad/s").map_err(within)?;
@@ -267,9 +266,9 @@ impl ActuatorSpec {
     ///
     /// # Errors
     /// Names the first field that is out of its range.
-    pub fn validate(&self) -> Result<(), FieldError> {
+    pub fn validate(&self) -> Result<(), ParamsError> {
         for (field, value) in [("slip", self.slip), ("angular_slip", self.angular_slip)] {
-            check(
+            require(
                 (0.0..1.0).contains(&value),
                 field,
                 value,

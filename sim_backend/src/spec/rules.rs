@@ -2,8 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{CoverageSpec, FieldError, Region, non_negative, positive};
+use super::{CoverageSpec, Region, non_negative, positive};
 use crate::map::MAX_EXITS;
+use crate::params::ParamsError;
 
 /// Rules of a mission; the defaults are a world without a game: no capture, no exits, no end.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -89,12 +90,12 @@ impl RulesSpec {
     ///
     /// # Errors
     /// Names the first field that is out of its range.
-    pub fn validate(&self) -> Result<(), FieldError> {
+    pub fn validate(&self) -> Result<(), ParamsError> {
         if let Some(capture) = &self.capture {
             positive("capture.radius", capture.radius, "m")?;
             non_negative("capture.dwell", capture.dwell, "s")?;
         }
-        super::check(
+        crate::params::require(
             self.exits.len() <= MAX_EXITS,
             "exits",
             format!("{} exits", self.exits.len()),
@@ -105,7 +106,7 @@ impl RulesSpec {
                 .map_err(|e| e.within(&format!("exits[{i}]")))?;
         }
         if let Some(limit) = self.time_limit {
-            super::check(
+            crate::params::require(
                 limit > 0.0 && limit <= 1e9,
                 "time_limit",
                 limit,

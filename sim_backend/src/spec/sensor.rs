@@ -4,7 +4,8 @@ use core::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
-use super::{FieldError, check, non_negative, positive};
+use super::{non_negative, positive};
+use crate::params::{ParamsError, require};
 
 /// Most beams that one scan may have.
 const MAX_BEAMS: usize = 65_536;
@@ -50,20 +51,20 @@ impl ScanSpec {
     ///
     /// # Errors
     /// Names the first field that is out of its range.
-    pub fn validate(&self) -> Result<(), FieldError> {
-        check(
+    pub fn validate(&self) -> Result<(), ParamsError> {
+        require(
             (1..=MAX_BEAMS).contains(&self.beams),
             "beams",
             self.beams,
             format!("a number of beams in [1, {MAX_BEAMS}]"),
         )?;
-        check(
+        require(
             self.angle_min.abs() <= TAU,
             "angle_min",
             self.angle_min,
             "an angle in ±2π [rad]",
         )?;
-        check(
+        require(
             self.angle_increment.abs() <= TAU
                 && (self.beams == 1 || self.angle_increment.abs() > 1e-9),
             "angle_increment",
@@ -72,7 +73,7 @@ impl ScanSpec {
         )?;
         non_negative("range_min", self.range_min, "m")?;
         positive("range_max", self.range_max, "m")?;
-        check(
+        require(
             self.range_max > self.range_min,
             "range_max",
             self.range_max,
@@ -100,7 +101,7 @@ impl OdometrySpec {
     ///
     /// # Errors
     /// Names the first field that is out of its range.
-    pub fn validate(&self) -> Result<(), FieldError> {
+    pub fn validate(&self) -> Result<(), ParamsError> {
         non_negative("distance_per_distance", self.distance_per_distance, "m/√m")?;
         non_negative("heading_per_distance", self.heading_per_distance, "rad/√m")?;
         non_negative(

@@ -1,7 +1,7 @@
 //! Why a world cannot be made.
 
 use crate::map::MapError;
-use crate::spec::FieldError;
+use crate::params::ParamsError;
 
 /// Why a world cannot be made from its specification.
 #[derive(Debug, thiserror::Error)]
@@ -11,7 +11,7 @@ pub enum WorldError {
     Map(#[from] MapError),
     /// A rule has a value out of its range.
     #[error("rules.{0}")]
-    Rules(FieldError),
+    Rules(ParamsError),
     /// A robot has a value out of its range.
     #[error("robots[{index}]{}: {source}", quoted(name))]
     Robot {
@@ -20,7 +20,7 @@ pub enum WorldError {
         /// Its name.
         name: String,
         /// What is wrong.
-        source: FieldError,
+        source: ParamsError,
     },
     /// There is nobody in the world.
     #[error("robots: the world has no robots: expected at least one")]

@@ -8,7 +8,7 @@ mod properties;
 mod resolve;
 
 use serde::{Deserialize, Serialize};
-use sim_backend::spec::FieldError;
+use sim_backend::params::ParamsError;
 
 use super::files::Base;
 use super::kinds::{KindInfo, Need, Product, check_params};
@@ -41,11 +41,11 @@ impl Default for Params {
 }
 
 impl Params {
-    fn validate(&self) -> Result<(), FieldError> {
+    fn validate(&self) -> Result<(), ParamsError> {
         if self.gain >= 0.0 {
             return Ok(());
         }
-        Err(FieldError {
+        Err(ParamsError {
             field: "gain".into(),
             value: self.gain.to_string(),
             expected: "a number ≥ 0".into(),

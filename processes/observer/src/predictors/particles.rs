@@ -46,7 +46,7 @@ impl Predictor for Particles {
             measurement,
         };
         self.filter
-            .update(moment.space, moment.watch, &sighting, None, look.dt);
+            .update(moment.space, moment.watch, &sighting, look.dt);
     }
 
     fn predict(&self, horizon: f64, moment: &Moment<'_>) -> Option<Point2<f64>> {

@@ -4,6 +4,7 @@
 use rand::{Rng, RngExt};
 use rand_chacha::ChaCha8Rng;
 use sim_backend::math;
+use sim_backend::params::Fidelity;
 
 use super::cloud::Stretch;
 use crate::fast;
@@ -20,6 +21,11 @@ pub struct MotionLimits {
     /// Largest turning rate either way [rad/s], ≥ 0.
     pub omega_max: f64,
 }
+
+/// How far hypotheses walk on beyond the largest speed and the largest turning rates, as a share of
+/// the range of speeds and of the turning rates to one side: they move at the limit meanwhile, as
+/// robots often do.
+const SATURATION: f64 = 0.25;
 
 /// One tick's motion in single precision.
 #[derive(Debug, Clone, Copy)]
@@ -47,8 +53,13 @@ impl Motion {
     /// Uniform steps of half-width √(3 dt)·(walk): the variance per second does not depend on dt.
     pub fn new(params: &FilterParams, limits: MotionLimits, dt: f64) -> Self {
         let spread = (3.0 * dt).sqrt();
-        let v_high = limits.v_max * params.speed_scale;
-        let v_low = -limits.v_reverse_max * params.speed_scale;
+        let (v_low, v_high) = (-limits.v_reverse_max, limits.v_max);
+        // The published program's walks stay at the limits: how many are there then depends on the
+        // tick rate.
+        let (saturation, rebound) = match params.fidelity {
+            Fidelity::Ours => (SATURATION, 2.0),
+            Fidelity::Published => (0.0, 1.0),
+        };
         let largest = v_high.max(-v_low);
         let v_keep = math::exp(-params.cruise_rate * dt);
         Self {
@@ -58,12 +69,12 @@ impl Motion {
             v_low: v_low as f32,
             v_high: v_high as f32,
             omega_high: limits.omega_max as f32,
-            v_top: (v_high + params.saturation * (v_high - v_low)) as f32,
-            omega_top: (limits.omega_max * (1.0 + params.saturation)) as f32,
+            v_top: (v_high + saturation * (v_high - v_low)) as f32,
+            omega_top: (limits.omega_max * (1.0 + saturation)) as f32,
             v_keep: v_keep as f32,
-            v_pull: ((1.0 - v_keep) * params.cruise_speed * v_high) as f32,
+            v_pull: ((1.0 - v_keep) * v_high) as f32,
             omega_keep: math::exp(-params.straighten_rate * dt) as f32,
-            rebound: if params.reflect { 2.0 } else { 1.0 },
+            rebound,
         }
     }
 
@@ -136,7 +147,7 @@ const TURN_AWAY: f64 = 2.2;
 impl Motion {
     /// Lets the particles that the last motion brought into an obstacle step back and turn by chance.
     ///
-    /// Looks all of them up in passing: writes their `places`, as [`Space::locate`] does.
+    /// `places` is working memory, one per particle.
     pub fn turn_at_walls(
         &self,
         space: &Space,
@@ -145,8 +156,8 @@ impl Motion {
         rng: &mut ChaCha8Rng,
     ) {
         space.locate(particles.x, particles.y, places);
-        for (i, place) in places.iter_mut().enumerate() {
-            if space.valid_at(*place) != 0 {
+        for (i, &place) in places.iter().enumerate() {
+            if space.valid_at(place) != 0 {
                 continue;
             }
             let (sin, cos) = fast::sincos(particles.heading[i]);
@@ -156,30 +167,34 @@ impl Motion {
             let turn = TURN_AWAY * (2.0 * rng.random::<f64>() - 1.0);
             particles.heading[i] = fast::wrap(particles.heading[i] + turn as f32);
             particles.omega[i] = 0.0;
-            *place = space.place_of(particles.x[i], particles.y[i]);
         }
     }
 }
+
+/// Rate at which a particle jumps to a nearby pose [1/s].
+const JUMP_RATE: f64 = 0.25;
+
+/// Largest jump in x and in y [m].
+const JUMP_DISTANCE: f64 = 1.0;
+
+/// Largest jump of the heading [rad].
+const JUMP_TURN: f64 = 0.5;
 
 /// Rare jumps to nearby poses, which let a collapsed belief recover (chasing-game paper, section
 /// III.D). The gaps between jumping particles are drawn, not a number per particle.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Teleport {
-    /// ln(1 − probability of a jump in this tick); 0 for never.
+    /// ln(1 − probability of a jump in this tick).
     log_stay: f64,
-    distance: f64,
-    turn: f64,
     /// Particles to skip until the next jump.
     gap: u64,
 }
 
 impl Teleport {
-    pub fn new(params: &FilterParams, dt: f64, rng: &mut ChaCha8Rng) -> Self {
+    pub fn new(dt: f64, rng: &mut ChaCha8Rng) -> Self {
         let mut teleport = Self {
             // The probability is 1 − exp(−rate·dt).
-            log_stay: -params.teleport_rate * dt,
-            distance: params.teleport_distance,
-            turn: params.teleport_turn,
+            log_stay: -JUMP_RATE * dt,
             gap: 0,
         };
         teleport.gap = teleport.draw_gap(rng);
@@ -187,29 +202,20 @@ impl Teleport {
     }
 
     fn draw_gap(&self, rng: &mut ChaCha8Rng) -> u64 {
-        if self.log_stay == 0.0 {
-            return u64::MAX;
-        }
         // Geometric distribution by inversion; `as` saturates.
         (math::ln(1.0 - rng.random::<f64>()) / self.log_stay) as u64
     }
 
-    /// Lets the particles of a stretch jump whose turn it is; `moved` is told which.
-    pub fn apply(
-        &mut self,
-        particles: &mut Stretch<'_>,
-        rng: &mut ChaCha8Rng,
-        mut moved: impl FnMut(usize, f32, f32),
-    ) {
+    /// Lets the particles of a stretch jump whose turn it is.
+    pub fn apply(&mut self, particles: &mut Stretch<'_>, rng: &mut ChaCha8Rng) {
         let n = particles.x.len() as u64;
         let mut i = self.gap;
         while i < n {
             let at = i as usize;
             let mut within = |half: f64| (half * (2.0 * rng.random::<f64>() - 1.0)) as f32;
-            particles.x[at] += within(self.distance);
-            particles.y[at] += within(self.distance);
-            particles.heading[at] = fast::wrap(particles.heading[at] + within(self.turn));
-            moved(at, particles.x[at], particles.y[at]);
+            particles.x[at] += within(JUMP_DISTANCE);
+            particles.y[at] += within(JUMP_DISTANCE);
+            particles.heading[at] = fast::wrap(particles.heading[at] + within(JUMP_TURN));
             i = i.saturating_add(1).saturating_add(self.draw_gap(rng));
         }
         self.gap = i - n;

@@ -5,7 +5,6 @@ use sim_backend::math;
 
 use super::cloud::Stretch;
 use crate::fast;
-use crate::memo::VisibilityMemo;
 use crate::sighting::Measurement;
 use crate::space::Space;
 use crate::watch::Watch;
@@ -75,28 +74,14 @@ pub(crate) struct Unseen<'a> {
 }
 
 impl Unseen<'_> {
-    /// Multiplies the weights by the likelihood, 0 for invalid particles. Exact without a memo;
-    /// with one, `places` says where the particles are ([`Space::locate`]).
-    pub fn weigh(
-        &self,
-        particles: &Stretch<'_>,
-        weights: &mut [f32],
-        memo: Option<&mut VisibilityMemo>,
-        places: &[u32],
-    ) {
+    /// Multiplies the weights by the likelihood, 0 for invalid particles.
+    pub fn weigh(&self, particles: &Stretch<'_>, weights: &mut [f32]) {
         let points = particles.x.iter().zip(particles.y.iter());
-        if let Some(memo) = memo {
-            for (((&x, &y), w), &place) in points.zip(weights).zip(places.iter()) {
-                let visibility = memo.look_up(self.space, self.watch, x, y, place as usize);
-                *w *= visibility.map_or(0.0, |v| self.hidden(v));
-            }
-        } else {
-            let field = self.space.field();
-            for ((&x, &y), w) in points.zip(weights) {
-                let p = Point2::new(f64::from(x), f64::from(y));
-                let end = field.end(p);
-                *w *= end.map_or(0.0, |end| self.hidden(self.watch.visibility(field, p, end)));
-            }
+        let field = self.space.field();
+        for ((&x, &y), w) in points.zip(weights) {
+            let p = Point2::new(f64::from(x), f64::from(y));
+            let end = field.end(p);
+            *w *= end.map_or(0.0, |end| self.hidden(self.watch.visibility(field, p, end)));
         }
     }
 

@@ -1,4 +1,3 @@
-//! The filter and its memo in whole scenes; one program, to be linked once.
+//! The filter in whole scenes; one program, to be linked once.
 
-mod memo;
 mod tracker;

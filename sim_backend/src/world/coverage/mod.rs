@@ -19,9 +19,10 @@ use self::swept::Way;
 use super::motion::Motion;
 use crate::grid::GridFrame;
 use crate::map::WorldMap;
+use crate::params::ParamsError;
 use crate::pose::Pose2;
 use crate::robot::Robot;
-use crate::spec::{CoverageSpec, FieldError};
+use crate::spec::CoverageSpec;
 
 /// Most cells that are accounted for: 24 bytes each.
 const MAX_CELLS: f64 = 16_000_000.0;
@@ -122,14 +123,14 @@ impl Coverage {
         spec: &CoverageSpec,
         map: &WorldMap,
         robots: &[Robot],
-    ) -> Result<Self, FieldError> {
+    ) -> Result<Self, ParamsError> {
         if let Some(unknown) = spec
             .robots
             .iter()
             .position(|name| robots.iter().all(|robot| robot.name != *name))
         {
             let names: Vec<_> = robots.iter().map(|robot| robot.name.as_str()).collect();
-            return Err(FieldError::new(
+            return Err(ParamsError::new(
                 &format!("coverage.robots[{unknown}]"),
                 &spec.robots[unknown],
                 format!("the name of a robot: {}", names.join(", ")),
@@ -148,7 +149,7 @@ impl Coverage {
         if sweepers.is_empty() {
             let given = format!("{:?}", spec.teams);
             let expected = "a team with robots in it";
-            return Err(FieldError::new("coverage.teams", given, expected));
+            return Err(ParamsError::new("coverage.teams", given, expected));
         }
         let frame = frame(spec, map)?;
         let mut coverage = Self {
@@ -380,7 +381,7 @@ impl Coverage {
 }
 
 /// The cells to account for.
-fn frame(spec: &CoverageSpec, map: &WorldMap) -> Result<GridFrame, FieldError> {
+fn frame(spec: &CoverageSpec, map: &WorldMap) -> Result<GridFrame, ParamsError> {
     let resolution = match spec.resolution {
         Some(resolution) if resolution != map.frame().resolution => resolution,
         _ => return Ok(*map.frame()),
@@ -392,7 +393,7 @@ fn frame(spec: &CoverageSpec, map: &WorldMap) -> Result<GridFrame, FieldError> {
     let (width, height) = (count(size.x), count(size.y));
     if width * height > MAX_CELLS {
         let least = (size.x * size.y / MAX_CELLS).sqrt();
-        return Err(FieldError::new(
+        return Err(ParamsError::new(
             "coverage.resolution",
             resolution,
             format!("at least about {least:.3} m on this map: at most {MAX_CELLS} cells"),

@@ -1,4 +1,4 @@
-//! The single steps: motion, jumps, weights, sample size.
+//! The single steps: motion, jumps, weights.
 
 use sim_backend::math;
 
@@ -7,7 +7,6 @@ use sim_backend::grid::{Grid, GridFrame};
 
 use super::super::*;
 use super::{DT, LIMITS, distance, drive, rng, seen_at, watch_from};
-use crate::params::AdaptiveSize;
 use crate::space::tests::room;
 
 /// Spread and clearing after three seconds out of sight, at 10, 20 and 80 Hz.
@@ -23,7 +22,7 @@ fn the_belief_does_not_depend_on_the_tick_rate() {
         };
         let mut filter = ParticleFilter::new(&params, LIMITS, Some(start), &space, rng(seed));
         for _ in 0..(seconds * rate as f64) as usize {
-            filter.update(&space, watch, &Sighting::default(), None, 1.0 / rate as f64);
+            filter.update(&space, watch, &Sighting::default(), 1.0 / rate as f64);
         }
         filter.belief()
     };
@@ -52,10 +51,10 @@ fn the_belief_does_not_depend_on_the_tick_rate() {
 fn hypotheses_stay_within_the_targets_limits() {
     let space = Space::new(&room());
     let watch = watch_from(&space, &[]);
-    for reflect in [true, false] {
+    for fidelity in [Fidelity::Ours, Fidelity::Published] {
         for dt in [0.01, 0.05, 5.0] {
             let params = FilterParams {
-                reflect,
+                fidelity,
                 ..FilterParams::default()
             };
             let mut filter = ParticleFilter::new(&params, LIMITS, None, &space, rng(3));
@@ -77,7 +76,7 @@ fn hypotheses_stay_within_the_targets_limits() {
                     let forwards = f64::from(p.v[i]) >= 0.0;
                     assert!(forwards || step <= 0.05 * dt + 1e-5, "backwards by {step}");
                 }
-                filter.update(&space, &watch, &Sighting::default(), None, dt);
+                filter.update(&space, &watch, &Sighting::default(), dt);
             }
         }
     }
@@ -97,18 +96,11 @@ fn teleports_come_at_their_rate() {
     for rate in [5, 20, 100] {
         let params = FilterParams {
             particles: 20_000,
-            teleport_distance: 0.3,
             ..FilterParams::default()
         };
         let mut filter = ParticleFilter::new(&params, still, Some(start), &space, rng(4));
         for _ in 0..2 * rate {
-            filter.update(
-                &space,
-                &watch,
-                &Sighting::default(),
-                None,
-                1.0 / f64::from(rate),
-            );
+            filter.update(&space, &watch, &Sighting::default(), 1.0 / f64::from(rate));
         }
         let moved = filter.particles().filter(|p| p.x != -2.4).count();
         let share = moved as f64 / 20_000.0;
@@ -141,8 +133,7 @@ fn unseen_weights_are_one_minus_the_best_visibility() {
         watch: &watch,
         exponent: 1.0,
     };
-    let places = vec![0; n];
-    unseen.weigh(&filter.particles.stretch(0..n), &mut weights, None, &places);
+    unseen.weigh(&filter.particles.stretch(0..n), &mut weights);
     assert_eq!(weights[..3], [0.0; 3]);
     for (p, &w) in filter.particles().zip(&weights) {
         let at = Point2::new(f64::from(p.x), f64::from(p.y));
@@ -160,69 +151,6 @@ fn unseen_weights_are_one_minus_the_best_visibility() {
             "{w} against {expected} at {at}"
         );
     }
-}
-
-#[test]
-fn the_sample_size_follows_the_spread() {
-    let space = Space::new(&room());
-    let watch = watch_from(&space, &[]);
-    let adaptive = AdaptiveSize {
-        least: 100,
-        most: 5000,
-        ..AdaptiveSize::default()
-    };
-    let params = FilterParams {
-        adaptive: Some(adaptive),
-        ..FilterParams::default()
-    };
-    let truth = Pose2::new(-2.4, 0.0, 0.0);
-    let mut filter = ParticleFilter::new(&params, LIMITS, Some(truth), &space, rng(6));
-    for _ in 0..40 {
-        filter.update(&space, &watch, &seen_at(truth, 0.02), None, DT);
-    }
-    let known = filter.len();
-    for _ in 0..200 {
-        filter.update(&space, &watch, &Sighting::default(), None, DT);
-    }
-    let lost = filter.len();
-    for _ in 0..40 {
-        filter.update(&space, &watch, &seen_at(truth, 0.02), None, DT);
-    }
-    let found = filter.len();
-    assert!(
-        lost > 3 * known && found < lost / 3,
-        "{known} {lost} {found}"
-    );
-    assert!((100..=5000).contains(&lost));
-    let total: f32 = filter.particles().map(|p| p.weight).sum();
-    assert!((total - 1.0).abs() < 1e-3);
-}
-
-#[test]
-fn weights_persist_until_the_effective_sample_size_is_low() {
-    let space = Space::new(&room());
-    let watch = watch_from(&space, &[]);
-    let params = FilterParams {
-        resample_below: 0.5,
-        ..FilterParams::default()
-    };
-    let truth = Pose2::new(-2.4, 0.0, 0.0);
-    let mut filter = ParticleFilter::new(&params, LIMITS, Some(truth), &space, rng(6));
-    let (mut kept, mut resampled) = (0, 0);
-    for _ in 0..100 {
-        filter.update(&space, &watch, &seen_at(truth, 0.15), None, DT);
-        let first = filter.particles().next().unwrap().weight;
-        if filter.particles().all(|p| p.weight == first) {
-            resampled += 1;
-        } else {
-            kept += 1;
-            assert!(filter.belief().effective_sample_size >= 0.5 * filter.len() as f64);
-        }
-        let total: f32 = filter.particles().map(|p| p.weight).sum();
-        assert!((total - 1.0).abs() < 1e-3, "{total}");
-    }
-    assert!(kept > 20 && resampled > 3, "{kept} {resampled}");
-    assert!(distance(&filter.belief(), truth) < 0.1);
 }
 
 /// A street of 12 m × 1 m along x with its left end at x = 0.
@@ -265,7 +193,7 @@ fn an_opponent_that_drives_on_unseen_stays_within_the_belief() {
             } else {
                 Sighting::default()
             };
-            filter.update(&space, &watch, &sighting, None, DT);
+            filter.update(&space, &watch, &sighting, DT);
         }
         let belief = filter.belief();
         let nearest = filter
