@@ -11,12 +11,12 @@ use std::hint::black_box;
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use guidance::bearing::Bearings;
 use guidance::map::PlannerMap;
-use guidance::navigation::{NavGrid, NavParams, RouteTree, Threat, Wayfinder};
+use guidance::navigation::{NavGrid, RouteTree, Threat, Wayfinder};
 use guidance::potential_field::{
-    AttractionParams, Goal, ObstacleParams, RepulsionParams, Repulsor, attraction, capped,
-    obstacle, repulsion,
+    Goal, RepulsionParams, Repulsor, attraction, capped, obstacle, repulsion,
 };
 use nalgebra::{Point2, Vector2};
+use sim_backend::params::Fidelity;
 use support::{Arena, EXIT, RADIUS};
 
 const POLICE: [(f64, f64); 4] = [(7.5, 4.5), (7.5, 1.5), (7.5, -1.5), (7.5, -4.5)];
@@ -31,29 +31,21 @@ fn velocity(
         at: Point2::new(x, y),
         weight: 0.5,
     });
-    let goal = attraction(
-        at,
-        goals.iter().copied(),
-        bearings,
-        &AttractionParams::default(),
-    );
+    let goal = attraction(at, goals.iter().copied(), bearings);
     let scatter = repulsion(
         at,
         repulsors,
         &Bearings::Straight,
         &RepulsionParams::default(),
     );
-    capped(
-        goal + scatter + obstacle(map, at, &ObstacleParams::default()),
-        2.0,
-    )
+    capped(goal + scatter + obstacle(map, at, Fidelity::Ours), 2.0)
 }
 
 fn field(criterion: &mut Criterion) {
     println!("baseline, paper's Python: 64 us with 1 goal, 389 us with 30 goals");
     let map = Arena::city().map();
     let here = Point2::new(7.45, 4.4);
-    let mut finder = Wayfinder::new(NavParams::default());
+    let mut finder = Wayfinder::default();
     finder.prepare(&map, RADIUS);
     let routes = finder
         .routes(&map, 0, here, [Point2::new(-7.5, 7.5)])
@@ -84,11 +76,10 @@ fn field(criterion: &mut Criterion) {
 fn routes(criterion: &mut Criterion) {
     let map = Arena::city().map();
     let mut group = criterion.benchmark_group("routes");
-    let params = NavParams::default();
     group.bench_function("nav_grid", |bencher| {
-        bencher.iter(|| NavGrid::new(black_box(&map), &params, RADIUS));
+        bencher.iter(|| NavGrid::new(black_box(&map), RADIUS));
     });
-    let grid = NavGrid::new(&map, &params, RADIUS);
+    let grid = NavGrid::new(&map, RADIUS);
     let root = grid
         .node_at(Point2::new(-4.5, 7.5))
         .expect("room for the robot");

@@ -105,7 +105,6 @@ fn travel(criterion: &mut Criterion) {
 fn paths(criterion: &mut Criterion) {
     let space = city();
     let graph = TangentGraph::new(&space, RADIUS).expect("the city has few corners");
-    graph.prepare();
     println!("{} sites, {} tangents", graph.sites(), graph.tangents());
     let points = free_points(&space);
     let pairs: Vec<_> = points
@@ -117,9 +116,6 @@ fn paths(criterion: &mut Criterion) {
     group.sample_size(20);
     group.bench_function("build", |b| {
         b.iter(|| TangentGraph::new(&space, black_box(RADIUS)).is_ok());
-    });
-    group.bench_function("build_and_prepare", |b| {
-        b.iter(|| TangentGraph::new(&space, black_box(RADIUS)).map(|graph| graph.prepare()));
     });
     group.bench_function("free_space_of_the_city", |b| {
         b.iter(|| {

@@ -7,7 +7,7 @@ use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use guidance::dominance::{Arena, Dominance, DominanceParams, Runner};
-use guidance::wavefront::{Lattice, Source, Wave, WaveParams};
+use guidance::wavefront::{Lattice, SIGHT, Source, Wave};
 use nalgebra::Point2;
 use sim_backend::spec::Region;
 use support::{EXIT, RADIUS};
@@ -17,7 +17,6 @@ const EVADERS: [(f64, f64); 2] = [(-4.5, 7.5), (-4.5, -7.5)];
 
 fn waves(criterion: &mut Criterion) {
     let map = support::Arena::city().map();
-    let params = WaveParams::default();
     let sources = |places: &[(f64, f64)]| -> Vec<Source> {
         let points = places.iter().map(|&(x, y)| Point2::new(x, y));
         points.map(|at| Source::new(at, 0.3, 0)).collect()
@@ -28,16 +27,16 @@ fn waves(criterion: &mut Criterion) {
             BenchmarkId::new("lattice", pitch),
             &pitch,
             |bencher, &pitch| {
-                bencher.iter(|| Lattice::new(black_box(&map), pitch, RADIUS, params.sight));
+                bencher.iter(|| Lattice::new(black_box(&map), pitch, RADIUS, SIGHT));
             },
         );
-        let lattice = Lattice::new(&map, pitch, RADIUS, params.sight);
+        let lattice = Lattice::new(&map, pitch, RADIUS, SIGHT);
         println!("pitch {pitch} m: {} free cells", lattice.len());
         for (name, sources) in [
             ("one_robot", sources(&EVADERS[..1])),
             ("four_robots", sources(&POLICE)),
         ] {
-            let mut wave = Wave::new(params);
+            let mut wave = Wave::default();
             group.bench_with_input(
                 BenchmarkId::new(name, pitch),
                 &sources,
@@ -63,7 +62,7 @@ fn judgement(criterion: &mut Criterion) {
         points.map(|at| Runner { at, speed }).collect()
     };
     let (police, evaders) = (runners(&POLICE, 0.3), runners(&EVADERS, 0.45));
-    let mut dominance = Dominance::new(params);
+    let mut dominance = Dominance::default();
     criterion.bench_function("judge_4_police_2_evaders", |bencher| {
         bencher.iter(|| {
             let verdicts = dominance.assess(&map, &arena, black_box(&police), &evaders, 0.3);

@@ -19,7 +19,7 @@ pub struct ParamsError {
 
 impl ParamsError {
     /// An error about a field, with the value found and the values accepted.
-    pub fn new(field: &str, value: impl Display, expected: impl Into<String>) -> Self {
+    pub fn new(field: &str, value: &(impl Display + ?Sized), expected: impl Into<String>) -> Self {
         Self {
             field: field.to_owned(),
             value: value.to_string(),
@@ -48,7 +48,7 @@ pub fn within(table: &str) -> impl FnOnce(ParamsError) -> ParamsError {
 pub fn require(
     ok: bool,
     field: &str,
-    value: impl Display,
+    value: &(impl Display + ?Sized),
     expected: impl Into<String>,
 ) -> Result<(), ParamsError> {
     if ok {
@@ -64,7 +64,7 @@ pub fn require(
 /// [`ParamsError`] for anything else.
 pub fn positive(field: &str, value: f64) -> Result<(), ParamsError> {
     let ok = value.is_finite() && value > 0.0;
-    require(ok, field, value, "a finite number above 0")
+    require(ok, field, &value, "a finite number above 0")
 }
 
 /// Accepts a finite value ≥ 0.
@@ -73,7 +73,7 @@ pub fn positive(field: &str, value: f64) -> Result<(), ParamsError> {
 /// [`ParamsError`] for anything else.
 pub fn not_negative(field: &str, value: f64) -> Result<(), ParamsError> {
     let ok = value.is_finite() && value >= 0.0;
-    require(ok, field, value, "a finite number of at least 0")
+    require(ok, field, &value, "a finite number of at least 0")
 }
 
 /// Accepts a value in [0, 1].
@@ -82,7 +82,7 @@ pub fn not_negative(field: &str, value: f64) -> Result<(), ParamsError> {
 /// [`ParamsError`] for anything else.
 pub fn fraction(field: &str, value: f64) -> Result<(), ParamsError> {
     let ok = (0.0..=1.0).contains(&value);
-    require(ok, field, value, "a number between 0 and 1")
+    require(ok, field, &value, "a number between 0 and 1")
 }
 
 /// Accepts any finite value.
@@ -90,7 +90,7 @@ pub fn fraction(field: &str, value: f64) -> Result<(), ParamsError> {
 /// # Errors
 /// [`ParamsError`] for an infinite value or NaN.
 pub fn finite(field: &str, value: f64) -> Result<(), ParamsError> {
-    require(value.is_finite(), field, value, "a finite number")
+    require(value.is_finite(), field, &value, "a finite number")
 }
 
 /// Traits of a published program that are not part of its method: slips, and consequences of its

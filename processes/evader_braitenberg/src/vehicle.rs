@@ -16,6 +16,22 @@ const DIAGONAL_OFFSET: f64 = 0.05;
 const DIAGONAL_WEIGHT: f64 = 5.0;
 /// Weight of the side cones in the turning rate [m].
 const SIDE_WEIGHT: f64 = 1.0;
+/// Width of the street in which the normalised speed is the highest [m].
+const STREET_WIDTH: f64 = 1.0;
+/// Free range ahead at which the normalised speed is the highest [m], or the sensor's own longest range
+/// if that is less.
+const OPEN_RANGE: f64 = 3.0;
+/// Range ahead at which the vehicle stops [m].
+const STOP_RANGE: f64 = 0.4;
+/// Width of a cone [°].
+const CONE_WIDTH_DEGREES: f64 = 10.0;
+/// Share of a cone's beams that may be shorter than its reading.
+const PERCENTILE: f64 = 0.1;
+/// Range ahead below which the vehicle counts as blocked [m]; above [`STOP_RANGE`], which it would only
+/// approach ever more slowly.
+const BLOCKED_RANGE: f64 = 0.5;
+/// Range ahead above which it no longer counts as blocked [m].
+const RELEASED_RANGE: f64 = 0.9;
 /// Difference of the free ranges to the left and to the right [m] below which a blocked robot turns
 /// to its preferred side.
 const UNDECIDED: f64 = 0.1;
@@ -63,13 +79,9 @@ impl Braitenberg {
         let Some(scan) = &view.scan else {
             return Steering::stop();
         };
-        let cones = read(
-            scan,
-            self.params.cone_width,
-            self.params.percentile,
-            &mut self.scratch,
-        );
-        let open = self.params.open_range.min(scan.range_max);
+        let width = CONE_WIDTH_DEGREES.to_radians();
+        let cones = read(scan, width, PERCENTILE, &mut self.scratch);
+        let open = OPEN_RANGE.min(scan.range_max);
         let Some(ranges) = Ranges::complete(&cones, open) else {
             return Steering::stop();
         };
@@ -85,19 +97,14 @@ impl Braitenberg {
         if let Some(side) = self.blocked(ranges) {
             return limits.clip(Twist2::new(0.0, side * self.params.turn_gain));
         }
-        let product = drive(ranges.front, ranges.front_left, ranges.front_right, &params);
+        let product = drive(ranges.front, ranges.front_left, ranges.front_right);
         let drive = match params.speed_gain {
             SpeedGain::Paper => product,
             SpeedGain::Normalised => {
                 // The diagonals of a street meet its walls at √2 times half its width.
-                let diagonal = params.street_width * core::f64::consts::FRAC_1_SQRT_2;
+                let diagonal = STREET_WIDTH * core::f64::consts::FRAC_1_SQRT_2;
                 // A sensor that sees no further than the stopping range cannot drive at all.
-                let nominal = self::drive(
-                    open.max(params.stop_range + 0.1),
-                    diagonal,
-                    diagonal,
-                    &params,
-                );
+                let nominal = self::drive(open.max(STOP_RANGE + 0.1), diagonal, diagonal);
                 product / nominal
             }
         };
@@ -113,9 +120,9 @@ impl Braitenberg {
 
     /// The side to turn to, if the robot is blocked ahead.
     fn blocked(&mut self, ranges: &Ranges) -> Option<f64> {
-        if !self.params.break_deadlock || ranges.front > self.params.released_range {
+        if self.params.fidelity.is_published() || ranges.front > RELEASED_RANGE {
             self.turning = None;
-        } else if self.turning.is_none() && ranges.front < self.params.blocked_range {
+        } else if self.turning.is_none() && ranges.front < BLOCKED_RANGE {
             let left = ranges.left + ranges.front_left;
             let right = ranges.right + ranges.front_right;
             self.turning = Some(if (left - right).abs() < UNDECIDED {
@@ -134,8 +141,8 @@ fn squash(x: f64) -> f64 {
 }
 
 /// The paper's speed as a fraction of the highest, in (−1, 1).
-fn drive(front: f64, front_left: f64, front_right: f64, params: &BraitenbergParams) -> f64 {
-    squash(front - params.stop_range)
+fn drive(front: f64, front_left: f64, front_right: f64) -> f64 {
+    squash(front - STOP_RANGE)
         * squash(front_left + DIAGONAL_OFFSET)
         * squash(front_right + DIAGONAL_OFFSET)
 }

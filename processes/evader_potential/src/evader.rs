@@ -7,11 +7,10 @@ use guidance::map::PlannerMap;
 use guidance::navigation::{Threat, Wayfinder};
 use guidance::params::ParamsError;
 use guidance::potential_field::{
-    Body, Goal, Perturbation, Repulsor, attraction, capped, obstacle, repulsion,
-    slide_along_obstacles, slide_around_bodies,
+    Body, Goal, Perturbation, Repulsor, attraction, compose, obstacle, repulsion,
 };
 use guidance::steering::Steering;
-use guidance::view::{RobotView, View};
+use guidance::view::View;
 use nalgebra::Point2;
 use sim_backend::team::Team;
 
@@ -49,7 +48,7 @@ impl Evader {
             params,
             limits,
             perturbation: Perturbation::new(params.perturbation, seed),
-            finder: Wayfinder::new(params.navigation),
+            finder: Wayfinder::default(),
             looked_in: None,
             threats: Vec::new(),
             repulsors: Vec::new(),
@@ -83,7 +82,7 @@ impl Evader {
             None => (None, None),
         };
         let goal = waypoint.map(|at| Goal { at, weight: 1.0 });
-        let pull = attraction(at, goal, &Bearings::Straight, &params.attraction);
+        let pull = attraction(at, goal, &Bearings::Straight);
 
         self.repulsors.clear();
         self.repulsors.extend(repulsors(view, own.index, &params));
@@ -104,18 +103,20 @@ impl Evader {
         let bearings = routes.map_or(Bearings::Straight, Bearings::Along);
         let push = repulsion(at, self.repulsors.iter().copied(), &bearings, &params.avoid);
 
-        let sum =
-            pull + push + obstacle(map, at, &params.obstacle) + self.perturbation.at(view.time_s);
-        let around = slide_around_bodies(
+        let sum = pull
+            + push
+            + obstacle(map, at, params.obstacle.fidelity)
+            + self.perturbation.at(view.time_s);
+        let bodies = view.other_bodies(own).map(Body::from);
+        let field = compose(
             map,
-            here,
-            own.radius,
+            own,
+            at,
             sum,
-            in_the_way(view, own),
+            bodies,
             params.body_guard,
+            &params.obstacle,
         );
-        let along = slide_along_obstacles(map, at, own.radius, around, params.obstacle.guard);
-        let field = capped(along, params.field_cap);
         Steering {
             command: command(field, own.pose.theta, &self.limits, &params.feedback),
             target: None,
@@ -180,16 +181,5 @@ fn repulsors(view: &View<'_>, own: usize, params: &EvaderParams) -> impl Iterato
         .map(|(robot, weight)| Repulsor {
             at: robot.pose.position(),
             weight,
-        })
-}
-
-/// The bodies of all other robots.
-fn in_the_way(view: &View<'_>, own: &RobotView) -> impl Iterator<Item = Body> {
-    let own = own.index;
-    view.bodies()
-        .filter(move |other| other.index != own)
-        .map(|other| Body {
-            at: other.pose.position(),
-            radius: other.radius,
         })
 }

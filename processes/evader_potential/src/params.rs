@@ -2,12 +2,9 @@
 
 use guidance::bearing::GoalField;
 use guidance::feedback_linearisation::FeedbackParams;
-use guidance::navigation::NavParams;
-use guidance::params::{ParamsError, not_negative, positive, within};
-use guidance::potential_field::{
-    AttractionParams, ObstacleParams, PerturbationParams, RepulsionParams,
-};
+use guidance::potential_field::{ObstacleParams, PerturbationParams, RepulsionParams};
 use serde::{Deserialize, Serialize};
+use sim_backend::params::{ParamsError, not_negative, positive, within};
 
 /// How much the Police lengthen the ways that pass them (`goal_field = "geodesic"` only).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -40,8 +37,6 @@ pub struct EvaderParams {
     pub goal_field: GoalField,
     /// How the Police lengthen ways.
     pub threat: ThreatParams,
-    /// Attraction to the nearest exit.
-    pub attraction: AttractionParams,
     /// Repulsion from other robots.
     pub avoid: RepulsionParams,
     /// How directions and distances to those robots are measured: along the ways, a pursuer behind
@@ -60,12 +55,8 @@ pub struct EvaderParams {
     pub body_guard: f64,
     /// Push that varies with time.
     pub perturbation: PerturbationParams,
-    /// Greatest magnitude of the summed field [m/s], > 0.
-    pub field_cap: f64,
     /// From field to command.
     pub feedback: FeedbackParams,
-    /// Graph of the ways, for the geodesic measures.
-    pub navigation: NavParams,
 }
 
 impl Default for EvaderParams {
@@ -73,7 +64,6 @@ impl Default for EvaderParams {
         Self {
             goal_field: GoalField::Geodesic,
             threat: ThreatParams::default(),
-            attraction: AttractionParams::default(),
             // Above the attraction close by, so that no exit draws an evader into a pursuer's arms.
             avoid: RepulsionParams {
                 reach: 1.0,
@@ -87,9 +77,7 @@ impl Default for EvaderParams {
             obstacle: ObstacleParams::default(),
             body_guard: 0.3,
             perturbation: PerturbationParams::default(),
-            field_cap: 2.0,
             feedback: FeedbackParams::default(),
-            navigation: NavParams::default(),
         }
     }
 }
@@ -103,7 +91,6 @@ impl EvaderParams {
                 gain: 0.0,
                 ..ThreatParams::default()
             },
-            attraction: AttractionParams::paper(),
             avoid: RepulsionParams::paper(),
             avoid_field: GoalField::Straight,
             police_weight: 1.5,
@@ -112,9 +99,7 @@ impl EvaderParams {
             obstacle: ObstacleParams::paper(),
             body_guard: 0.0,
             perturbation: PerturbationParams::paper(),
-            field_cap: 2.0,
             feedback: FeedbackParams::paper(),
-            navigation: NavParams::default(),
         }
     }
 
@@ -125,7 +110,6 @@ impl EvaderParams {
     /// out of range.
     pub fn validate(&self) -> Result<(), ParamsError> {
         self.threat.validate().map_err(within("threat"))?;
-        self.attraction.validate().map_err(within("attraction"))?;
         self.avoid.validate().map_err(within("avoid"))?;
         not_negative("police_weight", self.police_weight)?;
         not_negative("fellow_weight", self.fellow_weight)?;
@@ -134,9 +118,7 @@ impl EvaderParams {
         self.perturbation
             .validate()
             .map_err(within("perturbation"))?;
-        positive("field_cap", self.field_cap)?;
-        self.feedback.validate().map_err(within("feedback"))?;
-        self.navigation.validate().map_err(within("navigation"))
+        self.feedback.validate().map_err(within("feedback"))
     }
 }
 

@@ -67,26 +67,6 @@ fn the_straight_field_of_the_paper_is_caught_in_local_minima_from_many_starts() 
 }
 
 #[test]
-fn a_vortex_takes_the_straight_field_round_a_block() {
-    let mut straight = EvaderParams {
-        goal_field: guidance::bearing::GoalField::Straight,
-        ..Default::default()
-    };
-    straight.perturbation.amplitude = 0.0;
-    let start = Kinematic::new(-4.5, 0.0, 0.0);
-    let mut stuck = start.clone();
-    assert!(run(&straight, &mut stuck, &[], 60.0).is_none());
-    let mut vortex = straight;
-    vortex.obstacle.vortex = 1.0;
-    let mut body = start;
-    assert!(
-        run(&vortex, &mut body, &[], 60.0).is_some(),
-        "{:?}",
-        body.pose
-    );
-}
-
-#[test]
 fn it_goes_round_a_pursuer_who_stands_in_the_street() {
     let mut body = Kinematic::new(-4.5, 1.5, 0.0);
     let police = [Pose2::new(0.0, 1.5, 0.0)];

@@ -6,9 +6,7 @@ use guidance::feedback_linearisation::command;
 use guidance::limits::Limits;
 use guidance::map::PlannerMap;
 use guidance::params::ParamsError;
-use guidance::potential_field::{
-    Body, Goal, attraction, capped, obstacle, slide_along_obstacles, slide_around_bodies,
-};
+use guidance::potential_field::{Body, Goal, attraction, compose, obstacle};
 use guidance::steering::Steering;
 use guidance::view::{RobotView, View};
 use nalgebra::Point2;
@@ -48,7 +46,7 @@ impl Evader {
     pub fn new(params: ReachAvoidParams, limits: Limits) -> Result<Self, ParamsError> {
         params.validate()?;
         Ok(Self {
-            dominance: Dominance::new(params.dominance),
+            dominance: Dominance::default(),
             params,
             limits,
             exits: Vec::new(),
@@ -97,22 +95,21 @@ impl Evader {
             self.plan(map, view, own);
         }
         let params = &self.params;
-        let here = own.pose.position();
         let at = params.feedback.field_point_of(&own.pose);
         let waypoint = self.waypoint(map, own);
         let goal = waypoint.map(|at| Goal { at, weight: 1.0 });
-        let pull = attraction(at, goal, &Bearings::Straight, &params.attraction);
-        let sum = pull + obstacle(map, at, &params.obstacle);
-        let bodies = view
-            .bodies()
-            .filter(|other| other.index != own.index)
-            .map(|other| Body {
-                at: other.pose.position(),
-                radius: other.radius,
-            });
-        let around = slide_around_bodies(map, here, own.radius, sum, bodies, params.body_guard);
-        let along = slide_along_obstacles(map, at, own.radius, around, params.obstacle.guard);
-        let field = capped(along, params.field_cap);
+        let pull = attraction(at, goal, &Bearings::Straight);
+        let sum = pull + obstacle(map, at, params.obstacle.fidelity);
+        let bodies = view.other_bodies(own).map(Body::from);
+        let field = compose(
+            map,
+            own,
+            at,
+            sum,
+            bodies,
+            params.body_guard,
+            &params.obstacle,
+        );
         let arena = self.arena.as_ref().map(|(_, arena)| arena);
         Steering {
             command: command(field, own.pose.theta, &self.limits, &params.feedback),
@@ -244,8 +241,7 @@ fn best_place(
         }
     }
     let (most, node) = best?;
-    let keeps =
-        |&before: &usize| worth_of(before).is_some_and(|worth| worth + params.stickiness_s >= most);
+    let keeps = |&before: &usize| worth_of(before).is_some_and(|worth| worth >= most);
     Some(before.filter(keeps).unwrap_or(node))
 }
 

@@ -2,9 +2,9 @@
 
 use guidance::dominance::DominanceParams;
 use guidance::feedback_linearisation::FeedbackParams;
-use guidance::params::{ParamsError, not_negative, positive, require, within};
-use guidance::potential_field::{AttractionParams, ObstacleParams};
+use guidance::potential_field::ObstacleParams;
 use serde::{Deserialize, Serialize};
+use sim_backend::params::{ParamsError, not_negative, positive, require, within};
 
 /// Parameters of an [`Evader`](crate::Evader).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -23,8 +23,6 @@ pub struct ReachAvoidParams {
     /// Without a safe way out: seconds of that time that it gives for being a second's drive nearer
     /// to the exit, ≥ 0.
     pub exit_weight: f64,
-    /// How much more a new place must be worth than the one that it is heading for [s], ≥ 0.
-    pub stickiness_s: f64,
     /// How far along its way it looks for the point to head for [m], > 0.
     pub sight: f64,
     /// Distance kept from obstacles beyond the robot's radius, when it cuts corners of its way [m],
@@ -32,14 +30,10 @@ pub struct ReachAvoidParams {
     pub margin: f64,
     /// How finely plans are computed.
     pub dominance: DominanceParams,
-    /// Attraction to the point to head for.
-    pub attraction: AttractionParams,
     /// Repulsion from obstacles.
     pub obstacle: ObstacleParams,
     /// Gap to another body [m] at which it begins to turn aside to pass it, ≥ 0; 0 for never.
     pub body_guard: f64,
-    /// Greatest magnitude of the summed field [m/s], > 0.
-    pub field_cap: f64,
     /// From field to command.
     pub feedback: FeedbackParams,
 }
@@ -52,14 +46,11 @@ impl Default for ReachAvoidParams {
             keep_away: 0.1,
             enough_s: 6.0,
             exit_weight: 0.5,
-            stickiness_s: 0.0,
             sight: 4.0,
             margin: 0.05,
             dominance: DominanceParams::default(),
-            attraction: AttractionParams::default(),
             obstacle: ObstacleParams::default(),
             body_guard: 0.3,
-            field_cap: 2.0,
             feedback: FeedbackParams::default(),
         }
     }
@@ -82,14 +73,11 @@ impl ReachAvoidParams {
         not_negative("keep_away", self.keep_away)?;
         not_negative("enough_s", self.enough_s)?;
         not_negative("exit_weight", self.exit_weight)?;
-        not_negative("stickiness_s", self.stickiness_s)?;
         positive("sight", self.sight)?;
         not_negative("margin", self.margin)?;
         self.dominance.validate().map_err(within("dominance"))?;
-        self.attraction.validate().map_err(within("attraction"))?;
         self.obstacle.validate().map_err(within("obstacle"))?;
         not_negative("body_guard", self.body_guard)?;
-        positive("field_cap", self.field_cap)?;
         self.feedback.validate().map_err(within("feedback"))
     }
 }

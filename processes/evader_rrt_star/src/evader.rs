@@ -1,6 +1,7 @@
 //! One evader: when it plans, what it does meanwhile, and how it follows its plans.
 
 use evader_potential::{Evader, EvaderParams};
+use guidance::feedback_linearisation::EPSILON;
 use guidance::free_space::FreeSpace;
 use guidance::limits::Limits;
 use guidance::map::PlannerMap;
@@ -457,7 +458,7 @@ impl RrtStarEvader {
 
     fn float(&mut self, map: &PlannerMap, view: &View<'_>, own: &RobotView) -> Option<Steering> {
         let waypoints = &self.route.as_ref()?.waypoints;
-        let control = own.pose.position() + own.pose.forward() * self.field.feedback.epsilon;
+        let control = own.pose.position() + own.pose.forward() * EPSILON;
         let to = waypoints.get(self.next)?.pose.position();
         if (control - to).norm() < WAYPOINT_REACHED {
             self.next += 1;

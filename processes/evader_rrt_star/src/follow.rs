@@ -2,14 +2,12 @@
 
 use evader_potential::EvaderParams;
 use guidance::bearing::Bearings;
-use guidance::feedback_linearisation::command;
+use guidance::feedback_linearisation::{EPSILON, command};
 use guidance::free_space::FreeSpace;
 use guidance::limits::Limits;
 use guidance::map::PlannerMap;
 use guidance::path_tracking::{PathTracker, Tracking, TrackingParams};
-use guidance::potential_field::{
-    Goal, Repulsor, attraction, capped, obstacle, repulsion, slide_along_obstacles,
-};
+use guidance::potential_field::{Goal, Repulsor, attraction, compose, obstacle, repulsion};
 use guidance::view::{RobotView, View};
 use nalgebra::{Point2, Vector2};
 use sim_backend::math;
@@ -63,12 +61,12 @@ pub fn by_field(
     field: &EvaderParams,
 ) -> (Twist2, Vector2<f64>) {
     // Here the paper has its control point at ε, unlike in its other robots.
-    let at = own.pose.position() + own.pose.forward() * field.feedback.epsilon;
+    let at = own.pose.position() + own.pose.forward() * EPSILON;
     let goal = Some(Goal {
         at: to,
         weight: 1.0,
     });
-    let pull = attraction(at, goal, &Bearings::Straight, &field.attraction);
+    let pull = attraction(at, goal, &Bearings::Straight);
     let fellows = view
         .active(Team::Evader)
         .filter(|robot| robot.index != own.index)
@@ -77,9 +75,8 @@ pub fn by_field(
             weight: field.fellow_weight,
         });
     let push = repulsion(at, fellows, &Bearings::Straight, &field.avoid);
-    let sum = pull + push + obstacle(map, at, &field.obstacle);
-    let along = slide_along_obstacles(map, at, own.radius, sum, field.obstacle.guard);
-    let wanted = capped(along, field.field_cap);
+    let sum = pull + push + obstacle(map, at, field.obstacle.fidelity);
+    let wanted = compose(map, own, at, sum, [], 0.0, &field.obstacle);
     (
         command(wanted, own.pose.theta, limits, &field.feedback),
         wanted,

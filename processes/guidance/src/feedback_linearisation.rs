@@ -17,87 +17,45 @@ use sim_backend::math;
 use sim_backend::pose::{Pose2, Twist2};
 
 use crate::limits::Limits;
-use crate::params::{ParamsError, fraction, not_negative, positive};
+use crate::params::{Fidelity, ParamsError, positive};
 
-/// Which formula turns a wanted velocity into a command.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ControlLaw {
-    /// The inverse of the kinematics, as in the module's description.
-    #[default]
-    Exact,
-    /// The formula that the chasing-game paper's experiments ran with. It adds a turning term
-    /// proportional to the angle between heading and wanted velocity, and divides only the
-    /// cos θ part of ω by ε, so that a robot driving along ±y turns 1/ε times more weakly than
-    /// one driving along ±x.
-    Paper,
-}
+/// Distance ε of the control point ahead of the axle [m].
+pub const EPSILON: f64 = 0.15;
 
-/// What happens to a command beyond the robot's limits.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Clipping {
-    /// Backward speed is clipped; after that forward speed and turning rate shrink by one common
-    /// factor, so that the control point keeps the wanted *direction* and loses only speed.
-    #[default]
-    Scale,
-    /// Each component is clipped on its own (the paper's): full forward speed while the turning
-    /// rate saturates, so that the robot leaves the wanted direction in tight turns.
-    Clip,
-}
+/// Distance ahead of the axle at which the published program evaluates the potential field [m]; the
+/// theory wants ε itself.
+const PUBLISHED_FIELD_POINT: f64 = 0.05;
+
+/// A wanted speed below this [m/s] means: stand still.
+const DEAD_BAND: f64 = 0.01;
+
+/// Backward speed allowed, as a fraction of the highest forward speed.
+const REVERSE_FRACTION: f64 = 0.1;
 
 /// Parameters of the feedback linearisation.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct FeedbackParams {
-    /// Which formula is used.
-    pub law: ControlLaw,
-    /// What happens beyond the limits.
-    pub clipping: Clipping,
-    /// Distance ε of the control point ahead of the axle [m], > 0.
-    pub epsilon: f64,
-    /// Distance ahead of the axle at which the potential field is evaluated [m], ≥ 0. The theory
-    /// wants ε itself; the paper's experiments used a third of it.
-    pub field_point: f64,
-    /// A wanted speed below this [m/s] means: stand still.
-    pub dead_band: f64,
-    /// Backward speed allowed, as a fraction of the highest forward speed, in [0, 1].
-    pub reverse_fraction: f64,
+    /// [`Fidelity::Ours`]: the inverse of the kinematics, with the field taken at the control point. A
+    /// command beyond the limits loses speed and keeps the wanted direction, and a robot turns at its
+    /// full rate towards what lies behind it.
+    ///
+    /// [`Fidelity::Published`]: a turning term proportional to the angle between heading and wanted
+    /// velocity is added, and only the cos θ part of ω is divided by ε, so that a robot driving along
+    /// ±y turns 1/ε times more weakly than one driving along ±x; the field is taken at a third of ε;
+    /// forward speed and turning rate are clipped each on its own, so that the robot leaves the wanted
+    /// direction in tight turns.
+    pub fidelity: Fidelity,
     /// Turning rate allowed [rad/s] when lower than the robot's own limit; absent: the robot's.
     pub omega_cap: Option<f64>,
-    /// With the wanted velocity behind the robot, the exact law turns ever more slowly the more
-    /// directly behind it lies. When set, the robot then turns as fast as for a velocity straight
-    /// to its side, until the velocity is no longer behind it.
-    pub turn_around: bool,
-}
-
-impl Default for FeedbackParams {
-    fn default() -> Self {
-        Self {
-            law: ControlLaw::Exact,
-            clipping: Clipping::Scale,
-            epsilon: 0.15,
-            field_point: 0.15,
-            dead_band: 0.01,
-            reverse_fraction: 0.1,
-            omega_cap: None,
-            turn_around: true,
-        }
-    }
 }
 
 impl FeedbackParams {
     /// The values of the chasing-game paper's experiments.
     pub fn paper() -> Self {
         Self {
-            law: ControlLaw::Paper,
-            clipping: Clipping::Clip,
-            epsilon: 0.15,
-            field_point: 0.05,
-            dead_band: 0.01,
-            reverse_fraction: 0.1,
+            fidelity: Fidelity::Published,
             omega_cap: Some(0.5),
-            turn_around: false,
         }
     }
 
@@ -106,17 +64,17 @@ impl FeedbackParams {
     /// # Errors
     /// [`ParamsError`] naming the first field that is out of range.
     pub fn validate(&self) -> Result<(), ParamsError> {
-        positive("epsilon", self.epsilon)?;
-        not_negative("field_point", self.field_point)?;
-        not_negative("dead_band", self.dead_band)?;
-        fraction("reverse_fraction", self.reverse_fraction)?;
         self.omega_cap
             .map_or(Ok(()), |cap| positive("omega_cap", cap))
     }
 
     /// The point [m] at which a robot at `pose` evaluates its potential field.
     pub fn field_point_of(&self, pose: &Pose2) -> Point2<f64> {
-        pose.position() + pose.forward() * self.field_point
+        let ahead = match self.fidelity {
+            Fidelity::Ours => EPSILON,
+            Fidelity::Published => PUBLISHED_FIELD_POINT,
+        };
+        pose.position() + pose.forward() * ahead
     }
 }
 
@@ -125,7 +83,8 @@ impl FeedbackParams {
 /// * `wanted` — velocity of the control point in the world frame [m/s]; may be far beyond what the
 ///   robot can do, only its direction matters then.
 /// * `theta` — the robot's heading [rad].
-/// * `limits` — what the robot can do; narrowed further by `reverse_fraction` and `omega_cap`.
+/// * `limits` — what the robot can do; narrowed further by `omega_cap`, and to a tenth of the forward
+///   speed backwards.
 ///
 /// Returns a command that is finite and within the limits whatever the input; NaN or infinite
 /// input stops the robot.
@@ -135,43 +94,42 @@ pub fn command(
     limits: &Limits,
     params: &FeedbackParams,
 ) -> Twist2 {
-    let limits = limits.restricted(params.reverse_fraction, params.omega_cap);
+    let limits = limits.restricted(REVERSE_FRACTION, params.omega_cap);
     let speed = wanted.norm();
-    if !speed.is_finite() || !theta.is_finite() || speed < params.dead_band {
+    if !speed.is_finite() || !theta.is_finite() || speed < DEAD_BAND {
         return Twist2::STOP;
     }
-    let raw = match params.law {
-        ControlLaw::Exact => exact(wanted, theta, params.epsilon),
-        ControlLaw::Paper => as_in_the_papers_experiments(wanted, theta, params.epsilon),
-    };
-    let raw = if params.turn_around && raw.v < 0.0 {
-        let side = if raw.omega < 0.0 { -1.0 } else { 1.0 };
-        Twist2::new(raw.v, side * speed / params.epsilon)
-    } else {
-        raw
-    };
-    match params.clipping {
-        Clipping::Clip => limits.clip(raw),
-        Clipping::Scale => scale(raw, &limits),
+    match params.fidelity {
+        Fidelity::Ours => {
+            let mut raw = exact(wanted, theta);
+            if raw.v < 0.0 {
+                // The exact law turns ever more slowly the more directly behind the robot the velocity
+                // lies: turn as fast as for one straight to its side.
+                let side = if raw.omega < 0.0 { -1.0 } else { 1.0 };
+                raw.omega = side * speed / EPSILON;
+            }
+            scale(raw, &limits)
+        }
+        Fidelity::Published => limits.clip(as_published(wanted, theta)),
     }
 }
 
-fn exact(wanted: Vector2<f64>, theta: f64, epsilon: f64) -> Twist2 {
+fn exact(wanted: Vector2<f64>, theta: f64) -> Twist2 {
     let (sin, cos) = math::sincos(theta);
     Twist2::new(
         wanted.x * cos + wanted.y * sin,
-        (-wanted.x * sin + wanted.y * cos) / epsilon,
+        (-wanted.x * sin + wanted.y * cos) / EPSILON,
     )
 }
 
-fn as_in_the_papers_experiments(wanted: Vector2<f64>, theta: f64, epsilon: f64) -> Twist2 {
+fn as_published(wanted: Vector2<f64>, theta: f64) -> Twist2 {
     let (sin, cos) = math::sincos(theta);
     let turn = math::atan2(wanted.y, wanted.x) - theta;
     // Wrapped into [−π, π): a target exactly behind turns the robot clockwise.
     let turn = turn - TAU * ((turn + PI) / TAU).floor();
-    let dx = wanted.x - epsilon * turn * sin;
-    let dy = wanted.y + epsilon * turn * cos;
-    Twist2::new(dx * cos + dy * sin, -dx * sin + dy * cos / epsilon)
+    let dx = wanted.x - EPSILON * turn * sin;
+    let dy = wanted.y + EPSILON * turn * cos;
+    Twist2::new(dx * cos + dy * sin, -dx * sin + dy * cos / EPSILON)
 }
 
 /// Backward speed clipped, then both components shrunk by one factor.
@@ -234,14 +192,13 @@ mod tests {
     #[test]
     fn the_exact_law_shares_the_commands_in_which_the_papers_is_right() {
         let params = FeedbackParams {
-            law: ControlLaw::Exact,
+            fidelity: Fidelity::Ours,
             ..FeedbackParams::paper()
         };
         for (theta, vx, vy, v, omega) in [
             (0.0, 1.0, 0.0, 0.3, 0.0),
             (0.0, 0.0, 1.0, 0.0, 0.5),
             (FRAC_PI_2, 1.0, 0.0, 0.0, -0.5),
-            (PI, 1.0, 0.2, -0.03, -0.5),
         ] {
             assert_command(
                 command(Vector2::new(vx, vy), theta, &limits(), &params),
@@ -282,25 +239,18 @@ mod tests {
             let side = Vector2::new(-pose.forward().y, pose.forward().x);
             let wanted = pose.forward() * 0.2 + side * 0.1;
             let got = command(wanted, theta, &limits(), &params);
-            let moved = pose.forward() * got.v + side * (params.epsilon * got.omega);
+            let moved = pose.forward() * got.v + side * (EPSILON * got.omega);
             assert!((moved - wanted).norm() < 1e-12);
         }
     }
 
     #[test]
     fn scaling_keeps_the_direction_that_clipping_loses() {
-        let wanted = Vector2::new(2.0, 1.0);
-        let direction = |clipping| {
-            let params = FeedbackParams {
-                clipping,
-                ..FeedbackParams::default()
-            };
-            let got = command(wanted, 0.0, &limits(), &params);
-            math::atan2(params.epsilon * got.omega, got.v)
-        };
-        let wanted_direction = math::atan2(1.0, 2.0);
-        assert!((direction(Clipping::Scale) - wanted_direction).abs() < 1e-12);
-        assert!((direction(Clipping::Clip) - wanted_direction).abs() > 0.1);
+        let raw = exact(Vector2::new(2.0, 1.0), 0.0);
+        let direction = |got: Twist2| math::atan2(EPSILON * got.omega, got.v);
+        let wanted = math::atan2(1.0, 2.0);
+        assert!((direction(scale(raw, &limits())) - wanted).abs() < 1e-12);
+        assert!((direction(limits().clip(raw)) - wanted).abs() > 0.1);
     }
 
     #[test]
@@ -312,21 +262,10 @@ mod tests {
             &FeedbackParams::default(),
         );
         assert!(got.omega.abs() > 2.8, "{got:?}");
-        let lazy = FeedbackParams {
-            turn_around: false,
-            ..FeedbackParams::default()
-        };
-        let got = command(Vector2::new(-1.0, 0.0), 0.0, &limits(), &lazy);
-        assert_eq!(got.omega, 0.0);
     }
 
     #[test]
     fn parameters_out_of_range_are_named() {
-        let bad = FeedbackParams {
-            epsilon: 0.0,
-            ..FeedbackParams::default()
-        };
-        assert_eq!(bad.validate().unwrap_err().field, "epsilon");
         let bad = FeedbackParams {
             omega_cap: Some(-1.0),
             ..FeedbackParams::default()
@@ -342,14 +281,10 @@ mod tests {
             x in prop::num::f64::ANY,
             y in prop::num::f64::ANY,
             theta in prop::num::f64::ANY,
-            paper_law in any::<bool>(),
-            clip in any::<bool>(),
-            turn_around in any::<bool>(),
+            published in any::<bool>(),
         ) {
             let params = FeedbackParams {
-                law: if paper_law { ControlLaw::Paper } else { ControlLaw::Exact },
-                clipping: if clip { Clipping::Clip } else { Clipping::Scale },
-                turn_around,
+                fidelity: if published { Fidelity::Published } else { Fidelity::Ours },
                 ..FeedbackParams::default()
             };
             let got = command(Vector2::new(x, y), theta, &limits(), &params);

@@ -38,8 +38,6 @@ pub struct TrackingParams {
     pub turn_gain: f64,
     /// Speed allowed, as a fraction of the highest forward speed, in [0, 1].
     pub speed_fraction: f64,
-    /// Most acceleration to the side [m/s²], > 0; absent: no limit. Slows down in bends.
-    pub lateral_acceleration: Option<f64>,
     /// Deceleration before the end of the path [m/s²], > 0; absent: it is passed at full speed.
     pub arrival_deceleration: Option<f64>,
     /// Turning rate allowed [rad/s], > 0, when lower than the robot's own limit; absent: the
@@ -58,7 +56,6 @@ impl Default for TrackingParams {
             turn_on_spot: 1.2,
             turn_gain: 8.0,
             speed_fraction: 1.0,
-            lateral_acceleration: None,
             arrival_deceleration: None,
             omega_cap: None,
             arrived: 0.05,
@@ -91,7 +88,6 @@ impl TrackingParams {
         fraction("speed_fraction", self.speed_fraction)?;
         positive("arrived", self.arrived)?;
         for (field, value) in [
-            ("lateral_acceleration", self.lateral_acceleration),
             ("arrival_deceleration", self.arrival_deceleration),
             ("omega_cap", self.omega_cap),
         ] {
@@ -325,11 +321,6 @@ fn pursue(
     let mut v = v_max;
     if bend * v > limits.omega_max() {
         v = limits.omega_max() / bend;
-    }
-    if let Some(most) = params.lateral_acceleration
-        && bend * v * v > most
-    {
-        v = (most / bend).sqrt();
     }
     if let Some(deceleration) = params.arrival_deceleration {
         v = v.min((2.0 * deceleration * remaining.max(0.0)).sqrt());

@@ -147,6 +147,12 @@ impl<'a> View<'a> {
             .filter(|robot| robot.present && robot.is_sane())
     }
 
+    /// The [bodies](Self::bodies) of all robots but this one.
+    pub fn other_bodies(&self, own: &RobotView) -> impl Iterator<Item = &'a RobotView> + use<'a> {
+        let own = own.index;
+        self.bodies().filter(move |other| other.index != own)
+    }
+
     /// What the team believes about a robot (the first belief about it).
     pub fn belief(&self, robot: usize) -> Option<&'a BeliefView<'a>> {
         self.beliefs.iter().find(|belief| belief.robot == robot)

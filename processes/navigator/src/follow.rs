@@ -5,10 +5,11 @@
 //! up with a reference at full speed, where it must brake to stop before an obstacle, and while it
 //! gathers speed again.
 
+use guidance::go_to::coast;
 use sim_backend::pose::{Pose2, Twist2};
 
-use crate::drive::{Drive, integrate};
-use crate::tracking::{self, TrackingParams};
+use crate::drive::Drive;
+use crate::tracking::{self, K_X};
 use crate::trajectory::Trajectory;
 
 /// Halvings with which a rate is found.
@@ -80,26 +81,19 @@ impl Follow {
     }
 
     /// What the robot does during the next `dt` [s].
-    pub fn pace(
-        &self,
-        law: &TrackingParams,
-        drive: &Drive,
-        motion: &Motion,
-        stops: &Stops,
-        dt: f64,
-    ) -> Pace {
-        let rate = self.rate(law, drive, motion, stops, dt);
+    pub fn pace(&self, drive: &Drive, motion: &Motion, stops: &Stops, dt: f64) -> Pace {
+        let rate = self.rate(drive, motion, stops, dt);
         let (from, to) = (self.tau, self.tau + rate * dt);
         let (a, b) = (self.trajectory.at(from).0, self.trajectory.at(to).0);
         let way = self.trajectory.along(to) - self.trajectory.along(from);
         // Exact for the tick: the command holds for all of it.
         let reference = Twist2::new(way / dt, (b.theta - a.theta) / dt);
         let command = if reference != Twist2::STOP {
-            law.command(&motion.pose, &a, reference)
+            tracking::command(&motion.pose, &a, reference)
         } else if stops.halt || self.room(stops).is_some_and(|room| room <= 0.0) {
             Twist2::STOP
         } else {
-            self.settle(law, &motion.pose)
+            self.settle(&motion.pose)
         };
         Pace {
             command: drive.clip(command),
@@ -110,16 +104,16 @@ impl Follow {
     /// The motion after a tick at this pace, and the reference moved along.
     pub fn advance(&mut self, drive: &Drive, motion: &mut Motion, pace: &Pace, dt: f64) {
         let twist = drive.execute(motion.twist, pace.command, dt);
-        motion.pose = integrate(&motion.pose, twist, dt);
+        motion.pose = coast(&motion.pose, twist, dt);
         motion.twist = twist;
         self.tau += pace.rate * dt;
     }
 
     /// What is left to a reference that stands, at the end or because it waits.
-    fn settle(&self, law: &TrackingParams, pose: &Pose2) -> Twist2 {
+    fn settle(&self, pose: &Pose2) -> Twist2 {
         let error = tracking::error(pose, &self.reference());
         let v = if error.x.abs() > THERE {
-            law.k_x * error.x
+            K_X * error.x
         } else {
             0.0
         };
@@ -135,14 +129,7 @@ impl Follow {
         stop.map(|stop| stop - BEFORE - self.trajectory.along(self.tau))
     }
 
-    fn rate(
-        &self,
-        law: &TrackingParams,
-        drive: &Drive,
-        motion: &Motion,
-        stops: &Stops,
-        dt: f64,
-    ) -> f64 {
+    fn rate(&self, drive: &Drive, motion: &Motion, stops: &Stops, dt: f64) -> f64 {
         let start = self.trajectory.along(self.tau);
         let theta = self.trajectory.at(self.tau).0.theta;
         let speed = |rate: f64| (self.trajectory.along(self.tau + rate * dt) - start) / dt;
@@ -164,7 +151,7 @@ impl Follow {
         // The reference waits for a robot that lags behind: it leaves it the speed to catch up.
         let lag = tracking::error(&motion.pose, &self.reference()).x;
         if lag > 0.0 {
-            let left = (drive.top_speed() - law.k_x * lag).max(0.0);
+            let left = (drive.top_speed() - K_X * lag).max(0.0);
             high = high.min(largest(|r| speed(r) <= left));
         }
         if let Some(room) = self.room(stops) {
@@ -214,7 +201,7 @@ fn largest(holds: impl Fn(f64) -> bool) -> f64 {
 /// The motion after a tick of stopping.
 pub fn stop(drive: &Drive, motion: &mut Motion, dt: f64) {
     let twist = drive.execute(motion.twist, Twist2::STOP, dt);
-    motion.pose = integrate(&motion.pose, twist, dt);
+    motion.pose = coast(&motion.pose, twist, dt);
     motion.twist = twist;
 }
 
@@ -261,7 +248,7 @@ mod tests {
 
     fn run(follow: &mut Follow, drive: &Drive, motion: &mut Motion, ticks: u32, stops: Stops) {
         for _ in 0..ticks {
-            let pace = follow.pace(&TrackingParams::default(), drive, motion, &stops, DT);
+            let pace = follow.pace(drive, motion, &stops, DT);
             follow.advance(drive, motion, &pace, DT);
         }
     }

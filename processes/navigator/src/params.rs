@@ -1,9 +1,7 @@
 //! Parameters of the process.
 
-use guidance::params::{ParamsError, finite, not_negative, positive, require, within};
 use serde::{Deserialize, Serialize};
-
-use crate::tracking::TrackingParams;
+use sim_backend::params::{ParamsError, finite, not_negative, positive, require, within};
 
 /// How the optimiser plans.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -83,19 +81,11 @@ pub struct NavigatorParams {
     pub max_error: f64,
     /// Share of the robot's speed limits that plans use, in (0, 1]: the rest is for corrections.
     pub speed_fraction: f64,
-    /// Distance from a goal at which it is reached [m], > 0.
-    pub goal_tolerance: f64,
-    /// Time between two tries while there is no way [s], > 0.
-    pub retry_s: f64,
     /// Time for which another robot is let stand in the way before it is planned around [s], ≥ 0.
     pub patience_s: f64,
-    /// Distance beyond the necessary at which it stops for a robot with a lower index [m], ≥ 0.
-    pub yield_distance: f64,
     /// Real time after which the optimiser counts as hung in lock-step [s], > 0; absent: four fifths
     /// of the time after which the run would take this process for the one that hangs.
     pub answer_timeout_s: Option<f64>,
-    /// The tracking law.
-    pub tracking: TrackingParams,
 }
 
 impl Default for NavigatorParams {
@@ -109,12 +99,8 @@ impl Default for NavigatorParams {
             margin: 0.02,
             max_error: 0.015,
             speed_fraction: 1.0,
-            goal_tolerance: 0.03,
-            retry_s: 1.0,
             patience_s: 0.5,
-            yield_distance: 0.1,
             answer_timeout_s: None,
-            tracking: TrackingParams::default(),
         }
     }
 }
@@ -165,10 +151,7 @@ impl NavigatorParams {
             &self.speed_fraction,
             "a number above 0 and at most 1",
         )?;
-        positive("goal_tolerance", self.goal_tolerance)?;
-        positive("retry_s", self.retry_s)?;
         not_negative("patience_s", self.patience_s)?;
-        not_negative("yield_distance", self.yield_distance)?;
         if let Some(time) = self.answer_timeout_s {
             let expected = "above 0 and at most 3600 [s]";
             require(
@@ -178,7 +161,7 @@ impl NavigatorParams {
                 expected,
             )?;
         }
-        self.tracking.validate().map_err(within("tracking"))
+        Ok(())
     }
 }
 
@@ -228,7 +211,6 @@ mod tests {
                 r#"{"plan": {"reference_point": [0.0, 1e9]}}"#,
                 "plan.reference_point[1]",
             ),
-            (r#"{"tracking": {"k_x": -1.0}}"#, "tracking.k_x"),
         ] {
             assert_eq!(refused(text), field);
         }

@@ -9,67 +9,36 @@
 //! Its heading error is corrected by driving alone; while the reference turns on the spot, the term
 //! `k_turn` sin `e_θ` is added here, so that a turn ends where it should.
 
-use guidance::params::{ParamsError, not_negative, positive};
 use nalgebra::Vector2;
-use serde::{Deserialize, Serialize};
 use sim_backend::math;
 use sim_backend::pose::{Pose2, Twist2};
 
 /// Speed of the reference below which it counts as turning on the spot [m/s].
 const SPOT: f64 = 1e-3;
 
-/// Gains of the law.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct TrackingParams {
-    /// Of the error ahead [1/s], > 0.
-    pub k_x: f64,
-    /// Of the error to the side [1/m²], > 0.
-    pub k_y: f64,
-    /// Of the error of the heading [1/m], > 0. Critically damped at 2 √`k_y`.
-    pub k_theta: f64,
-    /// Of the error of the heading while the reference turns on the spot [1/s], ≥ 0.
-    pub k_turn: f64,
-}
+/// Gain of the error ahead [1/s].
+pub const K_X: f64 = 4.0;
+/// Gain of the error to the side [1/m²].
+const K_Y: f64 = 64.0;
+/// Gain of the error of the heading [1/m]: critically damped at 2 √`K_Y`.
+const K_THETA: f64 = 16.0;
+/// Gain of the error of the heading while the reference turns on the spot [1/s].
+const K_TURN: f64 = 4.0;
 
-impl Default for TrackingParams {
-    fn default() -> Self {
-        Self {
-            k_x: 4.0,
-            k_y: 64.0,
-            k_theta: 16.0,
-            k_turn: 4.0,
-        }
-    }
-}
-
-impl TrackingParams {
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// [`ParamsError`] naming the first field that is out of range.
-    pub fn validate(&self) -> Result<(), ParamsError> {
-        positive("k_x", self.k_x)?;
-        positive("k_y", self.k_y)?;
-        positive("k_theta", self.k_theta)?;
-        not_negative("k_turn", self.k_turn)
-    }
-
-    /// The speeds for a robot at `pose` whose reference is at `reference` and moves with
-    /// `reference_twist`.
-    pub fn command(&self, pose: &Pose2, reference: &Pose2, reference_twist: Twist2) -> Twist2 {
-        let error = error(pose, reference);
-        let (sin, cos) = math::sincos(error.theta);
-        let Twist2 { v, omega } = reference_twist;
-        let turn = if v.abs() < SPOT && omega != 0.0 {
-            self.k_turn * sin
-        } else {
-            0.0
-        };
-        Twist2 {
-            v: v * cos + self.k_x * error.x,
-            omega: omega + v * (self.k_y * error.y + self.k_theta * sin) + turn,
-        }
+/// The speeds for a robot at `pose` whose reference is at `reference` and moves with
+/// `reference_twist`.
+pub fn command(pose: &Pose2, reference: &Pose2, reference_twist: Twist2) -> Twist2 {
+    let error = error(pose, reference);
+    let (sin, cos) = math::sincos(error.theta);
+    let Twist2 { v, omega } = reference_twist;
+    let turn = if v.abs() < SPOT && omega != 0.0 {
+        K_TURN * sin
+    } else {
+        0.0
+    };
+    Twist2 {
+        v: v * cos + K_X * error.x,
+        omega: omega + v * (K_Y * error.y + K_THETA * sin) + turn,
     }
 }
 
@@ -87,19 +56,18 @@ pub fn error(pose: &Pose2, reference: &Pose2) -> Pose2 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::drive::integrate;
+    use guidance::go_to::coast;
 
     #[test]
     fn errors_vanish_along_a_straight_line_and_a_circle() {
-        let law = TrackingParams::default();
         for omega in [0.0, 0.4, -0.4] {
             let twist = Twist2::new(0.2, omega);
             let mut reference = Pose2::new(1.0, 2.0, 0.5);
             let mut pose = Pose2::new(0.97, 2.02, 0.3);
             for _ in 0..400 {
-                let command = law.command(&pose, &reference, twist);
-                pose = integrate(&pose, command, 0.05);
-                reference = integrate(&reference, twist, 0.05);
+                let twist_of_law = command(&pose, &reference, twist);
+                pose = coast(&pose, twist_of_law, 0.05);
+                reference = coast(&reference, twist, 0.05);
             }
             let left = error(&pose, &reference);
             let off = left.x.abs().max(left.y.abs()).max(left.theta.abs());
@@ -109,10 +77,9 @@ mod tests {
 
     #[test]
     fn without_error_it_is_the_reference() {
-        let law = TrackingParams::default();
         let pose = Pose2::new(1.0, 2.0, 0.5);
         for twist in [Twist2::new(0.2, -0.3), Twist2::new(0.0, 2.0), Twist2::STOP] {
-            assert_eq!(law.command(&pose, &pose, twist), twist);
+            assert_eq!(command(&pose, &pose, twist), twist);
         }
     }
 }

@@ -13,6 +13,8 @@ use crate::drive::Drive;
 use crate::follow::STANDING;
 use crate::trajectory::Trajectory;
 
+/// Distance beyond the necessary at which a robot stops for one with a lower index [m].
+const YIELD_DISTANCE: f64 = 0.1;
 /// Distance kept beyond what the others can reach [m].
 const GAP: f64 = 0.01;
 /// How much nearer to somebody who is too near already the way may lead [m]: the tracking error.
@@ -60,13 +62,7 @@ pub struct Traffic {
 
 impl Traffic {
     /// Looks around.
-    pub fn update(
-        &mut self,
-        view: &View<'_>,
-        own: &RobotModel,
-        models: &[RobotModel],
-        yield_distance: f64,
-    ) {
+    pub fn update(&mut self, view: &View<'_>, own: &RobotModel, models: &[RobotModel]) {
         self.others.clear();
         self.standing.resize(view.robots.len(), None);
         for other in view.bodies().filter(|other| other.index != view.me) {
@@ -84,7 +80,7 @@ impl Traffic {
             };
             let touch = own.radius + other.radius;
             let yields = if other.active && other.index < view.me {
-                yield_distance
+                YIELD_DISTANCE
             } else {
                 0.0
             };
@@ -177,7 +173,7 @@ mod tests {
             exits: &[],
             scan: None,
         };
-        traffic.update(&view, &model, &[model; 3], 0.1);
+        traffic.update(&view, &model, &[model; 3]);
     }
 
     /// Straight along x at 0.2 m/s.

@@ -1,11 +1,10 @@
 //! A trajectory as the optimiser answers it.
 
 use guidance::free_space::FreeSpace;
+use guidance::go_to::coast;
 use nalgebra::Point2;
 use sim_backend::pose::{Pose2, Twist2};
 use thiserror::Error;
-
-use crate::drive::integrate;
 
 /// Longest piece of the path that is taken for straight [m], and most that it may bend [rad].
 const PIECE: (f64, f64) = (0.01, 0.1);
@@ -221,9 +220,9 @@ fn between(a: &Sample, b: &Sample, part: f64) -> (Pose2, Twist2) {
             lerp(a.twist.omega, b.twist.omega, 0.5 * part),
         )
     };
-    let reached = integrate(&a.pose, mean(part), part * duration);
+    let reached = coast(&a.pose, mean(part), part * duration);
     // What is off at the end is off by its share on the way.
-    let end = integrate(&a.pose, mean(1.0), duration);
+    let end = coast(&a.pose, mean(1.0), duration);
     let turned = lerp(a.twist.omega, b.twist.omega, 0.5 * part) * part * duration;
     let end_turned = 0.5 * (a.twist.omega + b.twist.omega) * duration;
     let pose = Pose2 {

@@ -136,7 +136,7 @@ impl Rig {
         }
         let drive = Drive::new(RobotModel::turtlebot3_burger());
         self.twist = drive.execute(self.twist, decision.command, DT);
-        self.pose = navigator::drive::integrate(&self.pose, self.twist, DT);
+        self.pose = guidance::go_to::coast(&self.pose, self.twist, DT);
         self.tick += 1;
     }
 

@@ -12,6 +12,9 @@ use tracking::watch::Watch;
 use crate::moment::Seen;
 use crate::params::EyesParams;
 
+/// Visibility below which a robot is not seen.
+const LEAST_VISIBILITY: f64 = 1e-3;
+
 /// The places from which is looked, at one tick.
 #[derive(Debug, Clone)]
 pub struct Eyes {
@@ -25,7 +28,6 @@ impl Eyes {
     /// With observers that `limited` says there are; without any, everything is seen always.
     pub fn new(params: &EyesParams, limited: bool) -> Self {
         let sensor = SensorParams {
-            unseen_below: params.least_visibility,
             range: params.range,
             ..SensorParams::default()
         };
@@ -68,7 +70,7 @@ impl Eyes {
             sigma,
             heading_sigma,
         };
-        let well = visibility > 0.0 && visibility >= self.params.least_visibility;
+        let well = visibility >= LEAST_VISIBILITY;
         (visibility, well.then_some(seen))
     }
 }

@@ -3,12 +3,12 @@
 use generators::recovery::cat::{CatModulus, CatRecovery};
 use generators::recovery::chebyshev::ChebyshevRecovery;
 use generators::{AnySource, Emission};
-use guidance::params::{ParamsError, positive, require};
 use nalgebra::{Point2, Vector2};
 use patrol::awg::{Awg, AwgParams, Preset};
 use patrol::contour::Contour;
 use patrol::danger::DangerZones;
 use serde::{Deserialize, Serialize};
+use sim_backend::params::{ParamsError, positive, require};
 
 use crate::layout::{Frame, Layout, Slot};
 use crate::predictors::key::Finder;

@@ -1,7 +1,7 @@
 //! Parameters of an observer.
 
-use guidance::params::{ParamsError, not_negative, positive, require, within};
 use serde::{Deserialize, Serialize};
+use sim_backend::params::{ParamsError, not_negative, positive, require, within};
 use tracking::params::FilterParams;
 
 use crate::knowledge::{CatKnowledge, ChebyshevKnowledge};
@@ -46,8 +46,6 @@ pub struct EyesParams {
     pub noise: f64,
     /// Standard deviation of the heading [rad], ≥ 0.
     pub heading_noise: f64,
-    /// Visibility below which a robot is not seen, 0 to 1.
-    pub least_visibility: f64,
     /// Largest distance at which a robot is seen [m], > 0; unlimited if absent.
     pub range: Option<f64>,
 }
@@ -57,7 +55,6 @@ impl Default for EyesParams {
         Self {
             noise: 0.005,
             heading_noise: 0.005,
-            least_visibility: 1e-3,
             range: None,
         }
     }
@@ -84,16 +81,10 @@ pub struct ObserverParams {
     pub methods: Vec<Method>,
     /// Distance from its goal at which a watched robot turns to the next one [m], ≥ 0.
     pub arrival: f64,
-    /// Greatest error with which goals are made out [m], > 0.
-    pub goal_error: f64,
     /// Spectral density of the acceleration in the Kalman filter [m²/s³], ≥ 0.
     pub acceleration: f64,
     /// The particle filters.
     pub filter: FilterParams,
-    /// Length of the stretches that are compared [s], ≥ `stretch_step_s`.
-    pub stretch_s: f64,
-    /// Time between the poses of a stretch that are compared [s], > 0.
-    pub stretch_step_s: f64,
     /// What is publicly known of a patrol with a cat map; its key is looked for if given.
     pub cat: Option<CatKnowledge>,
     /// What is publicly known of a coverage with Chebyshev maps; its key is looked for if given.
@@ -111,11 +102,8 @@ impl Default for ObserverParams {
             horizons_s: vec![0.5, 1.0, 2.0, 5.0],
             methods: Method::ALL.to_vec(),
             arrival: 0.05,
-            goal_error: 0.03,
             acceleration: 1.0,
             filter: FilterParams::default(),
-            stretch_s: 2.0,
-            stretch_step_s: 0.25,
             cat: None,
             chebyshev: None,
         }
@@ -139,7 +127,6 @@ impl ObserverParams {
         }
         not_negative("eyes.noise", self.eyes.noise)?;
         not_negative("eyes.heading_noise", self.eyes.heading_noise)?;
-        guidance::params::fraction("eyes.least_visibility", self.eyes.least_visibility)?;
         if let Some(range) = self.eyes.range {
             positive("eyes.range", range)?;
         }
@@ -165,16 +152,8 @@ impl ObserverParams {
             "at least one method, or knowledge in `cat` or `chebyshev`",
         )?;
         not_negative("arrival", self.arrival)?;
-        positive("goal_error", self.goal_error)?;
         not_negative("acceleration", self.acceleration)?;
         self.filter.validate()?;
-        positive("stretch_step_s", self.stretch_step_s)?;
-        require(
-            self.stretch_s >= self.stretch_step_s && self.stretch_s <= LONGEST_HORIZON,
-            "stretch_s",
-            &self.stretch_s,
-            "a time of at least `stretch_step_s` and at most 600 s",
-        )?;
         if let Some(cat) = &self.cat {
             cat.validate().map_err(within("cat"))?;
         }

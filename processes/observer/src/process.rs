@@ -24,6 +24,13 @@ use crate::predictors::similar_goal::SimilarGoal;
 use crate::predictors::similar_stretch::SimilarStretch;
 use crate::watched::{Foretold, Watched};
 
+/// Greatest error with which goals are made out [m].
+const GOAL_ERROR: f64 = 0.03;
+/// Length of the stretches that are compared [s].
+const STRETCH_S: f64 = 2.0;
+/// Time between the poses of a stretch that are compared [s].
+const STRETCH_STEP_S: f64 = 0.25;
+
 /// A robot that is watched.
 struct Target {
     robot: usize,
@@ -217,7 +224,8 @@ impl ObserverProcess {
     /// Sets up the predictors of a robot.
     fn target(&self, robot: usize, space: &Space) -> Result<Target, ProcessError> {
         let (run, params) = (&self.config.run, &self.params);
-        let algorithm = |e: guidance::params::ParamsError| ProcessError::Algorithm(e.to_string());
+        let algorithm =
+            |e: sim_backend::params::ParamsError| ProcessError::Algorithm(e.to_string());
         let Some(info) = run.robots.get(robot) else {
             return Err(ProcessError::Algorithm(format!(
                 "there is no robot {robot}"
@@ -254,7 +262,7 @@ impl ObserverProcess {
                 }
                 Method::SimilarStretch => watched.add(
                     Prediction::SIMILAR_STRETCH,
-                    SimilarStretch::new(params.stretch_s, params.stretch_step_s),
+                    SimilarStretch::new(STRETCH_S, STRETCH_STEP_S),
                 ),
                 Method::SimilarGoal => {
                     watched.add(Prediction::SIMILAR_GOAL, SimilarGoal::new(View::Plane));
@@ -270,7 +278,7 @@ impl ObserverProcess {
             let finder = cat.finder();
             watched.add(
                 Prediction::CAT_KEY,
-                KeyHunter::new(layout, finder, params.arrival, params.goal_error),
+                KeyHunter::new(layout, finder, params.arrival, GOAL_ERROR),
             );
         }
         if let Some(chebyshev) = &params.chebyshev {
@@ -280,7 +288,7 @@ impl ObserverProcess {
             let finder = chebyshev.finder();
             watched.add(
                 Prediction::CHEBYSHEV_KEY,
-                KeyHunter::new(layout, finder, params.arrival, params.goal_error),
+                KeyHunter::new(layout, finder, params.arrival, GOAL_ERROR),
             );
         }
         Ok(Target {

@@ -15,9 +15,13 @@ use sim_backend::team::Team;
 use crate::cut_off::{Blocker, CutSearch, Fugitive, allot};
 use crate::exit_guard::ExitGuards;
 use crate::goals::estimate;
+use crate::interception::{Interceptor, meet_on_way};
 use crate::matching::{balanced, milliseconds};
 use crate::params::{AssignmentMethod, AssignmentParams};
 use crate::slots;
+
+/// Interception time that a change of target must gain [s]; keeps two pursuers from swapping to and fro.
+const SWITCH_COST_S: f64 = 2.0;
 
 /// Most pursuers and evaders that are matched with each other; more take the nearest.
 const MAX_MATCHED: usize = 256;
@@ -41,7 +45,6 @@ pub struct Assigner {
     places: Vec<(usize, Option<Point2<f64>>)>,
     /// Who took part in the last assignment, and in which period it was.
     solved_for: Option<(Vec<usize>, Vec<usize>, i64)>,
-    way: Vec<(Point2<f64>, f64)>,
     cuts: CutSearch,
 }
 
@@ -53,7 +56,6 @@ impl Assigner {
             targets: Vec::new(),
             places: Vec::new(),
             solved_for: None,
-            way: Vec::new(),
             cuts: CutSearch::default(),
         }
     }
@@ -70,6 +72,7 @@ impl Assigner {
         &mut self,
         map: &PlannerMap,
         finder: &mut Wayfinder,
+        interceptor: &mut Interceptor,
         view: &View<'_>,
         guards: &ExitGuards,
     ) -> Option<Order> {
@@ -81,9 +84,7 @@ impl Assigner {
         }
         let target = match self.params.method {
             AssignmentMethod::NearestSticky => self.nearest_sticky(view),
-            AssignmentMethod::Interception | AssignmentMethod::CutOff => {
-                self.matched(map, finder, view, guards)
-            }
+            AssignmentMethod::CutOff => self.matched(map, finder, interceptor, view, guards),
         }?;
         let place = self.places.iter().find(|(who, _)| *who == view.me);
         Some(Order {
@@ -123,6 +124,7 @@ impl Assigner {
         &mut self,
         map: &PlannerMap,
         finder: &mut Wayfinder,
+        interceptor: &mut Interceptor,
         view: &View<'_>,
         guards: &ExitGuards,
     ) -> Option<usize> {
@@ -149,22 +151,20 @@ impl Assigner {
             period,
         );
         if self.solved_for.as_ref() != Some(&teams) {
-            let costs = self.costs(map, finder, view, &pursuers, &evaders);
+            let costs = self.costs(map, finder, interceptor, view, (&pursuers, &evaders));
             self.targets = balanced(&costs, pursuers.len(), evaders.len())
                 .into_iter()
                 .map(|(row, column)| (teams.0[row], teams.1[column]))
                 .collect();
             self.solved_for = Some(teams);
-            if self.params.method == AssignmentMethod::CutOff {
-                let guarded = !guards.guards().is_empty();
-                self.cut_off(
-                    map,
-                    finder,
-                    view,
-                    (pursuers.as_slice(), evaders.as_slice()),
-                    guarded,
-                );
-            }
+            let guarded = !guards.guards().is_empty();
+            self.cut_off(
+                map,
+                finder,
+                view,
+                (pursuers.as_slice(), evaders.as_slice()),
+                guarded,
+            );
         }
         self.kept(view.me)
     }
@@ -219,91 +219,48 @@ impl Assigner {
             .map(|(_, target)| *target)
     }
 
-    /// Predicted interception times [ms], pursuer by pursuer, less what a switch would cost.
+    /// Predicted interception times [ms], pursuer by pursuer, less what a switch would cost. A pursuer
+    /// that is late everywhere counts with its arrival at the end of the evader's way.
     fn costs(
-        &mut self,
+        &self,
         map: &PlannerMap,
         finder: &mut Wayfinder,
+        interceptor: &mut Interceptor,
         view: &View<'_>,
-        pursuers: &[&RobotView],
-        evaders: &[(&RobotView, Point2<f64>)],
+        (pursuers, evaders): (&[&RobotView], &[(&RobotView, Point2<f64>)]),
     ) -> Vec<i64> {
-        let mut ways = Vec::with_capacity(evaders.len());
-        for (column, (evader, at)) in evaders.iter().enumerate() {
-            let slot = slots::ASSIGNMENT + pursuers.len() + column;
-            self.way.clear();
-            if let Some(routes) = finder.lengths(map, slot, *at, view.usable_exits()) {
-                let nearest = view
-                    .usable_exits()
-                    .filter_map(|exit| Some((routes.distance_to(exit)?, exit)))
-                    .min_by(|a, b| a.0.total_cmp(&b.0));
-                if let Some((_, exit)) = nearest {
-                    routes.way_to(exit, &mut self.way);
-                }
-            }
-            ways.push(escape(&self.way, *at, evader.v_max));
-        }
+        let ways: Vec<_> = evaders
+            .iter()
+            .map(|(evader, at)| {
+                let exits = view.usable_exits();
+                interceptor
+                    .predict(map, finder, exits, *at, evader.v_max)
+                    .to_vec()
+            })
+            .collect();
         let mut costs = Vec::with_capacity(pursuers.len() * evaders.len());
         for (row, pursuer) in pursuers.iter().enumerate() {
             let here = pursuer.pose.position();
             let places = ways.iter().flatten().map(|&(place, _)| place);
             let routes = finder.lengths(map, slots::ASSIGNMENT + row, here, places);
-            let time_to = |to: Point2<f64>| {
+            let arrival = |to: Point2<f64>| {
                 let distance = routes
                     .and_then(|routes| routes.distance_to(to))
                     .unwrap_or((to - here).norm());
-                distance / pursuer.v_max
+                interceptor.time_for(distance, pursuer)
             };
-            for ((evader, _), way) in evaders.iter().zip(&ways) {
+            for ((evader, at), way) in evaders.iter().zip(&ways) {
+                let time_s = meet_on_way(way, |place| Some(arrival(place))).map_or_else(
+                    || arrival(way.last().map_or(*at, |&(place, _)| place)),
+                    |meeting| meeting.time_s,
+                );
                 let kept = self
                     .kept(pursuer.index)
                     .is_none_or(|kept| kept == evader.index);
-                let switch = if kept { 0.0 } else { self.params.switch_cost_s };
-                costs.push(milliseconds(interception_time(way, time_to) + switch));
+                let switch = if kept { 0.0 } else { SWITCH_COST_S };
+                costs.push(milliseconds(time_s + switch));
             }
         }
         costs
-    }
-}
-
-/// An evader's predicted escape: places [m] with the time it is there [s]; the last place for good.
-fn escape(way: &[(Point2<f64>, f64)], at: Point2<f64>, v_max: f64) -> Vec<(Point2<f64>, f64)> {
-    // An evader that cannot move, or has nowhere to go, stays.
-    if way.is_empty() || v_max < 1e-3 {
-        return vec![(at, f64::INFINITY)];
-    }
-    way.iter()
-        .map(|&(place, length)| (place, length / v_max))
-        .collect()
-}
-
-/// When a pursuer first reaches a place of an escape before the evader has passed it [s]; if it
-/// comes too late everywhere, when it reaches the last place.
-fn interception_time(escape: &[(Point2<f64>, f64)], time_to: impl Fn(Point2<f64>) -> f64) -> f64 {
-    let mut arrival = f64::INFINITY;
-    for &(place, passed) in escape {
-        arrival = time_to(place);
-        if arrival <= passed {
-            return if passed.is_finite() { passed } else { arrival };
-        }
-    }
-    arrival
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn interception_is_where_the_pursuer_is_first_in_time() {
-        // The evader runs along x at 1 m/s; the pursuer waits at x = 5 and moves at 0.5 m/s.
-        let escape: Vec<_> = (0..=10)
-            .map(|i| (Point2::new(f64::from(i), 0.0), f64::from(i)))
-            .collect();
-        let time = interception_time(&escape, |p| (p.x - 5.0).abs() / 0.5);
-        assert_eq!(time, 4.0);
-        // Too slow to be anywhere in time: when it would be at the exit.
-        let time = interception_time(&escape, |p| 100.0 + p.x);
-        assert_eq!(time, 110.0);
     }
 }

@@ -4,11 +4,11 @@ use guidance::bearing::{Bearings, GoalField};
 use guidance::feedback_linearisation::command;
 use guidance::limits::Limits;
 use guidance::map::PlannerMap;
-use guidance::navigation::Wayfinder;
+use guidance::navigation::{MARGIN, Wayfinder};
 use guidance::params::ParamsError;
 use guidance::potential_field::{
-    AttractionParams, Body, Goal, Perturbation, Repulsor, attraction, capped, obstacle, repulsion,
-    slide_along_obstacles, slide_around_bodies,
+    Body, Goal, Perturbation, Repulsor, attraction, attraction_to_rest, compose, obstacle,
+    repulsion,
 };
 use guidance::steering::Steering;
 use guidance::view::{RobotView, View};
@@ -56,7 +56,7 @@ impl Pursuer {
             assigner: Assigner::new(params.assignment),
             guards: ExitGuards::new(params.roles),
             interceptor: Interceptor::new(params.goals.reach),
-            finder: Wayfinder::new(params.navigation),
+            finder: Wayfinder::default(),
             hypotheses: Vec::new(),
             goals: Vec::new(),
         })
@@ -91,9 +91,10 @@ impl Pursuer {
                 None => {}
             }
         }
+        let (finder, interceptor) = (&mut self.finder, &mut self.interceptor);
         let order = self
             .assigner
-            .order(map, &mut self.finder, view, &self.guards);
+            .order(map, finder, interceptor, view, &self.guards);
         match order {
             None => Steering::stop(),
             Some(Order {
@@ -143,7 +144,7 @@ impl Pursuer {
         let params = &self.params;
         let at = params.feedback.field_point_of(&own.pose);
         let here = own.pose.position();
-        let room = own.radius + params.navigation.margin;
+        let room = own.radius + MARGIN;
         {
             let hypothesised = self.hypotheses.iter().map(|(pose, _)| pose.position());
             let bearings = bearings(&mut self.finder, params, map, here, hypothesised);
@@ -153,7 +154,7 @@ impl Pursuer {
                 &self.hypotheses,
                 distance_to,
                 room,
-                &params.look_ahead,
+                params.fidelity,
                 &mut self.goals,
             );
         }
@@ -215,15 +216,10 @@ impl Pursuer {
         let here = own.pose.position();
         let wanted = self.goals.iter().map(|goal| goal.at);
         let bearings = bearings(&mut self.finder, params, map, here, wanted);
-        let pull = attraction(
-            at,
-            self.goals.iter().copied(),
-            &bearings,
-            &params.attraction,
-        );
+        let pull = attraction(at, self.goals.iter().copied(), &bearings);
         let sum = pull
             + scatter(params, view, own, at)
-            + obstacle(map, at, &params.obstacle)
+            + obstacle(map, at, params.obstacle.fidelity)
             + self.perturbation.at(view.time_s);
         let field = in_bounds(params, map, view, own, at, sum);
         Steering {
@@ -253,12 +249,8 @@ impl Pursuer {
             weight: 1.0,
         };
         let bearings = bearings(&mut self.finder, params, map, here, [post]);
-        let slowing = AttractionParams {
-            slow_at_goal: true,
-            ..params.attraction
-        };
-        let pull = attraction(here, [goal], &bearings, &slowing);
-        let sum = pull + obstacle(map, here, &params.obstacle);
+        let pull = attraction_to_rest(here, [goal], &bearings);
+        let sum = pull + obstacle(map, here, params.obstacle.fidelity);
         let field = in_bounds(params, map, view, own, here, sum);
         Steering {
             command: command(field, own.pose.theta, &self.limits, &params.feedback),
@@ -270,8 +262,8 @@ impl Pursuer {
     }
 }
 
-/// A field at a point without the parts that would drive the robot into bodies and obstacles, and
-/// no larger than allowed.
+/// The field at a point with this sum of parts. Evaders in play do not stand in the way: they are
+/// there to be caught.
 fn in_bounds(
     params: &PursuerParams,
     map: &PlannerMap,
@@ -280,16 +272,19 @@ fn in_bounds(
     at: Point2<f64>,
     sum: Vector2<f64>,
 ) -> Vector2<f64> {
-    let around = slide_around_bodies(
+    let bodies = view
+        .other_bodies(own)
+        .filter(|other| !(other.active && other.team == Team::Evader))
+        .map(Body::from);
+    compose(
         map,
-        own.pose.position(),
-        own.radius,
+        own,
+        at,
         sum,
-        in_the_way(view, own),
+        bodies,
         params.body_guard,
-    );
-    let along = slide_along_obstacles(map, at, own.radius, around, params.obstacle.guard);
-    capped(along, params.field_cap)
+        &params.obstacle,
+    )
 }
 
 /// The measure of bearings to these points that the parameters ask for.
@@ -317,7 +312,7 @@ fn scatter(
 ) -> Vector2<f64> {
     let colleagues = view
         .active(Team::Police)
-        .filter(|other| params.scatter_from_self || other.index != own.index)
+        .filter(|other| params.fidelity.is_published() || other.index != own.index)
         .map(|other| (other, params.scatter_weight));
     let wrecks = view.wrecks().map(|wreck| (wreck, params.wreck_weight));
     let repulsors = colleagues.chain(wrecks).map(|(robot, weight)| Repulsor {
@@ -347,15 +342,4 @@ fn waypoint(
     }
     let norm = pull.norm();
     (norm > 0.0).then(|| at + pull / norm)
-}
-
-/// The bodies of all other robots, but not of evaders in play: those are there to be caught.
-fn in_the_way(view: &View<'_>, own: &RobotView) -> impl Iterator<Item = Body> {
-    let own = own.index;
-    view.bodies()
-        .filter(move |other| other.index != own && !(other.active && other.team == Team::Evader))
-        .map(|other| Body {
-            at: other.pose.position(),
-            radius: other.radius,
-        })
 }

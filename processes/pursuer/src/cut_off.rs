@@ -24,7 +24,7 @@ use core::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use guidance::map::PlannerMap;
-use guidance::navigation::{NavGrid, Wayfinder};
+use guidance::navigation::{NavGrid, RouteTree, Wayfinder};
 use nalgebra::Point2;
 
 use crate::matching::{milliseconds, one_each};
@@ -69,16 +69,16 @@ pub struct Cut {
 /// Finds cuts, in memory that is used again.
 #[derive(Debug, Clone, Default)]
 pub struct CutSearch {
-    /// Length of the shortest way to an exit from every node [mm], nothing blocked.
-    to_exit: Vec<u32>,
+    /// The shortest ways to the exits, nothing blocked.
+    to_exit: RouteTree,
     exits: Vec<usize>,
     /// Revision, number of nodes and exits that these were found for.
     built_for: Option<(u64, usize, Vec<usize>)>,
     blocked: Vec<bool>,
     length: Vec<u32>,
     parent: Vec<u32>,
-    /// Nodes on the rim: length in the upper half, node in the lower.
-    queue: BinaryHeap<Reverse<u64>>,
+    /// Nodes on the rim, with the least length of a way through them [mm].
+    queue: BinaryHeap<Reverse<(u32, u32)>>,
     /// The way found last: places [m] and the length up to there [m].
     way: Vec<(Point2<f64>, f64)>,
 }
@@ -105,6 +105,7 @@ impl CutSearch {
             .into_iter()
             .filter_map(|exit| grid.node_at(exit))
             .collect();
+        let nodes = grid.len();
         self.prepare(map.revision(), grid, exits);
         let Some(start) = grid.node_at(fugitive.at) else {
             return Cut::default();
@@ -115,7 +116,7 @@ impl CutSearch {
                 break;
             }
             self.blocked.clear();
-            self.blocked.resize(self.to_exit.len(), false);
+            self.blocked.resize(nodes, false);
             let mut cut = Cut::default();
             loop {
                 cut.complete = !finder.grid().is_some_and(|grid| self.way_out(grid, start));
@@ -142,30 +143,8 @@ impl CutSearch {
         if self.built_for.as_ref() == Some(&wanted) {
             return;
         }
-        self.to_exit.clear();
-        self.to_exit.resize(grid.len(), NONE);
-        self.queue.clear();
-        for &exit in &wanted.2 {
-            if let Some(length) = self.to_exit.get_mut(exit) {
-                *length = 0;
-                self.queue.push(Reverse(exit as u64));
-            }
-        }
-        while let Some(Reverse(next)) = self.queue.pop() {
-            let (length, node) = unpack(next);
-            if self.to_exit.get(node).is_none_or(|&best| length > best) {
-                continue;
-            }
-            for edge in grid.edges(node) {
-                let reached = length.saturating_add(edge.length);
-                if let Some(best) = self.to_exit.get_mut(edge.to as usize)
-                    && reached < *best
-                {
-                    *best = reached;
-                    self.queue.push(pack(reached, edge.to));
-                }
-            }
-        }
+        self.to_exit.plant_without_gates(grid, &wanted.2, &[]);
+        self.to_exit.settle(grid, u32::MAX);
         self.exits.clone_from(&wanted.2);
         self.built_for = Some(wanted);
     }
@@ -180,15 +159,16 @@ impl CutSearch {
         self.parent.clear();
         self.parent.resize(grid.len(), NONE);
         self.queue.clear();
-        match self.to_exit.get(start) {
-            Some(&ahead) if ahead != NONE => self.queue.push(pack(ahead, start as u32)),
-            _ => return false,
-        }
+        let Some(ahead) = self.to_exit.length_mm(start) else {
+            return false;
+        };
+        self.queue.push(Reverse((ahead, start as u32)));
         self.length[start] = 0;
-        while let Some(Reverse(next)) = self.queue.pop() {
-            let (estimate, node) = unpack(next);
+        while let Some(Reverse((estimate, node))) = self.queue.pop() {
+            let node = node as usize;
             let length = self.length[node];
-            if estimate > length.saturating_add(self.to_exit[node]) {
+            let ahead = self.to_exit.length_mm(node).unwrap_or(NONE);
+            if estimate > length.saturating_add(ahead) {
                 continue;
             }
             if self.exits.contains(&node) && !self.blocked[node] {
@@ -198,11 +178,14 @@ impl CutSearch {
             for edge in grid.edges(node) {
                 let to = edge.to as usize;
                 let reached = length.saturating_add(edge.length);
-                if !self.blocked[to] && self.to_exit[to] != NONE && reached < self.length[to] {
+                if !self.blocked[to]
+                    && reached < self.length[to]
+                    && let Some(ahead) = self.to_exit.length_mm(to)
+                {
                     self.length[to] = reached;
                     self.parent[to] = node as u32;
-                    let estimate = reached.saturating_add(self.to_exit[to]);
-                    self.queue.push(pack(estimate, edge.to));
+                    let estimate = reached.saturating_add(ahead);
+                    self.queue.push(Reverse((estimate, edge.to)));
                 }
             }
         }
@@ -299,12 +282,4 @@ pub fn allot(
         .into_iter()
         .map(|column| goals.get(column).copied().flatten())
         .collect()
-}
-
-fn pack(length: u32, node: u32) -> Reverse<u64> {
-    Reverse(u64::from(length) << 32 | u64::from(node))
-}
-
-fn unpack(entry: u64) -> (u32, usize) {
-    ((entry >> 32) as u32, entry as u32 as usize)
 }

@@ -7,9 +7,16 @@ use guidance::potential_field::Goal;
 use guidance::view::{BeliefView, View};
 use nalgebra::Point2;
 use sim_backend::math;
+use sim_backend::params::Fidelity;
 use sim_backend::pose::Pose2;
 
-use crate::params::{BeliefGoals, Knowledge, LookAheadParams};
+use crate::params::{BeliefGoals, Knowledge};
+
+/// Distance of a goal ahead of the target, along its heading, as a fraction of the range to it.
+const LOOK_AHEAD_RATIO: f64 = 0.7;
+
+/// Longest distance ahead [m].
+const LONGEST_LOOK_AHEAD: f64 = 5.0;
 
 /// Side of the squares in which hypotheses are counted to find the heaviest cluster [m].
 const MODE_CELL: f64 = 1.0;
@@ -63,19 +70,20 @@ pub fn estimate(view: &View<'_>, target: usize, knowledge: Knowledge) -> Option<
     }
 }
 
-/// The goal for a hypothesis: a point ahead of it by a share of the distance to it [m].
+/// The goal for a hypothesis: a point ahead of it by a share of the distance to it [m], on this side of
+/// the first obstacle; the published program's may lie inside a block or beyond the arena's wall.
 pub fn look_ahead(
     map: &PlannerMap,
     pose: &Pose2,
     distance: f64,
     room: f64,
-    params: &LookAheadParams,
+    fidelity: Fidelity,
 ) -> Point2<f64> {
     let from = pose.position();
-    let ahead = pose.forward() * (params.ratio * distance).min(params.max);
+    let ahead = pose.forward() * (LOOK_AHEAD_RATIO * distance).min(LONGEST_LOOK_AHEAD);
     let to = from + ahead;
     let length = ahead.norm();
-    if !params.stop_at_obstacles || length <= 0.0 {
+    if fidelity.is_published() || length <= 0.0 {
         return to;
     }
     from + ahead * (map.free_run(from, to, room) / length)
@@ -87,14 +95,14 @@ pub fn goals(
     hypotheses: &[Hypothesis],
     distance_to: impl Fn(Point2<f64>) -> f64,
     room: f64,
-    params: &LookAheadParams,
+    fidelity: Fidelity,
     into: &mut Vec<Goal>,
 ) {
     into.clear();
     into.extend(hypotheses.iter().map(|(pose, weight)| {
         let distance = distance_to(pose.position());
         Goal {
-            at: look_ahead(map, pose, distance, room, params),
+            at: look_ahead(map, pose, distance, room, fidelity),
             weight: *weight,
         }
     }));

@@ -139,15 +139,19 @@ impl Interceptor {
         target: &Target,
     ) -> Option<Meeting> {
         self.in_sight(map, own, target).or_else(|| {
-            self.predict(map, finder, exits, target);
+            self.predict(map, finder, exits, target.at, target.v_max);
             let here = own.pose.position();
             let places = self.way.iter().map(|&(place, _)| place);
             let routes = finder.lengths(map, slots::ARRIVAL, here, places)?;
             meet_on_way(&self.way, |place| {
-                let distance = routes.distance_to(place)?;
-                Some((distance - self.reach).max(0.0) / own.v_max)
+                Some(self.time_for(routes.distance_to(place)?, own))
             })
         })
+    }
+
+    /// When a pursuer is within its reach of a place at this driving distance [m], from now on [s].
+    pub fn time_for(&self, distance: f64, pursuer: &RobotView) -> f64 {
+        (distance - self.reach).max(0.0) / pursuer.v_max
     }
 
     /// The straight meeting, if the pursuer sees the target and both courses are free.
@@ -162,23 +166,27 @@ impl Interceptor {
         free.then_some(meeting)
     }
 
-    /// Writes the target's shortest way to its nearest exit into `way`, with the times at which it
-    /// is there at its highest speed; if it has no way or no speed, it stays where it is.
-    fn predict(
+    /// The shortest way of a target at `at` [m] to its nearest exit: places [m] with the times [s] at
+    /// which it is there at its highest speed `v_max` [m/s]; if it has no way or no speed, it stays
+    /// where it is.
+    ///
+    /// `finder` must have been prepared for the map.
+    pub fn predict(
         &mut self,
         map: &PlannerMap,
         finder: &mut Wayfinder,
         exits: impl IntoIterator<Item = Point2<f64>>,
-        target: &Target,
-    ) {
+        at: Point2<f64>,
+        v_max: f64,
+    ) -> &[(Point2<f64>, f64)] {
         self.way.clear();
-        if target.v_max >= STILL {
+        if v_max >= STILL {
             let mut nearest: Option<(f64, usize, Point2<f64>)> = None;
             for (number, exit) in exits.into_iter().take(slots::MAX_EXITS).enumerate() {
                 let slot = slots::EXITS + number;
                 let length = finder
-                    .routes(map, slot, exit, [target.at])
-                    .and_then(|routes| routes.distance_to(target.at));
+                    .routes(map, slot, exit, [at])
+                    .and_then(|routes| routes.distance_to(at));
                 if let Some(length) = length
                     && nearest.is_none_or(|found| length < found.0)
                 {
@@ -186,21 +194,22 @@ impl Interceptor {
                 }
             }
             if let Some((_, slot, exit)) = nearest
-                && let Some(routes) = finder.routes(map, slot, exit, [target.at])
+                && let Some(routes) = finder.routes(map, slot, exit, [at])
             {
-                routes.way_to(target.at, &mut self.way);
+                routes.way_to(at, &mut self.way);
             }
         }
         // The tree stands at the exit, the target drives towards it.
         let whole = self.way.last().map_or(0.0, |last| last.1);
         self.way.reverse();
         for (_, length) in &mut self.way {
-            *length = (whole - *length) / target.v_max;
+            *length = (whole - *length) / v_max;
         }
         match self.way.first_mut() {
-            Some(first) => first.0 = target.at,
-            None => self.way.push((target.at, f64::INFINITY)),
+            Some(first) => first.0 = at,
+            None => self.way.push((at, f64::INFINITY)),
         }
+        &self.way
     }
 }
 

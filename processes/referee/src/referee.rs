@@ -39,7 +39,7 @@ impl Referee {
     /// A referee of a game with these exits, in which Police catch within `capture` [m].
     pub fn new(params: RefereeParams, exits: Vec<Region>, capture: f64) -> Self {
         Self {
-            dominance: Dominance::new(params.dominance),
+            dominance: Dominance::default(),
             params,
             exits,
             capture,

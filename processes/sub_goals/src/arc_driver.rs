@@ -12,7 +12,7 @@ use guidance::go_to::distance_to_segment;
 use guidance::limits::Limits;
 use guidance::path_tracking::{Path, PathTracker, TrackingParams};
 use guidance::waypoint::{WaypointOutcome, WaypointReport};
-use guidance::waypoint_driver::{Driving, Situation};
+use guidance::waypoint_driver::{Driving, LEAST_TIME_S, Situation};
 use nalgebra::Point2;
 use sim_backend::pose::Twist2;
 use sim_backend::shape::Aabb;
@@ -58,7 +58,6 @@ pub struct ArcDriver {
     /// Time that turning round takes [s].
     half_turn_s: f64,
     time_limit_factor: f64,
-    least_time_s: f64,
     rounder: Option<Rounder>,
     /// The goal whose corner is not known yet.
     pending: Option<Goal>,
@@ -85,7 +84,6 @@ impl ArcDriver {
             rounding: Rounding::new(v, omega, params.most_miss, LEAST_RADIUS)?,
             half_turn_s: core::f64::consts::PI / omega,
             time_limit_factor: params.driver.time_limit_factor,
-            least_time_s: params.driver.least_time_s,
             rounder: None,
             pending: None,
             tail: Point2::origin(),
@@ -222,7 +220,7 @@ impl ArcDriver {
         let path = Path::new(stretch.points.iter().chain(beyond).copied());
         // It may have to turn first: where it is is not quite where the path says.
         let expected = stretch.duration + self.half_turn_s;
-        let allowed = (self.time_limit_factor * expected).max(self.least_time_s);
+        let allowed = (self.time_limit_factor * expected).max(LEAST_TIME_S);
         self.leg = Some(Leg {
             started_s: time_s,
             until_s: time_s + allowed,

@@ -143,7 +143,7 @@ impl SensorParams {
         require(
             (self.unseen_below..=1.0).contains(&self.exact_above),
             "sensor.exact_above",
-            self.exact_above,
+            &self.exact_above,
             "between sensor.unseen_below and 1",
         )?;
         positive("sensor.sigma_gain", self.sigma_gain)?;
@@ -156,7 +156,7 @@ impl SensorParams {
         if let Some(angle) = self.field_of_view {
             let expected = "an angle in (0, 2π] [rad]";
             let ok = angle > 0.0 && angle <= core::f64::consts::TAU;
-            require(ok, "sensor.field_of_view", angle, expected)?;
+            require(ok, "sensor.field_of_view", &angle, expected)?;
         }
         Ok(())
     }
@@ -172,7 +172,7 @@ impl FilterParams {
     /// [`ParamsError`] with the first field out of range, as a path from `filter`.
     pub fn validate(&self) -> Result<(), ParamsError> {
         let ok = (1..=MOST_PARTICLES).contains(&self.particles);
-        require(ok, "filter.particles", self.particles, "1 to 1000000")?;
+        require(ok, "filter.particles", &self.particles, "1 to 1000000")?;
         not_negative("filter.speed_walk", self.speed_walk)?;
         not_negative("filter.turn_walk", self.turn_walk)?;
         not_negative("filter.cruise_rate", self.cruise_rate)?;

@@ -72,7 +72,7 @@ impl CellMap {
         require(
             (1..=MAX_CELLS).contains(&cells),
             "width × height",
-            format!("{} × {}", self.width, self.height),
+            &format!("{} × {}", self.width, self.height),
             format!("1 to {MAX_CELLS} cells"),
         )?;
         positive("resolution", self.resolution, "m")?;
@@ -84,7 +84,7 @@ impl CellMap {
         require(
             self.runs.len() <= MAX_RUNS,
             "runs",
-            format!("{} runs", self.runs.len()),
+            &format!("{} runs", self.runs.len()),
             format!("at most {MAX_RUNS}: less noise in the map"),
         )?;
         let sum = self
@@ -94,7 +94,7 @@ impl CellMap {
         require(
             sum == Some(cells),
             "runs",
-            sum.map_or_else(
+            &sum.map_or_else(
                 || "an overflowing sum".to_owned(),
                 |s| format!("a sum of {s}"),
             ),
@@ -103,7 +103,7 @@ impl CellMap {
         require(
             self.exits.len() <= MAX_EXITS,
             "exits",
-            format!("{} exits", self.exits.len()),
+            &format!("{} exits", self.exits.len()),
             format!("at most {MAX_EXITS}"),
         )?;
         for (i, exit) in self.exits.iter().enumerate() {

@@ -208,7 +208,7 @@ impl RosMap {
         };
         if map.free_thresh > map.occupied_thresh {
             let expected = format!("at most occupied_thresh = {}", map.occupied_thresh);
-            let source = ParamsError::new("free_thresh", map.free_thresh, expected);
+            let source = ParamsError::new("free_thresh", &map.free_thresh, expected);
             return Err(RosMapError::Field {
                 path: path.to_owned(),
                 source,

@@ -1,9 +1,6 @@
-//! How near the pieces a moving disc comes: along segments and arcs, and for shapes in general.
+//! How near the pieces a moving disc comes, along segments and arcs.
 
 use nalgebra::Point2;
-use parry2d_f64::math::{Pose, Vector};
-use parry2d_f64::query::{self, Unsupported};
-use parry2d_f64::shape;
 
 use super::ShapeMap;
 use super::query::edge_distance;
@@ -166,30 +163,5 @@ impl ShapeMap {
             }
         }
         distance
-    }
-
-    /// Distance [m] between any parry shape at a pose and the nearest obstacle or the edge of the
-    /// map; 0 if they touch. For shapes that no other query answers: it asks parry about every
-    /// piece of the map.
-    ///
-    /// # Errors
-    /// If parry does not know the distance between this shape and a ball, a cuboid or a convex
-    /// polygon.
-    pub fn shape_distance(
-        &self,
-        pose: &Pose,
-        shape: &dyn shape::Shape,
-    ) -> Result<f64, Unsupported> {
-        let aabb = shape.compute_aabb(pose);
-        let corner = |v: Vector| Point2::new(v.x, v.y);
-        let mut distance = edge_distance(&self.bounds, corner(aabb.mins))
-            .min(edge_distance(&self.bounds, corner(aabb.maxs)))
-            .max(0.0);
-        for part in &self.parts {
-            let (part_pose, part) = part.to_parry();
-            distance =
-                distance.min(query::distance(pose, shape, &part_pose, part.as_ref())?.distance);
-        }
-        Ok(distance)
     }
 }

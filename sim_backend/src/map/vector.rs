@@ -167,7 +167,7 @@ impl VectorMap {
         require(
             self.obstacles.len() <= MAX_OBSTACLES,
             "obstacles",
-            format!("{} obstacles", self.obstacles.len()),
+            &format!("{} obstacles", self.obstacles.len()),
             format!("at most {MAX_OBSTACLES}"),
         )?;
         let (mut pairs, mut cuts) = (0usize, 0usize);
@@ -191,14 +191,14 @@ impl VectorMap {
             require(
                 count <= most,
                 "obstacles",
-                format!("{count} ({what})"),
+                &format!("{count} ({what})"),
                 format!("at most {most}; divide large polygons"),
             )?;
         }
         require(
             self.exits.len() <= MAX_EXITS,
             "exits",
-            format!("{} exits", self.exits.len()),
+            &format!("{} exits", self.exits.len()),
             format!("at most {MAX_EXITS}"),
         )
     }
@@ -221,7 +221,7 @@ impl VectorMap {
             require(
                 max[axis] > min[axis],
                 &format!("bounds.max[{axis}]"),
-                max[axis],
+                &max[axis],
                 format!("more than bounds.min[{axis}] = {} [m]", min[axis]),
             )?;
         }
@@ -229,7 +229,7 @@ impl VectorMap {
         require(
             (1..=MAX_CELLS).contains(&self.max_cells),
             "max_cells",
-            self.max_cells,
+            &self.max_cells,
             format!("a number in [1, {MAX_CELLS}]"),
         )?;
         // A side that is a whole number of cells but for rounding gets exactly that number.
@@ -241,7 +241,7 @@ impl VectorMap {
         require(
             width * height <= self.max_cells as f64,
             "resolution",
-            self.resolution,
+            &self.resolution,
             format!(
                 "cells large enough that the map has at most max_cells = {} of them; it would have \
                  {width} × {height}",

@@ -1,9 +1,6 @@
 //! What a world map is asked, answered by its pieces ([`ShapeMap`](super::ShapeMap)).
 
 use nalgebra::{Point2, Vector2};
-use parry2d_f64::math::Pose;
-use parry2d_f64::query::Unsupported;
-use parry2d_f64::shape;
 
 use super::WorldMap;
 use crate::shape::Contact;
@@ -44,19 +41,6 @@ impl WorldMap {
     /// As [`ShapeMap::segment_distance`](super::ShapeMap::segment_distance).
     pub fn segment_distance(&self, a: Point2<f64>, b: Point2<f64>) -> f64 {
         self.shapes().segment_distance(a, b)
-    }
-
-    /// As [`ShapeMap::shape_distance`](super::ShapeMap::shape_distance).
-    ///
-    /// # Errors
-    /// If parry does not know the distance between this shape and a ball, a cuboid or a convex
-    /// polygon.
-    pub fn shape_distance(
-        &self,
-        pose: &Pose,
-        shape: &dyn shape::Shape,
-    ) -> Result<f64, Unsupported> {
-        self.shapes().shape_distance(pose, shape)
     }
 
     /// As [`ShapeMap::edge_contacts`](super::ShapeMap::edge_contacts).

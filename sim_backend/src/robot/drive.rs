@@ -17,7 +17,7 @@ const MAX_SIGMAS: f64 = 3.0;
 /// fast, both are scaled down together, which keeps the curvature; their changes are clamped to the
 /// acceleration limits; and should a wheel be too fast after that, turning gives way (a wheel
 /// cannot exceed its speed, so that limit goes before angular acceleration).
-pub(crate) fn limit(model: &RobotModel, current: Twist2, command: Twist2, dt: f64) -> Twist2 {
+pub fn limit(model: &RobotModel, current: Twist2, command: Twist2, dt: f64) -> Twist2 {
     let half_track = 0.5 * model.wheel_separation;
     let mut v = command.v.clamp(-model.v_reverse_max, model.v_max);
     let mut omega = command.omega.clamp(-model.omega_max, model.omega_max);

@@ -3,4 +3,5 @@
 pub(crate) mod drive;
 mod state;
 
+pub use drive::limit;
 pub use state::{ContactCounts, Robot, RobotStatus};

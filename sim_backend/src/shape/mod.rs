@@ -120,7 +120,7 @@ impl Shape {
                 require(
                     angle.is_finite(),
                     "rectangle.angle",
-                    angle,
+                    &angle,
                     "a finite number [rad]",
                 )?;
                 let center = Point2::new(center[0], center[1]);

@@ -14,7 +14,7 @@ pub(super) fn convex_parts(vertices: &[[f64; 2]]) -> Result<Vec<Convex>, ShapeEr
     require(
         (3..=MAX_VERTICES).contains(&vertices.len()),
         "polygon.vertices",
-        format!("{} vertices", vertices.len()),
+        &format!("{} vertices", vertices.len()),
         format!("3 to {MAX_VERTICES} vertices"),
     )?;
     for (i, vertex) in vertices.iter().enumerate() {
@@ -37,7 +37,7 @@ pub(super) fn convex_parts(vertices: &[[f64; 2]]) -> Result<Vec<Convex>, ShapeEr
     require(
         points.len() <= MAX_CONCAVE_VERTICES,
         "polygon.vertices",
-        format!("{} vertices of a polygon that is not convex", points.len()),
+        &format!("{} vertices of a polygon that is not convex", points.len()),
         format!("at most {MAX_CONCAVE_VERTICES}; divide it"),
     )?;
     let corners: Vec<Vector> = points.iter().map(|p| Vector::new(p.x, p.y)).collect();

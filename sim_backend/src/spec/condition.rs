@@ -45,7 +45,7 @@ impl Condition {
             Self::Progress { progress } => require(
                 (0.0..=1.0).contains(&progress),
                 "progress",
-                progress,
+                &progress,
                 "a share from 0 to 1",
             ),
             Self::Within { within, of } => {

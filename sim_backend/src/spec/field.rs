@@ -13,7 +13,7 @@ pub(crate) fn positive(field: &str, value: f64, unit: &str) -> Result<(), Params
     require(
         value > 0.0 && value <= MAX_COORDINATE,
         field,
-        value,
+        &value,
         format!("a number > 0 and ≤ {MAX_COORDINATE} [{unit}]"),
     )
 }
@@ -23,7 +23,7 @@ pub(crate) fn non_negative(field: &str, value: f64, unit: &str) -> Result<(), Pa
     require(
         (0.0..=MAX_COORDINATE).contains(&value),
         field,
-        value,
+        &value,
         format!("a number ≥ 0 and ≤ {MAX_COORDINATE} [{unit}]"),
     )
 }
@@ -33,7 +33,7 @@ pub(crate) fn coordinate(field: &str, value: f64) -> Result<(), ParamsError> {
     require(
         value.abs() <= MAX_COORDINATE,
         field,
-        value,
+        &value,
         format!("a number within ±{MAX_COORDINATE} [m]"),
     )
 }

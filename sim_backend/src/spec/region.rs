@@ -98,7 +98,7 @@ impl Region {
                 crate::params::require(
                     angle.is_finite(),
                     "rectangle.angle",
-                    angle,
+                    &angle,
                     "a finite number [rad]",
                 )
             }

@@ -105,7 +105,7 @@ impl RobotSpec {
         require(
             self.start.theta.is_finite(),
             "start.theta",
-            self.start.theta,
+            &self.start.theta,
             "a finite number [rad]",
         )?;
         let model = self.model();
@@ -271,7 +271,7 @@ impl ActuatorSpec {
             require(
                 (0.0..1.0).contains(&value),
                 field,
-                value,
+                &value,
                 "a number in [0, 1)",
             )?;
         }

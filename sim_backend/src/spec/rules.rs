@@ -98,7 +98,7 @@ impl RulesSpec {
         crate::params::require(
             self.exits.len() <= MAX_EXITS,
             "exits",
-            format!("{} exits", self.exits.len()),
+            &format!("{} exits", self.exits.len()),
             format!("at most {MAX_EXITS}"),
         )?;
         for (i, exit) in self.exits.iter().enumerate() {
@@ -109,7 +109,7 @@ impl RulesSpec {
             crate::params::require(
                 limit > 0.0 && limit <= 1e9,
                 "time_limit",
-                limit,
+                &limit,
                 "a number > 0 and ≤ 1e9 [s]",
             )?;
         }

@@ -55,20 +55,20 @@ impl ScanSpec {
         require(
             (1..=MAX_BEAMS).contains(&self.beams),
             "beams",
-            self.beams,
+            &self.beams,
             format!("a number of beams in [1, {MAX_BEAMS}]"),
         )?;
         require(
             self.angle_min.abs() <= TAU,
             "angle_min",
-            self.angle_min,
+            &self.angle_min,
             "an angle in ±2π [rad]",
         )?;
         require(
             self.angle_increment.abs() <= TAU
                 && (self.beams == 1 || self.angle_increment.abs() > 1e-9),
             "angle_increment",
-            self.angle_increment,
+            &self.angle_increment,
             "an angle in ±2π other than 0 [rad]",
         )?;
         non_negative("range_min", self.range_min, "m")?;
@@ -76,7 +76,7 @@ impl ScanSpec {
         require(
             self.range_max > self.range_min,
             "range_max",
-            self.range_max,
+            &self.range_max,
             format!("more than range_min = {} [m]", self.range_min),
         )?;
         non_negative("noise", self.noise, "m")

@@ -4,7 +4,7 @@ use sim_backend::spec::Region;
 
 use super::DominanceParams;
 use crate::map::PlannerMap;
-use crate::wavefront::{Lattice, Source, Wave};
+use crate::wavefront::{Lattice, SIGHT, Source, Wave};
 
 /// The free space of a map with its exits.
 #[derive(Debug, Clone)]
@@ -24,7 +24,7 @@ struct Exit {
 impl Arena {
     /// The arena for robots of this radius [m], with exits that evaders reach with their centre.
     pub fn new(map: &PlannerMap, params: &DominanceParams, radius: f64, exits: &[Region]) -> Self {
-        let lattice = Lattice::new(map, params.pitch, radius, params.wave.sight);
+        let lattice = Lattice::new(map, params.pitch, radius, SIGHT);
         let exits = exits
             .iter()
             .map(|region| {
@@ -34,7 +34,7 @@ impl Arena {
                     .filter_map(|&node| lattice.point(node as usize))
                     .map(|at| Source::new(at, 1.0, 0))
                     .collect();
-                let mut way = Wave::new(params.wave);
+                let mut way = Wave::default();
                 way.spread(&lattice, map, &sources, None);
                 Exit { nodes, way }
             })

@@ -2,7 +2,7 @@
 
 use nalgebra::Point2;
 
-use super::{Arena, Cell, DominanceParams, Owner};
+use super::{Arena, Cell, Owner};
 use crate::map::PlannerMap;
 use crate::wavefront::{Source, Wave};
 
@@ -35,9 +35,8 @@ pub struct Verdict {
 }
 
 /// Computes dominance; keeps its memory from one moment to the next.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Dominance {
-    params: DominanceParams,
     police: Wave,
     sources: Vec<Source>,
     safe: Vec<Wave>,
@@ -46,18 +45,6 @@ pub struct Dominance {
 }
 
 impl Dominance {
-    /// Nothing assessed yet.
-    pub fn new(params: DominanceParams) -> Self {
-        Self {
-            params,
-            police: Wave::new(params.wave),
-            sources: Vec::new(),
-            safe: Vec::new(),
-            verdicts: Vec::new(),
-            free: Wave::new(params.wave),
-        }
-    }
-
     /// Assesses one moment; a verdict per evader, in the order given. A pursuer catches within
     /// `capture` [m].
     ///
@@ -79,8 +66,7 @@ impl Dominance {
                 ..Source::new(runner.at, runner.speed, label)
             }));
         self.police.spread(lattice, map, &self.sources, None);
-        self.safe
-            .resize_with(evaders.len(), || Wave::new(self.params.wave));
+        self.safe.resize_with(evaders.len(), Wave::default);
         self.verdicts.clear();
         for ((label, evader), safe) in (0..).zip(evaders).zip(&mut self.safe) {
             // Within the capture radius it is too late for everything.

@@ -2,26 +2,20 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::params::{ParamsError, positive, within};
-use crate::wavefront::WaveParams;
+use crate::params::{ParamsError, positive};
 
-/// How finely and exactly dominance is computed.
+/// How finely dominance is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct DominanceParams {
     /// Side of a cell [m], > 0, rounded to whole cells of the map. Cost grows with its inverse
     /// square.
     pub pitch: f64,
-    /// How the waves are computed.
-    pub wave: WaveParams,
 }
 
 impl Default for DominanceParams {
     fn default() -> Self {
-        Self {
-            pitch: 0.2,
-            wave: WaveParams::default(),
-        }
+        Self { pitch: 0.2 }
     }
 }
 
@@ -31,7 +25,6 @@ impl DominanceParams {
     /// # Errors
     /// [`ParamsError`] naming the first field that is out of range.
     pub fn validate(&self) -> Result<(), ParamsError> {
-        positive("pitch", self.pitch)?;
-        self.wave.validate().map_err(within("wave"))
+        positive("pitch", self.pitch)
     }
 }

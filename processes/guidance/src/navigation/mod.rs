@@ -11,6 +11,6 @@ mod route_tree;
 mod wayfinder;
 mod ways;
 
-pub use nav_grid::{Edge, NavGrid, NavParams};
+pub use nav_grid::{Edge, MARGIN, NavGrid};
 pub use route_tree::{Leg, RouteTree, Routes, Threat};
 pub use wayfinder::{WayOut, Wayfinder};

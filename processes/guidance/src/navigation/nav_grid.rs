@@ -1,47 +1,20 @@
 //! A coarse graph of the places where a robot fits.
 
 use nalgebra::Point2;
-use serde::{Deserialize, Serialize};
 
 use crate::map::PlannerMap;
-use crate::params::{ParamsError, not_negative, positive};
 
-/// How the graph is laid over the map.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct NavParams {
-    /// Side of a graph's block [m], rounded to whole map cells; a passage narrower than this (after
-    /// taking off the robot's width) may be overlooked.
-    pub pitch: f64,
-    /// Distance kept from obstacles beyond the robot's radius [m].
-    pub margin: f64,
-    /// How far along a way its straight first leg is looked for [m]; a longer straight leg is
-    /// driven in parts. In the open, where ways bend only because the graph knows eight
-    /// directions, longer means straighter and costs more time.
-    pub sight: f64,
-}
+/// Side of a graph's block [m], rounded to whole map cells; a passage narrower than this (after taking
+/// off the robot's width) may be overlooked.
+const PITCH: f64 = 0.25;
 
-impl Default for NavParams {
-    fn default() -> Self {
-        Self {
-            pitch: 0.25,
-            margin: 0.05,
-            sight: 4.0,
-        }
-    }
-}
+/// Distance kept from obstacles beyond the robot's radius [m].
+pub const MARGIN: f64 = 0.05;
 
-impl NavParams {
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// [`ParamsError`] naming the first field that is out of range.
-    pub fn validate(&self) -> Result<(), ParamsError> {
-        positive("pitch", self.pitch)?;
-        not_negative("margin", self.margin)?;
-        not_negative("sight", self.sight)
-    }
-}
+/// How far along a way its straight first leg is looked for [m]; a longer straight leg is driven in
+/// parts. In the open, where ways bend only because the graph knows eight directions, longer means
+/// straighter and costs more time.
+pub(super) const SIGHT: f64 = 4.0;
 
 /// Most blocks a graph has; beyond it the pitch is doubled until it fits.
 const MAX_BLOCKS: usize = 1 << 20;
@@ -74,7 +47,6 @@ pub struct NavGrid {
     pitch: f64,
     origin: Point2<f64>,
     inflation: f64,
-    sight: f64,
     /// Per node, the point that represents it.
     points: Vec<Point2<f64>>,
     /// Per node, where its edges begin in `edges`; one more entry for the end of the last.
@@ -95,10 +67,10 @@ pub struct Edge {
 
 impl NavGrid {
     /// The graph for a robot of this radius [m].
-    pub fn new(map: &PlannerMap, params: &NavParams, radius: f64) -> Self {
+    pub fn new(map: &PlannerMap, radius: f64) -> Self {
         let frame = &map.clearance_grid().frame;
-        let inflation = radius + params.margin;
-        let mut stride = (params.pitch / frame.resolution).round().max(1.0) as usize;
+        let inflation = radius + MARGIN;
+        let mut stride = (PITCH / frame.resolution).round().max(1.0) as usize;
         while frame.width.div_ceil(stride) * frame.height.div_ceil(stride) > MAX_BLOCKS {
             stride *= 2;
         }
@@ -109,7 +81,6 @@ impl NavGrid {
             pitch: frame.resolution * stride as f64,
             origin: frame.origin,
             inflation,
-            sight: params.sight,
             points: Vec::new(),
             first_edge: Vec::new(),
             edges: Vec::new(),
@@ -134,11 +105,6 @@ impl NavGrid {
     /// Distance kept from obstacles [m]: the robot's radius and the margin.
     pub fn inflation(&self) -> f64 {
         self.inflation
-    }
-
-    /// How far ahead ways are looked along [m], see [`NavParams::sight`].
-    pub fn sight(&self) -> f64 {
-        self.sight
     }
 
     /// Number of nodes.

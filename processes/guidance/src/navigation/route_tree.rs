@@ -5,7 +5,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use nalgebra::Point2;
 
 use super::frontier::Frontier;
-use super::nav_grid::{NONE, NavGrid};
+use super::nav_grid::{NONE, NavGrid, SIGHT};
 use crate::map::PlannerMap;
 
 /// A cost [mm] that means "no way".
@@ -40,7 +40,7 @@ pub struct Leg {
 ///
 /// Besides length and parent, a tree that was planted with gates knows every node's *gate*: the
 /// last node of the way to it up to which all of the way can be seen from the root, looking no
-/// further than [`NavGrid::sight`]. Heading for gates cuts off the corners of the grid's eight
+/// further than `nav_grid::SIGHT`. Heading for gates cuts off the corners of the grid's eight
 /// directions. Gates are found when they are asked for: of all the nodes that a tree reaches, few
 /// are ever a destination.
 ///
@@ -190,10 +190,14 @@ impl RouteTree {
         self.queue.is_empty()
     }
 
+    /// Length of the way to a node [mm]; `None` if the tree has not reached it.
+    pub fn length_mm(&self, node: usize) -> Option<u32> {
+        self.knows(node).then(|| self.length.get(node).copied())?
+    }
+
     /// Length of the way to a node [m]; `None` if the tree has not reached it.
     pub fn length(&self, node: usize) -> Option<f64> {
-        self.knows(node)
-            .then(|| self.length.get(node).map(|&mm| f64::from(mm) / 1000.0))?
+        self.length_mm(node).map(|mm| f64::from(mm) / 1000.0)
     }
 
     /// What the way to a node costs [m]: its length, more where something threatens; `None` if
@@ -234,7 +238,7 @@ impl RouteTree {
             way.push(before);
             next = self.parent(before);
         }
-        let sight = (grid.sight() * 1000.0) as u32;
+        let sight = (SIGHT * 1000.0) as u32;
         let mut parent = next;
         for &node in way.iter().rev() {
             let found = match (parent, gate) {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::Point2;
 
-use super::nav_grid::{NavGrid, NavParams};
+use super::nav_grid::{NavGrid, SIGHT};
 use super::route_tree::{RouteTree, Routes, Threat};
 use super::ways::{Seed, Ways};
 use crate::map::PlannerMap;
@@ -18,9 +18,8 @@ const MAX_RADIUS: f64 = 10.0;
 /// Keeps the graph of the current map (one for all planners that share the map) and one
 /// [`RouteTree`] per slot, and plants a tree anew
 /// only when its root has come to another node, or the map or the robot's radius has changed.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Wayfinder {
-    params: NavParams,
     built_for: Option<(u64, f64)>,
     ways: Option<Arc<Ways>>,
     /// Whether other planners use the same trees.
@@ -64,17 +63,6 @@ pub struct WayOut {
 }
 
 impl Wayfinder {
-    /// A way-finder without a map.
-    pub fn new(params: NavParams) -> Self {
-        Self {
-            params,
-            built_for: None,
-            ways: None,
-            shares: false,
-            slots: Vec::new(),
-        }
-    }
-
     /// Builds the graph for this map and radius [m], unless it is the one already built.
     pub fn prepare(&mut self, map: &PlannerMap, radius: f64) {
         let radius = if radius.is_nan() {
@@ -84,9 +72,8 @@ impl Wayfinder {
         };
         let wanted = Some((map.revision(), radius));
         if self.built_for != wanted {
-            let params = self.params;
-            let lay = || Ways::new(NavGrid::new(map, &params, radius));
-            self.ways = Some(map.derived().get((params, radius), lay));
+            let lay = || Ways::new(NavGrid::new(map, radius));
+            self.ways = Some(map.derived().get(radius, lay));
             self.shares = map.is_shared();
             self.built_for = wanted;
             for slot in &mut self.slots {
@@ -285,7 +272,7 @@ fn descend(
         let point = grid.point(root)?;
         let travelled = length - tree.length(root)?;
         // The first step is taken on trust: a robot that hugs a wall sees nothing at full width.
-        in_sight = travelled < grid.sight() && map.line_is_clear(from, point, grid.inflation());
+        in_sight = travelled < SIGHT && map.line_is_clear(from, point, grid.inflation());
         if in_sight || waypoint == grid.point(node)? {
             waypoint = point;
         }

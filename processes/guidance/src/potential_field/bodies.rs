@@ -6,6 +6,7 @@
 use nalgebra::{Point2, Vector2};
 
 use crate::map::PlannerMap;
+use crate::view::RobotView;
 
 /// A robot's body, to be driven round.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -14,6 +15,15 @@ pub struct Body {
     pub at: Point2<f64>,
     /// Its radius [m], ≥ 0.
     pub radius: f64,
+}
+
+impl From<&RobotView> for Body {
+    fn from(robot: &RobotView) -> Self {
+        Self {
+            at: robot.pose.position(),
+            radius: robot.radius,
+        }
+    }
 }
 
 /// Difference of clearance [m] that makes the left the better side.

@@ -5,35 +5,24 @@ use serde::{Deserialize, Serialize};
 
 use super::capped;
 use crate::map::{PlannerMap, cell_of};
-use crate::params::{ParamsError, finite, not_negative, positive};
+use crate::params::{Fidelity, ParamsError, not_negative};
 
-/// How the gradient of the blurred map is taken.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ObstacleGradient {
-    /// Of the plain blur, interpolated between cells: continuous, bounded, and still pointing out
-    /// of an obstacle from within it.
-    #[default]
-    Interpolated,
-    /// Of the blur that is set to 0 in obstacles, constant within a cell (the paper's
-    /// experiments): jumps from cell to cell, and near a wall grows with the map's resolution.
-    MaskedCells,
-}
+/// Velocity per gradient [m²/s]; in the paper's experiments the field speed 2 times the gradient gain
+/// 2.2.
+const GAIN: f64 = 4.4;
+
+/// Greatest magnitude of the push [m/s].
+const MAX_SPEED: f64 = 6.0;
 
 /// Parameters of the obstacle field.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ObstacleParams {
-    /// How the gradient is taken.
-    pub gradient: ObstacleGradient,
-    /// Velocity per gradient [m²/s], ≥ 0.
-    pub gain: f64,
-    /// Greatest magnitude [m/s], > 0.
-    pub max_speed: f64,
-    /// Part of the push that is turned by a quarter, so that a robot that a straight goal pulls
-    /// against a wall drifts along the wall until it is past it. Positive values turn
-    /// counter-clockwise; 0 for none (the paper).
-    pub vortex: f64,
+    /// [`Fidelity::Ours`]: the gradient of the plain blur, interpolated between cells; continuous,
+    /// bounded, and still pointing out of an obstacle from within it. [`Fidelity::Published`]: that of
+    /// the blur that is set to 0 in obstacles, constant within a cell; jumps from cell to cell, and
+    /// near a wall grows with the map's resolution.
+    pub fidelity: Fidelity,
     /// When the clearance beyond the robot's radius falls below this [m], the part of the summed
     /// field that points at the obstacle is taken away; 0 for never (the paper).
     pub guard: f64,
@@ -42,23 +31,17 @@ pub struct ObstacleParams {
 impl Default for ObstacleParams {
     fn default() -> Self {
         Self {
-            gradient: ObstacleGradient::Interpolated,
-            gain: 4.4,
-            max_speed: 6.0,
-            vortex: 0.0,
+            fidelity: Fidelity::Ours,
             guard: 0.1,
         }
     }
 }
 
 impl ObstacleParams {
-    /// The values of the chasing-game paper's experiments: field speed 2 times gradient gain 2.2.
+    /// The values of the chasing-game paper's experiments.
     pub fn paper() -> Self {
         Self {
-            gradient: ObstacleGradient::MaskedCells,
-            gain: 4.4,
-            max_speed: 1.0e3,
-            vortex: 0.0,
+            fidelity: Fidelity::Published,
             guard: 0.0,
         }
     }
@@ -68,24 +51,16 @@ impl ObstacleParams {
     /// # Errors
     /// [`ParamsError`] naming the first field that is out of range.
     pub fn validate(&self) -> Result<(), ParamsError> {
-        not_negative("gain", self.gain)?;
-        positive("max_speed", self.max_speed)?;
-        finite("vortex", self.vortex)?;
         not_negative("guard", self.guard)
     }
 }
 
 /// The push of the obstacles at a point [m/s]; zero outside the map.
-pub fn obstacle(map: &PlannerMap, at: Point2<f64>, params: &ObstacleParams) -> Vector2<f64> {
-    let gradient = match params.gradient {
-        ObstacleGradient::Interpolated => map.blurred().gradient(at),
-        ObstacleGradient::MaskedCells => masked_cell_gradient(map, at),
-    };
-    let push = gradient * params.gain;
-    capped(
-        push + Vector2::new(-push.y, push.x) * params.vortex,
-        params.max_speed,
-    )
+pub fn obstacle(map: &PlannerMap, at: Point2<f64>, fidelity: Fidelity) -> Vector2<f64> {
+    match fidelity {
+        Fidelity::Ours => capped(map.blurred().gradient(at) * GAIN, MAX_SPEED),
+        Fidelity::Published => masked_cell_gradient(map, at) * GAIN,
+    }
 }
 
 /// The field without the part that would drive a robot of this radius [m] at `at` into a wall it is

@@ -6,7 +6,10 @@ use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 use sim_backend::math;
 
-use crate::params::{ParamsError, not_negative, positive};
+use crate::params::{ParamsError, not_negative};
+
+/// Time of one turn [s].
+const PERIOD: f64 = 7.0;
 
 /// Parameters of the time-variant perturbation (chasing-game paper, §I-C: fields are made
 /// time-variant to get out of local minima; how is not said).
@@ -15,26 +18,18 @@ use crate::params::{ParamsError, not_negative, positive};
 pub struct PerturbationParams {
     /// Magnitude of the rotating push [m/s]; 0 for none.
     pub amplitude: f64,
-    /// Time of one turn [s], > 0.
-    pub period: f64,
 }
 
 impl Default for PerturbationParams {
     fn default() -> Self {
-        Self {
-            amplitude: 0.1,
-            period: 7.0,
-        }
+        Self { amplitude: 0.1 }
     }
 }
 
 impl PerturbationParams {
     /// The experiments of the chasing-game paper: nothing that varies with time was found there.
     pub fn paper() -> Self {
-        Self {
-            amplitude: 0.0,
-            period: 7.0,
-        }
+        Self { amplitude: 0.0 }
     }
 
     /// Checks every field.
@@ -42,8 +37,7 @@ impl PerturbationParams {
     /// # Errors
     /// [`ParamsError`] naming the first field that is out of range.
     pub fn validate(&self) -> Result<(), ParamsError> {
-        not_negative("amplitude", self.amplitude)?;
-        positive("period", self.period)
+        not_negative("amplitude", self.amplitude)
     }
 }
 
@@ -67,13 +61,13 @@ impl Perturbation {
         }
     }
 
-    /// The push at a time [s]: `amplitude` in a direction that turns once per `period`. Zero at a
+    /// The push at a time [s]: `amplitude` in a direction that turns slowly. Zero at a
     /// time that is not finite.
     pub fn at(&self, time_s: f64) -> Vector2<f64> {
         if self.params.amplitude == 0.0 || !time_s.is_finite() {
             return Vector2::zeros();
         }
-        let turns = time_s / self.params.period;
+        let turns = time_s / PERIOD;
         let (sin, cos) = math::sincos(TAU * (turns - turns.floor()) + self.phase);
         Vector2::new(cos, sin) * self.params.amplitude
     }
@@ -85,21 +79,16 @@ mod tests {
 
     #[test]
     fn the_push_turns_and_averages_out() {
-        let push = Perturbation::new(
-            PerturbationParams {
-                amplitude: 0.5,
-                period: 4.0,
-            },
-            3,
-        );
+        let push = Perturbation::new(PerturbationParams { amplitude: 0.5 }, 3);
+        let quarter = 0.25 * PERIOD;
         let mut sum = Vector2::zeros();
-        for quarter in 0..4 {
-            let now = push.at(f64::from(quarter));
+        for turn in 0..4 {
+            let now = push.at(f64::from(turn) * quarter);
             assert!((now.norm() - 0.5).abs() < 1e-12);
             sum += now;
         }
         assert!(sum.norm() < 1e-12);
-        assert!((push.at(1.0).dot(&push.at(0.0))).abs() < 1e-12);
+        assert!((push.at(quarter).dot(&push.at(0.0))).abs() < 1e-12);
     }
 
     #[test]

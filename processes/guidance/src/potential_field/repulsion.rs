@@ -5,7 +5,14 @@ use serde::{Deserialize, Serialize};
 use sim_backend::math;
 
 use crate::bearing::Bearings;
-use crate::params::{ParamsError, finite, positive};
+use crate::params::{Fidelity, ParamsError, positive};
+
+/// Most that one repulsor's weight is multiplied with when very close.
+const NEAR_GAIN: f64 = 8.0;
+
+/// Sideways part of the push, as a fraction: the robot swirls past (clockwise) instead of running
+/// straight away.
+const SWIRL: f64 = 0.1;
 
 /// A point that repels.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,7 +27,7 @@ pub struct Repulsor {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Falloff {
-    /// (`reach`/d)², at most `near_gain`: strong close by, a quarter at twice the reach.
+    /// (`reach`/d)², at most 8: strong close by, a quarter at twice the reach.
     #[default]
     InverseSquare,
     /// 1 up to `reach`, then 1/(d − `reach` + 1) (the paper's): four pursuers anywhere within
@@ -36,16 +43,11 @@ pub struct RepulsionParams {
     pub falloff: Falloff,
     /// The distance the fall-off is measured in [m], > 0.
     pub reach: f64,
-    /// Most that one repulsor's weight is multiplied with when very close (inverse square only).
-    pub near_gain: f64,
-    /// Sideways part of the push, as a fraction: the robot swirls past (clockwise for positive
-    /// values) instead of running straight away.
-    pub swirl: f64,
     /// Magnitude that the sum approaches but never exceeds [m/s], > 0.
     pub speed: f64,
-    /// Multiplies the sum once more with the mean weight of the repulsors, as the paper's
-    /// experiments did: weights then count twice, and adding a weak repulsor weakens the others.
-    pub weigh_twice: bool,
+    /// [`Fidelity::Published`] multiplies the sum once more with the mean weight of the repulsors:
+    /// weights then count twice, and adding a weak repulsor weakens the others.
+    pub fidelity: Fidelity,
 }
 
 impl Default for RepulsionParams {
@@ -53,10 +55,8 @@ impl Default for RepulsionParams {
         Self {
             falloff: Falloff::InverseSquare,
             reach: 1.0,
-            near_gain: 8.0,
-            swirl: 0.1,
             speed: 2.0,
-            weigh_twice: false,
+            fidelity: Fidelity::Ours,
         }
     }
 }
@@ -67,10 +67,8 @@ impl RepulsionParams {
         Self {
             falloff: Falloff::Plateau,
             reach: 5.0,
-            near_gain: 1.0,
-            swirl: 0.1,
             speed: 2.0,
-            weigh_twice: true,
+            fidelity: Fidelity::Published,
         }
     }
 
@@ -80,8 +78,6 @@ impl RepulsionParams {
     /// [`ParamsError`] naming the first field that is out of range.
     pub fn validate(&self) -> Result<(), ParamsError> {
         positive("reach", self.reach)?;
-        positive("near_gain", self.near_gain)?;
-        finite("swirl", self.swirl)?;
         positive("speed", self.speed)
     }
 
@@ -90,7 +86,7 @@ impl RepulsionParams {
         match self.falloff {
             Falloff::InverseSquare => {
                 let ratio = self.reach / distance;
-                (ratio * ratio).min(self.near_gain)
+                (ratio * ratio).min(NEAR_GAIN)
             }
             Falloff::Plateau => 1.0 / (distance - self.reach + 1.0).max(1.0),
         }
@@ -99,7 +95,7 @@ impl RepulsionParams {
 
 /// The repulsion of several points at a point [m/s].
 ///
-/// Every repulsor pushes away along its bearing, turned a little by `swirl`, with its weight and the
+/// Every repulsor pushes away along its bearing, turned a little to the side, with its weight and the
 /// strength of its distance; the sum saturates at `speed` with a tanh. Repulsors closer than 1 mm
 /// have no direction and do not count, nor do those whose numbers cannot be used.
 pub fn repulsion(
@@ -118,8 +114,7 @@ pub fn repulsion(
             continue;
         };
         let away = -bearing.direction;
-        let turned =
-            (away + Vector2::new(away.y, -away.x) * params.swirl) / (1.0 + params.swirl.abs());
+        let turned = (away + Vector2::new(away.y, -away.x) * SWIRL) / (1.0 + SWIRL);
         push += turned * (repulsor.weight * params.strength(bearing.distance));
         total += repulsor.weight;
         count += 1;
@@ -129,7 +124,7 @@ pub fn repulsion(
         return Vector2::zeros();
     }
     let mut magnitude = params.speed * math::tanh(norm / params.speed);
-    if params.weigh_twice {
+    if params.fidelity.is_published() {
         magnitude *= total / f64::from(count);
     }
     push * (magnitude / norm)
@@ -169,9 +164,9 @@ mod tests {
     }
 
     #[test]
-    fn weights_count_once_unless_told_otherwise() {
+    fn weights_count_twice_in_the_published_program_only() {
         let once = RepulsionParams {
-            weigh_twice: false,
+            fidelity: Fidelity::Ours,
             ..RepulsionParams::paper()
         };
         let twice = RepulsionParams::paper();

@@ -5,7 +5,7 @@ use nalgebra::{Point2, Vector2};
 use super::run::{Run, Side};
 use super::surroundings::{DIRECTIONS, Surroundings};
 use super::trail::Trail;
-use super::{Sight, TangentBugParams};
+use super::{JUMP, LEAVE_MARGIN, Sight};
 
 /// A robot that moved less than this since it decided on a direction [m] turns on the spot.
 const STILL: f64 = 5e-3;
@@ -80,7 +80,6 @@ impl Follow {
         &mut self,
         view: &Surroundings,
         sight: &Sight,
-        params: &TangentBugParams,
         grown: f64,
         may_trust: bool,
     ) -> Following {
@@ -88,13 +87,13 @@ impl Follow {
             return Following::Lost;
         };
         // Where boundary is all there is to see, the way on may hide behind a smaller jump.
-        let Some(run) = Run::around(view, at, params.jump) else {
+        let Some(run) = Run::around(view, at, JUMP) else {
             return Following::Lost;
         };
         let finer = || {
             FINER
                 .iter()
-                .find_map(|part| Run::around(view, at, part * params.jump)?.end(view, self.side))
+                .find_map(|part| Run::around(view, at, part * JUMP)?.end(view, self.side))
         };
         let gap = run.end(view, self.side).or_else(finer);
         let run = match gap {
@@ -111,11 +110,11 @@ impl Follow {
             return Following::Leave(sight.goal);
         }
         let (reach, point) = Self::reach(view, sight, &run);
-        if reach < self.least - params.leave_margin {
+        if reach < self.least - LEAVE_MARGIN {
             return Following::Leave(point);
         }
         if gap.is_none() {
-            let unit = self.turning_to(view, sight, params).or_else(|| {
+            let unit = self.turning_to(view, sight).or_else(|| {
                 let end = run.end(view, self.side)?;
                 self.decided = Some((view.here, end.unit));
                 Some(end.unit)
@@ -126,7 +125,7 @@ impl Follow {
         let Some(end) = gap else {
             return Following::Lost;
         };
-        if let Some(unit) = self.turning_to(view, sight, params) {
+        if let Some(unit) = self.turning_to(view, sight) {
             return Following::Along(view.here + unit * view.free_towards(unit));
         }
         self.decided = Some((view.here, end.unit));
@@ -138,14 +137,9 @@ impl Follow {
 
     /// The direction decided on before, while the robot still turns to it on the spot: turning
     /// moves the beams, and a robot that changes its mind for that never moves off.
-    fn turning_to(
-        &self,
-        view: &Surroundings,
-        sight: &Sight,
-        params: &TangentBugParams,
-    ) -> Option<Vector2<f64>> {
+    fn turning_to(&self, view: &Surroundings, sight: &Sight) -> Option<Vector2<f64>> {
         let (at, unit) = self.decided?;
-        (is_turning(view, sight, at, unit) && view.free_towards(unit) > params.jump).then_some(unit)
+        (is_turning(view, sight, at, unit) && view.free_towards(unit) > JUMP).then_some(unit)
     }
 
     /// A direction that ends at the boundary followed so far.

@@ -5,7 +5,7 @@
 //! discontinuity Oᵢ of its scan over which the way d(x, Oᵢ) + d(Oᵢ, goal) is shortest, as long as
 //! that brings it nearer to the goal. At a local minimum of the distance it follows the boundary on
 //! one side and remembers `d_followed`, the least distance from the goal of the boundary it saw; it
-//! leaves for a visible free point that is nearer by `leave_margin` (`d_reach` < `d_followed`). When
+//! leaves for a visible free point that is nearer by a margin (`d_reach` < `d_followed`). When
 //! it has been all around without leaving, no way leads to the goal.
 //!
 //! The robot is a disc: echoes are grown by its radius and a margin, and the algorithm works with a
@@ -20,7 +20,6 @@ mod surroundings;
 mod trail;
 
 use nalgebra::{Point2, Vector2};
-use serde::{Deserialize, Serialize};
 use sim_backend::pose::Pose2;
 
 use crate::params::{ParamsError, positive};
@@ -43,43 +42,15 @@ const SIDE_HOLD: f64 = 1.5;
 /// Changes of mode within one look: towards the goal, to the boundary, away from it, once each.
 const MOST_CHANGES: usize = 4;
 
-/// Parameters of [`TangentBug`].
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct TangentBugParams {
-    /// Kept free between the robot's edge and obstacles [m], > 0. It covers what the drive strays
-    /// from the advice and what the sensor errs; passages narrower than the robot and twice this
-    /// count as closed.
-    pub margin: f64,
-    /// Jump of the free distance between neighbouring directions at which a piece of boundary ends
-    /// [m], > 0. Gaps between obstacles that are hidden behind less are not looked into.
-    pub jump: f64,
-    /// How much nearer to the goal than all boundary seen a free point must be before the boundary
-    /// is left for it [m], > 0.
-    pub leave_margin: f64,
-}
-
-impl Default for TangentBugParams {
-    fn default() -> Self {
-        Self {
-            margin: 0.05,
-            jump: 0.06,
-            leave_margin: 0.03,
-        }
-    }
-}
-
-impl TangentBugParams {
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// [`ParamsError`] naming the first field that is out of range.
-    pub fn validate(&self) -> Result<(), ParamsError> {
-        positive("margin", self.margin)?;
-        positive("jump", self.jump)?;
-        positive("leave_margin", self.leave_margin)
-    }
-}
+/// Kept free between the robot's edge and obstacles [m]. It covers what the drive strays from the advice
+/// and what the sensor errs; passages narrower than the robot and twice this count as closed.
+pub const MARGIN: f64 = 0.05;
+/// Jump of the free distance between neighbouring directions at which a piece of boundary ends [m]. Gaps
+/// between obstacles that are hidden behind less are not looked into.
+const JUMP: f64 = 0.06;
+/// How much nearer to the goal than all boundary seen a free point must be before the boundary is left
+/// for it [m].
+const LEAVE_MARGIN: f64 = 0.03;
 
 /// What the robot is doing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -134,7 +105,6 @@ enum Change {
 /// Leads a disc robot to one goal after the other.
 #[derive(Debug, Clone)]
 pub struct TangentBug {
-    params: TangentBugParams,
     /// Radius that obstacles are grown by [m].
     grown: f64,
     goal: Option<Point2<f64>>,
@@ -150,13 +120,11 @@ impl TangentBug {
     /// For a robot of this radius [m], > 0.
     ///
     /// # Errors
-    /// [`ParamsError`] naming the parameter that is out of range.
-    pub fn new(params: TangentBugParams, radius: f64) -> Result<Self, ParamsError> {
-        params.validate()?;
+    /// [`ParamsError`] for a radius that is out of range.
+    pub fn new(radius: f64) -> Result<Self, ParamsError> {
         positive("radius", radius)?;
         Ok(Self {
-            params,
-            grown: radius + params.margin,
+            grown: radius + MARGIN,
             goal: None,
             state: State::ToGoal { side: None },
             enclosed: 0,
@@ -200,7 +168,7 @@ impl TangentBug {
             self.reset();
             self.goal = Some(goal);
         }
-        let margin = self.params.margin;
+        let margin = MARGIN;
         self.view.look(pose, scan, self.grown - margin, margin);
         let sight = Sight::new(&self.view, pose, goal, tolerance.max(0.0));
         for _ in 0..MOST_CHANGES {
@@ -230,7 +198,7 @@ impl TangentBug {
 
     /// Motion to the goal.
     fn approach(&mut self, side: Option<Side>, sight: &Sight) -> Change {
-        let blocking = sight.blocking(&self.view, self.params.jump);
+        let blocking = sight.blocking(&self.view, JUMP);
         let Some(run) = blocking.filter(|_| !sight.is_open) else {
             self.enclosed = 0;
             self.state = State::ToGoal { side: None };
@@ -282,7 +250,7 @@ impl TangentBug {
     /// Boundary following.
     fn follow(&mut self, mut follow: Follow, sight: &Sight) -> Change {
         let may_trust = self.may_trust();
-        match follow.step(&self.view, sight, &self.params, self.grown, may_trust) {
+        match follow.step(&self.view, sight, self.grown, may_trust) {
             Following::Lost => Change::To(State::ToGoal { side: None }),
             Following::Leave(point) => Change::To(State::Leaving {
                 point,
@@ -309,9 +277,9 @@ impl TangentBug {
     ) -> Change {
         let to = point - self.view.here;
         let left = to.norm();
-        let nearer = sight.distance < follow.least() - 0.5 * self.params.leave_margin;
+        let nearer = sight.distance < follow.least() - 0.5 * LEAVE_MARGIN;
         let is_trusted = sight.is_reachable && self.may_trust();
-        if nearer || left < 0.25 * self.params.leave_margin || is_trusted {
+        if nearer || left < 0.25 * LEAVE_MARGIN || is_trusted {
             self.sightings += u32::from(!nearer);
             return Change::To(State::ToGoal {
                 side: Some(follow.side()),
@@ -319,8 +287,8 @@ impl TangentBug {
         }
         let free = self.view.free_towards(to / left);
         // Turning on the spot moves the beams: what they say is believed when it has turned.
-        let turning = is_turning(&self.view, sight, from, to / left) && free > self.params.jump;
-        if !turning && free + self.params.jump < left.min(self.view.reach) {
+        let turning = is_turning(&self.view, sight, from, to / left) && free > JUMP;
+        if !turning && free + JUMP < left.min(self.view.reach) {
             // Something has come between: on along the boundary.
             return Change::To(State::Following(follow));
         }

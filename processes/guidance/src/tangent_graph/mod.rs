@@ -197,14 +197,6 @@ impl TangentGraph {
         self.inner.graph.vertices.len()
     }
 
-    /// Finds beforehand what is otherwise found when the first question comes from a part of the
-    /// map: which corners may be seen from there. For those who measure, or answer in real time.
-    pub fn prepare(&self) {
-        self.inner
-            .near
-            .prepare(&self.inner.space, &self.inner.graph);
-    }
-
     /// The shortest path between two points [m]; `None` if there is none, if either is deeper
     /// inside a grown piece than [`PUSH_OUT`], or not finite.
     pub fn shortest(&self, from: Point2<f64>, to: Point2<f64>) -> Option<ShortestPath> {

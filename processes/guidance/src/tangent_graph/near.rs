@@ -76,16 +76,6 @@ impl Near {
         })
     }
 
-    /// Fills all lists at once, so that no question has to.
-    pub fn prepare(&self, space: &FreeSpace, graph: &Graph) {
-        for row in 0..self.height {
-            for col in 0..self.width {
-                let middle = Vector2::new(col as f64 + 0.5, row as f64 + 0.5) * self.side;
-                self.sites(space, graph, self.origin + middle);
-            }
-        }
-    }
-
     /// The tangents from a point to tracks; free ones are among them, others too.
     pub fn joins(&self, space: &FreeSpace, graph: &Graph, p: Point2<f64>, found: &mut Vec<Join>) {
         found.clear();

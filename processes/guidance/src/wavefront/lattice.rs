@@ -34,7 +34,7 @@ pub struct Lattice {
 
 impl Lattice {
     /// The lattice for a robot of this radius [m] at this pitch [m], rounded to whole cells of the
-    /// map (at least one). For `sight` [m] see [`WaveParams::sight`](super::WaveParams::sight).
+    /// map (at least one). For `sight` [m] see [`SIGHT`](super::SIGHT).
     pub fn new(map: &PlannerMap, pitch: f64, radius: f64, sight: f64) -> Self {
         let fine = &map.clearance_grid().frame;
         // A pitch that is not a number becomes one cell.

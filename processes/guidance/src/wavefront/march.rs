@@ -1,54 +1,15 @@
 //! Fast marching.
 
-use serde::{Deserialize, Serialize};
-
 use super::lattice::{Lattice, NONE};
 use super::queue::Queue;
 use super::seed::{Seed, Source, collect};
 use crate::map::PlannerMap;
-use crate::params::{ParamsError, not_negative};
-
-/// How exactly a wave is computed.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct WaveParams {
-    /// Distance from a source within which times are computed along straight lines instead of by
-    /// differences [m], ≥ 0.
-    pub exact_radius: f64,
-    /// The same around corners that the wave turns round [m], ≥ 0. Should be longer than the edges
-    /// of usual obstacles, so that from a corner the next one is seen.
-    pub sight: f64,
-    /// Whether differences are of second order: several times more accurate, a third slower.
-    pub second_order: bool,
-}
-
-impl Default for WaveParams {
-    fn default() -> Self {
-        Self {
-            exact_radius: 1.0,
-            sight: 3.0,
-            second_order: true,
-        }
-    }
-}
-
-impl WaveParams {
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// [`ParamsError`] naming the first field that is out of range.
-    pub fn validate(&self) -> Result<(), ParamsError> {
-        not_negative("exact_radius", self.exact_radius)?;
-        not_negative("sight", self.sight)
-    }
-}
 
 /// Arrival times of the earliest of several sources at every node of a [`Lattice`].
 ///
 /// Keeps its memory from one wave to the next. Equal times go to the source that was named first.
 #[derive(Debug, Clone, Default)]
 pub struct Wave {
-    params: WaveParams,
     nodes: usize,
     /// Times of nodes and bends that are decided, infinite for others and for nowhere.
     times: Vec<f32>,
@@ -66,14 +27,6 @@ pub struct Wave {
 }
 
 impl Wave {
-    /// A wave that has not been anywhere.
-    pub fn new(params: WaveParams) -> Self {
-        Self {
-            params,
-            ..Self::default()
-        }
-    }
-
     /// Sends a wave from these sources over the whole lattice; sources with numbers out of range
     /// are left out.
     ///
@@ -105,7 +58,7 @@ impl Wave {
             let speed = self.speeds[group];
             self.seeds.clear();
             for source in sane().filter(|source| source.speed == speed) {
-                collect(lattice, map, source, &self.params, &mut self.seeds);
+                collect(lattice, map, source, &mut self.seeds);
             }
             self.march(lattice, speed, limit);
             if self.speeds.len() > 1 {
@@ -274,7 +227,6 @@ impl Wave {
     /// Solves Σ w(T − t)² = step² over both axes, where t and w are a neighbour's time and 1, or of
     /// second order (4t₁ − t₂)/3 and 9/4 (Sethian 1999, §8.3).
     fn arrival(&self, lattice: &Lattice, node: usize, step: f32) -> (f32, usize) {
-        let second = self.params.second_order;
         let beside = lattice.neighbours(node);
         let axis = |forth: usize, back: usize| {
             let (a, b) = (
@@ -283,7 +235,7 @@ impl Wave {
             );
             let (time, to) = if a < b { (a, forth) } else { (b, back) };
             let neighbour = beside[to] as usize;
-            if second && time.is_finite() {
+            if time.is_finite() {
                 let behind = self.times[lattice.neighbours(neighbour)[to] as usize];
                 if behind <= time {
                     return (time, (4.0 * time - behind) / 3.0, 2.25, neighbour);

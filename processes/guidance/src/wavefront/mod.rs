@@ -9,7 +9,7 @@
 //! differences are worst.
 //!
 //! Robots are points that move freely at their top speed here: turning takes no time. Distances in
-//! the open are exact up to [`WaveParams::exact_radius`]; the errors beyond it and in the city are
+//! the open are exact up to 1 m; the errors beyond it and in the city are
 //! asserted in `tests/wavefront.rs`.
 
 mod bends;
@@ -20,5 +20,5 @@ mod seed;
 mod way;
 
 pub use lattice::Lattice;
-pub use march::{Wave, WaveParams};
-pub use seed::Source;
+pub use march::Wave;
+pub use seed::{SIGHT, Source};

@@ -3,7 +3,6 @@
 use nalgebra::Point2;
 
 use super::lattice::Lattice;
-use super::march::WaveParams;
 use crate::map::PlannerMap;
 
 /// How far from a source [m] a free cell is looked for if none can be seen from it.
@@ -57,6 +56,14 @@ impl Source {
     }
 }
 
+/// Distance from a source within which times are computed along straight lines instead of by differences
+/// [m].
+const EXACT_RADIUS: f64 = 1.0;
+
+/// The same around corners that the wave turns round [m]: longer than the edges of usual obstacles, so
+/// that from a corner the next one is seen.
+pub const SIGHT: f64 = 3.0;
+
 /// A node or bend whose time is known without a wave.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Seed {
@@ -69,13 +76,7 @@ pub(super) struct Seed {
 
 /// Collects the nodes and bends that a source sees near it; if there is none, the nearest free
 /// cell.
-pub(super) fn collect(
-    lattice: &Lattice,
-    map: &PlannerMap,
-    source: &Source,
-    params: &WaveParams,
-    seeds: &mut Vec<Seed>,
-) {
+pub(super) fn collect(lattice: &Lattice, map: &PlannerMap, source: &Source, seeds: &mut Vec<Seed>) {
     let pitch = lattice.pitch();
     // A robot that touches a wall may stand in a cell whose centre is too near to it. One that is in
     // a wall sees nothing.
@@ -105,18 +106,14 @@ pub(super) fn collect(
             add(node, distance, back.filter(|_| distance > 1.5 * pitch));
         }
     };
-    lattice.for_each_within(
-        source.at,
-        source.reach + params.exact_radius,
-        |node, distance| {
-            if let Some(point) = lattice.point(node) {
-                see(node, point, distance);
-            }
-        },
-    );
+    lattice.for_each_within(source.at, source.reach + EXACT_RADIUS, |node, distance| {
+        if let Some(point) = lattice.point(node) {
+            see(node, point, distance);
+        }
+    });
     for (bend, &point) in lattice.bends().points().iter().enumerate() {
         let distance = (point - source.at).norm();
-        if distance <= source.reach + params.sight {
+        if distance <= source.reach + SIGHT {
             see(lattice.len() + bend, point, distance);
         }
     }

@@ -10,6 +10,7 @@ use sim_backend::pose::{Pose2, Twist2};
 
 use super::DriverParams;
 use crate::go_to::coast;
+use crate::tangent_bug;
 
 /// Parts of the commanded speed tried, one after the other; then the robot turns on the spot.
 const SPEEDS: [f64; 9] = [1.0, 0.75, 0.55, 0.4, 0.28, 0.2, 0.14, 0.09, 0.05];
@@ -133,7 +134,7 @@ impl Guard<'_> {
 
     /// Half of the margin is kept: the other half is for straying from the way that was found clear.
     fn keep(&self) -> f64 {
-        self.radius + 0.5 * self.params.tangent_bug.margin
+        self.radius + 0.5 * tangent_bug::MARGIN
     }
 
     /// Whether the robot can follow a command for the reaction time and stop after that.

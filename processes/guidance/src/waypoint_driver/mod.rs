@@ -15,7 +15,7 @@ use nalgebra::{Point2, Vector2};
 use sim_backend::pose::{Pose2, Twist2};
 
 use guard::Guard;
-pub use params::DriverParams;
+pub use params::{DriverParams, LEAST_TIME_S};
 pub use time_model::{lap_time, time_without_obstacles};
 
 use crate::free_space::FreeSpace;
@@ -109,7 +109,7 @@ impl WaypointDriver {
             params,
             limits,
             radius,
-            bug: TangentBug::new(params.tangent_bug, radius)?,
+            bug: TangentBug::new(radius)?,
             leg: None,
             onward: None,
             before: None,
@@ -214,7 +214,7 @@ impl WaypointDriver {
         let go_to = &self.params.go_to;
         let expected = time_without_obstacles(&situation.pose, point, &self.limits, go_to)
             + self.params.ramps_s(&self.limits);
-        let allowed = (self.params.time_limit_factor * expected).max(self.params.least_time_s);
+        let allowed = (self.params.time_limit_factor * expected).max(LEAST_TIME_S);
         let leg = Leg {
             waypoint,
             started_s: time_s,

@@ -4,8 +4,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::go_to::GoToParams;
 use crate::limits::Limits;
-use crate::params::{ParamsError, not_negative, positive, require, within};
-use crate::tangent_bug::TangentBugParams;
+use crate::params::{ParamsError, positive, require, within};
+
+/// Least time allowed for a waypoint [s].
+pub const LEAST_TIME_S: f64 = 1.0;
 
 /// Parameters of a [`WaypointDriver`](super::WaypointDriver).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -13,13 +15,9 @@ use crate::tangent_bug::TangentBugParams;
 pub struct DriverParams {
     /// How points are driven to; `go_to.arrived` is the tolerance of a waypoint.
     pub go_to: GoToParams,
-    /// How obstacles are gone around, with a range sensor.
-    pub tangent_bug: TangentBugParams,
     /// Time allowed for a waypoint, as a multiple of what it takes without obstacles, > 0. The
     /// cat-map patrol paper (§3) suggests 2.
     pub time_limit_factor: f64,
-    /// Least time allowed for a waypoint [s], ≥ 0.
-    pub least_time_s: f64,
     /// Time from a scan to the moment its command can stop the robot [s], > 0; with a scan, the
     /// robot goes no faster than that it stays clear of what it sees for so long.
     pub reaction_s: f64,
@@ -39,9 +37,7 @@ impl Default for DriverParams {
     fn default() -> Self {
         Self {
             go_to: GoToParams::default(),
-            tangent_bug: TangentBugParams::default(),
             time_limit_factor: 2.0,
-            least_time_s: 1.0,
             reaction_s: 0.15,
             braking: None,
             angular_acceleration: None,
@@ -76,9 +72,7 @@ impl DriverParams {
     /// [`ParamsError`] with the path of the first field that is out of range.
     pub fn validate(&self) -> Result<(), ParamsError> {
         self.go_to.validate().map_err(within("go_to"))?;
-        self.tangent_bug.validate().map_err(within("tangent_bug"))?;
         positive("time_limit_factor", self.time_limit_factor)?;
-        not_negative("least_time_s", self.least_time_s)?;
         require(
             self.reaction_s.is_finite() && self.reaction_s > 0.0,
             "reaction_s",

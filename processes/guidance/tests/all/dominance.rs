@@ -45,7 +45,7 @@ fn assess(
     evaders: &[Runner],
     capture: f64,
 ) -> (Vec<Verdict>, Dominance) {
-    let mut dominance = Dominance::new(DominanceParams::default());
+    let mut dominance = Dominance::default();
     let verdicts = dominance
         .assess(&place.0, &place.1, police, evaders, capture)
         .to_vec();
@@ -167,7 +167,7 @@ fn in_the_city_pursuers_decide_by_how_far_they_are_from_the_exit() {
 #[test]
 fn without_an_exit_there_is_no_escape() {
     let arena = Arena::new(&CITY.0, &DominanceParams::default(), RADIUS, &[]);
-    let mut dominance = Dominance::new(DominanceParams::default());
+    let mut dominance = Dominance::default();
     let verdict = dominance.assess(&CITY.0, &arena, &[], &[runner(1.5, 1.5, 0.5)], 0.3)[0];
     assert!(!verdict.escape_possible && verdict.exit.is_none());
     assert_eq!(verdict.margin, f64::NEG_INFINITY);
@@ -176,7 +176,7 @@ fn without_an_exit_there_is_no_escape() {
 
 #[test]
 fn nobody_dominates_what_nobody_reaches() {
-    let mut dominance = Dominance::new(DominanceParams::default());
+    let mut dominance = Dominance::default();
     dominance.assess(&CITY.0, &CITY.1, &[], &[], 0.3);
     let mut cells = Vec::new();
     dominance.cells(&CITY.0, &CITY.1, &[], &mut cells);

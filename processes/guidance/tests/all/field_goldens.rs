@@ -8,10 +8,10 @@ use guidance::bearing::Bearings;
 use guidance::feedback_linearisation::{FeedbackParams, command};
 use guidance::limits::Limits;
 use guidance::potential_field::{
-    AttractionParams, Goal, ObstacleGradient, ObstacleParams, RepulsionParams, Repulsor,
-    attraction, capped, obstacle, repulsion,
+    Goal, RepulsionParams, Repulsor, attraction, capped, obstacle, repulsion,
 };
 use nalgebra::{Point2, Vector2};
+use sim_backend::params::Fidelity;
 use sim_backend::pose::Pose2;
 
 const POLICE: [(f64, f64); 4] = [(7.5, 4.5), (7.5, 1.5), (7.5, -1.5), (7.5, -4.5)];
@@ -31,7 +31,7 @@ fn the_baddie_at_its_start() {
         at: Point2::new(9.0, 0.0),
         weight: 1.0,
     };
-    let goal = attraction(at, [exit], &Bearings::Straight, &AttractionParams::paper());
+    let goal = attraction(at, [exit], &Bearings::Straight);
     assert_near(goal, (1.747, -0.974), 1e-3);
     let others = POLICE
         .iter()
@@ -45,10 +45,7 @@ fn the_baddie_at_its_start() {
         }]);
     let avoid = repulsion(at, others, &Bearings::Straight, &RepulsionParams::paper());
     assert_near(avoid, (-0.570, 0.486), 2e-3);
-    let sum = capped(
-        goal + avoid + obstacle(&map, at, &ObstacleParams::paper()),
-        2.0,
-    );
+    let sum = capped(goal + avoid + obstacle(&map, at, Fidelity::Published), 2.0);
     assert_near(sum, (1.175, -0.920), 0.02);
     let got = command(
         sum,
@@ -73,7 +70,6 @@ fn the_first_police_at_its_start() {
             weight: 1.0,
         }],
         &Bearings::Straight,
-        &AttractionParams::paper(),
     );
     assert_near(goal, (-1.836, 0.793), 1e-3);
     // The paper's code repels a robot from its own centre too.
@@ -83,7 +79,7 @@ fn the_first_police_at_its_start() {
     });
     let scatter = repulsion(at, all, &Bearings::Straight, &RepulsionParams::paper());
     assert_near(scatter, (-0.181, 0.384), 2e-3);
-    let walls = obstacle(&map, at, &ObstacleParams::paper());
+    let walls = obstacle(&map, at, Fidelity::Published);
     assert_near(walls, (-0.434, -0.001), 0.02);
     let sum = capped(goal + scatter + walls, 2.0);
     assert_near(sum, (-1.803, 0.865), 0.01);
@@ -113,11 +109,8 @@ fn a_police_alone_is_pushed_forward_by_itself_in_the_papers_code() {
 #[test]
 fn the_gradient_of_the_blurred_city() {
     let map = Arena::city().paper_map();
-    // The published values carry the gain 2.2 that the code keeps in its gradient.
-    let params = ObstacleParams {
-        gain: 2.2,
-        ..ObstacleParams::paper()
-    };
+    // The published values carry the gain 2.2 that the code keeps in its gradient, without the field
+    // speed of 2.
     for (x, y, value, gradient) in [
         (4.5, 4.5, 0.9999, (-0.001, -0.001)),
         (4.5, 0.0, 0.9918, (-0.126, 0.0)),
@@ -126,7 +119,11 @@ fn the_gradient_of_the_blurred_city() {
         (1.1, 1.5, 0.9948, (0.068, -0.115)),
     ] {
         let at = Point2::new(x, y);
-        assert_near(obstacle(&map, at, &params), gradient, 0.012);
+        assert_near(
+            0.5 * obstacle(&map, at, Fidelity::Published),
+            gradient,
+            0.012,
+        );
         let cell = *map.blurred().grid().at(at).unwrap();
         assert!(
             (f64::from(cell) - value).abs() < 2e-3,
@@ -138,22 +135,24 @@ fn the_gradient_of_the_blurred_city() {
 #[test]
 fn the_masked_gradient_jumps_at_a_wall_and_ours_does_not() {
     let map = Arena::city().map();
-    let ours = ObstacleParams::default();
-    let masked = ObstacleParams {
-        gradient: ObstacleGradient::MaskedCells,
-        max_speed: 1e3,
-        ..ObstacleParams::default()
-    };
-    let largest_jump = |params: &ObstacleParams| {
-        let mut last = obstacle(&map, Point2::new(1.5, 0.0), params);
+    let largest_jump = |fidelity| {
+        let mut last = obstacle(&map, Point2::new(1.5, 0.0), fidelity);
         let mut jump: f64 = 0.0;
         for step in 1..500 {
-            let now = obstacle(&map, Point2::new(1.5 - f64::from(step) * 1e-3, 0.0), params);
+            let now = obstacle(
+                &map,
+                Point2::new(1.5 - f64::from(step) * 1e-3, 0.0),
+                fidelity,
+            );
             jump = jump.max((now - last).norm());
             last = now;
         }
         jump
     };
-    assert!(largest_jump(&ours) < 0.2, "{}", largest_jump(&ours));
-    assert!(largest_jump(&masked) > 5.0, "{}", largest_jump(&masked));
+    let (ours, masked) = (
+        largest_jump(Fidelity::Ours),
+        largest_jump(Fidelity::Published),
+    );
+    assert!(ours < 0.2, "{ours}");
+    assert!(masked > 5.0, "{masked}");
 }

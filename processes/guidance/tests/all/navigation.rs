@@ -3,14 +3,14 @@
 use crate::support::{Arena, EXIT, RADIUS};
 use guidance::bearing::Bearings;
 use guidance::map::PlannerMap;
-use guidance::navigation::{NavParams, Threat, Wayfinder};
+use guidance::navigation::{Threat, Wayfinder};
 use nalgebra::Point2;
 use proptest::prelude::*;
 use sim_backend::blur::BlurredMap;
 use sim_backend::grid::{Grid, GridFrame};
 
 fn wayfinder(map: &PlannerMap) -> Wayfinder {
-    let mut finder = Wayfinder::new(NavParams::default());
+    let mut finder = Wayfinder::default();
     finder.prepare(map, RADIUS);
     finder
 }

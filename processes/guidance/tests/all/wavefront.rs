@@ -4,7 +4,7 @@ use std::sync::LazyLock;
 
 use crate::support::{Arena, EXIT, RADIUS, open_ground};
 use guidance::map::PlannerMap;
-use guidance::wavefront::{Lattice, Source, Wave, WaveParams};
+use guidance::wavefront::{Lattice, SIGHT, Source, Wave};
 use nalgebra::Point2;
 use proptest::prelude::*;
 use sim_backend::grid::Grid;
@@ -13,19 +13,19 @@ const PITCH: f64 = 0.2;
 
 static CITY: LazyLock<(PlannerMap, Lattice)> = LazyLock::new(|| {
     let map = Arena::city().map();
-    let lattice = Lattice::new(&map, PITCH, RADIUS, WaveParams::default().sight);
+    let lattice = Lattice::new(&map, PITCH, RADIUS, SIGHT);
     (map, lattice)
 });
 
 /// A square without obstacles, 20 m wide.
 static OPEN: LazyLock<(PlannerMap, Lattice)> = LazyLock::new(|| {
     let map = open_ground();
-    let lattice = Lattice::new(&map, PITCH, RADIUS, WaveParams::default().sight);
+    let lattice = Lattice::new(&map, PITCH, RADIUS, SIGHT);
     (map, lattice)
 });
 
 fn spread(place: &(PlannerMap, Lattice), sources: &[Source]) -> Wave {
-    let mut wave = Wave::new(WaveParams::default());
+    let mut wave = Wave::default();
     wave.spread(&place.1, &place.0, sources, None);
     wave
 }
@@ -35,10 +35,10 @@ fn point(place: &(PlannerMap, Lattice), node: usize) -> Point2<f64> {
 }
 
 /// Largest and mean error relative to straight lines, over the nodes at least 1 m from the source.
-fn errors_in_the_open(params: WaveParams) -> (f64, f64) {
+fn errors_in_the_open() -> (f64, f64) {
     let (map, lattice) = &*OPEN;
     let at = Point2::new(-3.21, 1.03);
-    let mut wave = Wave::new(params);
+    let mut wave = Wave::default();
     wave.spread(lattice, map, &[Source::new(at, 0.5, 0)], None);
     let (mut worst, mut sum, mut count) = (0.0_f64, 0.0, 0.0);
     for node in 0..lattice.len() {
@@ -55,16 +55,9 @@ fn errors_in_the_open(params: WaveParams) -> (f64, f64) {
 
 #[test]
 fn in_the_open_times_are_those_of_straight_lines() {
-    let (worst, mean) = errors_in_the_open(WaveParams::default());
-    println!("second order: worst {worst:.5}, mean {mean:.5}");
+    let (worst, mean) = errors_in_the_open();
+    println!("worst {worst:.5}, mean {mean:.5}");
     assert!(worst < 0.01 && mean < 0.003, "{worst} {mean}");
-    let first = WaveParams {
-        second_order: false,
-        ..WaveParams::default()
-    };
-    let (worst_of_first, mean_of_first) = errors_in_the_open(first);
-    println!("first order: worst {worst_of_first:.5}, mean {mean_of_first:.5}");
-    assert!(worst_of_first > 2.0 * worst && mean_of_first > 2.0 * mean);
 }
 
 /// Lengths of shortest ways from (−4.5, 7.5) for a radius of 0.105 m, by Dijkstra on the visibility
@@ -162,7 +155,7 @@ fn a_limited_wave_is_strictly_earlier_everywhere_and_never_earlier_than_a_free_o
     let limit = spread(&CITY, &police);
     let evader = [Source::new(Point2::new(-4.5, 7.5), 0.9, 0)];
     let free = spread(&CITY, &evader);
-    let mut limited = Wave::new(WaveParams::default());
+    let mut limited = Wave::default();
     limited.spread(&CITY.1, &CITY.0, &evader, Some(&limit));
     let mut cut_off = 0;
     for node in 0..CITY.1.len() {
@@ -241,7 +234,7 @@ fn hostile_sources_and_maps_reach_nothing_and_do_not_panic() {
     for pitch in [f64::NAN, 0.0, -1.0, 1e300] {
         let lattice = Lattice::new(&solid, pitch, RADIUS, 3.0);
         assert!(lattice.is_empty());
-        let mut wave = Wave::new(WaveParams::default());
+        let mut wave = Wave::default();
         wave.spread(&lattice, &solid, &[Source::new(somewhere, 1.0, 0)], None);
         assert!(wave.times().is_empty());
     }
@@ -262,7 +255,7 @@ fn equal_waves_have_equal_bits_and_leave_nothing_behind() {
         Source::new(Point2::new(-4.5, 7.5), 0.3, 1),
     ];
     let once = spread(&CITY, &sources);
-    let mut again = Wave::new(WaveParams::default());
+    let mut again = Wave::default();
     again.spread(&OPEN.1, &OPEN.0, &sources, Some(&Wave::default()));
     again.spread(&CITY.1, &CITY.0, &sources, None);
     let bits = |wave: &Wave| wave.times().iter().map(|t| t.to_bits()).collect::<Vec<_>>();

@@ -116,8 +116,7 @@ impl Navigator {
         for _ in 0..ticks {
             match &mut follow {
                 Some(follow) => {
-                    let law = &self.params.tracking;
-                    let pace = follow.pace(law, &self.drive, &motion, stops, dt);
+                    let pace = follow.pace(&self.drive, &motion, stops, dt);
                     follow.advance(&self.drive, &mut motion, &pace, dt);
                 }
                 None => follow::stop(&self.drive, &mut motion, dt),

@@ -15,6 +15,10 @@ use crate::params::{AtPopup, NavigatorParams};
 use crate::traffic::Traffic;
 use crate::trajectory::Trajectory;
 
+/// Distance from a goal at which it is reached [m].
+const GOAL_TOLERANCE: f64 = 0.03;
+/// Time between two tries while there is no way [s].
+const RETRY_S: f64 = 1.0;
 /// What a plan that is not needed must gain to be taken [s].
 const GAIN: f64 = 1e-3;
 /// Ticks that are computed ahead at most: a start in the far future is the end of the plan.
@@ -196,7 +200,7 @@ impl Navigator {
         if matches!(reason, Unplanned::NoAnswer(_)) {
             // Asked again at once, on the way.
         } else if asked.stands {
-            self.not_before = time_s + self.params.retry_s;
+            self.not_before = time_s + RETRY_S;
             // Others may stand on the goal, or all around; they may also go.
             self.ignore_robots = asked.around_robots && !self.ignore_robots;
         } else {
@@ -217,9 +221,7 @@ impl Navigator {
             return standstill;
         };
         let model = *self.drive.model();
-        let yield_distance = self.params.yield_distance;
-        self.traffic
-            .update(view, &model, &self.models, yield_distance);
+        self.traffic.update(view, &model, &self.models);
         self.move_on(view.time_s);
         let motion = Motion {
             pose: own.pose,
@@ -232,8 +234,7 @@ impl Navigator {
         let stops = self.look_at_others(&motion, view);
         let (command, pace) = match &self.follow {
             Some(follow) => {
-                let law = &self.params.tracking;
-                let pace = follow.pace(law, &self.drive, &motion, &stops, view.dt);
+                let pace = follow.pace(&self.drive, &motion, &stops, view.dt);
                 (pace.command, Some(pace))
             }
             None => (Twist2::STOP, None),
@@ -294,12 +295,12 @@ impl Navigator {
         let is_last = self.goal + 1 == self.goals.len() && !self.params.repeat;
         let ahead = if is_last { 0.0 } else { self.ahead(dt) };
         let end = follow.trajectory.at(f64::INFINITY).0.position();
-        let leads_there = (end - goal).norm() <= self.params.goal_tolerance;
+        let leads_there = (end - goal).norm() <= GOAL_TOLERANCE;
         if !leads_there || follow.left() > ahead || follow.blocked.is_some() {
             return;
         }
         if is_last {
-            let near = (motion.pose.position() - goal).norm() <= self.params.goal_tolerance;
+            let near = (motion.pose.position() - goal).norm() <= GOAL_TOLERANCE;
             let stands = motion.twist.v.abs() < STANDING;
             if near && stands {
                 (self.goal, self.want, self.asked) = (self.goals.len(), None, None);

@@ -10,7 +10,7 @@ pub const MAX_POST_RADIUS: f64 = 5.0;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum GoalMethod {
-    /// Somewhat ahead of the target, see [`LookAheadParams`](super::LookAheadParams) (the paper's).
+    /// Somewhat ahead of the target, see [`crate::goals::look_ahead`] (the paper's).
     #[default]
     LookAhead,
     /// At the earliest place where this pursuer can meet the target: in its line of sight on the

@@ -135,10 +135,10 @@ fn the_papers_start_gives_the_papers_targets() {
 }
 
 #[test]
-fn all_pursuers_agree_on_a_balanced_interception() {
+fn all_pursuers_agree_on_a_balanced_matching() {
     let (_, map) = &*CITY;
     let mut params = exact();
-    params.assignment.method = AssignmentMethod::Interception;
+    params.assignment.method = AssignmentMethod::CutOff;
     let mut team: Vec<_> = (0..4)
         .map(|me| Pursuer::new(params, limits(), me).unwrap())
         .collect();
@@ -287,22 +287,19 @@ proptest! {
         tame in prop::collection::vec(-20.0_f64..20.0, 32),
         particles in prop::collection::vec(prop::array::uniform4(prop::num::f32::ANY), 0..20),
         wild in any::<u32>(),
-        options in any::<[bool; 7]>(),
+        options in any::<[bool; 6]>(),
     ) {
         let (_, map) = &*CITY;
         let mut params = if options[0] { PursuerParams::paper() } else { PursuerParams::default() };
         params.knowledge = if options[1] { Knowledge::Exact } else { Knowledge::Belief };
         params.assignment.knowledge = params.knowledge;
         if options[2] {
-            params.assignment.method = AssignmentMethod::Interception;
-        }
-        if options[4] {
             params.assignment.method = AssignmentMethod::CutOff;
         }
-        if options[5] {
+        if options[4] {
             params.goals.method = GoalMethod::Interception;
         }
-        params.roles.exit_guard = usize::from(options[6]);
+        params.roles.exit_guard = usize::from(options[5]);
         params.belief_goals = if options[3] { BeliefGoals::Particles } else { BeliefGoals::Mode };
         let mut pursuer = Pursuer::new(params, limits(), 1).unwrap();
         let pick = |i: usize| if wild >> i & 1 == 1 { numbers[i] } else { tame[i] };

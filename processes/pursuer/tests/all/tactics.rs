@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use crate::police::{CATCH, V_POLICE, exact, police, view};
 use crate::support::{CITY, DT, EXIT, Kinematic, RADIUS, street_starts};
 use guidance::limits::Limits;
-use guidance::navigation::{NavGrid, NavParams, Wayfinder};
+use guidance::navigation::{NavGrid, Wayfinder};
 use guidance::view::{BeliefView, ParticleView, RobotView, View};
 use nalgebra::Point2;
 use pursuer::cut_off::{Blocker, CutSearch, Fugitive};
@@ -55,7 +55,7 @@ struct Runner {
 impl Runner {
     fn new(from: Point2<f64>, speed: f64) -> Self {
         let map = &CITY.1;
-        let mut finder = Wayfinder::new(NavParams::default());
+        let mut finder = Wayfinder::default();
         finder.prepare(map, RADIUS);
         let mut way = Vec::new();
         let routes = finder.lengths(map, 0, from, [EXIT]).unwrap();
@@ -170,7 +170,7 @@ fn a_guard_is_the_pursuer_nearest_to_the_exit_and_stays_one() {
         .map(|(i, &y)| police(i, Pose2::new(7.5, y, 3.0)))
         .collect();
     robots.push(evader(4, Pose2::new(-4.5, 7.5, 0.0), 0.45));
-    let mut finder = Wayfinder::new(NavParams::default());
+    let mut finder = Wayfinder::default();
     finder.prepare(map, RADIUS);
     let mut guards = ExitGuards::new(RoleParams {
         exit_guard: 2,
@@ -200,7 +200,7 @@ fn every_pursuer_comes_to_the_same_guards_targets_and_places() {
         params.assignment.method = AssignmentMethod::CutOff;
         let choices: Vec<_> = (0..5)
             .map(|me| {
-                let mut finder = Wayfinder::new(NavParams::default());
+                let mut finder = Wayfinder::default();
                 finder.prepare(map, RADIUS);
                 let mut guards = ExitGuards::new(params.roles);
                 guards.choose(map, &mut finder, &view(1.0, me, &robots, &[]));
@@ -359,7 +359,7 @@ fn gets_out(grid: &NavGrid, from: Point2<f64>, places: &[Point2<f64>], radius: f
 #[test]
 fn the_places_of_a_cut_separate_the_target_from_the_exit() {
     let map = &CITY.1;
-    let mut finder = Wayfinder::new(NavParams::default());
+    let mut finder = Wayfinder::default();
     finder.prepare(map, RADIUS);
     let mut search = CutSearch::default();
     let starts = street_starts();
@@ -469,7 +469,7 @@ fn guards_spread_over_the_exits() {
         exits: &[EXIT, far_exit],
         ..view(1.0, 2, &robots, &[])
     };
-    let mut finder = Wayfinder::new(NavParams::default());
+    let mut finder = Wayfinder::default();
     finder.prepare(map, RADIUS);
     let mut guards = ExitGuards::new(RoleParams {
         exit_guard: 2,

@@ -149,7 +149,7 @@ impl Coverage {
         if sweepers.is_empty() {
             let given = format!("{:?}", spec.teams);
             let expected = "a team with robots in it";
-            return Err(ParamsError::new("coverage.teams", given, expected));
+            return Err(ParamsError::new("coverage.teams", &given, expected));
         }
         let frame = frame(spec, map)?;
         let mut coverage = Self {
@@ -395,7 +395,7 @@ fn frame(spec: &CoverageSpec, map: &WorldMap) -> Result<GridFrame, ParamsError> 
         let least = (size.x * size.y / MAX_CELLS).sqrt();
         return Err(ParamsError::new(
             "coverage.resolution",
-            resolution,
+            &resolution,
             format!("at least about {least:.3} m on this map: at most {MAX_CELLS} cells"),
         ));
     }

@@ -1,6 +1,6 @@
 //! A goal that comes into sight at every turn and is never reached.
 
-use guidance::tangent_bug::{Advice, Mode, TangentBug, TangentBugParams};
+use guidance::tangent_bug::{Advice, Mode, TangentBug};
 use guidance::view::ScanView;
 use nalgebra::Point2;
 use sim_backend::pose::Pose2;
@@ -18,7 +18,7 @@ fn walls(is_there: impl Fn(f64) -> bool) -> Vec<f32> {
 
 #[test]
 fn a_goal_that_is_in_sight_now_and_then_is_believed_in_a_number_of_times() {
-    let mut bug = TangentBug::new(TangentBugParams::default(), 0.15).unwrap();
+    let mut bug = TangentBug::new(0.15).unwrap();
     let mut advise = |ranges: &[f32]| {
         let scan = ScanView {
             angle_min: 0.0,

@@ -33,7 +33,10 @@ fn drive(seed: u64, machine: Machine) -> Option<bool> {
     let parts: Vec<_> = (0..count).map(|_| any_obstacle(&mut rng)).collect();
     let space = square(HALF, parts);
     let params = machine.driver();
-    let (radius, grown) = (machine.radius, machine.radius + params.tangent_bug.margin);
+    let (radius, grown) = (
+        machine.radius,
+        machine.radius + guidance::tangent_bug::MARGIN,
+    );
     let start = space.random_free(&mut rng, grown + 0.02)?;
     let mut coordinate = || rng.random_range(-2.8..2.8);
     let goal = Point2::new(coordinate(), coordinate());

@@ -3,7 +3,7 @@
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::{Machine, PATROL, Run, square, wall};
-use guidance::tangent_bug::{Advice, Mode, TangentBug, TangentBugParams};
+use guidance::tangent_bug::{Advice, Mode, TangentBug};
 use guidance::view::ScanView;
 use guidance::waypoint::WaypointOutcome::{self, Reached, Unreachable};
 use nalgebra::Point2;
@@ -286,8 +286,7 @@ fn what_cannot_be_used_is_refused_and_a_new_goal_begins_anew() {
         ranges: &[],
         ..scan
     };
-    let good = TangentBugParams::default();
-    let mut bug = TangentBug::new(good, 0.15).unwrap();
+    let mut bug = TangentBug::new(0.15).unwrap();
     let (pose, goal) = (Pose2::default(), p(3.0, 0.0));
     let lost = Pose2 {
         y: f64::INFINITY,
@@ -331,27 +330,5 @@ fn what_cannot_be_used_is_refused_and_a_new_goal_begins_anew() {
         Some(Advice::Unreachable)
     );
 
-    let refused = |params| TangentBug::new(params, 0.15).unwrap_err().field;
-    assert_eq!(
-        refused(TangentBugParams {
-            margin: 0.0,
-            ..good
-        }),
-        "margin"
-    );
-    assert_eq!(
-        refused(TangentBugParams {
-            jump: f64::NAN,
-            ..good
-        }),
-        "jump"
-    );
-    assert_eq!(
-        refused(TangentBugParams {
-            leave_margin: -1.0,
-            ..good
-        }),
-        "leave_margin"
-    );
-    assert_eq!(TangentBug::new(good, 0.0).unwrap_err().field, "radius");
+    assert_eq!(TangentBug::new(0.0).unwrap_err().field, "radius");
 }
