@@ -5,7 +5,6 @@
 //! [`RouteTree`] the shortest ways from one place to all others, and [`Wayfinder`] keeps trees
 //! between ticks and renews them only when their root comes to another node, or the map changes.
 
-mod frontier;
 mod nav_grid;
 mod route_tree;
 mod wayfinder;

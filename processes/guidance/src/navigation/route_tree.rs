@@ -1,10 +1,11 @@
 //! The shortest ways from one place to everywhere.
 
+use core::cmp::Reverse;
 use core::sync::atomic::{AtomicU32, Ordering};
+use std::collections::BinaryHeap;
 
 use nalgebra::Point2;
 
-use super::frontier::Frontier;
 use super::nav_grid::{NONE, NavGrid, SIGHT};
 use crate::map::PlannerMap;
 
@@ -65,8 +66,8 @@ pub struct RouteTree {
     /// Extra cost of a node as a fraction of the length of its edges, in 1/256; [`NONE`] until it
     /// is needed; empty when nothing threatens.
     extra: Vec<u32>,
-    /// Nodes on the rim.
-    queue: Frontier,
+    /// Nodes on the rim with what the ways to them cost [mm], the cheapest first, the lowest of several.
+    queue: BinaryHeap<Reverse<(u32, u32)>>,
     /// Where the gates are seen from; nothing in a tree without gates.
     origin: Option<Point2<f64>>,
 }
@@ -83,7 +84,7 @@ impl Default for RouteTree {
             settled: 0,
             threats: Vec::new(),
             extra: Vec::new(),
-            queue: Frontier::default(),
+            queue: BinaryHeap::new(),
             origin: None,
         }
     }
@@ -124,7 +125,7 @@ impl RouteTree {
         for &root in roots.iter().filter(|&&root| root < nodes) {
             self.cost[root] = 0;
             self.length[root] = 0;
-            self.queue.push(0, root as u32);
+            self.queue.push(Reverse((0, root as u32)));
         }
     }
 
@@ -147,7 +148,7 @@ impl RouteTree {
 
     /// Reaches one more node; false if there is none.
     fn settle_next(&mut self, grid: &NavGrid) -> bool {
-        while let Some((cost, from)) = self.queue.pop() {
+        while let Some(Reverse((cost, from))) = self.queue.pop() {
             let from = from as usize;
             if cost > self.cost[from] || self.knows(from) {
                 continue;
@@ -161,7 +162,7 @@ impl RouteTree {
                     self.cost[to] = reached;
                     self.length[to] = self.length[from].saturating_add(edge.length);
                     self.parent[to] = from as u32;
-                    self.queue.push(reached, edge.to);
+                    self.queue.push(Reverse((reached, edge.to)));
                 }
             }
             return true;
