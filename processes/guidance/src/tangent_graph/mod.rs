@@ -13,15 +13,13 @@
 //!   path bends.
 //! - `tangent`, `graph`: the bitangents, each tested exactly by
 //!   [`FreeSpace::segment_is_free`], and where each leads.
-//! - `bounds`: lower bounds between all of them, for the search to go straight to its goal.
 //! - `near`: which sites a point may see, by the cell it is in.
 //! - `search`: A* from point to point. A tangent from the start or to the goal is tested only when
 //!   the path over it would be the shortest.
 //! - `towards`: one goal for many starts, as the heuristic of a planner.
 //! - `once`: one question to a space that will not be asked again.
 //!
-//! All lengths are sums in `f64` of the true segments and arcs; the table of bounds only steers the
-//! search. Accuracy: a path penetrates by at most [`sim_backend::map::TOUCHING`] (1 nm) and bends
+//! All lengths are sums in `f64` of the true segments and arcs. Accuracy: a path penetrates by at most [`sim_backend::map::TOUCHING`] (1 nm) and bends
 //! by at most 10⁻⁹ rad where it should not.
 //!
 //! ```
@@ -40,7 +38,7 @@
 //! assert_eq!(path.legs.len(), 3);
 //! ```
 
-mod bounds;
+mod backwards;
 mod graph;
 mod heap;
 mod legs;
@@ -57,7 +55,6 @@ use nalgebra::Point2;
 use thiserror::Error;
 
 use crate::free_space::{Arc, FreeSpace};
-use bounds::Bounds;
 use graph::Graph;
 use near::Near;
 pub use once::shortest_once;
@@ -134,8 +131,8 @@ pub struct ShortestPath {
 /// The shortest paths of a disc among the pieces of a space; cheap to clone, shared between threads.
 ///
 /// # Performance
-/// Building takes time with the square of the corners, or the number of free tangents times that
-/// of the corners (the table of bounds); a question about as long as its path is complicated.
+/// Building takes time with the square of the corners; a question about as long as its path is
+/// complicated.
 /// Figures in `benches/shortest_path.rs`.
 #[derive(Debug, Clone)]
 pub struct TangentGraph {
@@ -147,7 +144,6 @@ struct Inner {
     space: FreeSpace,
     radius: f64,
     graph: Graph,
-    bounds: Option<Bounds>,
     near: Near,
 }
 
@@ -166,7 +162,6 @@ impl TangentGraph {
         }
         let graph = Graph::new(space, radius, sites)?;
         let inner = Inner {
-            bounds: Bounds::new(&graph),
             near: Near::new(space.bounds()),
             space: space.clone(),
             radius,

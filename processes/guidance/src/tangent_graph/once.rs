@@ -55,7 +55,6 @@ pub fn shortest_once(
         let whole = near.len() == all.len();
         let graph = Graph::new(space, radius, near)?;
         let inner = Inner {
-            bounds: None,
             near: Near::new(space.bounds()),
             space: space.clone(),
             radius,

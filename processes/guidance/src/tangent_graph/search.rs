@@ -245,16 +245,7 @@ impl Inner {
     fn least(&self, vertex: u32, q: Point2<f64>, scratch: &mut Scratch) -> f64 {
         let mark = &mut scratch.marks[vertex as usize];
         if mark.search != scratch.search {
-            let least = match &self.bounds {
-                Some(bounds) => {
-                    let row = bounds.of(vertex);
-                    scratch.goals.iter().fold(f64::INFINITY, |least, goal| {
-                        let there = row.get((goal.track ^ 1) as usize);
-                        least.min(there.map_or(0.0, |&cost| f64::from(cost)) + goal.length)
-                    })
-                }
-                None => (q - self.graph.vertices[vertex as usize].ends[0]).norm(),
-            };
+            let least = (q - self.graph.vertices[vertex as usize].ends[0]).norm();
             *mark = Mark {
                 search: scratch.search,
                 cost: f64::INFINITY,

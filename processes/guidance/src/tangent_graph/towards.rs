@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use nalgebra::Point2;
 
-use super::bounds;
+use super::backwards::backwards;
 use super::graph::NONE;
 use super::heap::Heap;
 use super::near::Join;
@@ -56,7 +56,7 @@ impl Towards {
                     let rest = arrival(&inner, &last, v.to_track, v.to_at)?;
                     Some((i as u32, v.length + rest))
                 });
-            bounds::backwards(&inner.graph, seeds, &mut costs, &mut Heap::default());
+            backwards(&inner.graph, seeds, &mut costs, &mut Heap::default());
         }
         let cells = inner.space.shapes().frame().len();
         Self {
