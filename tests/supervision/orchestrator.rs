@@ -162,9 +162,12 @@ fn the_tick_in_which_the_world_stands_still_is_in_the_log_before_it_ends() {
             running.signal(Signal::KILL);
             running.finish();
             sandbox.protean(["clean"]).json();
-            assert_eq!(save(), history);
+            // Heartbeats may have come since.
+            let kept = save();
+            assert_eq!(kept.states, history.states);
+            assert_eq!(kept.commands, history.commands);
             if let Some(theirs) = python::read(&saved) {
-                assert_eq!(theirs.history, history);
+                assert_eq!(theirs.history, kept);
             }
             continue;
         }
