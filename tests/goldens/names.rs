@@ -21,6 +21,7 @@ fn paths(value: &Json, prefix: &str, found: &mut BTreeSet<String>) {
                 let key = match key.as_str() {
                     key if key.parse::<f64>().is_ok() => "NUMBER",
                     key if key.contains('/') => "TOPIC",
+                    key if key.contains(' ') => "HOP",
                     key => key,
                 };
                 let path = if prefix.is_empty() {
