@@ -27,9 +27,9 @@ pub use params::KeyedParams;
 
 use std::collections::VecDeque;
 
-use guidance::params::ParamsError;
 use metrics::coverage::{CellGrid, CoverageError};
 use nalgebra::Point2;
+use sim_backend::params::ParamsError;
 use thiserror::Error;
 
 use crate::decomposition::Decomposition;

@@ -12,7 +12,7 @@ pub mod chebyshev;
 pub mod keyed;
 
 use generators::Key;
-use guidance::params::ParamsError;
+use sim_backend::params::ParamsError;
 
 pub use baselines::{
     Boustrophedon, BoustrophedonParams, BoustrophedonPlanner, RandomBounce, RandomBouncePlanner,

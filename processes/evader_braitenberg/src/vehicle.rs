@@ -1,10 +1,10 @@
 //! The wiring from cones to motion.
 
 use guidance::limits::Limits;
-use guidance::params::ParamsError;
 use guidance::steering::Steering;
 use guidance::view::View;
 use sim_backend::math;
+use sim_backend::params::ParamsError;
 use sim_backend::pose::Twist2;
 
 use crate::cones::{Cones, read};

@@ -5,13 +5,13 @@ use guidance::feedback_linearisation::command;
 use guidance::limits::Limits;
 use guidance::map::PlannerMap;
 use guidance::navigation::{Threat, Wayfinder};
-use guidance::params::ParamsError;
 use guidance::potential_field::{
     Body, Goal, Perturbation, Repulsor, attraction, compose, obstacle, repulsion,
 };
 use guidance::steering::Steering;
 use guidance::view::View;
 use nalgebra::Point2;
+use sim_backend::params::ParamsError;
 use sim_backend::team::Team;
 
 use crate::params::{EvaderParams, ThreatParams};

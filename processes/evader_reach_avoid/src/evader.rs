@@ -5,11 +5,11 @@ use guidance::dominance::{Arena, Dominance, Runner};
 use guidance::feedback_linearisation::command;
 use guidance::limits::Limits;
 use guidance::map::PlannerMap;
-use guidance::params::ParamsError;
 use guidance::potential_field::{Body, Goal, attraction, compose, obstacle};
 use guidance::steering::Steering;
 use guidance::view::{RobotView, View};
 use nalgebra::Point2;
+use sim_backend::params::ParamsError;
 use sim_backend::spec::Region;
 use sim_backend::team::Team;
 

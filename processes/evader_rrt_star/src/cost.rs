@@ -3,7 +3,7 @@
 use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
 
-use guidance::params::{ParamsError, fraction, not_negative};
+use sim_backend::params::{ParamsError, fraction, not_negative};
 
 use crate::motion::{Leg, Link};
 use crate::params::Algorithm;

@@ -5,11 +5,11 @@ use guidance::feedback_linearisation::EPSILON;
 use guidance::free_space::FreeSpace;
 use guidance::limits::Limits;
 use guidance::map::PlannerMap;
-use guidance::params::ParamsError;
 use guidance::path_tracking::{PathTracker, TrackingParams};
 use guidance::steering::Steering;
 use guidance::view::{RobotView, View};
 use nalgebra::Point2;
+use sim_backend::params::ParamsError;
 use sim_backend::pose::Pose2;
 use sim_backend::team::Team;
 

@@ -1,8 +1,8 @@
 //! Parameters of the evader that plans with RRT*.
 
 use evader_potential::EvaderParams;
-use guidance::params::{ParamsError, not_negative, positive, require, within};
 use serde::{Deserialize, Serialize};
+use sim_backend::params::{ParamsError, not_negative, positive, require, within};
 
 use crate::cost::CostParams;
 use crate::search::REFINE_SHARE;

@@ -17,7 +17,7 @@ use sim_backend::math;
 use sim_backend::pose::{Pose2, Twist2};
 
 use crate::limits::Limits;
-use crate::params::{Fidelity, ParamsError, positive};
+use sim_backend::params::{Fidelity, ParamsError, positive};
 
 /// Distance ε of the control point ahead of the axle [m].
 pub const EPSILON: f64 = 0.15;

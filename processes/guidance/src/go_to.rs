@@ -14,7 +14,7 @@ use sim_backend::math;
 use sim_backend::pose::{Pose2, Twist2};
 
 use crate::limits::Limits;
-use crate::params::{ParamsError, fraction, positive, require};
+use sim_backend::params::{ParamsError, fraction, positive, require};
 
 /// A point nearer than this [m] is where the robot stands.
 const HERE: f64 = 1e-9;

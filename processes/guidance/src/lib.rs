@@ -34,5 +34,3 @@ pub mod view;
 pub mod wavefront;
 pub mod waypoint;
 pub mod waypoint_driver;
-
-pub use sim_backend::params;

@@ -13,7 +13,7 @@ use sim_backend::math;
 use sim_backend::pose::{Pose2, Twist2};
 
 use crate::limits::Limits;
-use crate::params::{ParamsError, fraction, not_negative, positive, require};
+use sim_backend::params::{ParamsError, fraction, not_negative, positive, require};
 
 /// Points of a path nearer to each other than this [m] are one.
 const SAME_PLACE: f64 = 1e-9;

@@ -1,7 +1,7 @@
 //! Parameters of the process.
 
-use guidance::params::{ParamsError, require};
 use serde::{Deserialize, Serialize};
+use sim_backend::params::{ParamsError, require};
 
 /// Most threads that plan.
 const MAX_WORKERS: u32 = 16;

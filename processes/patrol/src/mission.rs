@@ -5,10 +5,10 @@ mod trial;
 use generators::{Key, KeyError, KeyKind};
 use guidance::go_to::GoToParams;
 use guidance::limits::Limits;
-use guidance::params::{ParamsError, require};
 use guidance::waypoint_driver::DriverParams;
 use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
+use sim_backend::params::{ParamsError, require};
 use sim_backend::spec::RobotModel;
 use thiserror::Error;
 

@@ -13,10 +13,10 @@
 //! are those that an ally foresees.
 
 use generators::Source;
-use guidance::params::{ParamsError, fraction, require};
 use guidance::waypoint::{Waypoint, WaypointKind, WaypointOutcome};
 use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
+use sim_backend::params::{ParamsError, fraction, require};
 
 use crate::awg::{Awg, Laps, Leg};
 

@@ -7,7 +7,6 @@ use std::collections::VecDeque;
 use generators::AnySource;
 use guidance::free_space::FreeSpace;
 use guidance::map::PlannerMap;
-use guidance::params::within;
 use guidance::steering::Steering;
 use guidance::view::View;
 use guidance::waypoint::{Waypoint, WaypointKind, WaypointReport};
@@ -17,6 +16,7 @@ use patrol::awg::{Awg, Laps};
 use patrol::fto::{Carrier, Disc, Fto, merged};
 use patrol::mission::{Drive, Mission, MissionError};
 use patrol::mixed::{Method, MixedLaps};
+use sim_backend::params::within;
 use sim_backend::spec::RobotModel;
 
 use crate::PatrolError;

@@ -12,9 +12,9 @@ mod awg;
 mod fto;
 pub mod process;
 
-use guidance::params::ParamsError;
 use patrol::fto::FtoError;
 use patrol::mission::MissionError;
+use sim_backend::params::ParamsError;
 use thiserror::Error;
 
 pub use awg::{Pace, PatrolAwg, PatrolAwgParams, SHOWN};

@@ -5,7 +5,6 @@ use guidance::feedback_linearisation::command;
 use guidance::limits::Limits;
 use guidance::map::PlannerMap;
 use guidance::navigation::{MARGIN, Wayfinder};
-use guidance::params::ParamsError;
 use guidance::potential_field::{
     Body, Goal, Perturbation, Repulsor, attraction, attraction_to_rest, compose, obstacle,
     repulsion,
@@ -13,6 +12,7 @@ use guidance::potential_field::{
 use guidance::steering::Steering;
 use guidance::view::{RobotView, View};
 use nalgebra::{Point2, Vector2};
+use sim_backend::params::ParamsError;
 use sim_backend::team::Team;
 
 use crate::assignment::{Assigner, Order};

@@ -1,8 +1,8 @@
 //! Parameters of the referee.
 
 use guidance::dominance::DominanceParams;
-use guidance::params::{ParamsError, not_negative, within};
 use serde::{Deserialize, Serialize};
+use sim_backend::params::{ParamsError, not_negative, within};
 
 /// Parameters of a [`Referee`](crate::Referee).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

@@ -1,6 +1,6 @@
 //! Parameters of keyed coverage.
 
-use guidance::params::{ParamsError, positive, require};
+use sim_backend::params::{ParamsError, positive, require};
 
 /// Most candidates per choice.
 const MAX_CANDIDATES: usize = 4096;

@@ -1,8 +1,8 @@
 //! Parameters of the baselines.
 
 use generators::Key;
-use guidance::params::{ParamsError, within};
 use serde::{Deserialize, Serialize};
+use sim_backend::params::{ParamsError, within};
 use sub_goals::params::FollowParams;
 
 /// Parameters of the boustrophedon.

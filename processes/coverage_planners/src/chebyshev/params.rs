@@ -3,8 +3,8 @@
 use coverage::tour::{Iterations, Route};
 use coverage::transit::Transit;
 use generators::{Emission, Key, KeyKind};
-use guidance::params::{ParamsError, require, within};
 use serde::{Deserialize, Serialize};
+use sim_backend::params::{ParamsError, require, within};
 use sub_goals::FollowParams;
 
 /// A bridge between rectangles that share no border.

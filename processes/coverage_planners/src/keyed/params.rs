@@ -2,8 +2,8 @@
 
 use coverage::keyed::KeyedParams;
 use generators::Key;
-use guidance::params::{ParamsError, within};
 use serde::{Deserialize, Serialize};
+use sim_backend::params::{ParamsError, within};
 use sub_goals::params::FollowParams;
 
 /// Parameters of the keyed coverage planner.

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::params::{ParamsError, positive};
+use sim_backend::params::{ParamsError, positive};
 
 /// How finely dominance is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::capped;
 use crate::map::{PlannerMap, cell_of};
-use crate::params::{Fidelity, ParamsError, not_negative};
+use sim_backend::params::{Fidelity, ParamsError, not_negative};
 
 /// Velocity per gradient [m²/s]; in the paper's experiments the field speed 2 times the gradient gain
 /// 2.2.

@@ -6,7 +6,7 @@ use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 use sim_backend::math;
 
-use crate::params::{ParamsError, not_negative};
+use sim_backend::params::{ParamsError, not_negative};
 
 /// Time of one turn [s].
 const PERIOD: f64 = 7.0;

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use sim_backend::math;
 
 use crate::bearing::Bearings;
-use crate::params::{Fidelity, ParamsError, positive};
+use sim_backend::params::{Fidelity, ParamsError, positive};
 
 /// Most that one repulsor's weight is multiplied with when very close.
 const NEAR_GAIN: f64 = 8.0;

@@ -22,11 +22,11 @@ mod trail;
 use nalgebra::{Point2, Vector2};
 use sim_backend::pose::Pose2;
 
-use crate::params::{ParamsError, positive};
 use crate::view::ScanView;
 use follow::{Follow, Following, is_turning};
 pub use run::Side;
 use run::{Run, RunEnd};
+use sim_backend::params::{ParamsError, positive};
 pub(crate) use surroundings::echoes;
 use surroundings::{Surroundings, nearest_direction};
 

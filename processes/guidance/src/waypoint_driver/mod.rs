@@ -21,10 +21,10 @@ pub use time_model::{lap_time, time_without_obstacles};
 use crate::free_space::FreeSpace;
 use crate::go_to::{GoToParams, distance_to_segment, go_to};
 use crate::limits::Limits;
-use crate::params::{ParamsError, positive};
 use crate::tangent_bug::{Advice, Mode, TangentBug, echoes};
 use crate::view::ScanView;
 use crate::waypoint::{Waypoint, WaypointKind, WaypointOutcome, WaypointReport};
+use sim_backend::params::{ParamsError, positive};
 
 /// Most waypoints that are taken up in a tick: a source whose points are all left out shall not
 /// hold up the robot for ever.

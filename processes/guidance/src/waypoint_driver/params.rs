@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::go_to::GoToParams;
 use crate::limits::Limits;
-use crate::params::{ParamsError, positive, require, within};
+use sim_backend::params::{ParamsError, positive, require, within};
 
 /// Least time allowed for a waypoint [s].
 pub const LEAST_TIME_S: f64 = 1.0;

@@ -5,7 +5,7 @@ use sim_backend::pose::Pose2;
 
 use crate::go_to::{GoToParams, bearing, coast, distance_to_segment, go_to};
 use crate::limits::Limits;
-use crate::params::{ParamsError, positive, require};
+use sim_backend::params::{ParamsError, positive, require};
 
 /// Longest lap that is simulated [ticks].
 const MOST_TICKS: f64 = 1e7;

@@ -1,8 +1,8 @@
 //! Parameters of the fictive obstacles.
 
 use generators::{Key, KeyError};
-use guidance::params::{ParamsError, fraction, positive, require};
 use serde::{Deserialize, Serialize};
+use sim_backend::params::{ParamsError, fraction, positive, require};
 use thiserror::Error;
 
 /// Parameters of [`Fto`](super::Fto). The defaults are the paper's where it gives any.

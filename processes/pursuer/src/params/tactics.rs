@@ -1,7 +1,7 @@
 //! Parameters of how a team plays: where it aims, who guards the exits.
 
-use guidance::params::{ParamsError, not_negative, positive, require};
 use serde::{Deserialize, Serialize};
+use sim_backend::params::{ParamsError, not_negative, positive, require};
 
 /// Furthest that a post may lie from its exit [m]; the work per tick grows with its square.
 pub const MAX_POST_RADIUS: f64 = 5.0;
