@@ -7,7 +7,7 @@ use thiserror::Error;
 
 /// A parameter whose value cannot be used.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[error("{field} = {value}: expected {expected}")]
+#[error("`{field}` is {value}, but must be {expected}")]
 pub struct ParamsError {
     /// Path of the parameter inside its table, dots between levels (`limits.v_max`).
     pub field: String,
@@ -121,7 +121,7 @@ mod tests {
         let error = positive("weight", -1.5).unwrap_err().within("scatter");
         assert_eq!(
             error.to_string(),
-            "scatter.weight = -1.5: expected a finite number above 0"
+            "`scatter.weight` is -1.5, but must be a finite number above 0"
         );
     }
 

@@ -257,8 +257,8 @@ mod tests {
             ),
             (
                 "referee",
-                json!({ "dominance": { "wave": { "sight": -1.0 } } }),
-                "dominance.wave.sight",
+                json!({ "dominance": { "pitch": -1.0 } }),
+                "dominance.pitch",
             ),
             (
                 "observer",

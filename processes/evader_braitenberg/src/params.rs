@@ -82,7 +82,7 @@ mod tests {
         };
         assert_eq!(
             bad.validate().unwrap_err().to_string(),
-            "turn_gain = 0: expected a finite number above 0"
+            "`turn_gain` is 0, but must be a finite number above 0"
         );
         let bad = BraitenbergParams {
             reverse_fraction: f64::NAN,

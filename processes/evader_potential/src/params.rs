@@ -152,7 +152,7 @@ mod tests {
         let error = params.validate().unwrap_err();
         assert_eq!(
             error.to_string(),
-            "avoid.reach = NaN: expected a finite number above 0"
+            "`avoid.reach` is NaN, but must be a finite number above 0"
         );
     }
 

@@ -348,7 +348,7 @@ mod tests {
         };
         assert_eq!(
             bad.validate().unwrap_err().to_string(),
-            "reach = 1.5: expected a number between 0 and 1"
+            "`reach` is 1.5, but must be a number between 0 and 1"
         );
     }
 

@@ -229,7 +229,7 @@ mod tests {
         let error = params.validate().unwrap_err();
         assert_eq!(
             error.to_string(),
-            "assignment.period_s = 0: expected a finite number above 0"
+            "`assignment.period_s` is 0, but must be a finite number above 0"
         );
         let params = PursuerParams {
             max_particles: 0,

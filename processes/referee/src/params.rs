@@ -50,7 +50,7 @@ mod tests {
         let error = params.validate().unwrap_err();
         assert_eq!(
             error.to_string(),
-            "dominance.pitch = -0.1: expected a finite number above 0"
+            "`dominance.pitch` is -0.1, but must be a finite number above 0"
         );
         assert!(toml::from_str::<RefereeParams>("periods = 1").is_err());
     }

@@ -199,15 +199,15 @@ mod tests {
         };
         assert_eq!(
             bad(|p| p.filter.particles = 0),
-            "filter.particles = 0: expected 1 to 1000000"
+            "`filter.particles` is 0, but must be 1 to 1000000"
         );
         assert_eq!(
             bad(|p| p.sensor.range = Some(-2.0)),
-            "sensor.range = -2: expected a finite number above 0"
+            "`sensor.range` is -2, but must be a finite number above 0"
         );
-        assert!(bad(|p| p.sensor.exact_above = 0.0).starts_with("sensor.exact_above = 0:"));
+        assert!(bad(|p| p.sensor.exact_above = 0.0).starts_with("`sensor.exact_above` is 0,"));
         assert!(bad(|p| p.sensor.field_of_view = Some(7.0)).contains("(0, 2π]"));
-        assert!(bad(|p| p.filter.turn_walk = f64::NAN).contains("filter.turn_walk = NaN"));
+        assert!(bad(|p| p.filter.turn_walk = f64::NAN).contains("`filter.turn_walk` is NaN"));
         assert!(bad(|p| p.sensor.heading = HeadingModel::Noisy { sigma: 0.0 }).contains("noisy"));
     }
 }

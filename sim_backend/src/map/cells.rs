@@ -229,7 +229,7 @@ mod tests {
             map.validate()
                 .unwrap_err()
                 .to_string()
-                .starts_with("runs = a sum of 11")
+                .starts_with("`runs` is a sum of 11")
         );
         map.runs = vec![usize::MAX, 2];
         assert!(map.validate().is_err());

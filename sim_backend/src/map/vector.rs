@@ -281,7 +281,7 @@ mod tests {
     fn impossible_maps_name_the_field_or_the_limit() {
         let message = |map: &VectorMap| map.validate().unwrap_err().to_string();
         let mut map = VectorMap::empty([0.0, 0.0], [1.0, 0.0], 0.1);
-        assert!(message(&map).starts_with("bounds.max[1] = 0: expected more than"));
+        assert!(message(&map).starts_with("`bounds.max[1]` is 0, but must be more than"));
         map.bounds.max = [1e5, 1e5];
         map.resolution = 0.001;
         assert!(
@@ -298,7 +298,7 @@ mod tests {
             name: "tower".into(),
             shape: circle(-1.0),
         }];
-        assert!(message(&map).starts_with("obstacles[0] \"tower\": circle.radius = -1"));
+        assert!(message(&map).starts_with("obstacles[0] \"tower\": `circle.radius` is -1"));
         map.obstacles = vec![
             ObstacleSpec {
                 name: "tower".into(),
@@ -347,7 +347,7 @@ mod tests {
             (with(vec![comb(4000); 8], vec![]), "squares of the corners"),
             (
                 with(vec![comb(600)], vec![]),
-                "not convex: expected at most 512",
+                "not convex, but must be at most 512",
             ),
         ] {
             let error = map.validate().unwrap_err().to_string();

@@ -205,7 +205,7 @@ mod tests {
         .parts()
         .unwrap_err();
         assert!(
-            error.to_string().starts_with("circle.center[1] = NaN"),
+            error.to_string().starts_with("`circle.center[1]` is NaN"),
             "{error}"
         );
         let error = Shape::Rectangle {
@@ -218,7 +218,7 @@ mod tests {
         assert!(
             error
                 .to_string()
-                .starts_with("rectangle.half_extents[1] = 0"),
+                .starts_with("`rectangle.half_extents[1]` is 0"),
             "{error}"
         );
     }

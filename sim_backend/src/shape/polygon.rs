@@ -237,14 +237,16 @@ mod tests {
     fn too_few_or_non_finite_vertices_are_named() {
         let error = parts(&[[0.0, 0.0], [1.0, 0.0]]).unwrap_err();
         assert!(
-            error.to_string().contains("2 vertices: expected 3 to 4096"),
+            error
+                .to_string()
+                .contains("2 vertices, but must be 3 to 4096"),
             "{error}"
         );
         let error = parts(&[[0.0, 0.0], [1.0, f64::INFINITY], [0.0, 1.0]]).unwrap_err();
         assert!(
             error
                 .to_string()
-                .starts_with("polygon.vertices[1][1] = inf"),
+                .starts_with("`polygon.vertices[1][1]` is inf"),
             "{error}"
         );
     }

@@ -168,21 +168,24 @@ mod tests {
     fn values_out_of_range_are_named() {
         let of = [0.0; 2];
         for (condition, named) in [
-            (Condition::Travelled { travelled: -1.0 }, "travelled = -1"),
+            (
+                Condition::Travelled { travelled: -1.0 },
+                "`travelled` is -1",
+            ),
             (
                 Condition::Travelled {
                     travelled: f64::NAN,
                 },
-                "travelled = NaN",
+                "`travelled` is NaN",
             ),
-            (Condition::Progress { progress: 36.0 }, "progress = 36"),
-            (Condition::Within { within: 0.0, of }, "within = 0"),
+            (Condition::Progress { progress: 36.0 }, "`progress` is 36"),
+            (Condition::Within { within: 0.0, of }, "`within` is 0"),
             (
                 Condition::Within {
                     within: 1.0,
                     of: [0.0, 1e9],
                 },
-                "of[1] = 1000000000",
+                "`of[1]` is 1000000000",
             ),
         ] {
             let error = condition.validate().unwrap_err().to_string();

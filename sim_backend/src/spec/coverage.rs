@@ -81,9 +81,9 @@ mod tests {
     #[test]
     fn bad_fields_are_named() {
         for (text, field) in [
-            ("radius = 0.0", "radius = 0"),
-            ("resolution = -1.0", "resolution = -1"),
-            ("period = nan", "period = NaN"),
+            ("radius = 0.0", "`radius` is 0"),
+            ("resolution = -1.0", "`resolution` is -1"),
+            ("period = nan", "`period` is NaN"),
         ] {
             let spec: CoverageSpec = toml::from_str(text).unwrap();
             let error = spec.validate().unwrap_err().to_string();

@@ -47,7 +47,7 @@ mod tests {
         let error = positive("v_max", -0.5, "m/s").unwrap_err().within("limits");
         assert_eq!(
             error.to_string(),
-            "limits.v_max = -0.5: expected a number > 0 and ≤ 100000 [m/s]"
+            "`limits.v_max` is -0.5, but must be a number > 0 and ≤ 100000 [m/s]"
         );
         for bad in [f64::NAN, f64::INFINITY, 0.0] {
             assert!(positive("x", bad, "m").is_err());

@@ -323,7 +323,7 @@ mod tests {
             spec.validate()
                 .unwrap_err()
                 .to_string()
-                .starts_with("limits.v_max = -1")
+                .starts_with("`limits.v_max` is -1")
         );
         spec.limits.v_max = None;
         spec.actuator.slip = 1.0;
@@ -331,7 +331,7 @@ mod tests {
             spec.validate()
                 .unwrap_err()
                 .to_string()
-                .starts_with("actuator.slip = 1")
+                .starts_with("`actuator.slip` is 1")
         );
     }
 }

@@ -147,7 +147,7 @@ mod tests {
                 .validate()
                 .unwrap_err()
                 .to_string()
-                .contains("time_limit = -1")
+                .contains("`time_limit` is -1")
         );
         assert!(toml::from_str::<RulesSpec>("capture = { radios = 1 }").is_err());
     }

@@ -10,7 +10,7 @@ pub enum WorldError {
     #[error(transparent)]
     Map(#[from] MapError),
     /// A rule has a value out of its range.
-    #[error("rules.{0}")]
+    #[error("{}", .0.clone().within("rules"))]
     Rules(ParamsError),
     /// A robot has a value out of its range.
     #[error("robots[{index}]{}: {source}", quoted(name))]

@@ -103,7 +103,7 @@ fn unusable_workplaces_are_refused_with_what_to_change() {
     );
     let text = refusal(0.1, &[rectangle([f64::NAN, 5.0], [1.0, 1.0], 0.0)]);
     assert!(
-        text.contains("obstacles[0]: rectangle.center[0] = NaN"),
+        text.contains("obstacles[0]: `rectangle.center[0]` is NaN"),
         "{text}"
     );
     let text = refusal(5.0, &[]);

@@ -19,7 +19,7 @@ fn a_budget_of_nothing_is_refused() {
     let params: RrtStarParams = toml::from_str("[search]\niterations = 0").unwrap();
     assert_eq!(
         params.validate().unwrap_err().to_string(),
-        "search.iterations = 0: expected a number from 1 to 1000000: without iterations \
+        "`search.iterations` is 0, but must be a number from 1 to 1000000: without iterations \
          there is no plan"
     );
 }

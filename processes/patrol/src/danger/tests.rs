@@ -112,7 +112,7 @@ fn a_zone_that_is_no_area_is_named() {
     ]);
     let error = zones.cut(&octagon()).unwrap_err().to_string();
     assert!(
-        error.starts_with("`danger_zones[1]`: rectangle.half_extents[1] = -1"),
+        error.starts_with("`danger_zones[1]`: `rectangle.half_extents[1]` is -1"),
         "{error}"
     );
 }

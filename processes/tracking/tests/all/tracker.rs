@@ -211,7 +211,7 @@ fn bad_set_ups_and_updates_are_refused_by_name() {
     params.filter.particles = 0;
     let error = Perception::new(&params, &map(), Vec::new()).unwrap_err();
     assert!(
-        error.to_string().starts_with("filter.particles = 0"),
+        error.to_string().starts_with("`filter.particles` is 0"),
         "{error}"
     );
 

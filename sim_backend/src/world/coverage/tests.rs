@@ -308,27 +308,30 @@ fn rules_that_do_not_fit_the_world_are_named() {
         ..CoverageSpec::default()
     });
     assert!(
-        error.contains("rules.coverage.robots[0] = wally") && error.contains("walle"),
+        error.contains("`rules.coverage.robots[0]` is wally") && error.contains("walle"),
         "{error}"
     );
     let error = refused(CoverageSpec {
         teams: vec![Team::Police],
         ..CoverageSpec::default()
     });
-    assert!(error.contains("rules.coverage.teams = [Police]"), "{error}");
+    assert!(
+        error.contains("`rules.coverage.teams` is [Police]"),
+        "{error}"
+    );
     let error = refused(CoverageSpec {
         resolution: Some(1e-4),
         ..CoverageSpec::default()
     });
     assert!(
-        error.contains("rules.coverage.resolution = 0.0001: expected at least about 0.001 m"),
+        error.contains("`rules.coverage.resolution` is 0.0001, but must be at least about 0.001 m"),
         "{error}"
     );
     let error = refused(CoverageSpec {
         period: 0.0,
         ..CoverageSpec::default()
     });
-    assert!(error.contains("rules.coverage.period = 0"), "{error}");
+    assert!(error.contains("`rules.coverage.period` is 0"), "{error}");
 }
 
 proptest! {

@@ -79,7 +79,7 @@ fn impossible_changes_are_refused_and_change_nothing() {
         .apply(&ObstacleChange::Appear { id, shape })
         .unwrap_err();
     assert!(
-        error.to_string().contains("rectangle.center[0] = NaN"),
+        error.to_string().contains("`rectangle.center[0]` is NaN"),
         "{error}"
     );
     assert_eq!(world.map().revision(), 0);
