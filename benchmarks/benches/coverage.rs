@@ -1,4 +1,4 @@
-//! What it costs to choose sub-goals, and what the summed worth of cells is good for.
+//! Cost of choosing sub-goals, and gain of the summed worth of cells.
 //!
 //! A leg's worth comes from sums along rows and columns, which are made anew after every sweep.
 //! Baseline: the same cells looked at one by one, which needs no sums.

@@ -41,7 +41,7 @@ type Result<T> = std::result::Result<T, Failure>;
 #[derive(Debug, Parser)]
 #[command(name = "benchmarks", version)]
 struct Cli {
-    /// What to measure; everything if nothing is named
+    /// Items to measure [default: all]
     items: Vec<Item>,
     #[command(flatten)]
     options: Options,
@@ -50,7 +50,7 @@ struct Cli {
     json: bool,
 }
 
-/// How to measure.
+/// Options of a measurement.
 #[derive(Debug, Clone, Copy, clap::Args)]
 struct Options {
     /// Fewer repetitions: a first impression

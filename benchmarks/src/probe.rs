@@ -1,4 +1,4 @@
-//! What the kernel tells about the processes of a run.
+//! Readings of the kernel about the processes of a run: memory and processor time.
 
 use std::path::PathBuf;
 

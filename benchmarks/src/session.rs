@@ -27,7 +27,7 @@ impl Session {
     /// folder.
     ///
     /// # Errors
-    /// What the system refused.
+    /// An error of the operating system.
     pub fn start(scenario: &str, arguments: &[String]) -> Result<Self> {
         let folder = tempfile::tempdir()?;
         let file = |name: &str| File::create(folder.path().join(name));

@@ -19,7 +19,7 @@ impl Crew {
     /// Starts a process of this kind for every configuration.
     ///
     /// # Errors
-    /// What the system refused.
+    /// An error of the operating system.
     pub fn start(space: &OwnedSpace, kind: &str, configs: &[impl Serialize]) -> Result<Self> {
         let mut crew = Self(Vec::new());
         for (slot, config) in configs.iter().enumerate() {
