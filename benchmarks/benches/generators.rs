@@ -8,8 +8,8 @@
 use std::hint::black_box;
 use std::time::Instant;
 
+use chaotic_maps::{AnySource, Key, KeyKind, Source};
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
-use generators::{AnySource, Key, KeyKind, Source};
 
 const POINTS: u32 = 100_000;
 const REPETITIONS: usize = 200;

@@ -4,8 +4,8 @@
 use std::hint::black_box;
 use std::time::Duration;
 
+use chaotic_maps::{Key, KeyKind, Source as _};
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use generators::{Key, KeyKind, Source as _};
 use nalgebra::Point2;
 use patrol::alpha::{LAPS, alpha_max};
 use patrol::awg::{Awg, AwgParams, Preset};

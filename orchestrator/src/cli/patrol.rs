@@ -2,8 +2,8 @@
 
 use std::process::ExitCode;
 
+use chaotic_maps::Key;
 use clap::Subcommand;
-use generators::Key;
 use serde_json::{Value as Json, json};
 
 use super::{EXIT_INVALID, OverrideArgs, complain, print, print_json};

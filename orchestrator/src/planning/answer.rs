@@ -133,7 +133,7 @@ impl Answer {
     /// A plan, judged against the instance.
     fn of(instance: &Instance, plan: &Plan) -> Self {
         let k = instance.scale();
-        let report = honesty::check(&instance.contract(), &plan.samples);
+        let report = trajectory_check::check(&instance.contract(), &plan.samples);
         let finite = |v: f64| v.is_finite().then_some(v);
         let status = match plan.status {
             Status::Fallback => Outcome::Fallback,

@@ -1,12 +1,12 @@
 //! A planning problem as files hold it: lengths in pixels of a picture of known scale.
 
-use honesty::{Contract, Obstacle, WheelLimit};
 use nalgebra::Point2;
 use optimiser::problem::MIN_CLEARANCE;
 use optimiser::{Problem, RobotLimits, Wheels};
 use serde_json::{Value as Json, json};
 use sim_backend::pose::Pose2;
 use sim_backend::shape::{Aabb, Convex};
+use trajectory_check::{Contract, Obstacle, WheelLimit};
 
 /// How deep [m] a start may lie in a grown obstacle: as deep as the check of plans allows.
 pub const START_TOLERANCE: f64 = 1e-3;

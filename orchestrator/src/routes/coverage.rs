@@ -3,13 +3,13 @@
 use ::coverage::goal::{Goal, GoalSource};
 use ::coverage::tour::Tour;
 use ::metrics::coverage::{CELL_SIDES, Figures, Meter, Rate};
+use coverage::sub_goals::FollowParams;
+use coverage::sub_goals::design::{Design, Site};
 use coverage_planners::{Boustrophedon, Chebyshev, ChebyshevParams, Keyed, RandomBounce, Uniform};
 use nalgebra::Point2;
 use serde_json::{Value as Json, json};
 use sim_backend::map::WorldMap;
 use sim_backend::shape::Aabb;
-use sub_goals::FollowParams;
-use sub_goals::design::{Design, Site};
 
 use super::patrol::kind_name;
 use super::{RouteError, Router};

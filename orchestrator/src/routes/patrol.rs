@@ -2,7 +2,7 @@
 
 use ::patrol::forecast::{Forecast, Predicted};
 use ::patrol::mission::{Drive, Mission};
-use generators::Key;
+use chaotic_maps::Key;
 use guidance::waypoint::{Waypoint, WaypointKind};
 use metrics::path::PathMetrics;
 use nalgebra::Point2;

@@ -1,6 +1,7 @@
 //! Whether processes can do what they are told, with these robots on this map: what neither of the
 //! three shows by itself, and what would otherwise only be seen when the run starts.
 
+use coverage::sub_goals::design::{Design, Site};
 use coverage::workplace::{Workplace, WorkplaceError};
 use coverage_planners::{Boustrophedon, Chebyshev, Keyed, RandomBounce, Uniform};
 use guidance::waypoint_driver::DriverParams;
@@ -13,7 +14,6 @@ use serde_json::Value as Json;
 use sim_backend::map::{MapSpec, WorldMap};
 use sim_backend::shape::Shape;
 use sim_backend::spec::RobotSpec;
-use sub_goals::design::{Design, Site};
 
 use super::context::Context;
 use super::processes::{Read, kind_of};

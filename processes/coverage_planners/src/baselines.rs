@@ -5,14 +5,14 @@ pub mod params;
 
 use core::marker::PhantomData;
 
+use crate::follower::Follower;
+use chaotic_maps::Key;
 use coverage::boustrophedon;
 use coverage::random_bounce::Bouncing;
+use coverage::sub_goals::design::{Design, Site};
+use coverage::sub_goals::params::FollowParams;
 use coverage::uniform::Uniformly;
 use coverage::wander::{Rule, Wanderer};
-use generators::Key;
-use sub_goals::design::{Design, Site};
-use sub_goals::follower::Follower;
-use sub_goals::params::FollowParams;
 
 pub use params::{BoustrophedonParams, RandomParams};
 

@@ -5,14 +5,14 @@ pub mod params;
 #[cfg(test)]
 mod tests;
 
+use crate::follower::Follower;
+use chaotic_maps::{AnySource, Key};
 use coverage::decomposition::Decomposition;
 use coverage::plan::{CoveragePlan, PlanSpec};
-use generators::{AnySource, Key};
+use coverage::sub_goals::design::{Design, Site};
+use coverage::sub_goals::params::FollowParams;
 use nalgebra::Point2;
 use sim_backend::shape::Aabb;
-use sub_goals::design::{Design, Site};
-use sub_goals::follower::Follower;
-use sub_goals::params::FollowParams;
 
 pub use params::ChebyshevParams;
 

@@ -3,11 +3,11 @@
 
 pub mod params;
 
+use crate::follower::Follower;
+use chaotic_maps::Key;
 use coverage::keyed::KeyedCoverage;
-use generators::Key;
-use sub_goals::design::{Design, Site};
-use sub_goals::follower::Follower;
-use sub_goals::params::FollowParams;
+use coverage::sub_goals::design::{Design, Site};
+use coverage::sub_goals::params::FollowParams;
 
 pub use params::KeyedCoverageParams;
 

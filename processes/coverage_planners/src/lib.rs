@@ -2,16 +2,17 @@
 //!
 //! [`chebyshev`] covers by chaotic sub-goals (Chebyshev coverage paper), [`keyed`] fast and by
 //! sub-goals that only its key predicts; [`baselines`] are what both are compared with. Each makes
-//! its sub-goals by [`coverage`]; the process is that of all planners of sub-goals ([`sub_goals`]).
+//! its sub-goals by [`coverage`]; the process of all is [`follower::Follower`].
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
 
 pub mod baselines;
 pub mod chebyshev;
+pub mod follower;
 pub mod keyed;
 
-use generators::Key;
+use chaotic_maps::Key;
 use sim_backend::params::ParamsError;
 
 pub use baselines::{

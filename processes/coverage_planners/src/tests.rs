@@ -1,8 +1,8 @@
 use coverage::goal::GoalSource;
+use coverage::sub_goals::FollowParams;
+use coverage::sub_goals::design::{Design, Site};
 use nalgebra::Point2;
 use sim_backend::shape::Aabb;
-use sub_goals::FollowParams;
-use sub_goals::design::{Design, Site};
 
 use super::*;
 

@@ -4,8 +4,8 @@
 #[path = "../tests/all/drive.rs"]
 mod drive;
 
+use chaotic_maps::{Emission, Key, KeyKind};
 use drive::{COVERED, Found, OCTAGON, coverage, patrol, watch};
-use generators::{Emission, Key, KeyKind};
 use observer::knowledge::{CatKind, CatKnowledge, ChebyshevForm, ChebyshevKnowledge};
 
 const NOISES: [f64; 3] = [0.0, 0.005, 0.01];

@@ -1,8 +1,8 @@
 //! What the public knows of a robot's goals: everything but the key.
 
-use generators::recovery::cat::{CatModulus, CatRecovery};
-use generators::recovery::chebyshev::ChebyshevRecovery;
-use generators::{AnySource, Emission};
+use chaotic_maps::recovery::cat::{CatModulus, CatRecovery};
+use chaotic_maps::recovery::chebyshev::ChebyshevRecovery;
+use chaotic_maps::{AnySource, Emission};
 use nalgebra::{Point2, Vector2};
 use patrol::awg::{Awg, AwgParams, Preset};
 use patrol::contour::Contour;

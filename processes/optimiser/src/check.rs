@@ -1,8 +1,8 @@
-//! The honesty check of every trajectory, before it is an answer: by [`honesty`], which shares no
-//! code with what made it.
+//! The check of every trajectory before it is an answer: by [`trajectory_check`], which shares no code
+//! with what made it.
 
-use honesty::{Contract, Obstacle, Report, WheelLimit};
 use sim_backend::shape::Convex;
+use trajectory_check::{Contract, Obstacle, Report, WheelLimit};
 
 use crate::ground::Ground;
 use crate::plan::Sample;
@@ -47,5 +47,5 @@ fn obstacle(obstacle: &Convex) -> Obstacle {
 
 /// What the check finds.
 pub fn report(problem: &Problem, ground: &Ground, samples: &[Sample]) -> Report {
-    honesty::check(&contract(problem, ground), samples)
+    trajectory_check::check(&contract(problem, ground), samples)
 }

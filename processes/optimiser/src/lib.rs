@@ -12,7 +12,7 @@
 //! ([`curve`]) is found by a few convex programs ([`shape`]), made dense ([`drive`]) and driven as
 //! fast as its curvature and the limits allow ([`timing`]). With inertia the bound is loose and the
 //! path itself changes: [`refine`] searches on in the controls. Every trajectory passes the
-//! [`honesty`] check, which shares no code with any of this, before it is an answer; where nothing
+//! [`trajectory_check`] check, which shares no code with any of this, before it is an answer; where nothing
 //! smooth passes, the shortest path itself, with turns on the spot, does ([`tangent`]).
 //!
 //! **Methods** ([`Method`]): `bspline` (recommended), `lp` and `vmc` (the paper's parametrisations,

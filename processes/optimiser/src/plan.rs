@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-pub use honesty::Sample;
+pub use trajectory_check::Sample;
 
 use crate::problem::ProblemError;
 
@@ -55,7 +55,7 @@ pub enum Status {
     Deadline,
 }
 
-/// A trajectory that has passed the honesty check.
+/// A trajectory that has passed the trajectory check.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
     /// How it came about.

@@ -4,7 +4,7 @@ mod params;
 
 use std::collections::VecDeque;
 
-use generators::AnySource;
+use chaotic_maps::AnySource;
 use guidance::free_space::FreeSpace;
 use guidance::map::PlannerMap;
 use guidance::steering::Steering;

@@ -1,6 +1,6 @@
 //! Table 1 of the Chebyshev coverage paper: `v(xy)`, computed here and now.
 
-use generators::{ChebF64, ChebP, Emission};
+use chaotic_maps::{ChebF64, ChebP, Emission};
 use metrics::sequence::mean_difference;
 
 /// Rows of the table: the values' name, how they are emitted, what the paper has for 2000 and for

@@ -1,9 +1,9 @@
 //! Parameters of the baselines.
 
-use generators::Key;
+use chaotic_maps::Key;
+use coverage::sub_goals::params::FollowParams;
 use serde::{Deserialize, Serialize};
 use sim_backend::params::{ParamsError, within};
-use sub_goals::params::FollowParams;
 
 /// Parameters of the boustrophedon.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]

@@ -1,11 +1,11 @@
 //! Parameters of the chaotic coverage planner.
 
+use chaotic_maps::{Emission, Key, KeyKind};
+use coverage::sub_goals::FollowParams;
 use coverage::tour::{Iterations, Route};
 use coverage::transit::Transit;
-use generators::{Emission, Key, KeyKind};
 use serde::{Deserialize, Serialize};
 use sim_backend::params::{ParamsError, require, within};
-use sub_goals::FollowParams;
 
 /// A bridge between rectangles that share no border.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -104,7 +104,10 @@ mod tests {
         let params: ChebyshevParams = toml::from_str(text).unwrap();
         params.validate().unwrap();
         assert_eq!(params.transit, Transit::Wait { cap: 1000 });
-        assert_eq!(params.follow.interpolation, sub_goals::Interpolation::Arc);
+        assert_eq!(
+            params.follow.interpolation,
+            coverage::sub_goals::Interpolation::Arc
+        );
         let again: ChebyshevParams = toml::from_str(&toml::to_string(&params).unwrap()).unwrap();
         assert_eq!(again, params);
         ChebyshevParams::default().validate().unwrap();

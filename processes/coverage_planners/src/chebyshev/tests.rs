@@ -12,6 +12,7 @@ use sim_backend::shape::{Aabb, Convex};
 use sim_backend::spec::RobotModel;
 use sim_backend::team::Team;
 
+use crate::follower::Follower;
 use guidance::map::PlannerMap;
 use guidance::view::View;
 use guidance::waypoint::WaypointReport;
@@ -19,7 +20,6 @@ use kit::config::RobotInfo;
 use kit::planner::Planner as _;
 use nalgebra::Point2;
 use sim_backend::pose::Pose2;
-use sub_goals::follower::Follower;
 
 use super::*;
 

@@ -1,10 +1,10 @@
 //! Parameters of the keyed coverage planner.
 
+use chaotic_maps::Key;
 use coverage::keyed::KeyedParams;
-use generators::Key;
+use coverage::sub_goals::params::FollowParams;
 use serde::{Deserialize, Serialize};
 use sim_backend::params::{ParamsError, within};
-use sub_goals::params::FollowParams;
 
 /// Parameters of the keyed coverage planner.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

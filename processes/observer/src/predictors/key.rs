@@ -7,7 +7,7 @@
 
 use std::collections::VecDeque;
 
-use generators::{AnySource, Source as _};
+use chaotic_maps::{AnySource, Source as _};
 use guidance::go_to::distance_to_segment;
 use nalgebra::Point2;
 

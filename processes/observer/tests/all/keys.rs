@@ -1,6 +1,6 @@
 //! Keys are recovered from poses: of the maps, and never of a keyed stream.
 
-use generators::{AnySource, Cat64, CatF64, CatP, ChebP, Emission, Key, Source};
+use chaotic_maps::{AnySource, Cat64, CatF64, CatP, ChebP, Emission, Key, Source};
 use nalgebra::Point2;
 use observer::knowledge::{CatKind, CatKnowledge, ChebyshevForm, ChebyshevKnowledge};
 use observer::layout::{Layout, Slot};

@@ -1,6 +1,6 @@
 //! How predictable goals are to somebody who knows nothing of the method.
 
-use generators::{AnySource, Cat64, ChebP, Emission, Key, Source as _};
+use chaotic_maps::{AnySource, Cat64, ChebP, Emission, Key, Source as _};
 use metrics::prediction::{View, chance_median, chance_median_along, next_goal_errors};
 use nalgebra::Point2;
 

@@ -1,7 +1,7 @@
 //! Keys are recovered from robots that their real planners drive in the simulated world: they cut
 //! corners, arrive within a tolerance, and pass goals straight ahead without a sign.
 
-use generators::{Emission, Key, KeyKind};
+use chaotic_maps::{Emission, Key, KeyKind};
 use observer::knowledge::{CatKind, CatKnowledge, ChebyshevKnowledge};
 
 use crate::drive::{COVERED, Found, OCTAGON, coverage, patrol, watch};

@@ -1,10 +1,10 @@
 //! Problems for the other tests, and what every plan must be.
 
-use honesty::{Contract, Obstacle, WheelLimit};
 use nalgebra::Point2;
 use optimiser::{Method, Options, Plan, PlanError, Problem, RobotLimits, Wheels};
 use sim_backend::pose::Pose2;
 use sim_backend::shape::{Aabb, Convex};
+use trajectory_check::{Contract, Obstacle, WheelLimit};
 
 /// A board of 4.8 m by 3.6 m and the paper's robot, without obstacles: from the lower left to the
 /// upper right.
@@ -107,7 +107,7 @@ pub fn faults(problem: &Problem, plan: &Plan) -> Vec<String> {
             problem.limits.omega_max,
         )
     };
-    let report = honesty::check(&contract, &plan.samples);
+    let report = trajectory_check::check(&contract, &plan.samples);
     let mut faults: Vec<String> = report.violations.iter().map(ToString::to_string).collect();
     if (report.duration - plan.final_time).abs() > 1e-9 {
         faults.push(format!(

@@ -1,0 +1,43 @@
+//! Random numbers of planners, from a keyed stream.
+
+use chaotic_maps::{Keyed, Source};
+
+/// Uniform numbers in [0, 1) from the `ChaCha20` stream of a key, one after the other.
+#[derive(Debug, Clone)]
+pub(crate) struct Draws {
+    stream: Keyed,
+    /// Second coordinate of the last point.
+    spare: Option<f64>,
+}
+
+impl Draws {
+    pub(crate) fn new(key: [u8; 32]) -> Self {
+        Self {
+            stream: Keyed::new(key),
+            spare: None,
+        }
+    }
+
+    pub(crate) fn unit(&mut self) -> f64 {
+        if let Some(spare) = self.spare.take() {
+            return spare;
+        }
+        let [x, y] = self.stream.next_unit();
+        self.spare = Some(y);
+        x
+    }
+
+    /// One of the numbers below `count`; 0 if there is none.
+    pub(crate) fn index(&mut self, count: usize) -> usize {
+        part(self.unit(), count)
+    }
+
+    pub(crate) fn chance(&mut self, probability: f64) -> bool {
+        self.unit() < probability
+    }
+}
+
+/// Which of `count` equal parts of [0, 1) a number lies in.
+pub(crate) fn part(unit: f64, count: usize) -> usize {
+    ((unit * count as f64) as usize).min(count.saturating_sub(1))
+}

@@ -1,0 +1,48 @@
+//! Coverage of a workplace with obstacles by sub-goals.
+//!
+//! After the Chebyshev coverage paper (Li et al., *A chaotic coverage path planner for the mobile
+//! robot based on the Chebyshev map for special missions*, FITEE 18(9), 2017), with what its
+//! printed algorithm lacks:
+//!
+//! 1. [`workplace`]: a rectangle with obstacles of any shape, as rectangles grown by the robot's
+//!    radius;
+//! 2. [`decomposition`]: its free space as disjoint rectangles, and the bridges between them;
+//! 3. [`tour`]: the order in which a large loop visits the rectangles;
+//! 4. [`plan`]: sub-goals drawn from a source of points, rectangle after rectangle, with transits
+//!    that stay in convex free rectangles ([`transit`]);
+//! 5. [`legs`]: the way between sub-goals, straight with stops or rounded by arcs.
+//!
+//! Planners of sub-goals of any kind have the one interface [`goal::GoalSource`]. Besides the plan of
+//! the paper:
+//!
+//! - [`keyed`]: fast, and hard to foretell for who knows the method but not the key;
+//! - [`boustrophedon`], [`random_bounce`], [`uniform`]: baselines, from the most efficient to the
+//!   least predictable.
+//!
+//! [`sub_goals`] is what all planners of sub-goals share: their site, their parameters, their driving.
+//!
+//! They move in a [`space::Space`]; what is left to cover is a [`freshness::Freshness`]; those that
+//! draw their sub-goals on the way share [`wander`].
+
+#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
+pub mod boustrophedon;
+mod counter;
+pub mod decomposition;
+mod draws;
+pub mod freshness;
+pub mod goal;
+pub mod keyed;
+pub mod legs;
+pub mod plan;
+pub mod random_bounce;
+pub mod space;
+pub mod sub_goals;
+#[cfg(test)]
+mod testing;
+pub mod tour;
+pub mod transit;
+pub mod uniform;
+pub mod wander;
+pub mod workplace;

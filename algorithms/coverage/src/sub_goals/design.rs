@@ -1,0 +1,95 @@
+//! What a kind of coverage planner must say of itself, and the site that it plans for.
+
+use crate::decomposition::{Decomposition, DecompositionError};
+use crate::goal::GoalSource;
+use crate::workplace::{Workplace, WorkplaceError};
+use nalgebra::Point2;
+use serde::de::DeserializeOwned;
+use sim_backend::shape::{Aabb, Convex};
+
+use crate::sub_goals::params::FollowParams;
+
+/// The workplace that a robot finds itself in.
+#[derive(Debug, Clone)]
+pub struct Site {
+    /// The workplace, for the robot's radius and margin.
+    pub workplace: Workplace,
+    /// Its free space.
+    pub decomposition: Decomposition,
+    /// Where the robot is [m], or the nearest place in free space.
+    pub start: Point2<f64>,
+}
+
+impl Site {
+    /// The workplace within `bounds` [m] among obstacles, for a robot of this radius [m] at `here`.
+    ///
+    /// # Errors
+    /// A text that says what does not do and what to change.
+    pub fn new(
+        bounds: Aabb,
+        obstacles: &[Convex],
+        radius: f64,
+        follow: &FollowParams,
+        here: Point2<f64>,
+    ) -> Result<Self, String> {
+        let workplace =
+            Workplace::from_parts(bounds, radius + follow.margin, obstacles, follow.tolerance)
+                .map_err(|e| match e {
+                    WorkplaceError::Radius { limit, .. } => format!(
+                        "`follow.margin` is {} m and the robot's radius {radius} m, but together \
+                         they must be below {limit} m, half the shorter side of the workplace: \
+                         enlarge it, keep less margin or take a smaller robot",
+                        follow.margin
+                    ),
+                    e => e.to_string(),
+                })?;
+        let decomposition = Decomposition::new(&workplace).map_err(|e| match e {
+            DecompositionError::NoFreeSpace { .. } => format!(
+                "`follow.margin` is {} m and the robot's radius {radius} m: the obstacles, grown by \
+                 both, leave no free space; keep less margin, take fewer or smaller obstacles, a \
+                 smaller robot, or a smaller `follow.tolerance`",
+                follow.margin
+            ),
+            e @ DecompositionError::TooManyCells { .. } => e.to_string(),
+        })?;
+        let nearest = decomposition
+            .nearest_rectangle(here)
+            .and_then(|(nearest, _)| decomposition.rectangles().get(nearest))
+            .ok_or("the robot is nowhere")?;
+        let start = here.sup(&nearest.min).inf(&nearest.max);
+        Ok(Self {
+            workplace,
+            decomposition,
+            start,
+        })
+    }
+}
+
+/// A kind of coverage planner: how to make its sub-goals. The process does the rest.
+pub trait Design {
+    /// Its parameters.
+    type Params: DeserializeOwned + Clone;
+    /// Its sub-goals.
+    type Goals: GoalSource;
+
+    /// Checks the parameters.
+    ///
+    /// # Errors
+    /// A text that names the parameter that does not do.
+    fn validate(params: &Self::Params) -> Result<(), String>;
+
+    /// The parameters that all kinds share.
+    fn follow(params: &Self::Params) -> FollowParams;
+
+    /// The sub-goals for a site; `seed` is the robot's own. `before` are those for the site that it
+    /// replaces, if the map has changed: secrets and numbers go on from there.
+    ///
+    /// # Errors
+    /// A text that says what does not fit the site.
+    fn goals(
+        params: &Self::Params,
+        site: &Site,
+        seed: u64,
+        before: Option<Self::Goals>,
+    ) -> Result<Self::Goals, String>;
+}

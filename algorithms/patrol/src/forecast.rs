@@ -1,0 +1,217 @@
+//! Where the robot will be: what an ally who has the key knows, and nobody else shall (cat-map patrol
+//! paper, §3.1 and §4).
+//!
+//! Any waypoint is found at once, however far ahead: the generators jump. Two clocks are offered:
+//! that of the waypoints, by which every one that is put in takes a second (or a little less, so that
+//! laps end in time: [`Awg::with_tempo`]), and the way driven, for a robot that drives at its own
+//! speed. The former starts when the robot sets out from the start of the contour; a robot that keeps
+//! it is where the forecast says, except that a leg may be longer than it can drive in its second:
+//! then it is late until it has caught up.
+
+use chaotic_maps::AnySource;
+use guidance::waypoint::{Waypoint, WaypointKind};
+use nalgebra::Point2;
+use thiserror::Error;
+
+use crate::awg::{Awg, Leg, waypoint};
+
+/// Most laps that [`Forecast::at_distance`] measures one after the other.
+pub const MAX_MEASURED_LAPS: u32 = 100_000;
+
+/// Most points that a generator without jumps is stepped through.
+const MAX_SINGLE_STEPS: u64 = 1_000_000_000;
+
+/// Why there is no forecast.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum ForecastError {
+    /// A time or a way that is none.
+    #[error("`{field}` is {value}, but must be a finite number of at least 0")]
+    Value {
+        /// Which value.
+        field: &'static str,
+        /// What it is.
+        value: f64,
+    },
+    /// Too far ahead.
+    #[error(
+        "that is too far ahead: {what} is beyond what can be computed (at most {most}); ask for an \
+         earlier time, or use a key of another kind"
+    )]
+    TooFar {
+        /// What was asked for.
+        what: String,
+        /// How much can be.
+        most: u64,
+    },
+}
+
+/// Where a robot is by a forecast.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Predicted {
+    /// The place [m].
+    pub point: Point2<f64>,
+    /// The waypoint that it comes from.
+    pub from: Waypoint,
+    /// The waypoint that it heads for.
+    pub to: Waypoint,
+}
+
+/// The future of a patrol.
+#[derive(Debug, Clone)]
+pub struct Forecast {
+    awg: Awg,
+    source: AnySource,
+    jumps: bool,
+}
+
+impl Forecast {
+    /// The future of a patrol whose generator is at its beginning.
+    pub fn new(awg: Awg, source: AnySource) -> Self {
+        let jumps = matches!(
+            source,
+            AnySource::CatP(_)
+                | AnySource::Cat64(_)
+                | AnySource::CatF64(_)
+                | AnySource::ChebP(_)
+                | AnySource::Keyed(_)
+        );
+        Self { awg, source, jumps }
+    }
+
+    /// What the patrol is made from.
+    pub fn awg(&self) -> &Awg {
+        &self.awg
+    }
+
+    /// Time of a lap by the clock of the waypoints [s], the same for all laps; [`Awg::lap_time`].
+    pub fn lap_time(&self) -> f64 {
+        self.awg.lap_time()
+    }
+
+    /// The waypoint with this number; 0 is the start.
+    ///
+    /// # Errors
+    /// [`ForecastError::TooFar`] beyond 2³² laps, or for a generator that cannot jump so far.
+    pub fn waypoint(&self, number: u64) -> Result<Waypoint, ForecastError> {
+        let Some((lap, leg, j)) = self.awg.place(number) else {
+            let start = self.awg.start();
+            return Ok(waypoint(0, 0, WaypointKind::Route, start));
+        };
+        let lap =
+            u32::try_from(lap).map_err(|_| too_far(format!("lap {lap}"), u64::from(u32::MAX)))?;
+        let leg = &self.awg.legs(lap)[leg];
+        let mut source = self.source_at(lap, leg.steps_before + u64::from(j) - 1)?;
+        Ok(self.awg.waypoint_of_leg(lap, leg, j, &mut source))
+    }
+
+    /// The waypoints of a lap, in order; its start is the last one of the lap before.
+    ///
+    /// # Errors
+    /// As [`Self::waypoint`].
+    pub fn lap(&self, lap: u32) -> Result<Vec<Waypoint>, ForecastError> {
+        let mut source = self.source_at(lap, 0)?;
+        let mut waypoints = Vec::with_capacity(self.awg.waypoints_per_lap() as usize);
+        self.awg.lap_into(lap, &mut source, &mut waypoints);
+        Ok(waypoints)
+    }
+
+    /// Where the robot is `t` [s] after it set out from the start of the contour, by the clock of the
+    /// waypoints ([`Awg::due_s`]).
+    ///
+    /// # Errors
+    /// [`ForecastError`] for a time that is none or too far ahead.
+    pub fn at_time(&self, t: f64) -> Result<Predicted, ForecastError> {
+        check("t", t)?;
+        let lap_time = self.lap_time();
+        let laps = (t / lap_time).floor();
+        if laps >= f64::from(u32::MAX) {
+            return Err(too_far(format!("lap {laps}"), u64::from(u32::MAX)));
+        }
+        let lap = laps as u32;
+        let rest = (t - laps * lap_time).max(0.0);
+        let mut begun = 0.0;
+        let mut found: Option<(&Leg, f64)> = None;
+        for leg in self.awg.legs(lap) {
+            if rest >= begun {
+                found = Some((leg, begun));
+            }
+            begun += self.awg.leg_seconds(leg);
+        }
+        let Some((leg, begun)) = found else {
+            let start = self.waypoint(0)?;
+            return Ok(between(start, start, 0.0));
+        };
+        let waypoints = (rest - begun) / self.awg.seconds_per_waypoint(leg);
+        let passed = waypoints.floor().min((leg.waypoints() - 1) as f64);
+        // The waypoint that it comes from is the one before, of this leg or of the last.
+        let number = self.awg.first_of_lap(lap) + leg.waypoints_before + passed as u64 - 1;
+        let (from, to) = (self.waypoint(number)?, self.waypoint(number + 1)?);
+        Ok(between(from, to, (waypoints - passed).clamp(0.0, 1.0)))
+    }
+
+    /// Where the robot is after `s` [m] of the way along its waypoints.
+    ///
+    /// # Errors
+    /// [`ForecastError`] for a way that is none or longer than [`MAX_MEASURED_LAPS`] laps.
+    pub fn at_distance(&self, s: f64) -> Result<Predicted, ForecastError> {
+        check("s", s)?;
+        let mut source = self.source.clone();
+        let mut before = self.waypoint(0)?;
+        let mut rest = s;
+        let mut lap_waypoints = Vec::with_capacity(self.awg.waypoints_per_lap() as usize);
+        for lap in 0..MAX_MEASURED_LAPS {
+            lap_waypoints.clear();
+            self.awg.lap_into(lap, &mut source, &mut lap_waypoints);
+            for &to in &lap_waypoints {
+                let length = (to.point - before.point).norm();
+                if rest <= length {
+                    let share = if length > 0.0 { rest / length } else { 0.0 };
+                    return Ok(between(before, to, share));
+                }
+                rest -= length;
+                before = to;
+            }
+        }
+        Err(too_far(format!("{s} m"), u64::from(MAX_MEASURED_LAPS)))
+    }
+
+    /// The generator before a step of a lap.
+    fn source_at(&self, lap: u32, step: u64) -> Result<AnySource, ForecastError> {
+        let steps = u64::from(lap)
+            .checked_mul(self.awg.steps_per_lap())
+            .and_then(|before| before.checked_add(step))
+            .ok_or_else(|| too_far(format!("lap {lap}"), u64::MAX))?;
+        if !self.jumps && steps > MAX_SINGLE_STEPS {
+            return Err(too_far(
+                format!("step {steps} of a generator that cannot jump"),
+                MAX_SINGLE_STEPS,
+            ));
+        }
+        let mut source = self.source.clone();
+        source.advance(steps);
+        Ok(source)
+    }
+}
+
+fn check(field: &'static str, value: f64) -> Result<(), ForecastError> {
+    if value.is_finite() && value >= 0.0 {
+        Ok(())
+    } else {
+        Err(ForecastError::Value { field, value })
+    }
+}
+
+fn too_far(what: String, most: u64) -> ForecastError {
+    ForecastError::TooFar { what, most }
+}
+
+fn between(from: Waypoint, to: Waypoint, share: f64) -> Predicted {
+    Predicted {
+        point: from.point + (to.point - from.point) * share,
+        from,
+        to,
+    }
+}
+
+#[cfg(test)]
+mod tests;

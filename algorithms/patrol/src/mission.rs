@@ -1,0 +1,235 @@
+//! A patrol as a scenario orders it: contour, time and key; the key and the width may be left open.
+
+mod trial;
+
+use chaotic_maps::{Key, KeyError, KeyKind};
+use guidance::go_to::GoToParams;
+use guidance::limits::Limits;
+use guidance::waypoint_driver::DriverParams;
+use nalgebra::Point2;
+use serde::{Deserialize, Serialize};
+use sim_backend::params::{ParamsError, require};
+use sim_backend::spec::RobotModel;
+use thiserror::Error;
+
+use crate::alpha::{AlphaError, LAPS, alpha_max_driven, check_driven};
+use crate::awg::{Awg, AwgError, AwgParams, Preset};
+use crate::contour::{Contour, ContourError};
+use crate::danger::DangerZones;
+
+pub use trial::TrialDrive;
+
+/// Width with which a zig-zag is laid out before it is chosen [m]; of no consequence.
+const LAYOUT_ALPHA: f64 = 1.0;
+
+/// By how much less than `t_max` a lap takes by the clock of the waypoints [s], though never by more
+/// than half of the margin: with waypoints about a second apart, the ends of laps are late or early by
+/// up to 1.5 s.
+const CLOCK_RESERVE_S: f64 = 2.0;
+
+/// What a patrol is ordered to do.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct MissionParams {
+    /// The waypoints of the contour, x and y [m]; at least 2.
+    pub contour: Vec<[f64; 2]>,
+    /// Whether the last waypoint leads back to the first; otherwise the contour is walked there and
+    /// back.
+    pub closed: bool,
+    /// Time in which each lap shall be done [s], > 0.
+    pub t_max: f64,
+    /// Width of the zig-zag [m], > 0; as great as the robot can drive in the time if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub alpha: Option<f64>,
+    /// Share of the time that is kept in reserve where the width is chosen, 0 to 1: what a robot that
+    /// is late catches up with. The less, the wider the zig-zag and the later the robot.
+    pub margin: f64,
+    /// Key of the generator, such as `catp:0.4,0.644`; a `keyed` one from the run's seed if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub key: Option<Key>,
+    /// Which reading of the paper's formulas.
+    pub preset: Preset,
+    /// Where the patrol is under threat; everywhere if empty.
+    pub danger_zones: DangerZones,
+}
+
+impl Default for MissionParams {
+    fn default() -> Self {
+        Self {
+            contour: Vec::new(),
+            closed: true,
+            t_max: 120.0,
+            alpha: None,
+            margin: 0.15,
+            key: None,
+            preset: Preset::Default,
+            danger_zones: DangerZones::default(),
+        }
+    }
+}
+
+/// Why a patrol cannot be.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum MissionError {
+    /// Waypoints that are no contour.
+    #[error(transparent)]
+    Contour(#[from] ContourError),
+    /// A time, a width or a zone out of its range.
+    #[error(transparent)]
+    Awg(#[from] AwgError),
+    /// No width can be chosen.
+    #[error(transparent)]
+    Alpha(#[from] AlphaError),
+    /// A key that cannot be used.
+    #[error("`key`: {0}")]
+    Key(#[from] KeyError),
+    /// Another parameter out of its range.
+    #[error(transparent)]
+    Params(#[from] ParamsError),
+}
+
+/// A patrol with everything chosen.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mission {
+    /// The contour.
+    pub contour: Contour,
+    /// The zig-zag about it.
+    pub awg: Awg,
+    /// The key; with it and the above, an ally forecasts the patrol ([`crate::forecast`]).
+    pub key: Key,
+}
+
+/// What a robot's drive can do.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Drive {
+    /// Its speeds.
+    pub limits: Limits,
+    /// Its acceleration [m/s²], > 0; absent: it takes no time.
+    pub acceleration: Option<f64>,
+    /// Its angular acceleration [rad/s²], > 0; absent: it takes no time.
+    pub angular_acceleration: Option<f64>,
+}
+
+impl Drive {
+    /// That of a robot's body: no faster than its wheels.
+    ///
+    /// # Errors
+    /// [`ParamsError`] naming the limit that is out of range.
+    pub fn of(model: &RobotModel) -> Result<Self, ParamsError> {
+        let rim = model.wheel_speed_max.unwrap_or(f64::INFINITY);
+        let turning = 2.0 * rim / model.wheel_separation;
+        Ok(Self {
+            limits: Limits::new(
+                model.v_max.min(rim),
+                model.v_reverse_max.min(rim),
+                model.omega_max.min(turning),
+            )?,
+            acceleration: model.acceleration,
+            angular_acceleration: model.angular_acceleration,
+        })
+    }
+
+    /// Parameters of a waypoint driver for this drive: what they leave open about its accelerations
+    /// is filled in.
+    pub fn driver(&self, params: &DriverParams) -> DriverParams {
+        params.for_drive(self.acceleration, self.angular_acceleration)
+    }
+}
+
+impl MissionParams {
+    /// Checks every field by itself.
+    ///
+    /// # Errors
+    /// [`MissionError`] for the first that does not do, saying what to change.
+    pub fn validate(&self) -> Result<(), MissionError> {
+        self.layout()?;
+        require(
+            (0.0..1.0).contains(&self.margin),
+            "margin",
+            &self.margin,
+            "a share of at least 0 and below 1",
+        )?;
+        if let Some(key) = &self.key {
+            key.validate()?;
+        }
+        Ok(())
+    }
+
+    /// Chooses what was left open, for a robot and the seed of its process; the clock of the waypoints
+    /// is made to run so fast that laps driven by it end within `t_max`.
+    ///
+    /// The width is tried by driving the first laps ([`TrialDrive`]), so that what is chosen is a
+    /// matter of scenario and key alone.
+    ///
+    /// # Errors
+    /// [`MissionError`] as for [`Self::validate`], and for a robot that is too slow.
+    pub fn prepare(
+        &self,
+        drive: &Drive,
+        go_to: &GoToParams,
+        seed: u64,
+    ) -> Result<Mission, MissionError> {
+        self.validate()?;
+        let (contour, mut awg) = self.layout()?;
+        let key = self.key_or(seed);
+        let v_max = drive.limits.v_max() * go_to.speed_fraction;
+        awg.check_speed(v_max)?;
+        // Without additional waypoints there is nothing to choose, and no width does harm.
+        if self.alpha.is_none() && awg.steps_per_lap() > 0 {
+            let mut trial = TrialDrive::new(drive, go_to);
+            let mut source = key.source()?;
+            let alpha = alpha_max_driven(&awg, v_max, self.margin, LAPS, &mut source, &mut trial)?;
+            awg = awg.with_alpha(alpha)?;
+        }
+        // A lap ends some moments before or after it is due, and shall end in time all the same.
+        let reserve_s = CLOCK_RESERVE_S.min(0.5 * self.margin * self.t_max);
+        let tempo = (self.t_max - reserve_s) / awg.lap_time();
+        let awg = awg.with_tempo(tempo.min(1.0))?;
+        Ok(Mission { contour, awg, key })
+    }
+
+    /// Whether [`Self::prepare`] would succeed, in a small part of its time.
+    ///
+    /// # Errors
+    /// As for [`Self::prepare`].
+    pub fn check(&self, drive: &Drive, go_to: &GoToParams, seed: u64) -> Result<(), MissionError> {
+        self.validate()?;
+        let (_, awg) = self.layout()?;
+        let v_max = drive.limits.v_max() * go_to.speed_fraction;
+        awg.check_speed(v_max)?;
+        if self.alpha.is_none() && awg.steps_per_lap() > 0 {
+            let mut trial = TrialDrive::new(drive, go_to);
+            let mut source = self.key_or(seed).source()?;
+            check_driven(&awg, v_max, self.margin, LAPS, &mut source, &mut trial)?;
+        }
+        Ok(())
+    }
+
+    fn key_or(&self, seed: u64) -> Key {
+        self.key
+            .unwrap_or_else(|| Key::from_seed(KeyKind::Keyed, seed))
+    }
+
+    fn layout(&self) -> Result<(Contour, Awg), MissionError> {
+        let points: Vec<Point2<f64>> = self
+            .contour
+            .iter()
+            .map(|p| Point2::new(p[0], p[1]))
+            .collect();
+        let contour = if self.closed {
+            Contour::closed(&points)?
+        } else {
+            Contour::open(&points)?
+        };
+        let params = AwgParams {
+            t_max: self.t_max,
+            alpha: self.alpha.unwrap_or(LAYOUT_ALPHA),
+            mode: self.preset.mode(),
+        };
+        let awg = Awg::new(&contour, &self.danger_zones, params)?;
+        Ok((contour, awg))
+    }
+}
+
+#[cfg(test)]
+mod tests;

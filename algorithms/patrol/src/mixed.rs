@@ -1,0 +1,229 @@
+//! Additional waypoints where obstacles are small, fictive obstacles along large ones: the mixture
+//! that the cat-map patrol paper suggests (§5.2 and §6) without saying how.
+//!
+//! Along a large obstacle most additional waypoints are dropped, and the zig-zag with them. The
+//! choice is therefore made leg by leg, by the share of waypoints that are, or would be, dropped:
+//!
+//! - *known* obstacles: the share of the zig-zag's area that lies in them, on a fixed lattice, so
+//!   that the choice says nothing about the key;
+//! - *unknown* ones: the share of the leg's additional waypoints that the robot had to leave out the
+//!   last time. After some laps the leg gets another chance: obstacles go away.
+//!
+//! The generator takes its steps on every leg, whatever is chosen: the waypoints that are visited
+//! are those that an ally foresees.
+
+use chaotic_maps::Source;
+use guidance::waypoint::{Waypoint, WaypointKind, WaypointOutcome};
+use nalgebra::Point2;
+use serde::{Deserialize, Serialize};
+use sim_backend::params::{ParamsError, fraction, require};
+
+use crate::awg::{Awg, Laps, Leg};
+
+/// Points per side of the square in which known obstacles are looked for.
+const LATTICE: u32 = 6;
+
+/// Fewest waypoints from which a share is taken.
+const FEWEST: u32 = 3;
+
+/// How a leg is protected.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Method {
+    /// By additional waypoints.
+    Waypoints,
+    /// By fictive obstacles.
+    FictiveObstacles,
+}
+
+/// Parameters of [`MixedLaps`].
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct MixedParams {
+    /// Share of dropped waypoints above which a leg gets fictive obstacles, 0 to 1.
+    pub dropped_share: f64,
+    /// Laps after which a leg whose waypoints could not be reached gets them again, ≥ 1.
+    pub retry_laps: u32,
+}
+
+impl Default for MixedParams {
+    fn default() -> Self {
+        Self {
+            dropped_share: 0.35,
+            retry_laps: 4,
+        }
+    }
+}
+
+impl MixedParams {
+    /// Checks every field.
+    ///
+    /// # Errors
+    /// [`ParamsError`] naming the first field that is out of range.
+    pub fn validate(&self) -> Result<(), ParamsError> {
+        fraction("dropped_share", self.dropped_share)?;
+        require(
+            self.retry_laps >= 1,
+            "retry_laps",
+            &self.retry_laps,
+            "a number of at least 1",
+        )
+    }
+}
+
+/// Share of a leg's zig-zag inside obstacles, 0 to 1; 0 for a leg without additional waypoints.
+///
+/// `inside` tells whether a point [m] lies in an obstacle, enlarged as the robot wants it.
+pub fn share_inside(awg: &Awg, leg: &Leg, inside: impl Fn(Point2<f64>) -> bool) -> f64 {
+    let mut found = 0u32;
+    for j in 1..=leg.inserted {
+        let nominal = leg.nominal(j, awg.v());
+        for i in 0..LATTICE * LATTICE {
+            let middle = |k: u32| (f64::from(k) + 0.5) / f64::from(LATTICE);
+            let offset = leg.offset([middle(i % LATTICE), middle(i / LATTICE)]);
+            found += u32::from(inside(nominal + offset * awg.params().alpha));
+        }
+    }
+    let all = leg.inserted * LATTICE * LATTICE;
+    if all == 0 {
+        0.0
+    } else {
+        f64::from(found) / f64::from(all)
+    }
+}
+
+/// What became of a leg's additional waypoints.
+#[derive(Debug, Clone, Copy, Default)]
+struct Record {
+    ended: u32,
+    dropped: u32,
+    /// The lap from which the leg gets waypoints again.
+    retry_from: Option<u32>,
+}
+
+/// Laps without end, each leg protected by the method that suits it.
+#[derive(Debug, Clone)]
+pub struct MixedLaps<S> {
+    params: MixedParams,
+    laps: Laps<S>,
+    /// By the stretches of the first lap.
+    records: Vec<Record>,
+    /// The leg of the last waypoint and what was chosen for it.
+    chosen: Option<(u32, usize, Method)>,
+}
+
+impl<S: Source> MixedLaps<S> {
+    /// Laps of which nothing is known yet.
+    ///
+    /// # Errors
+    /// [`ParamsError`] naming the parameter that is out of range.
+    pub fn new(params: MixedParams, laps: Laps<S>) -> Result<Self, ParamsError> {
+        params.validate()?;
+        let records = vec![Record::default(); laps.awg().legs(0).len()];
+        Ok(Self {
+            params,
+            laps,
+            records,
+            chosen: None,
+        })
+    }
+
+    /// What the waypoints come from.
+    pub fn awg(&self) -> &Awg {
+        self.laps.awg()
+    }
+
+    /// The next waypoint to visit, and how the robot is protected on the way to it. On legs with
+    /// fictive obstacles only the waypoints of the route are left.
+    ///
+    /// `inside` tells whether a point [m] lies in an obstacle that the robot knows, enlarged as it
+    /// wants it.
+    pub fn next_waypoint(&mut self, inside: impl Fn(Point2<f64>) -> bool) -> (Waypoint, Method) {
+        loop {
+            let waypoint = self.laps.next_waypoint();
+            let method = self.method(&waypoint, &inside);
+            let skipped =
+                waypoint.kind == WaypointKind::Inserted && method == Method::FictiveObstacles;
+            if !skipped {
+                return (waypoint, method);
+            }
+        }
+    }
+
+    /// Takes note of what became of a waypoint.
+    pub fn report(&mut self, waypoint: &Waypoint, outcome: WaypointOutcome) {
+        if waypoint.kind != WaypointKind::Inserted {
+            return;
+        }
+        let Some((lap, leg)) = self.leg(waypoint) else {
+            return;
+        };
+        let stretch = self.stretch(lap, leg);
+        if let Some(record) = self.records.get_mut(stretch) {
+            record.ended += 1;
+            record.dropped += u32::from(outcome != WaypointOutcome::Reached);
+        }
+    }
+
+    fn leg(&self, waypoint: &Waypoint) -> Option<(u32, usize)> {
+        let (_, leg, _) = self.awg().place(waypoint.number)?;
+        Some((waypoint.lap, leg))
+    }
+
+    /// Which stretch of the first lap a leg is: on the way back they come in the opposite order.
+    fn stretch(&self, lap: u32, leg: usize) -> usize {
+        let awg = self.laps.awg();
+        let ahead = core::ptr::eq(awg.legs(lap), awg.legs(0));
+        if ahead {
+            leg
+        } else {
+            self.records.len().saturating_sub(leg + 1)
+        }
+    }
+
+    fn method(&mut self, waypoint: &Waypoint, inside: impl Fn(Point2<f64>) -> bool) -> Method {
+        let Some((lap, leg)) = self.leg(waypoint) else {
+            return Method::Waypoints;
+        };
+        if let Some((of_lap, of_leg, method)) = self.chosen
+            && (of_lap, of_leg) == (lap, leg)
+        {
+            return method;
+        }
+        let method = self.choose(lap, leg, inside);
+        self.chosen = Some((lap, leg, method));
+        method
+    }
+
+    fn choose(&mut self, lap: u32, leg: usize, inside: impl Fn(Point2<f64>) -> bool) -> Method {
+        let stretch = self.stretch(lap, leg);
+        let awg = self.laps.awg();
+        let (Some(leg), Some(record)) = (awg.legs(lap).get(leg), self.records.get_mut(stretch))
+        else {
+            return Method::Waypoints;
+        };
+        if leg.inserted == 0 {
+            return Method::Waypoints;
+        }
+        if share_inside(awg, leg, inside) > self.params.dropped_share {
+            return Method::FictiveObstacles;
+        }
+        if let Some(retry_from) = record.retry_from {
+            if lap < retry_from {
+                return Method::FictiveObstacles;
+            }
+            *record = Record::default();
+        }
+        let share = f64::from(record.dropped) / f64::from(record.ended.max(1));
+        let enough = record.ended >= FEWEST.min(leg.inserted);
+        let failed = enough && share > self.params.dropped_share;
+        *record = Record::default();
+        if failed {
+            record.retry_from = Some(lap.saturating_add(self.params.retry_laps));
+            return Method::FictiveObstacles;
+        }
+        Method::Waypoints
+    }
+}
+
+#[cfg(test)]
+mod tests;

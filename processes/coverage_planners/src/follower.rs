@@ -1,0 +1,240 @@
+//! Wires planners of sub-goals to their topics: state and map in; command, plan and what became of
+//! the sub-goals out.
+
+use coverage::goal::{Goal, GoalSource};
+use guidance::limits::Limits;
+use guidance::map::PlannerMap;
+use guidance::steering::Steering;
+use guidance::view::View;
+use guidance::waypoint::WaypointReport;
+use guidance::waypoint_driver::{Driving, Situation, WaypointDriver};
+use kit::config::RobotInfo;
+use kit::error::ProcessError;
+use kit::planner::{Planner, PlannerInputs, limits};
+use nalgebra::Point2;
+use sim_backend::pose::Pose2;
+
+use coverage::sub_goals::arc_driver::ArcDriver;
+use coverage::sub_goals::design::{Design, Site};
+use coverage::sub_goals::params::{FollowParams, Interpolation};
+
+/// How the robot is driven.
+#[derive(Debug)]
+enum Drive {
+    Linear(Box<WaypointDriver>),
+    Arc(Box<ArcDriver>),
+}
+
+/// A planner of sub-goals of some design, and the robot that drives to them.
+pub struct Follower<D: Design> {
+    params: D::Params,
+    follow: FollowParams,
+    limits: Limits,
+    radius: f64,
+    seed: u64,
+    drive: Drive,
+    goals: Option<D::Goals>,
+    /// Revision of the map that the goals are for.
+    revision: Option<u64>,
+    /// Where the last goal is, at which the next leg begins [m].
+    last: Option<Point2<f64>>,
+    /// Where the robot was a tick ago [m].
+    before: Option<Point2<f64>>,
+    reports: Vec<WaypointReport>,
+    failure: Option<ProcessError>,
+}
+
+impl<D: Design> Follower<D> {
+    /// Its sub-goals from now on; `None` before it knows a map.
+    pub fn goals(&mut self) -> Option<&mut D::Goals> {
+        self.goals.as_mut()
+    }
+
+    fn driver(follow: &FollowParams, limits: Limits, radius: f64) -> Result<Drive, String> {
+        Ok(match follow.interpolation {
+            Interpolation::Linear => {
+                let driver = WaypointDriver::new(follow.driver, limits, radius);
+                Drive::Linear(Box::new(
+                    driver.map_err(|e| e.within("follow.driver").to_string())?,
+                ))
+            }
+            Interpolation::Arc => {
+                let driver = ArcDriver::new(follow, limits).map_err(|e| e.to_string())?;
+                Drive::Arc(Box::new(driver))
+            }
+        })
+    }
+
+    /// Makes goals for a new map.
+    fn lay_out(&mut self, map: &PlannerMap, here: Point2<f64>) {
+        if self.revision == Some(map.revision()) {
+            return;
+        }
+        let first = self.revision.is_none();
+        self.revision = Some(map.revision());
+        let made = site(map, self.radius, &self.follow, here).and_then(|site| {
+            if !first {
+                // What was taken up is for a workplace that there is no more.
+                self.drive = Self::driver(&self.follow, self.limits, self.radius)?;
+            }
+            report(&site);
+            D::goals(&self.params, &site, self.seed, self.goals.take())
+        });
+        match made {
+            Ok(goals) => {
+                self.goals = Some(goals);
+                self.last = None;
+            }
+            Err(reason) => {
+                let reason = format!("coverage: {reason}");
+                self.failure = Some(ProcessError::Algorithm(reason));
+            }
+        }
+    }
+}
+
+impl<D: Design> Planner for Follower<D> {
+    type Params = D::Params;
+
+    const WAYPOINTS: usize = 64;
+
+    fn inputs(params: &D::Params) -> PlannerInputs {
+        PlannerInputs {
+            shapes: true,
+            scans: D::follow(params).interpolation == Interpolation::Linear,
+            ..PlannerInputs::default()
+        }
+    }
+
+    fn new(params: &D::Params, robot: &RobotInfo, seed: u64) -> Result<Self, String> {
+        D::validate(params)?;
+        let mut follow = D::follow(params);
+        let model = &robot.model;
+        follow.driver = follow
+            .driver
+            .for_drive(model.acceleration, model.angular_acceleration);
+        let (limits, radius) = (limits(robot)?, robot.model.radius);
+        Ok(Self {
+            params: params.clone(),
+            follow,
+            limits,
+            radius,
+            seed,
+            drive: Self::driver(&follow, limits, radius)?,
+            goals: None,
+            revision: None,
+            last: None,
+            before: None,
+            reports: Vec::new(),
+            failure: None,
+        })
+    }
+
+    fn failure(&mut self) -> Option<ProcessError> {
+        self.failure.take()
+    }
+
+    fn prepare(&mut self, map: &PlannerMap, robot: &RobotInfo) {
+        self.lay_out(map, robot.start.position());
+    }
+
+    fn steer(&mut self, map: &PlannerMap, view: &View<'_>) -> Steering {
+        self.reports.clear();
+        let Some(me) = view.robots.get(view.me).filter(|me| me.is_sane()) else {
+            return Steering::stop();
+        };
+        let Pose2 { x, y, .. } = me.pose;
+        let here = Point2::new(x, y);
+        self.lay_out(map, here);
+        let Some(goals) = &mut self.goals else {
+            return Steering::stop();
+        };
+        goals.driven(self.before.replace(here).unwrap_or(here), here);
+        let situation = Situation {
+            pose: me.pose,
+            twist: me.twist,
+            scan: view.scan,
+            known: map.space().map(AsRef::as_ref),
+            time_s: view.time_s,
+            dt: view.dt,
+        };
+        let last = &mut self.last;
+        let mut next = || -> Option<Goal> {
+            let goal = goals.next_goal(last.unwrap_or(here))?;
+            *last = Some(goal.waypoint.point);
+            Some(goal)
+        };
+        let (driving, aim) = match &mut self.drive {
+            Drive::Linear(driver) => {
+                let mut next = || next().map(|goal| goal.waypoint);
+                let driving = driver.drive(&mut next, &situation, &mut self.reports);
+                (driving, driver.current().map(|waypoint| waypoint.point))
+            }
+            Drive::Arc(driver) => {
+                let driving = driver.drive(&mut next, &situation, &mut self.reports);
+                (driving, driver.current().map(|goal| goal.waypoint.point))
+            }
+        };
+        let Driving {
+            command, towards, ..
+        } = driving;
+        Steering {
+            command,
+            aim,
+            waypoint: towards,
+            ..Steering::stop()
+        }
+    }
+
+    fn waypoints(&mut self) -> &[WaypointReport] {
+        &self.reports
+    }
+}
+
+/// The workplace of a robot: the arena of its map.
+fn site(
+    map: &PlannerMap,
+    radius: f64,
+    follow: &FollowParams,
+    here: Point2<f64>,
+) -> Result<Site, String> {
+    let space = map.space().ok_or(
+        "the map has more pieces than world/shapes holds: use a map with fewer obstacles or corners",
+    )?;
+    Site::new(
+        *space.bounds(),
+        space.shapes().parts(),
+        radius,
+        follow,
+        here,
+    )
+}
+
+/// Says what of a workplace will not be covered.
+fn report(site: &Site) {
+    let decomposition = &site.decomposition;
+    let loss = site.workplace.loss();
+    if loss.area > 0.0 {
+        tracing::info!(
+            "obstacles as {} rectangles: {:.3} m² of free space given up ({:.2} %)",
+            site.workplace.rectangles().len(),
+            loss.area,
+            100.0 * loss.share,
+        );
+    }
+    let Some(start) = decomposition.rectangle_at(site.start) else {
+        return;
+    };
+    let unreachable = decomposition.unreachable_from(start);
+    if unreachable.components > 0 {
+        tracing::warn!(
+            "{} part(s) of the workplace cannot be reached from ({:.2}, {:.2}): {:.3} m² of {:.3} m² \
+             will not be covered",
+            unreachable.components,
+            site.start.x,
+            site.start.y,
+            unreachable.area,
+            decomposition.area(),
+        );
+    }
+}
