@@ -7,7 +7,7 @@ use crate::support::history::{History, Robot, State};
 use crate::support::sandbox::signal;
 use crate::support::{SOON, Sandbox, until, wait_for_tick};
 use ipc_types::messages::world::WorldEvent;
-use kit::lockstep::TurnPage;
+use runtime::lockstep::TurnPage;
 use rustix::process::Signal;
 
 /// Place of the only planner of `hello` on the turn page, behind the simulator.

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use ipc_types::bus::{Bus, BusError, RunSpace, Subscriber};
 use ipc_types::cdr;
 use ipc_types::topics::{NAMES, Topic, TopicVisitor, WorldState, for_each_topic};
-use kit::ProcessConfig;
+use runtime::ProcessConfig;
 use serde_json::Value as Json;
 
 use crate::support::call::{Call, Running};

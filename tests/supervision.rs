@@ -15,7 +15,7 @@ mod surroundings;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-use kit::lockstep::{SlotState, TurnPage};
+use runtime::lockstep::{SlotState, TurnPage};
 use rustix::process::Signal;
 use serde_json::Value as Json;
 

@@ -11,7 +11,9 @@ use std::sync::{Arc, Barrier};
 use std::time::{Duration, Instant};
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use kit::lockstep::{Conductor, Overseer, Participant, Phase, SlotState, Turn, TurnEnd, TurnPage};
+use runtime::lockstep::{
+    Conductor, Overseer, Participant, Phase, SlotState, Turn, TurnEnd, TurnPage,
+};
 
 /// How many take part beside the conductor.
 const MEMBERS: [usize; 4] = [1, 2, 4, 8];

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use kit::lockstep::Phase;
 use orchestrator::statistics::Spread;
+use runtime::lockstep::Phase;
 use serde_json::Value as Json;
 
 use super::probe;

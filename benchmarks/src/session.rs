@@ -4,8 +4,8 @@ use std::fs::File;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use kit::config::ProcessConfig;
-use kit::lockstep::TurnPage;
+use runtime::config::ProcessConfig;
+use runtime::lockstep::TurnPage;
 use rustix::process::{Pid, Signal};
 use serde_json::Value as Json;
 use tempfile::TempDir;

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
-use kit::lockstep::Phase;
 use orchestrator::statistics::Spread;
+use runtime::lockstep::Phase;
 
 use super::probe;
 use super::report::{Figure, Goal};

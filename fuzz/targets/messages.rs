@@ -28,14 +28,14 @@ impl TopicVisitor for Decode<'_> {
 }
 
 fn shapes(header: &ShapesHeader, points: &[ShapePoint]) {
-    if let Ok((bounds, pieces)) = kit::shapes::from_message(header, points) {
+    if let Ok((bounds, pieces)) = runtime::shapes::from_message(header, points) {
         assert!(bounds.max.x > bounds.min.x && bounds.max.y > bounds.min.y);
         assert_eq!(pieces.len(), header.shapes as usize);
     }
 }
 
 fn obstacle(event: &ObstacleEvent) {
-    if let Ok(change) = kit::obstacle::from_message(event) {
+    if let Ok(change) = runtime::obstacle::from_message(event) {
         let ground = VectorMap::empty([0.0, 0.0], [2.0, 2.0], 0.25);
         let mut map = WorldMap::new(&MapSpec::Vector(ground)).expect("an empty map");
         let _ = map.apply(&change);

@@ -1,8 +1,8 @@
 //! Every kind of process by its name, with its own type. The simulator is not among them: it leads
 //! the loop that they follow.
 
-use kit::Wiring;
-use kit::planner::PlannerProcess;
+use planner::PlannerProcess;
+use runtime::Wiring;
 
 /// Something to be done with a kind of process.
 pub trait WiringVisitor {

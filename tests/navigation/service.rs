@@ -6,9 +6,9 @@ use crate::process::send_map;
 use crate::support::rig::{Rig, World};
 use ipc_types::messages::optimiser::{PlanRequest, PlanResponse, TrajectorySample};
 use ipc_types::messages::world::ShapePoint;
-use kit::lockstep::SlotState;
-use kit::optimiser_client::{OptimiserClient, PlanAnswer};
 use optimiser::plan::Sample;
+use runtime::lockstep::SlotState;
+use runtime::optimiser_client::{OptimiserClient, PlanAnswer};
 use zerocopy::{FromBytes as _, IntoBytes as _};
 
 /// Two robots that would ask.

@@ -1,6 +1,6 @@
 //! How processes end, and what keeps them from beginning.
 
-use kit::lockstep::{Phase, SlotState};
+use runtime::lockstep::{Phase, SlotState};
 use rustix::process::Signal;
 
 use super::simulator::Drivers;

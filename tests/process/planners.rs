@@ -4,7 +4,7 @@ use ipc_types::messages::perception::{BeliefHeader, Particle};
 use ipc_types::messages::robot::{Command, ScanHeader};
 use ipc_types::messages::world::RobotState;
 use ipc_types::topics::{Belief, Scan};
-use kit::lockstep::SlotState;
+use runtime::lockstep::SlotState;
 
 use super::{Answers, COP, EYES, ROOM, THIEF, planner, room_with_scanner, send_map};
 use crate::support::rig::{Rig, World};

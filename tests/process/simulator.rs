@@ -5,7 +5,7 @@ use ipc_types::messages::robot::Command;
 use ipc_types::messages::world::{ObstacleEvent, RobotState, WorldEvent};
 use ipc_types::stamp::PlainHeader;
 use ipc_types::topics::{Commands, ObstacleEvents, WorldEvents, WorldMap, WorldState};
-use kit::lockstep::{Participant, Phase, SlotState, Turn};
+use runtime::lockstep::{Participant, Phase, SlotState, Turn};
 
 use super::{COP, EYES, ROOM, THIEF};
 use crate::support::rig::Rig;

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
-use kit::lockstep::TurnPage;
+use runtime::lockstep::TurnPage;
 use rustix::process::Signal;
 
 use crate::support::history::History;

@@ -17,7 +17,7 @@ pub mod ways;
 
 use std::time::{Duration, Instant};
 
-use kit::lockstep::TurnPage;
+use runtime::lockstep::TurnPage;
 
 pub use sandbox::Sandbox;
 

@@ -18,9 +18,9 @@ use ipc_types::topics::{
     OptimiserPlan, PLAN_ANSWERED_EVENT, PLAN_ASKED_EVENT, Status, Topic, TopicVisitor, WorldMap,
     WorldShapes, WorldState, for_each_topic,
 };
-use kit::lockstep::{Conductor, Overseer, Phase, SlotState, TurnEnd, TurnPage};
 use orchestrator::mission::plan::Plan;
 use orchestrator::scenario::{self, ResolvedScenario};
+use runtime::lockstep::{Conductor, Overseer, Phase, SlotState, TurnEnd, TurnPage};
 use rustix::process::{Pid, PidfdFlags, Signal};
 
 use super::call::wait;
@@ -351,7 +351,7 @@ impl World {
         self.maps.send(header, &cells).unwrap();
         let capacity = self.shapes.capacity();
         let (header, points) =
-            kit::shapes::to_message(map.shapes(), header.revision, header.stamp, capacity);
+            runtime::shapes::to_message(map.shapes(), header.revision, header.stamp, capacity);
         self.shapes.send(header, &points).unwrap();
     }
 

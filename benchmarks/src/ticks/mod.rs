@@ -1,4 +1,4 @@
-//! Lock-step ticks per second of eight trivial planner processes: the kit against bare iceoryx2 and
+//! Lock-step ticks per second of eight trivial planner processes: the runtime against bare iceoryx2 and
 //! a bare futex page.
 //!
 //! Both do the same exchange with messages of the same size: publish the state, post the tick, wait
@@ -18,13 +18,13 @@ use ipc_types::messages::robot::Command;
 use ipc_types::messages::world::{RobotState, WorldHeader};
 use ipc_types::stamp::PlainHeader;
 use ipc_types::topics::{Commands, Status, WorldState};
-use kit::config::{Clock, ProcessConfig, RobotInfo, RunConfig};
-use kit::inputs::{StateInput, reply_stamp};
-use kit::lockstep::{Conductor, Overseer, Phase, SlotState, TurnEnd, TurnPage};
-use kit::{ProcessError, Wiring};
 use orchestrator::latency::link::pin;
 use orchestrator::mission::spaces::OwnedSpace;
 use orchestrator::statistics::{Spread, paired_ratio};
+use runtime::config::{Clock, ProcessConfig, RobotInfo, RunConfig};
+use runtime::inputs::{StateInput, reply_stamp};
+use runtime::lockstep::{Conductor, Overseer, Phase, SlotState, TurnEnd, TurnPage};
+use runtime::{ProcessError, Wiring};
 use sim_backend::pose::Pose2;
 use sim_backend::spec::Preset;
 use sim_backend::team::Team;
@@ -40,7 +40,7 @@ pub const KIT_PLANNER: &str = "bench-planner";
 pub const RAW_PLANNER: &str = "raw-planner";
 
 const ITEM: &str = "ticks";
-/// Share of the raw exchange's speed that the kit should keep.
+/// Share of the raw exchange's speed that the runtime should keep.
 const GOAL: f64 = 0.8;
 /// Longest time for the ticks before anything is measured.
 const WARM_UP_WITHIN: Duration = Duration::from_secs(10);
@@ -69,11 +69,11 @@ pub fn measure(options: Options) -> Result<Vec<Figure>> {
             };
             scope.spawn(work).join()
         });
-        let (kit, raw) = joined.unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
+        let (runtime, raw) = joined.unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
         let (Some(value), Some(baseline), Some(ratio)) = (
-            Spread::of(kit.iter().copied()),
+            Spread::of(runtime.iter().copied()),
             Spread::of(raw.iter().copied()),
-            paired_ratio(&kit, &raw),
+            paired_ratio(&runtime, &raw),
         ) else {
             continue;
         };
@@ -92,7 +92,7 @@ pub fn measure(options: Options) -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-/// Rates of the blocks of the kit and of the raw exchange [ticks/s], pair by pair.
+/// Rates of the blocks of the runtime and of the raw exchange [ticks/s], pair by pair.
 fn alternate(options: Options) -> Result<(Vec<f64>, Vec<f64>)> {
     let (mut ours, mut theirs) = (Vec::new(), Vec::new());
     // Where the scheduler puts sixteen processes decides a lot, and it seldom changes its mind: the
@@ -111,26 +111,26 @@ fn alternate_set(
     ours: &mut Vec<f64>,
     theirs: &mut Vec<f64>,
 ) -> Result<()> {
-    let (mut kit, mut raw);
+    let (mut runtime, mut raw);
     if ours_first {
-        kit = KitExchange::start()?;
+        runtime = RuntimeExchange::start()?;
         raw = RawExchange::start()?;
     } else {
         raw = RawExchange::start()?;
-        kit = KitExchange::start()?;
+        runtime = RuntimeExchange::start()?;
     }
     let pairs = options.repeats(5, 3);
     let time = Duration::from_millis(if options.quick { 100 } else { 200 });
     let warm_up = Instant::now() + WARM_UP_WITHIN;
     for _ in 0..WARM_UP {
-        kit.tick()?;
+        runtime.tick()?;
         raw.tick()?;
         if Instant::now() > warm_up {
             break;
         }
     }
     for _ in 0..pairs {
-        ours.push(rate(time, || kit.tick())?);
+        ours.push(rate(time, || runtime.tick())?);
         theirs.push(rate(time, || raw.tick())?);
     }
     Ok(())
@@ -152,8 +152,8 @@ fn rate(time: Duration, mut call: impl FnMut() -> Result<()>) -> Result<f64> {
     }
 }
 
-/// The exchange over the kit.
-struct KitExchange {
+/// The exchange over the runtime.
+struct RuntimeExchange {
     overseer: Overseer,
     crew: Crew,
     conductor: Conductor,
@@ -166,7 +166,7 @@ struct KitExchange {
     _space: OwnedSpace,
 }
 
-impl KitExchange {
+impl RuntimeExchange {
     fn start() -> Result<Self> {
         let space = OwnedSpace::create()?;
         let run = run_config(space.space().root(), space.space().prefix());
@@ -255,7 +255,7 @@ impl KitExchange {
     }
 }
 
-impl Drop for KitExchange {
+impl Drop for RuntimeExchange {
     fn drop(&mut self) {
         self.overseer.set_phase(Phase::Stop);
     }
@@ -337,9 +337,9 @@ impl Wiring for TrivialPlanner {
     }
 }
 
-/// Runs a trivial planner over the kit to its end.
+/// Runs a trivial planner over the runtime to its end.
 pub fn kit_planner(config: &Path) -> ExitCode {
-    kit::run::<TrivialPlanner>(config)
+    runtime::run::<TrivialPlanner>(config)
 }
 
 /// The exchange over bare iceoryx2 and a bare futex page.

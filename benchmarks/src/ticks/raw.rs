@@ -1,4 +1,4 @@
-//! The baseline: what a person would write on iceoryx2 and a futex page without the kit. No checks,
+//! The baseline: what a person would write on iceoryx2 and a futex page without the runtime. No checks,
 //! no stamps, no heartbeat, no phases, no supervision.
 
 use std::path::{Path, PathBuf};
@@ -119,7 +119,7 @@ pub fn planner(config: &Path) -> ExitCode {
 fn planner_with(config: &Path) -> Result<()> {
     let config: RawConfig = serde_json::from_slice(&std::fs::read(config)?)?;
     let stop = Arc::new(AtomicBool::new(false));
-    kit::guard::watch_parent(Arc::clone(&stop))?;
+    runtime::guard::watch_parent(Arc::clone(&stop))?;
     let node = raw_node(&RunSpace::new(&config.root, &config.prefix)?)?;
     let (states, commands) = (states(&node)?, commands(&node)?);
     let state_in = states

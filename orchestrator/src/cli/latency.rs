@@ -100,7 +100,7 @@ pub fn run(args: &LatencyArgs) -> ExitCode {
 }
 
 fn measure(args: &LatencyArgs, interrupted: &Arc<AtomicBool>) -> Result<u8, Refusal> {
-    kit::logging::start("warn");
+    runtime::logging::start("warn");
     ipc_types::bus::quiet_transport();
     // Whether the results may stand there is known before anything is measured.
     let log = log_of(args);

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use kit::Wiring;
+use runtime::Wiring;
 
 use super::EXIT_INVALID;
 use crate::latency::link;
@@ -15,7 +15,7 @@ pub fn run(kind: &str, config: &Path) -> ExitCode {
     impl WiringVisitor for Live<'_> {
         type Output = ExitCode;
         fn visit<W: Wiring + 'static>(self) -> ExitCode {
-            kit::run::<W>(self.0)
+            runtime::run::<W>(self.0)
         }
     }
     match kind {

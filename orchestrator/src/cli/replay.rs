@@ -81,7 +81,7 @@ pub(super) struct ReplayArgs {
 
 /// Plays a log, or tests processes against it.
 pub fn run(args: ReplayArgs) -> ExitCode {
-    kit::logging::start("warn");
+    runtime::logging::start("warn");
     logs::command(args.quiet, |watch| {
         if args.test.is_empty() {
             play(args, watch)

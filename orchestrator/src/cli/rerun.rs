@@ -42,7 +42,7 @@ pub(super) struct RerunArgs {
 
 /// Does a run again and compares.
 pub fn run(args: &RerunArgs) -> ExitCode {
-    kit::logging::start("warn");
+    runtime::logging::start("warn");
     let options = RerunOptions {
         in_process: args.in_process,
         allow_external: args.allow_external,

@@ -17,7 +17,7 @@ const LEVELS: [&str; 5] = ["error", "warn", "info", "debug", "trace"];
 
 /// Loads, checks and runs a scenario.
 pub fn run(target: &str, args: &RunArgs) -> ExitCode {
-    kit::logging::start(&args.log_level);
+    runtime::logging::start(&args.log_level);
     let scenario = match load(target, args) {
         Ok(scenario) => scenario,
         Err(text) => {

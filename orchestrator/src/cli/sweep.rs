@@ -185,7 +185,7 @@ fn redrawn(directory: &Path) -> ExitCode {
 }
 
 fn run(path: &Path, args: &SweepRunArgs) -> ExitCode {
-    kit::logging::start("warn");
+    runtime::logging::start("warn");
     let parsed = (
         args.seeds.as_deref().map(Seeds::parse).transpose(),
         args.shard.as_deref().map(Shard::parse).transpose(),

@@ -3,7 +3,7 @@
 use std::any::Any;
 use std::sync::Arc;
 
-use kit::maps::Maps;
+use runtime::maps::Maps;
 
 use crate::recorder::Beginnings;
 

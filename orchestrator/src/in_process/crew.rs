@@ -1,7 +1,7 @@
 //! The processes of a run as members of one thread.
 
 use ipc_types::bus::Bus;
-use kit::{ProcessConfig, ProcessError, Wiring};
+use runtime::{ProcessConfig, ProcessError, Wiring};
 use simulator::process::Simulator;
 
 use super::error::InProcessError;

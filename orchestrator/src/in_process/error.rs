@@ -1,6 +1,6 @@
 //! Why a run in one process cannot be had, or failed.
 
-use kit::ProcessError;
+use runtime::ProcessError;
 
 /// Why a run in one process cannot be had, or failed.
 #[derive(Debug, thiserror::Error)]

@@ -14,8 +14,8 @@ use std::time::Duration;
 
 use ipc_types::bus::{Bus, Listener, Notifier, TopicHolder};
 use ipc_types::topics::{DONE_EVENT, END_OF_TURNS, TURN_EVENT};
-use kit::config::{Clock, ProcessConfig};
-use kit::lockstep::{LOOK_UP, Participant, Phase, SlotState, Turn, TurnPage};
+use runtime::config::{Clock, ProcessConfig};
+use runtime::lockstep::{LOOK_UP, Participant, Phase, SlotState, Turn, TurnPage};
 
 use super::children::Executable;
 use super::error::MissionError;

@@ -1,7 +1,7 @@
 //! When the changes of a scenario's obstacles happen, in ticks.
 
 use ipc_types::messages::world::ObstacleEvent;
-use kit::obstacle::{self, ObstacleMessageError};
+use runtime::obstacle::{self, ObstacleMessageError};
 use simulator::agenda::{Due, PlannedChange};
 
 use crate::scenario::{EventSpec, Moment};

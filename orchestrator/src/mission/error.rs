@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use ipc_types::bus::{BusError, ReceiveError, SendError};
-use kit::lockstep::PageError;
+use runtime::lockstep::PageError;
 
 use super::children::ChildError;
 use super::plan::PlanError;

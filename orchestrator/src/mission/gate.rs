@@ -4,8 +4,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-use kit::config::Clock;
-use kit::lockstep::Overseer;
+use runtime::config::Clock;
+use runtime::lockstep::Overseer;
 
 use crate::recorder::Gate;
 

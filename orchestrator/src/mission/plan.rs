@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use ipc_types::messages::world::ObstacleEvent;
-use kit::config::{Clock, ProcessConfig, RobotInfo, RunConfig};
-use kit::obstacle::{self, ObstacleMessageError};
+use runtime::config::{Clock, ProcessConfig, RobotInfo, RunConfig};
+use runtime::obstacle::{self, ObstacleMessageError};
 use serde_json::Value as Json;
 use sim_backend::map::{ObstacleChange, WorldMap};
 use simulator::SimulatorParams;
@@ -327,7 +327,7 @@ mod tests {
 
     #[test]
     fn everybody_that_a_scenario_may_have_finds_a_seat() {
-        use kit::lockstep::TurnPage;
+        use runtime::lockstep::TurnPage;
         let prefix = format!("protean_seats{}_", std::process::id());
         let page = TurnPage::create(&prefix, spec::MAX_PROCESSES + 1);
         let path = TurnPage::path_for(&prefix);

@@ -8,7 +8,7 @@ use std::sync::{Arc, mpsc};
 use std::thread::JoinHandle;
 
 use ipc_types::bus::Bus;
-use kit::lockstep::Overseer;
+use runtime::lockstep::Overseer;
 
 use super::error::MissionError;
 use super::gate::{Calls, PageGate};

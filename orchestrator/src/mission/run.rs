@@ -14,8 +14,8 @@ use ipc_types::topics::{
     Control, ObstacleEvents, OptimiserPlan, PLAN_ANSWERED_EVENT, PLAN_ASKED_EVENT, Topic,
     TopicVisitor, for_each_topic,
 };
-use kit::config::{Clock, ProcessConfig};
-use kit::lockstep::{Overseer, Phase, SlotState, TurnPage};
+use runtime::config::{Clock, ProcessConfig};
+use runtime::lockstep::{Overseer, Phase, SlotState, TurnPage};
 
 use super::bridge::Bridge;
 use super::children::sleep_until_exit;

@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 
 use ipc_types::bus::Bus;
 use ipc_types::messages::process::ProcessEvent;
-use kit::config::Clock;
-use kit::lockstep::{Overseer, Phase, SlotState};
+use runtime::config::Clock;
+use runtime::lockstep::{Overseer, Phase, SlotState};
 
 use super::bridge::Bridge;
 use super::children::{ChildError, RunningProcess, end_all};

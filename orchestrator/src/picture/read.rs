@@ -186,7 +186,7 @@ impl<'a> Reading<'a> {
                 // A message that makes no change was refused by the world as well.
                 for change in events
                     .iter()
-                    .filter_map(|e| kit::obstacle::from_message(e).ok())
+                    .filter_map(|e| runtime::obstacle::from_message(e).ok())
                 {
                     let id = change.id().0;
                     if self.changes.contains_key(&id) || self.changes.len() < MAX_EVENTS {

@@ -259,7 +259,7 @@ impl Reading {
                 // A message that makes no change was refused by the world as well.
                 let changes = events
                     .iter()
-                    .filter_map(|event| kit::obstacle::from_message(event).ok());
+                    .filter_map(|event| runtime::obstacle::from_message(event).ok());
                 for change in changes {
                     if self.changes.len() < MAX_EVENTS {
                         self.changes.push((header.stamp.time_ns, change));

@@ -140,7 +140,7 @@ impl<'s> Router<'s> {
 
     /// The seed that the process gives the planner of this robot.
     fn seed(&self, scenario: &ResolvedScenario) -> u64 {
-        kit::planner::planner_seed(scenario.run.seed, self.kind, &self.robot.name)
+        planner::planner_seed(scenario.run.seed, self.kind, &self.robot.name)
     }
 
     fn refused(&self, reason: &dyn std::fmt::Display) -> RouteError {

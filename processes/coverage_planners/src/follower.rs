@@ -8,10 +8,10 @@ use guidance::steering::Steering;
 use guidance::view::View;
 use guidance::waypoint::WaypointReport;
 use guidance::waypoint_driver::{Driving, Situation, WaypointDriver};
-use kit::config::RobotInfo;
-use kit::error::ProcessError;
-use kit::planner::{Planner, PlannerInputs, limits};
 use nalgebra::Point2;
+use planner::{Planner, PlannerInputs, limits};
+use runtime::config::RobotInfo;
+use runtime::error::ProcessError;
 use sim_backend::pose::Pose2;
 
 use coverage::sub_goals::arc_driver::ArcDriver;

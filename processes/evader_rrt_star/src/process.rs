@@ -5,8 +5,8 @@ use guidance::map::PlannerMap;
 use guidance::steering::Steering;
 use guidance::view::View;
 use ipc_types::messages::robot::TreeEdge;
-use kit::config::RobotInfo;
-use kit::planner::{PlannedPoint, Planner, PlannerInputs, headed_for, limits};
+use planner::{PlannedPoint, Planner, PlannerInputs, headed_for, limits};
+use runtime::config::RobotInfo;
 
 use crate::evader::SHOWN_EDGES;
 use crate::{RrtStarEvader, RrtStarParams};

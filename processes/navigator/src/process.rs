@@ -7,11 +7,11 @@ use guidance::steering::Steering;
 use guidance::view::View;
 use ipc_types::bus::Bus;
 use ipc_types::stamp::Stamp;
-use kit::ProcessError;
-use kit::config::{Clock, ProcessConfig, RobotInfo};
-use kit::optimiser_client::OptimiserClient;
-use kit::planner::{MAX_PLAN_POINTS, PlannedPoint, Planner, PlannerInputs};
 use nalgebra::{Point2, Vector2};
+use planner::{MAX_PLAN_POINTS, PlannedPoint, Planner, PlannerInputs};
+use runtime::ProcessError;
+use runtime::config::{Clock, ProcessConfig, RobotInfo};
+use runtime::optimiser_client::OptimiserClient;
 use sim_backend::spec::Region;
 
 use crate::ask::Unplanned;

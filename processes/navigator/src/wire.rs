@@ -3,7 +3,7 @@
 use ipc_types::messages::optimiser::{PlanRequest, PlanResponse, TrajectorySample};
 use ipc_types::messages::world::ShapePoint;
 use ipc_types::stamp::Stamp;
-use kit::shapes;
+use runtime::shapes;
 use sim_backend::pose::{Pose2, Twist2};
 
 use crate::ask::{Ask, Unplanned};

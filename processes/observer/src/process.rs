@@ -4,12 +4,12 @@ use ipc_types::bus::{Bus, Publisher, PublisherOptions};
 use ipc_types::messages::observer::Prediction;
 use ipc_types::stamp::PlainHeader;
 use ipc_types::topics::Predictions;
-use kit::inputs::{MapInput, StateInput, reply_stamp};
-use kit::planner::{blurred_map, map_grids};
-use kit::{Clock, ProcessConfig, ProcessError, Wiring};
 use metrics::prediction::View;
 use nalgebra::Point2;
 use rand_chacha::ChaCha8Rng;
+use runtime::grids::{blurred_map, map_grids};
+use runtime::inputs::{MapInput, StateInput, reply_stamp};
+use runtime::{Clock, ProcessConfig, ProcessError, Wiring};
 use sim_backend::pose::Pose2;
 use tracking::particle_filter::MotionLimits;
 use tracking::space::Space;
@@ -232,7 +232,7 @@ impl ObserverProcess {
             )));
         };
         let stream =
-            |purpose: &str| kit::seed::stream(run.seed, &self.config.name, &info.name, purpose);
+            |purpose: &str| runtime::seed::stream(run.seed, &self.config.name, &info.name, purpose);
         let tick_s = run.tick_period();
         let horizons = params
             .horizons_s

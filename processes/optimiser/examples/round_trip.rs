@@ -10,9 +10,9 @@ use ipc_types::bus::{Bus, BusOptions, RunSpace};
 use ipc_types::messages::optimiser::PlanRequest;
 use ipc_types::messages::world::ShapePoint;
 use ipc_types::topics::{OptimiserPlan, PLAN_ANSWERED_EVENT, PLAN_ASKED_EVENT, RunSize};
-use kit::optimiser_client::OptimiserClient;
 use optimiser::service::{Dispatcher, Given};
 use optimiser::{Method, request};
+use runtime::optimiser_client::OptimiserClient;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut words = std::env::args().skip(1);

@@ -2,7 +2,7 @@
 
 use ipc_types::bus::{Attendant, Bus};
 use ipc_types::topics::OptimiserPlan;
-use kit::{ProcessConfig, ProcessError, Wiring};
+use runtime::{ProcessConfig, ProcessError, Wiring};
 
 use crate::answer::{self, Refusal};
 use crate::params::OptimiserParams;

@@ -2,8 +2,8 @@
 
 use ipc_types::messages::optimiser::PlanRequest;
 use ipc_types::messages::world::ShapePoint;
-use kit::shapes::{self, ShapesMessageError};
 use nalgebra::Point2;
+use runtime::shapes::{self, ShapesMessageError};
 use sim_backend::pose::Pose2;
 use sim_backend::shape::Aabb;
 use thiserror::Error;

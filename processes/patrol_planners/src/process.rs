@@ -4,9 +4,9 @@ use guidance::map::PlannerMap;
 use guidance::steering::Steering;
 use guidance::view::View;
 use guidance::waypoint::WaypointReport;
-use kit::config::RobotInfo;
-use kit::planner::{PlannedPoint, Planner, PlannerInputs};
 use patrol::mission::Drive;
+use planner::{PlannedPoint, Planner, PlannerInputs};
+use runtime::config::RobotInfo;
 
 use crate::{PatrolAwg, PatrolAwgParams, PatrolFto, PatrolFtoParams};
 

@@ -5,9 +5,9 @@ use ipc_types::messages::perception::{BeliefHeader, Particle, Sighting};
 use ipc_types::messages::world::WorldEvent;
 use ipc_types::stamp::{PlainHeader, Stamp};
 use ipc_types::topics::{Belief, Sightings};
-use kit::inputs::{MapInput, StateInput, reply_stamp};
-use kit::planner::{blurred_map, map_grids};
-use kit::{Clock, ProcessConfig, ProcessError, Wiring};
+use runtime::grids::{blurred_map, map_grids};
+use runtime::inputs::{MapInput, StateInput, reply_stamp};
+use runtime::{Clock, ProcessConfig, ProcessError, Wiring};
 use sim_backend::pose::Pose2;
 use sim_backend::team::Team;
 
@@ -188,7 +188,7 @@ impl PerceptionProcess {
                         omega_max: info.model.omega_max,
                     },
                     start: Some(info.start),
-                    rng: kit::seed::stream(
+                    rng: runtime::seed::stream(
                         self.config.run.seed,
                         &self.config.name,
                         &info.name,

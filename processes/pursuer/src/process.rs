@@ -3,8 +3,8 @@
 use guidance::map::PlannerMap;
 use guidance::steering::Steering;
 use guidance::view::View;
-use kit::config::RobotInfo;
-use kit::planner::{Planner, PlannerInputs, limits};
+use planner::{Planner, PlannerInputs, limits};
+use runtime::config::RobotInfo;
 
 use crate::{Pursuer, PursuerParams};
 

@@ -9,9 +9,9 @@ use ipc_types::bus::{Bus, Publisher, PublisherOptions};
 use ipc_types::messages::referee::{DominanceCell, DominanceHeader, Verdict};
 use ipc_types::stamp::{PlainHeader, Stamp};
 use ipc_types::topics::{Dominance, Verdicts};
-use kit::inputs::{MapInput, StateInput, reply_stamp};
-use kit::planner::{planner_map, robot_views};
-use kit::{Clock, ProcessConfig, ProcessError, Wiring};
+use planner::{planner_map, robot_views};
+use runtime::inputs::{MapInput, StateInput, reply_stamp};
+use runtime::{Clock, ProcessConfig, ProcessError, Wiring};
 use sim_backend::team::Team;
 
 use crate::params::RefereeParams;
@@ -149,7 +149,7 @@ impl Wiring for RefereeProcess {
 impl RefereeProcess {
     fn take_map(&mut self) -> Result<(), ProcessError> {
         if self.map_input.update()? {
-            let map = self.map_input.planner_map(false, planner_map)?;
+            let map = planner_map(&self.map_input, None, false)?;
             let robots = &self.config.run.robots;
             let radii = robots
                 .iter()

@@ -4,7 +4,7 @@ use ipc_types::bus::{Bus, Publisher, PublisherOptions, Subscriber};
 use ipc_types::messages::world::ObstacleEvent;
 use ipc_types::stamp::{PlainHeader, Stamp};
 use ipc_types::topics::ObstacleEvents;
-use kit::{ProcessError, obstacle};
+use runtime::{ProcessError, obstacle};
 use sim_backend::map::ObstacleChange;
 use sim_backend::world::World;
 

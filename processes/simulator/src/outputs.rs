@@ -4,7 +4,7 @@ use core::time::Duration;
 
 use ipc_types::messages::world::{CoverageState, MapCell, MapHeader, RobotState, WorldEvent};
 use ipc_types::stamp::Stamp;
-use kit::shapes;
+use runtime::shapes;
 use sim_backend::blur::{BlurError, BlurredMap};
 use sim_backend::grid::Grid;
 use sim_backend::map::WorldMap;

@@ -16,9 +16,9 @@ use ipc_types::stamp::{PlainHeader, Stamp};
 use ipc_types::topics::{
     Commands, Coverage, Scan, WorldEvents, WorldMap as MapTopic, WorldShapes, WorldState,
 };
-use kit::lockstep::{Conductor, Phase, SlotState};
-use kit::maps::{Ground, Maps};
-use kit::{Clock, ProcessConfig, ProcessError, Setup, shapes};
+use runtime::lockstep::{Conductor, Phase, SlotState};
+use runtime::maps::{Ground, Maps};
+use runtime::{Clock, ProcessConfig, ProcessError, Setup, shapes};
 use sim_backend::blur::BlurError;
 use sim_backend::robot::Robot;
 use sim_backend::world::World;
@@ -34,7 +34,7 @@ const EVENT_CAPACITY: usize = 1024;
 
 /// Runs the simulator with the configuration in a file.
 pub fn run(config: &Path) -> ExitCode {
-    kit::run_with(config, |config| {
+    runtime::run_with(config, |config| {
         let mut setup = Setup::new(config)?;
         let params: SimulatorParams = serde_json::from_value(config.params.clone())
             .map_err(|e| refused(config, &e.to_string()))?;

@@ -72,7 +72,7 @@ enum Next {
 impl Sink {
     fn open(config: &SinkConfig) -> Result<Self, LinkError> {
         let stop = Arc::new(AtomicBool::new(false));
-        kit::guard::watch_parent(Arc::clone(&stop))
+        runtime::guard::watch_parent(Arc::clone(&stop))
             .map_err(LinkError::system("cannot start the parent guard"))?;
         if let Some(processor) = config.processor {
             pin(processor)?;

@@ -1,4 +1,4 @@
-//! A few words of shared memory between a measurement and its processes, without the kit.
+//! A few words of shared memory between a measurement and its processes, without the runtime.
 
 use std::fs::OpenOptions;
 use std::os::unix::fs::OpenOptionsExt as _;

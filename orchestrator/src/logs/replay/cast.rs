@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use kit::lockstep::{Conductor, Overseer, Phase, SlotState, TurnEnd, TurnPage};
+use runtime::lockstep::{Conductor, Overseer, Phase, SlotState, TurnEnd, TurnPage};
 
 use super::super::error::LogsError;
 use super::stage::Stage;

@@ -9,8 +9,8 @@ use ipc_types::bus::{Publisher, PublisherOptions};
 use ipc_types::messages::process::RunControl;
 use ipc_types::stamp::PlainHeader;
 use ipc_types::topics::{Control, NAMES, Topic as _};
-use kit::config::{Clock, ProcessConfig};
-use kit::lockstep::{Conductor, Overseer, Phase, TurnPage};
+use runtime::config::{Clock, ProcessConfig};
+use runtime::lockstep::{Conductor, Overseer, Phase, TurnPage};
 
 use super::super::error::LogsError;
 use super::super::filter::nanoseconds;

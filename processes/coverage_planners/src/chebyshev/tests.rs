@@ -16,9 +16,9 @@ use crate::follower::Follower;
 use guidance::map::PlannerMap;
 use guidance::view::View;
 use guidance::waypoint::WaypointReport;
-use kit::config::RobotInfo;
-use kit::planner::Planner as _;
 use nalgebra::Point2;
+use planner::Planner as _;
+use runtime::config::RobotInfo;
 use sim_backend::pose::Pose2;
 
 use super::*;

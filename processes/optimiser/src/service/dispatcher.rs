@@ -12,7 +12,7 @@ use ipc_types::bus::{
 use ipc_types::clock;
 use ipc_types::messages::optimiser::{PlanRequest, PlanResponse};
 use ipc_types::topics::{MAX_EVENT_ID, OptimiserPlan, PLAN_ANSWERED_EVENT, PLAN_ASKED_EVENT};
-use kit::ProcessError;
+use runtime::ProcessError;
 
 use super::memory::Memory;
 use super::pool::{Done, Job, Pool};

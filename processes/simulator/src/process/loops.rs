@@ -4,8 +4,8 @@ use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use ipc_types::clock;
-use kit::lockstep::{Conductor, TurnEnd};
-use kit::{ProcessError, Setup};
+use runtime::lockstep::{Conductor, TurnEnd};
+use runtime::{ProcessError, Setup};
 
 use super::Simulator;
 
@@ -96,7 +96,7 @@ impl Simulator {
         deadline_ns: u64,
     ) -> Result<(), ProcessError> {
         let mut schedule = Schedule::new(self.tick_period, factor);
-        let max_age = kit::config::ticks_within(deadline_ns, self.tick_period);
+        let max_age = runtime::config::ticks_within(deadline_ns, self.tick_period);
         let mut overruns = 0;
         loop {
             conductor.admit(|| self.connect_ports())?;

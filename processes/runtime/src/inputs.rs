@@ -1,8 +1,8 @@
 //! The last messages of the topics that planners read, checked as if their senders were hostile.
 
+use std::any::Any;
 use std::sync::Arc;
 
-use guidance::map::PlannerMap;
 use ipc_types::bus::{Bus, BusError, ReceiveError, Received, Subscriber};
 use ipc_types::clock::StampClock;
 use ipc_types::messages::perception::{BeliefHeader, Particle};
@@ -164,31 +164,28 @@ impl MapInput {
         self.newest.as_ref().map_or(&[], Received::elements)
     }
 
-    /// The planners' map of the newest message, made by `make` unless another process of the same
-    /// thread has made it; `exact`: with the exact pieces of `world/shapes`.
-    ///
-    /// # Errors
-    /// Those of `make`.
-    pub fn planner_map<E>(
-        &self,
-        exact: bool,
-        make: impl FnOnce(&Self) -> Result<PlannerMap, E>,
-    ) -> Result<Arc<PlannerMap>, E> {
-        let shared = self.newest.as_ref().and_then(Received::shared);
-        let Some((maps, cells)) = self.maps.as_ref().zip(shared) else {
-            return make(self).map(Arc::new);
-        };
-        if let Some(map) = maps.known(cells, exact) {
-            return Ok(map);
-        }
-        let map = make(self).map(Arc::new)?;
-        Ok(maps.keep(cells, exact, map))
+    /// The value of type `T` that processes of this thread keep with the cells of the newest map;
+    /// the first call makes the default. `None` if they share no maps.
+    pub fn derived<T: Any + Default + Send + Sync>(&self) -> Option<Arc<T>> {
+        let shared = self.newest.as_ref().and_then(Received::shared)?;
+        self.maps.as_ref()?.derived(shared)
     }
 
-    /// Whether another process of this thread has checked these cells and made a map of them.
-    fn is_known(&self, message: &Received<WorldMap>) -> bool {
-        let maps = self.maps.as_ref();
-        maps.is_some_and(|maps| message.shared().is_some_and(|cells| maps.has(cells)))
+    /// Whether the cells of a message are sound; those that processes of this thread share are
+    /// checked once.
+    fn is_sound(&self, message: &Received<WorldMap>) -> bool {
+        let shared = self.maps.as_ref().zip(message.shared());
+        if shared.is_some_and(|(maps, cells)| maps.is_checked(cells)) {
+            return true;
+        }
+        let is_sound = message
+            .elements()
+            .iter()
+            .all(|c| c.clearance.is_finite() && c.blurred.is_finite());
+        if is_sound && let Some((maps, cells)) = shared {
+            maps.mark_checked(cells);
+        }
+        is_sound
     }
 
     /// Whether processes of this thread share their maps.
@@ -212,10 +209,7 @@ impl MapInput {
                 && header.origin_x.is_finite()
                 && header.origin_y.is_finite()
                 && header.revision > self.header.revision
-                && (self.is_known(&message)
-                    || cells
-                        .iter()
-                        .all(|c| c.clearance.is_finite() && c.blurred.is_finite()));
+                && self.is_sound(&message);
             if sound {
                 self.header = *header;
                 self.newest = Some(message);

@@ -3,7 +3,7 @@
 use ipc_types::bus::{Bus, BusOptions, PublisherOptions, RunSpace};
 use ipc_types::messages::world::{RobotState, WorldHeader};
 use ipc_types::topics::{RunSize, WorldState};
-use kit::inputs::StateInput;
+use runtime::inputs::StateInput;
 
 /// A run space of its own that is wiped when the test ends, also by a panic.
 struct Space(

@@ -10,9 +10,8 @@ use ipc_types::messages::world::WorldEvent;
 use ipc_types::stamp::{PlainHeader, Stamp};
 use ipc_types::topics::{Commands, Plan, Tree, Waypoints};
 use nalgebra::Point2;
+use runtime::error::ProcessError;
 use sim_backend::pose::Twist2;
-
-use crate::error::ProcessError;
 
 /// Most points of a plan that are sent; of a longer one the first.
 pub const MAX_PLAN_POINTS: usize = 128;
@@ -41,16 +40,16 @@ pub fn headed_for(steering: &Steering, out: &mut Vec<PlannedPoint>) {
 }
 
 /// Where a tick's results go.
-pub(super) struct Outputs<'a> {
-    pub(super) commands: &'a Publisher<Commands>,
-    pub(super) plans: &'a Publisher<Plan>,
-    pub(super) trees: Option<&'a Publisher<Tree>>,
-    pub(super) waypoints: Option<&'a Publisher<Waypoints>>,
-    pub(super) stamp: Stamp,
+pub(crate) struct Outputs<'a> {
+    pub(crate) commands: &'a Publisher<Commands>,
+    pub(crate) plans: &'a Publisher<Plan>,
+    pub(crate) trees: Option<&'a Publisher<Tree>>,
+    pub(crate) waypoints: Option<&'a Publisher<Waypoints>>,
+    pub(crate) stamp: Stamp,
 }
 
 impl Outputs<'_> {
-    pub(super) fn send(
+    pub(crate) fn send(
         &self,
         robot: u32,
         steering: &Steering,
@@ -93,7 +92,7 @@ impl Outputs<'_> {
     }
 
     /// Sends at most `most` edges of a tree.
-    pub(super) fn send_tree(
+    pub(crate) fn send_tree(
         &self,
         robot: u32,
         edges: &[TreeEdge],
@@ -112,7 +111,7 @@ impl Outputs<'_> {
     }
 
     /// Sends at most `most` waypoints that have ended, if there are any.
-    pub(super) fn send_waypoints(
+    pub(crate) fn send_waypoints(
         &self,
         robot: u32,
         ended: &[WaypointReport],

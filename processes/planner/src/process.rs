@@ -1,116 +1,26 @@
-//! The wiring that all steering planners share: state, map, beliefs and scans in; a command and a
-//! plan per robot out.
+//! The process of all steering planners: state, map, beliefs and scans in; a command and a plan per
+//! robot out.
 
 use std::sync::Arc;
 
-use guidance::free_space::FreeSpace;
-use guidance::limits::Limits;
 use guidance::map::PlannerMap;
-use guidance::steering::Steering;
 use guidance::view::{BeliefView, ParticleView, RobotView, ScanView, View};
-use guidance::waypoint::WaypointReport;
 use ipc_types::bus::{Bus, Publisher, PublisherOptions};
-use ipc_types::messages::robot::TreeEdge;
-use ipc_types::messages::world::RobotState;
 use ipc_types::topics::{Commands, Plan, Scan, Tree, Waypoints};
 use nalgebra::Point2;
-use serde::de::DeserializeOwned;
-use sim_backend::pose::{Pose2, Twist2};
-use sim_backend::spec::Region;
-use sim_backend::team::Team;
-
-use crate::config::{Clock, ProcessConfig, RobotInfo};
-use crate::error::ProcessError;
-use crate::inputs::{
+use runtime::config::{Clock, ProcessConfig};
+use runtime::error::ProcessError;
+use runtime::inputs::{
     BeliefInput, Latest, MapInput, ScanInput, ShapesInput, StateInput, reply_stamp,
 };
-use crate::life::Wiring;
+use runtime::life::Wiring;
+use sim_backend::pose::Pose2;
+use sim_backend::spec::Region;
 
-mod grids;
-mod outputs;
-
-use outputs::Outputs;
-
-pub use grids::{MapGrids, blurred_map, map_grids, planner_map};
-pub use outputs::{MAX_PLAN_POINTS, PlannedPoint, headed_for};
-
-/// Which topics beside state and map a planner reads.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct PlannerInputs {
-    /// Beliefs about the opponents.
-    pub beliefs: bool,
-    /// Range scans of its robots.
-    pub scans: bool,
-    /// The exact pieces of the map ([`PlannerMap::space`]).
-    pub shapes: bool,
-}
-
-/// A steering algorithm for one robot.
-pub trait Planner: Sized {
-    /// Its parameters.
-    type Params: DeserializeOwned;
-
-    /// Most edges of a tree that it publishes; 0 for a planner without trees.
-    const TREE_EDGES: usize = 0;
-
-    /// Most waypoints that may end in one tick; 0 for a planner without waypoints.
-    const WAYPOINTS: usize = 0;
-
-    /// Which topics it reads, given its parameters.
-    fn inputs(params: &Self::Params) -> PlannerInputs;
-
-    /// A planner for a robot; `seed` is its own.
-    ///
-    /// # Errors
-    /// A text that names the parameter that does not do.
-    fn new(params: &Self::Params, robot: &RobotInfo, seed: u64) -> Result<Self, String>;
-
-    /// Takes note of the rules: where evaders get away, and the distance below which Police catch
-    /// them [m] (0 if they do not). Called once, before everything else.
-    fn rules(&mut self, exits: &[Region], capture_radius: f64) {
-        let _ = (exits, capture_radius);
-    }
-
-    /// Opens what it needs of the bus besides the topics of [`PlannerInputs`], for the robot with
-    /// this index. Called once, after [`Planner::rules`].
-    ///
-    /// # Errors
-    /// Ends the process before it is ready.
-    fn open(&mut self, config: &ProcessConfig, bus: &Bus, robot: u32) -> Result<(), ProcessError> {
-        let _ = (config, bus, robot);
-        Ok(())
-    }
-
-    /// Why it cannot go on, if it cannot; asked after every steering. Ends the process.
-    fn failure(&mut self) -> Option<ProcessError> {
-        None
-    }
-
-    /// Builds what it needs of a new map, if it wants to do that before the next tick.
-    fn prepare(&mut self, map: &PlannerMap, robot: &RobotInfo) {
-        let _ = (map, robot);
-    }
-
-    /// What the robot does in this tick.
-    fn steer(&mut self, map: &PlannerMap, view: &View<'_>) -> Steering;
-
-    /// Writes the plan behind the steering of this tick into `out`, the nearest point first; `out`
-    /// is empty. By default the point headed for and the one to reach in the end.
-    fn plan(&self, steering: &Steering, out: &mut Vec<PlannedPoint>) {
-        headed_for(steering, out);
-    }
-
-    /// The search tree behind the plan, each tree once: `None` while there is no new one. Edges
-    /// beyond [`Self::TREE_EDGES`] are not sent.
-    fn tree(&mut self) -> Option<&[TreeEdge]> {
-        None
-    }
-
-    /// The waypoints that ended in this tick. Those beyond [`Self::WAYPOINTS`] are not sent.
-    fn waypoints(&mut self) -> &[WaypointReport] {
-        &[]
-    }
-}
+use crate::maps::planner_map;
+use crate::outputs::{MAX_PLAN_POINTS, Outputs, PlannedPoint};
+use crate::planner::{Planner, planner_seed};
+use crate::views::robot_views;
 
 struct Driven<P> {
     robot: u32,
@@ -341,32 +251,9 @@ impl<P: Planner> PlannerProcess<P> {
                 return Ok(false);
             }
         }
-        self.map = Some(self.make_map()?);
+        let (shapes, is_shared) = (self.shapes.as_ref(), self.driven.len() > 1);
+        self.map = Some(planner_map(&self.map_input, shapes, is_shared)?);
         Ok(true)
-    }
-
-    /// The map that has come. Processes of one thread make it once.
-    fn make_map(&self) -> Result<Arc<PlannerMap>, ProcessError> {
-        let is_shared = self.driven.len() > 1 || self.map_input.is_shared();
-        let exact = self.shapes.is_some();
-        self.map_input.planner_map(exact, |input| {
-            let map = planner_map(input)?;
-            let map = if is_shared { map.shared() } else { map };
-            Ok(match self.shapes.as_ref().map(|s| &s.pieces) {
-                None => map,
-                Some(Some((bounds, parts))) => {
-                    let space = FreeSpace::new(parts.clone(), *bounds, input.header.resolution)
-                        .map_err(|e| ProcessError::Protocol(format!("world/shapes: {e}")))?;
-                    map.with_space(Arc::new(space))
-                }
-                Some(None) => {
-                    tracing::warn!(
-                        "the map has too many pieces for world/shapes: planning goes by the grid"
-                    );
-                    map
-                }
-            })
-        })
     }
 }
 
@@ -378,41 +265,4 @@ fn scan_view(scan: &Latest<Scan>) -> ScanView<'_> {
         range_max: scan.header.range_max,
         ranges: &scan.elements,
     }
-}
-
-/// A robot as planners see it, from the world's state.
-fn robot_view(index: usize, state: &RobotState, info: &RobotInfo) -> RobotView {
-    RobotView {
-        index,
-        team: Team::from_code(state.team).unwrap_or(info.team),
-        active: state.status == 0,
-        present: state.present != 0,
-        pose: Pose2::new(state.x, state.y, state.theta),
-        twist: Twist2::new(state.v, state.omega),
-        radius: info.model.radius,
-        v_max: info.model.v_max,
-    }
-}
-
-/// Replaces `views` by what planners see of the robots of the newest state.
-pub fn robot_views(state: &StateInput, infos: &[RobotInfo], views: &mut Vec<RobotView>) {
-    views.clear();
-    let robots = state.robots.iter().zip(infos).enumerate();
-    views.extend(robots.map(|(index, (state, info))| robot_view(index, state, info)));
-}
-
-/// The seed that the planner of a robot gets in a run.
-pub fn planner_seed(run_seed: u64, kind: &str, robot: &str) -> u64 {
-    use rand::Rng as _;
-    crate::seed::stream(run_seed, kind, robot, "planner").next_u64()
-}
-
-/// The limits of a robot as its planner sees them.
-///
-/// # Errors
-/// A text that names the limit that does not do.
-pub fn limits(robot: &RobotInfo) -> Result<Limits, String> {
-    let model = &robot.model;
-    Limits::new(model.v_max, model.v_reverse_max, model.omega_max)
-        .map_err(|e| format!("{}: {e}", robot.name))
 }

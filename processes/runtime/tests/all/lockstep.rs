@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
-use kit::lockstep::{
+use runtime::lockstep::{
     Conductor, Overseer, PageError, Participant, Phase, SlotState, Turn, TurnEnd, TurnPage,
 };
 

@@ -5,9 +5,9 @@
 //! processes. Everything here is a function of the ground's description and of the obstacle changes
 //! since, so that it does not matter which run made it.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::any::Any;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use guidance::map::PlannerMap;
 use ipc_types::messages::world::{MapCell, MapHeader};
 use sim_backend::map::{MapSpec, ObstacleChange};
 
@@ -32,8 +32,10 @@ struct Drawn {
     ground: Ground,
     header: MapHeader,
     cells: Arc<[MapCell]>,
-    /// With `true` those that know the exact pieces too.
-    planner_maps: Vec<(bool, Arc<PlannerMap>)>,
+    /// Whether a reader has checked the cells.
+    is_checked: bool,
+    /// What readers have made of the cells, a value of each type.
+    derived: Vec<Arc<dyn Any + Send + Sync>>,
 }
 
 /// Maps by what they are made of.
@@ -53,15 +55,12 @@ impl Maps {
         ground: &Ground,
         draw: impl FnOnce() -> Result<(MapHeader, Vec<MapCell>), E>,
     ) -> Result<(MapHeader, Arc<[MapCell]>), E> {
-        {
-            let drawn = self.drawn.lock().unwrap_or_else(PoisonError::into_inner);
-            if let Some(known) = drawn.iter().find(|drawn| drawn.ground == *ground) {
-                return Ok((known.header, Arc::clone(&known.cells)));
-            }
+        if let Some(known) = self.lock().iter().find(|drawn| drawn.ground == *ground) {
+            return Ok((known.header, Arc::clone(&known.cells)));
         }
         let (header, cells) = draw()?;
         let cells = Arc::from(cells);
-        let mut drawn = self.drawn.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut drawn = self.lock();
         // Another thread may have been faster: all must share the same cells.
         if let Some(known) = drawn.iter().find(|drawn| drawn.ground == *ground) {
             return Ok((known.header, Arc::clone(&known.cells)));
@@ -73,63 +72,57 @@ impl Maps {
             ground: ground.clone(),
             header,
             cells: Arc::clone(&cells),
-            planner_maps: Vec::new(),
+            is_checked: false,
+            derived: Vec::new(),
         });
         Ok((header, cells))
     }
 
-    /// Whether somebody has made a planners' map of these cells, which came from [`Maps::message`].
-    pub fn has(&self, cells: &Arc<[MapCell]>) -> bool {
-        let drawn = self.drawn.lock().unwrap_or_else(PoisonError::into_inner);
-        drawn
-            .iter()
-            .any(|drawn| Arc::ptr_eq(&drawn.cells, cells) && !drawn.planner_maps.is_empty())
+    /// Whether a reader has checked these cells, which came from [`Maps::message`].
+    pub(crate) fn is_checked(&self, cells: &Arc<[MapCell]>) -> bool {
+        let mut drawn = self.lock();
+        find(&mut drawn, cells).is_some_and(|drawn| drawn.is_checked)
     }
 
-    /// The planners' map of cells that came from [`Maps::message`], if it has been made; `exact`:
-    /// with the exact pieces beside the grids.
-    pub fn known(&self, cells: &Arc<[MapCell]>, exact: bool) -> Option<Arc<PlannerMap>> {
-        let drawn = self.drawn.lock().unwrap_or_else(PoisonError::into_inner);
-        drawn
-            .iter()
-            .find(|drawn| Arc::ptr_eq(&drawn.cells, cells))?
-            .planner_map(exact)
+    /// Notes that these cells have been checked and are sound.
+    pub(crate) fn mark_checked(&self, cells: &Arc<[MapCell]>) {
+        if let Some(drawn) = find(&mut self.lock(), cells) {
+            drawn.is_checked = true;
+        }
     }
 
-    /// Keeps the planners' map of cells that came from [`Maps::message`], for all who ask later;
-    /// returns the one to use, which is another's if that was faster.
-    pub fn keep(
+    /// The value of type `T` that is kept with cells that came from [`Maps::message`]; the first
+    /// call makes the default. `None` for cells that came from elsewhere.
+    pub(crate) fn derived<T: Any + Default + Send + Sync>(
         &self,
         cells: &Arc<[MapCell]>,
-        exact: bool,
-        map: Arc<PlannerMap>,
-    ) -> Arc<PlannerMap> {
-        let mut drawn = self.drawn.lock().unwrap_or_else(PoisonError::into_inner);
-        let mut all = drawn.iter_mut();
-        if let Some(drawn) = all.find(|drawn| Arc::ptr_eq(&drawn.cells, cells)) {
-            if let Some(known) = drawn.planner_map(exact) {
-                return known;
-            }
-            drawn.planner_maps.push((exact, Arc::clone(&map)));
+    ) -> Option<Arc<T>> {
+        let mut drawn = self.lock();
+        let derived = &mut find(&mut drawn, cells)?.derived;
+        let mut known = derived.iter();
+        if let Some(value) = known.find_map(|value| Arc::clone(value).downcast().ok()) {
+            return Some(value);
         }
-        map
+        let value = Arc::<T>::default();
+        derived.push(Arc::clone(&value) as Arc<dyn Any + Send + Sync>);
+        Some(value)
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Vec<Drawn>> {
+        self.drawn.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-impl Drawn {
-    fn planner_map(&self, exact: bool) -> Option<Arc<PlannerMap>> {
-        let known = self.planner_maps.iter().find(|(e, _)| *e == exact);
-        known.map(|(_, map)| Arc::clone(map))
-    }
+fn find<'a>(drawn: &'a mut [Drawn], cells: &Arc<[MapCell]>) -> Option<&'a mut Drawn> {
+    drawn
+        .iter_mut()
+        .find(|drawn| Arc::ptr_eq(&drawn.cells, cells))
 }
 
 #[cfg(test)]
 mod tests {
     use std::convert::Infallible;
 
-    use nalgebra::Point2;
-    use sim_backend::blur::BlurredMap;
-    use sim_backend::grid::{Grid, GridFrame};
     use sim_backend::map::{ObstacleId, VectorMap};
 
     use super::*;
@@ -151,17 +144,6 @@ mod tests {
         cells
     }
 
-    fn planner_map() -> Arc<PlannerMap> {
-        let frame = GridFrame {
-            width: 4,
-            height: 4,
-            resolution: 0.5,
-            origin: Point2::origin(),
-        };
-        let blurred = BlurredMap::new(&Grid::filled(frame, true), 0.5).unwrap();
-        Arc::new(PlannerMap::new(blurred, Grid::filled(frame, 1.0), 1).unwrap())
-    }
-
     #[test]
     fn a_message_is_drawn_once_per_ground_and_change() {
         let (maps, mut drawn) = (Maps::default(), 0);
@@ -181,24 +163,35 @@ mod tests {
     }
 
     #[test]
-    fn a_planners_map_is_kept_with_its_cells_and_by_what_it_knows() {
+    fn what_readers_make_is_kept_with_its_cells_by_its_type() {
         let (maps, mut drawn) = (Maps::default(), 0);
         let known = cells(&maps, &ground(4.0), &mut drawn);
-        assert!(!maps.has(&known) && maps.known(&known, false).is_none());
-        let first = maps.keep(&known, false, planner_map());
-        assert!(maps.has(&known));
-        // Who comes second takes what is there.
-        assert!(Arc::ptr_eq(
-            &first,
-            &maps.keep(&known, false, planner_map())
-        ));
-        assert!(maps.known(&known, true).is_none());
-        let exact = maps.keep(&known, true, planner_map());
-        assert!(!Arc::ptr_eq(&first, &exact));
+        let first = maps.derived::<Mutex<u32>>(&known).unwrap();
+        *first.lock().unwrap() = 7;
+        let again = maps.derived::<Mutex<u32>>(&known).unwrap();
+        assert!(Arc::ptr_eq(&first, &again) && *again.lock().unwrap() == 7);
+        assert_eq!(*maps.derived::<u32>(&known).unwrap(), 0);
+        let other = cells(&maps, &ground(5.0), &mut drawn);
+        assert_eq!(
+            *maps.derived::<Mutex<u32>>(&other).unwrap().lock().unwrap(),
+            0
+        );
         // Cells that came from elsewhere are not looked after.
         let foreign: Arc<[MapCell]> = Arc::from(vec![MapCell::default(); 4]);
-        maps.keep(&foreign, false, planner_map());
-        assert!(!maps.has(&foreign) && maps.known(&foreign, false).is_none());
+        assert!(maps.derived::<u32>(&foreign).is_none());
+    }
+
+    #[test]
+    fn cells_are_checked_once() {
+        let (maps, mut drawn) = (Maps::default(), 0);
+        let known = cells(&maps, &ground(4.0), &mut drawn);
+        let other = cells(&maps, &ground(5.0), &mut drawn);
+        assert!(!maps.is_checked(&known));
+        maps.mark_checked(&known);
+        assert!(maps.is_checked(&known) && !maps.is_checked(&other));
+        let foreign: Arc<[MapCell]> = Arc::from(vec![MapCell::default(); 4]);
+        maps.mark_checked(&foreign);
+        assert!(!maps.is_checked(&foreign));
     }
 
     #[test]

@@ -1,13 +1,15 @@
-//! What every Protean process shares: start-up, lock-step and real-time loops, heartbeat, shutdown.
+//! The runtime of a process: start-up, configuration, lock-step and real-time loops, heartbeat,
+//! shutdown, and the inputs that processes share.
 //!
 //! A process is an algorithm (a pure library) plus a [`Wiring`] that connects it to its topics;
-//! [`life::run`] does the rest.
+//! [`life::run`] does the rest. Steering planners implement the trait of crate `planner` instead.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
 
 pub mod config;
 pub mod error;
+pub mod grids;
 pub mod guard;
 pub mod inputs;
 pub mod life;
@@ -16,7 +18,6 @@ pub mod logging;
 pub mod maps;
 pub mod obstacle;
 pub mod optimiser_client;
-pub mod planner;
 pub mod seed;
 pub mod shapes;
 pub mod status;

@@ -1,6 +1,5 @@
-//! The map message as what algorithms compute on.
+//! The map message as the grids that algorithms compute on.
 
-use guidance::map::PlannerMap;
 use nalgebra::Point2;
 use sim_backend::blur::BlurredMap;
 use sim_backend::grid::{Grid, GridFrame};
@@ -49,20 +48,5 @@ pub fn map_grids(map: &MapInput) -> MapGrids {
 /// [`ProcessError::Protocol`] if the layers make no map.
 pub fn blurred_map(blurred: Grid<f32>, occupied: Grid<bool>) -> Result<BlurredMap, ProcessError> {
     BlurredMap::from_parts(blurred, occupied)
-        .map_err(|e| ProcessError::Protocol(format!("world/map: {e}")))
-}
-
-/// What a planner gets of the newest map.
-///
-/// # Errors
-/// [`ProcessError::Protocol`] if the message makes no map.
-pub fn planner_map(input: &MapInput) -> Result<PlannerMap, ProcessError> {
-    let MapGrids {
-        blurred,
-        occupied,
-        clearance,
-    } = map_grids(input);
-    let blurred = blurred_map(blurred, occupied)?;
-    PlannerMap::new(blurred, clearance, u64::from(input.header.revision))
         .map_err(|e| ProcessError::Protocol(format!("world/map: {e}")))
 }

@@ -4,7 +4,7 @@ use tracing_subscriber::filter::{LevelFilter, Targets};
 use tracing_subscriber::layer::SubscriberExt as _;
 use tracing_subscriber::util::SubscriberInitExt as _;
 
-/// Variable that takes precedence over the level of the run, e.g. `debug` or `warn,kit=trace`.
+/// Variable that takes precedence over the level of the run, e.g. `debug` or `warn,runtime=trace`.
 const VARIABLE: &str = "PROTEAN_LOG";
 
 /// Levels and `module=level`, separated by commas. A word alone must be a level: `Targets` would
@@ -26,7 +26,7 @@ fn filter(variable: Option<&str>, level: &str) -> Targets {
 }
 
 /// Sends what is traced from `level` on (`error`, `warn`, `info`, `debug`, `trace`; or per module,
-/// as `warn,kit=trace`) to stderr; `PROTEAN_LOG` takes precedence. A second call in one process
+/// as `warn,runtime=trace`) to stderr; `PROTEAN_LOG` takes precedence. A second call in one process
 /// changes nothing.
 pub fn start(level: &str) {
     let variable = std::env::var(VARIABLE).ok();
@@ -53,16 +53,22 @@ mod tests {
         for (variable, level, told, silent) in [
             (None, "info", Level::INFO, Level::DEBUG),
             (Some("debug"), "info", Level::DEBUG, Level::TRACE),
-            (Some("kit=louder"), "error", Level::ERROR, Level::WARN),
+            (Some("runtime=louder"), "error", Level::ERROR, Level::WARN),
             (Some("debgu"), "error", Level::ERROR, Level::WARN),
             (None, "louder still", Level::WARN, Level::INFO),
         ] {
             let filter = filter(variable, level);
-            assert!(filter.would_enable("kit", &told), "{variable:?} {level}");
-            assert!(!filter.would_enable("kit", &silent), "{variable:?} {level}");
+            assert!(
+                filter.would_enable("runtime", &told),
+                "{variable:?} {level}"
+            );
+            assert!(
+                !filter.would_enable("runtime", &silent),
+                "{variable:?} {level}"
+            );
         }
-        let filter = filter(Some("warn,kit=trace"), "info");
-        assert!(filter.would_enable("kit::life", &Level::TRACE));
+        let filter = filter(Some("warn,runtime=trace"), "info");
+        assert!(filter.would_enable("runtime::life", &Level::TRACE));
         assert!(!filter.would_enable("pursuer", &Level::INFO));
     }
 }

@@ -1,0 +1,29 @@
+//! The world's state as planners see it.
+
+use guidance::view::RobotView;
+use ipc_types::messages::world::RobotState;
+use runtime::config::RobotInfo;
+use runtime::inputs::StateInput;
+use sim_backend::pose::{Pose2, Twist2};
+use sim_backend::team::Team;
+
+/// A robot as planners see it, from the world's state.
+fn robot_view(index: usize, state: &RobotState, info: &RobotInfo) -> RobotView {
+    RobotView {
+        index,
+        team: Team::from_code(state.team).unwrap_or(info.team),
+        active: state.status == 0,
+        present: state.present != 0,
+        pose: Pose2::new(state.x, state.y, state.theta),
+        twist: Twist2::new(state.v, state.omega),
+        radius: info.model.radius,
+        v_max: info.model.v_max,
+    }
+}
+
+/// Replaces `views` by what planners see of the robots of the newest state.
+pub fn robot_views(state: &StateInput, infos: &[RobotInfo], views: &mut Vec<RobotView>) {
+    views.clear();
+    let robots = state.robots.iter().zip(infos).enumerate();
+    views.extend(robots.map(|(index, (state, info))| robot_view(index, state, info)));
+}
