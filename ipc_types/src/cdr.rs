@@ -6,7 +6,7 @@
 //! count of a sequence and the gap behind it are written.
 
 use crate::message::Message;
-use crate::topics::{Shape, Topic};
+use crate::topics::{Arity, Topic};
 
 /// Little-endian plain CDR.
 const ENCAPSULATION: [u8; 4] = [0x00, 0x01, 0x00, 0x00];
@@ -58,9 +58,9 @@ impl SequenceHead {
         let [a, b, c, d] = (elements as u32).to_le_bytes();
         Self {
             bytes: [a, b, c, d, 0, 0, 0, 0],
-            len: match T::SHAPE {
-                Shape::Many => 4 + sequence_gap::<T>(),
-                Shape::One => 0,
+            len: match T::ARITY {
+                Arity::Many => 4 + sequence_gap::<T>(),
+                Arity::One => 0,
             },
         }
     }
@@ -103,9 +103,9 @@ pub fn decode_into<T: Topic>(
         found: bytes.len(),
     };
     let (header, rest) = T::Header::read_from_prefix(body).map_err(|_| wrong(0))?;
-    let (count, rest) = match T::SHAPE {
-        Shape::One => (1, rest),
-        Shape::Many => {
+    let (count, rest) = match T::ARITY {
+        Arity::One => (1, rest),
+        Arity::Many => {
             let (count, rest) = u32::read_from_prefix(rest).map_err(|_| wrong(0))?;
             let count = count as usize;
             (
@@ -124,9 +124,31 @@ pub fn decode_into<T: Topic>(
     Ok(header)
 }
 
+/// Looks at a message in its CDR form without copying it into a vector; `None` if it is too short.
+pub fn view<T: Topic>(
+    bytes: &[u8],
+) -> Option<(
+    T::Header,
+    impl ExactSizeIterator<Item = T::Element> + Clone + '_,
+)> {
+    use zerocopy::FromBytes;
+    let (header, _) = T::Header::read_from_prefix(bytes.get(ENCAPSULATION.len()..)?).ok()?;
+    let size = size_of::<T::Element>();
+    let elements = bytes.get(encoded_len::<T>(0)..)?;
+    let elements = match T::ARITY {
+        Arity::One => elements.get(..size)?,
+        Arity::Many => elements,
+    };
+    // The bytes of the log are not aligned: `read_from_bytes` copies, and any bytes are a message.
+    let elements = elements
+        .chunks_exact(size)
+        .map(|bytes| T::Element::read_from_bytes(bytes).unwrap_or_default());
+    Some((header, elements))
+}
+
 /// Bytes of the CDR form of a message with this many elements (saturating).
 pub fn encoded_len<T: Topic>(elements: usize) -> usize {
-    let sequence = if T::SHAPE == Shape::Many {
+    let sequence = if T::ARITY == Arity::Many {
         4 + sequence_gap::<T>()
     } else {
         0

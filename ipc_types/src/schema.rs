@@ -2,13 +2,13 @@
 
 use core::fmt::Write as _;
 
-use crate::message::{Descriptor, FieldKind, Message};
-use crate::topics::{Shape, Topic};
+use crate::message::{Descriptor, FieldKind, Message as _};
+use crate::topics::{Arity, Topic, TopicId};
 
 /// Name of the logged message of a topic, e.g. `protean/msg/WorldState`.
-pub fn message_name<T: Topic>() -> String {
+pub fn message_name(topic: TopicId) -> String {
     let mut name = String::from("protean/msg/");
-    for part in T::NAME.split(['/', '_']) {
+    for part in topic.name().split(['/', '_']) {
         let mut letters = part.chars();
         name.extend(letters.next().map(|c| c.to_ascii_uppercase()));
         name.push_str(letters.as_str());
@@ -19,15 +19,16 @@ pub fn message_name<T: Topic>() -> String {
 /// The ROS 2 message definition (`ros2msg`) of what the log holds for a topic: the fields of the
 /// user header, then the fields of the one element or a sequence of elements; nested types follow
 /// behind separators. The text is what `schema_encoding = "ros2msg"` expects.
-pub fn ros2msg<T: Topic>() -> String {
+pub fn ros2msg(topic: TopicId) -> String {
+    let facts = topic.facts();
     let mut text = String::new();
     let mut nested = Vec::new();
-    fields(&mut text, &T::Header::DESCRIPTOR, &mut nested);
-    let element = T::Element::DESCRIPTOR;
-    match T::SHAPE {
-        Shape::One => fields(&mut text, &element, &mut nested),
-        Shape::Many => {
-            let _ = writeln!(text, "{}[] {}", element.name, T::ELEMENTS);
+    fields(&mut text, &facts.header, &mut nested);
+    let element = facts.element;
+    match facts.arity {
+        Arity::One => fields(&mut text, &element, &mut nested),
+        Arity::Many => {
+            let _ = writeln!(text, "{}[] {}", element.name, facts.elements);
             if !element.fields.is_empty() {
                 nested.push(element);
             }
@@ -64,11 +65,21 @@ fn fields(text: &mut String, descriptor: &Descriptor, nested: &mut Vec<Descripto
 /// and offsets of all fields. Stored as an attribute of the service, because iceoryx2 itself
 /// compares names and sizes of types only.
 pub fn hash<T: Topic>() -> String {
+    fingerprint(T::ID, &T::Header::DESCRIPTOR, &T::Element::DESCRIPTOR)
+}
+
+/// As [`hash`], of the topic as a value.
+pub fn hash_of(topic: TopicId) -> String {
+    let facts = topic.facts();
+    fingerprint(topic, &facts.header, &facts.element)
+}
+
+fn fingerprint(topic: TopicId, header: &Descriptor, element: &Descriptor) -> String {
     let mut hasher = blake3::Hasher::new();
-    hasher.update(T::NAME.as_bytes());
-    hasher.update(&[u8::from(T::SHAPE == Shape::Many)]);
-    digest(&mut hasher, &T::Header::DESCRIPTOR);
-    digest(&mut hasher, &T::Element::DESCRIPTOR);
+    hasher.update(topic.name().as_bytes());
+    hasher.update(&[u8::from(topic.facts().arity == Arity::Many)]);
+    digest(&mut hasher, header);
+    digest(&mut hasher, element);
     hasher.finalize().to_hex()[..16].to_owned()
 }
 

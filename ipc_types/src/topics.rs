@@ -1,7 +1,11 @@
-//! Every topic: name, type, who writes, who reads, and its quality of service. Nothing opens a
-//! service by a string of its own.
+//! Every topic, and everything that is to be known of it: [`topics!`] states each fact once. Nothing
+//! opens a service by a string of its own.
+//!
+//! * [`Topic`]: a topic as a type, with the types of its messages; [`TopicId`]: a topic as a value, over
+//!   which a `match` is exhaustive; [`TopicFacts`]: the facts;
+//! * [`Service`]: request–response; the constants at the end: events.
 
-use crate::message::Message;
+use crate::message::{Descriptor, Message};
 use crate::messages::observer::Prediction;
 use crate::messages::optimiser::{PlanRequest, PlanResponse, TrajectorySample};
 use crate::messages::perception::{BeliefHeader, Particle, Sighting};
@@ -18,11 +22,37 @@ use crate::stamp::{Header, PlainHeader};
 
 /// Whether a message of a topic is one element or a sequence of elements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Shape {
+pub enum Arity {
     /// Always exactly one element.
     One,
     /// Any number of elements up to the publisher's capacity.
     Many,
+}
+
+/// The facts of a topic that do not depend on the size of the run.
+#[derive(Debug, Clone, Copy)]
+pub struct TopicFacts {
+    /// Name of the service and of the log's channel.
+    pub name: &'static str,
+    /// One element or many.
+    pub arity: Arity,
+    /// Name of the sequence in schemas of [`Arity::Many`] topics.
+    pub elements: &'static str,
+    /// The user header.
+    pub header: Descriptor,
+    /// The element of the payload slice.
+    pub element: Descriptor,
+    /// Whether the topic is part of the simulated history (its payloads are in the digest).
+    pub simulated: bool,
+    /// Whether subscribers that join late get the last message: it describes a state that lasts.
+    pub latched: bool,
+    /// Whether a message is sent in answer to the input of its tick, so that its stamp tells how long
+    /// the step of its sender took.
+    pub timed: bool,
+    /// Fields in which infinity has a meaning (see their documentation); in all others, a message with
+    /// a number that is not finite is rejected. For elements that are bare numbers: the name of the
+    /// sequence.
+    pub may_be_infinite: &'static [&'static str],
 }
 
 /// Quality of service of a topic.
@@ -59,46 +89,114 @@ impl RunSize {
     }
 }
 
-/// A publish–subscribe topic.
+/// A publish–subscribe topic as a type.
 pub trait Topic: Send + Sync + 'static {
+    /// The topic as a value.
+    const ID: TopicId;
     /// Name of the service and of the log's channel.
-    const NAME: &'static str;
+    const NAME: &'static str = Self::ID.facts().name;
     /// One element or many.
-    const SHAPE: Shape;
-    /// Name of the sequence in schemas of [`Shape::Many`] topics.
-    const ELEMENTS: &'static str;
-    /// Whether the topic is part of the simulated history (its payloads are in the digest).
-    const SIMULATED: bool;
+    const ARITY: Arity = Self::ID.facts().arity;
     /// The user header.
     type Header: Header;
     /// The element of the payload slice.
     type Element: Message;
-    /// Quality of service in a run of this size.
-    fn qos(size: &RunSize) -> Qos;
 }
 
+impl TopicId {
+    /// Name of the service and of the log's channel.
+    pub const fn name(self) -> &'static str {
+        self.facts().name
+    }
+
+    /// The topic with this name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        let rank = NAMES.iter().position(|known| *known == name)?;
+        Self::ALL.get(rank).copied()
+    }
+
+    /// Place of the topic in [`TopicId::ALL`] and in [`NAMES`].
+    pub const fn rank(self) -> usize {
+        self as usize
+    }
+
+    /// Whether only one process of a run ever publishes it.
+    pub fn has_one_publisher(self) -> bool {
+        let size = RunSize {
+            robots: 1,
+            processes: 2,
+            events: 1,
+        };
+        self.qos(&size).publishers == 1
+    }
+}
+
+/// Makes, of the table of all topics, the type of each, [`TopicId`] with its facts, and the visit of all.
 macro_rules! topics {
     ($(
         $(#[doc = $doc:literal])+
-        $topic:ident = $name:literal : $shape:ident, $elements:literal, $header:ty, $element:ty,
-        simulated $simulated:literal, qos |$size:ident| $qos:expr;
+        $topic:ident = $name:literal : $arity:ident, $elements:literal, $header:ty, $element:ty,
+        simulated $simulated:literal, latched $latched:literal, timed $timed:literal,
+        may_be_infinite $infinite:expr,
+        qos |$size:ident| per_tick $per_tick:expr, publishers $publishers:expr,
+        subscribers $subscribers:expr;
     )+) => {
         $(
             $(#[doc = $doc])+
             #[derive(Debug, Clone, Copy)]
             pub struct $topic;
             impl Topic for $topic {
-                const NAME: &'static str = $name;
-                const SHAPE: Shape = Shape::$shape;
-                const ELEMENTS: &'static str = $elements;
-                const SIMULATED: bool = $simulated;
+                const ID: TopicId = TopicId::$topic;
                 type Header = $header;
                 type Element = $element;
-                fn qos($size: &RunSize) -> Qos {
-                    $qos
-                }
             }
         )+
+
+        /// A topic as a value.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub enum TopicId {
+            $($(#[doc = $doc])+ $topic,)+
+        }
+
+        impl TopicId {
+            /// All topics, in the order of their table.
+            pub const ALL: &[Self] = &[$(Self::$topic),+];
+
+            /// What is to be known of the topic.
+            pub const fn facts(self) -> &'static TopicFacts {
+                match self {
+                    $(Self::$topic => const {
+                        &TopicFacts {
+                            name: $name,
+                            arity: Arity::$arity,
+                            elements: $elements,
+                            header: <$header as Message>::DESCRIPTOR,
+                            element: <$element as Message>::DESCRIPTOR,
+                            simulated: $simulated,
+                            latched: $latched,
+                            timed: $timed,
+                            may_be_infinite: &$infinite,
+                        }
+                    },)+
+                }
+            }
+
+            /// Quality of service in a run of this size.
+            pub fn qos(self, size: &RunSize) -> Qos {
+                let history = usize::from(self.facts().latched);
+                match self {
+                    $(Self::$topic => {
+                        let $size = size;
+                        Qos {
+                            history,
+                            per_tick: $per_tick,
+                            publishers: $publishers,
+                            subscribers: $subscribers,
+                        }
+                    })+
+                }
+            }
+        }
 
         /// Something to be done for every topic, each with its own types.
         pub trait TopicVisitor {
@@ -111,7 +209,7 @@ macro_rules! topics {
             fn visit<T: Topic>(&mut self) -> Result<(), Self::Error>;
         }
 
-        /// Visits every topic in the order of this list.
+        /// Visits every topic in the order of their table.
         ///
         /// # Errors
         /// The first error of the visitor.
@@ -120,74 +218,121 @@ macro_rules! topics {
             Ok(())
         }
 
-        /// The names of all topics, in the order of this list.
+        /// The names of all topics, in the order of their table.
         pub const NAMES: &[&str] = &[$($name),+];
     };
 }
 
 topics! {
     /// Poses, velocities and status of every robot (ground truth): simulator → all.
-    WorldState = "world/state": Many, "robots", WorldHeader, RobotState, simulated true,
-        qos |s| Qos { history: 1, per_tick: 1, publishers: 1, subscribers: s.readers() };
+    WorldState = "world/state": Many, "robots", WorldHeader, RobotState,
+        simulated true, latched true, timed true,
+        may_be_infinite [],
+        qos |s| per_tick 1, publishers 1, subscribers s.readers();
     /// The map, whole, at every revision; late joiners get the last: simulator → all.
-    WorldMap = "world/map": Many, "cells", MapHeader, MapCell, simulated true,
-        qos |s| Qos { history: 1, per_tick: 1, publishers: 1, subscribers: s.readers() };
+    WorldMap = "world/map": Many, "cells", MapHeader, MapCell,
+        simulated true, latched true, timed false,
+        // Infinite: a map without obstacles.
+        may_be_infinite ["clearance"],
+        qos |s| per_tick 1, publishers 1, subscribers s.readers();
     /// The exact pieces of the map, whole, at every revision, after the map; late joiners get the
     /// last: simulator → planners that search for paths.
-    WorldShapes = "world/shapes": Many, "points", ShapesHeader, ShapePoint, simulated true,
-        qos |s| Qos { history: 1, per_tick: 1, publishers: 1, subscribers: s.readers() };
+    WorldShapes = "world/shapes": Many, "points", ShapesHeader, ShapePoint,
+        simulated true, latched true, timed false,
+        may_be_infinite [],
+        qos |s| per_tick 1, publishers 1, subscribers s.readers();
     /// What happened at a tick: captures, escapes, contacts…: simulator → all.
-    WorldEvents = "world/event": Many, "events", PlainHeader, WorldEvent, simulated true,
-        qos |s| Qos { history: 0, per_tick: 1, publishers: 1, subscribers: s.readers() };
+    WorldEvents = "world/event": Many, "events", PlainHeader, WorldEvent,
+        simulated true, latched false, timed true,
+        may_be_infinite [],
+        qos |s| per_tick 1, publishers 1, subscribers s.readers();
     /// The area visited so far, now and then, if the rules account for it: simulator → all.
-    Coverage = "world/coverage": One, "coverage", PlainHeader, CoverageState, simulated true,
-        qos |s| Qos { history: 1, per_tick: 1, publishers: 1, subscribers: s.readers() };
+    Coverage = "world/coverage": One, "coverage", PlainHeader, CoverageState,
+        simulated true, latched true, timed true,
+        may_be_infinite [],
+        qos |s| per_tick 1, publishers 1, subscribers s.readers();
     /// An obstacle appears, disappears or moves: orchestrator → simulator, recorder, ahead of time
     /// for a tick that is known; simulator → recorder, when a robot has brought it about.
-    ObstacleEvents = "world/obstacle_event": One, "event", PlainHeader, ObstacleEvent, simulated true,
-        qos |s| Qos { history: 0, per_tick: s.events.max(1), publishers: 2, subscribers: 2 + ONLOOKERS };
+    ObstacleEvents = "world/obstacle_event": One, "event", PlainHeader, ObstacleEvent,
+        simulated true, latched false, timed false,
+        may_be_infinite [],
+        qos |s| per_tick s.events.max(1), publishers 2, subscribers 2 + ONLOOKERS;
     /// Range scan of one robot: simulator → planners.
-    Scan = "robot/scan": Many, "ranges", ScanHeader, f32, simulated true,
-        qos |s| Qos { history: 0, per_tick: s.robots, publishers: 1, subscribers: s.readers() };
+    Scan = "robot/scan": Many, "ranges", ScanHeader, f32,
+        simulated true, latched false, timed true,
+        // Infinite: beams that hit nothing.
+        may_be_infinite ["ranges"],
+        qos |s| per_tick s.robots, publishers 1, subscribers s.readers();
     /// Measurements of every opponent: perception → its team.
-    Sightings = "perception/sighting": Many, "sightings", PlainHeader, Sighting, simulated true,
-        qos |s| Qos { history: 0, per_tick: 1, publishers: s.processes, subscribers: s.readers() };
+    Sightings = "perception/sighting": Many, "sightings", PlainHeader, Sighting,
+        simulated true, latched false, timed true,
+        // Infinite: a robot that is not seen may be anywhere.
+        may_be_infinite ["sigma"],
+        qos |s| per_tick 1, publishers s.processes, subscribers s.readers();
     /// Particles and moments of the belief about one opponent: perception → pursuers.
-    Belief = "perception/belief": Many, "particles", BeliefHeader, Particle, simulated true,
-        qos |s| Qos { history: 0, per_tick: s.robots, publishers: s.processes, subscribers: s.readers() };
+    Belief = "perception/belief": Many, "particles", BeliefHeader, Particle,
+        simulated true, latched false, timed true,
+        may_be_infinite [],
+        qos |s| per_tick s.robots, publishers s.processes, subscribers s.readers();
     /// Velocity command of one robot: planners → simulator.
-    Commands = "robot/command": One, "command", PlainHeader, Command, simulated true,
-        qos |s| Qos { history: 0, per_tick: s.robots, publishers: s.processes, subscribers: 2 + ONLOOKERS };
+    Commands = "robot/command": One, "command", PlainHeader, Command,
+        simulated true, latched false, timed true,
+        may_be_infinite [],
+        qos |s| per_tick s.robots, publishers s.processes, subscribers 2 + ONLOOKERS;
     /// Waypoints or trajectory of one robot: planners → all.
-    Plan = "robot/plan": Many, "points", PlanHeader, PlanPoint, simulated true,
-        qos |s| Qos { history: 0, per_tick: s.robots, publishers: s.processes, subscribers: s.readers() };
+    Plan = "robot/plan": Many, "points", PlanHeader, PlanPoint,
+        simulated true, latched false, timed true,
+        may_be_infinite [],
+        qos |s| per_tick s.robots, publishers s.processes, subscribers s.readers();
     /// Search tree of one robot: planners → viewers.
-    Tree = "robot/tree": Many, "edges", TreeHeader, TreeEdge, simulated true,
-        qos |s| Qos { history: 0, per_tick: s.robots, publishers: s.processes, subscribers: 1 + ONLOOKERS };
+    Tree = "robot/tree": Many, "edges", TreeHeader, TreeEdge,
+        simulated true, latched false, timed true,
+        may_be_infinite [],
+        qos |s| per_tick s.robots, publishers s.processes, subscribers 1 + ONLOOKERS;
     /// Waypoints that ended at this tick: planners that visit waypoints → all.
-    Waypoints = "robot/waypoint": Many, "waypoints", PlainHeader, WaypointEnd, simulated true,
-        qos |s| Qos { history: 0, per_tick: s.robots, publishers: s.processes, subscribers: s.readers() };
+    Waypoints = "robot/waypoint": Many, "waypoints", PlainHeader, WaypointEnd,
+        simulated true, latched false, timed true,
+        // Infinite: a waypoint that was left out before the robot set out for it.
+        may_be_infinite ["closest"],
+        qos |s| per_tick s.robots, publishers s.processes, subscribers s.readers();
     /// Who can still escape: referee → all.
-    Verdicts = "world/verdict": Many, "verdicts", PlainHeader, Verdict, simulated true,
-        qos |s| Qos { history: 1, per_tick: 1, publishers: s.processes, subscribers: s.readers() };
+    Verdicts = "world/verdict": Many, "verdicts", PlainHeader, Verdict,
+        simulated true, latched true, timed true,
+        // Infinite: no pursuer to be earlier than, no way out.
+        may_be_infinite ["margin", "time"],
+        qos |s| per_tick 1, publishers s.processes, subscribers s.readers();
     /// Who reaches every place first: referee → viewers.
-    Dominance = "world/dominance": Many, "cells", DominanceHeader, DominanceCell, simulated true,
-        qos |s| Qos { history: 1, per_tick: 1, publishers: s.processes, subscribers: s.readers() };
+    Dominance = "world/dominance": Many, "cells", DominanceHeader, DominanceCell,
+        simulated true, latched true, timed true,
+        // Infinite: no pursuer to be earlier than, no way out.
+        may_be_infinite ["margin"],
+        qos |s| per_tick 1, publishers s.processes, subscribers s.readers();
     /// Where watched robots will be, and how wrong that was: observer → all.
-    Predictions = "observer/prediction": Many, "predictions", PlainHeader, Prediction, simulated true,
-        qos |s| Qos { history: 1, per_tick: 1, publishers: s.processes, subscribers: s.readers() };
+    Predictions = "observer/prediction": Many, "predictions", PlainHeader, Prediction,
+        simulated true, latched true, timed true,
+        // Infinite: a method that makes no prediction.
+        may_be_infinite ["x", "y", "error"],
+        qos |s| per_tick 1, publishers s.processes, subscribers s.readers();
     /// Heartbeats: all → orchestrator.
-    Status = "process/status": One, "status", PlainHeader, ProcessStatus, simulated false,
-        qos |s| Qos { history: 1, per_tick: 1, publishers: s.processes, subscribers: 2 + ONLOOKERS };
+    Status = "process/status": One, "status", PlainHeader, ProcessStatus,
+        simulated false, latched true, timed false,
+        may_be_infinite [],
+        qos |s| per_tick 1, publishers s.processes, subscribers 2 + ONLOOKERS;
     /// What the run does: orchestrator → all.
-    Control = "run/control": One, "control", PlainHeader, RunControl, simulated false,
-        qos |s| Qos { history: 1, per_tick: 2, publishers: 1, subscribers: s.readers() };
+    Control = "run/control": One, "control", PlainHeader, RunControl,
+        simulated false, latched true, timed false,
+        may_be_infinite [],
+        qos |s| per_tick 2, publishers 1, subscribers s.readers();
     /// Processes that left the run, and came back: orchestrator → recorder.
-    ProcessEvents = "process/event": One, "event", PlainHeader, ProcessEvent, simulated false,
-        qos |s| Qos { history: 0, per_tick: 2 * s.processes, publishers: 1, subscribers: 1 + ONLOOKERS };
+    ProcessEvents = "process/event": One, "event", PlainHeader, ProcessEvent,
+        simulated false, latched false, timed false,
+        may_be_infinite [],
+        qos |s| per_tick 2 * s.processes, publishers 1, subscribers 1 + ONLOOKERS;
     /// What the processes wrote to stderr, by lines: orchestrator → recorder.
-    ProcessLog = "process/log": Many, "text", LogHeader, u8, simulated false,
-        qos |_s| Qos { history: 0, per_tick: 16, publishers: 1, subscribers: 1 + ONLOOKERS };
+    ProcessLog = "process/log": Many, "text", LogHeader, u8,
+        simulated false, latched false, timed false,
+        may_be_infinite [],
+        qos |_s| per_tick 16, publishers 1, subscribers 1 + ONLOOKERS;
 }
 
 /// Event that tells a process without the turn page that it is its turn; the id is its index.

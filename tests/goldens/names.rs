@@ -332,7 +332,7 @@ fn topics() {
                 self.0,
                 "{} {:?} {header} {element} {hash}",
                 T::NAME,
-                T::SHAPE
+                T::ARITY
             )
             .unwrap();
             Ok(())

@@ -76,7 +76,7 @@ pub(super) fn create<T: Topic>(
         topic: T::NAME,
         reason,
     };
-    let qos = T::qos(&options.size);
+    let qos = T::ID.qos(&options.size);
     let attributes = agreement::define(&schema::hash::<T>()).map_err(failed)?;
     let service = node
         .service_builder(&service_name(T::NAME)?)

@@ -29,7 +29,7 @@ impl<T: Topic> Subscriber<T> {
     ) -> Result<Self, BusError> {
         let port = service::open::<T>(node)?
             .subscriber_builder()
-            .buffer_size(service::buffer(&T::qos(&options.size), ticks))
+            .buffer_size(service::buffer(&T::ID.qos(&options.size), ticks))
             .create()
             .map_err(|e| BusError::Port {
                 topic: T::NAME,

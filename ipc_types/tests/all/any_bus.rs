@@ -145,7 +145,7 @@ fn with_overflow_the_newest_messages_win() {
 fn a_topic_has_as_many_seats_as_its_quality_of_service_says_and_they_become_free_again() {
     on_both("seats", false, |bus| {
         let _service = bus.create::<WorldState>().unwrap();
-        let qos = WorldState::qos(&options(false).size);
+        let qos = WorldState::ID.qos(&options(false).size);
         let publisher = bus.publisher::<WorldState>(port(0, 2)).unwrap();
         let error = bus.publisher::<WorldState>(port(1, 2)).unwrap_err();
         assert!(matches!(error, BusError::Port { .. }), "{error}");

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use ipc_types::message::{Descriptor, FieldKind, Message};
-use ipc_types::topics::{Shape, Topic, TopicVisitor, for_each_topic};
+use ipc_types::topics::{Arity, Topic, TopicVisitor, for_each_topic};
 use ipc_types::{cdr, schema};
 use zerocopy::{FromBytes, IntoBytes};
 
@@ -69,7 +69,7 @@ struct Lines(Vec<(String, String, Vec<u8>)>);
 impl TopicVisitor for Lines {
     type Error = Infallible;
     fn visit<T: Topic>(&mut self) -> Result<(), Infallible> {
-        let counts: &[usize] = if T::SHAPE == Shape::One {
+        let counts: &[usize] = if T::ARITY == Arity::One {
             &[1]
         } else {
             &[0, 1, 3]
@@ -78,9 +78,9 @@ impl TopicVisitor for Lines {
             let mut paths = Vec::new();
             numbers(&T::Header::DESCRIPTOR, "", &mut paths);
             for i in 0..count {
-                let prefix = match T::SHAPE {
-                    Shape::One => String::new(),
-                    Shape::Many => format!("{}[{i}].", T::ELEMENTS),
+                let prefix = match T::ARITY {
+                    Arity::One => String::new(),
+                    Arity::Many => format!("{}[{i}].", T::ID.facts().elements),
                 };
                 numbers(&T::Element::DESCRIPTOR, &prefix, &mut paths);
             }
@@ -111,8 +111,8 @@ impl TopicVisitor for Lines {
             cdr::encode::<T>(&header, &elements, &mut message);
             let mut line = format!(
                 "{}\t{}\t{}",
-                schema::message_name::<T>(),
-                hex(schema::ros2msg::<T>().as_bytes()),
+                schema::message_name(T::ID),
+                hex(schema::ros2msg(T::ID).as_bytes()),
                 hex(&message)
             );
             for (path, ros, _) in &paths {

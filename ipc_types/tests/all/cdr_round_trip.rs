@@ -4,7 +4,7 @@ use std::convert::Infallible;
 
 use ipc_types::cdr::{self, DecodeError};
 use ipc_types::schema;
-use ipc_types::topics::{self, Commands, Shape, Topic, TopicVisitor, WorldState, for_each_topic};
+use ipc_types::topics::{self, Arity, Commands, Topic, TopicVisitor, WorldState, for_each_topic};
 use proptest::prelude::*;
 use zerocopy::{FromBytes, IntoBytes};
 
@@ -13,7 +13,7 @@ fn message<T: Topic>(bytes: &[u8], elements: usize) -> (T::Header, Vec<T::Elemen
     let mut source = bytes.iter().copied().cycle();
     let mut take = |n: usize| -> Vec<u8> { source.by_ref().take(n).collect() };
     let header = T::Header::read_from_bytes(&take(size_of::<T::Header>())).unwrap();
-    let elements = (0..if T::SHAPE == Shape::One { 1 } else { elements })
+    let elements = (0..if T::ARITY == Arity::One { 1 } else { elements })
         .map(|_| T::Element::read_from_bytes(&take(size_of::<T::Element>())).unwrap())
         .collect();
     (header, elements)
@@ -123,7 +123,7 @@ fn schemas_define_every_type_they_use_once_and_names_are_the_topics_own() {
         type Error = Infallible;
         fn visit<T: Topic>(&mut self) -> Result<(), Infallible> {
             self.0
-                .push((schema::message_name::<T>(), schema::ros2msg::<T>()));
+                .push((schema::message_name(T::ID), schema::ros2msg(T::ID)));
             Ok(())
         }
     }
@@ -146,7 +146,7 @@ fn schemas_define_every_type_they_use_once_and_names_are_the_topics_own() {
         }
     }
     assert_eq!(
-        schema::message_name::<WorldState>(),
+        schema::message_name(WorldState::ID),
         "protean/msg/WorldState"
     );
 }

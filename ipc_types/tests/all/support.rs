@@ -5,7 +5,7 @@ use std::time::Duration;
 use ipc_types::bus::{Bus, BusOptions, PublisherOptions, RunSpace};
 use ipc_types::messages::world::{RobotState, WorldHeader};
 use ipc_types::stamp::PlainHeader;
-use ipc_types::topics::{self, Commands, RunSize, Topic};
+use ipc_types::topics::{RunSize, Topic, TopicId};
 
 /// A run space of its own that is wiped when the test ends, also by a panic.
 pub struct Space(
@@ -72,13 +72,7 @@ pub fn state(tick: u64) -> WorldHeader {
 pub struct OtherCommands;
 
 impl Topic for OtherCommands {
-    const NAME: &'static str = Commands::NAME;
-    const SHAPE: topics::Shape = topics::Shape::One;
-    const ELEMENTS: &'static str = "command";
-    const SIMULATED: bool = true;
+    const ID: TopicId = TopicId::Commands;
     type Header = PlainHeader;
     type Element = RobotState;
-    fn qos(size: &RunSize) -> topics::Qos {
-        Commands::qos(size)
-    }
 }

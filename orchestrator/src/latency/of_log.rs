@@ -5,7 +5,7 @@ use std::path::Path;
 use std::rc::Rc;
 
 use ipc_types::cdr;
-use ipc_types::topics::{Commands, Status, Topic as _, WorldState};
+use ipc_types::topics::{Commands, Status, Topic as _, TopicId, WorldState};
 
 use super::error::LatencyError;
 use crate::logs::origin::Origin;
@@ -16,8 +16,8 @@ use crate::mission::MissionError;
 use crate::mission::plan::Plan;
 use crate::mission::recording;
 use crate::mission::report::mode_name;
+use crate::recorder::ProcessInfo;
 use crate::recorder::chain::{Answers, Chain, Passage};
-use crate::recorder::{ProcessInfo, Role};
 use crate::scenario::ResolvedScenario;
 use crate::scenario::spec::Mode;
 use crate::statistics::{Distribution, Distributions};
@@ -105,7 +105,7 @@ pub fn of_log(log: &Path, watch: &mut Watch) -> Result<Measured, LatencyError> {
 struct Reading {
     origin: Origin,
     known: Option<Known>,
-    channels: BTreeMap<u16, (Role, bool)>,
+    channels: BTreeMap<u16, TopicId>,
     topics: BTreeMap<u16, String>,
     sizes: BTreeMap<u16, Sizes>,
     overruns: BTreeMap<u32, u64>,
@@ -143,13 +143,13 @@ impl Reading {
     }
 
     fn channel(&mut self, log: &Path, channel: &Rc<Channel>) -> Result<(), LogsError> {
-        if known::find(&channel.topic).is_none() {
+        if TopicId::from_name(&channel.topic).is_none() {
             return Ok(());
         }
         self.origin.check_layout(log, channel)?;
-        let stamped = known::is_stamped(channel);
-        let role = Role::of(&channel.topic);
-        self.channels.insert(channel.id, (role, stamped));
+        if let Some(topic) = known::topic_of(channel) {
+            self.channels.insert(channel.id, topic);
+        }
         self.topics.insert(channel.id, channel.topic.clone());
         Ok(())
     }
@@ -172,7 +172,7 @@ impl Reading {
     }
 
     fn message(&mut self, channel: u16, data: &[u8]) {
-        let Some((role, true)) = self.channels.get(&channel).copied() else {
+        let Some(&topic) = self.channels.get(&channel) else {
             return;
         };
         let sizes = self.sizes.entry(channel).or_default();
@@ -181,7 +181,7 @@ impl Reading {
         let (Some(known), Some(stamp)) = (&mut self.known, known::stamp(data)) else {
             return;
         };
-        if role == Role::Status
+        if topic == TopicId::Status
             && let Ok((_, status)) = cdr::decode::<Status>(data)
             && let Some(status) = status.first()
         {
@@ -189,8 +189,8 @@ impl Reading {
             *overruns = status.overruns.max(*overruns);
         }
         if stamp.sent_ns != 0 {
-            self.stamped += u64::from(matches!(role, Role::State | Role::Command));
-            known.chain.message(role, &stamp);
+            self.stamped += u64::from(matches!(topic, TopicId::WorldState | TopicId::Commands));
+            known.chain.message(topic, &stamp);
         }
     }
 

@@ -6,11 +6,12 @@ use std::ops::Range;
 use std::path::Path;
 
 use ipc_types::stamp::Stamp;
+use ipc_types::topics::TopicId;
 use serde::Serialize;
 
 use super::deviation::{Deviation, add_deviations};
 use super::error::LogsError;
-use super::known::{self, ENCAPSULATION, Known};
+use super::known::{self, ENCAPSULATION};
 use super::pattern::Topics;
 use super::ros2::field_at;
 use super::source::{Logged, Source};
@@ -111,21 +112,21 @@ impl Comparison {
         let (logged, again) = (self.history(logged), self.history(again));
         let keys: BTreeSet<_> = logged.keys().chain(again.keys()).copied().collect();
         for key in keys {
-            let Some(known) = known::of_rank(key.0) else {
+            let Some(&id) = TopicId::ALL.get(key.0) else {
                 continue;
             };
             let of = |said: &BTreeMap<_, Vec<_>>| said.get(&key).cloned().unwrap_or_default();
             let (logged, again): (Vec<Said<'_>>, Vec<_>) = (of(&logged), of(&again));
             let last = logged.last().map_or(0, |said| said.stamp.tick);
             self.last_tick = self.last_tick.max(last);
-            let topic = self.topics.entry(known.name).or_default();
+            let topic = self.topics.entry(id.name()).or_default();
             topic.recorded += logged.len() as u64;
             topic.now += again.len() as u64;
             let with_fields = self.sources.is_some();
             for at in 0..logged.len().max(again.len()) {
                 match (logged.get(at), again.get(at)) {
                     (None, Some(_)) if may_lack => {}
-                    (logged, again) => topic.add(known, logged, again, with_fields),
+                    (logged, again) => topic.add(id, logged, again, with_fields),
                 }
             }
         }
@@ -136,7 +137,8 @@ impl Comparison {
         let mut history: BTreeMap<_, Vec<_>> = BTreeMap::new();
         for message in messages {
             let (time, data) = (message.time, message.data.as_slice());
-            let is_simulated = known::of_rank(message.rank).is_some_and(|known| known.simulated);
+            let topic = TopicId::ALL.get(message.rank);
+            let is_simulated = topic.is_some_and(|topic| topic.facts().simulated);
             let Some(stamp) = known::stamp(data).filter(|_| is_simulated) else {
                 continue;
             };
@@ -156,7 +158,7 @@ impl TopicComparison {
     /// Takes up two messages that take the same place; one of them may be missing.
     fn add(
         &mut self,
-        known: &Known,
+        topic: TopicId,
         logged: Option<&Said<'_>>,
         again: Option<&Said<'_>>,
         with_fields: bool,
@@ -170,7 +172,7 @@ impl TopicComparison {
                     self.equal += 1;
                     return;
                 };
-                if let Some(schema) = known.schema.as_ref().filter(|_| with_fields) {
+                if let Some(schema) = known::layout(topic).schema.as_ref().filter(|_| with_fields) {
                     // What is not of the schema has no fields; that it differs is told all the same.
                     let _ = add_deviations(schema, stamp.tick, x.data, y.data, &mut self.fields);
                 }
@@ -190,7 +192,7 @@ impl TopicComparison {
                 Some((String::new(), number))
             }
             (Some(said), Some(at)) => {
-                let found = field_at(&known.schema.as_ref()?.fields, said.data, at);
+                let found = field_at(&known::layout(topic).schema.as_ref()?.fields, said.data, at);
                 let (name, cell) = found.ok()??;
                 Some((name, cell.to_string()))
             }

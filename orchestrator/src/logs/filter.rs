@@ -105,7 +105,7 @@ pub fn filter(
             Item::Schema(id, schema) => output.schema(id, &schema)?,
             Item::Channel(channel) => {
                 if options.topics.take(&channel.topic) {
-                    let stamped = known::is_stamped(&channel);
+                    let stamped = known::topic_of(&channel).is_some();
                     latched.insert(
                         channel.id,
                         (is_latched(&channel.topic, &channel.metadata), stamped),

@@ -296,7 +296,7 @@ impl LogInfo {
 
 fn new_tally(channel: &Channel, schema: String) -> Tally {
     Tally {
-        stamped: known::is_stamped(channel),
+        stamped: known::topic_of(channel).is_some(),
         info: TopicInfo {
             schema,
             encoding: channel.message_encoding.clone(),

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use ipc_types::topics::{Topic as _, WorldState};
+use ipc_types::topics::TopicId;
 
 use super::error::LogsError;
 use super::known;
@@ -20,9 +20,7 @@ pub fn newest_state(log: &Path, watch: &mut Watch) -> Result<Option<u64>, LogsEr
     let mut newest = None;
     while let Some(item) = reader.next()? {
         match item {
-            Item::Channel(channel)
-                if channel.topic == WorldState::NAME && known::is_stamped(&channel) =>
-            {
+            Item::Channel(channel) if known::topic_of(&channel) == Some(TopicId::WorldState) => {
                 states.insert(channel.id);
             }
             Item::Message(header, data) if states.contains(&header.channel_id) => {

@@ -34,9 +34,9 @@ impl Origin {
         let Some(found) = channel.metadata.get("schema_hash") else {
             return Ok(());
         };
-        match known::find(&channel.topic) {
-            Some(known) if known.hash == *found => Ok(()),
-            _ => Err(self.layout(log, &channel.topic, found)),
+        match known::topic_of(channel) {
+            Some(_) => Ok(()),
+            None => Err(self.layout(log, &channel.topic, found)),
         }
     }
 

@@ -6,12 +6,12 @@ use std::path::Path;
 use ipc_types::messages::process::ProcessEvent;
 use ipc_types::messages::world::WorldHeader;
 use ipc_types::stamp::PlainHeader;
-use ipc_types::topics::{ProcessEvents, Topic, WorldState};
+use ipc_types::topics::TopicId;
 use serde::Serialize;
 use zerocopy::FromBytes as _;
 
 use super::error::LogsError;
-use super::known::{self, ENCAPSULATION};
+use super::known::ENCAPSULATION;
 use super::origin::Origin;
 use super::output::{FILTERED, MANIFEST, RESULT};
 use super::reader::{Item, Reader};
@@ -72,9 +72,9 @@ impl Recorded {
                 }
                 Item::Channel(channel) => {
                     recorded.origin.check_layout(log, &channel)?;
-                    match channel.topic.as_str() {
-                        WorldState::NAME => states = Some(channel.id),
-                        ProcessEvents::NAME => events = Some(channel.id),
+                    match TopicId::from_name(&channel.topic) {
+                        Some(TopicId::WorldState) => states = Some(channel.id),
+                        Some(TopicId::ProcessEvents) => events = Some(channel.id),
                         _ => {}
                     }
                     topics.insert(channel.topic.clone());
@@ -97,9 +97,11 @@ impl Recorded {
         // A version that knew fewer topics would have said less.
         if !recorded.filtered
             && !topics.is_empty()
-            && let Some(topic) = known::simulated().find(|name| !topics.contains(*name))
+            && let Some(topic) = TopicId::ALL
+                .iter()
+                .find(|topic| topic.facts().simulated && !topics.contains(topic.name()))
         {
-            return Err(recorded.origin.layout(log, topic, "none"));
+            return Err(recorded.origin.layout(log, topic.name(), "none"));
         }
         Ok(recorded)
     }

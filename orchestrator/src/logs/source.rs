@@ -199,17 +199,13 @@ impl Source {
             return Ok(());
         }
         self.origin.check_layout(self.reader.path(), channel)?;
-        let rank = ipc_types::topics::NAMES
-            .iter()
-            .position(|name| *name == channel.topic);
-        let known = known::find(&channel.topic).filter(|_| known::is_stamped(channel));
-        if let (Some(rank), Some(known)) = (rank, known)
+        if let Some(topic) = known::topic_of(channel)
             && self.topics.take(&channel.topic)
         {
             let played = Played {
-                rank,
-                latched: known.latched,
-                one_sender: known.one_sender,
+                rank: topic.rank(),
+                latched: topic.facts().latched,
+                one_sender: topic.has_one_publisher(),
             };
             self.played.insert(channel.id, played);
         }

@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use ipc_types::topics::TopicId;
 use mcap::records::MessageHeader;
 
 use super::error::LogsError;
-use super::known;
 
 /// Most states that are kept.
 const MOST_STATES: usize = 4096;
@@ -74,8 +74,8 @@ impl States {
 /// Whether the last message of a channel still holds until the next: our topics that late joiners
 /// get, what our viewers are shown, and what ROS 2 calls transient local.
 pub(crate) fn is_latched(topic: &str, metadata: &BTreeMap<String, String>) -> bool {
-    if let Some(known) = known::find(topic) {
-        return known.latched;
+    if let Some(topic) = TopicId::from_name(topic) {
+        return topic.facts().latched;
     }
     if let Some(view) = topic.strip_prefix("/viewer/") {
         // Every message but a line of the log is a whole picture.

@@ -8,7 +8,7 @@ use ipc_types::cdr;
 use ipc_types::messages::perception::{BeliefHeader, Particle};
 use ipc_types::messages::world::{RobotState, WorldEvent};
 use ipc_types::topics::{
-    Belief, Dominance, ObstacleEvents, Plan, Topic, Tree, WorldEvents, WorldMap, WorldState,
+    Belief, Dominance, ObstacleEvents, Plan, TopicId, Tree, WorldEvents, WorldMap, WorldState,
 };
 use sim_backend::map::ObstacleChange;
 use sim_backend::pose::Pose2;
@@ -52,8 +52,8 @@ impl RunTrace {
                 }
                 Item::Channel(channel) => reading.channel(&channel)?,
                 Item::Message(header, data) => {
-                    if let Some(&role) = reading.roles.get(&header.channel_id) {
-                        reading.message(role, header.log_time, data).map_err(|e| {
+                    if let Some(&topic) = reading.topics.get(&header.channel_id) {
+                        reading.message(topic, header.log_time, data).map_err(|e| {
                             LogsError::NotRepeatable {
                                 path: log.to_owned(),
                                 reason: format!("a message is damaged: {e}"),
@@ -70,19 +70,6 @@ impl RunTrace {
     }
 }
 
-/// The topics that matter.
-#[derive(Debug, Clone, Copy)]
-enum Role {
-    State,
-    Map,
-    Event,
-    Obstacle,
-    Belief,
-    Plan,
-    Tree,
-    Dominance,
-}
-
 /// What is known of a log so far.
 struct Reading<'a> {
     log: &'a Path,
@@ -91,7 +78,7 @@ struct Reading<'a> {
     /// Whether it is of a moment: with what was believed, planned and judged then.
     of_a_moment: bool,
     facts: LogFacts,
-    roles: BTreeMap<u16, Role>,
+    topics: BTreeMap<u16, TopicId>,
     /// Time of the last state that is drawn [ns], and the time between two states [ns].
     now_ns: Option<u64>,
     period_ns: u64,
@@ -121,7 +108,7 @@ impl<'a> Reading<'a> {
             until_ns: at.map_or(u64::MAX, |at| (at * 1e9 + 500.0) as u64),
             of_a_moment: at.is_some(),
             facts: LogFacts::default(),
-            roles: BTreeMap::new(),
+            topics: BTreeMap::new(),
             now_ns: None,
             period_ns: 0,
             end_ns: 0,
@@ -134,32 +121,42 @@ impl<'a> Reading<'a> {
     }
 
     fn channel(&mut self, channel: &Rc<Channel>) -> Result<(), LogsError> {
-        let role = match channel.topic.as_str() {
-            WorldState::NAME => Role::State,
-            WorldMap::NAME => Role::Map,
-            WorldEvents::NAME => Role::Event,
-            ObstacleEvents::NAME => Role::Obstacle,
-            // Only a picture of a moment shows these.
-            Belief::NAME if self.of_a_moment => Role::Belief,
-            Plan::NAME if self.of_a_moment => Role::Plan,
-            Tree::NAME if self.of_a_moment => Role::Tree,
-            Dominance::NAME if self.of_a_moment => Role::Dominance,
-            _ => return Ok(()),
+        let Some(topic) = TopicId::from_name(&channel.topic) else {
+            return Ok(());
         };
+        let is_shown = match topic {
+            TopicId::WorldState
+            | TopicId::WorldMap
+            | TopicId::WorldEvents
+            | TopicId::ObstacleEvents => true,
+            // Only a picture of a moment shows these.
+            TopicId::Belief | TopicId::Plan | TopicId::Tree | TopicId::Dominance => {
+                self.of_a_moment
+            }
+            _ => false,
+        };
+        if !is_shown {
+            return Ok(());
+        }
         known::check_layout(self.log, channel, self.facts.version())?;
-        self.roles.insert(channel.id, role);
+        self.topics.insert(channel.id, topic);
         Ok(())
     }
 
-    fn message(&mut self, role: Role, time_ns: u64, data: &[u8]) -> Result<(), cdr::DecodeError> {
-        if let Role::State = role {
+    fn message(
+        &mut self,
+        topic: TopicId,
+        time_ns: u64,
+        data: &[u8],
+    ) -> Result<(), cdr::DecodeError> {
+        if topic == TopicId::WorldState {
             self.end_ns = self.end_ns.max(time_ns);
         }
         if time_ns > self.until_ns {
             return Ok(());
         }
-        match role {
-            Role::State => {
+        match topic {
+            TopicId::WorldState => {
                 let (header, robots) = cdr::decode::<WorldState>(data)?;
                 self.now_ns = Some(time_ns);
                 self.period_ns = header.tick_period_ns;
@@ -167,17 +164,17 @@ impl<'a> Reading<'a> {
                     self.state(time_ns, state);
                 }
             }
-            Role::Map => {
+            TopicId::WorldMap => {
                 let (header, cells) = cdr::decode::<WorldMap>(data)?;
                 self.facts.map(&header, &cells);
             }
-            Role::Event => {
+            TopicId::WorldEvents => {
                 let (_, events) = cdr::decode::<WorldEvents>(data)?;
                 for event in &events {
                     self.event(time_ns, event);
                 }
             }
-            Role::Obstacle => {
+            TopicId::ObstacleEvents => {
                 let (header, events) = cdr::decode::<ObstacleEvents>(data)?;
                 if header.stamp.time_ns > time_ns {
                     // Announced for a time that the run did not reach.
@@ -194,26 +191,27 @@ impl<'a> Reading<'a> {
                     }
                 }
             }
-            Role::Belief => {
+            TopicId::Belief => {
                 let (header, particles) = cdr::decode::<Belief>(data)?;
                 self.belief(time_ns, &header, &particles);
             }
-            Role::Plan => {
+            TopicId::Plan => {
                 let (header, points) = cdr::decode::<Plan>(data)?;
                 if (header.robot as usize) < MAX_ROBOTS {
                     self.layers.plan(header.robot as usize, &points);
                 }
             }
-            Role::Tree => {
+            TopicId::Tree => {
                 let (header, edges) = cdr::decode::<Tree>(data)?;
                 if (header.robot as usize) < MAX_ROBOTS {
                     self.layers.tree(header.robot as usize, &edges);
                 }
             }
-            Role::Dominance => {
+            TopicId::Dominance => {
                 let (header, cells) = cdr::decode::<Dominance>(data)?;
                 self.layers.dominance(&header, &cells);
             }
+            _ => {}
         }
         Ok(())
     }

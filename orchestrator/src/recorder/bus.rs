@@ -39,11 +39,7 @@ impl Recorder {
         impl TopicVisitor for Open<'_> {
             type Error = BusError;
             fn visit<T: Topic>(&mut self) -> Result<(), BusError> {
-                let rank = self.1.len();
-                self.1.push(Box::new(TopicTap {
-                    subscriber: self.0.recorder::<T>()?,
-                    rank,
-                }));
+                self.1.push(Box::new(self.0.recorder::<T>()?));
                 Ok(())
             }
         }
@@ -155,20 +151,15 @@ trait Tap {
     fn drain(&self, recording: &mut Recording, in_place: bool) -> Result<bool, ReceiveError>;
 }
 
-struct TopicTap<T: Topic> {
-    subscriber: Subscriber<T>,
-    rank: usize,
-}
-
-impl<T: Topic> Tap for TopicTap<T> {
+impl<T: Topic> Tap for Subscriber<T> {
     fn connect(&self) -> Result<(), ReceiveError> {
-        self.subscriber.update_connections()
+        self.update_connections()
     }
 
     fn drain(&self, recording: &mut Recording, in_place: bool) -> Result<bool, ReceiveError> {
         for _ in 0..TURN {
-            match self.subscriber.receive()? {
-                Some(message) => recording.receive(self.rank, &message, in_place),
+            match self.receive()? {
+                Some(message) => recording.receive(&message, in_place),
                 None => return Ok(true),
             }
         }

@@ -1,33 +1,17 @@
 //! What a message must satisfy to be believed. Whatever it says, it is logged.
 
+use std::sync::LazyLock;
+
 use ipc_types::message::{Descriptor, FieldKind};
-
-/// Fields in which infinity means something (see their documentation).
-const MAY_BE_INFINITE: &[(&str, &str)] = &[
-    // An unseen robot is somewhere.
-    ("perception/sighting", "sigma"),
-    // A map without obstacles.
-    ("world/map", "clearance"),
-    // Nobody to be earlier than, no way out.
-    ("world/verdict", "margin"),
-    ("world/verdict", "time"),
-    ("world/dominance", "margin"),
-    // A method that makes no prediction.
-    ("observer/prediction", "x"),
-    ("observer/prediction", "y"),
-    ("observer/prediction", "error"),
-    // One left out before the robot set out for it.
-    ("robot/waypoint", "closest"),
-];
-
-/// Topics whose elements are bare numbers that may be infinite: beams that hit nothing.
-const INFINITE_ELEMENTS: &[&str] = &["robot/scan"];
+use ipc_types::topics::{Arity, TopicFacts, TopicId};
 
 /// Finds numbers that are not finite in the bytes of a topic's messages.
 #[derive(Debug)]
 pub(super) struct Finite {
     header: Vec<Float>,
     element: Elements,
+    /// Size of an element (bytes).
+    element_bytes: usize,
 }
 
 /// Bits of a number that decide whether it is finite.
@@ -46,14 +30,28 @@ enum Elements {
     Fields(Vec<Float>),
 }
 
+/// Whether a message with this many elements has a CDR form that readers can decode.
+pub(super) fn is_decodable(topic: TopicId, elements: usize) -> bool {
+    topic.facts().arity == Arity::Many || elements == 1
+}
+
 impl Finite {
-    pub(super) fn of(topic: &str, header: &Descriptor, element: &Descriptor) -> Self {
-        let mut header_floats = Vec::new();
-        collect(topic, header, 0, &mut header_floats);
+    /// What the messages of a topic are checked by.
+    pub(super) fn of(topic: TopicId) -> &'static Self {
+        static ALL: LazyLock<Vec<Finite>> = LazyLock::new(|| {
+            let topics = TopicId::ALL.iter();
+            topics.map(|topic| Finite::new(topic.facts())).collect()
+        });
+        &ALL[topic.rank()]
+    }
+
+    fn new(topic: &TopicFacts) -> Self {
+        let mut header = Vec::new();
+        collect(topic, &topic.header, 0, &mut header);
         let mut floats = Vec::new();
-        collect(topic, element, 0, &mut floats);
-        let may_be_infinite = INFINITE_ELEMENTS.contains(&topic);
-        let element = if floats.len() * 4 == element.size
+        collect(topic, &topic.element, 0, &mut floats);
+        let may_be_infinite = floats.iter().any(|float| float.may_be_infinite);
+        let element = if floats.len() * 4 == topic.element.size
             && floats
                 .iter()
                 .all(|f| !f.double && f.may_be_infinite == may_be_infinite)
@@ -63,13 +61,14 @@ impl Finite {
             Elements::Fields(floats)
         };
         Self {
-            header: header_floats,
+            header,
             element,
+            element_bytes: topic.element.size.max(1),
         }
     }
 
     /// Whether all numbers are what they may be.
-    pub(super) fn holds(&self, header: &[u8], elements: &[u8], element_bytes: usize) -> bool {
+    pub(super) fn holds(&self, header: &[u8], elements: &[u8]) -> bool {
         let fields_hold =
             |fields: &[Float], bytes: &[u8]| fields.iter().all(|float| float.holds(bytes));
         fields_hold(&self.header, header)
@@ -78,24 +77,24 @@ impl Finite {
                 Elements::Fields(fields) => {
                     fields.is_empty()
                         || elements
-                            .chunks_exact(element_bytes.max(1))
+                            .chunks_exact(self.element_bytes)
                             .all(|bytes| fields_hold(fields, bytes))
                 }
             }
     }
 }
 
-fn collect(topic: &str, descriptor: &Descriptor, base: usize, floats: &mut Vec<Float>) {
+fn collect(topic: &TopicFacts, descriptor: &Descriptor, base: usize, floats: &mut Vec<Float>) {
     // A plain number as element has no fields.
     if descriptor.fields.is_empty() && descriptor.name.starts_with("float") {
         floats.push(Float {
             offset: base,
             double: descriptor.size == 8,
-            may_be_infinite: INFINITE_ELEMENTS.contains(&topic),
+            may_be_infinite: topic.may_be_infinite.contains(&topic.elements),
         });
     }
     for field in descriptor.fields {
-        let may_be_infinite = MAY_BE_INFINITE.contains(&(topic, field.name));
+        let may_be_infinite = topic.may_be_infinite.contains(&field.name);
         let (ros, count) = match field.kind {
             FieldKind::Number(ros) => (ros, 1),
             FieldKind::Array(ros, count) => (ros, count),
@@ -159,12 +158,10 @@ mod tests {
     use ipc_types::topics::{Belief, Commands, Scan, Sightings, Topic};
     use zerocopy::IntoBytes;
 
-    use super::super::topic_info::TopicInfo;
+    use super::Finite;
 
     fn holds<T: Topic>(header: &T::Header, elements: &[T::Element]) -> bool {
-        let info = TopicInfo::of::<T>();
-        info.finite
-            .holds(header.as_bytes(), elements.as_bytes(), info.element_bytes)
+        Finite::of(T::ID).holds(header.as_bytes(), elements.as_bytes())
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! The fingerprint of a run's simulated history.
 
+use ipc_types::topics::TopicId;
+
 use super::parts::Parts;
 
 /// Messages are gathered to exactly this size before they are hashed: BLAKE3 is fastest on many of
@@ -17,7 +19,7 @@ pub(super) struct Digest {
 
 #[derive(Debug)]
 struct Stream {
-    topic: &'static str,
+    topic: TopicId,
     source: u32,
     hasher: blake3::Hasher,
     buffer: Vec<u8>,
@@ -28,7 +30,7 @@ impl Digest {
     /// Takes up the next message of a source.
     ///
     /// The clocks at the end of the stamp are left out.
-    pub(super) fn update(&mut self, topic: &'static str, source: u32, message: &Parts<'_>) {
+    pub(super) fn update(&mut self, topic: TopicId, source: u32, message: &Parts<'_>) {
         // A run has a dozen or two: looking through them costs less than a map does.
         let known = self
             .streams
@@ -52,12 +54,7 @@ impl Digest {
 
     /// Begins a source's stream with its first message, given by the state of the hash behind it
     /// ([`Digest::beginning`]); false if the source has sent something before.
-    pub(super) fn begin(
-        &mut self,
-        topic: &'static str,
-        source: u32,
-        hasher: &blake3::Hasher,
-    ) -> bool {
+    pub(super) fn begin(&mut self, topic: TopicId, source: u32, hasher: &blake3::Hasher) -> bool {
         let mut streams = self.streams.iter();
         if streams.any(|stream| stream.source == source && stream.topic == topic) {
             return false;
@@ -69,7 +66,7 @@ impl Digest {
     }
 
     /// The state of the hash behind a source's first message, if it has sent nothing else.
-    pub(super) fn beginning(&mut self, topic: &str, source: u32) -> Option<blake3::Hasher> {
+    pub(super) fn beginning(&mut self, topic: TopicId, source: u32) -> Option<blake3::Hasher> {
         let mut streams = self.streams.iter_mut();
         let stream = streams.find(|stream| stream.source == source && stream.topic == topic)?;
         if stream.messages != 1 {
@@ -82,12 +79,13 @@ impl Digest {
     /// The fingerprint of everything so far, as 64 hexadecimal digits.
     pub(super) fn finish(&mut self) -> String {
         self.streams
-            .sort_unstable_by_key(|stream| (stream.topic, stream.source));
+            .sort_unstable_by_key(|stream| (stream.topic.name(), stream.source));
         let mut all = blake3::Hasher::new();
         for stream in &mut self.streams {
             stream.empty();
-            all.update(&(stream.topic.len() as u64).to_le_bytes());
-            all.update(stream.topic.as_bytes());
+            let name = stream.topic.name();
+            all.update(&(name.len() as u64).to_le_bytes());
+            all.update(name.as_bytes());
             all.update(&stream.source.to_le_bytes());
             all.update(&stream.messages.to_le_bytes());
             all.update(stream.hasher.finalize().as_bytes());
@@ -97,7 +95,7 @@ impl Digest {
 }
 
 impl Stream {
-    fn new(topic: &'static str, source: u32, hasher: blake3::Hasher) -> Self {
+    fn new(topic: TopicId, source: u32, hasher: blake3::Hasher) -> Self {
         Self {
             topic,
             source,
@@ -134,10 +132,9 @@ impl Stream {
 mod tests {
     use ipc_types::cdr;
     use ipc_types::messages::world::{RobotState, WorldHeader};
-    use ipc_types::topics::{Topic, WorldState};
+    use ipc_types::topics::WorldState;
     use proptest::prelude::*;
 
-    use super::super::topic_info::TopicInfo;
     use super::*;
 
     fn message(tick: u64, source: u32, x: f64, clock: u64, robots: usize) -> Vec<u8> {
@@ -162,12 +159,11 @@ mod tests {
     fn digest(messages: &[(u32, Vec<u8>)]) -> String {
         let mut digest = Digest::default();
         for (source, bytes) in messages {
-            let info = TopicInfo::of::<WorldState>();
             let robots = cdr::decode::<WorldState>(bytes).unwrap().1.len();
             digest.update(
-                WorldState::NAME,
+                TopicId::WorldState,
                 *source,
-                &Parts::of_cdr(&info, bytes, robots),
+                &Parts::of_cdr(TopicId::WorldState, bytes, robots),
             );
         }
         digest.finish()
@@ -193,18 +189,18 @@ mod tests {
 
     #[test]
     fn a_stream_that_is_begun_for_it_gives_the_same_digest() {
-        let info = TopicInfo::of::<WorldState>();
         let messages = [message(0, 5, 1.0, 3, 700), message(1, 5, 2.0, 4, 2)];
-        let parts = [(0, 700), (1, 2)].map(|(i, n)| Parts::of_cdr(&info, &messages[i], n));
+        let parts =
+            [(0, 700), (1, 2)].map(|(i, n)| Parts::of_cdr(TopicId::WorldState, &messages[i], n));
         let mut whole = Digest::default();
-        whole.update(WorldState::NAME, 5, &parts[0]);
-        let hasher = whole.beginning(WorldState::NAME, 5).unwrap();
-        whole.update(WorldState::NAME, 5, &parts[1]);
-        assert!(whole.beginning(WorldState::NAME, 5).is_none());
+        whole.update(TopicId::WorldState, 5, &parts[0]);
+        let hasher = whole.beginning(TopicId::WorldState, 5).unwrap();
+        whole.update(TopicId::WorldState, 5, &parts[1]);
+        assert!(whole.beginning(TopicId::WorldState, 5).is_none());
         let mut begun = Digest::default();
-        assert!(begun.begin(WorldState::NAME, 5, &hasher));
-        assert!(!begun.begin(WorldState::NAME, 5, &hasher));
-        begun.update(WorldState::NAME, 5, &parts[1]);
+        assert!(begun.begin(TopicId::WorldState, 5, &hasher));
+        assert!(!begun.begin(TopicId::WorldState, 5, &hasher));
+        begun.update(TopicId::WorldState, 5, &parts[1]);
         assert_eq!(begun.finish(), whole.finish());
     }
 

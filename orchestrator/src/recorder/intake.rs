@@ -2,15 +2,15 @@
 
 use ipc_types::cdr;
 use ipc_types::stamp::Stamp;
-use ipc_types::topics::Topic;
+use ipc_types::topics::{Topic, TopicId};
 
 /// A message that waits for its turn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Entry {
     /// Tick at which it is written; its stamp's unless that is not to be believed.
     pub(super) tick: u64,
-    /// Place of its topic in the list of topics.
-    pub(super) rank: usize,
+    /// Its topic.
+    pub(super) topic: TopicId,
     /// The simulated part of its stamp, and the clocks.
     pub(super) stamp: Stamp,
     /// Whether it failed the checks.
@@ -44,10 +44,10 @@ impl Intake {
     }
 
     /// Holds the message that was copied last.
-    pub(super) fn keep(&mut self, tick: u64, rank: usize, stamp: Stamp, rejected: bool) {
+    pub(super) fn keep(&mut self, tick: u64, topic: TopicId, stamp: Stamp, rejected: bool) {
         self.entries.push(Entry {
             tick,
-            rank,
+            topic,
             stamp,
             rejected,
             arrival: self.arrivals,
@@ -68,7 +68,7 @@ impl Intake {
         mut take: impl FnMut(&Entry, &[u8]) -> Result<(), E>,
     ) -> Result<(), E> {
         self.entries.sort_unstable_by_key(|e| {
-            (e.tick, e.rank, e.stamp.source, e.stamp.sequence, e.arrival)
+            (e.tick, e.topic, e.stamp.source, e.stamp.sequence, e.arrival)
         });
         let ready = self
             .entries
@@ -120,7 +120,7 @@ mod tests {
             ..Command::default()
         };
         intake.copy::<Commands>(&header, &[command]);
-        intake.keep(tick, rank, header.stamp, false);
+        intake.keep(tick, TopicId::ALL[rank], header.stamp, false);
     }
 
     fn take(intake: &mut Intake, completed: Option<u64>) -> Vec<(u64, usize, u32, u64)> {
@@ -134,7 +134,7 @@ mod tests {
             );
             out.push((
                 entry.tick,
-                entry.rank,
+                entry.topic.rank(),
                 entry.stamp.source,
                 entry.stamp.sequence,
             ));
@@ -146,7 +146,7 @@ mod tests {
     #[test]
     fn complete_ticks_are_handed_out_in_order_and_the_rest_waits() {
         let mut intake = Intake::default();
-        for (rank, tick, source, sequence) in [
+        for (topic, tick, source, sequence) in [
             (7, 2, 3, 0),
             (7, 1, 3, 0),
             (0, 2, 0, 1),
@@ -154,7 +154,7 @@ mod tests {
             (7, 1, 2, 0),
             (7, 1, 2, 1),
         ] {
-            push(&mut intake, rank, tick, source, sequence);
+            push(&mut intake, topic, tick, source, sequence);
         }
         assert_eq!(take(&mut intake, Some(0)), []);
         assert_eq!(
@@ -182,8 +182,8 @@ mod tests {
             }
             let mut intake = Intake::default();
             let cut = cut.min(arrival.len());
-            for &(tick, rank, source) in &arrival[..cut] {
-                push(&mut intake, rank, tick, source, tick);
+            for &(tick, topic, source) in &arrival[..cut] {
+                push(&mut intake, topic, tick, source, tick);
             }
             // Complete is only what nothing earlier can follow.
             let completed = arrival[cut..].iter().map(|k| k.0).min();
@@ -192,8 +192,8 @@ mod tests {
                 Some(tick) => take(&mut intake, Some(tick - 1)),
                 None => take(&mut intake, None),
             };
-            for &(tick, rank, source) in &arrival[cut..] {
-                push(&mut intake, rank, tick, source, tick);
+            for &(tick, topic, source) in &arrival[cut..] {
+                push(&mut intake, topic, tick, source, tick);
             }
             out.extend(take(&mut intake, None));
             prop_assert_eq!(out, sorted);

@@ -4,15 +4,16 @@
 use std::collections::BTreeSet;
 
 use ipc_types::stamp::Stamp;
+use ipc_types::topics::TopicId;
 use zerocopy::FromBytes;
 
 use super::beginnings::Beginning;
+use super::checks::{Finite, is_decodable};
 use super::digest::Digest;
 use super::options::ProcessInfo;
 use super::parts::Parts;
 use super::sequence::Sequences;
 use super::summary::TopicCount;
-use super::topic_info::{self, Role, TopicInfo};
 
 /// A tick this far beyond the newest world state is not believed: its message would wait for ever.
 const FARTHEST_AHEAD: u64 = 1024;
@@ -23,6 +24,7 @@ const STRANGER: u32 = u32::MAX;
 /// Checks, counts and fingerprints messages.
 #[derive(Debug)]
 pub(super) struct Ledger {
+    /// By the rank of their topics.
     accounts: Vec<Account>,
     digest: Digest,
     sources: BTreeSet<u32>,
@@ -32,9 +34,8 @@ pub(super) struct Ledger {
 }
 
 /// What is known of a topic's messages.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 struct Account {
-    info: &'static TopicInfo,
     sequences: Sequences,
     count: TopicCount,
 }
@@ -52,14 +53,7 @@ impl Ledger {
     /// For a run of these processes, with this much simulated time between two ticks [ns].
     pub(super) fn new(processes: &[ProcessInfo], tick_period_ns: u64) -> Self {
         Self {
-            accounts: topic_info::all()
-                .iter()
-                .map(|info| Account {
-                    info,
-                    sequences: Sequences::default(),
-                    count: TopicCount::default(),
-                })
-                .collect(),
+            accounts: TopicId::ALL.iter().map(|_| Account::default()).collect(),
             digest: Digest::default(),
             sources: processes.iter().map(|p| p.index).collect(),
             tick_period_ns,
@@ -67,29 +61,28 @@ impl Ledger {
         }
     }
 
-    /// Enters a message of the topic at this place in the list of topics; `None` if there is no
-    /// such topic. A message that is known from another run is not looked through again.
+    /// Enters a message. One that is known from another run is not looked through again.
     pub(super) fn enter(
         &mut self,
-        rank: usize,
+        topic: TopicId,
         stamp: &Stamp,
         message: &Parts<'_>,
         beginning: Option<&Beginning>,
-    ) -> Option<Verdict> {
-        let account = self.accounts.get_mut(rank)?;
-        let info = account.info;
+    ) -> Verdict {
+        let account = &mut self.accounts[topic.rank()];
+        let simulated = topic.facts().simulated;
         let known = self.sources.contains(&stamp.source);
         let source = if known { stamp.source } else { STRANGER };
         // Obstacle events are announced: all but those that a robot brings about come before the
         // first tick.
         let farthest = self.newest.unwrap_or(0).saturating_add(FARTHEST_AHEAD);
-        let plausible = info.role == Role::Obstacle || stamp.tick <= farthest;
+        let plausible = topic == TopicId::ObstacleEvents || stamp.tick <= farthest;
         let holds = known
             && plausible
-            && (!info.simulated || on_time(stamp, self.tick_period_ns))
-            && (beginning.is_some() || well_formed(info, message));
+            && (!simulated || on_time(stamp, self.tick_period_ns))
+            && (beginning.is_some() || well_formed(topic, message));
         let count = &mut account.count;
-        if info.is_decodable(message.count) {
+        if is_decodable(topic, message.count) {
             count.messages += 1;
             count.bytes += message.cdr_len() as u64;
         }
@@ -99,21 +92,20 @@ impl Ledger {
             count.gaps = count.gaps.saturating_add(missing);
         }
         let is_begun =
-            beginning.is_some_and(|known| self.digest.begin(info.name, source, &known.hasher));
-        if info.simulated && !is_begun {
-            self.digest.update(info.name, source, message);
+            beginning.is_some_and(|known| self.digest.begin(topic, source, &known.hasher));
+        if simulated && !is_begun {
+            self.digest.update(topic, source, message);
         }
-        if info.role == Role::State && holds {
+        if topic == TopicId::WorldState && holds {
             self.newest = self.newest.max(Some(stamp.tick));
         }
-        Some(Verdict { holds, plausible })
+        Verdict { holds, plausible }
     }
 
     /// The state of the fingerprint behind the first message of a process, if it has sent nothing
     /// else of the topic.
-    pub(super) fn beginning(&mut self, rank: usize, source: u32) -> Option<blake3::Hasher> {
-        let info = self.accounts.get(rank)?.info;
-        self.digest.beginning(info.name, source)
+    pub(super) fn beginning(&mut self, topic: TopicId, source: u32) -> Option<blake3::Hasher> {
+        self.digest.beginning(topic, source)
     }
 
     /// Tick of the newest world state; `None` before the first.
@@ -123,7 +115,8 @@ impl Ledger {
 
     /// Every topic's name and what came in of it.
     pub(super) fn counts(&self) -> impl Iterator<Item = (&'static str, TopicCount)> + '_ {
-        self.accounts.iter().map(|a| (a.info.name, a.count))
+        let topics = TopicId::ALL.iter().map(|topic| topic.name());
+        topics.zip(self.accounts.iter().map(|account| account.count))
     }
 
     /// The fingerprint of everything so far, as 64 hexadecimal digits.
@@ -138,13 +131,13 @@ fn on_time(stamp: &Stamp, tick_period_ns: u64) -> bool {
 }
 
 /// Whether a message has as many elements as it should, and only numbers that make sense.
-fn well_formed(info: &TopicInfo, message: &Parts<'_>) -> bool {
+fn well_formed(topic: TopicId, message: &Parts<'_>) -> bool {
     use ipc_types::messages::world::MapHeader;
 
-    if !info.is_decodable(message.count) {
+    if !is_decodable(topic, message.count) {
         return false;
     }
-    if info.role == Role::Map {
+    if topic == TopicId::WorldMap {
         let fits = MapHeader::read_from_prefix(message.header).is_ok_and(|(map, _)| {
             u64::from(map.width) * u64::from(map.height) == message.count as u64
         });
@@ -152,6 +145,5 @@ fn well_formed(info: &TopicInfo, message: &Parts<'_>) -> bool {
             return false;
         }
     }
-    info.finite
-        .holds(message.header, message.elements, info.element_bytes)
+    Finite::of(topic).holds(message.header, message.elements)
 }

@@ -2,19 +2,21 @@
 
 use std::collections::BTreeMap;
 
+use ipc_types::schema;
+use ipc_types::topics::TopicId;
+
 use super::error::LogError;
 use super::log_writer::{ChannelId, ChannelSpec, LogWriter};
 use super::message::Message;
 use super::mirror::Mirror;
 use super::options::RecorderOptions;
 use super::summary::{Summary, TopicCount};
-use super::topic_info;
 use super::viewer::Viewer;
 
 /// Writes messages in the order in which they come.
 pub(super) struct Log {
     writer: LogWriter,
-    /// By the places of the topics in their list.
+    /// By the rank of their topics.
     channels: Vec<ChannelId>,
     viewer: Option<Viewer>,
     /// Time of the present tick [simulated ns].
@@ -31,20 +33,17 @@ impl Log {
         if let Some(mirror) = mirror.take() {
             writer.mirror_to(mirror);
         }
-        let channel = |info: &topic_info::TopicInfo| {
+        let channel = |topic: &TopicId| {
             writer.add_channel(&ChannelSpec {
-                topic: info.name,
-                schema_name: &info.schema_name,
+                topic: topic.name(),
+                schema_name: &schema::message_name(*topic),
                 schema_encoding: "ros2msg",
-                schema: info.schema.as_bytes(),
+                schema: schema::ros2msg(*topic).as_bytes(),
                 message_encoding: "cdr",
-                metadata: &info.metadata,
+                metadata: &metadata(*topic),
             })
         };
-        let channels = topic_info::all()
-            .iter()
-            .map(channel)
-            .collect::<Result<_, _>>()?;
+        let channels = TopicId::ALL.iter().map(channel).collect::<Result<_, _>>()?;
         let viewer = Viewer::new(options, &mut writer)?;
         // No flush here: a chunk that holds schemas and channels alone has no message index, and
         // Foxglove Studio opens no file with such a chunk.
@@ -62,7 +61,7 @@ impl Log {
             self.end_of_tick()?;
             self.time_ns = message.time_ns;
         }
-        let Some(channel) = self.channels.get(message.rank) else {
+        let Some(channel) = self.channels.get(message.topic.rank()) else {
             return Ok(());
         };
         let stamp = message.stamp;
@@ -116,6 +115,23 @@ impl Log {
         }
         Ok(())
     }
+}
+
+/// Size, alignment and fingerprint of a topic's messages, so that a replay can refuse a mismatch.
+fn metadata(topic: TopicId) -> BTreeMap<String, String> {
+    let facts = topic.facts();
+    let (header, element) = (&facts.header, &facts.element);
+    [
+        ("schema_hash", schema::hash_of(topic)),
+        ("header_type", header.name.to_owned()),
+        ("header_bytes", header.size.to_string()),
+        ("element_type", element.name.to_owned()),
+        ("element_bytes", element.size.to_string()),
+        ("element_align", element.align.to_string()),
+        ("simulated", facts.simulated.to_string()),
+    ]
+    .map(|(key, value)| (key.to_owned(), value))
+    .into()
 }
 
 /// The end of a run as the last metadata record of its log.

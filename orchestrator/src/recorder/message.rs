@@ -2,15 +2,13 @@
 
 use ipc_types::stamp::Stamp;
 
-use super::topic_info::Role;
+use ipc_types::topics::TopicId;
 
 /// What the outcome, the log and the observer get, in the order of the log.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Message<'a> {
-    /// Place of its topic in the list of topics.
-    pub(super) rank: usize,
-    /// What its topic is for.
-    pub(super) role: Role,
+    /// Its topic.
+    pub(super) topic: TopicId,
     /// Its stamp.
     pub(super) stamp: &'a Stamp,
     /// Time at which it is logged [simulated ns].

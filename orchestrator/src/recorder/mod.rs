@@ -33,7 +33,6 @@ mod predicted;
 mod recording;
 mod sequence;
 mod summary;
-mod topic_info;
 mod viewer;
 mod visits;
 
@@ -57,6 +56,5 @@ pub use summary::{
     CoverageByWay, CoverageOutcome, EventEntry, RobotOutcome, Summary, TopicCount, status_name,
     team_name,
 };
-pub(crate) use topic_info::Role;
 pub use viewer::ViewerOptions;
 pub use visits::{LapFigures, WaypointOutcome};

@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+use ipc_types::cdr::view;
 use ipc_types::messages::referee::Verdict;
 use ipc_types::messages::robot::WaypointEnd;
 use ipc_types::messages::world::{CoverageState, RobotState, WorldEvent, WorldHeader};
 use ipc_types::topics::{
-    Coverage, Predictions, ProcessEvents, Verdicts, Waypoints, WorldEvents, WorldState,
+    Coverage, Predictions, ProcessEvents, TopicId, Verdicts, Waypoints, WorldEvents, WorldState,
 };
 use nalgebra::Point2;
 
@@ -20,7 +21,6 @@ use super::summary::{
     CoverageByWay, CoverageOutcome, EventEntry, RobotOutcome, Summary, TopicCount, seconds,
     status_name, team_name,
 };
-use super::topic_info::{Role, view};
 use super::visits::Visits;
 use crate::statistics::Percentiles;
 
@@ -82,56 +82,56 @@ impl Outcome {
         }
     }
 
-    /// Whether messages with this role say something of the outcome.
-    pub(super) fn wants(role: Role) -> bool {
+    /// Whether messages of this topic say something of the outcome.
+    pub(super) fn wants(topic: TopicId) -> bool {
         matches!(
-            role,
-            Role::State
-                | Role::Event
-                | Role::Coverage
-                | Role::Verdict
-                | Role::Prediction
-                | Role::Waypoint
-                | Role::ProcessEvent
+            topic,
+            TopicId::WorldState
+                | TopicId::WorldEvents
+                | TopicId::Coverage
+                | TopicId::Verdicts
+                | TopicId::Predictions
+                | TopicId::Waypoints
+                | TopicId::ProcessEvents
         )
     }
 
     /// Takes up the next message that passed the checks, in the order of the log.
     pub(super) fn message(&mut self, message: &Message<'_>) {
         let (bytes, time_s) = (message.bytes, seconds(message.time_ns));
-        match message.role {
-            Role::State => {
+        match message.topic {
+            TopicId::WorldState => {
                 if let Some((header, robots)) = view::<WorldState>(bytes) {
                     self.state(&header, robots);
                 }
             }
-            Role::Event => {
+            TopicId::WorldEvents => {
                 if let Some((_, events)) = view::<WorldEvents>(bytes) {
                     events.for_each(|event| self.event(time_s, &event));
                 }
             }
-            Role::Coverage => {
+            TopicId::Coverage => {
                 if let Some((_, reports)) = view::<Coverage>(bytes) {
                     reports.for_each(|report| self.coverage(&report));
                 }
             }
-            Role::Verdict => {
+            TopicId::Verdicts => {
                 if let Some((_, verdicts)) = view::<Verdicts>(bytes) {
                     verdicts.for_each(|verdict| self.verdict(time_s, &verdict));
                 }
             }
-            Role::Prediction => {
+            TopicId::Predictions => {
                 if let Some((_, predictions)) = view::<Predictions>(bytes) {
                     let observer = message.stamp.source;
                     predictions.for_each(|p| self.predicted.add(observer, time_s, &p));
                 }
             }
-            Role::Waypoint => {
+            TopicId::Waypoints => {
                 if let Some((_, ends)) = view::<Waypoints>(bytes) {
                     ends.for_each(|end| self.waypoint(&end));
                 }
             }
-            Role::ProcessEvent => {
+            TopicId::ProcessEvents => {
                 if let Some((_, events)) = view::<ProcessEvents>(bytes) {
                     events.for_each(|event| self.outages.add(&event));
                 }

@@ -3,7 +3,7 @@
 use ipc_types::cdr::SequenceHead;
 use ipc_types::stamp::Stamp;
 
-use super::topic_info::TopicInfo;
+use ipc_types::topics::TopicId;
 
 /// Bytes of the encapsulation header.
 const ENCAPSULATION: usize = 4;
@@ -23,10 +23,11 @@ pub(super) struct Parts<'a> {
 
 impl<'a> Parts<'a> {
     /// Of a message with `count` elements in its CDR form.
-    pub(super) fn of_cdr(info: &TopicInfo, bytes: &'a [u8], count: usize) -> Self {
+    pub(super) fn of_cdr(topic: TopicId, bytes: &'a [u8], count: usize) -> Self {
+        let facts = topic.facts();
         let body = bytes.get(ENCAPSULATION..).unwrap_or_default();
-        let (header, rest) = body.split_at(info.header_bytes.min(body.len()));
-        let elements = count.saturating_mul(info.element_bytes).min(rest.len());
+        let (header, rest) = body.split_at(facts.header.size.min(body.len()));
+        let elements = count.saturating_mul(facts.element.size).min(rest.len());
         let (head, elements) = rest.split_at(rest.len() - elements);
         Self {
             header,

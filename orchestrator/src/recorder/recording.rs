@@ -5,13 +5,14 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use ipc_types::bus::Received;
-use ipc_types::cdr::SequenceHead;
+use ipc_types::cdr::{SequenceHead, view};
 use ipc_types::stamp::{Header as _, Stamp};
-use ipc_types::topics::{Topic, WorldEvents};
+use ipc_types::topics::{Topic, TopicId, WorldEvents};
 use zerocopy::IntoBytes as _;
 
 use super::beginnings::Beginnings;
 use super::chain::Chain;
+use super::checks::is_decodable;
 use super::error::LogError;
 use super::gate::Observer;
 use super::intake::{Entry, Intake};
@@ -23,7 +24,6 @@ use super::options::{ProcessInfo, RecorderOptions, RobotInfo};
 use super::outcome::Outcome;
 use super::parts::Parts;
 use super::summary::{Summary, TopicCount, seconds};
-use super::topic_info::{self, Role, view};
 
 /// How long a tick that began waits for its messages before what there is of it is written: in real
 /// time, where nothing says that a tick is complete, and when the world stands still within one.
@@ -111,20 +111,12 @@ impl Recording {
         }
     }
 
-    /// Takes a copy of a message. A topic that is not in the list of topics is ignored.
-    pub fn push<T: Topic>(&mut self, header: &T::Header, elements: &[T::Element]) {
-        self.copy::<T>(topic_info::rank::<T>(), header, elements);
-    }
-
-    /// Takes a message of the topic at this place in the list. `in_place`: nothing can write to the
-    /// message any more, so that it is copied only if it is needed later.
-    pub(super) fn receive<T: Topic>(&mut self, rank: usize, message: &Received<T>, in_place: bool) {
+    /// Takes a message. `in_place`: nothing can write to the message any more, so that it is copied
+    /// only if it is needed later.
+    pub(super) fn receive<T: Topic>(&mut self, message: &Received<T>, in_place: bool) {
         let (header, elements) = (message.header(), message.elements());
-        let Some(info) = topic_info::all().get(rank) else {
-            return;
-        };
-        if !in_place || self.consumers.wants(info.role) {
-            self.copy::<T>(rank, header, elements);
+        if !in_place || self.consumers.wants(T::ID) {
+            self.push::<T>(header, elements);
             return;
         }
         let stamp = header.stamp();
@@ -136,48 +128,43 @@ impl Recording {
             elements.len(),
         );
         let Some(shared) = message.shared() else {
-            let verdict = self.ledger.enter(rank, stamp, &parts, None);
-            self.measure(info.role, stamp, verdict);
+            let verdict = self.ledger.enter(T::ID, stamp, &parts, None);
+            self.measure(T::ID, stamp, verdict);
             return;
         };
         let known = self.beginnings.find(shared, &parts);
-        let verdict = self.ledger.enter(rank, stamp, &parts, known.as_deref());
+        let verdict = self.ledger.enter(T::ID, stamp, &parts, known.as_deref());
         if known.is_none()
-            && verdict.is_some_and(|verdict| verdict.holds)
-            && let Some(hasher) = self.ledger.beginning(rank, stamp.source)
+            && verdict.holds
+            && let Some(hasher) = self.ledger.beginning(T::ID, stamp.source)
         {
             self.beginnings.keep(shared, &parts, hasher);
         }
     }
 
-    fn copy<T: Topic>(&mut self, rank: usize, header: &T::Header, elements: &[T::Element]) {
-        let Some(info) = topic_info::all().get(rank) else {
-            return;
-        };
+    /// Takes a copy of a message.
+    pub fn push<T: Topic>(&mut self, header: &T::Header, elements: &[T::Element]) {
         let (newest, stamp) = (self.ledger.newest().unwrap_or(0), *header.stamp());
         // From here on only the copy counts: a hostile sender could still write to the original.
         let bytes = self.intake.copy::<T>(header, elements);
-        let message = Parts::of_cdr(info, bytes, elements.len());
-        let verdict = self.ledger.enter(rank, &stamp, &message, None);
-        self.measure(info.role, &stamp, verdict);
-        if let Some(verdict) = verdict
-            && info.is_decodable(elements.len())
-            && self.consumers.wants(info.role)
-        {
+        let message = Parts::of_cdr(T::ID, bytes, elements.len());
+        let verdict = self.ledger.enter(T::ID, &stamp, &message, None);
+        self.measure(T::ID, &stamp, verdict);
+        if is_decodable(T::ID, elements.len()) && self.consumers.wants(T::ID) {
             // Who speaks outside of simulated history may do so late: about a tick that is written.
-            let is_late = !info.simulated && stamp.tick < self.consumers.tick;
+            let is_late = !T::ID.facts().simulated && stamp.tick < self.consumers.tick;
             let tick = if is_late || !verdict.plausible {
                 newest
             } else {
                 stamp.tick
             };
-            self.intake.keep(tick, rank, stamp, !verdict.holds);
+            self.intake.keep(tick, T::ID, stamp, !verdict.holds);
         }
     }
 
-    fn measure(&mut self, role: Role, stamp: &Stamp, verdict: Option<Verdict>) {
-        if verdict.is_some_and(|verdict| verdict.holds) {
-            self.latencies.message(role, stamp);
+    fn measure(&mut self, topic: TopicId, stamp: &Stamp, verdict: Verdict) {
+        if verdict.holds {
+            self.latencies.message(topic, stamp);
         }
     }
 
@@ -256,7 +243,7 @@ impl Recording {
         let (consumers, newest) = (&mut self.consumers, self.ledger.newest().unwrap_or(0));
         self.intake.take(None, |entry, bytes| {
             // Announced for a time that never came: kept, but neither shown nor at that time.
-            let too_late = entry.tick > newest && is_simulated(entry.rank);
+            let too_late = entry.tick > newest && entry.topic.facts().simulated;
             let mut entry = *entry;
             entry.tick = entry.tick.min(newest);
             entry.rejected |= too_late;
@@ -279,9 +266,9 @@ impl Recording {
 }
 
 impl Consumers {
-    /// Whether messages with this role go to anything but the ledger and the latencies.
-    fn wants(&self, role: Role) -> bool {
-        self.log.is_some() || Outcome::wants(role)
+    /// Whether messages of this topic go to anything but the ledger and the latencies.
+    fn wants(&self, topic: TopicId) -> bool {
+        self.log.is_some() || Outcome::wants(topic)
     }
 
     fn message(
@@ -290,12 +277,8 @@ impl Consumers {
         bytes: &[u8],
         observer: &mut dyn Observer,
     ) -> Result<(), LogError> {
-        let Some(info) = topic_info::all().get(entry.rank) else {
-            return Ok(());
-        };
         let message = Message {
-            rank: entry.rank,
-            role: info.role,
+            topic: entry.topic,
             stamp: &entry.stamp,
             time_ns: entry.tick.saturating_mul(self.tick_period_ns),
             rejected: entry.rejected,
@@ -306,7 +289,7 @@ impl Consumers {
         }
         if !message.rejected {
             self.outcome.message(&message);
-            if message.role == Role::Event
+            if message.topic == TopicId::WorldEvents
                 && let Some((_, events)) = view::<WorldEvents>(bytes)
             {
                 events.for_each(|event| observer.on_event(seconds(message.time_ns), &event));
@@ -321,13 +304,6 @@ impl Consumers {
             None => Ok(()),
         }
     }
-}
-
-/// Whether the topic at this place in the list is part of simulated history.
-fn is_simulated(rank: usize) -> bool {
-    topic_info::all()
-        .get(rank)
-        .is_none_or(|info| info.simulated)
 }
 
 impl core::fmt::Debug for Recording {

@@ -8,7 +8,7 @@ use ipc_types::cdr::{self, DecodeError};
 use ipc_types::messages::robot::WaypointEnd;
 use ipc_types::messages::world::{RobotState, WorldHeader};
 use ipc_types::topics::{
-    Belief, Coverage, ObstacleEvents, Plan, Predictions, Scan, Topic, Tree, Verdicts, Waypoints,
+    Belief, Coverage, ObstacleEvents, Plan, Predictions, Scan, TopicId, Tree, Verdicts, Waypoints,
     WorldEvents, WorldMap, WorldState,
 };
 use mcap::records::MessageHeader;
@@ -66,29 +66,28 @@ pub(super) struct Gathered {
     pub(super) condition: Condition,
 }
 
-/// The topics that matter here.
-#[derive(Debug, Clone, Copy)]
-enum Use {
-    State,
-    Map,
-    Event,
-    Obstacle,
-    Belief,
-    Plan,
-    Tree,
-    Scan,
-    Waypoint,
-    Prediction,
-    Coverage,
-    Verdict,
-}
+/// The topics that a page shows something of.
+const SHOWN: [TopicId; 12] = [
+    TopicId::WorldState,
+    TopicId::WorldMap,
+    TopicId::WorldEvents,
+    TopicId::ObstacleEvents,
+    TopicId::Belief,
+    TopicId::Plan,
+    TopicId::Tree,
+    TopicId::Scan,
+    TopicId::Waypoints,
+    TopicId::Predictions,
+    TopicId::Coverage,
+    TopicId::Verdicts,
+];
 
 /// What is known of a channel.
 struct Heard {
     topic: String,
     messages: u64,
-    stamped: bool,
-    of_use: Option<Use>,
+    /// Its topic, if its messages are those of this version.
+    known: Option<TopicId>,
 }
 
 /// What is known of a log so far.
@@ -177,26 +176,11 @@ impl Reading {
     }
 
     fn channel(&mut self, log: &Path, channel: &Rc<Channel>) -> Result<(), LogsError> {
-        let of_use = match channel.topic.as_str() {
-            WorldState::NAME => Some(Use::State),
-            WorldMap::NAME => Some(Use::Map),
-            WorldEvents::NAME => Some(Use::Event),
-            ObstacleEvents::NAME => Some(Use::Obstacle),
-            Belief::NAME => Some(Use::Belief),
-            Plan::NAME => Some(Use::Plan),
-            Tree::NAME => Some(Use::Tree),
-            Scan::NAME => Some(Use::Scan),
-            Waypoints::NAME => Some(Use::Waypoint),
-            Predictions::NAME => Some(Use::Prediction),
-            Coverage::NAME => Some(Use::Coverage),
-            Verdicts::NAME => Some(Use::Verdict),
-            _ => None,
-        };
-        let stamped = known::is_stamped(channel);
-        if let Some(of_use) = of_use
+        if let Some(topic) = TopicId::from_name(&channel.topic)
+            && SHOWN.contains(&topic)
             && let Err(error) = known::check_layout(log, channel, self.facts.version())
         {
-            if let Use::State = of_use {
+            if topic == TopicId::WorldState {
                 return Err(error);
             }
             self.note(format!(
@@ -209,8 +193,7 @@ impl Reading {
             Heard {
                 topic: channel.topic.clone(),
                 messages: 0,
-                stamped,
-                of_use: of_use.filter(|_| stamped),
+                known: known::topic_of(channel),
             },
         );
         Ok(())
@@ -222,39 +205,38 @@ impl Reading {
         };
         heard.messages += 1;
         let time_ns = header.log_time;
-        if heard.stamped {
-            self.last_ns = self.last_ns.max(time_ns);
-            if let Some(stamp) = known::stamp(data) {
-                self.timing.message(&heard.topic, &stamp);
-            }
+        let Some(topic) = heard.known else {
+            return;
+        };
+        self.last_ns = self.last_ns.max(time_ns);
+        if let Some(stamp) = known::stamp(data) {
+            self.timing.message(topic, &stamp);
         }
-        if let Some(of_use) = heard.of_use
-            && let Err(error) = self.take(of_use, time_ns, data)
-        {
+        if let Err(error) = self.take(topic, time_ns, data) {
             let note = format!("a message is damaged and left out: {error}");
             self.note(note);
         }
     }
 
-    fn take(&mut self, of_use: Use, time_ns: u64, data: &[u8]) -> Result<(), DecodeError> {
-        match of_use {
-            Use::State => {
+    fn take(&mut self, topic: TopicId, time_ns: u64, data: &[u8]) -> Result<(), DecodeError> {
+        match topic {
+            TopicId::WorldState => {
                 let (header, robots) = cdr::decode::<WorldState>(data)?;
                 self.state(time_ns, &header, robots);
             }
-            Use::Map => {
+            TopicId::WorldMap => {
                 if !self.facts.has_map() {
                     let (header, cells) = cdr::decode::<WorldMap>(data)?;
                     self.facts.map(&header, &cells);
                 }
             }
-            Use::Event => {
+            TopicId::WorldEvents => {
                 let (_, events) = cdr::decode::<WorldEvents>(data)?;
                 for event in &events {
                     self.happened.event(time_ns, event);
                 }
             }
-            Use::Obstacle => {
+            TopicId::ObstacleEvents => {
                 let (header, events) = cdr::decode::<ObstacleEvents>(data)?;
                 // A message that makes no change was refused by the world as well.
                 let changes = events
@@ -266,7 +248,7 @@ impl Reading {
                     }
                 }
             }
-            Use::Belief => {
+            TopicId::Belief => {
                 let (header, particles) = cdr::decode::<Belief>(data)?;
                 let robot = header.robot;
                 if (robot as usize) < MAX_ROBOTS {
@@ -275,25 +257,25 @@ impl Reading {
                     self.measured.belief(time_ns, &header, truth);
                 }
             }
-            Use::Plan => {
+            TopicId::Plan => {
                 let (header, points) = cdr::decode::<Plan>(data)?;
                 if (header.robot as usize) < MAX_ROBOTS {
                     self.layers.plan(time_ns, header.robot, &points);
                 }
             }
-            Use::Tree => {
+            TopicId::Tree => {
                 let (header, edges) = cdr::decode::<Tree>(data)?;
                 if (header.robot as usize) < MAX_ROBOTS {
                     self.layers.tree(time_ns, header.robot, &edges);
                 }
             }
-            Use::Scan => {
+            TopicId::Scan => {
                 let (header, ranges) = cdr::decode::<Scan>(data)?;
                 if (header.robot as usize) < MAX_ROBOTS {
                     self.layers.scan(time_ns, &header, &ranges);
                 }
             }
-            Use::Waypoint => {
+            TopicId::Waypoints => {
                 let (_, ends) = cdr::decode::<Waypoints>(data)?;
                 let ends: Vec<WaypointEnd> = ends
                     .into_iter()
@@ -303,23 +285,24 @@ impl Reading {
                     self.happened.waypoint(time_ns, end);
                 }
             }
-            Use::Prediction => {
+            TopicId::Predictions => {
                 let (_, predictions) = cdr::decode::<Predictions>(data)?;
                 self.layers.predictions(time_ns, &predictions);
                 self.measured.predictions(time_ns, &predictions);
             }
-            Use::Coverage => {
+            TopicId::Coverage => {
                 let (_, reports) = cdr::decode::<Coverage>(data)?;
                 for report in &reports {
                     self.measured.coverage(time_ns, report);
                 }
             }
-            Use::Verdict => {
+            TopicId::Verdicts => {
                 let (_, verdicts) = cdr::decode::<Verdicts>(data)?;
                 for verdict in &verdicts {
                     self.measured.verdict(time_ns, verdict);
                 }
             }
+            _ => {}
         }
         Ok(())
     }
@@ -355,7 +338,11 @@ impl Reading {
         self.changes.retain(|(time_ns, _)| *time_ns <= end_ns);
         self.changes.sort_by_key(|(time_ns, _)| *time_ns);
         let mut counts: BTreeMap<String, u64> = BTreeMap::new();
-        for heard in self.heard.into_values().filter(|heard| heard.stamped) {
+        for heard in self
+            .heard
+            .into_values()
+            .filter(|heard| heard.known.is_some())
+        {
             *counts.entry(heard.topic).or_insert(0) += heard.messages;
         }
         let frames = self.frames.finish();

@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use ipc_types::stamp::Stamp;
+use ipc_types::topics::TopicId;
 
 use crate::mission::plan::Plan;
 use crate::mission::recording;
-use crate::recorder::Role;
 use crate::recorder::chain::Chain;
 use crate::scenario::Loader;
 use crate::scenario::files::Base;
@@ -32,9 +32,9 @@ impl Timing {
         Ok(())
     }
 
-    pub(super) fn message(&mut self, topic: &str, stamp: &Stamp) {
+    pub(super) fn message(&mut self, topic: TopicId, stamp: &Stamp) {
         if let Some(chain) = &mut self.0 {
-            chain.message(Role::of(topic), stamp);
+            chain.message(topic, stamp);
         }
     }
 

@@ -54,7 +54,7 @@ impl Ears {
         impl TopicVisitor for Open<'_> {
             type Error = BusError;
             fn visit<T: Topic>(&mut self) -> Result<(), BusError> {
-                if T::SIMULATED {
+                if T::ID.facts().simulated {
                     self.1.push((self.2, Box::new(self.0.recorder::<T>()?)));
                 }
                 self.2 += 1;

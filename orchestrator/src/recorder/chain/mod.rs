@@ -14,11 +14,11 @@ mod tests;
 use std::collections::BTreeMap;
 
 use ipc_types::stamp::Stamp;
+use ipc_types::topics::TopicId;
 
 use self::stages::Detail;
 pub use self::stages::{Answers, Passage, REACTION, Stage, TICK_JITTER, WHOLE};
 use super::options::ProcessInfo;
-use super::topic_info::Role;
 use crate::statistics::{Distribution, Distributions, Percentiles};
 
 /// Ticks that are kept while what belongs to them comes in: more than the recorder lags behind.
@@ -103,9 +103,10 @@ impl Chain {
     }
 
     /// Takes up the stamp of one message.
-    pub(crate) fn message(&mut self, role: Role, stamp: &Stamp) {
+    pub(crate) fn message(&mut self, topic: TopicId, stamp: &Stamp) {
         // No clock runs in a run in one thread.
-        if stamp.sent_ns == 0 || !is_measured(role) || !self.processes.contains_key(&stamp.source) {
+        if stamp.sent_ns == 0 || !topic.facts().timed || !self.processes.contains_key(&stamp.source)
+        {
             return;
         }
         let newest = self.ticks.last_key_value().map_or(0, |(tick, _)| *tick);
@@ -117,8 +118,8 @@ impl Chain {
             outputs: spare.pop().unwrap_or_default(),
             ..Tick::default()
         });
-        tick.take(role, stamp);
-        if role == Role::State
+        tick.take(topic, stamp);
+        if topic == TopicId::WorldState
             && let Some(detail) = &mut self.detail
         {
             detail.ticked(stamp);
@@ -212,7 +213,7 @@ impl Chain {
 }
 
 impl Tick {
-    fn take(&mut self, role: Role, stamp: &Stamp) {
+    fn take(&mut self, topic: TopicId, stamp: &Stamp) {
         let known = self
             .outputs
             .iter()
@@ -232,11 +233,11 @@ impl Tick {
         };
         output.step_ns = output.step_ns.max(since(stamp.received_ns, stamp.sent_ns));
         let later = |than: Option<Stamp>| than.is_none_or(|than| than.sent_ns < stamp.sent_ns);
-        match role {
-            Role::State => self.state = Some(*stamp),
-            Role::Belief if later(self.belief) => self.belief = Some(*stamp),
-            Role::Command if later(output.command) => output.command = Some(*stamp),
-            Role::Sighting | Role::Belief | Role::Command => {}
+        match topic {
+            TopicId::WorldState => self.state = Some(*stamp),
+            TopicId::Belief if later(self.belief) => self.belief = Some(*stamp),
+            TopicId::Commands if later(output.command) => output.command = Some(*stamp),
+            TopicId::Sightings | TopicId::Belief | TopicId::Commands => {}
             // Steps only.
             _ => return,
         }
@@ -253,19 +254,6 @@ impl Tick {
         let belief = self.belief.filter(|_| process.reads_beliefs);
         Some(belief.unwrap_or(state))
     }
-}
-
-/// Whether messages with this role are sent in answer to the input of their tick.
-fn is_measured(role: Role) -> bool {
-    !matches!(
-        role,
-        Role::Map
-            | Role::Obstacle
-            | Role::Status
-            | Role::ProcessEvent
-            | Role::ProcessLog
-            | Role::Other
-    )
 }
 
 /// Nanoseconds between two readings of the clock; `None` if one is missing or they are swapped
