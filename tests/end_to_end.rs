@@ -1,7 +1,7 @@
 //! The whole program as its users meet it: real processes over real shared memory, judged by what
 //! they print, what they log and what they leave behind.
 //!
-//! One program for all of it, because linking nine costs minutes; `cargo test --test end_to_end
+//! One program for all of it, because linking nine costs minutes; `cargo test -p end_to_end
 //! sweep::` runs the tests of one file.
 
 mod support;
@@ -25,6 +25,7 @@ mod patrol;
 mod plan;
 mod planning;
 mod process;
+mod regressions;
 mod replay;
 mod report;
 mod supervision;

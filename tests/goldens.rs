@@ -1,6 +1,6 @@
 //! Golden files: names and values that users and their programs rely on, pinned in `tests/goldens/`.
 //!
-//! `PROTEAN_GOLDENS=write cargo test --test end_to_end goldens::` writes the files anew. The commit that
+//! `PROTEAN_GOLDENS=write cargo test -p end_to_end goldens::` writes the files anew. The commit that
 //! changes one says which contract changed and why.
 
 #[path = "goldens/digests.rs"]
@@ -14,7 +14,7 @@ use std::path::PathBuf;
 #[track_caller]
 fn compare(name: &str, now: &str) {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-        .join("../tests/goldens")
+        .join("goldens")
         .join(name);
     if std::env::var_os("PROTEAN_GOLDENS").is_some_and(|word| word == "write") {
         std::fs::write(&path, now).unwrap();

@@ -16,8 +16,8 @@ use tungstenite::client::IntoClientRequest as _;
 use tungstenite::http::StatusCode;
 use tungstenite::{Error, HandshakeError, Message, WebSocket};
 
-use crate::support::Sandbox;
 use crate::support::call::PATIENCE;
+use crate::support::{PROTEAN, Sandbox};
 
 /// Longest that anything here may take.
 const LIMIT: Duration = Duration::from_secs(120);
@@ -46,7 +46,7 @@ impl<'a> Watched<'a> {
     }
 
     fn start_with(sandbox: &'a Sandbox, words: &[&str]) -> Self {
-        let mut child = Command::new(env!("CARGO_BIN_EXE_protean"))
+        let mut child = Command::new(PROTEAN)
             .args(words)
             .current_dir(sandbox.path())
             .env("XDG_RUNTIME_DIR", sandbox.runtime_dir())

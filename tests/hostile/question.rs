@@ -5,7 +5,7 @@ use std::process::{Command, Stdio};
 
 use super::changed;
 use crate::support::terminal::Terminal;
-use crate::support::{SOON, Sandbox, until};
+use crate::support::{PROTEAN, SOON, Sandbox, until};
 
 /// Runs a scenario with a program at a terminal and answers its question; the exit code and what the
 /// terminal showed.
@@ -15,7 +15,7 @@ fn asked(sandbox: &Sandbox, answer: &str) -> (Option<i32>, String) {
     let mut child = Command::new("setsid")
         .arg("--ctty")
         .arg("--wait")
-        .arg(env!("CARGO_BIN_EXE_protean"))
+        .arg(PROTEAN)
         .args(["run", "evil.toml", "--quiet"])
         .current_dir(sandbox.path())
         .env("XDG_RUNTIME_DIR", sandbox.runtime_dir())

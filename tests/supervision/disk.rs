@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::process::Command;
 
-use crate::support::{Sandbox, skipped, wait_for_tick};
+use crate::support::{PROTEAN, Sandbox, skipped, wait_for_tick};
 
 /// A chase that goes on until its log ends it.
 pub(super) const ENDLESS: [&str; 6] =
@@ -57,7 +57,6 @@ fn a_directory_that_cannot_be_written_to_is_told_at_once() {
     );
     sandbox.assert_nothing_left();
     // The directory that logs go to by themselves, too.
-    let program = env!("CARGO_BIN_EXE_protean");
     for (words, path) in [
         ("--out run.mcap", "create the log run.mcap"),
         ("--out older.mcap --force", "create the log older.mcap"),
@@ -65,7 +64,7 @@ fn a_directory_that_cannot_be_written_to_is_told_at_once() {
     ] {
         let script = format!(
             "mkdir -p disk && mount -t tmpfs none disk && echo precious > disk/older.mcap \
-             && mount -o remount,ro disk && cd disk && {program} run hello {words}; code=$?; \
+             && mount -o remount,ro disk && cd disk && {PROTEAN} run hello {words}; code=$?; \
              ls -a; cat older.mcap; exit $code"
         );
         let Some(outcome) = where_one_can_mount(&sandbox, &script) else {
@@ -90,9 +89,8 @@ fn a_directory_that_cannot_be_written_to_is_told_at_once() {
 fn a_full_disk_ends_the_run_and_what_is_in_the_log_can_be_read() {
     // A disk of a megabyte, in a namespace where mounting is allowed.
     let sandbox = Sandbox::new();
-    let program = env!("CARGO_BIN_EXE_protean");
     let script = format!(
-        "mkdir -p disk && mount -t tmpfs -o size=1m none disk && {program} {} disk/run.mcap; \
+        "mkdir -p disk && mount -t tmpfs -o size=1m none disk && {PROTEAN} {} disk/run.mcap; \
          code=$?; cp disk/run.mcap kept.mcap; exit $code",
         ENDLESS.join(" ")
     );

@@ -1,14 +1,13 @@
 //! What an orchestrator is started with, and what is done to it from there, is its own business to cope with.
 
 use std::collections::BTreeSet;
-use std::time::{Duration, Instant};
 
 use rustix::process::Signal;
 
 use super::disk::ENDLESS;
 use crate::support::call::PATIENCE;
 use crate::support::sandbox::signal;
-use crate::support::{SOON, Sandbox, until, wait_for_tick};
+use crate::support::{PROTEAN, SOON, Sandbox, until, wait_for_tick};
 
 #[test]
 fn a_terminal_that_is_closed_ends_the_run_in_order() {
@@ -31,7 +30,7 @@ fn a_terminal_that_is_closed_ends_the_run_in_order() {
 fn a_program_that_is_replaced_in_the_middle_of_its_run_starts_itself_again() {
     let sandbox = Sandbox::new();
     let file = sandbox.path().join("protean");
-    std::fs::copy(env!("CARGO_BIN_EXE_protean"), &file).unwrap();
+    std::fs::copy(PROTEAN, &file).unwrap();
     let running = sandbox
         .protean(["run", "chase", "--quiet", "--real-time", "1"])
         .set("rules.time_limit=600")
@@ -66,25 +65,6 @@ fn a_result_that_cannot_be_written_is_told() {
         let words = ["error: cannot write the result to stdout: No space left on device"];
         outcome.run().refused(1, &words);
     }
-}
-
-#[test]
-fn a_paced_world_is_held_back_and_its_log_is_no_longer_than_another() {
-    let sandbox = Sandbox::new();
-    let run = |log: &str, pace: &[&str]| {
-        let begun = Instant::now();
-        let words = ["run", "chase", "--quiet", "--out", log];
-        let call = sandbox.protean(words.into_iter().chain(pace.iter().copied()));
-        call.set("rules.time_limit=3").json();
-        let length = std::fs::metadata(sandbox.path().join(log)).unwrap().len();
-        (begun.elapsed(), length)
-    };
-    let (_, free) = run("free.mcap", &[]);
-    let (lasted, paced) = run("paced.mcap", &["--pace", "1"]);
-    // All but the few ticks that the recorder may lag behind.
-    assert!(lasted > Duration::from_secs(2), "{lasted:?}");
-    assert!(paced < free + free / 4, "{paced} bytes instead of {free}");
-    sandbox.assert_nothing_left();
 }
 
 #[test]

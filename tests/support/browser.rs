@@ -63,7 +63,7 @@ fn run(
     command
         .arg(
             Path::new(env!("CARGO_MANIFEST_DIR"))
-                .join("../tests/python")
+                .join("python")
                 .join(script),
         )
         .arg(browser)

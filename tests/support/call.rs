@@ -12,6 +12,7 @@ use rustix::event::{PollFd, PollFlags};
 use rustix::process::{Pid, PidfdFlags, Signal};
 use serde_json::Value as Json;
 
+use super::PROTEAN;
 use super::sandbox::{Sandbox, signal};
 
 /// Longest that any call may take.
@@ -30,7 +31,7 @@ pub struct Call<'a> {
 
 impl<'a> Call<'a> {
     pub(super) fn new(sandbox: &'a Sandbox, words: impl IntoIterator<Item = &'a str>) -> Self {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_protean"));
+        let mut command = Command::new(PROTEAN);
         command
             .args(words)
             .current_dir(sandbox.path())

@@ -21,6 +21,9 @@ use runtime::lockstep::TurnPage;
 
 pub use sandbox::Sandbox;
 
+/// The path of the program under test.
+pub const PROTEAN: &str = env!("CARGO_BIN_EXE_protean_under_test");
+
 /// How long anything may take that is not a whole run.
 pub const SOON: Duration = Duration::from_secs(300);
 

@@ -56,7 +56,7 @@ pub fn call<T: DeserializeOwned>(script: &str, log: &Path) -> Option<T> {
             return None;
         }
     };
-    let scripts = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/python");
+    let scripts = Path::new(env!("CARGO_MANIFEST_DIR")).join("python");
     let output = Command::new(python)
         .arg(scripts.join(script))
         .arg(log)

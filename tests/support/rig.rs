@@ -24,7 +24,7 @@ use runtime::lockstep::{Conductor, Overseer, Phase, SlotState, TurnEnd, TurnPage
 use rustix::process::{Pid, PidfdFlags, Signal};
 
 use super::call::wait;
-use super::{SOON, until};
+use super::{PROTEAN, SOON, until};
 
 /// The bus, the page and one process; everything goes when it is dropped.
 pub struct Rig {
@@ -113,7 +113,7 @@ impl Rig {
         let launch = &plan.launches[slot].config;
         std::fs::write(&config, serde_json::to_vec(launch).unwrap()).unwrap();
         let process = Process::spawn(
-            Command::new(env!("CARGO_BIN_EXE_protean"))
+            Command::new(PROTEAN)
                 .args(["process", &launch.kind, "--config"])
                 .arg(&config),
         );

@@ -6,7 +6,7 @@ use std::process::Command;
 use serde_json::Value as Json;
 
 use super::{sandbox, sweep, sweep_json, table};
-use crate::support::Sandbox;
+use crate::support::{PROTEAN, Sandbox};
 
 /// An experiment one of whose cases starts a program that ends at once.
 const FAILING: &str = r#"
@@ -90,11 +90,10 @@ fn a_full_disk_ends_the_sweep_and_keeps_what_is_done() {
     // A disk of a few pages, in a namespace where mounting is allowed.
     let sandbox = sandbox();
     let script = format!(
-        "mkdir -p disk && mount -t tmpfs -o size=24k none disk && {program} sweep small.toml \
+        "mkdir -p disk && mount -t tmpfs -o size=24k none disk && {PROTEAN} sweep small.toml \
          --in-process --seeds 1..40 --out disk/out --jobs 1 --quiet; code=$?; wc -l < disk/out/journal.jsonl; \
-         mount -o remount,size=16m disk; {program} sweep small.toml --in-process --seeds 1..3 \
+         mount -o remount,size=16m disk; {PROTEAN} sweep small.toml --in-process --seeds 1..3 \
          --out disk/out --quiet --json; exit $code",
-        program = env!("CARGO_BIN_EXE_protean"),
     );
     let outcome = Command::new("unshare")
         .args(["--map-root-user", "--mount", "sh", "-c", &script])

@@ -13,7 +13,7 @@ const MOVED: &[Row] = &[
     ),
     (
         &["soak"],
-        "in the source tree, `cargo test -p protean --test end_to_end growth:: -- --ignored`",
+        "in the source tree, `cargo test -p end_to_end growth:: -- --ignored`",
     ),
     (
         &["sweep", "page"],

@@ -1,0 +1,6 @@
+//! Defects that were found: one file for each, named by its symptom.
+
+#[path = "regressions/paced_world_runs_ahead.rs"]
+mod paced_world_runs_ahead;
+#[path = "regressions/studio_opens_no_log.rs"]
+mod studio_opens_no_log;
