@@ -14,7 +14,7 @@ use ipc_types::bus::{Bus, BusOptions, PublisherOptions, RunSpace};
 use ipc_types::cdr;
 use ipc_types::messages::robot::ScanHeader;
 use ipc_types::topics::{RunSize, Scan};
-use orchestrator::statistics::paired_ratio;
+use statistics::paired_ratio;
 
 /// Payloads [bytes].
 const SIZES: [usize; 6] = [64, 1 << 10, 16 << 10, 256 << 10, 1 << 20, 4 << 20];

@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 
 use orchestrator::in_process::{self, Cache, InProcessOptions};
 use orchestrator::scenario::{ResolvedScenario, load};
-use orchestrator::statistics::{Spread, paired_ratio};
 use rustix::time::{ClockId, clock_gettime};
+use statistics::{Spread, paired_ratio};
 
 use super::report::{Figure, Goal};
 use super::session::{Session, number};

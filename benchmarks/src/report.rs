@@ -4,8 +4,8 @@ use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
 use comfy_table::{CellAlignment, Table};
 use orchestrator::latency::load;
 use orchestrator::mission::report::machine;
-use orchestrator::statistics::Spread;
 use serde_json::{Value as Json, json};
+use statistics::Spread;
 
 /// What a figure is held against.
 #[derive(Debug, Clone, PartialEq)]

@@ -20,7 +20,6 @@ use ipc_types::stamp::PlainHeader;
 use ipc_types::topics::{Commands, Status, WorldState};
 use orchestrator::latency::link::pin;
 use orchestrator::mission::spaces::OwnedSpace;
-use orchestrator::statistics::{Spread, paired_ratio};
 use runtime::config::{Clock, ProcessConfig, RobotInfo, RunConfig};
 use runtime::inputs::{StateInput, reply_stamp};
 use runtime::lockstep::{Conductor, Overseer, Phase, SlotState, TurnEnd, TurnPage};
@@ -28,6 +27,7 @@ use runtime::{ProcessError, Wiring};
 use sim_backend::pose::Pose2;
 use sim_backend::spec::Preset;
 use sim_backend::team::Team;
+use statistics::{Spread, paired_ratio};
 
 use self::crew::Crew;
 pub use self::raw::planner as raw_planner;

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use orchestrator::atomic_file::{SaveError, save};
-use orchestrator::figures::{Chart, draw};
+use draw::figures::{Chart, draw};
+use platform::atomic_file::{SaveError, save};
 
 /// A page and its pictures.
 #[derive(Debug, Clone, PartialEq)]

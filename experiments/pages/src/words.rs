@@ -1,6 +1,6 @@
 //! Numbers as the page writes them.
 
-use orchestrator::statistics::Interval;
+use statistics::Interval;
 
 /// A share: `63.5 %`.
 pub fn share(value: f64) -> String {

@@ -18,7 +18,7 @@ use crate::mission::children::CONFIG_VARIABLE;
 use crate::mission::report::exit_words;
 use crate::scenario::ResolvedScenario;
 use crate::scenario::spec::Mode;
-use crate::{descriptors, proc, program};
+use platform::{descriptors, proc, program};
 
 /// Name of its log.
 pub(super) const LOG: &str = "mission.mcap";

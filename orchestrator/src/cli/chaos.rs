@@ -1,5 +1,6 @@
 //! `protean chaos`.
 
+use platform::eprintln;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;

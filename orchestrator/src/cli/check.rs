@@ -1,5 +1,6 @@
 //! `protean check`.
 
+use platform::eprintln;
 use std::process::ExitCode;
 
 use serde_json::json;

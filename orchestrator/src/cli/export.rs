@@ -1,5 +1,6 @@
 //! `protean export`.
 
+use platform::eprintln;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -18,6 +19,24 @@ sequences within elements JSON. Numbers are written so that they read back to th
 Exit codes: 0 done, 1 the tables cannot be written, 2 wrong usage, or the file cannot be read or is not
 an MCAP file, 3 done, but messages are missing or could not be decoded: which, is said.";
 
+/// The form of the tables, as the option names it.
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum FormatArg {
+    /// Text, a line for every row.
+    Csv,
+    /// Apache Parquet, with a type for every column.
+    Parquet,
+}
+
+impl From<FormatArg> for Format {
+    fn from(format: FormatArg) -> Self {
+        match format {
+            FormatArg::Csv => Self::Csv,
+            FormatArg::Parquet => Self::Parquet,
+        }
+    }
+}
+
 /// What `protean export` takes.
 #[derive(Debug, clap::Args)]
 pub(super) struct ExportArgs {
@@ -27,8 +46,8 @@ pub(super) struct ExportArgs {
     #[arg(long, short, value_name = "DIR")]
     out: PathBuf,
     /// Form of the tables
-    #[arg(long, value_enum, default_value_t = Format::Csv)]
-    format: Format,
+    #[arg(long, value_enum, default_value_t = FormatArg::Csv)]
+    format: FormatArg,
     #[command(flatten)]
     topics: TopicArgs,
     /// Write into a directory that is not empty, over tables of the same names
@@ -45,7 +64,7 @@ pub(super) struct ExportArgs {
 /// Writes the messages of a log as tables.
 pub fn run(args: ExportArgs) -> ExitCode {
     let options = ExportOptions {
-        format: args.format,
+        format: args.format.into(),
         topics: args.topics.into(),
         force: args.force,
     };

@@ -4,9 +4,10 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::builder::PossibleValuesParser;
+use platform::atomic_file::save;
+use platform::eprintln;
 
 use super::{EXIT_FAILED, EXIT_INVALID, print};
-use crate::atomic_file::save;
 use crate::planning::Recipe;
 use crate::planning::generate::{NAMES, with_reference};
 

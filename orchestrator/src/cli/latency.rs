@@ -6,10 +6,12 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use platform::atomic_file::Readers;
+use platform::eprintln;
+
 use super::run::{handle_signals, refuse_external};
 use super::{DEFAULT_SCENARIO, EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, OverrideArgs};
 use super::{print, print_json};
-use crate::atomic_file::Readers;
 use crate::latency::baselines::Repetitions;
 use crate::latency::{LatencyError, Report, Run, baselines, mission, of_log, text};
 use crate::logs::{LogsError, Watch, derived};

@@ -1,5 +1,6 @@
 //! `protean list`.
 
+use platform::eprintln;
 use std::process::ExitCode;
 
 use serde_json::json;

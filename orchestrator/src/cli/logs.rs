@@ -1,5 +1,6 @@
 //! What `info`, `recover`, `filter`, `export` and `rerun` have in common.
 
+use platform::eprintln;
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;

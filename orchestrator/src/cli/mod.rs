@@ -31,6 +31,7 @@ use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::{CommandFactory as _, Parser, Subcommand};
+use platform::eprintln;
 
 use crate::scenario::text::Diagnostics;
 
@@ -255,7 +256,7 @@ struct RunArgs {
 
 /// Runs the command line; returns the exit code.
 pub fn main() -> ExitCode {
-    crate::descriptors::raise_limit();
+    platform::descriptors::raise_limit();
     let arguments: Vec<OsString> = std::env::args_os().skip(1).collect();
     if let Some(message) = moved::message(&arguments) {
         eprintln!("{message}");
@@ -326,7 +327,8 @@ static RESULT_LOST: AtomicBool = AtomicBool::new(false);
 fn print(text: &str) {
     use std::io::{ErrorKind, Write as _};
     let mut out = std::io::stdout().lock();
-    let written = writeln!(out, "{}", crate::terminal::harmless(text)).and_then(|()| out.flush());
+    let written =
+        writeln!(out, "{}", platform::terminal::harmless(text)).and_then(|()| out.flush());
     if let Err(error) = written
         && error.kind() != ErrorKind::BrokenPipe
         && !RESULT_LOST.swap(true, Ordering::Relaxed)

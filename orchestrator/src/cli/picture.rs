@@ -3,8 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use platform::atomic_file::Readers;
+
 use super::{logs, print};
-use crate::atomic_file::Readers;
 use crate::logs::derived;
 use crate::picture::{RunTrace, draw};
 

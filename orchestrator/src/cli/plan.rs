@@ -9,14 +9,15 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use clap::ValueEnum;
 use optimiser::Method;
 use optimiser::options::{Constraints, Guess};
+use platform::atomic_file::save;
+use platform::eprintln;
+use platform::progress::Progress;
 
 use super::run::handle_signals;
 use super::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, print, processors};
-use crate::atomic_file::save;
 use crate::planning::batch::{Settings, solve_all};
 use crate::planning::summary::Summary;
 use crate::planning::{Answer, Element, PlanOptions, read};
-use crate::progress::Progress;
 
 /// What stands below the options.
 pub(super) const HELP: &str = "\

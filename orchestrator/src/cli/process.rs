@@ -1,5 +1,6 @@
 //! `protean process`: being one process of a run.
 
+use platform::eprintln;
 use std::path::Path;
 use std::process::ExitCode;
 

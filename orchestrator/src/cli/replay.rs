@@ -1,5 +1,6 @@
 //! `protean replay`.
 
+use platform::eprintln;
 use std::path::PathBuf;
 use std::process::ExitCode;
 

@@ -4,13 +4,15 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use platform::eprintln;
+
 use super::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, RunArgs, print, print_json};
 use crate::in_process::{self, InProcessOptions};
 use crate::live::LiveTotals;
 use crate::mission::{self, MissionError, MissionOptions, MissionReport, report};
 use crate::scenario::spec::Mode;
 use crate::scenario::{Loader, ResolvedScenario};
-pub(super) use crate::signals::interrupt as handle_signals;
+pub(super) use platform::signals::interrupt as handle_signals;
 
 /// Levels that `--log-level` takes.
 const LEVELS: [&str; 5] = ["error", "warn", "info", "debug", "trace"];

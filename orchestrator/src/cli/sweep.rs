@@ -1,5 +1,6 @@
 //! `protean sweep`.
 
+use platform::eprintln;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;

@@ -1,5 +1,6 @@
 //! What `protean sweep` does differently for missions of robots and for plans.
 
+use platform::eprintln;
 use std::path::Path;
 
 use serde_json::{Value as Json, json};

@@ -1,5 +1,6 @@
 //! What `protean sweep` prints: what is still to be done, and what came of it.
 
+use platform::eprintln;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::ExitCode;

@@ -4,9 +4,10 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
+use statistics::Distribution;
+
 use super::link::{Link, LinkError, Placement, Transport};
 use super::of_log::Measured;
-use crate::statistics::Distribution;
 
 /// Time between two messages: the receiver has fallen asleep, as in a mission.
 const PAUSE: Duration = Duration::from_micros(500);

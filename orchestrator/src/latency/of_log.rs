@@ -6,6 +6,7 @@ use std::rc::Rc;
 
 use ipc_types::cdr;
 use ipc_types::topics::{Commands, Status, Topic as _, TopicId, WorldState};
+use statistics::{Distribution, Distributions};
 
 use super::error::LatencyError;
 use crate::logs::origin::Origin;
@@ -20,7 +21,6 @@ use crate::recorder::ProcessInfo;
 use crate::recorder::chain::{Answers, Chain, Passage};
 use crate::scenario::ResolvedScenario;
 use crate::scenario::spec::Mode;
-use crate::statistics::{Distribution, Distributions};
 
 /// Messages of one topic, for baselines of the same size.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

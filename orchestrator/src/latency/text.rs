@@ -3,13 +3,13 @@
 use std::fmt::Write as _;
 
 use comfy_table::Table;
+use statistics::Percentiles;
+use tables::for_terminal;
 
 use super::TICK_JITTER;
 use super::baselines::Baseline;
 use super::report::{Report, Run};
 use crate::mission::report::machine;
-use crate::statistics::Percentiles;
-use crate::tables::for_terminal;
 
 /// The tables.
 pub fn text(report: &Report) -> String {

@@ -3,8 +3,9 @@
 use std::io::{self, Write as _};
 use std::path::Path;
 
+use platform::atomic_file::{AtomicFile, Existing, Readers};
+
 use super::error::LogsError;
-use crate::atomic_file::{AtomicFile, Existing, Readers};
 
 /// An empty file that is to stand at `path` and is made from `log`.
 ///

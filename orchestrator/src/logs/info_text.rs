@@ -1,7 +1,8 @@
 //! What a log holds, for people.
 
+use tables::for_terminal;
+
 use super::info::LogInfo;
-use crate::tables::for_terminal;
 
 /// The summary for people.
 pub fn text(info: &LogInfo) -> String {

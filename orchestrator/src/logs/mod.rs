@@ -33,7 +33,6 @@ mod watch;
 #[cfg(test)]
 mod tests;
 
-pub use crate::tables::Format;
 pub use compare::{Comparison, Difference, TopicComparison};
 pub use condition::{Chunks, Condition, Fault};
 pub use deviation::Deviation;
@@ -48,6 +47,7 @@ pub use recorded::Left;
 pub use recover::{Recovered, recover};
 pub use replay::{ReplayOptions, Replayed, Verified, VerifyOptions, replay, verify};
 pub use rerun::{Rerun, RerunOptions, rerun};
+pub use tables::Format;
 pub use watch::Watch;
 
 /// Seconds of nanoseconds.

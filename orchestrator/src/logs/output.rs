@@ -7,11 +7,11 @@ use std::path::{Path, PathBuf};
 
 use mcap::records::{AttachmentHeader, MessageHeader, Metadata};
 use mcap::{Attachment, McapError, WriteOptions};
+use platform::atomic_file::{AtomicFile, Readers};
 
 use super::derived;
 use super::error::LogsError;
 use super::reader::{Channel, Schema};
-use crate::atomic_file::{AtomicFile, Readers};
 use crate::recorder::{Compression, LogOptions};
 
 /// Writes the same records as the log that they come from, with the same numbers, in new chunks

@@ -3,8 +3,9 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use platform::progress::Progress;
+
 use super::error::LogsError;
-use crate::progress::Progress;
 
 /// Files below this size are read before anybody looks [bytes].
 const LONG: u64 = 32 << 20;

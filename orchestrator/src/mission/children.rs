@@ -1,5 +1,6 @@
 //! The processes of a run: started, watched, ended.
 
+use platform::eprintln;
 use std::collections::VecDeque;
 use std::io::{BufRead, BufReader, Read as _};
 use std::os::fd::{AsFd as _, OwnedFd};
@@ -14,7 +15,7 @@ use rustix::event::{PollFd, PollFlags};
 use rustix::process::{Pid, PidfdFlags, Signal, WaitId, WaitIdOptions};
 
 use super::orphans;
-use crate::{descriptors, proc, program};
+use platform::{descriptors, proc, program};
 
 /// Environment variable that tells every process of a run where its configuration lies.
 pub const CONFIG_VARIABLE: &str = "PROTEAN_CONFIG";

@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
+use platform::proc;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::process::{
     Pid, PidfdFlags, Signal, WaitId, WaitIdOptions, getpid, pidfd_open, pidfd_send_signal,
@@ -19,7 +20,6 @@ use rustix::process::{
 };
 
 use super::children::CONFIG_VARIABLE;
-use crate::proc;
 
 /// Most searches for processes that still live.
 const SEARCHES: u32 = 16;

@@ -5,8 +5,9 @@ use std::time::{Duration, Instant};
 
 use indicatif::ProgressBar;
 use ipc_types::messages::world::WorldEvent;
+use platform::eprintln;
+use platform::progress;
 
-use crate::progress;
 use crate::recorder::Observer;
 
 /// How often a plain line is written when stderr is not a terminal.

@@ -4,6 +4,7 @@ use std::process::ExitStatus;
 
 use comfy_table::Table;
 use serde_json::{Value as Json, json};
+use tables::for_terminal;
 
 use super::run::MissionReport;
 use crate::recorder::{
@@ -11,7 +12,6 @@ use crate::recorder::{
 };
 use crate::scenario::ResolvedScenario;
 use crate::scenario::spec::Mode;
-use crate::tables::for_terminal;
 
 /// Name of a mode in logs.
 pub fn mode_name(mode: Mode) -> &'static str {

@@ -1,5 +1,6 @@
 //! Starting, supervising and ending the processes of a run.
 
+use platform::eprintln;
 use std::io::Write as _;
 use std::os::unix::fs::OpenOptionsExt as _;
 use std::path::{Path, PathBuf};

@@ -2,11 +2,12 @@
 
 use std::collections::BTreeMap;
 
+use draw::canvas::{Canvas, Num, Style, bold_width};
+use draw::palette;
 use sim_backend::math;
 use sim_backend::shape::Shape;
 use sim_backend::spec::Region;
 
-use super::canvas::{Canvas, Num, Style, bold_width};
 use super::draw_layers;
 use super::ground::{corners, rectangle};
 use super::labels::{Area, Labels};
@@ -15,7 +16,6 @@ use super::legend::{Legend, scale_bar};
 use super::signs::{HALO, MARK, Sign, disc, sign};
 use super::trace::{Mark, RunTrace};
 use super::trail::{TrailPoint, simplify};
-use crate::palette;
 
 /// Smallest radius of a robot on the page [px]: smaller ones are drawn larger.
 const SMALLEST_DISC: f64 = 8.0;

@@ -1,10 +1,11 @@
 //! Plans, search trees and dominance on the map.
 
-use super::canvas::{Canvas, Num};
+use draw::canvas::{Canvas, Num};
+use draw::palette;
+
 use super::ground::Cells;
 use super::layout::Layout;
 use super::trace::RunTrace;
-use crate::palette;
 
 /// Most edges of all trees together.
 const MOST_EDGES: usize = 2500;

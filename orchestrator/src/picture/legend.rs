@@ -1,12 +1,12 @@
 //! What stands beside the map: what the signs mean, how long a metre is.
 
+use draw::canvas::{Canvas, Num, Style, wrap};
+use draw::palette;
 use sim_backend::team::Team;
 
-use super::canvas::{Canvas, Num, Style, wrap};
 use super::layout::LEGEND;
 use super::signs::{HALO, Sign, disc, sign};
 use super::trace::{MarkKind, RunTrace};
-use crate::palette;
 
 /// Font size of the legend [px].
 const SIZE: f64 = 14.5;

@@ -5,7 +5,6 @@
 //! * [`draw`] is the picture, as a pure function;
 //! * [`save`] puts it into a file, whole or not at all.
 
-pub(crate) mod canvas;
 mod draw;
 mod draw_layers;
 pub(crate) mod ground;

@@ -1,10 +1,10 @@
 //! The signs that stand on the map and in the legend.
 
+use draw::canvas::{Canvas, Num};
+use draw::palette;
 use sim_backend::math;
 
-use super::canvas::{Canvas, Num};
 use super::trace::MarkKind;
-use crate::palette;
 
 /// Half the size of a mark [px].
 pub(super) const MARK: f64 = 7.0;

@@ -1,8 +1,9 @@
 //! What many plans amount to.
 
+use statistics::quantile;
+use tables::for_terminal;
+
 use super::answer::{Answer, Outcome};
-use crate::statistics::quantile;
-use crate::tables::for_terminal;
 
 /// What many plans amount to.
 #[derive(Debug, Clone, Default, PartialEq)]

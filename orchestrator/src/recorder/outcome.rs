@@ -11,6 +11,7 @@ use ipc_types::topics::{
     Coverage, Predictions, ProcessEvents, TopicId, Verdicts, Waypoints, WorldEvents, WorldState,
 };
 use nalgebra::Point2;
+use statistics::Percentiles;
 
 use super::judged::Judged;
 use super::message::Message;
@@ -22,7 +23,6 @@ use super::summary::{
     status_name, team_name,
 };
 use super::visits::Visits;
-use crate::statistics::Percentiles;
 
 /// Most events that a summary lists; the log has all.
 const MAX_EVENTS: usize = 100_000;

@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
+use statistics::Percentiles;
 
 use super::outages::ProcessOutcome;
 use super::predicted::PredictionOutcome;
 use super::visits::WaypointOutcome;
-use crate::statistics::Percentiles;
 
 /// What a run amounted to, as `protean run --json` prints it (design §10).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

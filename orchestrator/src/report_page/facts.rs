@@ -1,5 +1,6 @@
 //! What the page says in words and single numbers.
 
+use draw::palette;
 use ipc_types::messages::observer::Prediction;
 use ipc_types::messages::robot::WaypointEnd;
 use ipc_types::messages::world::WorldEvent;
@@ -7,14 +8,13 @@ use serde_json::{Value as Json, json};
 use sim_backend::map::ObstacleChange;
 use sim_backend::shape::Shape;
 use sim_backend::spec::Region;
+use statistics::Percentiles;
 
 use super::gather::Gathered;
 use super::timing::PER_DECADE;
 use crate::logs::output::RUN_DIGEST;
-use crate::palette;
 use crate::picture::ground::corners;
 use crate::recorder::{RobotOutcome, status_name};
-use crate::statistics::Percentiles;
 
 /// What became of the robots: as the run said at its end, else as the last state in the log has it.
 pub(super) fn outcome(gathered: &Gathered) -> Vec<RobotOutcome> {

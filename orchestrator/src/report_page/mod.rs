@@ -24,11 +24,11 @@ mod tests;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
+use platform::atomic_file::Readers;
 use serde::Serialize;
 
 use self::gather::Gathered;
 use self::pack::{Lists, Raster};
-use crate::atomic_file::Readers;
 use crate::logs::derived;
 use crate::logs::{Condition, LogsError, Watch};
 use crate::recorder::RobotOutcome;

@@ -5,13 +5,13 @@ use std::path::Path;
 
 use ipc_types::stamp::Stamp;
 use ipc_types::topics::TopicId;
+use statistics::{Distribution, LogHistogram, Percentiles};
 
 use crate::mission::plan::Plan;
 use crate::mission::recording;
 use crate::recorder::chain::Chain;
 use crate::scenario::Loader;
 use crate::scenario::files::Base;
-use crate::statistics::{Distribution, LogHistogram, Percentiles};
 
 /// Parts of a histogram per power of ten.
 pub(super) const PER_DECADE: u32 = 8;

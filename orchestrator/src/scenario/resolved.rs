@@ -1,5 +1,6 @@
 //! A scenario with everything filled in: what a run is a function of.
 
+use platform::shell::quote;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value as Json, json};
 use sim_backend::spec::{RulesSpec, WorldSpec};
@@ -8,7 +9,6 @@ use super::events::EventSpec;
 use super::failure::Supervision;
 use super::spec::{LogSpec, RunSpec};
 use super::text::{Node, write_document};
-use crate::shell::quote;
 
 /// Who a process is.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -3,9 +3,10 @@
 
 use std::io;
 
+use tables::{Cell, Type};
+
 use super::planning::PlanRow;
 use super::row::Row;
-use crate::tables::{Cell, Type};
 
 /// A column of the table of results, after the columns of the parameters and `seed`.
 pub struct ResultColumn<R: 'static> {

@@ -4,11 +4,11 @@ use std::fs::File;
 use std::io::{self, Write as _};
 use std::path::Path;
 
+use platform::atomic_file::{AtomicFile, Existing, Readers};
 use rustix::fs::{FlockOperation, flock};
 
 use super::error::SweepError;
 use super::manifest::{Kind, Manifest};
-use crate::atomic_file::{AtomicFile, Existing, Readers};
 
 /// Name of the manifest.
 pub(super) const MANIFEST: &str = "manifest.json";

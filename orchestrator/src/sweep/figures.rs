@@ -7,6 +7,8 @@
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 
+use draw::figures::{Chart, Point, Series, draw};
+use platform::atomic_file::save;
 use serde::Deserialize;
 
 use super::cell::Value;
@@ -15,8 +17,6 @@ use super::manifest::ManifestCell;
 use super::results::Results;
 use super::row::Row;
 use super::spec::FigureSpec;
-use crate::atomic_file::save;
-use crate::figures::{Chart, Point, Series, draw};
 
 /// Folder of the figures.
 const FOLDER: &str = "figures";

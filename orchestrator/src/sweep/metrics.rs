@@ -1,11 +1,11 @@
 //! What a figure shows of a cell: name, unit, axis label and value of each metric in one place.
 
+use draw::figures::Unit;
 use serde::{Deserialize, Serialize};
+use statistics::{Mean, Sample, Z95};
 
 use super::row::Row;
-use crate::figures::Unit;
 use crate::recorder::{LapFigures, WaypointOutcome};
-use crate::statistics::{Mean, Sample, Z95};
 
 /// How a metric follows from the rows of a cell.
 enum Value {

@@ -11,6 +11,8 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use tables::Format;
+
 use super::directory::{
     Lock, MANIFEST, lock, read_manifest, replace, replace_with, write_manifest,
 };
@@ -20,7 +22,6 @@ use super::manifest::Manifest;
 use super::row::{Record, Row};
 use super::seeds::Seeds;
 use super::table;
-use crate::tables::Format;
 
 /// Name of the copy of the experiment file.
 const EXPERIMENT: &str = "experiment.toml";

@@ -7,6 +7,8 @@ use std::sync::mpsc::{self, RecvTimeoutError};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+use platform::progress::Progress;
+
 use super::build::describe;
 use super::engine::{Call, processors, stay_on};
 use super::error::SweepError;
@@ -16,7 +18,6 @@ use super::row::Record as _;
 use super::shard::Shard;
 use super::spec::LogPolicy;
 use super::subject::{Ended, Pinning, Subject};
-use crate::progress::Progress;
 
 /// How often interruptions and time-outs are looked at.
 const BEAT: Duration = Duration::from_millis(50);

@@ -1,14 +1,14 @@
 //! What the cells of an experiment amount to: a table for people, JSON for programs.
 
 use comfy_table::Table;
+use platform::shell;
 use serde_json::{Value as Json, json};
+use statistics::{Interval, Sample, Z95, wilson};
+use tables::for_terminal;
 
 use super::results::{MissionId, Results};
 use super::row::{Record, Row};
 use super::runner::RunReport;
-use crate::shell;
-use crate::statistics::{Interval, Sample, Z95, wilson};
-use crate::tables::for_terminal;
 
 /// Most failures that are listed on a terminal; JSON and the table of results have all.
 const SHOWN: usize = 20;

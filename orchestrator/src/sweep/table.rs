@@ -5,11 +5,12 @@
 
 use std::io::{self, Write};
 
+use tables::{self, Cell, Column, Format, Type};
+
 use super::cell::Value;
 use super::manifest::Manifest;
 use super::results::MissionId;
 use super::row::{Record, Row};
-use crate::tables::{self, Cell, Column, Format, Type};
 
 /// Whether every table of missions has a column of this name, so that no parameter can.
 pub(super) fn is_taken(name: &str) -> bool {

@@ -1,6 +1,6 @@
 //! Critical speeds, in words.
 
-use orchestrator::statistics::{Interval, Z95};
+use statistics::{Interval, Z95};
 
 use super::evidence::Study;
 use crate::statistics::Crossing;

@@ -1,7 +1,7 @@
 //! The curves of a study, with the published points.
 
-use orchestrator::figures::{Chart, Point, Series, Unit};
-use orchestrator::statistics::{Z95, wilson};
+use draw::figures::{Chart, Point, Series, Unit};
+use statistics::{Z95, wilson};
 
 use super::evidence::Study;
 use super::published::{GAMES, Published};

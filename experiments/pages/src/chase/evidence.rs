@@ -1,6 +1,6 @@
 //! What the page is made of.
 
-use orchestrator::statistics::Sample;
+use statistics::Sample;
 
 use crate::plans::Plans;
 

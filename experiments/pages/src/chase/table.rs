@@ -1,6 +1,6 @@
 //! The table of all cells of a study.
 
-use orchestrator::statistics::{Z95, wilson};
+use statistics::{Z95, wilson};
 
 use super::evidence::Study;
 use super::published::{GAMES, Published, find};

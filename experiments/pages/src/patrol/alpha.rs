@@ -1,6 +1,6 @@
 //! How wide the zig-zag is: speed and error by α (cat-map patrol paper, Fig. 6 and 10).
 
-use orchestrator::figures::{Chart, Point, Series, Unit};
+use draw::figures::{Chart, Point, Series, Unit};
 use orchestrator::sweep::Row;
 
 use super::evidence::{Cell, Study, laps};

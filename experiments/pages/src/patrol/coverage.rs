@@ -1,6 +1,6 @@
 //! Ways to choose sub-goals beside each other, at equal ways driven.
 
-use orchestrator::figures::{Chart, Point, Series, Unit};
+use draw::figures::{Chart, Point, Series, Unit};
 use orchestrator::sweep::Row;
 
 use super::alpha::mean;

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use orchestrator::recorder::LapFigures;
-use orchestrator::statistics::Mean;
 use orchestrator::sweep::{Results, Row};
+use statistics::Mean;
 
 use crate::place::{PlaceError, empty_place};
 

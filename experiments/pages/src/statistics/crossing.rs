@@ -1,6 +1,6 @@
 //! Where measured chances first reach one half, without a model.
 
-use orchestrator::statistics::Interval;
+use statistics::Interval;
 
 /// Where chances first reach ½ as a quantity grows, by straight lines from point to point.
 ///
@@ -63,8 +63,8 @@ fn first(points: impl Iterator<Item = (f64, f64)>) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use orchestrator::statistics::wilson;
     use proptest::prelude::*;
+    use statistics::wilson;
 
     use super::*;
 

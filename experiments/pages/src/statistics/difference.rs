@@ -1,6 +1,6 @@
 //! Comparing two samples.
 
-use orchestrator::statistics::{Interval, Sample, wilson_at};
+use statistics::{Interval, Sample, wilson_at};
 
 use super::newcombe::newcombe;
 use super::normal::two_sided;
@@ -75,8 +75,8 @@ pub fn difference_of_differences(
 
 #[cfg(test)]
 mod tests {
-    use orchestrator::statistics::Z95;
     use proptest::prelude::*;
+    use statistics::Z95;
 
     use super::*;
 

@@ -1,5 +1,5 @@
 //! Comparisons of shares and values at which they reach one half, beyond the intervals that sweeps
-//! have themselves ([`orchestrator::statistics`]).
+//! have themselves ([`statistics`]).
 //!
 //! Outcomes of one game depend on each other: a [`Difference`] counts as many outcomes as there would
 //! have to be independent ones. [`fisher_exact`] works on plain counts, as published results have them.

@@ -1,6 +1,6 @@
 //! Newcombe's interval of the difference of two shares.
 
-use orchestrator::statistics::Interval;
+use statistics::Interval;
 
 /// The interval of `first` − `second`, two shares of independent samples, from the Wilson interval of
 /// each: as wide as the square root of the sum of squares of what lies to that side.
@@ -21,8 +21,8 @@ pub fn newcombe(first: (f64, Interval), second: (f64, Interval)) -> Interval {
 
 #[cfg(test)]
 mod tests {
-    use orchestrator::statistics::wilson;
     use proptest::prelude::*;
+    use statistics::wilson;
 
     use super::*;
 

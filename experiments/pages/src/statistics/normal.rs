@@ -46,8 +46,8 @@ pub fn simultaneous_z(count: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use orchestrator::statistics::Z95;
     use proptest::prelude::*;
+    use statistics::Z95;
 
     use super::*;
 

@@ -1,7 +1,7 @@
 //! Table 2: how sensitive the methods are to their parameters.
 
-use orchestrator::figures::{Chart, Point, Series, Unit};
-use orchestrator::statistics::{Interval, wilson};
+use draw::figures::{Chart, Point, Series, Unit};
+use statistics::{Interval, wilson};
 
 use super::evidence::Study;
 use super::published::{RUNS, Sensitivity, Setting, TABLE_2};

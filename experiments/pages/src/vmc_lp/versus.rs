@@ -1,8 +1,8 @@
 //! Tables 3 and 4: local pursuit against motion camouflage.
 
-use orchestrator::figures::{Chart, Point, Series, Unit};
-use orchestrator::statistics::quantile;
-use orchestrator::statistics::{Interval, wilson};
+use draw::figures::{Chart, Point, Series, Unit};
+use statistics::quantile;
+use statistics::{Interval, wilson};
 
 use super::evidence::Study;
 use super::published::{TABLE_3, TABLE_4_FIRST, TABLE_4_SECOND, Test};

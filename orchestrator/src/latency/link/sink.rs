@@ -1,5 +1,6 @@
 //! The receiving side of a link.
 
+use platform::eprintln;
 use std::fs::File;
 use std::io::Read;
 use std::os::unix::net::UnixStream;

@@ -3,8 +3,9 @@
 use std::fmt::Write as _;
 use std::io;
 
+use tables::{Cell, Column, Type};
+
 use crate::logs::ros2::{Cdr, Count, DecodeError, Field, Kind, Number, Schema, SchemaError};
-use crate::tables::{Cell, Column, Type};
 
 /// Most columns of a table.
 const MOST_COLUMNS: usize = 2048;

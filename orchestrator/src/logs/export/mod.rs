@@ -6,6 +6,10 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use platform::atomic_file::{AtomicFile, Readers};
+use serde::Serialize;
+use tables::{self, Cell, Format, Rows};
+
 use self::columns::Layout;
 use super::condition::Condition;
 use super::derived;
@@ -14,9 +18,6 @@ use super::pattern::Topics;
 use super::reader::{Channel, Item, Reader};
 use super::ros2::Schema;
 use super::watch::Watch;
-use crate::atomic_file::{AtomicFile, Readers};
-use crate::tables::{self, Cell, Format, Rows};
-use serde::Serialize;
 
 /// Most tables that are written at once: each is an open file.
 const MOST_TABLES: usize = 500;

@@ -1,5 +1,6 @@
 //! A replay, shown live to viewers as a run is.
 
+use platform::eprintln;
 use std::collections::BTreeMap;
 
 use super::super::source::{Logged, Source};

@@ -1,5 +1,6 @@
 //! Plays a log.
 
+use platform::eprintln;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;

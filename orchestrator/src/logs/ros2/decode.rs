@@ -1,7 +1,8 @@
 //! Reads the fields of a message.
 
+use tables::Cell;
+
 use super::schema::{Count, Field, Kind, Number};
-use crate::tables::Cell;
 
 /// Bytes before the first field.
 const ENCAPSULATION: usize = 4;

@@ -6,5 +6,5 @@ mod schema;
 
 pub(super) use decode::{Cdr, DecodeError, field_at};
 
-pub(super) use crate::tables::Cell;
 pub(super) use schema::{Count, Field, Kind, Number, Schema, SchemaError};
+pub(super) use tables::Cell;

@@ -18,8 +18,9 @@ use ipc_types::topics::TopicId;
 
 use self::stages::Detail;
 pub use self::stages::{Answers, Passage, REACTION, Stage, TICK_JITTER, WHOLE};
+use statistics::{Distribution, Distributions, Percentiles};
+
 use super::options::ProcessInfo;
-use crate::statistics::{Distribution, Distributions, Percentiles};
 
 /// Ticks that are kept while what belongs to them comes in: more than the recorder lags behind.
 const WINDOW: u64 = 512;

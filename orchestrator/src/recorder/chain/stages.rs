@@ -5,9 +5,9 @@
 //! one clock, each stage ends where the next begins, so that the stages of a tick add up to the whole.
 
 use ipc_types::stamp::Stamp;
+use statistics::Distributions;
 
 use super::{Chain, Output, Tick, since};
-use crate::statistics::Distributions;
 
 /// A piece of the way from state to act.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

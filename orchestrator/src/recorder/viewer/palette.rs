@@ -1,8 +1,7 @@
 //! Colours of the viewer topics.
 
+use draw::palette;
 use foxglove::messages::Color;
-
-use crate::palette;
 
 /// Colour of the obstacles that come and go: orange.
 pub(super) const OBSTACLE: Color = color(palette::rgb(palette::OBSTACLE), 0.85);

@@ -1,11 +1,11 @@
 //! What the cells of an experiment of plans amount to.
 
 use serde_json::{Value as Json, json};
+use statistics::quantile;
+use statistics::{Interval, wilson};
 
 use super::PlanResults;
 use super::row::PlanRow;
-use crate::statistics::quantile;
-use crate::statistics::{Interval, wilson};
 use crate::sweep::row::Record as _;
 use crate::sweep::runner::RunReport;
 use crate::sweep::summary::{cell_table, missing};

@@ -1,6 +1,6 @@
 //! Comparisons that are decided together.
 
-use orchestrator::statistics::{Interval, Sample};
+use statistics::{Interval, Sample};
 
 use super::MARGIN;
 use crate::statistics::{Difference, holm, simultaneous_z};

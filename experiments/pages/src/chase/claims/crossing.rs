@@ -1,6 +1,6 @@
 //! Claims about critical speeds.
 
-use orchestrator::statistics::Interval;
+use statistics::Interval;
 
 use super::super::crossing::{crossing, words};
 use super::super::evidence::Study;

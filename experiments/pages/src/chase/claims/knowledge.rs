@@ -1,6 +1,6 @@
 //! Claims about what the Police know.
 
-use orchestrator::statistics::Z95;
+use statistics::Z95;
 
 use super::super::evidence::Study;
 use super::super::published::{EXACT, FILTER, KNOWLEDGE_RATIOS};

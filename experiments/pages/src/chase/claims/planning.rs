@@ -1,6 +1,6 @@
 //! Claims about single plans.
 
-use orchestrator::statistics::{Mean, wilson};
+use statistics::{Mean, wilson};
 
 use super::{Finding, Verdict};
 use crate::plans::{Plan, Plans};

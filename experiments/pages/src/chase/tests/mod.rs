@@ -3,8 +3,8 @@
 mod results;
 mod verdicts;
 
-use orchestrator::figures::draw;
-use orchestrator::statistics::Sample;
+use draw::figures::draw;
+use statistics::Sample;
 
 use super::evidence::{Cell, Evidence, Method, Study};
 use super::page;

@@ -11,28 +11,28 @@ const LETTER: f64 = 0.58;
 const BOLD_LETTER: f64 = 0.66;
 
 /// An SVG document being written; all coordinates are in pixels, y down.
-pub(crate) struct Canvas {
+pub struct Canvas {
     text: String,
 }
 
 /// How a text stands.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Style {
+pub struct Style {
     /// Font size [px].
-    pub(crate) size: f64,
+    pub size: f64,
     /// Colour.
-    pub(crate) color: &'static str,
+    pub color: &'static str,
     /// Whether it is bold.
-    pub(crate) bold: bool,
+    pub bold: bool,
     /// `start`, `middle` or `end`.
-    pub(crate) anchor: &'static str,
+    pub anchor: &'static str,
     /// Whether it has a rim in the paper's colour, to be read on anything.
-    pub(crate) halo: bool,
+    pub halo: bool,
 }
 
 impl Canvas {
     /// A document of this size [px] with a title for those who cannot see it.
-    pub(crate) fn new(width: f64, height: f64, title: &str, description: &str) -> Self {
+    pub fn new(width: f64, height: f64, title: &str, description: &str) -> Self {
         let mut canvas = Self {
             text: String::new(),
         };
@@ -48,13 +48,13 @@ impl Canvas {
     }
 
     /// Adds SVG text as it is.
-    pub(crate) fn add(&mut self, text: fmt::Arguments<'_>) {
+    pub fn add(&mut self, text: fmt::Arguments<'_>) {
         // Writing to a String cannot fail.
         let _ = self.text.write_fmt(text);
     }
 
     /// Writes a line of text with its base line at this point [px].
-    pub(crate) fn label(&mut self, x: f64, y: f64, style: &Style, text: &str) {
+    pub fn label(&mut self, x: f64, y: f64, style: &Style, text: &str) {
         let halo = if style.halo {
             " stroke=\"#ffffff\" stroke-width=\"3.5\" stroke-linejoin=\"round\" \
              paint-order=\"stroke\""
@@ -79,7 +79,7 @@ impl Canvas {
     }
 
     /// Ends the document.
-    pub(crate) fn finish(mut self) -> String {
+    pub fn finish(mut self) -> String {
         self.text.push_str("</svg>\n");
         self.text
     }
@@ -91,12 +91,12 @@ pub(crate) fn text_width(text: &str, size: f64) -> f64 {
 }
 
 /// The same of a bold text.
-pub(crate) fn bold_width(text: &str, size: f64) -> f64 {
+pub fn bold_width(text: &str, size: f64) -> f64 {
     text.chars().count() as f64 * size * BOLD_LETTER
 }
 
 /// Breaks a text into lines of at most this width [px] where it has spaces.
-pub(crate) fn wrap(text: &str, size: f64, width: f64) -> Vec<String> {
+pub fn wrap(text: &str, size: f64, width: f64) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {
         match lines.last_mut() {
@@ -114,7 +114,7 @@ pub(crate) fn wrap(text: &str, size: f64, width: f64) -> Vec<String> {
 
 /// A number with at most one decimal, in as few characters as possible.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Num(pub(crate) f64);
+pub struct Num(pub f64);
 
 impl fmt::Display for Num {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

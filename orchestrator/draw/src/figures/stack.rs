@@ -3,8 +3,8 @@
 use super::drawing::{Drawing, Shape, Step};
 use super::marks::Look;
 use super::ticks::Ticks;
+use crate::canvas::{Style, text_width};
 use crate::palette;
-use crate::picture::canvas::{Style, text_width};
 
 const WIDTH: f64 = 860.0;
 const MARGIN: f64 = 22.0;

@@ -5,8 +5,8 @@ use super::chart::Chart;
 use super::drawing::{Drawing, Shape, Step};
 use super::legend::Legend;
 use super::series;
+use crate::canvas::{Style, wrap};
 use crate::palette;
-use crate::picture::canvas::{Style, wrap};
 
 /// Width of the page [px].
 const WIDTH: f64 = 860.0;

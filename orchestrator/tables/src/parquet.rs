@@ -17,7 +17,7 @@ use super::{Cell, Column, Rows, Type};
 /// Cells that are kept before they are written.
 const MOST_CELLS: usize = 1 << 18;
 
-pub(super) struct ParquetRows<W: Write + Send> {
+pub struct ParquetRows<W: Write + Send> {
     writer: SerializedFileWriter<W>,
     kinds: Vec<Type>,
     /// The cells that are not written yet, by column.
@@ -26,7 +26,7 @@ pub(super) struct ParquetRows<W: Write + Send> {
 }
 
 impl<W: Write + Send> ParquetRows<W> {
-    pub(super) fn new(file: W, columns: &[Column]) -> io::Result<Self> {
+    pub fn new(file: W, columns: &[Column]) -> io::Result<Self> {
         let schema = || -> Result<Node, ParquetError> {
             let fields: Result<Vec<_>, _> = columns.iter().map(node).collect();
             Node::group_type_builder("messages")

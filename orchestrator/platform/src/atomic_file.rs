@@ -9,7 +9,7 @@ use tempfile::NamedTempFile;
 
 /// What a file that takes its place does with one that is there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Existing {
+pub enum Existing {
     /// It stays: the new one is an error.
     Keep,
     /// It is replaced.
@@ -18,14 +18,14 @@ pub(crate) enum Existing {
 
 impl Existing {
     /// [`Existing::Replace`] with `--force`.
-    pub(crate) fn of_force(force: bool) -> Self {
+    pub fn of_force(force: bool) -> Self {
         if force { Self::Replace } else { Self::Keep }
     }
 }
 
 /// Who may read a new file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Readers {
+pub enum Readers {
     /// This user only: the scenario in a log holds the keys of its patrols.
     Owner,
     /// Those whom the user's umask lets.
@@ -35,7 +35,7 @@ pub(crate) enum Readers {
 /// A file that takes its place when it is complete; until then, and if it never is, what was there
 /// stays. What is written is in a temporary file beside it.
 #[derive(Debug)]
-pub(crate) struct AtomicFile {
+pub struct AtomicFile {
     path: PathBuf,
     existing: Existing,
     file: NamedTempFile,
@@ -47,7 +47,7 @@ impl AtomicFile {
     /// # Errors
     /// [`io::ErrorKind::AlreadyExists`] if a file is there that is to be kept; what the system said if
     /// the folder cannot be written.
-    pub(crate) fn create(path: &Path, existing: Existing, readers: Readers) -> io::Result<Self> {
+    pub fn create(path: &Path, existing: Existing, readers: Readers) -> io::Result<Self> {
         if existing == Existing::Keep && path.symlink_metadata().is_ok() {
             return Err(io::ErrorKind::AlreadyExists.into());
         }
@@ -70,7 +70,7 @@ impl AtomicFile {
     ///
     /// # Errors
     /// What the system said.
-    pub(crate) fn size(&self) -> io::Result<u64> {
+    pub fn size(&self) -> io::Result<u64> {
         Ok(self.file.as_file().metadata()?.len())
     }
 
@@ -78,7 +78,7 @@ impl AtomicFile {
     ///
     /// # Errors
     /// As [`AtomicFile::create`].
-    pub(crate) fn commit(self) -> io::Result<()> {
+    pub fn commit(self) -> io::Result<()> {
         self.file.as_file().sync_all()?;
         match self.existing {
             Existing::Replace => self.file.persist(&self.path),

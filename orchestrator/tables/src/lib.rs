@@ -1,6 +1,9 @@
 //! Tables with a type for every column, as CSV or Apache Parquet (results of sweeps, messages of
 //! logs), and tables on a terminal.
 
+#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
 mod csv;
 mod parquet;
 
@@ -11,7 +14,7 @@ use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
 use comfy_table::{CellAlignment, Table};
 
 /// The form of a table.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
     /// Text, a line for every row.
     Csv,
@@ -21,7 +24,7 @@ pub enum Format {
 
 /// A table for a terminal with these columns: the first `texts` of them to the left, the others to the
 /// right.
-pub(crate) fn for_terminal<'a>(header: impl IntoIterator<Item = &'a str>, texts: usize) -> Table {
+pub fn for_terminal<'a>(header: impl IntoIterator<Item = &'a str>, texts: usize) -> Table {
     let mut table = Table::new();
     table.load_style(UTF8_HORIZONTAL_ONLY).set_header(header);
     for column in table.column_iter_mut().skip(texts) {
@@ -32,24 +35,31 @@ pub(crate) fn for_terminal<'a>(header: impl IntoIterator<Item = &'a str>, texts:
 
 /// The type of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Type {
+pub enum Type {
+    /// True or false.
     Bool,
+    /// A signed integer of 64 bits.
     Int,
+    /// An unsigned integer of 64 bits.
     UInt,
+    /// A floating-point number of 32 bits.
     F32,
+    /// A floating-point number of 64 bits.
     F64,
+    /// Text in UTF-8.
     Text,
 }
 
 /// A column.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Column {
+pub struct Column {
     pub(crate) name: String,
     pub(crate) kind: Type,
 }
 
 impl Column {
-    pub(crate) fn new(name: impl Into<String>, kind: Type) -> Self {
+    /// A column of that name and type.
+    pub fn new(name: impl Into<String>, kind: Type) -> Self {
         let name = name.into();
         Self { name, kind }
     }
@@ -57,14 +67,20 @@ impl Column {
 
 /// A value of a table: of the type of its column, or none.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Cell {
+pub enum Cell {
     /// No value.
     Empty,
+    /// Of [`Type::Bool`].
     Bool(bool),
+    /// Of [`Type::Int`].
     Int(i64),
+    /// Of [`Type::UInt`].
     UInt(u64),
+    /// Of [`Type::F32`].
     F32(f32),
+    /// Of [`Type::F64`].
     F64(f64),
+    /// Of [`Type::Text`].
     Text(String),
 }
 
@@ -84,7 +100,7 @@ impl fmt::Display for Cell {
 }
 
 /// Takes rows of a table.
-pub(crate) trait Rows<W> {
+pub trait Rows<W> {
     /// Takes a row: a cell for every column.
     ///
     /// # Errors
@@ -102,7 +118,7 @@ pub(crate) trait Rows<W> {
 ///
 /// # Errors
 /// The file cannot be written.
-pub(crate) fn begin<W: Write + Send + 'static>(
+pub fn begin<W: Write + Send + 'static>(
     format: Format,
     file: W,
     columns: &[Column],

@@ -3,8 +3,8 @@
 use super::chart::{Chart, Scale, Unit, number};
 use super::drawing::{Drawing, Shape, Step};
 use super::ticks::Ticks;
+use crate::canvas::{Style, text_width};
 use crate::palette;
-use crate::picture::canvas::{Style, text_width};
 
 /// Lines of the grid: fainter than everything else.
 const GRID: &str = "#e3e6ea";

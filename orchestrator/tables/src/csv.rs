@@ -5,14 +5,14 @@ use std::io::{self, BufWriter, Write};
 
 use super::{Cell, Column, Rows};
 
-pub(super) struct CsvRows<W: Write> {
+pub struct CsvRows<W: Write> {
     writer: csv::Writer<BufWriter<W>>,
     /// Scratch.
     text: String,
 }
 
 impl<W: Write> CsvRows<W> {
-    pub(super) fn new(file: W, columns: &[Column]) -> io::Result<Self> {
+    pub fn new(file: W, columns: &[Column]) -> io::Result<Self> {
         let mut writer = csv::Writer::from_writer(BufWriter::new(file));
         writer.write_record(columns.iter().map(|column| &column.name))?;
         Ok(Self {

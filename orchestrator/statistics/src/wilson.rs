@@ -13,7 +13,7 @@ pub const Z95: f64 = 1.959_963_984_540_054;
 /// J. Am. Stat. Assoc. 22 (1927).
 ///
 /// ```
-/// let interval = orchestrator::statistics::wilson(7, 10);
+/// let interval = statistics::wilson(7, 10);
 /// assert_eq!(format!("{:.2} … {:.2}", interval.low, interval.high), "0.40 … 0.89");
 /// ```
 pub fn wilson(hits: u64, of: u64) -> Interval {

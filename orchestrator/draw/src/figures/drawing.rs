@@ -1,6 +1,6 @@
 //! A drawing: lines, areas and texts on a page, as SVG.
 
-use crate::picture::canvas::{Canvas, Num, Style, escape};
+use crate::canvas::{Canvas, Num, Style, escape};
 
 /// Lines, areas and texts on a page; all coordinates are in pixels, y down.
 pub struct Drawing {

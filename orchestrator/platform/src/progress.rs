@@ -1,5 +1,6 @@
 //! Progress of long commands: a bar on a terminal, plain lines elsewhere.
 
+use crate::eprintln;
 use std::io::IsTerminal as _;
 use std::time::{Duration, Instant};
 
@@ -10,7 +11,7 @@ const PLAIN_EVERY: Duration = Duration::from_secs(10);
 
 /// A bar on standard error up to `length`, with this template; hidden if standard error is no terminal,
 /// or `quiet`.
-pub(crate) fn bar(length: Option<u64>, template: &str, quiet: bool) -> ProgressBar {
+pub fn bar(length: Option<u64>, template: &str, quiet: bool) -> ProgressBar {
     let bar = match length {
         Some(length) => ProgressBar::new(length),
         None => ProgressBar::no_length(),
@@ -28,7 +29,7 @@ pub(crate) fn bar(length: Option<u64>, template: &str, quiet: bool) -> ProgressB
 }
 
 /// A bar on a terminal, now and then a line elsewhere, over things of one unit.
-pub(crate) struct Progress {
+pub struct Progress {
     bar: ProgressBar,
     plain: bool,
     quiet: bool,

@@ -3,8 +3,8 @@
 use super::chart::Chart;
 use super::drawing::{Drawing, Shape, Step};
 use super::marks::Look;
+use crate::canvas::{Style, wrap};
 use crate::palette;
-use crate::picture::canvas::{Style, wrap};
 
 /// Font size [px].
 const SIZE: f64 = 14.0;

@@ -4,8 +4,8 @@
 //! a terminal obeys what it is told between the lines: it moves the cursor over what was said before,
 //! changes its title, fills the clipboard. Characters that do such things are shown by their numbers.
 //!
-//! This crate's `eprintln!` is the one defined here: nothing writes to stderr past it. What goes to
-//! stdout passes through `cli::print`.
+//! The program writes to stderr by the [`eprintln!`](crate::eprintln) of this crate, which a file that
+//! needs it imports by name.
 
 use std::borrow::Cow;
 
@@ -18,7 +18,8 @@ fn steers(c: char) -> bool {
 
 /// The text with every character that would steer a terminal as `\u001b`. JSON and TOML read that as
 /// the character that it stands for.
-pub(crate) fn harmless(text: &str) -> Cow<'_, str> {
+#[must_use]
+pub fn harmless(text: &str) -> Cow<'_, str> {
     if !text.contains(steers) {
         return Cow::Borrowed(text);
     }
@@ -35,6 +36,7 @@ pub(crate) fn harmless(text: &str) -> Cow<'_, str> {
 
 /// As the standard library's, of text that cannot steer a terminal. A stderr that is gone is no
 /// reason to stop.
+#[macro_export]
 macro_rules! eprintln {
     ($($word:tt)*) => {{
         use std::io::Write as _;

@@ -8,6 +8,9 @@
 //! Elementary functions are the project's own ([`sim_backend::math`]), and sums are over integers or
 //! in a fixed order: the same results give the same figures everywhere.
 
+#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
 mod distribution;
 mod interval;
 mod mean;

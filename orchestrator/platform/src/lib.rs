@@ -1,0 +1,13 @@
+//! What the program needs of the operating system: files, processes, signals and the terminal.
+
+#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
+pub mod atomic_file;
+pub mod descriptors;
+pub mod proc;
+pub mod program;
+pub mod progress;
+pub mod shell;
+pub mod signals;
+pub mod terminal;
