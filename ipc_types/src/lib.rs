@@ -1,7 +1,7 @@
 //! Every message of Protean, every topic and its quality of service, and the iceoryx2 bus that
 //! opens them. Knows nothing of who sends or receives.
 //!
-//! * [`message`]: how a message type is defined, and what is proved about it at compile time;
+//! * [`mod@message`]: how a message type is defined, and what is proved about it at compile time;
 //! * [`messages`]: the messages; [`stamp`]: what stands first in each;
 //! * [`topics`]: the topics with their quality of service;
 //! * [`bus`]: publishers, subscribers, request–response and events of one isolated run;

@@ -6,7 +6,7 @@ use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
 /// A type that crosses a process boundary as its bytes.
 ///
-/// Implemented by the [`message!`](crate::message) macro only (and by the plain numbers that can be the elements of a
+/// Implemented by the [`message!`](crate::message!) macro only (and by the plain numbers that can be the elements of a
 /// slice). `IntoBytes` proves at compile time that there is no implicit padding, so that equal values are
 /// equal bytes; `FromBytes` proves that any bytes are a valid value, so that a hostile sender can
 /// send nonsense but never undefined behaviour. Codes of enumerations are plain integers with a
@@ -118,6 +118,8 @@ macro_rules! message {
             zerocopy::Immutable, zerocopy::KnownLayout, ZeroCopySend,
         )]
         #[type_name($ros)]
+        // The texts of fields enter schema hashes, so their units stay as they are: `[m]`.
+        #[allow(rustdoc::broken_intra_doc_links)]
         pub struct $name {
             #[doc = $first_doc]
             pub $first: $first_ty,

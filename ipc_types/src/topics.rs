@@ -1,4 +1,4 @@
-//! Every topic, and everything that is to be known of it: [`topics!`] states each fact once. Nothing
+//! Every topic, and everything that is to be known of it: `topics!` states each fact once. Nothing
 //! opens a service by a string of its own.
 //!
 //! * [`Topic`]: a topic as a type, with the types of its messages; [`TopicId`]: a topic as a value, over

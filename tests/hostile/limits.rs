@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use super::{GOOD, changed, on_vectors};
 use crate::support::Sandbox;
 
-/// Most memory that the program may ask the system for while it refuses something [1024 bytes]: a small part
+/// Most memory that the program may ask the system for while it refuses something (1024 bytes): a small part
 /// of what it is asked for below.
 const ENOUGH_KIB: &str = "1500000";
 

@@ -64,7 +64,7 @@ impl<'a> Call<'a> {
         self
     }
 
-    /// With at most this much address space [1024 bytes]: whoever asks for more gets none, and says so.
+    /// With at most this much address space (1024 bytes): whoever asks for more gets none, and says so.
     pub fn with_memory(self, kib: &str) -> Self {
         self.through("sh", &["-c", "ulimit -v \"$0\" && exec \"$@\"", kib])
     }

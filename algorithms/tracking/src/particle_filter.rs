@@ -9,7 +9,7 @@
 //! 4. seen with σ below 0.01 m: as case 2 with a width of a fraction of a step, then all particles
 //!    take the measured position.
 //!
-//! If nothing is left (or the mean likelihood is below [`LOST_BELOW`]), the belief is
+//! If nothing is left (or the mean likelihood is below `LOST_BELOW`), the belief is
 //! built anew: around the measurement if there is one, else uniformly over unseen free space that
 //! the opponent can have reached since it was last seen, else over all free space.
 //!

@@ -158,7 +158,7 @@ impl Piece {
     }
 }
 
-/// A vector [any] turned counter-clockwise by an angle [rad].
+/// A vector (of any unit) turned counter-clockwise by an angle [rad].
 pub(crate) fn rotated(vector: Vector2<f64>, angle: f64) -> Vector2<f64> {
     let (sin, cos) = libm::sincos(angle);
     Vector2::new(

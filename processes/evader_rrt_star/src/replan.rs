@@ -12,7 +12,7 @@ const STEP: f64 = 0.1;
 const HORIZON_S: f64 = 3.0;
 
 /// Whether a pursuer can be within `distance` [m] of a place on the way ahead when the evader gets
-/// there, within the next [`HORIZON_S`] seconds. `at` gives the way ahead by the distance along it
+/// there, within the next `HORIZON_S` seconds. `at` gives the way ahead by the distance along it
 /// [m], as long as there is one.
 pub fn is_threatened(
     at: impl Fn(f64) -> Option<Point2<f64>>,

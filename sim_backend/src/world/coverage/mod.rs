@@ -96,7 +96,7 @@ fn part(some: usize, all: usize) -> f64 {
     }
 }
 
-/// The account of the area that robots have visited. See the [module documentation](self).
+/// The account of the area that robots have visited: which cells, how often, how long ago.
 #[derive(Debug, Clone)]
 pub struct Coverage {
     spec: CoverageSpec,
