@@ -3,20 +3,20 @@
 //! Baseline: the same sum (goals, four repulsors, obstacle gradient) in the chasing-game paper's
 //! published Python took 0.064 ms of CPU with 1 goal and 0.389 ms with 30.
 
-#[path = "../../processes/guidance/tests/support/mod.rs"]
+#[path = "../../algorithms/planner_view/tests/support/mod.rs"]
 mod support;
 
 use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
-use guidance::bearing::Bearings;
-use guidance::map::PlannerMap;
-use guidance::navigation::{NavGrid, RouteTree, Threat, Wayfinder};
-use guidance::potential_field::{
+use nalgebra::{Point2, Vector2};
+use navigation::bearing::Bearings;
+use navigation::routes::{NavGrid, RouteTree, Threat, Wayfinder};
+use planner_view::map::PlannerMap;
+use sim_backend::params::Fidelity;
+use steering::potential_field::{
     Goal, RepulsionParams, Repulsor, attraction, capped, obstacle, repulsion,
 };
-use nalgebra::{Point2, Vector2};
-use sim_backend::params::Fidelity;
 use support::{Arena, EXIT, RADIUS};
 
 const POLICE: [(f64, f64); 4] = [(7.5, 4.5), (7.5, 1.5), (7.5, -1.5), (7.5, -4.5)];

@@ -3,15 +3,15 @@
 //! Baselines: parry's exact distance of a segment to every piece, and A* on the grid of the map
 //! (the `pathfinding` crate, cells of 5 cm, eight neighbours).
 
-#[path = "../../processes/guidance/tests/scenes/mod.rs"]
+#[path = "../../algorithms/planner_view/tests/scenes/mod.rs"]
 mod scenes;
 
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use guidance::free_space::{Arc, FreeSpace};
-use guidance::tangent_graph::TangentGraph;
 use nalgebra::Point2;
+use navigation::tangent_graph::TangentGraph;
+use planner_view::free_space::{Arc, FreeSpace};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use scenes::{RADIUS, city, parry_segment_distance, unit};

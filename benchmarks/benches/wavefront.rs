@@ -1,14 +1,14 @@
 //! What geodesic waves and a judgement of the chasing game cost, in the paper's city.
 
-#[path = "../../processes/guidance/tests/support/mod.rs"]
+#[path = "../../algorithms/planner_view/tests/support/mod.rs"]
 mod support;
 
 use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
-use guidance::dominance::{Arena, Dominance, DominanceParams, Runner};
-use guidance::wavefront::{Lattice, SIGHT, Source, Wave};
 use nalgebra::Point2;
+use navigation::dominance::{Arena, Dominance, DominanceParams, Runner};
+use navigation::wavefront::{Lattice, SIGHT, Source, Wave};
 use sim_backend::spec::Region;
 use support::{EXIT, RADIUS};
 

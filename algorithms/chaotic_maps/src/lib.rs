@@ -6,7 +6,6 @@
 //! - [`chebyshev`]: the Chebyshev map of degree 6, exact and in `f64`;
 //! - [`maps`]: logistic and standard map, drop-in sources of the coverage papers;
 //! - [`keyed`]: a `ChaCha20` stream;
-//! - [`recovery`]: how an observer who knows the method recovers the state of the linear maps.
 //!
 //! None of the chaotic maps keeps a secret: each is public, and the cat and Chebyshev maps are
 //! linear, so that fewer than a hundred points give their state away. [`keyed::Keyed`] alone is
@@ -23,7 +22,6 @@ pub mod key;
 pub mod keyed;
 pub mod maps;
 pub mod modulus;
-pub mod recovery;
 mod source;
 
 pub use cat::{Cat64, CatF64, CatP};

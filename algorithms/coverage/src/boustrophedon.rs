@@ -5,8 +5,8 @@ mod tests;
 
 use std::collections::{BTreeSet, VecDeque};
 
-use guidance::waypoint::WaypointKind;
 use nalgebra::Point2;
+use planner_view::waypoint::WaypointKind;
 use sim_backend::shape::Aabb;
 use thiserror::Error;
 

@@ -1,7 +1,7 @@
 //! Numbers of sub-goals.
 
-use guidance::waypoint::{Waypoint, WaypointKind};
 use nalgebra::Point2;
+use planner_view::waypoint::{Waypoint, WaypointKind};
 use sim_backend::shape::Aabb;
 
 use crate::goal::Goal;

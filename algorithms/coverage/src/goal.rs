@@ -1,7 +1,7 @@
 //! What all planners of sub-goals have in common.
 
-use guidance::waypoint::Waypoint;
 use nalgebra::Point2;
+use planner_view::waypoint::Waypoint;
 use sim_backend::shape::Aabb;
 
 /// A sub-goal, and where the straight leg to it runs.

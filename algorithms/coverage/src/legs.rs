@@ -10,8 +10,8 @@
 //! driven if one free rectangle contains the triangle: E, B and F in the rectangle of one of the two
 //! legs, since rectangles are convex. Where that leaves no room the robot turns on the spot.
 
-use guidance::free_space::Arc;
 use nalgebra::{Point2, Vector2};
+use planner_view::free_space::Arc;
 use sim_backend::math;
 use sim_backend::pose::Pose2;
 use sim_backend::shape::Aabb;

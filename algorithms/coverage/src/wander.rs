@@ -2,8 +2,8 @@
 
 use std::collections::VecDeque;
 
-use guidance::waypoint::WaypointKind;
 use nalgebra::Point2;
+use planner_view::waypoint::WaypointKind;
 use sim_backend::shape::Aabb;
 
 use crate::counter::Counter;

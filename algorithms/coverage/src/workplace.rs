@@ -64,7 +64,7 @@ impl Workplace {
         Self::from_parts(bounds, radius, &parts, tolerance)
     }
 
-    /// The same from convex pieces, as a map has them ([`guidance::free_space::FreeSpace`]). Pieces
+    /// The same from convex pieces, as a map has them ([`planner_view::free_space::FreeSpace`]). Pieces
     /// outside the workplace do not matter here: a map may be larger than what is to be covered.
     ///
     /// # Errors

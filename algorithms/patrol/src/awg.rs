@@ -14,8 +14,8 @@ mod laps;
 mod mode;
 
 use chaotic_maps::Source;
-use guidance::waypoint::{Waypoint, WaypointKind};
 use nalgebra::{Point2, Vector2};
+use planner_view::waypoint::{Waypoint, WaypointKind};
 
 use crate::contour::Contour;
 use crate::danger::{DangerZones, Stretch};

@@ -9,8 +9,8 @@
 //! then it is late until it has caught up.
 
 use chaotic_maps::AnySource;
-use guidance::waypoint::{Waypoint, WaypointKind};
 use nalgebra::Point2;
+use planner_view::waypoint::{Waypoint, WaypointKind};
 use thiserror::Error;
 
 use crate::awg::{Awg, Leg, waypoint};

@@ -3,13 +3,13 @@
 mod trial;
 
 use chaotic_maps::{Key, KeyError, KeyKind};
-use guidance::go_to::GoToParams;
-use guidance::limits::Limits;
-use guidance::waypoint_driver::DriverParams;
 use nalgebra::Point2;
+use planner_view::limits::Limits;
 use serde::{Deserialize, Serialize};
 use sim_backend::params::{ParamsError, require};
 use sim_backend::spec::RobotModel;
+use steering::go_to::GoToParams;
+use steering::waypoint_driver::DriverParams;
 use thiserror::Error;
 
 use crate::alpha::{AlphaError, LAPS, alpha_max_driven, check_driven};

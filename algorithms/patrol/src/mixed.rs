@@ -13,8 +13,8 @@
 //! are those that an ally foresees.
 
 use chaotic_maps::Source;
-use guidance::waypoint::{Waypoint, WaypointKind, WaypointOutcome};
 use nalgebra::Point2;
+use planner_view::waypoint::{Waypoint, WaypointKind, WaypointOutcome};
 use serde::{Deserialize, Serialize};
 use sim_backend::params::{ParamsError, fraction, require};
 

@@ -5,7 +5,7 @@
 
 use core::f64::consts::TAU;
 
-use guidance::tangent_graph::ShortestPath;
+use navigation::tangent_graph::ShortestPath;
 use optimiser::ground::Ground;
 use optimiser::{PlanError, bound};
 use serde::{Deserialize, Serialize};

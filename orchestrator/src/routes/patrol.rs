@@ -3,10 +3,10 @@
 use ::patrol::forecast::{Forecast, Predicted};
 use ::patrol::mission::{Drive, Mission};
 use chaotic_maps::Key;
-use guidance::waypoint::{Waypoint, WaypointKind};
 use metrics::path::PathMetrics;
 use nalgebra::Point2;
 use patrol_planners::PatrolAwgParams;
+use planner_view::waypoint::{Waypoint, WaypointKind};
 use serde_json::{Value as Json, json};
 
 use super::{RouteError, Router};

@@ -1,6 +1,6 @@
 //! Routes of the built-in scenarios.
 
-use guidance::waypoint::WaypointKind;
+use planner_view::waypoint::WaypointKind;
 
 use super::coverage::{Extent, plan};
 use super::patrol::Patrol;

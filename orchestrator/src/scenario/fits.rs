@@ -4,7 +4,6 @@
 use coverage::sub_goals::design::{Design, Site};
 use coverage::workplace::{Workplace, WorkplaceError};
 use coverage_planners::{Boustrophedon, Chebyshev, Keyed, RandomBounce, Uniform};
-use guidance::waypoint_driver::DriverParams;
 use nalgebra::Point2;
 use patrol::mission::{Drive, MissionParams};
 use patrol_planners::{PatrolAwgParams, PatrolFtoParams};
@@ -14,6 +13,7 @@ use serde_json::Value as Json;
 use sim_backend::map::{MapSpec, WorldMap};
 use sim_backend::shape::Shape;
 use sim_backend::spec::RobotSpec;
+use steering::waypoint_driver::DriverParams;
 
 use super::context::Context;
 use super::processes::{Read, kind_of};

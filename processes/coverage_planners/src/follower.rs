@@ -2,17 +2,17 @@
 //! the sub-goals out.
 
 use coverage::goal::{Goal, GoalSource};
-use guidance::limits::Limits;
-use guidance::map::PlannerMap;
-use guidance::steering::Steering;
-use guidance::view::View;
-use guidance::waypoint::WaypointReport;
-use guidance::waypoint_driver::{Driving, Situation, WaypointDriver};
 use nalgebra::Point2;
 use planner::{Planner, PlannerInputs, limits};
+use planner_view::limits::Limits;
+use planner_view::map::PlannerMap;
+use planner_view::steering::Steering;
+use planner_view::view::View;
+use planner_view::waypoint::WaypointReport;
 use runtime::config::RobotInfo;
 use runtime::error::ProcessError;
 use sim_backend::pose::Pose2;
+use steering::waypoint_driver::{Driving, Situation, WaypointDriver};
 
 use coverage::sub_goals::arc_driver::ArcDriver;
 use coverage::sub_goals::design::{Design, Site};

@@ -2,7 +2,7 @@
 
 use core::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
-use guidance::view::ScanView;
+use planner_view::view::ScanView;
 use sim_backend::math;
 
 /// Ranges below this [m] are taken as this: the vehicle divides by them.

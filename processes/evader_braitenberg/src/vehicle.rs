@@ -1,8 +1,8 @@
 //! The wiring from cones to motion.
 
-use guidance::limits::Limits;
-use guidance::steering::Steering;
-use guidance::view::View;
+use planner_view::limits::Limits;
+use planner_view::steering::Steering;
+use planner_view::view::View;
 use sim_backend::math;
 use sim_backend::params::ParamsError;
 use sim_backend::pose::Twist2;

@@ -1,11 +1,11 @@
 //! The Braitenberg vehicle in a corridor and in the paper's city.
 
-#[path = "../../guidance/tests/support/mod.rs"]
+#[path = "../../../algorithms/planner_view/tests/support/mod.rs"]
 mod support;
 
 use evader_braitenberg::{Braitenberg, BraitenbergParams};
-use guidance::limits::Limits;
-use guidance::view::{RobotView, ScanView, View};
+use planner_view::limits::Limits;
+use planner_view::view::{RobotView, ScanView, View};
 use proptest::prelude::*;
 use sim_backend::pose::{Pose2, Twist2};
 use sim_backend::team::Team;

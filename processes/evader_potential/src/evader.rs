@@ -1,18 +1,18 @@
 //! One evader.
 
-use guidance::bearing::{Bearings, GoalField};
-use guidance::feedback_linearisation::command;
-use guidance::limits::Limits;
-use guidance::map::PlannerMap;
-use guidance::navigation::{Threat, Wayfinder};
-use guidance::potential_field::{
-    Body, Goal, Perturbation, Repulsor, attraction, compose, obstacle, repulsion,
-};
-use guidance::steering::Steering;
-use guidance::view::View;
 use nalgebra::Point2;
+use navigation::bearing::{Bearings, GoalField};
+use navigation::routes::{Threat, Wayfinder};
+use planner_view::limits::Limits;
+use planner_view::map::PlannerMap;
+use planner_view::steering::Steering;
+use planner_view::view::View;
 use sim_backend::params::ParamsError;
 use sim_backend::team::Team;
+use steering::feedback_linearisation::command;
+use steering::potential_field::{
+    Body, Goal, Perturbation, Repulsor, attraction, compose, obstacle, repulsion,
+};
 
 use crate::params::{EvaderParams, ThreatParams};
 

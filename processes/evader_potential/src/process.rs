@@ -1,9 +1,9 @@
 //! Wires [`Evader`] to its topics: state and map in, command and plan out.
 
-use guidance::map::PlannerMap;
-use guidance::steering::Steering;
-use guidance::view::View;
 use planner::{Planner, PlannerInputs, limits};
+use planner_view::map::PlannerMap;
+use planner_view::steering::Steering;
+use planner_view::view::View;
 use runtime::config::RobotInfo;
 
 use crate::{Evader, EvaderParams};

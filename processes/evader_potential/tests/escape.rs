@@ -1,12 +1,12 @@
 //! The evader in the paper's city, in a kinematic mini-simulation.
 
-#[path = "../../guidance/tests/support/mod.rs"]
+#[path = "../../../algorithms/planner_view/tests/support/mod.rs"]
 mod support;
 
 use evader_potential::{Evader, EvaderParams};
-use guidance::limits::Limits;
-use guidance::view::RobotView;
 use nalgebra::Point2;
+use planner_view::limits::Limits;
+use planner_view::view::RobotView;
 use proptest::prelude::*;
 use sim_backend::pose::{Pose2, Twist2};
 use sim_backend::team::Team;

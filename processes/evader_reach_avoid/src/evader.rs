@@ -1,17 +1,17 @@
 //! One evader.
 
-use guidance::bearing::Bearings;
-use guidance::dominance::{Arena, Dominance, Runner};
-use guidance::feedback_linearisation::command;
-use guidance::limits::Limits;
-use guidance::map::PlannerMap;
-use guidance::potential_field::{Body, Goal, attraction, compose, obstacle};
-use guidance::steering::Steering;
-use guidance::view::{RobotView, View};
 use nalgebra::Point2;
+use navigation::bearing::Bearings;
+use navigation::dominance::{Arena, Dominance, Runner};
+use planner_view::limits::Limits;
+use planner_view::map::PlannerMap;
+use planner_view::steering::Steering;
+use planner_view::view::{RobotView, View};
 use sim_backend::params::ParamsError;
 use sim_backend::spec::Region;
 use sim_backend::team::Team;
+use steering::feedback_linearisation::command;
+use steering::potential_field::{Body, Goal, attraction, compose, obstacle};
 
 use crate::params::ReachAvoidParams;
 

@@ -1,10 +1,10 @@
 //! Parameters of the reach–avoid evader.
 
-use guidance::dominance::DominanceParams;
-use guidance::feedback_linearisation::FeedbackParams;
-use guidance::potential_field::ObstacleParams;
+use navigation::dominance::DominanceParams;
 use serde::{Deserialize, Serialize};
 use sim_backend::params::{ParamsError, not_negative, positive, require, within};
+use steering::feedback_linearisation::FeedbackParams;
+use steering::potential_field::ObstacleParams;
 
 /// Parameters of an [`Evader`](crate::Evader).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use guidance::tangent_graph::Towards;
 use nalgebra::Point2;
+use navigation::tangent_graph::Towards;
 
 /// How far it is at least from the start to a place, and from there to the nearest goal.
 ///

@@ -1,17 +1,17 @@
 //! One evader: when it plans, what it does meanwhile, and how it follows its plans.
 
 use evader_potential::{Evader, EvaderParams};
-use guidance::feedback_linearisation::EPSILON;
-use guidance::free_space::FreeSpace;
-use guidance::limits::Limits;
-use guidance::map::PlannerMap;
-use guidance::path_tracking::{PathTracker, TrackingParams};
-use guidance::steering::Steering;
-use guidance::view::{RobotView, View};
 use nalgebra::Point2;
+use planner_view::free_space::FreeSpace;
+use planner_view::limits::Limits;
+use planner_view::map::PlannerMap;
+use planner_view::steering::Steering;
+use planner_view::view::{RobotView, View};
 use sim_backend::params::ParamsError;
 use sim_backend::pose::Pose2;
 use sim_backend::team::Team;
+use steering::feedback_linearisation::EPSILON;
+use steering::path_tracking::{PathTracker, TrackingParams};
 
 use crate::cost::{CostModel, Pursuer};
 use crate::follow;

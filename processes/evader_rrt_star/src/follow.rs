@@ -1,18 +1,18 @@
 //! Following a route.
 
 use evader_potential::EvaderParams;
-use guidance::bearing::Bearings;
-use guidance::feedback_linearisation::{EPSILON, command};
-use guidance::free_space::FreeSpace;
-use guidance::limits::Limits;
-use guidance::map::PlannerMap;
-use guidance::path_tracking::{PathTracker, Tracking, TrackingParams};
-use guidance::potential_field::{Goal, Repulsor, attraction, compose, obstacle, repulsion};
-use guidance::view::{RobotView, View};
 use nalgebra::{Point2, Vector2};
+use navigation::bearing::Bearings;
+use planner_view::free_space::FreeSpace;
+use planner_view::limits::Limits;
+use planner_view::map::PlannerMap;
+use planner_view::view::{RobotView, View};
 use sim_backend::math;
 use sim_backend::pose::{Pose2, Twist2};
 use sim_backend::team::Team;
+use steering::feedback_linearisation::{EPSILON, command};
+use steering::path_tracking::{PathTracker, Tracking, TrackingParams};
+use steering::potential_field::{Goal, Repulsor, attraction, compose, obstacle, repulsion};
 
 use crate::motion::{Arcs, Motion as _};
 

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use guidance::free_space::FreeSpace;
-use guidance::tangent_graph::{TangentGraph, Towards};
 use nalgebra::Point2;
+use navigation::tangent_graph::{TangentGraph, Towards};
+use planner_view::free_space::FreeSpace;
 
 use crate::motion::segment_distance;
 use crate::sampler::FreeSampler;

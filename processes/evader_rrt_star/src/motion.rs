@@ -1,7 +1,7 @@
 //! How the robot gets from a node of the tree to a point: the motion primitives.
 
-use guidance::free_space::{Arc, FreeSpace};
 use nalgebra::{Point2, Vector2};
+use planner_view::free_space::{Arc, FreeSpace};
 use sim_backend::math;
 use sim_backend::pose::Pose2;
 

@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use guidance::limits::Limits;
-use guidance::path_tracking::TrackingParams;
-use guidance::tangent_graph::Towards;
 use nalgebra::Point2;
+use navigation::tangent_graph::Towards;
+use planner_view::limits::Limits;
 use sim_backend::pose::Pose2;
+use steering::path_tracking::TrackingParams;
 
 use crate::bound::Bound;
 use crate::cost::CostModel;

@@ -1,11 +1,11 @@
 //! Wires [`RrtStarEvader`] to its topics: state, map and exact shapes in; command, plan and tree
 //! out.
 
-use guidance::map::PlannerMap;
-use guidance::steering::Steering;
-use guidance::view::View;
 use ipc_types::messages::robot::TreeEdge;
 use planner::{PlannedPoint, Planner, PlannerInputs, headed_for, limits};
+use planner_view::map::PlannerMap;
+use planner_view::steering::Steering;
+use planner_view::view::View;
 use runtime::config::RobotInfo;
 
 use crate::evader::SHOWN_EDGES;

@@ -1,8 +1,8 @@
 //! A way that was found, as the robot follows it.
 
-use guidance::path_tracking::Path;
 use nalgebra::Point2;
 use sim_backend::pose::Pose2;
+use steering::path_tracking::Path;
 
 use crate::motion::Leg;
 use crate::search::Waypoint;

@@ -1,7 +1,7 @@
 //! Points uniform over the places where the robot fits.
 
-use guidance::free_space::FreeSpace;
 use nalgebra::{Point2, Vector2};
+use planner_view::free_space::FreeSpace;
 use rand::Rng;
 
 /// Cells along the longer side.

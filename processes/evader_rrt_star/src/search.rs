@@ -5,8 +5,8 @@ mod join;
 mod kept;
 mod refine;
 
-use guidance::free_space::FreeSpace;
 use nalgebra::Point2;
+use planner_view::free_space::FreeSpace;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use sim_backend::pose::Pose2;

@@ -1,6 +1,6 @@
 //! The evader in the paper's city, in a kinematic mini-simulation.
 
-#[path = "../../guidance/tests/support/mod.rs"]
+#[path = "../../../algorithms/planner_view/tests/support/mod.rs"]
 mod arena;
 mod support;
 
@@ -9,10 +9,10 @@ use std::sync::{Arc, LazyLock};
 use arena::{Arena, DT, Kinematic, street_starts, view};
 use evader_rrt_star::RrtStarEvader;
 use evader_rrt_star::params::{Follower, Primitive, RrtStarParams};
-use guidance::limits::Limits;
-use guidance::map::PlannerMap;
-use guidance::view::RobotView;
 use nalgebra::Point2;
+use planner_view::limits::Limits;
+use planner_view::map::PlannerMap;
+use planner_view::view::RobotView;
 use sim_backend::pose::{Pose2, Twist2};
 use sim_backend::team::Team;
 use support::{EXIT, POLICE, START};

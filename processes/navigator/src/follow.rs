@@ -5,8 +5,8 @@
 //! up with a reference at full speed, where it must brake to stop before an obstacle, and while it
 //! gathers speed again.
 
-use guidance::go_to::coast;
 use sim_backend::pose::{Pose2, Twist2};
+use steering::go_to::coast;
 
 use crate::drive::Drive;
 use crate::tracking::{self, K_X};

@@ -2,13 +2,13 @@
 
 use std::time::Duration;
 
-use guidance::map::PlannerMap;
-use guidance::steering::Steering;
-use guidance::view::View;
 use ipc_types::bus::Bus;
 use ipc_types::stamp::Stamp;
 use nalgebra::{Point2, Vector2};
 use planner::{MAX_PLAN_POINTS, PlannedPoint, Planner, PlannerInputs};
+use planner_view::map::PlannerMap;
+use planner_view::steering::Steering;
+use planner_view::view::View;
 use runtime::ProcessError;
 use runtime::config::{Clock, ProcessConfig, RobotInfo};
 use runtime::optimiser_client::OptimiserClient;

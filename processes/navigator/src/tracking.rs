@@ -56,7 +56,7 @@ pub fn error(pose: &Pose2, reference: &Pose2) -> Pose2 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use guidance::go_to::coast;
+    use steering::go_to::coast;
 
     #[test]
     fn errors_vanish_along_a_straight_line_and_a_circle() {

@@ -5,8 +5,8 @@
 //! that, they do not meet. Who has the higher index keeps more distance, so that it stands first and
 //! leaves the other the room to pass.
 
-use guidance::view::View;
 use nalgebra::Point2;
+use planner_view::view::View;
 use sim_backend::spec::RobotModel;
 
 use crate::drive::Drive;
@@ -137,7 +137,7 @@ impl Traffic {
 
 #[cfg(test)]
 mod tests {
-    use guidance::view::RobotView;
+    use planner_view::view::RobotView;
     use sim_backend::pose::{Pose2, Twist2};
     use sim_backend::team::Team;
 

@@ -1,9 +1,9 @@
 //! A trajectory as the optimiser answers it.
 
-use guidance::free_space::FreeSpace;
-use guidance::go_to::coast;
 use nalgebra::Point2;
+use planner_view::free_space::FreeSpace;
 use sim_backend::pose::{Pose2, Twist2};
+use steering::go_to::coast;
 use thiserror::Error;
 
 /// Longest piece of the path that is taken for straight [m], and most that it may bend [rad].

@@ -1,12 +1,12 @@
 //! The navigator without processes: an ideal world, and a planner that knows straight lines only.
 
-use guidance::free_space::FreeSpace;
-use guidance::view::{RobotView, View};
 use nalgebra::{Point2, Vector2};
 use navigator::drive::Drive;
 use navigator::params::AtPopup;
 use navigator::trajectory::Sample;
 use navigator::{Ask, Navigator, NavigatorParams, Trajectory, Unplanned};
+use planner_view::free_space::FreeSpace;
+use planner_view::view::{RobotView, View};
 use sim_backend::math;
 use sim_backend::pose::{Pose2, Twist2};
 use sim_backend::shape::{Aabb, Convex};
@@ -136,7 +136,7 @@ impl Rig {
         }
         let drive = Drive::new(RobotModel::turtlebot3_burger());
         self.twist = drive.execute(self.twist, decision.command, DT);
-        self.pose = guidance::go_to::coast(&self.pose, self.twist, DT);
+        self.pose = steering::go_to::coast(&self.pose, self.twist, DT);
         self.tick += 1;
     }
 

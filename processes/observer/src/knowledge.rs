@@ -1,7 +1,7 @@
 //! What the public knows of a robot's goals: everything but the key.
 
-use chaotic_maps::recovery::cat::{CatModulus, CatRecovery};
-use chaotic_maps::recovery::chebyshev::ChebyshevRecovery;
+use crate::recovery::cat::{CatModulus, CatRecovery};
+use crate::recovery::chebyshev::ChebyshevRecovery;
 use chaotic_maps::{AnySource, Emission};
 use nalgebra::{Point2, Vector2};
 use patrol::awg::{Awg, AwgParams, Preset};

@@ -1,9 +1,9 @@
 //! Where the robot may be: obstacles, clearance and bounds of a problem, settled so that start and
 //! goal are free.
 
-use guidance::free_space::FreeSpace;
-use guidance::tangent_graph::{ShortestPath, shortest_once};
 use nalgebra::{Point2, Vector2};
+use navigation::tangent_graph::{ShortestPath, shortest_once};
+use planner_view::free_space::FreeSpace;
 use sim_backend::shape::{Aabb, Contact, Convex};
 
 use crate::plan::PlanError;

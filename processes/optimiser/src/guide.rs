@@ -1,21 +1,21 @@
 //! A path among the obstacles, piece by piece, from which a method starts.
 
-use guidance::free_space::Arc;
-use guidance::tangent_graph::Leg;
 use nalgebra::{Point2, Vector2};
+use navigation::tangent_graph::PathLeg;
+use planner_view::free_space::Arc;
 use sim_backend::math;
 
 /// A path of straight legs and arcs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Guide {
-    legs: Vec<Leg>,
+    legs: Vec<PathLeg>,
     /// Length of the path up to each leg [m], and of all of it.
     along: Vec<f64>,
 }
 
 impl Guide {
     /// A path of these legs, each beginning where the last ended; `None` if it has no length.
-    pub fn new(legs: Vec<Leg>) -> Option<Self> {
+    pub fn new(legs: Vec<PathLeg>) -> Option<Self> {
         let mut along = Vec::with_capacity(legs.len() + 1);
         let mut sum = 0.0;
         for leg in &legs {
@@ -31,7 +31,7 @@ impl Guide {
         let legs = points
             .windows(2)
             .filter(|pair| pair[0] != pair[1])
-            .map(|pair| Leg::Segment {
+            .map(|pair| PathLeg::Segment {
                 from: pair[0],
                 to: pair[1],
             })
@@ -45,7 +45,7 @@ impl Guide {
     }
 
     /// The legs, each with the length of the path before it [m].
-    pub fn legs(&self) -> impl Iterator<Item = (f64, &Leg)> {
+    pub fn legs(&self) -> impl Iterator<Item = (f64, &PathLeg)> {
         self.along.iter().copied().zip(&self.legs)
     }
 
@@ -67,7 +67,7 @@ impl Guide {
         math::atan2(u.y, u.x)
     }
 
-    fn find(&self, part: f64) -> (&Leg, f64) {
+    fn find(&self, part: f64) -> (&PathLeg, f64) {
         let s = part.clamp(0.0, 1.0) * self.length();
         let i = self.along.partition_point(|&along| along <= s);
         let i = i.clamp(1, self.legs.len()) - 1;
@@ -83,17 +83,17 @@ impl Guide {
 }
 
 /// Unit vector of travel at a part of a leg.
-pub fn heading(leg: &Leg, part: f64) -> Vector2<f64> {
+pub fn heading(leg: &PathLeg, part: f64) -> Vector2<f64> {
     match leg {
-        Leg::Segment { from, to } => (to - from).normalize(),
-        Leg::Arc(arc) => arc.heading(part),
+        PathLeg::Segment { from, to } => (to - from).normalize(),
+        PathLeg::Arc(arc) => arc.heading(part),
     }
 }
 
 /// Curvature of a leg [1/m]: positive to the left.
-pub fn curvature(leg: &Leg) -> f64 {
+pub fn curvature(leg: &PathLeg) -> f64 {
     match leg {
-        Leg::Segment { .. } => 0.0,
-        Leg::Arc(Arc { radius, sweep, .. }) => sweep.signum() / radius,
+        PathLeg::Segment { .. } => 0.0,
+        PathLeg::Arc(Arc { radius, sweep, .. }) => sweep.signum() / radius,
     }
 }

@@ -1,6 +1,6 @@
 //! Where a spline may bend: breaks around the arcs of the guide and after the start.
 
-use guidance::tangent_graph::Leg;
+use navigation::tangent_graph::PathLeg;
 use sim_backend::math;
 
 use crate::guide::Guide;
@@ -61,7 +61,7 @@ pub fn breaks(guide: &Guide, headings: Headings, turning: f64, level: u32) -> Ve
             at.extend([s - d, s, s + d]);
         }
         before = Some(crate::guide::heading(leg, 1.0));
-        let Leg::Arc(arc) = leg else { continue };
+        let PathLeg::Arc(arc) = leg else { continue };
         let (a, b) = (s, s + leg.length());
         // A spline rounds the step of the curvature off over d, which costs about d³ / 25 R².
         let little = LOSS * length * arc.radius * arc.radius * 25.0;

@@ -7,7 +7,7 @@
 //! couple V and ω, limited accelerations, prescribed speeds and headings at both ends.
 //!
 //! **How.** Turning is quick compared to driving, so without inertia the problem is one of geometry:
-//! the exact shortest path ([`guidance::tangent_graph`]) at full speed is a lower bound
+//! the exact shortest path ([`navigation::tangent_graph`]) at full speed is a lower bound
 //! ([`bound`]) and says in which corridor to look. In it, a smooth curve of the method's family
 //! ([`curve`]) is found by a few convex programs ([`shape`]), made dense ([`drive`]) and driven as
 //! fast as its curvature and the limits allow ([`timing`]). With inertia the bound is loose and the

@@ -1,7 +1,7 @@
 //! Points of a path, dense enough to be driven from one to the next.
 
-use guidance::tangent_graph::Leg;
 use nalgebra::Point2;
+use navigation::tangent_graph::PathLeg;
 use sim_backend::math;
 
 use crate::guide;
@@ -51,7 +51,7 @@ pub fn spacing(kappa: f64) -> f64 {
 }
 
 /// The points of a leg that begins with this heading [rad] after `s` [m] of path.
-pub fn of_leg(leg: &Leg, s: f64, theta: f64) -> Vec<PathPoint> {
+pub fn of_leg(leg: &PathLeg, s: f64, theta: f64) -> Vec<PathPoint> {
     let (length, kappa) = (leg.length(), guide::curvature(leg));
     // A leg from rest to rest needs points at which the robot moves.
     let count = (length / spacing(kappa)).ceil().max(4.0);
@@ -69,7 +69,7 @@ pub fn of_leg(leg: &Leg, s: f64, theta: f64) -> Vec<PathPoint> {
 }
 
 /// The direction of a leg's beginning [rad], as the representative nearest to `near` [rad].
-pub fn leg_heading(leg: &Leg, near: f64) -> f64 {
+pub fn leg_heading(leg: &PathLeg, near: f64) -> f64 {
     let u = guide::heading(leg, 0.0);
     near + math::angle_difference(math::atan2(u.y, u.x), near)
 }

@@ -7,9 +7,9 @@
 
 use core::f64::consts::TAU;
 
-use guidance::free_space::Arc;
-use guidance::tangent_graph::Leg;
 use nalgebra::{Point2, Vector2};
+use navigation::tangent_graph::PathLeg;
+use planner_view::free_space::Arc;
 use sim_backend::math;
 use sim_backend::pose::Pose2;
 
@@ -98,8 +98,8 @@ fn brake(
     let kappa = omega / v;
     let leg = leg_ahead(&start, length, kappa);
     let free = match &leg {
-        Leg::Segment { from, to } => ground.space.segment_is_free(*from, *to, ground.clearance),
-        Leg::Arc(arc) => ground.space.arc_is_free(arc, ground.clearance),
+        PathLeg::Segment { from, to } => ground.space.segment_is_free(*from, *to, ground.clearance),
+        PathLeg::Arc(arc) => ground.space.arc_is_free(arc, ground.clearance),
     };
     if !free {
         return Err(PlanError::Infeasible(
@@ -118,10 +118,10 @@ fn brake(
 }
 
 /// The way ahead of a pose over a length [m] with a curvature [1/m].
-fn leg_ahead(pose: &Pose2, length: f64, kappa: f64) -> Leg {
+fn leg_ahead(pose: &Pose2, length: f64, kappa: f64) -> PathLeg {
     let from = pose.position();
     if (kappa * length).abs() < 1e-9 {
-        return Leg::Segment {
+        return PathLeg::Segment {
             from,
             to: from + pose.forward() * length,
         };
@@ -130,7 +130,7 @@ fn leg_ahead(pose: &Pose2, length: f64, kappa: f64) -> Leg {
     let left = Vector2::new(-forward.y, forward.x);
     let center: Point2<f64> = from + left / kappa;
     let outward = from - center;
-    Leg::Arc(Arc {
+    PathLeg::Arc(Arc {
         center,
         radius: 1.0 / kappa.abs(),
         start: math::atan2(outward.y, outward.x),
@@ -144,7 +144,7 @@ fn follow(problem: &Problem, guide: &Guide, trajectory: &mut Trajectory) -> Resu
     // Where ω cannot step, every leg is driven from rest to rest.
     let stops = limits.angular_acceleration.is_some();
     let end = end_speed(problem);
-    let legs: Vec<&Leg> = guide.legs().map(|(_, leg)| leg).collect();
+    let legs: Vec<&PathLeg> = guide.legs().map(|(_, leg)| leg).collect();
     let rest = (stops || limits.acceleration.is_some()).then_some(0.0);
     let mut points: Vec<PathPoint> = Vec::new();
     for (i, leg) in legs.iter().enumerate() {

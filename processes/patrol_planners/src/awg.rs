@@ -5,15 +5,15 @@ mod params;
 use std::collections::VecDeque;
 
 use chaotic_maps::AnySource;
-use guidance::map::PlannerMap;
-use guidance::steering::Steering;
-use guidance::view::View;
-use guidance::waypoint::{Waypoint, WaypointReport};
-use guidance::waypoint_driver::{Situation, WaypointDriver};
 use nalgebra::Vector2;
 use patrol::awg::Laps;
 use patrol::mission::{Drive, Mission, MissionError};
+use planner_view::map::PlannerMap;
+use planner_view::steering::Steering;
+use planner_view::view::View;
+use planner_view::waypoint::{Waypoint, WaypointReport};
 use sim_backend::spec::RobotModel;
+use steering::waypoint_driver::{Situation, WaypointDriver};
 
 use crate::PatrolError;
 

@@ -5,19 +5,19 @@ mod params;
 use std::collections::VecDeque;
 
 use chaotic_maps::AnySource;
-use guidance::free_space::FreeSpace;
-use guidance::map::PlannerMap;
-use guidance::steering::Steering;
-use guidance::view::View;
-use guidance::waypoint::{Waypoint, WaypointKind, WaypointReport};
-use guidance::waypoint_driver::{Situation, WaypointDriver};
 use nalgebra::{Point2, Vector2};
 use patrol::awg::{Awg, Laps};
 use patrol::fto::{Carrier, Disc, Fto, merged};
 use patrol::mission::{Drive, Mission, MissionError};
 use patrol::mixed::{Method, MixedLaps};
+use planner_view::free_space::FreeSpace;
+use planner_view::map::PlannerMap;
+use planner_view::steering::Steering;
+use planner_view::view::View;
+use planner_view::waypoint::{Waypoint, WaypointKind, WaypointReport};
 use sim_backend::params::within;
 use sim_backend::spec::RobotModel;
+use steering::waypoint_driver::{Situation, WaypointDriver};
 
 use crate::PatrolError;
 

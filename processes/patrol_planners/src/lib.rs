@@ -3,7 +3,7 @@
 //! [`PatrolAwg`] goes along a zig-zag of additional waypoints: lap after lap, no two alike, around
 //! obstacles, within the time ordered. [`PatrolFto`] goes past fictive temporary obstacles, alone or
 //! mixed with additional waypoints (§5.2 and §6). [`patrol`] makes waypoints and fictive obstacles,
-//! the waypoint driver of [`guidance`] drives; [`process`] wires both to their topics.
+//! the waypoint driver of [`steering`] drives; [`process`] wires both to their topics.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]

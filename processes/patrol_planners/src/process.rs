@@ -1,11 +1,11 @@
 //! Wires the planners to their topics: state, map and scan in; command, plan and waypoints out.
 
-use guidance::map::PlannerMap;
-use guidance::steering::Steering;
-use guidance::view::View;
-use guidance::waypoint::WaypointReport;
 use patrol::mission::Drive;
 use planner::{PlannedPoint, Planner, PlannerInputs};
+use planner_view::map::PlannerMap;
+use planner_view::steering::Steering;
+use planner_view::view::View;
+use planner_view::waypoint::WaypointReport;
 use runtime::config::RobotInfo;
 
 use crate::{PatrolAwg, PatrolAwgParams, PatrolFto, PatrolFtoParams};

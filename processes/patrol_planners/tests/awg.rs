@@ -2,12 +2,12 @@
 
 mod support;
 
-use guidance::map::PlannerMap;
-use guidance::steering::Steering;
-use guidance::view::View;
-use guidance::waypoint::{WaypointKind, WaypointOutcome, WaypointReport};
 use patrol::forecast::Forecast;
 use patrol_planners::{PatrolAwg, PatrolAwgParams};
+use planner_view::map::PlannerMap;
+use planner_view::steering::Steering;
+use planner_view::view::View;
+use planner_view::waypoint::{WaypointKind, WaypointOutcome, WaypointReport};
 use sim_backend::pose::Pose2;
 use sim_backend::shape::Shape;
 use support::{Drive, Steers, drive, model};

@@ -2,8 +2,8 @@
 
 use std::sync::{Arc, OnceLock};
 
-use guidance::free_space::FreeSpace;
-use guidance::map::PlannerMap;
+use planner_view::free_space::FreeSpace;
+use planner_view::map::PlannerMap;
 use runtime::error::ProcessError;
 use runtime::grids::{MapGrids, blurred_map, map_grids};
 use runtime::inputs::{MapInput, ShapesInput};

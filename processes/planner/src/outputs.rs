@@ -1,7 +1,5 @@
 //! What planners send: a command and a plan per robot and tick, a tree now and then.
 
-use guidance::steering::Steering;
-use guidance::waypoint::{WaypointKind, WaypointOutcome, WaypointReport};
 use ipc_types::bus::Publisher;
 use ipc_types::messages::robot::{
     Command, PlanHeader, PlanPoint, TreeEdge, TreeHeader, WaypointEnd,
@@ -10,6 +8,8 @@ use ipc_types::messages::world::WorldEvent;
 use ipc_types::stamp::{PlainHeader, Stamp};
 use ipc_types::topics::{Commands, Plan, Tree, Waypoints};
 use nalgebra::Point2;
+use planner_view::steering::Steering;
+use planner_view::waypoint::{WaypointKind, WaypointOutcome, WaypointReport};
 use runtime::error::ProcessError;
 use sim_backend::pose::Twist2;
 

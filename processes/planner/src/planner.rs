@@ -1,12 +1,12 @@
 //! The interface of a steering algorithm, and what a robot gives it.
 
-use guidance::limits::Limits;
-use guidance::map::PlannerMap;
-use guidance::steering::Steering;
-use guidance::view::View;
-use guidance::waypoint::WaypointReport;
 use ipc_types::bus::Bus;
 use ipc_types::messages::robot::TreeEdge;
+use planner_view::limits::Limits;
+use planner_view::map::PlannerMap;
+use planner_view::steering::Steering;
+use planner_view::view::View;
+use planner_view::waypoint::WaypointReport;
 use rand::Rng as _;
 use runtime::config::{ProcessConfig, RobotInfo};
 use runtime::error::ProcessError;

@@ -3,11 +3,11 @@
 
 use std::sync::Arc;
 
-use guidance::map::PlannerMap;
-use guidance::view::{BeliefView, ParticleView, RobotView, ScanView, View};
 use ipc_types::bus::{Bus, Publisher, PublisherOptions};
 use ipc_types::topics::{Commands, Plan, Scan, Tree, Waypoints};
 use nalgebra::Point2;
+use planner_view::map::PlannerMap;
+use planner_view::view::{BeliefView, ParticleView, RobotView, ScanView, View};
 use runtime::config::{Clock, ProcessConfig};
 use runtime::error::ProcessError;
 use runtime::inputs::{

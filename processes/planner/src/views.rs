@@ -1,7 +1,7 @@
 //! The world's state as planners see it.
 
-use guidance::view::RobotView;
 use ipc_types::messages::world::RobotState;
+use planner_view::view::RobotView;
 use runtime::config::RobotInfo;
 use runtime::inputs::StateInput;
 use sim_backend::pose::{Pose2, Twist2};

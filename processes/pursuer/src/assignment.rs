@@ -6,10 +6,10 @@
 //! restart) knows nothing of earlier targets, so that it may disagree with its colleagues by up to
 //! the cost of a switch until the next change of the teams.
 
-use guidance::map::PlannerMap;
-use guidance::navigation::Wayfinder;
-use guidance::view::{RobotView, View};
 use nalgebra::Point2;
+use navigation::routes::Wayfinder;
+use planner_view::map::PlannerMap;
+use planner_view::view::{RobotView, View};
 use sim_backend::team::Team;
 
 use crate::cut_off::{Blocker, CutSearch, Fugitive, allot};

@@ -1,19 +1,19 @@
 //! One Police robot.
 
-use guidance::bearing::{Bearings, GoalField};
-use guidance::feedback_linearisation::command;
-use guidance::limits::Limits;
-use guidance::map::PlannerMap;
-use guidance::navigation::{MARGIN, Wayfinder};
-use guidance::potential_field::{
+use nalgebra::{Point2, Vector2};
+use navigation::bearing::{Bearings, GoalField};
+use navigation::routes::{MARGIN, Wayfinder};
+use planner_view::limits::Limits;
+use planner_view::map::PlannerMap;
+use planner_view::steering::Steering;
+use planner_view::view::{RobotView, View};
+use sim_backend::params::ParamsError;
+use sim_backend::team::Team;
+use steering::feedback_linearisation::command;
+use steering::potential_field::{
     Body, Goal, Perturbation, Repulsor, attraction, attraction_to_rest, compose, obstacle,
     repulsion,
 };
-use guidance::steering::Steering;
-use guidance::view::{RobotView, View};
-use nalgebra::{Point2, Vector2};
-use sim_backend::params::ParamsError;
-use sim_backend::team::Team;
 
 use crate::assignment::{Assigner, Order};
 use crate::exit_guard::{Duty, ExitGuards};

@@ -23,9 +23,9 @@
 use core::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use guidance::map::PlannerMap;
-use guidance::navigation::{NavGrid, RouteTree, Wayfinder};
 use nalgebra::Point2;
+use navigation::routes::{NavGrid, RouteTree, Wayfinder};
+use planner_view::map::PlannerMap;
 
 use crate::matching::{milliseconds, one_each};
 

@@ -12,10 +12,10 @@
 //! All of that with [`RoleParams::margin_s`] to spare. The last is asked again in every tick, so
 //! that a target that turns away in time finds the guard on its way back.
 
-use guidance::map::PlannerMap;
-use guidance::navigation::Wayfinder;
-use guidance::view::{RobotView, View};
 use nalgebra::Point2;
+use navigation::routes::Wayfinder;
+use planner_view::map::PlannerMap;
+use planner_view::view::{RobotView, View};
 use sim_backend::team::Team;
 
 use crate::exit_site::{ExitSite, NEVER_S, guard_time, straight_time};

@@ -16,8 +16,8 @@
 
 use core::f64::consts::TAU;
 
-use guidance::map::PlannerMap;
 use nalgebra::{Point2, Vector2};
+use planner_view::map::PlannerMap;
 use sim_backend::math;
 
 /// Points on the circle that stand for the ways in.

@@ -2,13 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use guidance::map::PlannerMap;
-use guidance::potential_field::Goal;
-use guidance::view::{BeliefView, View};
 use nalgebra::Point2;
+use planner_view::map::PlannerMap;
+use planner_view::view::{BeliefView, View};
 use sim_backend::math;
 use sim_backend::params::Fidelity;
 use sim_backend::pose::Pose2;
+use steering::potential_field::Goal;
 
 use crate::params::{BeliefGoals, Knowledge};
 
@@ -47,7 +47,7 @@ pub fn hypotheses(
                 BeliefGoals::Particles => {
                     let stride = belief.particles.len().div_ceil(max_particles.max(1)).max(1);
                     let taken = belief.particles.iter().step_by(stride);
-                    into.extend(taken.filter_map(guidance::view::ParticleView::usable));
+                    into.extend(taken.filter_map(planner_view::view::ParticleView::usable));
                     if into.is_empty() {
                         into.extend(mean(belief));
                     }
@@ -127,7 +127,7 @@ fn mode(belief: &BeliefView<'_>) -> Option<Hypothesis> {
     for (pose, weight) in belief
         .particles
         .iter()
-        .filter_map(guidance::view::ParticleView::usable)
+        .filter_map(planner_view::view::ParticleView::usable)
     {
         let cell = |value: f64| (value / MODE_CELL).floor() as i64;
         let sums = cells.entry((cell(pose.x), cell(pose.y))).or_default();
@@ -156,7 +156,7 @@ fn mode(belief: &BeliefView<'_>) -> Option<Hypothesis> {
 
 #[cfg(test)]
 mod tests {
-    use guidance::view::ParticleView;
+    use planner_view::view::ParticleView;
 
     use super::*;
 

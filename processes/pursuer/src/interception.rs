@@ -21,10 +21,10 @@
 //! nearest exit along the streets, driven at its highest speed, and the pursuer's time to a place
 //! that of its own shortest way there, less ρ.
 
-use guidance::map::PlannerMap;
-use guidance::navigation::Wayfinder;
-use guidance::view::RobotView;
 use nalgebra::{Point2, Vector2};
+use navigation::routes::Wayfinder;
+use planner_view::map::PlannerMap;
+use planner_view::view::RobotView;
 
 use crate::slots;
 

@@ -1,10 +1,10 @@
 //! Parameters of a pursuer.
 
-use guidance::bearing::GoalField;
-use guidance::feedback_linearisation::FeedbackParams;
-use guidance::potential_field::{ObstacleParams, PerturbationParams, RepulsionParams};
+use navigation::bearing::GoalField;
 use serde::{Deserialize, Serialize};
 use sim_backend::params::{Fidelity, ParamsError, not_negative, positive, require, within};
+use steering::feedback_linearisation::FeedbackParams;
+use steering::potential_field::{ObstacleParams, PerturbationParams, RepulsionParams};
 
 mod tactics;
 

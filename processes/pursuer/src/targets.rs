@@ -1,6 +1,6 @@
 //! What predictions suppose of a target's motion.
 
-use guidance::view::{RobotView, View};
+use planner_view::view::{RobotView, View};
 use sim_backend::pose::Pose2;
 
 use crate::goals::estimate;

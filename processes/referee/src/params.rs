@@ -1,6 +1,6 @@
 //! Parameters of the referee.
 
-use guidance::dominance::DominanceParams;
+use navigation::dominance::DominanceParams;
 use serde::{Deserialize, Serialize};
 use sim_backend::params::{ParamsError, not_negative, within};
 

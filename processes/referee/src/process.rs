@@ -2,14 +2,14 @@
 
 use std::sync::Arc;
 
-use guidance::dominance::{Cell, Owner};
-use guidance::map::PlannerMap;
-use guidance::view::RobotView;
 use ipc_types::bus::{Bus, Publisher, PublisherOptions};
 use ipc_types::messages::referee::{DominanceCell, DominanceHeader, Verdict};
 use ipc_types::stamp::{PlainHeader, Stamp};
 use ipc_types::topics::{Dominance, Verdicts};
+use navigation::dominance::{Cell, Owner};
 use planner::{planner_map, robot_views};
+use planner_view::map::PlannerMap;
+use planner_view::view::RobotView;
 use runtime::inputs::{MapInput, StateInput, reply_stamp};
 use runtime::{Clock, ProcessConfig, ProcessError, Wiring};
 use sim_backend::team::Team;

@@ -1,8 +1,8 @@
 //! One referee.
 
-use guidance::dominance::{Arena, Cell, Dominance, Runner, Verdict};
-use guidance::map::PlannerMap;
-use guidance::view::RobotView;
+use navigation::dominance::{Arena, Cell, Dominance, Runner, Verdict};
+use planner_view::map::PlannerMap;
+use planner_view::view::RobotView;
 use sim_backend::spec::Region;
 use sim_backend::team::Team;
 
@@ -112,7 +112,7 @@ impl Referee {
     /// Who reaches every cell first, at the moment judged last; the cells lie in the frame of the
     /// arena's lattice, and their `first` is a robot's index.
     pub fn cells(&mut self, map: &PlannerMap) -> Option<(&Arena, &[Cell])> {
-        use guidance::dominance::Owner;
+        use navigation::dominance::Owner;
 
         let (_, _, arena) = self.arena.as_ref()?;
         self.dominance

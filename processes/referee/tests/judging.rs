@@ -1,10 +1,10 @@
 //! The referee in the paper's city.
 
-#[path = "../../guidance/tests/support/mod.rs"]
+#[path = "../../../algorithms/planner_view/tests/support/mod.rs"]
 mod support;
 
-use guidance::dominance::Owner;
-use guidance::view::RobotView;
+use navigation::dominance::Owner;
+use planner_view::view::RobotView;
 use proptest::prelude::*;
 use referee::{Referee, RefereeParams};
 use sim_backend::pose::Pose2;
@@ -70,7 +70,7 @@ fn a_new_map_changes_the_verdict() {
     assert!(referee.judge(&map, &robots)[0].verdict.escape_possible);
     arena.rectangles.push((8.0, 9.0, -1.25, 1.25));
     let blocked = arena.map();
-    let blocked = guidance::map::PlannerMap::new(
+    let blocked = planner_view::map::PlannerMap::new(
         blocked.blurred().clone(),
         blocked.clearance_grid().clone(),
         map.revision() + 1,

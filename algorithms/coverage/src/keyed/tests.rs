@@ -1,4 +1,4 @@
-use guidance::waypoint::WaypointKind;
+use planner_view::waypoint::WaypointKind;
 
 use super::*;
 use crate::testing::{disc_coverage, empty};

@@ -1,4 +1,4 @@
-use guidance::waypoint::{Waypoint, WaypointKind};
+use planner_view::waypoint::{Waypoint, WaypointKind};
 use proptest::prelude::*;
 
 use super::*;

@@ -1,21 +1,21 @@
 //! Driving through sub-goals without stopping at them.
 //!
 //! The legs are joined by arcs (Chebyshev coverage paper, Fig. 9b and c; [`crate::legs`]) and
-//! the path is tracked by pure pursuit ([`guidance::path_tracking`]). A sub-goal whose corner is an
+//! the path is tracked by pure pursuit ([`steering::path_tracking`]). A sub-goal whose corner is an
 //! arc is passed where the arc ends; one whose corner is none is driven to.
 
 use std::collections::VecDeque;
 
 use crate::goal::Goal;
 use crate::legs::{Piece, Rounder, Rounding, RoundingError};
-use guidance::go_to::distance_to_segment;
-use guidance::limits::Limits;
-use guidance::path_tracking::{Path, PathTracker, TrackingParams};
-use guidance::waypoint::{WaypointOutcome, WaypointReport};
-use guidance::waypoint_driver::{Driving, LEAST_TIME_S, Situation};
 use nalgebra::Point2;
+use planner_view::limits::Limits;
+use planner_view::waypoint::{WaypointOutcome, WaypointReport};
 use sim_backend::pose::Twist2;
 use sim_backend::shape::Aabb;
+use steering::go_to::distance_to_segment;
+use steering::path_tracking::{Path, PathTracker, TrackingParams};
+use steering::waypoint_driver::{Driving, LEAST_TIME_S, Situation};
 
 use crate::sub_goals::params::FollowParams;
 

@@ -1,10 +1,10 @@
 //! Parameters that all planners of sub-goals share.
 
-use guidance::go_to::GoToParams;
-use guidance::path_tracking::TrackingParams;
-use guidance::waypoint_driver::DriverParams;
 use serde::{Deserialize, Serialize};
 use sim_backend::params::{ParamsError, not_negative, positive, require, within};
+use steering::go_to::GoToParams;
+use steering::path_tracking::TrackingParams;
+use steering::waypoint_driver::DriverParams;
 
 /// How the robot gets from sub-goal to sub-goal (Chebyshev coverage paper, Fig. 9).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]

@@ -1,8 +1,8 @@
 //! Laps without end, waypoint by waypoint.
 
 use chaotic_maps::Source;
-use guidance::waypoint::{Waypoint, WaypointKind};
 use nalgebra::Point2;
+use planner_view::waypoint::{Waypoint, WaypointKind};
 
 use super::{Awg, waypoint};
 

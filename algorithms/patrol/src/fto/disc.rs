@@ -1,7 +1,7 @@
 //! A disc that is not there, and a range scan that shows it.
 
-use guidance::view::ScanView;
 use nalgebra::{Point2, Vector2};
+use planner_view::view::ScanView;
 use sim_backend::math;
 use sim_backend::pose::Pose2;
 use sim_backend::shape::Convex;

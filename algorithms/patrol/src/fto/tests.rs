@@ -1,4 +1,4 @@
-use guidance::view::ScanView;
+use planner_view::view::ScanView;
 use proptest::prelude::*;
 
 use super::*;

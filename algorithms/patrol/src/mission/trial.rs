@@ -1,11 +1,11 @@
 //! Laps driven on trial, without obstacles, to know how long they take.
 
-use guidance::go_to::GoToParams;
-use guidance::limits::Limits;
-use guidance::waypoint_driver::lap_time;
 use nalgebra::Point2;
+use planner_view::limits::Limits;
 use sim_backend::math;
 use sim_backend::pose::Pose2;
+use steering::go_to::GoToParams;
+use steering::waypoint_driver::lap_time;
 
 use super::Drive;
 use crate::alpha::LapTimes;

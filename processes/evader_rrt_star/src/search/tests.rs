@@ -1,4 +1,4 @@
-use guidance::tangent_graph::TangentGraph;
+use navigation::tangent_graph::TangentGraph;
 use proptest::prelude::*;
 use sim_backend::shape::Convex;
 

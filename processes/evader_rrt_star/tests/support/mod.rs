@@ -3,8 +3,8 @@
 
 use evader_rrt_star::cost::{CostModel, CostParams, Pursuer};
 use evader_rrt_star::params::Algorithm;
-use guidance::free_space::FreeSpace;
 use nalgebra::Point2;
+use planner_view::free_space::FreeSpace;
 use sim_backend::pose::Pose2;
 use sim_backend::shape::{Aabb, Convex};
 

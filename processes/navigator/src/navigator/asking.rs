@@ -1,8 +1,8 @@
 //! What is asked, and from where.
 
-use guidance::free_space::FreeSpace;
-use guidance::view::{RobotView, View};
 use nalgebra::{Point2, Vector2};
+use planner_view::free_space::FreeSpace;
+use planner_view::view::{RobotView, View};
 use sim_backend::shape::{Aabb, Convex};
 use sim_backend::spec::RobotModel;
 

@@ -2,9 +2,9 @@
 
 mod asking;
 
-use guidance::free_space::FreeSpace;
-use guidance::view::View;
 use nalgebra::Point2;
+use planner_view::free_space::FreeSpace;
+use planner_view::view::View;
 use sim_backend::pose::Twist2;
 use sim_backend::spec::RobotModel;
 

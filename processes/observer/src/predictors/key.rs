@@ -8,8 +8,8 @@
 use std::collections::VecDeque;
 
 use chaotic_maps::{AnySource, Source as _};
-use guidance::go_to::distance_to_segment;
 use nalgebra::Point2;
+use steering::go_to::distance_to_segment;
 
 use super::Predictor;
 use crate::layout::{Frame, Layout, Slot};

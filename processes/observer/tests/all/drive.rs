@@ -3,10 +3,6 @@
 use core::time::Duration;
 use std::sync::Arc;
 
-use guidance::free_space::FreeSpace;
-use guidance::map::PlannerMap;
-use guidance::view::{RobotView, ScanView, View};
-use guidance::waypoint::WaypointReport;
 use nalgebra::Point2;
 use observer::layout::Layout;
 use observer::legs::Legs;
@@ -14,6 +10,10 @@ use observer::moment::{Look, Moment, Seen};
 use observer::predictors::Predictor as _;
 use observer::predictors::key::{Finder, KeyHunter};
 use planner::Planner;
+use planner_view::free_space::FreeSpace;
+use planner_view::map::PlannerMap;
+use planner_view::view::{RobotView, ScanView, View};
+use planner_view::waypoint::WaypointReport;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use runtime::RobotInfo;

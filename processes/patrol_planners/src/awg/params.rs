@@ -1,8 +1,8 @@
 //! Parameters of the patrol.
 
-use guidance::waypoint_driver::DriverParams;
 use patrol::mission::MissionParams;
 use serde::{Deserialize, Serialize};
+use steering::waypoint_driver::DriverParams;
 
 use crate::PatrolError;
 

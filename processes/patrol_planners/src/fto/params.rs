@@ -1,10 +1,10 @@
 //! Parameters of the patrol.
 
-use guidance::waypoint_driver::DriverParams;
 use patrol::fto::FtoParams;
 use patrol::mission::MissionParams;
 use patrol::mixed::MixedParams;
 use serde::{Deserialize, Serialize};
+use steering::waypoint_driver::DriverParams;
 
 use crate::PatrolError;
 

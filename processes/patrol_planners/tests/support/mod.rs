@@ -3,11 +3,11 @@
 use core::time::Duration;
 use std::sync::Arc;
 
-use guidance::free_space::FreeSpace;
-use guidance::map::PlannerMap;
-use guidance::steering::Steering;
-use guidance::view::{RobotView, ScanView, View};
-use guidance::waypoint::WaypointReport;
+use planner_view::free_space::FreeSpace;
+use planner_view::map::PlannerMap;
+use planner_view::steering::Steering;
+use planner_view::view::{RobotView, ScanView, View};
+use planner_view::waypoint::WaypointReport;
 use sim_backend::blur::BlurredMap;
 use sim_backend::grid::Grid;
 use sim_backend::map::{MapSpec, ObstacleSpec, VectorMap};

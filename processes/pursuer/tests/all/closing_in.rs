@@ -2,10 +2,10 @@
 
 use crate::police::{CATCH, V_POLICE, exact, view};
 use crate::support::{self, CITY, DT, Kinematic, RADIUS, street_starts};
-use guidance::bearing::GoalField;
-use guidance::limits::Limits;
-use guidance::view::{BeliefView, ParticleView, RobotView};
 use nalgebra::Point2;
+use navigation::bearing::GoalField;
+use planner_view::limits::Limits;
+use planner_view::view::{BeliefView, ParticleView, RobotView};
 use proptest::prelude::*;
 use pursuer::params::{AssignmentMethod, BeliefGoals, GoalMethod, Knowledge};
 use pursuer::{Pursuer, PursuerParams};

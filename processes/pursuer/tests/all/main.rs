@@ -1,6 +1,6 @@
 //! The Police against evaders that move by the book; one program, to be linked once.
 
-#[path = "../../../guidance/tests/support/mod.rs"]
+#[path = "../../../../algorithms/planner_view/tests/support/mod.rs"]
 mod support;
 
 mod closing_in;

@@ -1,6 +1,6 @@
 //! The Police of these tests, and what they see.
 
-use guidance::view::{BeliefView, RobotView, View};
+use planner_view::view::{BeliefView, RobotView, View};
 use pursuer::PursuerParams;
 use pursuer::params::Knowledge;
 use sim_backend::pose::Pose2;

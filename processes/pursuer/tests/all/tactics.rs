@@ -4,10 +4,10 @@ use std::collections::VecDeque;
 
 use crate::police::{CATCH, V_POLICE, exact, police, view};
 use crate::support::{CITY, DT, EXIT, Kinematic, RADIUS, street_starts};
-use guidance::limits::Limits;
-use guidance::navigation::{NavGrid, Wayfinder};
-use guidance::view::{BeliefView, ParticleView, RobotView, View};
 use nalgebra::Point2;
+use navigation::routes::{NavGrid, Wayfinder};
+use planner_view::limits::Limits;
+use planner_view::view::{BeliefView, ParticleView, RobotView, View};
 use pursuer::cut_off::{Blocker, CutSearch, Fugitive};
 use pursuer::exit_guard::ExitGuards;
 use pursuer::params::{AssignmentMethod, GoalMethod, Knowledge, RoleParams};

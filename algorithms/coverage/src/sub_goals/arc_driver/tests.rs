@@ -3,9 +3,9 @@ use crate::plan::{CoveragePlan, PlanSpec};
 use crate::tour::Iterations;
 use crate::workplace::Workplace;
 use chaotic_maps::{Emission, Key, KeyKind};
-use guidance::go_to::coast;
 use sim_backend::pose::Pose2;
 use sim_backend::shape::Convex;
+use steering::go_to::coast;
 
 use super::*;
 

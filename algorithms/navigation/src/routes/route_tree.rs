@@ -1,0 +1,392 @@
+//! The shortest ways from one place to everywhere.
+
+use core::cmp::Reverse;
+use core::sync::atomic::{AtomicU32, Ordering};
+use std::collections::BinaryHeap;
+
+use nalgebra::Point2;
+
+use super::nav_grid::{NONE, NavGrid, SIGHT};
+use planner_view::map::PlannerMap;
+
+/// A cost [mm] that means "no way".
+const UNREACHED: u32 = u32::MAX;
+
+/// Largest factor by which a threat may lengthen an edge.
+const MAX_THREAT: f64 = 1000.0;
+
+/// Somewhere one would rather not pass: ways near it count as longer than they are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Threat {
+    /// Where it is [m].
+    pub at: Point2<f64>,
+    /// Extra metres that a metre of way costs at distance `reach` from it; falls off (and rises
+    /// towards it) with the square of the distance.
+    pub gain: f64,
+    /// See `gain` [m].
+    pub reach: f64,
+}
+
+/// The first straight leg of a way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RouteLeg {
+    /// Where the leg ends [m]: the destination if it can be seen, else the last point on the way
+    /// to it that can.
+    pub waypoint: Point2<f64>,
+    /// Length of the way beyond the waypoint [m].
+    pub beyond: f64,
+}
+
+/// Shortest ways between one or several roots and all nodes of a [`NavGrid`].
+///
+/// Besides length and parent, a tree that was planted with gates knows every node's *gate*: the
+/// last node of the way to it up to which all of the way can be seen from the root, looking no
+/// further than `nav_grid::SIGHT`. Heading for gates cuts off the corners of the grid's eight
+/// directions. Gates are found when they are asked for: of all the nodes that a tree reaches, few
+/// are ever a destination.
+///
+/// The tree grows outwards from the root and only as far as it is asked to ([`RouteTree::reach`]);
+/// what lies further is unknown, not unreachable.
+///
+/// Costs are whole millimetres and ties go to the lower index, so the tree is the same on every
+/// machine.
+#[derive(Debug, Clone)]
+pub struct RouteTree {
+    /// What the cheapest way costs [mm]: its length, more where something threatens.
+    cost: Vec<u32>,
+    /// How long the cheapest way is [mm].
+    length: Vec<u32>,
+    parent: Vec<u32>,
+    gates: Gates,
+    /// Per node, how many were reached before it; [`NONE`] until it is reached.
+    rank: Vec<u32>,
+    /// How many nodes have been reached.
+    settled: u32,
+    threats: Vec<Threat>,
+    /// Extra cost of a node as a fraction of the length of its edges, in 1/256; [`NONE`] until it
+    /// is needed; empty when nothing threatens.
+    extra: Vec<u32>,
+    /// Nodes on the rim with what the ways to them cost [mm], the cheapest first, the lowest of several.
+    queue: BinaryHeap<Reverse<(u32, u32)>>,
+    /// Where the gates are seen from; nothing in a tree without gates.
+    origin: Option<Point2<f64>>,
+}
+
+impl Default for RouteTree {
+    /// A tree that has not been planted.
+    fn default() -> Self {
+        Self {
+            cost: Vec::new(),
+            length: Vec::new(),
+            parent: Vec::new(),
+            gates: Gates::default(),
+            rank: Vec::new(),
+            settled: 0,
+            threats: Vec::new(),
+            extra: Vec::new(),
+            queue: BinaryHeap::new(),
+            origin: None,
+        }
+    }
+}
+
+impl RouteTree {
+    /// Plants the tree anew at a root node, with gates, in the memory of the old one.
+    pub fn plant(&mut self, grid: &NavGrid, root: usize) {
+        self.plant_without_gates(grid, &[root], &[]);
+        self.gates.0.resize_with(grid.len(), Gates::unknown);
+        self.origin = grid.point(root);
+    }
+
+    /// Plants the tree anew at several root nodes, without gates.
+    ///
+    /// Ways lead to the cheapest root, and avoid `threats` as far as that is worth the longer way.
+    pub fn plant_without_gates(&mut self, grid: &NavGrid, roots: &[usize], threats: &[Threat]) {
+        let nodes = grid.len();
+        for (values, fill) in [
+            (&mut self.cost, UNREACHED),
+            (&mut self.length, UNREACHED),
+            (&mut self.parent, NONE),
+            (&mut self.rank, NONE),
+        ] {
+            values.clear();
+            values.resize(nodes, fill);
+        }
+        self.gates.0.clear();
+        self.settled = 0;
+        self.threats.clear();
+        self.threats.extend_from_slice(threats);
+        self.extra.clear();
+        if !threats.is_empty() {
+            self.extra.resize(nodes, NONE);
+        }
+        self.queue.clear();
+        self.origin = None;
+        for &root in roots.iter().filter(|&&root| root < nodes) {
+            self.cost[root] = 0;
+            self.length[root] = 0;
+            self.queue.push(Reverse((0, root as u32)));
+        }
+    }
+
+    /// Grows the tree until it reaches a node; whether it does. Must be given the graph for which
+    /// the tree was planted.
+    pub fn reach(&mut self, grid: &NavGrid, node: usize) -> bool {
+        while !self.knows(node) {
+            if !self.settle_next(grid) {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Grows the tree until it has reached this many nodes, or all that can be reached. Like
+    /// [`RouteTree::reach`].
+    pub fn settle(&mut self, grid: &NavGrid, nodes: u32) {
+        while self.settled < nodes && self.settle_next(grid) {}
+    }
+
+    /// Reaches one more node; false if there is none.
+    fn settle_next(&mut self, grid: &NavGrid) -> bool {
+        while let Some(Reverse((cost, from))) = self.queue.pop() {
+            let from = from as usize;
+            if cost > self.cost[from] || self.knows(from) {
+                continue;
+            }
+            self.rank[from] = self.settled;
+            self.settled += 1;
+            for edge in grid.edges(from) {
+                let to = edge.to as usize;
+                let reached = cost.saturating_add(self.edge_cost(grid, from, to, edge.length));
+                if reached < self.cost[to] {
+                    self.cost[to] = reached;
+                    self.length[to] = self.length[from].saturating_add(edge.length);
+                    self.parent[to] = from as u32;
+                    self.queue.push(Reverse((reached, edge.to)));
+                }
+            }
+            return true;
+        }
+        false
+    }
+
+    /// Whether the tree has grown as far as a node.
+    pub fn knows(&self, node: usize) -> bool {
+        self.rank(node).is_some()
+    }
+
+    /// How many nodes the tree had reached when it reached this one. A tree reaches nodes in the
+    /// same order however far it is grown at a time.
+    pub fn rank(&self, node: usize) -> Option<u32> {
+        self.rank.get(node).copied().filter(|&rank| rank != NONE)
+    }
+
+    /// How many nodes the tree has reached.
+    pub fn settled(&self) -> u32 {
+        self.settled
+    }
+
+    /// Whether the tree has reached all that can be reached.
+    pub fn is_complete(&self) -> bool {
+        self.queue.is_empty()
+    }
+
+    /// Length of the way to a node [mm]; `None` if the tree has not reached it.
+    pub fn length_mm(&self, node: usize) -> Option<u32> {
+        self.knows(node).then(|| self.length.get(node).copied())?
+    }
+
+    /// Length of the way to a node [m]; `None` if the tree has not reached it.
+    pub fn length(&self, node: usize) -> Option<f64> {
+        self.length_mm(node).map(|mm| f64::from(mm) / 1000.0)
+    }
+
+    /// What the way to a node costs [m]: its length, more where something threatens; `None` if
+    /// the tree has not reached it.
+    pub fn cost(&self, node: usize) -> Option<f64> {
+        self.knows(node)
+            .then(|| self.cost.get(node).map(|&mm| f64::from(mm) / 1000.0))?
+    }
+
+    /// The node before this one on the way from the root.
+    pub fn parent(&self, node: usize) -> Option<usize> {
+        self.parent
+            .get(node)
+            .filter(|&&parent| parent != NONE)
+            .map(|&parent| parent as usize)
+    }
+
+    /// The last node on the way to this one that can be seen from the root; in a tree without gates
+    /// the node itself. `None` if the tree has not reached it. Must be given the map and graph for
+    /// which the tree was planted.
+    pub fn gate(&self, map: &PlannerMap, grid: &NavGrid, node: usize) -> Option<usize> {
+        self.rank(node)?;
+        let Some(origin) = self.origin else {
+            return Some(node);
+        };
+        if let Some(known) = self.gates.get(node) {
+            return Some(known as usize);
+        }
+        // Gates are handed down from the root, so those of the way to the node come first.
+        let mut way = vec![node];
+        let mut next = self.parent(node);
+        let mut gate = None;
+        while let Some(before) = next {
+            gate = self.gates.get(before);
+            if gate.is_some() {
+                break;
+            }
+            way.push(before);
+            next = self.parent(before);
+        }
+        let sight = (SIGHT * 1000.0) as u32;
+        let mut parent = next;
+        for &node in way.iter().rev() {
+            let found = match (parent, gate) {
+                (Some(parent), Some(inherited)) => {
+                    // The way is seen as far as this node if it is seen as far as the parent, and
+                    // this node is.
+                    let in_sight = inherited == parent as u32
+                        && self.length[parent] < sight
+                        && grid.point(node).is_some_and(|point| {
+                            map.line_is_clear(origin, point, grid.inflation())
+                        });
+                    if in_sight { node as u32 } else { inherited }
+                }
+                // The root.
+                _ => node as u32,
+            };
+            self.gates.set(node, found);
+            (parent, gate) = (Some(node), Some(found));
+        }
+        gate.map(|gate| gate as usize)
+    }
+
+    fn edge_cost(&mut self, grid: &NavGrid, from: usize, to: usize, length: u32) -> u32 {
+        if self.extra.is_empty() {
+            return length;
+        }
+        let extra = self.extra_of(grid, from).max(self.extra_of(grid, to));
+        let cost = u64::from(length) * (256 + u64::from(extra)) / 256;
+        u32::try_from(cost).unwrap_or(UNREACHED - 1)
+    }
+
+    /// What the threats add to a node.
+    fn extra_of(&mut self, grid: &NavGrid, node: usize) -> u32 {
+        if self.extra[node] == NONE {
+            let point = grid.points()[node];
+            let extra: f64 = self
+                .threats
+                .iter()
+                .map(|threat| {
+                    let near = threat.reach * threat.reach;
+                    threat.gain * near / (point - threat.at).norm_squared().max(1e-6)
+                })
+                .filter(|extra| !extra.is_nan())
+                .sum();
+            self.extra[node] = (extra.clamp(0.0, MAX_THREAT) * 256.0) as u32;
+        }
+        self.extra[node]
+    }
+}
+
+/// Per node, its gate, or [`NONE`] until it is asked for; nothing in a tree without gates.
+///
+/// Those who look at the same tree may find the same gate at the same time: it is a function of the
+/// tree, so that all find the same.
+#[derive(Debug, Default)]
+struct Gates(Vec<AtomicU32>);
+
+impl Gates {
+    fn unknown() -> AtomicU32 {
+        AtomicU32::new(NONE)
+    }
+
+    fn get(&self, node: usize) -> Option<u32> {
+        let gate = self.0.get(node)?.load(Ordering::Relaxed);
+        (gate != NONE).then_some(gate)
+    }
+
+    fn set(&self, node: usize, gate: u32) {
+        if let Some(place) = self.0.get(node) {
+            place.store(gate, Ordering::Relaxed);
+        }
+    }
+}
+
+impl Clone for Gates {
+    fn clone(&self) -> Self {
+        let copy = |gate: &AtomicU32| AtomicU32::new(gate.load(Ordering::Relaxed));
+        Self(self.0.iter().map(copy).collect())
+    }
+}
+
+/// A tree together with its graph: shortest ways from a robot to points of the world.
+///
+/// Answers for the points it was asked for (see [`super::Wayfinder::routes`]) and others that are
+/// no further; of the rest it says that no way is known.
+#[derive(Debug, Clone, Copy)]
+pub struct Routes<'a> {
+    /// The map that the graph is laid over.
+    pub(super) map: &'a PlannerMap,
+    /// The graph.
+    pub(super) grid: &'a NavGrid,
+    /// The tree in it; others may have grown it further than was asked for here.
+    pub(super) tree: &'a RouteTree,
+    /// Number of nodes that the tree would have reached if it were used here alone.
+    pub(super) horizon: u32,
+}
+
+impl Routes<'_> {
+    /// The node at a point, if a way to it is known.
+    fn known(&self, to: Point2<f64>) -> Option<usize> {
+        let node = self.grid.node_at(to)?;
+        (self.tree.rank(node)? < self.horizon).then_some(node)
+    }
+
+    /// The first leg of the way to a point [m]; `None` if no way is known.
+    pub fn leg_to(&self, to: Point2<f64>) -> Option<RouteLeg> {
+        let node = self.known(to)?;
+        let gate = self.tree.gate(self.map, self.grid, node)?;
+        let last = self.grid.point(node)?;
+        if gate == node {
+            return Some(RouteLeg {
+                waypoint: to,
+                beyond: 0.0,
+            });
+        }
+        let beyond = self.tree.length(node)? - self.tree.length(gate)? + (to - last).norm();
+        Some(RouteLeg {
+            waypoint: self.grid.point(gate)?,
+            beyond,
+        })
+    }
+
+    /// Length of the way to a point [m], to the accuracy of the graph's blocks; `None` if no
+    /// way is known.
+    pub fn distance_to(&self, to: Point2<f64>) -> Option<f64> {
+        let node = self.known(to)?;
+        Some(self.tree.length(node)? + (to - self.grid.point(node)?).norm())
+    }
+
+    /// What the way to a point costs [m]; `None` if no way is known.
+    pub fn cost_of(&self, to: Point2<f64>) -> Option<f64> {
+        self.tree.cost(self.known(to)?)
+    }
+
+    /// Writes the way from the root to a point into `way`, root first, as points [m] with the
+    /// distance travelled to each [m]; leaves it empty if no way is known.
+    pub fn way_to(&self, to: Point2<f64>, way: &mut Vec<(Point2<f64>, f64)>) {
+        way.clear();
+        let mut next = self.known(to);
+        while let Some(node) = next {
+            let (Some(point), Some(length)) = (self.grid.point(node), self.tree.length(node))
+            else {
+                break;
+            };
+            way.push((point, length));
+            next = self.tree.parent(node);
+        }
+        way.reverse();
+    }
+}

@@ -1,0 +1,72 @@
+//! One question to a space: a graph of just the sites that its answer can touch.
+
+use std::sync::Arc as Shared;
+
+use nalgebra::Point2;
+
+use super::graph::Graph;
+use super::near::Near;
+use super::sites::{self, Site};
+use super::{GraphError, Inner, MAX_SITES, MIN_RADIUS, ShortestPath, TangentGraph};
+use planner_view::free_space::FreeSpace;
+
+/// Lengths that the path is supposed to have at most, as multiples of the straight distance, one
+/// after the other.
+const SUPPOSED: [f64; 4] = [1.01, 1.05, 1.2, 1.6];
+
+/// The shortest path of a disc of this radius [m] between two points [m]; as
+/// [`TangentGraph::shortest`], but without the preparations that only pay for many questions.
+///
+/// A path that touches a site anywhere is at least as long as the way over the nearest point of
+/// its circle. So it is enough to look at the sites within an ellipse about the two points, as long
+/// as the path found is no longer than what the ellipse allows; if it is, or if there is none, the
+/// ellipse grows, in the end to everything.
+///
+/// # Errors
+/// As [`TangentGraph::new`].
+pub fn shortest_once(
+    space: &FreeSpace,
+    radius: f64,
+    from: Point2<f64>,
+    to: Point2<f64>,
+) -> Result<Option<ShortestPath>, GraphError> {
+    if !(radius >= MIN_RADIUS && radius.is_finite()) {
+        return Err(GraphError::Radius(radius));
+    }
+    let direct = (to - from).norm();
+    let all = sites::find(space, radius, MAX_SITES);
+    if all.len() > MAX_SITES {
+        return Err(GraphError::TooManySites);
+    }
+    let detour = |site: &Site| {
+        let [a, b] = [from, to].map(|end| ((end - site.center).norm() - site.radius).max(0.0));
+        a + b
+    };
+    for most in SUPPOSED
+        .map(|part| part * direct)
+        .into_iter()
+        .chain([f64::INFINITY])
+    {
+        let near: Vec<Site> = all
+            .iter()
+            .copied()
+            .filter(|site| detour(site) <= most)
+            .collect();
+        let whole = near.len() == all.len();
+        let graph = Graph::new(space, radius, near)?;
+        let inner = Inner {
+            near: Near::new(space.bounds()),
+            space: space.clone(),
+            radius,
+            graph,
+        };
+        let graph = TangentGraph {
+            inner: Shared::new(inner),
+        };
+        let path = graph.shortest(from, to);
+        if whole || path.as_ref().is_some_and(|path| path.length <= most) {
+            return Ok(path);
+        }
+    }
+    Ok(None)
+}

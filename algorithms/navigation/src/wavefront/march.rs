@@ -1,0 +1,282 @@
+//! Fast marching.
+
+use super::lattice::{Lattice, NONE};
+use super::queue::Queue;
+use super::seed::{Seed, Source, collect};
+use planner_view::map::PlannerMap;
+
+/// Arrival times of the earliest of several sources at every node of a [`Lattice`].
+///
+/// Keeps its memory from one wave to the next. Equal times go to the source that was named first.
+#[derive(Debug, Clone, Default)]
+pub struct Wave {
+    nodes: usize,
+    /// Times of nodes and bends that are decided, infinite for others and for nowhere.
+    times: Vec<f32>,
+    labels: Vec<u32>,
+    /// Best times so far.
+    tentative: Vec<f32>,
+    /// Whether they are those of a straight way from a source or bend.
+    straight: Vec<bool>,
+    queue: Queue,
+    seeds: Vec<Seed>,
+    speeds: Vec<f64>,
+    /// The earliest over the speeds marched so far.
+    earliest: Vec<f32>,
+    earliest_labels: Vec<u32>,
+}
+
+impl Wave {
+    /// Sends a wave from these sources over the whole lattice; sources with numbers out of range
+    /// are left out.
+    ///
+    /// With `limit`, a wave over the same lattice, it goes only where it is strictly before that.
+    ///
+    /// Costs one march per distinct speed: a slow wave that is first at a place must not hold up a
+    /// faster one that comes through later.
+    pub fn spread(
+        &mut self,
+        lattice: &Lattice,
+        map: &PlannerMap,
+        sources: &[Source],
+        limit: Option<&Self>,
+    ) {
+        self.nodes = lattice.len();
+        self.speeds.clear();
+        let sane = || sources.iter().filter(|source| source.is_sane());
+        for source in sane() {
+            if !self.speeds.contains(&source.speed) {
+                self.speeds.push(source.speed);
+            }
+        }
+        if self.speeds.is_empty() {
+            self.clear(lattice);
+            return;
+        }
+        let limit = limit.map(|limit| &limit.times[..]);
+        for group in 0..self.speeds.len() {
+            let speed = self.speeds[group];
+            self.seeds.clear();
+            for source in sane().filter(|source| source.speed == speed) {
+                collect(lattice, map, source, &mut self.seeds);
+            }
+            self.march(lattice, speed, limit);
+            if self.speeds.len() > 1 {
+                self.keep_earliest(group == 0);
+            }
+        }
+        if self.speeds.len() > 1 {
+            core::mem::swap(&mut self.times, &mut self.earliest);
+            core::mem::swap(&mut self.labels, &mut self.earliest_labels);
+        }
+    }
+
+    /// When the wave reaches each node [s], by its number; infinite where it does not come.
+    pub fn times(&self) -> &[f32] {
+        // Behind them are the bends, and the place that stands for none.
+        self.times.get(..self.nodes).unwrap_or_default()
+    }
+
+    /// When the wave reaches a node [s]; infinite where it does not come.
+    pub fn time(&self, node: usize) -> f32 {
+        self.times().get(node).copied().unwrap_or(f32::INFINITY)
+    }
+
+    /// Label of the source that is first at a node; `None` where no wave comes.
+    pub fn label(&self, node: usize) -> Option<u32> {
+        let reached = self.time(node).is_finite();
+        self.labels.get(node).copied().filter(|_| reached)
+    }
+
+    /// When the wave is at a point [m], by linear interpolation between the centres of the cells
+    /// around it; infinite if it reaches none of them.
+    pub fn time_at(&self, lattice: &Lattice, p: nalgebra::Point2<f64>) -> f64 {
+        let frame = lattice.frame();
+        let x = (p.x - frame.origin.x) / frame.resolution - 0.5;
+        let y = (p.y - frame.origin.y) / frame.resolution - 0.5;
+        let (fx, fy) = (x - x.floor(), y - y.floor());
+        let (mut sum, mut weights) = (0.0, 0.0);
+        for (dx, dy, weight) in [
+            (0, 0, (1.0 - fx) * (1.0 - fy)),
+            (1, 0, fx * (1.0 - fy)),
+            (0, 1, (1.0 - fx) * fy),
+            (1, 1, fx * fy),
+        ] {
+            let (col, row) = (x.floor() + f64::from(dx), y.floor() + f64::from(dy));
+            let inside =
+                col >= 0.0 && row >= 0.0 && col < frame.width as f64 && row < frame.height as f64;
+            let node = inside
+                .then(|| frame.index(col as usize, row as usize))
+                .and_then(|cell| lattice.node_of_cell(cell));
+            let time = node.map_or(f64::INFINITY, |node| f64::from(self.time(node)));
+            if time.is_finite() {
+                sum += weight * time;
+                weights += weight;
+            }
+        }
+        // A point in a wall takes the times of what is free around it.
+        if weights > 1e-6 {
+            sum / weights
+        } else {
+            f64::INFINITY
+        }
+    }
+
+    fn clear(&mut self, lattice: &Lattice) {
+        let places = lattice.nowhere() + 1;
+        for times in [&mut self.times, &mut self.tentative] {
+            times.clear();
+            times.resize(places, f32::INFINITY);
+        }
+        self.labels.clear();
+        self.labels.resize(places, 0);
+        self.straight.clear();
+        self.straight.resize(places, false);
+    }
+
+    /// Marches from the seeds at a speed [m/s].
+    fn march(&mut self, lattice: &Lattice, speed: f64, limit: Option<&[f32]>) {
+        self.clear(lattice);
+        let step = (lattice.pitch() / speed) as f32;
+        let slowness = (1.0 / speed) as f32;
+        self.queue.reset(step);
+        self.sow(limit);
+        let nowhere = lattice.nowhere();
+        while let Some((time, place)) = self.queue.pop() {
+            let at = place as usize;
+            if self.times[at].is_finite() || time > self.tentative[at] {
+                continue;
+            }
+            self.times[at] = time;
+            if at >= self.nodes {
+                self.turn(lattice, at, slowness, limit);
+                continue;
+            }
+            for next in lattice.neighbours(at) {
+                let next = next as usize;
+                if next == nowhere || self.times[next].is_finite() {
+                    continue;
+                }
+                // Next to a straight way, differences have nothing to add.
+                if self.straight[next] && self.tentative[next] <= time + 1.5 * step {
+                    continue;
+                }
+                let (time, from) = self.arrival(lattice, next, step);
+                self.offer(next, time, self.labels[from], false, limit);
+            }
+            if let Some(bend) = lattice.bends().beside(at) {
+                let bend = self.nodes + bend;
+                if !self.straight[bend] {
+                    self.offer(bend, time + step, self.labels[at], false, limit);
+                }
+            }
+        }
+    }
+
+    /// Enters the seeds, the earliest first. Under a limit, one only if the straight way to it has
+    /// been within the limit as well.
+    fn sow(&mut self, limit: Option<&[f32]>) {
+        // Stable: equal times keep the order of their sources.
+        self.seeds.sort_by(|a, b| a.time.total_cmp(&b.time));
+        for i in 0..self.seeds.len() {
+            let Seed {
+                time,
+                node,
+                label,
+                back,
+            } = self.seeds[i];
+            let cut_off = limit.is_some()
+                && back.is_some_and(|back| !self.tentative[back as usize].is_finite());
+            if !cut_off {
+                self.offer(node as usize, time, label, true, limit);
+            }
+        }
+    }
+
+    /// The wave turns round a corner: goes straight on from a bend that it has reached.
+    fn turn(&mut self, lattice: &Lattice, at: usize, slowness: f32, limit: Option<&[f32]>) {
+        let (start, label) = (self.times[at], self.labels[at]);
+        for target in lattice.bends().targets(at - self.nodes) {
+            let to = target.to as usize;
+            let time = start + target.distance * slowness;
+            if time >= self.tentative[to] || self.times[to].is_finite() {
+                continue;
+            }
+            let cut_off = limit.is_some()
+                && target.back != NONE
+                && !self.tentative[target.back as usize].is_finite();
+            if !cut_off {
+                self.offer(to, time, label, true, limit);
+            }
+        }
+    }
+
+    /// Lowers the time of a place, if this is earlier and within the limit.
+    fn offer(&mut self, to: usize, time: f32, label: u32, straight: bool, limit: Option<&[f32]>) {
+        let allowed = limit.is_none_or(|limit| limit.get(to).is_some_and(|&limit| time < limit));
+        if time < self.tentative[to] && allowed {
+            self.tentative[to] = time;
+            self.labels[to] = label;
+            self.straight[to] = straight;
+            self.queue.push(time, to as u32);
+        }
+    }
+
+    /// The arrival time at a node from its decided neighbours, and the earlier of them.
+    ///
+    /// Solves Σ w(T − t)² = step² over both axes, where t and w are a neighbour's time and 1, or of
+    /// second order (4t₁ − t₂)/3 and 9/4 (Sethian 1999, §8.3).
+    fn arrival(&self, lattice: &Lattice, node: usize, step: f32) -> (f32, usize) {
+        let beside = lattice.neighbours(node);
+        let axis = |forth: usize, back: usize| {
+            let (a, b) = (
+                self.times[beside[forth] as usize],
+                self.times[beside[back] as usize],
+            );
+            let (time, to) = if a < b { (a, forth) } else { (b, back) };
+            let neighbour = beside[to] as usize;
+            if time.is_finite() {
+                let behind = self.times[lattice.neighbours(neighbour)[to] as usize];
+                if behind <= time {
+                    return (time, (4.0 * time - behind) / 3.0, 2.25, neighbour);
+                }
+            }
+            (time, time, 1.0, neighbour)
+        };
+        let (first_x, x, weight_x, from_x) = axis(0, 2);
+        let (first_y, y, weight_y, from_y) = axis(1, 3);
+        let from = if first_x <= first_y { from_x } else { from_y };
+        let one_sided = |time: f32, weight: f32| time + step / weight.sqrt();
+        if first_x.is_finite() && first_y.is_finite() {
+            let (weights, apart) = (weight_x + weight_y, y - x);
+            let root = step * step * weights - weight_x * weight_y * apart * apart;
+            if root >= 0.0 {
+                let time = x + (weight_y * apart + root.sqrt()) / weights;
+                if time >= first_x.max(first_y) {
+                    return (time, from);
+                }
+            }
+        }
+        let time = if first_x <= first_y {
+            one_sided(x, weight_x)
+        } else {
+            one_sided(y, weight_y)
+        };
+        (time.max(first_x.min(first_y)), from)
+    }
+
+    fn keep_earliest(&mut self, first: bool) {
+        if first {
+            self.earliest.clone_from(&self.times);
+            self.earliest_labels.clone_from(&self.labels);
+            return;
+        }
+        let kept = self.earliest.iter_mut().zip(&mut self.earliest_labels);
+        for ((time, label), (&new, &new_label)) in kept.zip(self.times.iter().zip(&self.labels)) {
+            if new < *time {
+                *time = new;
+                *label = new_label;
+            }
+        }
+    }
+}

@@ -1,0 +1,11 @@
+//! Way finding in the city and other places; one program, because linking four costs minutes.
+
+#[path = "../../../planner_view/tests/scenes/mod.rs"]
+mod scenes;
+#[path = "../../../planner_view/tests/support/mod.rs"]
+mod support;
+
+mod dominance;
+mod routes;
+mod shortest_path;
+mod wavefront;

@@ -1,0 +1,19 @@
+//! The view of a planner: what it knows in a tick, and what it answers.
+//!
+//! - [`view::View`]: robots, beliefs, scan and time of one tick;
+//! - [`map::PlannerMap`]: the map as grids, with what planners [derive](derived::Derived) from it;
+//!   [`free_space::FreeSpace`]: its exact pieces, for planners that search;
+//! - [`limits::Limits`]: of the robot;
+//! - [`steering::Steering`]: the command, and what a viewer wants to see;
+//! - [`waypoint`]: what became of waypoints.
+
+#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
+pub mod derived;
+pub mod free_space;
+pub mod limits;
+pub mod map;
+pub mod steering;
+pub mod view;
+pub mod waypoint;

@@ -1,0 +1,348 @@
+//! The map as a planner needs it: how far the walls are, and the blurred free space.
+
+use std::sync::Arc;
+
+use nalgebra::{Point2, Vector2};
+use sim_backend::blur::BlurredMap;
+use sim_backend::grid::{Grid, GridFrame};
+use thiserror::Error;
+
+use crate::derived::Derived;
+use crate::free_space::FreeSpace;
+
+/// Clearances beyond this [m] are stored as this: a map without obstacles reports infinity, which
+/// would poison interpolation.
+const FAR: f32 = 1.0e6;
+
+/// Steps after which a line of sight is given up as blocked; a line across a map of 10 000 cells
+/// that grazes a wall all the way needs this many.
+const MAX_SIGHT_STEPS: usize = 20_000;
+
+/// Why a map cannot be used.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum MapError {
+    /// The grid has no cells, or not as many values as its frame says.
+    #[error("the {layer} layer has {values} values for {width} x {height} cells")]
+    Size {
+        /// Which layer of the map.
+        layer: &'static str,
+        /// Values present.
+        values: usize,
+        /// Columns of the frame.
+        width: usize,
+        /// Rows of the frame.
+        height: usize,
+    },
+    /// The grid's resolution or origin is not a usable number.
+    #[error("the {layer} layer has resolution {resolution} m and origin ({x}, {y}) m")]
+    Frame {
+        /// Which layer of the map.
+        layer: &'static str,
+        /// Resolution [m].
+        resolution: f64,
+        /// Origin [m].
+        x: f64,
+        /// Origin [m].
+        y: f64,
+    },
+}
+
+/// What a planner knows of the arena.
+///
+/// Built from the layers of the shared map message; a planner that steers by them needs no vector
+/// geometry. One that searches for paths gets the exact pieces beside them ([`Self::space`]).
+#[derive(Debug, Clone)]
+pub struct PlannerMap {
+    blurred: BlurredMap,
+    clearance: Grid<f32>,
+    revision: u64,
+    space: Option<Arc<FreeSpace>>,
+    derived: Derived,
+    shared: bool,
+}
+
+impl PlannerMap {
+    /// A map from its blurred free space (value 1 in the open, 0 in obstacles), the distance from
+    /// each cell's centre to the nearest obstacle [m] (≤ 0 inside one) and its revision, which
+    /// changes whenever an obstacle does.
+    ///
+    /// Clearances that are NaN count as blocked.
+    ///
+    /// # Errors
+    /// [`MapError`] if a layer's frame and values do not fit together.
+    pub fn new(
+        blurred: BlurredMap,
+        mut clearance: Grid<f32>,
+        revision: u64,
+    ) -> Result<Self, MapError> {
+        check("clearance", &clearance)?;
+        check("blurred", blurred.grid())?;
+        for value in &mut clearance.cells {
+            *value = if value.is_nan() {
+                0.0
+            } else {
+                value.clamp(-FAR, FAR)
+            };
+        }
+        Ok(Self {
+            blurred,
+            clearance,
+            revision,
+            space: None,
+            derived: Derived::default(),
+            shared: false,
+        })
+    }
+
+    /// The map with the exact geometry of the same revision.
+    #[must_use]
+    pub fn with_space(self, space: Arc<FreeSpace>) -> Self {
+        Self {
+            space: Some(space),
+            ..self
+        }
+    }
+
+    /// The map as one that several planners look at: they then keep for each other also what costs
+    /// more to keep than to make again for one planner alone. Results do not depend on it.
+    #[must_use]
+    pub fn shared(self) -> Self {
+        Self {
+            shared: true,
+            ..self
+        }
+    }
+
+    /// The exact geometry; `None` when only the grids are known: the planner did not ask for it,
+    /// or the map has more pieces than fit into a message.
+    pub fn space(&self) -> Option<&Arc<FreeSpace>> {
+        self.space.as_ref()
+    }
+
+    /// Whether several planners look at the map ([`PlannerMap::shared`]).
+    pub fn is_shared(&self) -> bool {
+        self.shared
+    }
+
+    /// What planners have made of this map: a graph of ways, say, is made by the first planner that
+    /// needs it and used by all that share the map.
+    pub fn derived(&self) -> &Derived {
+        &self.derived
+    }
+
+    /// The blurred free space.
+    pub fn blurred(&self) -> &BlurredMap {
+        &self.blurred
+    }
+
+    /// Distance from each cell's centre to the nearest obstacle [m], finite.
+    pub fn clearance_grid(&self) -> &Grid<f32> {
+        &self.clearance
+    }
+
+    /// The revision the map was built from.
+    pub fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    /// Distance from the centre of the cell at `p` to the nearest obstacle [m]; 0 outside the map
+    /// and for a point that is not finite.
+    pub fn cell_clearance(&self, p: Point2<f64>) -> f64 {
+        self.clearance
+            .frame
+            .index_at(p)
+            .and_then(|index| self.clearance.cells.get(index))
+            .map_or(0.0, |value| f64::from(*value))
+    }
+
+    /// Distance from `p` to the nearest obstacle [m], interpolated between cell centres; 0 outside
+    /// the map and for a point that is not finite.
+    pub fn clearance(&self, p: Point2<f64>) -> f64 {
+        if self.clearance.frame.cell_at(p).is_none() {
+            return 0.0;
+        }
+        let frame = &self.clearance.frame;
+        let x = (p.x - frame.origin.x) / frame.resolution - 0.5;
+        let y = (p.y - frame.origin.y) / frame.resolution - 0.5;
+        let (col, row) = (whole_below(x), whole_below(y));
+        let (fx, fy) = (x - col as f64, y - row as f64);
+        let value = |dx: i64, dy: i64| cell_of(&self.clearance, col + dx, row + dy);
+        let low = value(0, 0) * (1.0 - fx) + value(1, 0) * fx;
+        let high = value(0, 1) * (1.0 - fx) + value(1, 1) * fx;
+        low * (1.0 - fy) + high * fy
+    }
+
+    /// The unit vector away from the nearest obstacle, by central differences over one cell each
+    /// way; `None` where the clearance has no slope (on a ridge, outside the map).
+    pub fn away_from_obstacles(&self, p: Point2<f64>) -> Option<Vector2<f64>> {
+        let h = self.clearance.frame.resolution;
+        let slope = Vector2::new(
+            self.clearance(Point2::new(p.x + h, p.y)) - self.clearance(Point2::new(p.x - h, p.y)),
+            self.clearance(Point2::new(p.x, p.y + h)) - self.clearance(Point2::new(p.x, p.y - h)),
+        );
+        let norm = slope.norm();
+        // A true distance has slope 1, i.e. a difference of 2h; a tenth of it is a ridge.
+        (norm.is_finite() && norm > 0.2 * h).then(|| slope / norm)
+    }
+
+    /// Whether a disc of this radius [m] can travel straight from `from` to `to` [m].
+    ///
+    /// Marches by the clearance, so that open ground costs few steps; accurate to about a cell.
+    pub fn line_is_clear(&self, from: Point2<f64>, to: Point2<f64>, radius: f64) -> bool {
+        let length = (to - from).norm();
+        self.free_run(from, to, radius) >= length
+    }
+
+    /// How far [m] a disc of this radius [m] gets on the straight line from `from` to `to` [m]
+    /// before it would touch an obstacle; at most the length of the line, 0 for points that are
+    /// not finite.
+    pub fn free_run(&self, from: Point2<f64>, to: Point2<f64>, radius: f64) -> f64 {
+        let line = to - from;
+        let length = line.norm();
+        if !length.is_finite() {
+            return 0.0;
+        }
+        let march = March::new(&self.clearance, from, line, length);
+        let least_step = self.clearance.frame.resolution;
+        let mut run = 0.0;
+        for _ in 0..MAX_SIGHT_STEPS {
+            let spare = match march.clearance(run) {
+                Some(clearance) => f64::from(clearance),
+                None => self.cell_clearance(point_at(from, line, length, run)),
+            } - radius;
+            // Also stops at NaN radii.
+            if spare.is_nan() || spare < 0.0 {
+                return run;
+            }
+            if run >= length {
+                return length;
+            }
+            run = (run + spare.max(least_step)).min(length);
+        }
+        run
+    }
+}
+
+/// The largest whole number that is not above `value`; unlike `floor` without a call on the oldest
+/// x86-64.
+fn whole_below(value: f64) -> i64 {
+    let whole = value as i64;
+    whole - i64::from(whole as f64 > value)
+}
+
+/// The point after `run` of a line's `length` [m].
+fn point_at(from: Point2<f64>, line: Vector2<f64>, length: f64, run: f64) -> Point2<f64> {
+    if length > 0.0 {
+        from + line * (run / length)
+    } else {
+        from
+    }
+}
+
+/// A march along a line over a grid, without the divisions that the way by [`GridFrame::cell_at`]
+/// waits for at every step: a place in cells is a linear function of the way.
+///
+/// Rounding makes the two ways differ by much less than [`March::UNSURE`]; this one says nothing
+/// about places that near to the edge of a cell, so that it never says anything else.
+struct March<'a> {
+    grid: &'a Grid<f32>,
+    /// Where the line begins, in cells from the centre of cell (0, 0).
+    begin: Vector2<f64>,
+    /// Cells per metre of way; NaN for a line that is given to the other way.
+    slope: Vector2<f64>,
+}
+
+impl<'a> March<'a> {
+    /// Places nearer to the edge of a cell than this [cells] are left to the other way.
+    const UNSURE: f64 = 1e-9;
+
+    /// Coordinates of a line and its grid up to this [cells] are off by less than half of
+    /// [`March::UNSURE`] when they come out of a dozen roundings by 2⁻⁵³.
+    const LARGEST: f64 = 1e5;
+
+    /// Added to a number, rounds it to a whole one, which then stands in the lowest bits.
+    const TO_WHOLE: f64 = 1.5 * (1_u64 << 52) as f64;
+
+    fn new(grid: &'a Grid<f32>, from: Point2<f64>, line: Vector2<f64>, length: f64) -> Self {
+        let GridFrame {
+            resolution, origin, ..
+        } = grid.frame;
+        let per_metre = 1.0 / resolution;
+        let largest = from.coords.amax().max(origin.coords.amax()).max(length);
+        // Also refuses a line without length.
+        let slope = if largest * per_metre < Self::LARGEST && length > 0.0 {
+            line * (per_metre / length)
+        } else {
+            Vector2::repeat(f64::NAN)
+        };
+        Self {
+            grid,
+            begin: (from - origin) * per_metre - Vector2::repeat(0.5),
+            slope,
+        }
+    }
+
+    /// The clearance [m] of the cell at the point after `run` [m], unless that is outside the grid
+    /// or too near to the edge of the cell to be sure of.
+    #[inline]
+    fn clearance(&self, run: f64) -> Option<f32> {
+        let (col, sure_of_col) = Self::nearest(self.begin.x + self.slope.x * run);
+        let (row, sure_of_row) = Self::nearest(self.begin.y + self.slope.y * run);
+        let frame = &self.grid.frame;
+        if !(sure_of_col && sure_of_row && col < frame.width && row < frame.height) {
+            return None;
+        }
+        self.grid.cells.get(frame.index(col, row)).copied()
+    }
+
+    /// The whole number nearest to one of less than 2³¹ (a huge one for a negative), and whether it
+    /// is surely the nearest.
+    #[inline]
+    fn nearest(place: f64) -> (usize, bool) {
+        let shifted = place + Self::TO_WHOLE;
+        let off = place - (shifted - Self::TO_WHOLE);
+        // The sign of a negative number is among these bits.
+        (
+            shifted.to_bits() as u32 as usize,
+            off.abs() < 0.5 - Self::UNSURE,
+        )
+    }
+}
+
+/// Value of a cell, the nearest one inside the grid for places beyond its edge.
+pub fn cell_of(grid: &Grid<f32>, col: i64, row: i64) -> f64 {
+    let col = col.clamp(0, grid.frame.width as i64 - 1) as usize;
+    let row = row.clamp(0, grid.frame.height as i64 - 1) as usize;
+    grid.cells
+        .get(grid.frame.index(col, row))
+        .map_or(0.0, |value| f64::from(*value))
+}
+
+fn check(layer: &'static str, grid: &Grid<f32>) -> Result<(), MapError> {
+    let GridFrame {
+        width,
+        height,
+        resolution,
+        origin,
+    } = grid.frame;
+    let cells = width.checked_mul(height);
+    if cells != Some(grid.cells.len()) || cells == Some(0) {
+        return Err(MapError::Size {
+            layer,
+            values: grid.cells.len(),
+            width,
+            height,
+        });
+    }
+    let usable =
+        resolution.is_finite() && resolution > 0.0 && origin.x.is_finite() && origin.y.is_finite();
+    if !usable {
+        return Err(MapError::Frame {
+            layer,
+            resolution,
+            x: origin.x,
+            y: origin.y,
+        });
+    }
+    Ok(())
+}

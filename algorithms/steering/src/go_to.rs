@@ -1,0 +1,315 @@
+//! Driving to a point: turn towards it, then drive the arc that leads there.
+//!
+//! With the point at distance ℓ under the bearing α, the circle that leaves the robot along its
+//! heading and passes through the point has the curvature 2 sin α / ℓ (pure pursuit, Coulter 1992).
+//! A robot that turns faster than that circle asks for is aligned sooner and drives the rest
+//! straight; the speed is never so high that the point would come to lie inside the tightest
+//! circle, so that a near point is not circled for ever.
+
+use core::f64::consts::PI;
+
+use nalgebra::{Point2, Vector2};
+use serde::{Deserialize, Serialize};
+use sim_backend::math;
+use sim_backend::pose::{Pose2, Twist2};
+
+use planner_view::limits::Limits;
+use sim_backend::params::{ParamsError, fraction, positive, require};
+
+/// A point nearer than this [m] is where the robot stands.
+const HERE: f64 = 1e-9;
+
+/// Parameters of [`go_to`].
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct GoToParams {
+    /// Bearing beyond which the robot turns on the spot [rad], in (0, π]. The larger, the faster a
+    /// lap and the farther the way bulges out behind a corner (by the speed over the turning rate
+    /// at most).
+    pub turn_on_spot: f64,
+    /// Turning rate per bearing [1/s], > 0; at most one tick's bearing is turned in a tick.
+    pub turn_gain: f64,
+    /// Speed allowed, as a fraction of the highest forward speed, in [0, 1].
+    pub speed_fraction: f64,
+    /// Distance at which the point has been reached [m], > 0.
+    pub arrived: f64,
+    /// Deceleration before the point [m/s²], > 0; absent: it is passed at full speed.
+    pub deceleration: Option<f64>,
+    /// With a deceleration: change of direction up to which the point is passed at speed all the
+    /// same, when it is known where to go on to [rad], in [0, π].
+    pub pass_angle: f64,
+}
+
+impl Default for GoToParams {
+    fn default() -> Self {
+        Self {
+            turn_on_spot: 0.8,
+            turn_gain: 10.0,
+            speed_fraction: 1.0,
+            arrived: 0.05,
+            deceleration: None,
+            pass_angle: 0.5,
+        }
+    }
+}
+
+impl GoToParams {
+    /// Checks every field.
+    ///
+    /// # Errors
+    /// [`ParamsError`] naming the first field that is out of range.
+    pub fn validate(&self) -> Result<(), ParamsError> {
+        require(
+            self.turn_on_spot > 0.0 && self.turn_on_spot <= PI,
+            "turn_on_spot",
+            &self.turn_on_spot,
+            "a number above 0 and at most π",
+        )?;
+        positive("turn_gain", self.turn_gain)?;
+        fraction("speed_fraction", self.speed_fraction)?;
+        positive("speed_fraction", self.speed_fraction)?;
+        positive("arrived", self.arrived)?;
+        if let Some(deceleration) = self.deceleration {
+            positive("deceleration", deceleration)?;
+        }
+        require(
+            (0.0..=PI).contains(&self.pass_angle),
+            "pass_angle",
+            &self.pass_angle,
+            "a number between 0 and π",
+        )
+    }
+}
+
+/// Bearing of a point from a pose [rad], in (−π, π]; 0 where the robot stands.
+pub fn bearing(pose: &Pose2, point: Point2<f64>) -> f64 {
+    let forward = pose.forward();
+    let offset = point - pose.position();
+    math::atan2(forward.perp(&offset), forward.dot(&offset))
+}
+
+/// The command that leads from a pose to `target` [m] in ticks of `dt` [s].
+///
+/// `onward` is where the robot goes afterwards, if that is known: a target is not slowed down for
+/// when it lies on the way. The command is finite and within the limits; it is a stop where the
+/// target is, and for a pose, target or tick that is not finite.
+pub fn go_to(
+    pose: &Pose2,
+    target: Point2<f64>,
+    onward: Option<Point2<f64>>,
+    limits: &Limits,
+    params: &GoToParams,
+    dt: f64,
+) -> Twist2 {
+    let offset = target - pose.position();
+    let distance = offset.norm();
+    // Written so that NaN stops as well.
+    let usable = distance >= HERE && distance.is_finite() && dt > 0.0;
+    if !usable {
+        return Twist2::STOP;
+    }
+    let alpha = bearing(pose, target);
+    let wanted = params.turn_gain.min(1.0 / dt) * alpha;
+    if alpha.abs() > params.turn_on_spot {
+        return limits.clip(Twist2::new(0.0, wanted));
+    }
+    let bend = 2.0 * math::sin(alpha).abs() / distance;
+    let mut v = limits.v_max() * params.speed_fraction;
+    if bend * v > limits.omega_max() {
+        v = limits.omega_max() / bend;
+    }
+    if let Some(deceleration) = params.deceleration
+        && !passes(offset, onward.map(|onward| onward - target), params)
+    {
+        // Not to a standstill short of the tolerance.
+        let left = (distance - 0.5 * params.arrived).max(0.0);
+        v = v.min((2.0 * deceleration * left).sqrt()).min(distance / dt);
+    }
+    let omega = wanted.abs().max(bend * v);
+    limits.clip(Twist2::new(v, omega.copysign(alpha)))
+}
+
+/// Whether a robot that arrives along `before` can go on along `after` without slowing down.
+fn passes(before: Vector2<f64>, after: Option<Vector2<f64>>, params: &GoToParams) -> bool {
+    after.is_some_and(|after| {
+        let turn = math::atan2(before.perp(&after), before.dot(&after));
+        after.norm() > HERE && turn.abs() <= params.pass_angle
+    })
+}
+
+/// The pose after keeping a twist for `dt` [s], without limits or slip.
+pub fn coast(pose: &Pose2, twist: Twist2, dt: f64) -> Pose2 {
+    let half = 0.5 * twist.omega * dt;
+    // The chord of the arc lies in the direction of its middle.
+    let sinc = if half.abs() < 1e-6 {
+        1.0 - half * half / 6.0
+    } else {
+        math::sin(half) / half
+    };
+    let (sin, cos) = math::sincos(pose.theta + half);
+    let chord = Vector2::new(cos, sin) * (twist.v * dt * sinc);
+    Pose2::new(
+        pose.x + chord.x,
+        pose.y + chord.y,
+        pose.theta + twist.omega * dt,
+    )
+}
+
+/// Distance [m] from a point to the segment from `a` to `b`.
+pub fn distance_to_segment(p: Point2<f64>, a: Point2<f64>, b: Point2<f64>) -> f64 {
+    let line = b - a;
+    let length_squared = line.norm_squared();
+    let part = if length_squared > 0.0 {
+        ((p - a).dot(&line) / length_squared).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
+    (p - (a + line * part)).norm()
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    const DT: f64 = 0.05;
+
+    fn limits() -> Limits {
+        Limits::new(1.0, 0.0, 3.0).unwrap()
+    }
+
+    fn drive(mut pose: Pose2, target: Point2<f64>, params: &GoToParams) -> Option<(f64, f64)> {
+        for tick in 0..2000 {
+            let command = go_to(&pose, target, None, &limits(), params, DT);
+            assert!(limits().allow(command));
+            let next = coast(&pose, command, DT);
+            if distance_to_segment(target, pose.position(), next.position()) <= params.arrived {
+                return Some((f64::from(tick + 1) * DT, command.v));
+            }
+            pose = next;
+        }
+        None
+    }
+
+    #[test]
+    fn a_point_behind_costs_half_a_turn_and_the_way() {
+        let (time, v) = drive(
+            Pose2::default(),
+            Point2::new(-4.0, 0.0),
+            &GoToParams::default(),
+        )
+        .unwrap();
+        assert!((4.0..PI / 3.0 + 4.3).contains(&time), "{time}");
+        assert_eq!(
+            v, 1.0,
+            "without a deceleration the point is passed at speed"
+        );
+    }
+
+    #[test]
+    fn the_robot_slows_down_only_for_a_point_it_turns_at() {
+        let params = GoToParams {
+            deceleration: Some(0.5),
+            ..GoToParams::default()
+        };
+        let go = |onward| {
+            go_to(
+                &Pose2::default(),
+                Point2::new(0.2, 0.0),
+                onward,
+                &limits(),
+                &params,
+                DT,
+            )
+            .v
+        };
+        assert_eq!(go(Some(Point2::new(1.0, 0.2))), 1.0);
+        assert!(go(Some(Point2::new(0.2, 1.0))) < 0.5);
+        assert!(go(None) < 0.5);
+        assert!(drive(Pose2::default(), Point2::new(3.0, 1.0), &params).is_some());
+    }
+
+    #[test]
+    fn what_is_not_finite_stops_the_robot() {
+        let params = GoToParams::default();
+        let nan = Point2::new(f64::NAN, 0.0);
+        let there = Point2::new(1.0, 0.0);
+        let (pose, lost) = (
+            Pose2::default(),
+            Pose2 {
+                x: f64::NAN,
+                ..Pose2::default()
+            },
+        );
+        assert_eq!(
+            go_to(&pose, nan, None, &limits(), &params, DT),
+            Twist2::STOP
+        );
+        assert_eq!(
+            go_to(&lost, there, None, &limits(), &params, DT),
+            Twist2::STOP
+        );
+        assert_eq!(
+            go_to(&pose, there, None, &limits(), &params, 0.0),
+            Twist2::STOP
+        );
+        assert_eq!(
+            go_to(&pose, Point2::origin(), None, &limits(), &params, DT),
+            Twist2::STOP
+        );
+    }
+
+    #[test]
+    fn parameters_out_of_range_are_named() {
+        let field = |params: GoToParams| params.validate().unwrap_err().field;
+        let good = GoToParams::default();
+        assert!(good.validate().is_ok());
+        assert_eq!(
+            field(GoToParams {
+                turn_on_spot: 4.0,
+                ..good
+            }),
+            "turn_on_spot"
+        );
+        assert_eq!(
+            field(GoToParams {
+                speed_fraction: 0.0,
+                ..good
+            }),
+            "speed_fraction"
+        );
+        assert_eq!(
+            field(GoToParams {
+                deceleration: Some(0.0),
+                ..good
+            }),
+            "deceleration"
+        );
+        assert_eq!(
+            field(GoToParams {
+                pass_angle: -0.1,
+                ..good
+            }),
+            "pass_angle"
+        );
+    }
+
+    proptest! {
+        #[test]
+        fn every_point_is_reached_soon_and_none_is_circled(
+            x in -3.0..3.0f64, y in -3.0..3.0f64, theta in -3.1..3.1f64,
+            spot in 0.2..3.1f64, slow in any::<bool>(),
+        ) {
+            let params = GoToParams {
+                turn_on_spot: spot,
+                deceleration: slow.then_some(1.0),
+                ..GoToParams::default()
+            };
+            let target = Point2::new(x, y);
+            let straight = target.coords.norm() + PI / 3.0;
+            let (time, _) = drive(Pose2::new(0.0, 0.0, theta), target, &params).unwrap();
+            prop_assert!(time < 1.4 * straight + 1.5, "{time} {straight}");
+        }
+    }
+}

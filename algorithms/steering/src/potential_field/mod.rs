@@ -1,0 +1,56 @@
+//! Potential fields: attraction, repulsion, obstacles, and what keeps a robot out of local minima.
+//!
+//! Each part gives a velocity [m/s] at a point; a planner adds them up and keeps the sum in bounds
+//! ([`compose`]). The magnitude is an urgency more than a speed: parts of a few m/s compete, and
+//! feedback linearisation keeps the sum's direction and whatever speed the robot can do.
+
+mod attraction;
+mod bodies;
+mod obstacle;
+mod perturbation;
+mod repulsion;
+
+pub use attraction::{Goal, attraction, attraction_to_rest};
+pub use bodies::{Body, slide_around_bodies};
+pub use obstacle::{ObstacleParams, obstacle, slide_along_obstacles};
+pub use perturbation::{Perturbation, PerturbationParams};
+pub use repulsion::{Falloff, RepulsionParams, Repulsor, repulsion};
+
+use nalgebra::{Point2, Vector2};
+
+use planner_view::map::PlannerMap;
+use planner_view::view::RobotView;
+
+/// Magnitude of a fully grown attraction, and the cap of the sum [m/s] (the paper's experiments).
+pub const FIELD_SPEED: f64 = 2.0;
+
+/// The vector, shortened to a magnitude of at most `cap`; zero if it is not finite.
+pub fn capped(field: Vector2<f64>, cap: f64) -> Vector2<f64> {
+    let norm = field.norm();
+    if !norm.is_finite() {
+        Vector2::zeros()
+    } else if norm > cap {
+        field * (cap / norm)
+    } else {
+        field
+    }
+}
+
+/// The field of a robot at a point near its centre: the sum of a planner's parts without what would
+/// drive the robot into `bodies` and obstacles, and no larger than [`FIELD_SPEED`].
+///
+/// `body_guard` is the gap to another body [m] at which the robot begins to turn aside, 0 for never.
+pub fn compose(
+    map: &PlannerMap,
+    own: &RobotView,
+    at: Point2<f64>,
+    sum: Vector2<f64>,
+    bodies: impl IntoIterator<Item = Body>,
+    body_guard: f64,
+    obstacle: &ObstacleParams,
+) -> Vector2<f64> {
+    let here = own.pose.position();
+    let around = slide_around_bodies(map, here, own.radius, sum, bodies, body_guard);
+    let along = slide_along_obstacles(map, at, own.radius, around, obstacle.guard);
+    capped(along, FIELD_SPEED)
+}

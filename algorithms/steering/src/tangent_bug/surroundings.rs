@@ -1,0 +1,211 @@
+//! What a disc robot sees of the space its centre can move in.
+//!
+//! Every echo of the scan becomes a disc of the robot's radius plus a margin: how far the centre
+//! can move in each direction before it enters one of them is the scan a robot without extent
+//! would make among obstacles grown by that much.
+
+use core::f64::consts::TAU;
+use std::sync::LazyLock;
+
+use nalgebra::{Point2, Vector2};
+use sim_backend::math;
+use sim_backend::pose::Pose2;
+
+use planner_view::view::ScanView;
+
+/// Number of directions looked in, the same in the world frame whatever the heading.
+pub(super) const DIRECTIONS: usize = 360;
+
+/// Largest lean away from an obstacle that is too near (sine of the angle).
+const MOST_LEAN: f64 = 0.3;
+
+/// Shares of the margin that are tried where there is too little room.
+const MARGINS: [f64; 3] = [1.0, 0.5, 0.1];
+
+static UNITS: LazyLock<Vec<Vector2<f64>>> = LazyLock::new(|| {
+    (0..DIRECTIONS)
+        .map(|k| {
+            let (sin, cos) = math::sincos(k as f64 * (TAU / DIRECTIONS as f64));
+            Vector2::new(cos, sin)
+        })
+        .collect()
+});
+
+/// Appends the echoes of a scan, relative to the robot's centre in world axes [m].
+///
+/// Where two neighbouring echoes are so near to each other that the robot (of this radius [m]) could
+/// not pass between them, points are put in between. Ranges below the shortest one count as the
+/// shortest one (REP-117: −∞); NaN counts as no echo.
+pub(crate) fn echoes(pose: &Pose2, scan: &ScanView<'_>, radius: f64, into: &mut Vec<Vector2<f64>>) {
+    into.clear();
+    let mut before: Option<Vector2<f64>> = None;
+    let mut first: Option<Vector2<f64>> = None;
+    for (beam, &range) in scan.ranges.iter().enumerate() {
+        let range = f64::from(range);
+        // Written so that NaN is no echo.
+        let echo = range <= scan.range_max;
+        if !echo {
+            before = None;
+            continue;
+        }
+        let angle = pose.theta + scan.angle_min + beam as f64 * scan.angle_increment;
+        let (sin, cos) = math::sincos(angle);
+        let at = Vector2::new(cos, sin) * range.max(scan.range_min).max(0.0);
+        if let Some(before) = before {
+            fill(before, at, radius, into);
+        }
+        into.push(at);
+        before = Some(at);
+        if beam == 0 {
+            first = Some(at);
+        }
+    }
+    if let (Some(last), Some(first)) = (before, first) {
+        fill(last, first, radius, into);
+    }
+}
+
+fn fill(a: Vector2<f64>, b: Vector2<f64>, radius: f64, into: &mut Vec<Vector2<f64>>) {
+    let gap = (b - a).norm();
+    let pitch = radius / 4.0;
+    if gap < radius && gap > pitch {
+        // At most four points: the gap is below the radius.
+        let pieces = (gap / pitch).ceil();
+        let mut i = 1.0;
+        while i < pieces {
+            into.push(a + (b - a) * (i / pieces));
+            i += 1.0;
+        }
+    }
+}
+
+/// The space around a robot's centre.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Surroundings {
+    pub(super) here: Point2<f64>,
+    /// How far can be seen in the grown space [m].
+    pub(super) reach: f64,
+    /// Radius that echoes are grown by [m].
+    radius: f64,
+    /// Nearer than this [m] a robot leans away.
+    lean_below: f64,
+    echoes: Vec<Vector2<f64>>,
+    /// Free distance per direction [m], at most `reach`.
+    free: Vec<f64>,
+    /// The echo that ends it.
+    owner: Vec<usize>,
+}
+
+impl Surroundings {
+    /// Takes in a scan made by a robot of this radius [m].
+    ///
+    /// Between walls that are too near on both sides (it has strayed into its margin there) the
+    /// margin [m] is cut until there is a way out.
+    pub(super) fn look(&mut self, pose: &Pose2, scan: &ScanView<'_>, radius: f64, margin: f64) {
+        self.here = pose.position();
+        echoes(pose, scan, radius + margin, &mut self.echoes);
+        let nearest = self
+            .echoes
+            .iter()
+            .map(Vector2::norm)
+            .fold(f64::INFINITY, f64::min);
+        for share in MARGINS {
+            let grown = radius + share * margin;
+            self.grow(scan.range_max, grown, share * margin);
+            let squeezed = nearest < grown && self.free.iter().all(|&free| free < margin);
+            if !squeezed {
+                break;
+            }
+        }
+    }
+
+    /// Finds how far each direction is free with echoes grown to this radius [m].
+    fn grow(&mut self, range: f64, radius: f64, margin: f64) {
+        self.radius = radius;
+        self.lean_below = radius - 0.25 * margin;
+        // Something just beyond the sensor's range stops the centre that much earlier.
+        self.reach = (range - radius).max(0.25 * radius);
+        self.free.clear();
+        self.free.resize(DIRECTIONS, self.reach);
+        self.owner.clear();
+        self.owner.resize(DIRECTIONS, usize::MAX);
+        for (index, &echo) in self.echoes.iter().enumerate() {
+            let distance = echo.norm();
+            // Directions in which the grown echo can stand in the way.
+            let half = if distance <= radius {
+                DIRECTIONS / 4 + DIRECTIONS / 16
+            } else {
+                let share = math::asin((radius / distance).min(1.0)) / TAU;
+                (share * DIRECTIONS as f64) as usize + 2
+            };
+            let middle = nearest_direction(echo) + DIRECTIONS;
+            for k in middle - half..=middle + half {
+                let k = k % DIRECTIONS;
+                let run = self.entry(echo, distance, UNITS[k]);
+                if run < self.free[k] {
+                    self.free[k] = run;
+                    self.owner[k] = index;
+                }
+            }
+        }
+    }
+
+    /// How far the centre can go along `unit` before it enters the grown echo [m].
+    fn entry(&self, echo: Vector2<f64>, distance: f64, unit: Vector2<f64>) -> f64 {
+        let along = echo.dot(&unit);
+        if distance <= self.radius {
+            // Too near already: no nearer, and away if clearly so.
+            let lean = ((self.lean_below - distance) / (0.5 * self.radius)).clamp(0.0, MOST_LEAN);
+            return if along > (1e-9 - lean) * distance {
+                0.0
+            } else {
+                f64::INFINITY
+            };
+        }
+        let beside_squared = distance * distance - along * along;
+        let inside = self.radius * self.radius - beside_squared;
+        if along <= 0.0 || inside <= 0.0 {
+            return f64::INFINITY;
+        }
+        (along - inside.sqrt()).max(0.0)
+    }
+
+    /// How far the centre can go along a direction (a unit vector) [m], at most the reach.
+    pub(super) fn free_towards(&self, unit: Vector2<f64>) -> f64 {
+        let entry = |echo: &Vector2<f64>| self.entry(*echo, echo.norm(), unit);
+        self.echoes.iter().map(entry).fold(self.reach, f64::min)
+    }
+
+    /// Unit vector of a direction.
+    pub(super) fn unit(k: usize) -> Vector2<f64> {
+        UNITS[k % DIRECTIONS]
+    }
+
+    /// Free distance in a direction [m].
+    pub(super) fn free(&self, k: usize) -> f64 {
+        self.free.get(k % DIRECTIONS).copied().unwrap_or(self.reach)
+    }
+
+    /// Whether something within reach ends a direction.
+    pub(super) fn is_blocked(&self, k: usize) -> bool {
+        self.free(k) < self.reach
+    }
+
+    /// Where a direction ends [m], world frame.
+    pub(super) fn end(&self, k: usize) -> Point2<f64> {
+        self.here + Self::unit(k) * self.free(k)
+    }
+
+    /// The echo that ends a direction [m], world frame.
+    pub(super) fn obstacle(&self, k: usize) -> Option<Point2<f64>> {
+        let owner = *self.owner.get(k % DIRECTIONS)?;
+        Some(self.here + self.echoes.get(owner)?)
+    }
+}
+
+/// The direction nearest to a vector's.
+pub(super) fn nearest_direction(vector: Vector2<f64>) -> usize {
+    let turn = math::atan2(vector.y, vector.x) / TAU;
+    // A half is added before cutting off, and a turn to make it positive.
+    ((turn + 1.0) * DIRECTIONS as f64 + 0.5) as usize % DIRECTIONS
+}

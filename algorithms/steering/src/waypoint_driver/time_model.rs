@@ -1,0 +1,81 @@
+//! How long ways take without obstacles.
+
+use nalgebra::Point2;
+use sim_backend::pose::Pose2;
+
+use crate::go_to::{GoToParams, bearing, coast, distance_to_segment, go_to};
+use planner_view::limits::Limits;
+use sim_backend::params::{ParamsError, positive, require};
+
+/// Longest lap that is simulated [ticks].
+const MOST_TICKS: f64 = 1e7;
+
+/// The time a robot needs to a point without obstacles [s]: it turns to it on the spot at its
+/// highest rate, then drives straight at the highest speed it is allowed.
+///
+/// The real way is a little shorter in time, as the robot begins to drive before it has turned.
+pub fn time_without_obstacles(
+    pose: &Pose2,
+    point: Point2<f64>,
+    limits: &Limits,
+    params: &GoToParams,
+) -> f64 {
+    let distance = (point - pose.position()).norm();
+    bearing(pose, point).abs() / limits.omega_max()
+        + distance / (limits.v_max() * params.speed_fraction)
+}
+
+/// The time that driving through `points` [m] in this order takes [s], without obstacles: an ideal
+/// unicycle with these limits is driven through them by [`go_to`] in ticks of `dt` [s]; a point is
+/// done when the way passes within `params.arrived` of it. Close a lap by ending it with its first
+/// point.
+///
+/// Drives with limits of acceleration or of the wheels need longer; give such a robot lower limits.
+///
+/// # Errors
+/// [`ParamsError`] for parameters out of range, a start or point that is not finite (`start`,
+/// `points`), and for a way of more than ten million ticks (`dt`).
+pub fn lap_time(
+    start: &Pose2,
+    points: &[Point2<f64>],
+    limits: &Limits,
+    params: &GoToParams,
+    dt: f64,
+) -> Result<f64, ParamsError> {
+    params.validate()?;
+    positive("dt", dt)?;
+    require(start.is_finite(), "start", &"not finite", "finite numbers")?;
+    let mut pose = *start;
+    let mut ticks = 0.0;
+    let mut along = 0.0;
+    for (i, &point) in points.iter().enumerate() {
+        let finite = point.x.is_finite() && point.y.is_finite();
+        require(finite, "points", &point, "finite numbers")?;
+        let next = points.get(i + 1).copied();
+        if (point - pose.position()).norm() <= params.arrived {
+            continue;
+        }
+        // Generous: a robot that arrives at all arrives in this time.
+        let most = ticks + 10.0 + 4.0 * time_without_obstacles(&pose, point, limits, params) / dt;
+        loop {
+            ticks += 1.0;
+            if ticks > MOST_TICKS || ticks > most.max(100.0 + along) {
+                return Err(ParamsError::new(
+                    "dt",
+                    &dt,
+                    "a tick in which a robot with these limits can steer to every point, \
+                     and long enough for the way to end within ten million of them",
+                ));
+            }
+            let command = go_to(&pose, point, next, limits, params, dt);
+            let after = coast(&pose, command, dt);
+            let off = distance_to_segment(point, pose.position(), after.position());
+            pose = after;
+            if off <= params.arrived {
+                break;
+            }
+        }
+        along = ticks;
+    }
+    Ok(ticks * dt)
+}

@@ -1,0 +1,51 @@
+//! A goal that comes into sight at every turn and is never reached.
+
+use nalgebra::Point2;
+use planner_view::view::ScanView;
+use sim_backend::pose::Pose2;
+use steering::tangent_bug::{Advice, Mode, TangentBug};
+
+const BEAMS: usize = 180;
+
+/// A scan with a wall 0.3 m away in those directions [rad].
+fn walls(is_there: impl Fn(f64) -> bool) -> Vec<f32> {
+    let angle = |beam| beam as f64 * (core::f64::consts::TAU / BEAMS as f64);
+    let range = |there| if there { 0.3 } else { f32::INFINITY };
+    (0..BEAMS)
+        .map(|beam| range(is_there(angle(beam))))
+        .collect()
+}
+
+#[test]
+fn a_goal_that_is_in_sight_now_and_then_is_believed_in_a_number_of_times() {
+    let mut bug = TangentBug::new(0.15).unwrap();
+    let mut advise = |ranges: &[f32]| {
+        let scan = ScanView {
+            angle_min: 0.0,
+            angle_increment: core::f64::consts::TAU / BEAMS as f64,
+            range_min: 0.0,
+            range_max: 0.5,
+            ranges,
+        };
+        let advice = bug.advise(
+            &Pose2::new(0.0, 0.0, 0.0),
+            &scan,
+            Point2::new(0.25, 0.0),
+            0.05,
+        );
+        match advice {
+            Some(Advice::Head { mode, .. }) => mode,
+            other => panic!("{other:?}"),
+        }
+    };
+    // All around but for the rear, and to the left of the robot alone.
+    let shut = walls(|angle| !(2.35..3.93).contains(&angle));
+    let open = walls(|angle| (0.9..2.2).contains(&angle));
+    let mut begun = 0;
+    for look in 0..40 {
+        assert!(matches!(advise(&shut), Mode::Boundary(_)), "look {look}");
+        // On to the goal at once, or first to where it really is nearer.
+        begun += u32::from(advise(&open) == Mode::ToGoal);
+    }
+    assert!((2..10).contains(&begun), "{begun} times of 40");
+}

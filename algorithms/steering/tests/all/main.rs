@@ -1,0 +1,8 @@
+//! Steering in the city and other places; one program, because linking three costs minutes.
+
+#[path = "../../../planner_view/tests/support/mod.rs"]
+mod support;
+
+mod avoidance;
+mod field_goldens;
+mod walls_and_bodies;
