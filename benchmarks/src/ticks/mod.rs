@@ -5,7 +5,6 @@
 //! for all, take eight commands. Both sets of processes are alive all the time and asleep while the
 //! other one runs, so that short blocks can take turns: A B A B.
 
-mod crew;
 mod raw;
 
 use std::path::Path;
@@ -19,17 +18,19 @@ use ipc_types::messages::world::{RobotState, WorldHeader};
 use ipc_types::stamp::PlainHeader;
 use ipc_types::topics::{Commands, Status, WorldState};
 use orchestrator::latency::link::pin;
+use orchestrator::mission::child_process::Executable;
+use orchestrator::mission::process_group::ProcessGroup;
 use orchestrator::mission::spaces::OwnedSpace;
 use runtime::config::{Clock, ProcessConfig, RobotInfo, RunConfig};
 use runtime::inputs::{StateInput, reply_stamp};
 use runtime::lockstep::{Conductor, Overseer, Phase, SlotState, TurnEnd, TurnPage};
 use runtime::{ProcessError, Wiring};
+use serde::Serialize;
 use sim_backend::pose::Pose2;
 use sim_backend::spec::Preset;
 use sim_backend::team::Team;
 use statistics::{Spread, paired_ratio};
 
-use self::crew::Crew;
 pub use self::raw::planner as raw_planner;
 use self::raw::{PLANNERS, RawConductor, RawConfig};
 use super::report::{Figure, Goal};
@@ -42,6 +43,8 @@ pub const RAW_PLANNER: &str = "raw-planner";
 const ITEM: &str = "ticks";
 /// Share of the raw exchange's speed that the runtime should keep.
 const GOAL: f64 = 0.8;
+/// Time that the planners have for each step of their start.
+const READY_WITHIN: Duration = Duration::from_secs(10);
 /// Longest time for the ticks before anything is measured.
 const WARM_UP_WITHIN: Duration = Duration::from_secs(10);
 /// Ticks before anything is measured.
@@ -152,10 +155,25 @@ fn rate(time: Duration, mut call: impl FnMut() -> Result<()>) -> Result<f64> {
     }
 }
 
+/// Starts a planner of this kind for every configuration.
+fn start_planners(
+    space: &OwnedSpace,
+    kind: &str,
+    configs: &[impl Serialize],
+) -> Result<ProcessGroup> {
+    let executable = Executable::Kind(kind.into());
+    let mut planners = ProcessGroup::default();
+    for (slot, config) in configs.iter().enumerate() {
+        let name = format!("{kind}-{slot}");
+        planners.start(space.space().root(), &name, &executable, config)?;
+    }
+    Ok(planners)
+}
+
 /// The exchange over the runtime.
 struct RuntimeExchange {
     overseer: Overseer,
-    crew: Crew,
+    planners: ProcessGroup,
     conductor: Conductor,
     state_out: Publisher<WorldState>,
     commands_in: Subscriber<Commands>,
@@ -194,10 +212,10 @@ impl RuntimeExchange {
                 params: serde_json::Value::Null,
             })
             .collect();
-        let crew = Crew::start(&space, KIT_PLANNER, &configs)?;
+        let planners = start_planners(&space, KIT_PLANNER, &configs)?;
         let mut exchange = Self {
             overseer,
-            crew,
+            planners,
             conductor: Conductor::new(page, 0, usize::MAX),
             state_out,
             commands_in,
@@ -227,8 +245,8 @@ impl RuntimeExchange {
 
     fn reach(&mut self, state: SlotState) -> Result<()> {
         let page = self.overseer.page();
-        self.crew
-            .wait(|| (1..=PLANNERS).all(|slot| page.state(slot) == state))
+        let reached = || (1..=PLANNERS).all(|slot| page.state(slot) == state);
+        Ok(self.planners.wait(READY_WITHIN, reached)?)
     }
 
     fn tick(&mut self) -> Result<()> {
@@ -239,7 +257,7 @@ impl RuntimeExchange {
         loop {
             match self.conductor.wait(self.tick) {
                 TurnEnd::Complete => break,
-                TurnEnd::Idle => self.crew.check()?,
+                TurnEnd::Idle => self.planners.check()?,
                 TurnEnd::Stop => return Err("stopped".into()),
             }
         }
@@ -345,7 +363,7 @@ pub fn kit_planner(config: &Path) -> ExitCode {
 /// The exchange over bare iceoryx2 and a bare futex page.
 struct RawExchange {
     // Ended before the ports of the conductor close.
-    crew: Crew,
+    planners: ProcessGroup,
     conductor: RawConductor,
     _space: OwnedSpace,
 }
@@ -361,10 +379,10 @@ impl RawExchange {
                 index,
             })
             .collect();
-        let crew = Crew::start(&space, RAW_PLANNER, &configs)?;
+        let planners = start_planners(&space, RAW_PLANNER, &configs)?;
         let mut exchange = Self {
             conductor,
-            crew,
+            planners,
             _space: space,
         };
         exchange.reach(PLANNERS)?;
@@ -376,12 +394,14 @@ impl RawExchange {
 
     fn reach(&mut self, said: usize) -> Result<()> {
         let conductor = &self.conductor;
-        self.crew.wait(|| conductor.said_ready() >= said)
+        Ok(self
+            .planners
+            .wait(READY_WITHIN, || conductor.said_ready() >= said)?)
     }
 
     fn tick(&mut self) -> Result<()> {
-        let crew = &mut self.crew;
-        self.conductor.tick(|| crew.check())
+        let planners = &mut self.planners;
+        self.conductor.tick(|| Ok(planners.check()?))
     }
 }
 

@@ -14,7 +14,7 @@ use serde_json::Value as Json;
 use tempfile::TempDir;
 
 use super::{ChaosError, FaultKind, Outcome};
-use crate::mission::children::CONFIG_VARIABLE;
+use crate::mission::child_process::CONFIG_VARIABLE;
 use crate::mission::report::exit_words;
 use crate::scenario::ResolvedScenario;
 use crate::scenario::spec::Mode;

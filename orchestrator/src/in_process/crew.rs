@@ -5,7 +5,7 @@ use runtime::{ProcessConfig, ProcessError, Wiring};
 use simulator::process::Simulator;
 
 use super::error::InProcessError;
-use crate::mission::children::Executable;
+use crate::mission::child_process::Executable;
 use crate::mission::plan::{Launch, Plan};
 use crate::wirings::{self, WiringVisitor};
 

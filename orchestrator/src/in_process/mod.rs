@@ -24,7 +24,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use ipc_types::bus::{Bus, Publisher, PublisherOptions};
-use ipc_types::stamp::PlainHeader;
 use ipc_types::topics::ObstacleEvents;
 
 use crate::mission::plan::Plan;
@@ -103,12 +102,7 @@ fn fly(
         bus.publisher(PublisherOptions::new(plan.orchestrator_index(), 1))?;
     let mut crew = Crew::open(&plan, &bus)?;
     crew.connect()?;
-    for replay in &plan.replays {
-        let mut header = PlainHeader::default();
-        header.stamp.tick = replay.tick;
-        header.stamp.time_ns = replay.tick * plan.run.tick_period_ns;
-        obstacles.send(header, &[replay.event])?;
-    }
+    plan.send_replays(&obstacles)?;
     crew.prepare()?;
 
     let mut show = options.show.then(|| Show::new(scenario, &plan));

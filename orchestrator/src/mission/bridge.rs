@@ -17,9 +17,9 @@ use ipc_types::topics::{DONE_EVENT, END_OF_TURNS, TURN_EVENT};
 use runtime::config::{Clock, ProcessConfig};
 use runtime::lockstep::{LOOK_UP, Participant, Phase, SlotState, Turn, TurnPage};
 
-use super::children::Executable;
+use super::child_process::Executable;
 use super::error::MissionError;
-use super::plan::Plan;
+use super::plan::Launch;
 
 /// How long what a process said last is waited for. (No time at all would be for ever.)
 const DRAIN: Duration = Duration::from_millis(1);
@@ -38,14 +38,17 @@ pub struct Bridge {
 }
 
 impl Bridge {
-    /// Takes a seat for every external process of the plan. Call before they are started.
+    /// Takes a seat for every external process among these. Call before they are started.
     ///
     /// # Errors
     /// [`MissionError`] if the events cannot be created.
-    pub fn start(plan: &Plan, bus: &Bus, page: &Arc<TurnPage>) -> Result<Self, MissionError> {
+    pub fn start(
+        launches: &[Launch],
+        bus: &Bus,
+        page: &Arc<TurnPage>,
+    ) -> Result<Self, MissionError> {
         let stop = Arc::new(AtomicBool::new(false));
-        let external: Vec<&ProcessConfig> = plan
-            .launches
+        let external: Vec<&ProcessConfig> = launches
             .iter()
             .filter(|launch| matches!(launch.executable, Executable::Command(_)))
             .map(|launch| &launch.config)
@@ -63,7 +66,7 @@ impl Bridge {
         let options = *bus.options();
         for config in external {
             let (space, page, stop) = (
-                plan.run.space()?,
+                config.run.space()?,
                 Arc::clone(page),
                 Arc::clone(&bridge.stop),
             );

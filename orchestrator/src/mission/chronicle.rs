@@ -9,8 +9,8 @@ use ipc_types::messages::process::{LogHeader, ProcessEvent};
 use ipc_types::stamp::{PlainHeader, Stamp};
 use ipc_types::topics::{ProcessEvents, ProcessLog};
 
-use super::children::{Line, TEXT_BYTES};
 use super::error::MissionError;
+use super::stderr_lines::{StderrLine, TEXT_BYTES};
 
 /// Lines that may wait for the supervisor's next look.
 const WAITING: usize = 4096;
@@ -24,8 +24,8 @@ const PATIENCE: Duration = Duration::from_millis(100);
 pub(super) struct Chronicle {
     events: Publisher<ProcessEvents>,
     lines: Publisher<ProcessLog>,
-    heard: Receiver<Line>,
-    ear: SyncSender<Line>,
+    heard: Receiver<StderrLine>,
+    ear: SyncSender<StderrLine>,
     tick_period_ns: u64,
 }
 
@@ -53,7 +53,7 @@ impl Chronicle {
     }
 
     /// Where the processes' lines go.
-    pub(super) fn ear(&self) -> SyncSender<Line> {
+    pub(super) fn ear(&self) -> SyncSender<StderrLine> {
         self.ear.clone()
     }
 

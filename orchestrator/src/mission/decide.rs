@@ -15,7 +15,7 @@ use ipc_types::messages::process::ProcessEvent;
 pub(super) use self::look::Seen;
 use self::process::{Process, Standing};
 use super::failure::Failure;
-use super::plan::Plan;
+use super::plan::Launch;
 use crate::scenario::OnFailure;
 
 /// Restarts of a process in one run; its next failure ends the run.
@@ -94,12 +94,12 @@ pub(super) enum Action {
     },
 }
 
-/// The processes of a run, and what has happened to them.
+/// Processes of a run and what has happened to them. They are known by their place in the list that they were
+/// made of.
 #[derive(Debug)]
 pub(super) struct State {
     in_lock_step: bool,
     hang_timeout: Duration,
-    /// By their index in the run; the simulator is the first.
     processes: Vec<Process>,
     has_begun: bool,
     last_posted: u64,
@@ -108,15 +108,15 @@ pub(super) struct State {
 }
 
 impl State {
-    /// The state before time begins.
-    pub(super) fn new(plan: &Plan, in_lock_step: bool, hang_timeout: Duration) -> Self {
+    /// The state of these processes before time begins.
+    pub(super) fn new(launches: &[Launch], in_lock_step: bool, hang_timeout: Duration) -> Self {
         let now = Instant::now();
-        let processes = plan.launches.iter().enumerate();
+        let processes = launches.iter();
         Self {
             in_lock_step,
             hang_timeout,
             processes: processes
-                .map(|(slot, launch)| Process::new(slot, launch, now))
+                .map(|launch| Process::new(launch, launches, now))
                 .collect(),
             has_begun: false,
             last_posted: 0,
@@ -151,48 +151,48 @@ impl State {
     }
 
     /// Time that a process has to become ready.
-    pub(super) fn ready_timeout(&self, slot: usize) -> Duration {
-        self.processes[slot].ready_timeout
+    pub(super) fn ready_timeout(&self, index: usize) -> Duration {
+        self.processes[index].ready_timeout
     }
 
-    /// Decides what to do about an event of the process with index `slot`.
-    pub(super) fn decide(&mut self, slot: usize, event: Event, at: Moment) -> Vec<Action> {
-        let ready_timeout = self.ready_timeout(slot);
+    /// Decides what to do about an event of a process.
+    pub(super) fn decide(&mut self, index: usize, event: Event, at: Moment) -> Vec<Action> {
+        let ready_timeout = self.ready_timeout(index);
         let has_left = matches!(
-            self.processes[slot].standing,
+            self.processes[index].standing,
             Standing::Away { .. } | Standing::Gone
         );
         match event {
             // It was given up before, and took its time to end.
             Event::Ended(_) if has_left => Vec::new(),
             Event::Ended(how) => {
-                let failure = self.processes[slot].killed_for.take();
-                self.fail(slot, failure.unwrap_or(Failure::Exited(how)), true, at)
+                let failure = self.processes[index].killed_for.take();
+                self.fail(index, failure.unwrap_or(Failure::Exited(how)), true, at)
             }
-            Event::NotStarted(why) => self.fail(slot, Failure::NotStarted(why), true, at),
+            Event::NotStarted(why) => self.fail(index, Failure::NotStarted(why), true, at),
             Event::Silent => {
                 let failure = Failure::Hung(self.hang_timeout);
-                if self.policy(slot) == OnFailure::Abort {
-                    self.fail(slot, failure, false, at)
+                if self.policy(index) == OnFailure::Abort {
+                    self.fail(index, failure, false, at)
                 } else {
-                    self.kill(slot, failure)
+                    self.kill(index, failure)
                 }
             }
             Event::NotReady => {
                 let failure = Failure::NotReady(ready_timeout);
                 if self.has_begun {
-                    self.kill(slot, failure)
+                    self.kill(index, failure)
                 } else {
-                    self.fail(slot, failure, false, at)
+                    self.fail(index, failure, false, at)
                 }
             }
             Event::Due => {
                 let until = at.now + ready_timeout;
-                self.processes[slot].standing = Standing::Starting { until };
+                self.processes[index].standing = Standing::Starting { until };
                 vec![Action::FreeDead, Action::Restart]
             }
             Event::Back => {
-                let process = &mut self.processes[slot];
+                let process = &mut self.processes[index];
                 process.standing = Standing::Present;
                 (process.done, process.since) = (at.done, at.now);
                 vec![
@@ -203,26 +203,26 @@ impl State {
         }
     }
 
-    fn kill(&mut self, slot: usize, failure: Failure) -> Vec<Action> {
-        self.processes[slot].killed_for = Some(failure);
+    fn kill(&mut self, index: usize, failure: Failure) -> Vec<Action> {
+        self.processes[index].killed_for = Some(failure);
         vec![Action::Kill]
     }
 
     /// Reaction to the next failure of a process.
-    fn policy(&self, slot: usize) -> OnFailure {
-        let process = &self.processes[slot];
+    fn policy(&self, index: usize) -> OnFailure {
+        let process = &self.processes[index];
         match process.on_failure {
             OnFailure::Restart if process.failures >= MAX_RESTARTS => OnFailure::Abort,
             policy => policy,
         }
     }
 
-    fn fail(&mut self, slot: usize, failure: Failure, is_dead: bool, at: Moment) -> Vec<Action> {
-        let policy = self.policy(slot);
-        let process = &mut self.processes[slot];
+    fn fail(&mut self, index: usize, failure: Failure, is_dead: bool, at: Moment) -> Vec<Action> {
+        let policy = self.policy(index);
+        let process = &mut self.processes[index];
         let restarts = process.failures;
         process.failures += 1;
-        let left = if self.in_lock_step && slot != 0 {
+        let left = if self.in_lock_step && !process.is_simulator {
             at.done
         } else {
             at.tick()

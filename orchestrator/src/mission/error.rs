@@ -5,7 +5,7 @@ use std::time::Duration;
 use ipc_types::bus::{BusError, ReceiveError, SendError};
 use runtime::lockstep::PageError;
 
-use super::children::ChildError;
+use super::child_process::ChildError;
 use super::plan::PlanError;
 use super::room::NoRoom;
 use super::spaces::SpaceError;

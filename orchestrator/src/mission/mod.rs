@@ -3,7 +3,7 @@
 
 pub(crate) mod bridge;
 mod changes;
-pub mod children;
+pub mod child_process;
 mod chronicle;
 mod decide;
 mod error;
@@ -12,15 +12,17 @@ mod gate;
 mod log_path;
 mod orphans;
 pub mod plan;
+pub mod process_group;
 pub(crate) mod progress;
 pub(crate) mod recording;
 pub mod report;
+pub(crate) mod resources;
 pub(crate) mod room;
 mod run;
 pub mod spaces;
-mod supervisor;
+mod stderr_lines;
+pub(crate) mod supervisor;
 
 pub use error::MissionError;
 pub use room::NoRoom;
 pub use run::{MissionOptions, MissionReport, run};
-pub(crate) use run::{create_services, write_config};

@@ -19,7 +19,7 @@ use rustix::process::{
     set_child_subreaper, waitid,
 };
 
-use super::children::CONFIG_VARIABLE;
+use super::child_process::CONFIG_VARIABLE;
 
 /// Most searches for processes that still live.
 const SEARCHES: u32 = 16;

@@ -2,7 +2,10 @@
 
 use std::path::Path;
 
+use ipc_types::bus::{Publisher, SendError};
 use ipc_types::messages::world::ObstacleEvent;
+use ipc_types::stamp::PlainHeader;
+use ipc_types::topics::ObstacleEvents;
 use runtime::config::{Clock, ProcessConfig, RobotInfo, RunConfig};
 use runtime::obstacle::{self, ObstacleMessageError};
 use serde_json::Value as Json;
@@ -12,7 +15,7 @@ use simulator::SimulatorParams;
 pub use super::changes::Replay;
 
 use super::changes;
-use super::children::Executable;
+use super::child_process::Executable;
 use crate::scenario::kinds::{KINDS, Need, Product, find};
 use crate::scenario::spec::{self, Mode};
 use crate::scenario::{Program, ResolvedScenario, Supervision};
@@ -155,6 +158,23 @@ impl Plan {
             replays,
             standing,
         })
+    }
+
+    /// Sends the obstacle changes whose ticks are known beforehand.
+    ///
+    /// # Errors
+    /// [`SendError`] if the bus refuses.
+    pub(crate) fn send_replays(
+        &self,
+        obstacles: &Publisher<ObstacleEvents>,
+    ) -> Result<(), SendError> {
+        for replay in &self.replays {
+            let mut header = PlainHeader::default();
+            header.stamp.tick = replay.tick;
+            header.stamp.time_ns = replay.tick * self.run.tick_period_ns;
+            obstacles.send(header, &[replay.event])?;
+        }
+        Ok(())
     }
 
     /// Index under which the orchestrator itself sends.

@@ -14,6 +14,7 @@ use super::error::MissionError;
 use super::gate::{Calls, PageGate};
 use super::plan::Plan;
 use super::progress::EventPrinter;
+use super::resources::RunResources;
 use super::run::MissionOptions;
 use super::{log_path, report};
 use crate::eyes;
@@ -180,23 +181,22 @@ pub(super) struct RecorderThread {
     connected: mpsc::Receiver<()>,
     /// Set once nobody sends any more.
     ended: Arc<AtomicBool>,
-    /// To have it take what has been sent.
-    pub(super) calls: Arc<Calls>,
     /// Readable when the thread has ended.
     pub(super) wake: OwnedFd,
 }
 
 impl RecorderThread {
-    /// Starts the thread; returns once its subscriptions stand.
+    /// Starts the thread, which answers `calls`; returns once its subscriptions stand.
     ///
     /// # Errors
     /// [`MissionError`] if the system refuses.
     pub(super) fn start(
-        plan: &Plan,
-        overseer: &Overseer,
+        resources: &RunResources,
+        calls: Arc<Calls>,
         recording: Recording,
         mut printer: EventPrinter,
     ) -> Result<Self, MissionError> {
+        let run = &resources.plan.run;
         let system = |what: &str| {
             let what = what.to_owned();
             move |source: std::io::Error| MissionError::System { what, source }
@@ -206,16 +206,13 @@ impl RecorderThread {
         let (connect, do_connect) = mpsc::channel();
         let (tell, connected) = mpsc::channel();
         let ended = Arc::new(AtomicBool::new(false));
-        let calls = Arc::new(Calls::default());
-        let (of_gate, of_thread) = (Arc::clone(&calls), Arc::clone(&calls));
         let gate = PageGate::new(
-            overseer.clone(),
-            plan.run.clock,
+            Overseer::new(Arc::clone(&resources.page)),
+            run.clock,
             Arc::clone(&ended),
-            of_gate,
+            Arc::clone(&calls),
         );
-        let space = plan.run.space()?;
-        let bus_options = plan.run.bus_options();
+        let (space, bus_options) = (run.space()?, run.bus_options());
         let thread = std::thread::Builder::new()
             .name("recorder".into())
             .spawn(move || {
@@ -231,9 +228,9 @@ impl RecorderThread {
                     recorder.update_connections()?;
                 }
                 let _ = tell.send(());
-                of_thread.open(true);
+                calls.open(true);
                 let recorded = recorder.run(&gate, &mut printer);
-                of_thread.open(false);
+                calls.open(false);
                 recorded
             })
             .map_err(system("cannot start the recorder's thread"))?;
@@ -242,7 +239,6 @@ impl RecorderThread {
             connect,
             connected,
             ended,
-            calls,
             wake,
         };
         // Its subscriptions must stand before anybody sends.

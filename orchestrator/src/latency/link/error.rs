@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use ipc_types::bus::{BusError, ReceiveError, SendError};
 
-use crate::mission::children::ChildError;
+use crate::mission::child_process::ChildError;
 use crate::mission::spaces::SpaceError;
 
 /// Why a transport could not be measured.

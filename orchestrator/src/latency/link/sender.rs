@@ -24,12 +24,12 @@ use super::{
     END, LATENCY, LinkError, MODE, Placement, READY, RECEIVED, SENT, SINK_KIND, SharedWords,
     SinkConfig, Transport, allowed, pin, sleep_while, store_and_wake,
 };
-use crate::mission::children::{Executable, RunningProcess, end_all};
+use crate::mission::child_process::Executable;
+use crate::mission::process_group::{AwaitError, ProcessGroup};
 use crate::mission::spaces::OwnedSpace;
 
-/// Time that the receiver has for each step of its start, and to end.
+/// Time that the receiver has for each step of its start.
 const READY_WITHIN: Duration = Duration::from_secs(10);
-const END_WITHIN: Duration = Duration::from_secs(3);
 /// Longest wait for one message; only a dead receiver needs it.
 const ARRIVES_WITHIN: Duration = Duration::from_secs(5);
 
@@ -260,44 +260,25 @@ impl Drop for Link {
 }
 
 /// The receiving process, ended when dropped.
-struct Receiver(RunningProcess);
+struct Receiver(ProcessGroup);
 
 impl Receiver {
     fn start(config: &SinkConfig) -> Result<Self, LinkError> {
-        let path = config.root.join("process-0.json");
-        serde_json::to_vec(config)
-            .map_err(std::io::Error::from)
-            .and_then(|text| std::fs::write(&path, text))
-            .map_err(LinkError::system(path.display().to_string()))?;
+        let mut group = ProcessGroup::default();
         let executable = Executable::Kind(SINK_KIND.into());
-        let process = RunningProcess::start(SINK_KIND, 0, &executable, &path, true)?;
-        Ok(Self(process))
+        group.start(&config.root, SINK_KIND, &executable, config)?;
+        Ok(Self(group))
     }
 
     /// Fails if it has ended.
     fn check(&mut self) -> Result<(), LinkError> {
-        if self.0.check_exit() {
-            return Err(LinkError::Receiver(self.0.last_words().join(" / ")));
-        }
-        Ok(())
+        self.0.check().map_err(|error| failed("go on", error))
     }
 
     /// Waits until `done`; fails when it ends before, or too late.
-    fn wait(
-        &mut self,
-        what: &'static str,
-        mut done: impl FnMut() -> bool,
-    ) -> Result<(), LinkError> {
-        let deadline = Instant::now() + READY_WITHIN;
-        while !done() {
-            self.check()?;
-            if Instant::now() > deadline {
-                let limit = READY_WITHIN;
-                return Err(LinkError::TooSlow { what, limit });
-            }
-            std::thread::sleep(Duration::from_millis(1));
-        }
-        Ok(())
+    fn wait(&mut self, what: &'static str, done: impl FnMut() -> bool) -> Result<(), LinkError> {
+        let waited = self.0.wait(READY_WITHIN, done);
+        waited.map_err(|error| failed(what, error))
     }
 
     /// The writing end of the pipe, once it reads the other.
@@ -321,8 +302,10 @@ impl Receiver {
     }
 }
 
-impl Drop for Receiver {
-    fn drop(&mut self) {
-        end_all(std::slice::from_mut(&mut self.0), END_WITHIN);
+/// The failure of the receiver to do something.
+fn failed(what: &'static str, error: AwaitError) -> LinkError {
+    match error {
+        AwaitError::Ended { last_words, .. } => LinkError::Receiver(last_words.join(" / ")),
+        AwaitError::TooSlow(limit) => LinkError::TooSlow { what, limit },
     }
 }

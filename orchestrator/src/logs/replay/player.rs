@@ -11,7 +11,7 @@ use ipc_types::messages::process::RunControl;
 use ipc_types::stamp::PlainHeader;
 use ipc_types::topics::{Control, NAMES, Topic as _};
 use runtime::config::{Clock, ProcessConfig};
-use runtime::lockstep::{Conductor, Overseer, Phase, TurnPage};
+use runtime::lockstep::{Conductor, Overseer, Phase};
 
 use super::super::error::LogsError;
 use super::super::filter::nanoseconds;
@@ -19,9 +19,12 @@ use super::super::known;
 use super::super::source::{Logged, Source};
 use super::super::watch::Watch;
 use super::broadcast::Broadcast;
+use super::create_resources;
 use super::played::{ReplayOptions, Replayed};
-use super::stage::{Choir, Stage};
-use crate::mission::{MissionError, write_config};
+use super::publishers::TopicPublishers;
+use crate::mission::MissionError;
+use crate::mission::process_group::write_config;
+use crate::mission::resources::RunResources;
 use crate::scenario::ResolvedScenario;
 
 /// How long those who listen get to connect to somebody who speaks up late.
@@ -29,6 +32,8 @@ const INTRODUCTION: Duration = Duration::from_millis(10);
 /// How long the ports stay open behind the last message for those who listen, so that they can take
 /// it.
 const LINGER: Duration = Duration::from_millis(250);
+/// Time between two looks whether there is still a subscriber.
+const LINGER_LOOK: Duration = Duration::from_millis(1);
 /// How often those who came late are connected, and those who died are removed.
 const BEAT: Duration = Duration::from_millis(50);
 /// The command of `run/control` with which a replay ends.
@@ -80,7 +85,7 @@ pub fn replay(
 struct Player<'a> {
     source: &'a mut Source,
     options: &'a ReplayOptions,
-    choir: Choir,
+    publishers: TopicPublishers,
     control: Publisher<Control>,
     overseer: Overseer,
     conductor: Conductor,
@@ -94,7 +99,7 @@ struct Player<'a> {
     by_rank: Vec<u64>,
     first: Option<Instant>,
     // Last: it is wiped when everything else is gone.
-    stage: Stage,
+    resources: RunResources,
 }
 
 impl<'a> Player<'a> {
@@ -109,42 +114,42 @@ impl<'a> Player<'a> {
             .map(|port| Broadcast::start(port, source))
             .transpose()
             .map_err(MissionError::from)?;
-        let stage = Stage::build(scenario)?;
-        let prefix = stage.space.space().prefix();
-        let processes = stage.plan.launches.len();
-        let page = TurnPage::create(prefix, processes).map_err(MissionError::from)?;
-        let page = Arc::new(page);
-        let overseer = Overseer::new(Arc::clone(&page));
-        for launch in &stage.plan.launches {
-            write_config(stage.root(), &joining(&launch.config, options.rate))?;
+        let resources = create_resources(scenario)?;
+        let overseer = Overseer::new(Arc::clone(&resources.page));
+        for launch in &resources.plan.launches {
+            let config = joining(&launch.config, options.rate);
+            let slot = config.index as usize;
+            write_config(resources.root(), &config.name, slot, &config)
+                .map_err(MissionError::from)?;
         }
-        let orchestrator = stage.plan.orchestrator_index();
-        let control = stage
+        let orchestrator = resources.plan.orchestrator_index();
+        let control = resources
             .bus
             .publisher(PublisherOptions::new(orchestrator, 1))
             .map_err(MissionError::from)?;
-        let mut choir = Choir::new();
+        let mut publishers = TopicPublishers::new();
         // Whoever speaks at the beginning has a port before anybody comes to listen.
         source.audition(watch, &mut |rank, speaker| {
             if NAMES.get(rank) != Some(&Control::NAME) {
-                choir.open(&stage.bus, rank, speaker)?;
+                publishers.open(&resources.bus, rank, speaker)?;
             }
             Ok(())
         })?;
         overseer.set_phase(Phase::Run);
         if !options.quiet {
             eprintln!(
-                "playing {}: root {}, prefix {prefix}",
+                "playing {}: root {}, prefix {}",
                 source.path().display(),
-                stage.root().display(),
+                resources.root().display(),
+                resources.plan.run.prefix,
             );
         }
         Ok(Self {
             source,
             options,
-            choir,
+            publishers,
             control,
-            conductor: Conductor::new(page, 0, 1 << 20),
+            conductor: Conductor::new(Arc::clone(&resources.page), 0, 1 << 20),
             overseer,
             broadcast,
             anchor: (0, Instant::now()),
@@ -153,7 +158,7 @@ impl<'a> Player<'a> {
             report: Replayed::default(),
             by_rank: vec![0; NAMES.len()],
             first: None,
-            stage,
+            resources,
         })
     }
 
@@ -166,7 +171,7 @@ impl<'a> Player<'a> {
                 self.report.seek_s = before.elapsed().as_secs_f64();
                 self.report.start_up_s = start.elapsed().as_secs_f64();
             }
-            self.now = (from / self.stage.plan.run.tick_period_ns.max(1), from);
+            self.now = (from / self.resources.plan.run.tick_period_ns.max(1), from);
             if let Some(broadcast) = &mut self.broadcast {
                 broadcast.jump(from);
             }
@@ -242,8 +247,8 @@ impl<'a> Player<'a> {
     /// Connects those who came late, who get what lasts, and removes those who died: a sender with a
     /// full buffer towards one of them would wait.
     fn look_after_listeners(&self) -> Result<(), LogsError> {
-        self.stage.bus.clean_up_dead();
-        self.choir.greet().map_err(MissionError::from)?;
+        self.resources.bus.clean_up_dead();
+        self.publishers.connect().map_err(MissionError::from)?;
         let connected = self.control.update_connections();
         connected.map_err(MissionError::from)?;
         Ok(())
@@ -275,10 +280,13 @@ impl<'a> Player<'a> {
             return Ok(false);
         }
         let speaker = message.speaker();
-        if self.choir.open(&self.stage.bus, message.rank, speaker)? {
-            self.stage.attend(INTRODUCTION);
+        if self
+            .publishers
+            .open(&self.resources.bus, message.rank, speaker)?
+        {
+            self.linger(INTRODUCTION);
         }
-        if !self.choir.say(message)? {
+        if !self.publishers.publish(message)? {
             self.report.malformed += 1;
             return Ok(false);
         }
@@ -291,9 +299,18 @@ impl<'a> Player<'a> {
         Ok(true)
     }
 
+    /// Gives subscribers this long, if there are any: whether they have taken what was sent, or are connected to
+    /// its publisher, only they know.
+    fn linger(&self, limit: Duration) {
+        let deadline = Instant::now() + limit;
+        while self.resources.has_listeners() && Instant::now() < deadline {
+            std::thread::park_timeout(LINGER_LOOK);
+        }
+    }
+
     /// Ends the run; what was played.
     fn end(mut self) -> Replayed {
-        self.stage.attend(LINGER);
+        self.linger(LINGER);
         self.overseer.set_phase(Phase::Stop);
         self.report.live = self.broadcast.take().map(Broadcast::finish);
         let counts = NAMES

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use super::{Event, Standing, State};
+use super::{Event, Process, Standing, State};
 
 /// A process as it is seen from outside.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -28,20 +28,20 @@ impl State {
         is_stopped: impl Fn(usize) -> bool,
     ) -> Vec<(usize, Event)> {
         let mut events = Vec::new();
-        for (slot, (process, seen)) in self.processes.iter().zip(seen).enumerate() {
+        for (index, (process, seen)) in self.processes.iter().zip(seen).enumerate() {
             match process.standing {
-                Standing::Starting { .. } if seen.is_prepared => events.push((slot, Event::Back)),
+                Standing::Starting { .. } if seen.is_prepared => events.push((index, Event::Back)),
                 Standing::Starting { until } if now >= until => {
-                    events.push((slot, Event::NotReady));
+                    events.push((index, Event::NotReady));
                 }
                 Standing::Away { due } if now >= due && seen.is_vacant => {
-                    events.push((slot, Event::Due));
+                    events.push((index, Event::Due));
                 }
                 _ => {}
             }
         }
         let silent = self.silent(now, posted, seen, is_stopped);
-        events.extend(silent.into_iter().map(|slot| (slot, Event::Silent)));
+        events.extend(silent.into_iter().map(|index| (index, Event::Silent)));
         events
     }
 
@@ -57,26 +57,28 @@ impl State {
             (self.last_posted, self.last_progress) = (posted, now);
         } else if now - self.last_progress >= self.hang_timeout {
             self.last_progress = now;
-            return vec![if self.in_lock_step {
-                self.culprit(posted.saturating_sub(1), seen, is_stopped)
-            } else {
-                0
-            }];
+            let owing = self.in_lock_step.then(|| {
+                let tick = posted.saturating_sub(1);
+                self.culprit(tick, seen, is_stopped)
+            });
+            let simulator = || self.processes.iter().position(|p| p.is_simulator);
+            return owing.flatten().or_else(simulator).into_iter().collect();
         }
         if self.in_lock_step {
             return Vec::new();
         }
         // In real time the world goes on without those that do not answer.
         let mut silent = Vec::new();
-        for (slot, (process, seen)) in self.processes.iter_mut().zip(seen).enumerate().skip(1) {
-            if process.standing != Standing::Present || !seen.takes_part {
+        for (index, (process, seen)) in self.processes.iter_mut().zip(seen).enumerate() {
+            let is_present = process.standing == Standing::Present && seen.takes_part;
+            if process.is_simulator || !is_present {
                 continue;
             }
             if seen.done != process.done || seen.done >= posted {
                 (process.done, process.since) = (seen.done, now);
             } else if now - process.since >= self.hang_timeout {
                 process.since = now;
-                silent.push(slot);
+                silent.push(index);
             }
         }
         silent
@@ -84,17 +86,28 @@ impl State {
 
     /// The process that owes the tick for which all others wait: rather one that stands still or that others
     /// wait for than one that may be waiting itself.
-    fn culprit(&self, tick: u64, seen: &[Seen], is_stopped: impl Fn(usize) -> bool) -> usize {
-        let owes = |slot: usize| {
-            let seen = seen.get(slot);
+    fn culprit(
+        &self,
+        tick: u64,
+        seen: &[Seen],
+        is_stopped: impl Fn(usize) -> bool,
+    ) -> Option<usize> {
+        let owes = |index: usize| {
+            let seen = seen.get(index);
             seen.is_some_and(|seen| seen.takes_part && seen.done <= tick)
         };
-        let waits = |slot: usize| self.processes[slot].upstream.iter().any(|&up| owes(up));
-        let owing: Vec<usize> = (1..self.processes.len()).filter(|&s| owes(s)).collect();
-        let first = |is_it: &dyn Fn(usize) -> bool| owing.iter().copied().find(|&s| is_it(s));
-        first(&is_stopped)
-            .or_else(|| first(&|slot| self.processes[slot].makes_plans))
-            .or_else(|| first(&|slot| !waits(slot)))
-            .unwrap_or(0)
+        let processes = self.processes.iter().enumerate();
+        let owing: Vec<(usize, &Process)> = processes
+            .filter(|(index, process)| !process.is_simulator && owes(*index))
+            .collect();
+        let first = |is_it: &dyn Fn(usize, &Process) -> bool| {
+            let mut owing = owing.iter();
+            owing
+                .find(|(index, process)| is_it(*index, process))
+                .map(|(index, _)| *index)
+        };
+        first(&|index, _| is_stopped(index))
+            .or_else(|| first(&|_, process| process.makes_plans))
+            .or_else(|| first(&|_, process| !process.upstream.iter().any(|&up| owes(up))))
     }
 }

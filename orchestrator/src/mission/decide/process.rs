@@ -9,9 +9,10 @@ use crate::scenario::kinds::{KINDS, Product, find};
 /// A process as it is supervised.
 #[derive(Debug)]
 pub(super) struct Process {
+    pub(super) is_simulator: bool,
     pub(super) on_failure: OnFailure,
     pub(super) ready_timeout: Duration,
-    /// Processes whose messages of a tick it waits for.
+    /// Processes of the list whose messages of a tick it waits for.
     pub(super) upstream: Vec<usize>,
     pub(super) makes_plans: bool,
     pub(super) drives_robots: bool,
@@ -39,25 +40,24 @@ pub(super) enum Standing {
 }
 
 impl Process {
-    /// The process with this index, which takes part.
-    pub(super) fn new(slot: usize, launch: &Launch, now: Instant) -> Self {
-        let kind = find(KINDS, &launch.config.kind);
+    /// A process that takes part, one of these.
+    pub(super) fn new(launch: &Launch, all: &[Launch], now: Instant) -> Self {
+        let config = &launch.config;
+        let kind = find(KINDS, &config.kind);
+        let is_simulator = config.index == 0;
+        let position = |up: &u32| all.iter().position(|launch| launch.config.index == *up);
         Self {
+            is_simulator,
             // Without the world there is no run.
-            on_failure: if slot == 0 {
+            on_failure: if is_simulator {
                 OnFailure::Abort
             } else {
                 launch.supervision.on_failure
             },
             ready_timeout: Duration::from_secs_f64(launch.supervision.ready_timeout_s),
-            upstream: launch
-                .config
-                .upstream
-                .iter()
-                .map(|&up| up as usize)
-                .collect(),
+            upstream: config.upstream.iter().filter_map(position).collect(),
             makes_plans: kind.is_some_and(|kind| kind.makes(Product::Plans)),
-            drives_robots: !launch.config.robots.is_empty(),
+            drives_robots: !config.robots.is_empty(),
             standing: Standing::Present,
             failures: 0,
             killed_for: None,

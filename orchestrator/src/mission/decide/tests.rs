@@ -4,6 +4,7 @@ const TIMEOUT: Duration = Duration::from_secs(10);
 
 fn process(on_failure: OnFailure) -> Process {
     Process {
+        is_simulator: false,
         on_failure,
         ready_timeout: Duration::from_secs(60),
         upstream: Vec::new(),
@@ -23,7 +24,10 @@ fn state(in_lock_step: bool, on_failure: OnFailure) -> State {
         in_lock_step,
         hang_timeout: TIMEOUT,
         processes: vec![
-            process(OnFailure::Abort),
+            Process {
+                is_simulator: true,
+                ..process(OnFailure::Abort)
+            },
             process(on_failure),
             process(on_failure),
             process(on_failure),

@@ -4,6 +4,8 @@
 //! turns as in the run: when the world and those they wait for have spoken. What others say of a
 //! tick comes after their turn, because in the run nobody could count on hearing it earlier.
 
+mod capture;
+mod processes;
 mod tested;
 mod trial;
 
@@ -14,6 +16,7 @@ use std::time::Duration;
 use ipc_types::bus::Bus;
 use serde::Serialize;
 
+use self::processes::Processes;
 use self::tested::Tested;
 use self::trial::Trial;
 use super::super::compare::{Comparison, Difference};
@@ -23,11 +26,11 @@ use super::super::pattern::Topics;
 use super::super::recorded::{Left, Recorded};
 use super::super::source::Source;
 use super::super::watch::Watch;
-use super::cast::Processes;
-use super::stage::Stage;
+use super::create_resources;
 use crate::in_process::Members;
 use crate::mission::MissionError;
 use crate::mission::plan::Plan;
+use crate::mission::supervisor::Supervisor;
 
 /// What is tested, and how.
 #[derive(Debug, Clone, Default)]
@@ -119,22 +122,20 @@ pub fn verify(
         let tested = Tested::new(&plan, &recorded.origin, options)?;
         let bus = Bus::local(plan.run.bus_options(), None);
         let mut trial = Trial::open(&bus, &plan, &tested, &mut source, watch)?;
-        let mut cast = Members::open(&tested.launches, &bus).map_err(MissionError::from)?;
-        trial.run(&mut cast, &mut source, watch, &mut done)?;
+        let mut members = Members::open(&tested.launches, &bus).map_err(MissionError::from)?;
+        trial.run(&mut members, &mut source, watch, &mut done)?;
         done.helpers = tested.helpers;
     } else {
-        let stage = Stage::build(&scenario)?;
-        let tested = Tested::new(&stage.plan, &recorded.origin, options)?;
-        let mut trial = Trial::open(&stage.bus, &stage.plan, &tested, &mut source, watch)?;
-        let mut cast = Processes::start(
-            &stage,
-            &tested.launches,
-            Duration::from_secs_f64(scenario.run.hang_timeout_s),
-            Arc::clone(&watch.interrupted),
-            !options.quiet,
-        )?;
-        cast.ready()?;
-        trial.run(&mut cast, &mut source, watch, &mut done)?;
+        let resources = create_resources(&scenario)?;
+        let tested = Tested::new(&resources.plan, &recorded.origin, options)?;
+        let mut trial = Trial::open(&resources.bus, &resources.plan, &tested, &mut source, watch)?;
+        let hang_timeout = Duration::from_secs_f64(scenario.run.hang_timeout_s);
+        let supervisor =
+            Supervisor::new(&resources, &tested.launches, hang_timeout, !options.quiet)?;
+        let interrupted = Arc::clone(&watch.interrupted);
+        let mut processes = Processes::start(&resources, supervisor, &interrupted)?;
+        trial.run(&mut processes, &mut source, watch, &mut done)?;
+        drop((processes, trial));
         done.helpers = tested.helpers;
     }
     done.whole &= recorded.left.is_none();

@@ -5,10 +5,10 @@ use std::collections::BTreeSet;
 use super::super::super::error::LogsError;
 use super::super::super::origin::Origin;
 use super::VerifyOptions;
-use crate::mission::children::Executable;
+use crate::mission::child_process::Executable;
 use crate::mission::plan::{Launch, Plan};
-use crate::scenario::Program;
 use crate::scenario::kinds::{KINDS, Need, Product, find};
+use crate::scenario::{OnFailure, Program};
 
 /// Who is under test.
 pub(super) struct Tested {
@@ -110,6 +110,10 @@ impl Tested {
         // In the order of the run, each once.
         launches.sort_by_key(|launch| launch.config.index);
         launches.dedup_by_key(|launch| launch.config.index);
+        for launch in &mut launches {
+            // What the others say without it is in no log.
+            launch.supervision.on_failure = OnFailure::Abort;
+        }
         Ok(Self {
             launches,
             helpers,

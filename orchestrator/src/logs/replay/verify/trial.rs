@@ -12,10 +12,10 @@ use super::super::super::error::LogsError;
 use super::super::super::known::ENCAPSULATION;
 use super::super::super::source::{Logged, Source};
 use super::super::super::watch::Watch;
-use super::super::cast::Cast;
-use super::super::ears::Ears;
-use super::super::stage::Choir;
+use super::super::publishers::TopicPublishers;
 use super::Verified;
+use super::capture::OutputCapture;
+use super::processes::ProcessesUnderTest;
 use super::tested::Tested;
 use crate::mission::MissionError;
 use crate::mission::plan::Plan;
@@ -39,12 +39,12 @@ impl Moment {
     }
 }
 
-/// The bus of a test, with a voice for everybody who is not under test.
+/// The bus of a test, with publishers for every process that is not under test.
 pub(super) struct Trial<'a> {
     bus: &'a Bus,
     tested: &'a Tested,
-    choir: Choir,
-    ears: Ears,
+    publishers: TopicPublishers,
+    capture: OutputCapture,
     period_ns: u64,
 }
 
@@ -60,8 +60,8 @@ impl<'a> Trial<'a> {
         let mut trial = Self {
             bus,
             tested,
-            choir: Choir::new(),
-            ears: Ears::open(bus).map_err(MissionError::from)?,
+            publishers: TopicPublishers::new(),
+            capture: OutputCapture::open(bus).map_err(MissionError::from)?,
             period_ns: plan.run.tick_period_ns.max(1),
         };
         source.audition(watch, &mut |rank, speaker| {
@@ -76,7 +76,7 @@ impl<'a> Trial<'a> {
         if self.tested.is_silent(speaker) || NAMES.get(rank) == Some(&Control::NAME) {
             return Ok(false);
         }
-        self.choir.open(self.bus, rank, speaker)?;
+        self.publishers.open(self.bus, rank, speaker)?;
         Ok(true)
     }
 
@@ -85,7 +85,7 @@ impl<'a> Trial<'a> {
             return Ok(());
         }
         // What is no message of its topic nobody could take up then.
-        self.choir.say(message)?;
+        self.publishers.publish(message)?;
         Ok(())
     }
 
@@ -102,15 +102,15 @@ impl<'a> Trial<'a> {
 
     pub(super) fn run(
         &mut self,
-        cast: &mut dyn Cast,
+        processes: &mut dyn ProcessesUnderTest,
         source: &mut Source,
         watch: &Watch,
         done: &mut Verified,
     ) -> Result<(), LogsError> {
-        self.choir.greet().map_err(MissionError::from)?;
-        cast.connect()?;
-        self.choir.greet().map_err(MissionError::from)?;
-        self.ears.connect().map_err(MissionError::from)?;
+        self.publishers.connect().map_err(MissionError::from)?;
+        processes.connect()?;
+        self.publishers.connect().map_err(MissionError::from)?;
+        self.capture.connect().map_err(MissionError::from)?;
         let mut comparison = Comparison::of(self.tested.speakers.clone());
         let mut moment = self.next(source)?;
         // Everybody builds what it needs of the map before time starts.
@@ -123,7 +123,7 @@ impl<'a> Trial<'a> {
                 }
             }
         }
-        cast.prepare()?;
+        processes.prepare()?;
         let start = Instant::now();
         let mut over = false;
         while let Some(now) = moment {
@@ -150,13 +150,13 @@ impl<'a> Trial<'a> {
                 }
             }
             if !over {
-                cast.turn(now.tick)?;
+                processes.turn(now.tick)?;
             }
             done.ticks += 1;
             // The last tick of a log that was cut may lack something.
-            let heard = self.ears.hear(&self.tested.speakers, now.time);
-            let heard = heard.map_err(MissionError::from)?;
-            comparison.add(&now.said, &heard, moment.is_none() && !over);
+            let captured = self.capture.take(&self.tested.speakers, now.time);
+            let captured = captured.map_err(MissionError::from)?;
+            comparison.add(&now.said, &captured, moment.is_none() && !over);
             for message in &now.said {
                 let speaker = message.speaker();
                 if !self.tested.before.contains(&speaker) {

@@ -1,0 +1,218 @@
+//! Running processes of one run: awaited together, ended together.
+
+use std::fs::OpenOptions;
+use std::io::Write as _;
+use std::ops::{Deref, DerefMut};
+use std::os::fd::BorrowedFd;
+use std::os::unix::fs::OpenOptionsExt as _;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use rustix::event::{PollFd, PollFlags, Timespec};
+use rustix::process::Signal;
+use serde::Serialize;
+
+use super::child_process::{ChildError, Executable, RunningProcess};
+
+/// Time that processes have to end by themselves.
+const END_WITHIN: Duration = Duration::from_secs(3);
+/// Time that they have to end after SIGTERM.
+const TERM_WITHIN: Duration = Duration::from_secs(1);
+/// Time for the system to end those that are killed.
+const KILL_WITHIN: Duration = Duration::from_secs(3);
+/// Time between two looks at what is awaited.
+const LOOK: Duration = Duration::from_millis(1);
+
+/// Processes of a run, in the order in which they were started; they are ended when this is dropped.
+#[derive(Debug, Default)]
+pub struct ProcessGroup(Vec<RunningProcess>);
+
+/// Why what was awaited of a group did not come.
+#[derive(Debug, thiserror::Error)]
+pub enum AwaitError {
+    /// A process ended before.
+    #[error("{name} ended: {}", last_words.join(" / "))]
+    Ended {
+        /// Its name.
+        name: String,
+        /// What it wrote to stderr last.
+        last_words: Vec<String>,
+    },
+    /// It took too long.
+    #[error("the processes are not ready within {0:?}")]
+    TooSlow(Duration),
+}
+
+impl ProcessGroup {
+    /// Writes the configuration of a process below `root` and starts it in the next slot, its stderr shown.
+    ///
+    /// # Errors
+    /// [`ChildError`] names the process and the reason.
+    pub fn start(
+        &mut self,
+        root: &Path,
+        name: &str,
+        executable: &Executable,
+        config: &impl Serialize,
+    ) -> Result<(), ChildError> {
+        let slot = self.len();
+        write_config(root, name, slot, config)?;
+        let path = config_path(root, slot);
+        let process = RunningProcess::start(name, slot, executable, &path, true, None)?;
+        self.push(process);
+        Ok(())
+    }
+
+    /// Adds a process.
+    pub(super) fn push(&mut self, process: RunningProcess) {
+        self.0.push(process);
+    }
+
+    /// Fails if a process has ended since the last look.
+    ///
+    /// # Errors
+    /// [`AwaitError::Ended`] names it.
+    pub fn check(&mut self) -> Result<(), AwaitError> {
+        let ended = self.0.iter_mut().find_map(|process| {
+            let has_ended = process.check_exit();
+            has_ended.then_some(process)
+        });
+        ended.map_or(Ok(()), |process| {
+            Err(AwaitError::Ended {
+                name: process.name.clone(),
+                last_words: process.last_words(),
+            })
+        })
+    }
+
+    /// Waits until `done`.
+    ///
+    /// # Errors
+    /// [`AwaitError`] if a process ends before, or it takes longer than `limit`.
+    pub fn wait(
+        &mut self,
+        limit: Duration,
+        mut done: impl FnMut() -> bool,
+    ) -> Result<(), AwaitError> {
+        let deadline = Instant::now() + limit;
+        while !done() {
+            self.check()?;
+            if Instant::now() > deadline {
+                return Err(AwaitError::TooSlow(limit));
+            }
+            std::thread::sleep(LOOK);
+        }
+        Ok(())
+    }
+
+    /// Sleeps until a process has ended or `wake` is readable, at most for `timeout`.
+    pub(super) fn sleep(&self, wake: Option<BorrowedFd<'_>>, timeout: Duration) {
+        let ends = self.0.iter().filter_map(RunningProcess::end);
+        sleep_until_readable(ends.chain(wake), timeout);
+    }
+
+    /// Ends all processes: waits for them to end by themselves, then asks with SIGTERM, then kills. Returns
+    /// the names of those that had to be killed.
+    pub(super) fn end(&mut self) -> Vec<String> {
+        let mut killed = Vec::new();
+        for (signal, time) in [
+            (None, END_WITHIN),
+            (Some(Signal::TERM), TERM_WITHIN),
+            (Some(Signal::KILL), KILL_WITHIN),
+        ] {
+            for process in &mut self.0 {
+                process.check_exit();
+                if let Some(signal) = signal
+                    && process.exit.is_none()
+                {
+                    process.signal(signal);
+                    if signal == Signal::KILL {
+                        killed.push(process.name.clone());
+                    }
+                }
+            }
+            self.wait_for_ends(Instant::now() + time);
+        }
+        // Their stdin closes now: while it is open a process knows that the orchestrator is there.
+        self.0.clear();
+        killed
+    }
+
+    fn wait_for_ends(&mut self, deadline: Instant) {
+        loop {
+            for process in &mut self.0 {
+                process.check_exit();
+            }
+            let left = deadline.saturating_duration_since(Instant::now());
+            if left.is_zero() || self.0.iter().all(|process| process.exit.is_some()) {
+                return;
+            }
+            self.sleep(None, left);
+        }
+    }
+}
+
+impl Deref for ProcessGroup {
+    type Target = [RunningProcess];
+
+    fn deref(&self) -> &Self::Target {
+        &self.0
+    }
+}
+
+impl DerefMut for ProcessGroup {
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        &mut self.0
+    }
+}
+
+impl Drop for ProcessGroup {
+    fn drop(&mut self) {
+        self.end();
+    }
+}
+
+/// Sleeps until one of these is readable, at most for `timeout`.
+pub(super) fn sleep_until_readable<'a>(
+    fds: impl IntoIterator<Item = BorrowedFd<'a>>,
+    timeout: Duration,
+) {
+    let fds = fds.into_iter();
+    let mut fds: Vec<_> = fds
+        .map(|fd| PollFd::from_borrowed_fd(fd, PollFlags::IN))
+        .collect();
+    let timeout = Timespec::try_from(timeout).unwrap_or_default();
+    // Woken by a signal or failed: the caller looks anyway.
+    let _ = rustix::event::poll(&mut fds, Some(&timeout));
+}
+
+/// Writes the configuration of a process, for the current user only.
+///
+/// # Errors
+/// [`ChildError`] names the process and the reason.
+pub(crate) fn write_config(
+    root: &Path,
+    name: &str,
+    slot: usize,
+    config: &impl Serialize,
+) -> Result<(), ChildError> {
+    let write = || {
+        let text = serde_json::to_vec(config)?;
+        let mut file = OpenOptions::new()
+            .create_new(true)
+            .write(true)
+            .mode(0o600)
+            .open(config_path(root, slot))?;
+        file.write_all(&text)
+    };
+    write().map_err(|source| ChildError {
+        name: name.to_owned(),
+        what: "cannot be given its configuration",
+        source,
+    })
+}
+
+/// Where the configuration of a process lies. Process names may hold anything: the slot makes the name of the file.
+pub(super) fn config_path(root: &Path, slot: usize) -> PathBuf {
+    root.join(format!("process-{slot}.json"))
+}

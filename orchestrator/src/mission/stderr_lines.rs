@@ -1,0 +1,159 @@
+//! The lines that a process writes to stderr: read, shown, kept and handed on.
+
+use std::collections::VecDeque;
+use std::io::{BufRead, BufReader, Read as _};
+use std::process::ChildStderr;
+use std::sync::mpsc::{self, Receiver, SyncSender};
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+
+use platform::eprintln;
+
+/// Lines of a process that are kept, to be shown if it fails.
+const KEPT_LINES: usize = 20;
+/// Time for the last lines of a process that has ended to arrive.
+const LAST_LINES_WITHIN: Duration = Duration::from_millis(500);
+/// Most bytes of a line that are kept, its end included.
+const LINE_BYTES: u64 = 2048;
+/// Most bytes of a line as it is handed on: what is not UTF-8 takes three bytes for one, and a mark says that
+/// something was left out.
+pub(super) const TEXT_BYTES: usize = LINE_BYTES as usize * 3 + 64;
+
+/// A line that a process wrote to stderr.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct StderrLine {
+    /// Index of the process in the run.
+    pub slot: usize,
+    /// What it wrote, without the end of the line.
+    pub text: String,
+}
+
+/// The newest lines of a process, which a thread reads.
+#[derive(Debug)]
+pub(super) struct StderrLines {
+    kept: Arc<Mutex<VecDeque<String>>>,
+    /// Ends when every process that could write to this stderr is gone.
+    reader: Option<Receiver<()>>,
+}
+
+impl StderrLines {
+    /// Starts to read the stderr of a process. `echo` shows every line on ours, with the name of the process
+    /// before it; `lines` gets them as long as it has room: a process that writes without end must not stop
+    /// the others.
+    pub(super) fn read(
+        stderr: ChildStderr,
+        name: &str,
+        slot: usize,
+        echo: bool,
+        lines: Option<SyncSender<StderrLine>>,
+    ) -> Self {
+        let kept = Arc::new(Mutex::new(VecDeque::new()));
+        let (to, name) = (Arc::clone(&kept), name.to_owned());
+        let (reading, reader) = mpsc::channel();
+        let thread = std::thread::Builder::new()
+            .name(format!("stderr-{slot}"))
+            .spawn(move || {
+                let _reading = reading;
+                let mut stderr = BufReader::new(stderr);
+                while let Some(line) = next_line(&mut stderr) {
+                    if echo {
+                        eprintln!("[{name}] {line}");
+                    }
+                    if let Some(lines) = &lines {
+                        let text = line.clone();
+                        let _ = lines.try_send(StderrLine { slot, text });
+                    }
+                    if let Ok(mut kept) = to.lock() {
+                        if kept.len() == KEPT_LINES {
+                            kept.pop_front();
+                        }
+                        kept.push_back(line);
+                    }
+                }
+            });
+        Self {
+            kept,
+            reader: thread.is_ok().then_some(reader),
+        }
+    }
+
+    /// Waits for the last lines of a process that has ended: its end of the pipe is closed. One that it has
+    /// handed to a process outside its group may stay open.
+    pub(super) fn finish(&mut self) {
+        if let Some(reader) = self.reader.take() {
+            let _ = reader.recv_timeout(LAST_LINES_WITHIN);
+        }
+    }
+
+    /// The newest lines, the oldest first.
+    pub(super) fn last(&self) -> Vec<String> {
+        let kept = self.kept.lock();
+        kept.map(|kept| kept.iter().cloned().collect())
+            .unwrap_or_default()
+    }
+}
+
+/// The next line; `None` at the end. Of one that is longer than [`LINE_BYTES`] the beginning is kept, and the
+/// rest, however long, is read and left out. Bytes that are not UTF-8 are replaced.
+fn next_line(from: &mut impl BufRead) -> Option<String> {
+    let mut line = Vec::new();
+    // A pipe that cannot be read is at its end.
+    let length = from.take(LINE_BYTES).read_until(b'\n', &mut line).ok()?;
+    if length == 0 {
+        return None;
+    }
+    let is_whole = line.pop_if(|byte| *byte == b'\n').is_some();
+    let mut text = String::from_utf8_lossy(&line).into_owned();
+    if !is_whole && from.skip_until(b'\n').ok()? > 0 {
+        text.push_str(" …");
+    }
+    Some(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn lines(mut text: &[u8]) -> Vec<String> {
+        std::iter::from_fn(|| next_line(&mut text)).collect()
+    }
+
+    #[test]
+    fn lines_are_what_stands_between_their_ends() {
+        assert_eq!(lines(b""), [] as [&str; 0]);
+        assert_eq!(lines(b"\n"), [""]);
+        assert_eq!(lines(b"one\n\ntwo"), ["one", "", "two"]);
+        assert_eq!(lines(b"caf\xc3\xa9 \xff\xfe\n"), ["café \u{fffd}\u{fffd}"]);
+    }
+
+    #[test]
+    fn of_a_long_line_the_beginning_is_kept() {
+        let most = LINE_BYTES as usize;
+        let mut text = vec![b'x'; most - 1];
+        text.push(b'\n');
+        assert_eq!(lines(&text), ["x".repeat(most - 1)]);
+        text.pop();
+        text.push(b'y');
+        text.extend(vec![0xff; 10 << 20]);
+        text.extend(b"\nnext\n");
+        let cut = format!("{}y …", "x".repeat(most - 1));
+        assert_eq!(lines(&text), [&*cut, "next"]);
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(16))]
+        #[test]
+        fn every_line_fits_and_none_is_lost(
+            text in prop::collection::vec(
+                prop_oneof![8 => any::<u8>(), 1 => Just(b'\n')], 0..3 * LINE_BYTES as usize
+            ),
+        ) {
+            let found = lines(&text);
+            let expected = text.split_inclusive(|&byte| byte == b'\n').count();
+            prop_assert_eq!(found.len(), expected);
+            prop_assert!(found.iter().all(|line| line.len() <= TEXT_BYTES));
+        }
+    }
+}
