@@ -22,7 +22,7 @@ pub enum GoalField {
     /// The default: in a city almost every goal is behind some block. Of 60 starts spread over the
     /// streets of the paper's city, all lead to the goal this way; straight, 7 of a pursuer's and
     /// (with the paper's parameters) 14 of an evader's end in front of a block. The tests
-    /// `closing_in` of `pursuer` and `escape` of `evader_potential` print these numbers.
+    /// `closing_in` of `pursuer` and `escape` of `steering` print these numbers.
     #[default]
     Geodesic,
 }

@@ -4,7 +4,8 @@
 //!
 //! 1. [`potential_field`] sums attraction, repulsion, obstacles and perturbation;
 //! 2. [`feedback_linearisation`] turns the wanted velocity of a point ahead of the axle into forward
-//!    speed and turning rate, within the robot's limits.
+//!    speed and turning rate, within the robot's limits;
+//! 3. [`potential_evader`] is an evader of these alone.
 //!
 //! From waypoint to waypoint:
 //!
@@ -21,6 +22,7 @@
 pub mod feedback_linearisation;
 pub mod go_to;
 pub mod path_tracking;
+pub mod potential_evader;
 pub mod potential_field;
 pub mod tangent_bug;
 pub mod waypoint_driver;

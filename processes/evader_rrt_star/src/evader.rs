@@ -1,6 +1,5 @@
 //! One evader: when it plans, what it does meanwhile, and how it follows its plans.
 
-use evader_potential::{Evader, EvaderParams};
 use nalgebra::Point2;
 use planner_view::free_space::FreeSpace;
 use planner_view::limits::Limits;
@@ -12,6 +11,7 @@ use sim_backend::pose::Pose2;
 use sim_backend::team::Team;
 use steering::feedback_linearisation::EPSILON;
 use steering::path_tracking::{PathTracker, TrackingParams};
+use steering::potential_evader::{Evader, EvaderParams};
 
 use crate::cost::{CostModel, Pursuer};
 use crate::follow;

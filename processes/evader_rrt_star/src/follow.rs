@@ -1,6 +1,5 @@
 //! Following a route.
 
-use evader_potential::EvaderParams;
 use nalgebra::{Point2, Vector2};
 use navigation::bearing::Bearings;
 use planner_view::free_space::FreeSpace;
@@ -12,6 +11,7 @@ use sim_backend::pose::{Pose2, Twist2};
 use sim_backend::team::Team;
 use steering::feedback_linearisation::{EPSILON, command};
 use steering::path_tracking::{PathTracker, Tracking, TrackingParams};
+use steering::potential_evader::EvaderParams;
 use steering::potential_field::{Goal, Repulsor, attraction, compose, obstacle, repulsion};
 
 use crate::motion::{Arcs, Motion as _};

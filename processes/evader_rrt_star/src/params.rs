@@ -1,8 +1,8 @@
 //! Parameters of the evader that plans with RRT*.
 
-use evader_potential::EvaderParams;
 use serde::{Deserialize, Serialize};
 use sim_backend::params::{ParamsError, not_negative, positive, require, within};
+use steering::potential_evader::EvaderParams;
 
 use crate::cost::CostParams;
 use crate::search::REFINE_SHARE;

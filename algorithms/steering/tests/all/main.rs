@@ -1,8 +1,9 @@
-//! Steering in the city and other places; one program, because linking three costs minutes.
+//! Steering in the city and other places; one program, because linking four costs minutes.
 
 #[path = "../../../planner_view/tests/support/mod.rs"]
 mod support;
 
 mod avoidance;
+mod escape;
 mod field_goldens;
 mod walls_and_bodies;

@@ -1,10 +1,10 @@
 //! Parameters of the potential-field evader.
 
+use crate::feedback_linearisation::FeedbackParams;
+use crate::potential_field::{ObstacleParams, PerturbationParams, RepulsionParams};
 use navigation::bearing::GoalField;
 use serde::{Deserialize, Serialize};
 use sim_backend::params::{ParamsError, not_negative, positive, within};
-use steering::feedback_linearisation::FeedbackParams;
-use steering::potential_field::{ObstacleParams, PerturbationParams, RepulsionParams};
 
 /// How much the Police lengthen the ways that pass them (`goal_field = "geodesic"` only).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -29,7 +29,7 @@ impl Default for ThreatParams {
     }
 }
 
-/// Parameters of an [`Evader`](crate::Evader).
+/// Parameters of an [`Evader`](super::Evader).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct EvaderParams {

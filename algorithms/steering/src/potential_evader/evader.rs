@@ -1,5 +1,9 @@
 //! One evader.
 
+use crate::feedback_linearisation::command;
+use crate::potential_field::{
+    Body, Goal, Perturbation, Repulsor, attraction, compose, obstacle, repulsion,
+};
 use nalgebra::Point2;
 use navigation::bearing::{Bearings, GoalField};
 use navigation::routes::{Threat, Wayfinder};
@@ -9,12 +13,8 @@ use planner_view::steering::Steering;
 use planner_view::view::View;
 use sim_backend::params::ParamsError;
 use sim_backend::team::Team;
-use steering::feedback_linearisation::command;
-use steering::potential_field::{
-    Body, Goal, Perturbation, Repulsor, attraction, compose, obstacle, repulsion,
-};
 
-use crate::params::{EvaderParams, ThreatParams};
+use super::params::{EvaderParams, ThreatParams};
 
 /// The way-finder's slot of the cheapest ways past the Police.
 const PAST_POLICE: usize = 0;

@@ -1,16 +1,13 @@
 //! The evader in the paper's city, in a kinematic mini-simulation.
 
-#[path = "../../../algorithms/planner_view/tests/support/mod.rs"]
-mod support;
-
-use evader_potential::{Evader, EvaderParams};
+use crate::support::{CITY, DT, EXIT, Kinematic, RADIUS, robot, street_starts, view};
 use nalgebra::Point2;
 use planner_view::limits::Limits;
 use planner_view::view::RobotView;
 use proptest::prelude::*;
 use sim_backend::pose::{Pose2, Twist2};
 use sim_backend::team::Team;
-use support::{CITY, DT, EXIT, Kinematic, RADIUS, robot, street_starts, view};
+use steering::potential_evader::{Evader, EvaderParams};
 
 const EXIT_RADIUS: f64 = 0.5;
 
