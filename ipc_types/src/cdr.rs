@@ -9,7 +9,7 @@ use crate::message::Message;
 use crate::topics::{Arity, Topic};
 
 /// Little-endian plain CDR.
-const ENCAPSULATION: [u8; 4] = [0x00, 0x01, 0x00, 0x00];
+pub(crate) const ENCAPSULATION: [u8; 4] = [0x00, 0x01, 0x00, 0x00];
 
 /// Why bytes are not a message of a topic.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

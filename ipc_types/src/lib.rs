@@ -5,7 +5,8 @@
 //! * [`messages`]: the messages; [`stamp`]: what stands first in each;
 //! * [`topics`]: the topics with their quality of service;
 //! * [`bus`]: publishers, subscribers, request–response and events of one isolated run;
-//! * [`schema`], [`cdr`]: how logs and other languages see them.
+//! * [`schema`], [`cdr`]: how logs and other languages see them;
+//! * [`consumer`]: what takes the messages of a run in order, from the bus or from a log.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
@@ -13,6 +14,7 @@
 pub mod bus;
 pub mod cdr;
 pub mod clock;
+pub mod consumer;
 pub mod message;
 pub mod messages;
 pub mod python;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::rc::Rc;
 
-use ipc_types::cdr;
+use ipc_types::consumer::{Consumer as _, LoggedMessage};
 use ipc_types::topics::{Commands, Status, Topic as _, TopicId, WorldState};
 use statistics::{Distribution, Distributions};
 
@@ -135,7 +135,7 @@ impl Reading {
                     self.origin.check(log)?;
                     self.known = Some(self.processes(log)?);
                 }
-                self.message(header.channel_id, data);
+                self.message(header.channel_id, header.log_time, data);
             }
             _ => {}
         }
@@ -171,26 +171,28 @@ impl Reading {
         })
     }
 
-    fn message(&mut self, channel: u16, data: &[u8]) {
+    fn message(&mut self, channel: u16, time_ns: u64, data: &[u8]) {
         let Some(&topic) = self.channels.get(&channel) else {
             return;
         };
         let sizes = self.sizes.entry(channel).or_default();
         sizes.messages += 1;
         sizes.bytes += data.len().saturating_sub(known::ENCAPSULATION) as u64;
-        let (Some(known), Some(stamp)) = (&mut self.known, known::stamp(data)) else {
+        let message = LoggedMessage::new(topic, time_ns, data);
+        let (Some(known), Some(message)) = (&mut self.known, message) else {
             return;
         };
-        if topic == TopicId::Status
-            && let Ok((_, status)) = cdr::decode::<Status>(data)
+        if let Ok(Some((_, status))) = message.decode::<Status>()
             && let Some(status) = status.first()
         {
             let overruns = self.overruns.entry(status.process).or_default();
             *overruns = status.overruns.max(*overruns);
         }
-        if stamp.sent_ns != 0 {
+        if message.stamp.sent_ns != 0 {
             self.stamped += u64::from(matches!(topic, TopicId::WorldState | TopicId::Commands));
-            known.chain.message(topic, &stamp);
+        }
+        if topic.facts().timed {
+            known.chain.message(&message, &mut ());
         }
     }
 

@@ -4,11 +4,11 @@ use std::io::IsTerminal as _;
 use std::time::{Duration, Instant};
 
 use indicatif::ProgressBar;
+use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::world::WorldEvent;
+use ipc_types::topics::{TopicId, WorldEvents};
 use platform::eprintln;
 use platform::progress;
-
-use crate::recorder::Observer;
 
 /// How often a plain line is written when stderr is not a terminal.
 const PLAIN_EVERY: Duration = Duration::from_secs(5);
@@ -99,11 +99,24 @@ impl EventPrinter {
     }
 }
 
-impl Observer for EventPrinter {
-    fn on_event(&mut self, time_s: f64, event: &WorldEvent) {
+impl Consumer for EventPrinter {
+    fn topics(&self) -> &[TopicId] {
         if self.quiet {
-            return;
+            &[]
+        } else {
+            &[TopicId::WorldEvents]
         }
+    }
+
+    fn message(&mut self, message: &LoggedMessage<'_>, (): &mut ()) {
+        if let Some((_, events)) = message.view::<WorldEvents>() {
+            events.for_each(|event| self.print(message.time_s(), &event));
+        }
+    }
+}
+
+impl EventPrinter {
+    fn print(&self, time_s: f64, event: &WorldEvent) {
         if let Some(words) = self.words(event) {
             let line = format!("{time_s:8.2} s  {words}");
             if self.plain {

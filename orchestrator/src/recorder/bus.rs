@@ -3,10 +3,11 @@
 use std::time::{Duration, Instant};
 
 use ipc_types::bus::{Bus, BusError, ReceiveError, Subscriber};
+use ipc_types::consumer::Consumer;
 use ipc_types::topics::{Topic, TopicVisitor, for_each_topic};
 
 use super::error::RecorderError;
-use super::gate::{Gate, Observer};
+use super::gate::Gate;
 use super::recording::Recording;
 use super::summary::Summary;
 
@@ -70,7 +71,7 @@ impl Recorder {
     pub fn run(
         mut self,
         gate: &dyn Gate,
-        observer: &mut dyn Observer,
+        observer: &mut dyn Consumer,
     ) -> Result<Summary, RecorderError> {
         let mut recorded = None;
         loop {
@@ -110,7 +111,7 @@ impl Recorder {
     pub fn take(
         &mut self,
         completed: u64,
-        observer: &mut dyn Observer,
+        observer: &mut dyn Consumer,
     ) -> Result<(), RecorderError> {
         while !self.drain()? {}
         self.recording.advance(completed, observer)?;
@@ -121,7 +122,7 @@ impl Recorder {
     ///
     /// # Errors
     /// As [`Recorder::run`].
-    pub fn finish(mut self, observer: &mut dyn Observer) -> Result<Summary, RecorderError> {
+    pub fn finish(mut self, observer: &mut dyn Consumer) -> Result<Summary, RecorderError> {
         while !self.drain()? {}
         Ok(self.recording.finish(observer)?)
     }

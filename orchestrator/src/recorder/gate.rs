@@ -1,8 +1,6 @@
-//! What the recorder needs of the run, and what it tells those who look on.
+//! What the recorder needs of the run.
 
 use std::time::Duration;
-
-use ipc_types::messages::world::WorldEvent;
 
 /// The recorder's side of the machinery that drives a run.
 pub trait Gate {
@@ -30,15 +28,4 @@ pub trait Gate {
 
     /// Whether no message will be sent any more that is not in the buffers already.
     fn ended(&self) -> bool;
-}
-
-/// Sees what happens, in the order of the log. Runs on the recorder's thread: be quick.
-pub trait Observer {
-    /// Something happened in the world at a simulated time [s].
-    fn on_event(&mut self, time_s: f64, event: &WorldEvent);
-}
-
-/// Looks at nothing.
-impl Observer for () {
-    fn on_event(&mut self, _: f64, _: &WorldEvent) {}
 }

@@ -1,13 +1,62 @@
-//! What a referee said of a robot, over a run.
+//! What a referee said of the robots, over a run.
 
-use ipc_types::messages::world::RobotState;
+use ipc_types::consumer::{Consumer, LoggedMessage};
+use ipc_types::topics::{TopicId, Verdicts};
 
-use super::summary::status_name;
+use super::outcome::OutcomePart;
+use super::summary::Summary;
+
+/// The verdicts on all robots so far.
+#[derive(Debug)]
+pub(super) struct AllJudged(Vec<Judged>);
+
+impl AllJudged {
+    /// Of so many robots.
+    pub(super) fn new(robots: usize) -> Self {
+        Self(vec![Judged::default(); robots])
+    }
+}
+
+impl Consumer for AllJudged {
+    fn topics(&self) -> &[TopicId] {
+        &[TopicId::Verdicts]
+    }
+
+    fn message(&mut self, message: &LoggedMessage<'_>, (): &mut ()) {
+        if let Some((_, verdicts)) = message.view::<Verdicts>() {
+            for verdict in verdicts {
+                if let Some(judged) = self.0.get_mut(verdict.robot as usize) {
+                    judged.add(message.time_s(), verdict.escape_possible != 0);
+                }
+            }
+        }
+    }
+}
+
+impl OutcomePart for AllJudged {
+    fn finish(self: Box<Self>, summary: &mut Summary) {
+        // The last of them decides; one that could escape, or did, leaves none.
+        let mut last = Some(f64::NEG_INFINITY);
+        for (robot, judged) in summary.robots.iter_mut().zip(&self.0) {
+            robot.escape_possible_fraction = judged.fraction();
+            robot.escape_impossible_from_s = judged
+                .impossible_from
+                .filter(|_| robot.outcome != "escaped");
+            if judged.verdicts > 0 {
+                let from = robot.escape_impossible_from_s;
+                last = last.and_then(|last| Some(last.max(from?)));
+            }
+        }
+        summary.escape_impossible_from_s = last.filter(|from| from.is_finite());
+        let all = self.0.iter().fold(Judged::default(), Judged::and);
+        summary.escape_possible_fraction = all.fraction();
+    }
+}
 
 /// The verdicts on one robot so far.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Judged {
-    pub(super) verdicts: u64,
+struct Judged {
+    verdicts: u64,
     possible: u64,
     /// Time of the first of the verdicts "not possible" since the last other one [s].
     impossible_from: Option<f64>,
@@ -15,7 +64,7 @@ pub(super) struct Judged {
 
 impl Judged {
     /// Takes up a verdict of a moment [s].
-    pub(super) fn add(&mut self, time_s: f64, possible: bool) {
+    fn add(&mut self, time_s: f64, possible: bool) {
         self.verdicts += 1;
         if possible {
             self.possible += 1;
@@ -26,7 +75,7 @@ impl Judged {
     }
 
     /// The verdicts on both.
-    pub(super) fn and(self, other: &Self) -> Self {
+    fn and(self, other: &Self) -> Self {
         Self {
             verdicts: self.verdicts + other.verdicts,
             possible: self.possible + other.possible,
@@ -35,27 +84,19 @@ impl Judged {
     }
 
     /// Share of the verdicts that said "possible"; `None` without any.
-    pub(super) fn fraction(&self) -> Option<f64> {
+    fn fraction(&self) -> Option<f64> {
         (self.verdicts > 0).then(|| self.possible as f64 / self.verdicts as f64)
-    }
-
-    /// When an escape became impossible for good [s]; `None` if it did not, or the robot escaped.
-    pub(super) fn impossible_from(&self, state: &RobotState) -> Option<f64> {
-        self.impossible_from
-            .filter(|_| status_name(state.status) != "escaped")
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use std::collections::BTreeMap;
-
+    use ipc_types::cdr;
     use ipc_types::messages::referee::Verdict;
-    use ipc_types::messages::world::{RobotState, WorldHeader};
+    use ipc_types::stamp::PlainHeader;
 
-    use super::super::options::RobotInfo;
-    use super::super::outcome::Outcome;
-    use super::super::summary::Summary;
+    use super::super::summary::{RobotOutcome, status_name};
+    use super::*;
 
     fn verdict(robot: u32, possible: bool) -> Verdict {
         Verdict {
@@ -65,33 +106,32 @@ mod tests {
         }
     }
 
-    fn summary(states: &[(u8, &[(f64, bool)])]) -> Summary {
-        let infos: Vec<RobotInfo> = (0..states.len())
-            .map(|i| RobotInfo {
-                name: format!("evader_{i}"),
-                radius: 0.1,
-                visits_waypoints: false,
-            })
-            .collect();
-        let mut outcome = Outcome::new(&infos, &[], 1_000_000_000);
-        let robots: Vec<RobotState> = (0..)
-            .zip(states)
-            .map(|(robot, &(status, _))| RobotState {
-                robot,
-                status,
-                team: 2,
-                ..RobotState::default()
-            })
-            .collect();
-        outcome.state(&WorldHeader::default(), robots.into_iter());
-        for (robot, (_, verdicts)) in (0..).zip(states) {
+    fn summary(robots: &[(u8, &[(f64, bool)])]) -> Summary {
+        let mut judged = Box::new(AllJudged::new(robots.len()));
+        let mut judge = |time_s: f64, verdict: Verdict| {
+            let mut bytes = Vec::new();
+            cdr::encode::<Verdicts>(&PlainHeader::default(), &[verdict], &mut bytes);
+            let time_ns = (time_s * 1e9) as u64;
+            let message = LoggedMessage::new(TopicId::Verdicts, time_ns, &bytes).unwrap();
+            judged.message(&message, &mut ());
+        };
+        for (robot, (_, verdicts)) in (0..).zip(robots) {
             for &(time_s, possible) in *verdicts {
-                outcome.verdict(time_s, &verdict(robot, possible));
+                judge(time_s, verdict(robot, possible));
             }
         }
         // A robot that does not exist changes nothing.
-        outcome.verdict(1.0, &verdict(99, true));
-        outcome.finish(String::new(), BTreeMap::new(), BTreeMap::new())
+        judge(1.0, verdict(99, true));
+        let robots = robots.iter().map(|&(status, _)| RobotOutcome {
+            outcome: status_name(status).to_owned(),
+            ..RobotOutcome::default()
+        });
+        let mut summary = Summary {
+            robots: robots.collect(),
+            ..Summary::default()
+        };
+        judged.finish(&mut summary);
+        summary
     }
 
     #[test]

@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
+use ipc_types::consumer::LoggedMessage;
 use ipc_types::schema;
 use ipc_types::topics::TopicId;
 
 use super::error::LogError;
 use super::log_writer::{ChannelId, ChannelSpec, LogWriter};
-use super::message::Message;
 use super::mirror::Mirror;
 use super::options::RecorderOptions;
 use super::summary::{Summary, TopicCount};
@@ -55,8 +55,12 @@ impl Log {
         })
     }
 
-    /// Writes a message, and what viewers see of it.
-    pub(super) fn message(&mut self, message: &Message<'_>) -> Result<(), LogError> {
+    /// Writes a message, and what viewers see of it if the checks have not rejected it.
+    pub(super) fn message(
+        &mut self,
+        message: &LoggedMessage<'_>,
+        rejected: bool,
+    ) -> Result<(), LogError> {
         if message.time_ns != self.time_ns {
             self.end_of_tick()?;
             self.time_ns = message.time_ns;
@@ -64,7 +68,7 @@ impl Log {
         let Some(channel) = self.channels.get(message.topic.rank()) else {
             return Ok(());
         };
-        let stamp = message.stamp;
+        let stamp = &message.stamp;
         // The counter of the channel has 32 bits; the stamp has all 64.
         let sequence = stamp.sequence as u32;
         self.writer.write(
@@ -75,7 +79,7 @@ impl Log {
             message.bytes,
         )?;
         match &mut self.viewer {
-            Some(viewer) if !message.rejected => viewer.message(message, &mut self.writer),
+            Some(viewer) if !rejected => viewer.message(message, &mut self.writer),
             _ => Ok(()),
         }
     }

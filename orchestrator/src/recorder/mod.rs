@@ -3,9 +3,9 @@
 //!
 //! * [`Recorder`] drains the bus on a thread of its own and drives a [`Recording`];
 //! * [`Recording`] checks, counts and fingerprints messages, and hands them on in their order: to the
-//!   outcome of the run, to the log with what viewers see, to an [`Observer`]. A run without a log has
+//!   outcome of the run, to the log with what viewers see, to an observer. A run without a log has
 //!   the same, but for the log;
-//! * [`LogWriter`] is the MCAP file; [`Gate`] and [`Observer`] are the seams to the run.
+//! * [`LogWriter`] is the MCAP file; [`Gate`] is the seam to the run.
 //!
 //! Lossless topics are ROS 2 CDR whose body is the message's bytes (`ipc_types::cdr`); beside them
 //! stand `/viewer/…` topics in the viewers' own schemas. Log time is simulated time.
@@ -14,16 +14,17 @@ mod beginnings;
 mod bus;
 pub(crate) mod chain;
 mod checks;
+mod covered;
 mod digest;
 mod error;
 mod gate;
+mod happened;
 mod intake;
 mod judged;
 mod ledger;
 mod log;
 mod log_file;
 mod log_writer;
-mod message;
 mod mirror;
 mod options;
 mod outages;
@@ -31,6 +32,7 @@ mod outcome;
 mod parts;
 mod predicted;
 mod recording;
+mod robots;
 mod sequence;
 mod summary;
 mod viewer;
@@ -42,7 +44,7 @@ pub(crate) mod tests;
 pub use beginnings::Beginnings;
 pub use bus::Recorder;
 pub use error::{LogError, RecorderError};
-pub use gate::{Gate, Observer};
+pub use gate::Gate;
 pub use log_writer::{
     ChannelId, ChannelSpec, ChannelTotals, Compression, LogOptions, LogTotals, LogWriter, Manifest,
     ManifestFile,

@@ -2,11 +2,14 @@
 
 use std::collections::BTreeMap;
 
+use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::process::ProcessEvent;
+use ipc_types::topics::{ProcessEvents, TopicId};
 use serde::{Deserialize, Serialize};
 
 use super::options::ProcessInfo;
-use super::summary::seconds;
+use super::outcome::OutcomePart;
+use super::summary::{Summary, seconds};
 
 /// What became of a process that failed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -45,6 +48,24 @@ pub(super) struct Outages {
     failed: BTreeMap<u32, ProcessOutcome>,
 }
 
+impl Consumer for Outages {
+    fn topics(&self) -> &[TopicId] {
+        &[TopicId::ProcessEvents]
+    }
+
+    fn message(&mut self, message: &LoggedMessage<'_>, (): &mut ()) {
+        if let Some((_, events)) = message.view::<ProcessEvents>() {
+            events.for_each(|event| self.add(&event));
+        }
+    }
+}
+
+impl OutcomePart for Outages {
+    fn finish(self: Box<Self>, summary: &mut Summary) {
+        summary.processes = self.outcomes(summary.ticks);
+    }
+}
+
 impl Outages {
     pub(super) fn new(processes: &[ProcessInfo], tick_period_ns: u64) -> Self {
         let names = processes.iter().map(|p| (p.index, p.name.clone()));
@@ -55,7 +76,7 @@ impl Outages {
         }
     }
 
-    pub(super) fn add(&mut self, event: &ProcessEvent) {
+    fn add(&mut self, event: &ProcessEvent) {
         let name = || match self.names.get(&event.process) {
             Some(name) => name.clone(),
             None => format!("process {}", event.process),
@@ -88,7 +109,7 @@ impl Outages {
     }
 
     /// All of them; the run ended at tick `end`.
-    pub(super) fn finish(self, end: u64) -> Vec<ProcessOutcome> {
+    fn outcomes(self, end: u64) -> Vec<ProcessOutcome> {
         let absent = |outcome: &ProcessOutcome| {
             let mut from = 0;
             let mut absent = 0;
@@ -132,7 +153,7 @@ mod tests {
         ] {
             outages.add(&event(kind, tick));
         }
-        let found = outages.finish(50);
+        let found = outages.outcomes(50);
         let [outcome] = &found[..] else {
             panic!("{found:?}");
         };

@@ -2,9 +2,14 @@
 
 use std::collections::BTreeMap;
 
+use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::observer::Prediction;
+use ipc_types::topics::{Predictions, TopicId};
 use metrics::prediction::ErrorStatistics;
 use serde::{Deserialize, Serialize};
+
+use super::outcome::OutcomePart;
+use super::summary::Summary;
 
 /// Most errors that are kept per method and time ahead; what comes later is in the log only.
 const MOST_ERRORS: usize = 1_000_000;
@@ -57,9 +62,29 @@ struct Series {
 #[derive(Debug, Default)]
 pub(super) struct Predicted(BTreeMap<(u32, u32, u8, u64), Series>);
 
+impl Consumer for Predicted {
+    fn topics(&self) -> &[TopicId] {
+        &[TopicId::Predictions]
+    }
+
+    fn message(&mut self, message: &LoggedMessage<'_>, (): &mut ()) {
+        if let Some((_, predictions)) = message.view::<Predictions>() {
+            let observer = message.stamp.source;
+            predictions.for_each(|p| self.add(observer, message.time_s(), &p));
+        }
+    }
+}
+
+impl OutcomePart for Predicted {
+    fn finish(self: Box<Self>, summary: &mut Summary) {
+        let names: Vec<&str> = summary.robots.iter().map(|r| r.name.as_str()).collect();
+        summary.predictions = self.outcomes(&names);
+    }
+}
+
 impl Predicted {
     /// Takes up a prediction of an observer at a moment [s].
-    pub(super) fn add(&mut self, observer: u32, time_s: f64, prediction: &Prediction) {
+    fn add(&mut self, observer: u32, time_s: f64, prediction: &Prediction) {
         let key = (
             observer,
             prediction.robot,
@@ -77,7 +102,7 @@ impl Predicted {
     }
 
     /// What it amounts to, for robots of these names; `None` without an observer.
-    pub(super) fn finish(&self, robots: &[String]) -> Option<Vec<PredictionOutcome>> {
+    fn outcomes(&self, robots: &[&str]) -> Option<Vec<PredictionOutcome>> {
         let outcomes: Vec<_> = self
             .0
             .iter()
@@ -86,7 +111,7 @@ impl Predicted {
                 let count = statistics.map_or(0, |s| s.count);
                 Some(PredictionOutcome {
                     observer,
-                    robot: robots.get(robot as usize)?.clone(),
+                    robot: (*robots.get(robot as usize)?).to_owned(),
                     method: Prediction::method_name(method).to_owned(),
                     horizon_s: f64::from_bits(horizon),
                     predictions: count as u64,
@@ -124,8 +149,8 @@ mod tests {
     #[test]
     fn errors_are_counted_by_method_and_time_ahead_and_the_key_when_first_known() {
         let mut predicted = Predicted::default();
-        let names = ["a".to_owned(), "b".to_owned()];
-        assert_eq!(predicted.finish(&names), None);
+        let names = ["a", "b"];
+        assert_eq!(predicted.outcomes(&names), None);
         let not_due = Prediction {
             due: 0,
             ..prediction(0, 0.5, None, false)
@@ -143,7 +168,7 @@ mod tests {
             ..prediction(0, 0.5, None, false)
         };
         predicted.add(3, 0.0, &stranger);
-        let found = predicted.finish(&names).unwrap();
+        let found = predicted.outcomes(&names).unwrap();
         assert_eq!(found.len(), 2);
         let kalman = &found[0];
         assert_eq!(

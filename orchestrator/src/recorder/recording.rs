@@ -5,32 +5,31 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use ipc_types::bus::Received;
-use ipc_types::cdr::{SequenceHead, view};
-use ipc_types::stamp::{Header as _, Stamp};
-use ipc_types::topics::{Topic, TopicId, WorldEvents};
+use ipc_types::cdr::SequenceHead;
+use ipc_types::consumer::{Consumer, Consumers, LoggedMessage};
+use ipc_types::stamp::Header as _;
+use ipc_types::topics::{Topic, TopicId};
 use zerocopy::IntoBytes as _;
 
 use super::beginnings::Beginnings;
 use super::chain::Chain;
 use super::checks::is_decodable;
 use super::error::LogError;
-use super::gate::Observer;
 use super::intake::{Entry, Intake};
-use super::ledger::{Ledger, Verdict};
+use super::ledger::Ledger;
 use super::log::Log;
-use super::message::Message;
 use super::mirror::Mirror;
 use super::options::{ProcessInfo, RecorderOptions, RobotInfo};
-use super::outcome::Outcome;
+use super::outcome::{self, OutcomePart};
 use super::parts::Parts;
-use super::summary::{Summary, TopicCount, seconds};
+use super::summary::{Summary, TopicCount};
 
 /// How long a tick that began waits for its messages before what there is of it is written: in real
 /// time, where nothing says that a tick is complete, and when the world stands still within one.
 const LONGEST_WAIT: Duration = Duration::from_millis(250);
 
 /// Checks, counts and fingerprints the messages of a run as they come, puts them in order, and hands
-/// them to what makes something of them: the outcome, the observer and, if there is one, the log.
+/// them to their consumers: the outcome, the observer and, if there is one, the log.
 ///
 /// Messages may be pushed in any order that keeps the order of each source; the log, the digest
 /// and the summary do not depend on how those of different sources interleave.
@@ -40,14 +39,14 @@ pub struct Recording {
     intake: Intake,
     /// Ticks that began, and when that was seen; those of the last [`LONGEST_WAIT`], in order.
     begun: VecDeque<(Instant, u64)>,
-    consumers: Consumers,
+    output: Output,
     /// The first messages of other runs in this process.
     beginnings: Arc<Beginnings>,
 }
 
 /// What gets the messages in their order.
-struct Consumers {
-    outcome: Outcome,
+struct Output {
+    outcome: Consumers<dyn OutcomePart>,
     log: Option<Log>,
     tick_period_ns: u64,
     /// The newest tick that was written, perhaps in part.
@@ -80,9 +79,9 @@ impl Recording {
             Arc::default(),
         );
         Ok(Self {
-            consumers: Consumers {
+            output: Output {
                 log: Some(log),
-                ..recording.consumers
+                ..recording.output
             },
             ..recording
         })
@@ -101,8 +100,8 @@ impl Recording {
             latencies: Chain::new(processes),
             intake: Intake::default(),
             begun: VecDeque::new(),
-            consumers: Consumers {
-                outcome: Outcome::new(robots, processes, tick_period_ns),
+            output: Output {
+                outcome: outcome::parts(robots, processes, tick_period_ns),
                 log: None,
                 tick_period_ns,
                 tick: 0,
@@ -115,7 +114,7 @@ impl Recording {
     /// only if it is needed later.
     pub(super) fn receive<T: Topic>(&mut self, message: &Received<T>, in_place: bool) {
         let (header, elements) = (message.header(), message.elements());
-        if !in_place || self.consumers.wants(T::ID) {
+        if !in_place || self.output.wants(T::ID) {
             self.push::<T>(header, elements);
             return;
         }
@@ -128,8 +127,7 @@ impl Recording {
             elements.len(),
         );
         let Some(shared) = message.shared() else {
-            let verdict = self.ledger.enter(T::ID, stamp, &parts, None);
-            self.measure(T::ID, stamp, verdict);
+            self.ledger.enter(T::ID, stamp, &parts, None);
             return;
         };
         let known = self.beginnings.find(shared, &parts);
@@ -147,24 +145,26 @@ impl Recording {
         let (newest, stamp) = (self.ledger.newest().unwrap_or(0), *header.stamp());
         // From here on only the copy counts: a hostile sender could still write to the original.
         let bytes = self.intake.copy::<T>(header, elements);
-        let message = Parts::of_cdr(T::ID, bytes, elements.len());
-        let verdict = self.ledger.enter(T::ID, &stamp, &message, None);
-        self.measure(T::ID, &stamp, verdict);
-        if is_decodable(T::ID, elements.len()) && self.consumers.wants(T::ID) {
+        let parts = Parts::of_cdr(T::ID, bytes, elements.len());
+        let verdict = self.ledger.enter(T::ID, &stamp, &parts, None);
+        if verdict.holds && T::ID.facts().timed {
+            let message = LoggedMessage {
+                topic: T::ID,
+                stamp,
+                time_ns: stamp.time_ns,
+                bytes,
+            };
+            self.latencies.message(&message, &mut ());
+        }
+        if is_decodable(T::ID, elements.len()) && self.output.wants(T::ID) {
             // Who speaks outside of simulated history may do so late: about a tick that is written.
-            let is_late = !T::ID.facts().simulated && stamp.tick < self.consumers.tick;
+            let is_late = !T::ID.facts().simulated && stamp.tick < self.output.tick;
             let tick = if is_late || !verdict.plausible {
                 newest
             } else {
                 stamp.tick
             };
             self.intake.keep(tick, T::ID, stamp, !verdict.holds);
-        }
-    }
-
-    fn measure(&mut self, topic: TopicId, stamp: &Stamp, verdict: Verdict) {
-        if verdict.holds {
-            self.latencies.message(topic, stamp);
         }
     }
 
@@ -177,9 +177,9 @@ impl Recording {
     ///
     /// # Errors
     /// [`LogError`]; the recording is then at its end.
-    pub fn advance(&mut self, completed: u64, observer: &mut dyn Observer) -> Result<(), LogError> {
+    pub fn advance(&mut self, completed: u64, observer: &mut dyn Consumer) -> Result<(), LogError> {
         self.write(completed, observer)?;
-        self.consumers.end_of_tick()
+        self.output.end_of_tick()
     }
 
     /// Writes what is ready, in order: the messages of the ticks up to `completed`, all of which have
@@ -193,7 +193,7 @@ impl Recording {
         &mut self,
         completed: Option<u64>,
         now: Instant,
-        observer: &mut dyn Observer,
+        observer: &mut dyn Consumer,
     ) -> Result<(), LogError> {
         if let Some(newest) = self.ledger.newest()
             && self.begun.back().is_none_or(|&(_, tick)| tick < newest)
@@ -211,16 +211,16 @@ impl Recording {
         self.write(last, observer)?;
         // The picture of a tick that is not complete waits for the rest of it.
         if completed >= Some(last) {
-            self.consumers.end_of_tick()?;
+            self.output.end_of_tick()?;
         }
         Ok(())
     }
 
-    fn write(&mut self, last: u64, observer: &mut dyn Observer) -> Result<(), LogError> {
-        let consumers = &mut self.consumers;
-        consumers.tick = consumers.tick.max(last);
+    fn write(&mut self, last: u64, observer: &mut dyn Consumer) -> Result<(), LogError> {
+        let output = &mut self.output;
+        output.tick = output.tick.max(last);
         self.intake.take(Some(last), |entry, bytes| {
-            consumers.message(entry, bytes, observer)
+            output.message(entry, bytes, observer)
         })
     }
 
@@ -229,7 +229,7 @@ impl Recording {
     /// # Errors
     /// [`LogError::Write`].
     pub fn flush_if_due(&mut self) -> Result<(), LogError> {
-        match &mut self.consumers.log {
+        match &mut self.output.log {
             Some(log) => log.flush_if_due(),
             None => Ok(()),
         }
@@ -239,15 +239,15 @@ impl Recording {
     ///
     /// # Errors
     /// [`LogError`]; what was written before stays readable.
-    pub fn finish(mut self, observer: &mut dyn Observer) -> Result<Summary, LogError> {
-        let (consumers, newest) = (&mut self.consumers, self.ledger.newest().unwrap_or(0));
+    pub fn finish(mut self, observer: &mut dyn Consumer) -> Result<Summary, LogError> {
+        let (output, newest) = (&mut self.output, self.ledger.newest().unwrap_or(0));
         self.intake.take(None, |entry, bytes| {
             // Announced for a time that never came: kept, but neither shown nor at that time.
             let too_late = entry.tick > newest && entry.topic.facts().simulated;
             let mut entry = *entry;
             entry.tick = entry.tick.min(newest);
             entry.rejected |= too_late;
-            consumers.message(&entry, bytes, observer)
+            output.message(&entry, bytes, observer)
         })?;
         let topics = self
             .ledger
@@ -255,9 +255,16 @@ impl Recording {
             .filter(|(_, count)| *count != TopicCount::default())
             .map(|(name, count)| (name.to_owned(), count))
             .collect();
-        let Consumers { outcome, log, .. } = self.consumers;
-        let latency_us = self.latencies.percentiles();
-        let mut summary = outcome.finish(self.ledger.digest(), topics, latency_us);
+        let Output { outcome, log, .. } = self.output;
+        let mut summary = Summary {
+            digest: self.ledger.digest(),
+            topics,
+            latency_us: self.latencies.percentiles(),
+            ..Summary::default()
+        };
+        for part in outcome.into_list() {
+            part.finish(&mut summary);
+        }
         if let Some(log) = log {
             log.finish(&mut summary)?;
         }
@@ -265,34 +272,31 @@ impl Recording {
     }
 }
 
-impl Consumers {
+impl Output {
     /// Whether messages of this topic go to anything but the ledger and the latencies.
     fn wants(&self, topic: TopicId) -> bool {
-        self.log.is_some() || Outcome::wants(topic)
+        self.log.is_some() || self.outcome.take(topic)
     }
 
     fn message(
         &mut self,
         entry: &Entry,
         bytes: &[u8],
-        observer: &mut dyn Observer,
+        observer: &mut dyn Consumer,
     ) -> Result<(), LogError> {
-        let message = Message {
+        let message = LoggedMessage {
             topic: entry.topic,
-            stamp: &entry.stamp,
+            stamp: entry.stamp,
             time_ns: entry.tick.saturating_mul(self.tick_period_ns),
-            rejected: entry.rejected,
             bytes,
         };
         if let Some(log) = &mut self.log {
-            log.message(&message)?;
+            log.message(&message, entry.rejected)?;
         }
-        if !message.rejected {
-            self.outcome.message(&message);
-            if message.topic == TopicId::WorldEvents
-                && let Some((_, events)) = view::<WorldEvents>(bytes)
-            {
-                events.for_each(|event| observer.on_event(seconds(message.time_ns), &event));
+        if !entry.rejected {
+            self.outcome.message(&message, &mut ());
+            if observer.topics().contains(&message.topic) {
+                observer.message(&message, &mut ());
             }
         }
         Ok(())

@@ -11,7 +11,7 @@ use super::predicted::PredictionOutcome;
 use super::visits::WaypointOutcome;
 
 /// What a run amounted to, as `protean run --json` prints it (design §10).
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
     /// Fingerprint of the simulated history, 64 hexadecimal digits.
     pub digest: String,
@@ -55,7 +55,7 @@ pub struct Summary {
 }
 
 /// What became of a robot.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct RobotOutcome {
     /// Its name.
     pub name: String,

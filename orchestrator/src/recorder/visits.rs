@@ -1,11 +1,17 @@
 //! What became of a robot's waypoints, over a run: how many were reached, how long laps took, how
 //! far the way strayed from the route and how it turned.
 
+use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::robot::WaypointEnd;
+use ipc_types::topics::{TopicId, Waypoints, WorldState};
 use metrics::driven::{STRAIGHT_WITHIN, Track, corners};
 use metrics::path::{self, POINTS_PER_LAP, Polyline, Turns};
 use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
+
+use super::options::RobotInfo;
+use super::outcome::OutcomePart;
+use super::summary::Summary;
 
 /// Most waypoints, and most places of a robot, that are kept; what comes later is in the log only.
 const MOST_POINTS: usize = 4_000_000;
@@ -75,9 +81,54 @@ struct Lap {
     way: Vec<Point2<f64>>,
 }
 
+/// The waypoints of all robots so far.
+#[derive(Debug)]
+pub(super) struct AllVisits(Vec<Visits>);
+
+impl AllVisits {
+    /// Of these robots.
+    pub(super) fn new(robots: &[RobotInfo]) -> Self {
+        let visits = robots
+            .iter()
+            .map(|robot| Visits::new(robot.visits_waypoints));
+        Self(visits.collect())
+    }
+}
+
+impl Consumer for AllVisits {
+    fn topics(&self) -> &[TopicId] {
+        &[TopicId::WorldState, TopicId::Waypoints]
+    }
+
+    fn message(&mut self, message: &LoggedMessage<'_>, (): &mut ()) {
+        if let Some((_, robots)) = message.view::<WorldState>() {
+            for state in robots {
+                if let Some(visits) = self.0.get_mut(state.robot as usize) {
+                    visits.state(message.time_s(), Point2::new(state.x, state.y));
+                }
+            }
+        }
+        if let Some((_, ends)) = message.view::<Waypoints>() {
+            for end in ends {
+                if let Some(visits) = self.0.get_mut(end.robot as usize) {
+                    visits.add(&end);
+                }
+            }
+        }
+    }
+}
+
+impl OutcomePart for AllVisits {
+    fn finish(self: Box<Self>, summary: &mut Summary) {
+        for (robot, visits) in summary.robots.iter_mut().zip(self.0) {
+            robot.waypoints = visits.finish();
+        }
+    }
+}
+
 /// The waypoints of a robot so far.
 #[derive(Debug)]
-pub(super) struct Visits {
+struct Visits {
     /// Whether the way is kept. Not by the waypoints that have come: they may come before or after
     /// the state of their tick.
     keeps_track: bool,
@@ -102,7 +153,7 @@ struct Open {
 
 impl Visits {
     /// Of a robot that visits waypoints, or that does not.
-    pub(super) fn new(visits_waypoints: bool) -> Self {
+    fn new(visits_waypoints: bool) -> Self {
         Self {
             keeps_track: visits_waypoints,
             counts: Default::default(),
@@ -115,14 +166,14 @@ impl Visits {
     }
 
     /// Takes up where the robot is at a time [s].
-    pub(super) fn state(&mut self, time_s: f64, at: Point2<f64>) {
+    fn state(&mut self, time_s: f64, at: Point2<f64>) {
         if self.keeps_track && self.track.points().len() < MOST_POINTS {
             self.track.push(time_s, at);
         }
     }
 
     /// Takes up a waypoint that ended.
-    pub(super) fn add(&mut self, end: &WaypointEnd) {
+    fn add(&mut self, end: &WaypointEnd) {
         if let Some(count) = self.counts.get_mut(usize::from(end.outcome)) {
             *count += 1;
         }
@@ -163,7 +214,7 @@ impl Visits {
     }
 
     /// What became of the waypoints; `None` if there were none.
-    pub(super) fn finish(mut self) -> Option<WaypointOutcome> {
+    fn finish(mut self) -> Option<WaypointOutcome> {
         let open = self.open.take()?;
         // The last lap is whole if it has come to where it began or to where the first one ended.
         let last = open.route.last().copied();

@@ -5,6 +5,7 @@ use std::path::Path;
 use std::rc::Rc;
 
 use ipc_types::cdr::{self, DecodeError};
+use ipc_types::consumer::LoggedMessage;
 use ipc_types::messages::robot::WaypointEnd;
 use ipc_types::messages::world::{RobotState, WorldHeader};
 use ipc_types::topics::{
@@ -209,8 +210,8 @@ impl Reading {
             return;
         };
         self.last_ns = self.last_ns.max(time_ns);
-        if let Some(stamp) = known::stamp(data) {
-            self.timing.message(topic, &stamp);
+        if let Some(message) = LoggedMessage::new(topic, time_ns, data) {
+            self.timing.message(&message);
         }
         if let Err(error) = self.take(topic, time_ns, data) {
             let note = format!("a message is damaged and left out: {error}");

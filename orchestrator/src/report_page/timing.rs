@@ -3,8 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use ipc_types::stamp::Stamp;
-use ipc_types::topics::TopicId;
+use ipc_types::consumer::{Consumer as _, LoggedMessage};
 use statistics::{Distribution, LogHistogram, Percentiles};
 
 use crate::mission::plan::Plan;
@@ -32,9 +31,11 @@ impl Timing {
         Ok(())
     }
 
-    pub(super) fn message(&mut self, topic: TopicId, stamp: &Stamp) {
-        if let Some(chain) = &mut self.0 {
-            chain.message(topic, stamp);
+    pub(super) fn message(&mut self, message: &LoggedMessage<'_>) {
+        if let Some(chain) = &mut self.0
+            && message.topic.facts().timed
+        {
+            chain.message(message, &mut ());
         }
     }
 

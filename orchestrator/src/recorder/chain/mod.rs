@@ -12,7 +12,9 @@ mod stages;
 mod tests;
 
 use std::collections::BTreeMap;
+use std::sync::LazyLock;
 
+use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::stamp::Stamp;
 use ipc_types::topics::TopicId;
 
@@ -74,6 +76,21 @@ struct Output {
     command: Option<Stamp>,
 }
 
+impl Consumer for Chain {
+    /// Those that are sent in answer to the input of their tick.
+    fn topics(&self) -> &[TopicId] {
+        static TIMED: LazyLock<Vec<TopicId>> = LazyLock::new(|| {
+            let topics = TopicId::ALL.iter().copied();
+            topics.filter(|topic| topic.facts().timed).collect()
+        });
+        &TIMED
+    }
+
+    fn message(&mut self, message: &LoggedMessage<'_>, (): &mut ()) {
+        self.take(message.topic, &message.stamp);
+    }
+}
+
 impl Chain {
     /// Of a run with these processes.
     pub(crate) fn new(processes: &[ProcessInfo]) -> Self {
@@ -103,11 +120,10 @@ impl Chain {
         self
     }
 
-    /// Takes up the stamp of one message.
-    pub(crate) fn message(&mut self, topic: TopicId, stamp: &Stamp) {
+    /// Takes up the stamp of a message of a timed topic.
+    fn take(&mut self, topic: TopicId, stamp: &Stamp) {
         // No clock runs in a run in one thread.
-        if stamp.sent_ns == 0 || !topic.facts().timed || !self.processes.contains_key(&stamp.source)
-        {
+        if stamp.sent_ns == 0 || !self.processes.contains_key(&stamp.source) {
             return;
         }
         let newest = self.ticks.last_key_value().map_or(0, |(tick, _)| *tick);

@@ -47,19 +47,19 @@ fn state(tick: u64, begun: u64, received: u64) -> Stamp {
 /// Tick 0 with everybody; the pursuer's command is sent at this time after the origin.
 fn chase(chain: &mut Chain, command: u64) {
     let at = |after: u64| PERIOD + after;
-    chain.message(TopicId::WorldState, &state(0, 0, 0));
+    chain.take(TopicId::WorldState, &state(0, 0, 0));
     let belief = stamp(0, PERCEPTION, [at(100), at(110), at(300), at(310)]);
-    chain.message(
+    chain.take(
         TopicId::Sightings,
         &stamp(0, PERCEPTION, [at(100), at(110), at(290), at(295)]),
     );
-    chain.message(TopicId::Belief, &belief);
-    chain.message(
+    chain.take(TopicId::Belief, &belief);
+    chain.take(
         TopicId::Commands,
         &stamp(0, EVADER, [at(50), at(60), at(90), at(95)]),
     );
     let begun = [at(350), at(360), at(command - 5), at(command)];
-    chain.message(TopicId::Commands, &stamp(0, PURSUER, begun));
+    chain.take(TopicId::Commands, &stamp(0, PURSUER, begun));
 }
 
 fn detail(chain: &Chain) -> &Detail {
@@ -76,7 +76,7 @@ fn settle(mut chain: Chain) -> (Chain, Answers, Vec<Passage>) {
 fn the_stages_of_a_tick_add_up_to_the_whole() {
     let mut chain = Chain::new(&processes()).with_detail(Some(PERIOD));
     chase(&mut chain, 500);
-    chain.message(
+    chain.take(
         TopicId::WorldState,
         &state(1, 2 * PERIOD - 60, 2 * PERIOD - 50),
     );
@@ -106,7 +106,7 @@ fn the_stages_of_a_tick_add_up_to_the_whole() {
 fn in_lock_step_the_simulator_does_not_wait_for_a_clock() {
     let mut chain = Chain::new(&processes()).with_detail(None);
     chase(&mut chain, 500);
-    chain.message(TopicId::WorldState, &state(1, PERIOD + 530, PERIOD + 540));
+    chain.take(TopicId::WorldState, &state(1, PERIOD + 530, PERIOD + 540));
     let (chain, _, passages) = settle(chain);
     assert_eq!(passages[0].stages, [20, 90, 200, 50, 140, 0, 40]);
     assert!(chain.stages.get(Stage::Wait.name()).is_none());
@@ -117,8 +117,8 @@ fn a_command_that_comes_after_its_tick_is_late_and_found_where_it_was_taken() {
     let mut chain = Chain::new(&processes()).with_detail(Some(PERIOD));
     chase(&mut chain, PERIOD + 100);
     // The first turn took the evader's command, the second the pursuer's.
-    chain.message(TopicId::WorldState, &state(1, 2 * PERIOD - 60, PERIOD + 97));
-    chain.message(
+    chain.take(TopicId::WorldState, &state(1, 2 * PERIOD - 60, PERIOD + 97));
+    chain.take(
         TopicId::WorldState,
         &state(2, 3 * PERIOD - 60, 3 * PERIOD - 50),
     );
@@ -136,16 +136,16 @@ fn a_command_that_comes_after_its_tick_is_late_and_found_where_it_was_taken() {
 fn a_planner_without_the_beliefs_of_the_tick_is_followed_to_the_state() {
     let mut chain = Chain::new(&processes()).with_detail(Some(PERIOD));
     let at = |after: u64| PERIOD + after;
-    chain.message(TopicId::WorldState, &state(0, 0, 0));
-    chain.message(
+    chain.take(TopicId::WorldState, &state(0, 0, 0));
+    chain.take(
         TopicId::Commands,
         &stamp(0, PURSUER, [at(50), at(60), at(90), at(95)]),
     );
-    chain.message(
+    chain.take(
         TopicId::Belief,
         &stamp(0, PERCEPTION, [at(70), at(80), at(200), at(210)]),
     );
-    chain.message(
+    chain.take(
         TopicId::WorldState,
         &state(1, 2 * PERIOD - 60, 2 * PERIOD - 50),
     );
@@ -158,10 +158,10 @@ fn a_planner_without_the_beliefs_of_the_tick_is_followed_to_the_state() {
 #[test]
 fn clocks_that_are_missing_make_no_stages() {
     let mut chain = Chain::new(&processes()).with_detail(Some(PERIOD));
-    chain.message(TopicId::WorldState, &state(0, 0, 0));
-    chain.message(TopicId::Commands, &stamp(0, EVADER, [0, 0, 0, PERIOD + 50]));
-    chain.message(TopicId::Commands, &stamp(0, 77, [1, 2, 3, PERIOD + 60]));
-    chain.message(TopicId::WorldState, &state(1, 2 * PERIOD, 2 * PERIOD));
+    chain.take(TopicId::WorldState, &state(0, 0, 0));
+    chain.take(TopicId::Commands, &stamp(0, EVADER, [0, 0, 0, PERIOD + 50]));
+    chain.take(TopicId::Commands, &stamp(0, 77, [1, 2, 3, PERIOD + 60]));
+    chain.take(TopicId::WorldState, &state(1, 2 * PERIOD, 2 * PERIOD));
     let (_, answers, passages) = settle(chain);
     assert_eq!((answers.in_time, passages.len()), (1, 0));
 }
@@ -189,28 +189,28 @@ fn only(measured: &BTreeMap<String, Percentiles>, name: &str) -> (u64, f64) {
 fn a_tick_with_beliefs_is_measured_hop_by_hop() {
     let mut chain = Chain::new(&processes());
     let base = 1_000_000;
-    chain.message(TopicId::WorldState, &said(5, base - 700, base));
-    chain.message(
+    chain.take(TopicId::WorldState, &said(5, base - 700, base));
+    chain.take(
         TopicId::Sightings,
         &output(5, PERCEPTION, base + 1_000, base + 4_000),
     );
-    chain.message(
+    chain.take(
         TopicId::Belief,
         &output(5, PERCEPTION, base + 1_000, base + 5_000),
     );
-    chain.message(
+    chain.take(
         TopicId::Belief,
         &output(5, PERCEPTION, base + 1_000, base + 6_000),
     );
-    chain.message(
+    chain.take(
         TopicId::Commands,
         &output(5, PURSUER, base + 8_000, base + 9_000),
     );
-    chain.message(
+    chain.take(
         TopicId::Commands,
         &output(5, EVADER, base + 500, base + 800),
     );
-    chain.message(TopicId::WorldState, &said(6, base + 12_000, base + 12_500));
+    chain.take(TopicId::WorldState, &said(6, base + 12_000, base + 12_500));
     let measured = chain.percentiles();
     assert_eq!(only(&measured, "simulator to perception"), (1, 1.0));
     assert_eq!(only(&measured, "perception step"), (1, 5.0));
@@ -226,8 +226,8 @@ fn a_tick_with_beliefs_is_measured_hop_by_hop() {
 #[test]
 fn without_beliefs_pursuers_answer_the_state() {
     let mut chain = Chain::new(&processes());
-    chain.message(TopicId::WorldState, &said(0, 0, 1_000));
-    chain.message(TopicId::Commands, &output(0, PURSUER, 3_000, 4_000));
+    chain.take(TopicId::WorldState, &said(0, 0, 1_000));
+    chain.take(TopicId::Commands, &output(0, PURSUER, 3_000, 4_000));
     let measured = chain.percentiles();
     assert_eq!(only(&measured, "simulator to pursuer"), (1, 2.0));
     assert!(!measured.contains_key(WHOLE) && !measured.contains_key("simulator step"));
@@ -236,10 +236,10 @@ fn without_beliefs_pursuers_answer_the_state() {
 #[test]
 fn clocks_that_are_missing_or_swapped_measure_nothing() {
     let mut chain = Chain::new(&processes());
-    chain.message(TopicId::WorldState, &said(3, 0, 5_000));
-    chain.message(TopicId::Commands, &output(3, EVADER, 4_000, 0));
-    chain.message(TopicId::Commands, &output(9, EVADER, 4_000, 5_000));
-    chain.message(TopicId::Commands, &output(3, 77, 6_000, 7_000));
+    chain.take(TopicId::WorldState, &said(3, 0, 5_000));
+    chain.take(TopicId::Commands, &output(3, EVADER, 4_000, 0));
+    chain.take(TopicId::Commands, &output(9, EVADER, 4_000, 5_000));
+    chain.take(TopicId::Commands, &output(3, 77, 6_000, 7_000));
     let measured = chain.percentiles();
     assert_eq!(measured.keys().collect::<Vec<_>>(), ["evader step"]);
 }
@@ -248,11 +248,11 @@ fn clocks_that_are_missing_or_swapped_measure_nothing() {
 fn late_messages_of_a_tick_that_is_still_kept_count() {
     let mut chain = Chain::new(&processes());
     for tick in 0..WINDOW {
-        chain.message(TopicId::WorldState, &said(tick, 0, 1_000 * (tick + 1)));
+        chain.take(TopicId::WorldState, &said(tick, 0, 1_000 * (tick + 1)));
     }
-    chain.message(TopicId::Commands, &output(2, EVADER, 3_500, 3_600));
-    chain.message(TopicId::WorldState, &said(WINDOW, 0, 1_000_000));
-    chain.message(TopicId::Commands, &output(0, EVADER, 1_500, 1_600));
+    chain.take(TopicId::Commands, &output(2, EVADER, 3_500, 3_600));
+    chain.take(TopicId::WorldState, &said(WINDOW, 0, 1_000_000));
+    chain.take(TopicId::Commands, &output(0, EVADER, 1_500, 1_600));
     let measured = chain.percentiles();
     assert_eq!(only(&measured, "simulator to evader"), (1, 0.5));
 }

@@ -4,14 +4,17 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::world::{ObstacleEvent, WorldEvent};
 use ipc_types::stamp::{PlainHeader, Stamp};
-use ipc_types::topics::{self, ObstacleEvents, ProcessEvents, ProcessLog, Topic, WorldState};
+use ipc_types::topics::{
+    self, ObstacleEvents, ProcessEvents, ProcessLog, Topic, TopicId, WorldEvents, WorldState,
+};
 use ipc_types::{cdr, schema};
 use mcap::sans_io::LinearReaderOptions;
 use proptest::prelude::*;
 
-use super::super::{Observer, Recording, Summary, ViewerOptions};
+use super::super::{Recording, Summary, ViewerOptions};
 use super::{PERIOD_NS, Sent, options, run};
 
 /// A message as read: topic, sequence, log time, publish time, bytes.
@@ -298,10 +301,17 @@ fn the_summary_tells_the_outcome_the_events_and_the_latencies() {
 fn observers_see_events_when_their_tick_is_written() {
     #[derive(Default)]
     struct Seen(Vec<String>);
-    impl Observer for Seen {
-        fn on_event(&mut self, time_s: f64, event: &WorldEvent) {
-            let what = WorldEvent::name_of(event.kind);
-            self.0.push(format!("{what} at {time_s}"));
+    impl Consumer for Seen {
+        fn topics(&self) -> &[TopicId] {
+            &[TopicId::WorldEvents]
+        }
+
+        fn message(&mut self, message: &LoggedMessage<'_>, (): &mut ()) {
+            let (_, events) = message.view::<WorldEvents>().unwrap();
+            for event in events {
+                let what = WorldEvent::name_of(event.kind);
+                self.0.push(format!("{what} at {}", message.time_s()));
+            }
         }
     }
     let directory = tempfile::tempdir().unwrap();

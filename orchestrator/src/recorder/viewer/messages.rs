@@ -1,6 +1,7 @@
 //! Which messages are drawn, and by what.
 
 use ipc_types::cdr::view;
+use ipc_types::consumer::LoggedMessage;
 use ipc_types::topics::{
     Belief, Dominance, ObstacleEvents, Plan, ProcessEvents, ProcessLog, Scan, Sightings, Topic,
     TopicId, Tree, WorldEvents, WorldMap, WorldState,
@@ -8,14 +9,13 @@ use ipc_types::topics::{
 
 use super::super::error::LogError;
 use super::super::log_writer::LogWriter;
-use super::super::message::Message;
 use super::Viewer;
 
 impl Viewer {
     /// Draws what a message says, or keeps it for the picture of its tick.
     pub(in crate::recorder) fn message(
         &mut self,
-        message: &Message<'_>,
+        message: &LoggedMessage<'_>,
         log: &mut LogWriter,
     ) -> Result<(), LogError> {
         let (bytes, time_ns) = (message.bytes, message.time_ns);

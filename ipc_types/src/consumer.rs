@@ -1,0 +1,196 @@
+//! Messages of a run in order, and what is made of them: the outcome of a run, drawings, reports.
+//!
+//! A [`Consumer`] takes the messages of its topics; [`Consumers`] is a list of them and hands each
+//! message to those that take its topic, whether it comes from the bus or from a log.
+
+use zerocopy::FromBytes as _;
+
+use crate::cdr::{self, DecodeError, ENCAPSULATION};
+use crate::stamp::Stamp;
+use crate::topics::{Topic, TopicId};
+
+/// A message in its CDR form, in its place among the others of a run.
+#[derive(Debug, Clone, Copy)]
+pub struct LoggedMessage<'a> {
+    /// Its topic.
+    pub topic: TopicId,
+    /// Its stamp.
+    pub stamp: Stamp,
+    /// Simulated time at which it is logged (ns).
+    pub time_ns: u64,
+    /// Its CDR form.
+    pub bytes: &'a [u8],
+}
+
+impl<'a> LoggedMessage<'a> {
+    /// Of the bytes of a message that is logged at this time (ns); `None` if they end within the stamp.
+    pub fn new(topic: TopicId, time_ns: u64, bytes: &'a [u8]) -> Option<Self> {
+        let body = bytes.get(ENCAPSULATION.len()..)?;
+        let (stamp, _) = Stamp::read_from_prefix(body).ok()?;
+        Some(Self {
+            topic,
+            stamp,
+            time_ns,
+            bytes,
+        })
+    }
+
+    /// Time at which it is logged (s).
+    pub fn time_s(&self) -> f64 {
+        self.time_ns as f64 / 1e9
+    }
+
+    /// Header and elements, read as they are needed; `None` if it is of another topic or too short.
+    pub fn view<T: Topic>(
+        &self,
+    ) -> Option<(
+        T::Header,
+        impl ExactSizeIterator<Item = T::Element> + Clone + use<'a, T>,
+    )> {
+        if self.topic != T::ID {
+            return None;
+        }
+        cdr::view::<T>(self.bytes)
+    }
+
+    /// Header and elements; `None` if it is of another topic.
+    ///
+    /// # Errors
+    /// [`DecodeError`] if the bytes are not exactly one message of the topic.
+    pub fn decode<T: Topic>(&self) -> Result<Option<(T::Header, Vec<T::Element>)>, DecodeError> {
+        if self.topic != T::ID {
+            return Ok(None);
+        }
+        cdr::decode::<T>(self.bytes).map(Some)
+    }
+}
+
+/// Takes the messages of some topics, in the order of the log. What the consumers of a list have in
+/// common, or write to, is `Shared`.
+pub trait Consumer<Shared: ?Sized = ()> {
+    /// The topics whose messages it takes; always the same.
+    fn topics(&self) -> &[TopicId];
+
+    /// Takes the next message of one of these topics.
+    fn message(&mut self, message: &LoggedMessage<'_>, shared: &mut Shared);
+
+    /// All messages of the present tick have been handed out.
+    fn end_of_tick(&mut self, shared: &mut Shared) {
+        let _ = shared;
+    }
+}
+
+/// Takes nothing.
+impl<Shared: ?Sized> Consumer<Shared> for () {
+    fn topics(&self) -> &[TopicId] {
+        &[]
+    }
+
+    fn message(&mut self, _: &LoggedMessage<'_>, _: &mut Shared) {}
+}
+
+/// Consumers of a kind, in the order in which each message is handed to them.
+#[derive(Debug)]
+pub struct Consumers<C: ?Sized> {
+    list: Vec<Box<C>>,
+    /// Places in the list, by the rank of the topic.
+    takers: Vec<Vec<usize>>,
+}
+
+impl<C: ?Sized> Consumers<C> {
+    /// These, in this order.
+    pub fn new<Shared: ?Sized>(list: Vec<Box<C>>) -> Self
+    where
+        C: Consumer<Shared>,
+    {
+        let mut takers = vec![Vec::new(); TopicId::ALL.len()];
+        for (place, consumer) in list.iter().enumerate() {
+            for topic in consumer.topics() {
+                takers[topic.rank()].push(place);
+            }
+        }
+        Self { list, takers }
+    }
+
+    /// Whether any takes the messages of this topic.
+    pub fn take(&self, topic: TopicId) -> bool {
+        !self.takers[topic.rank()].is_empty()
+    }
+
+    /// Hands out a message.
+    pub fn message<Shared: ?Sized>(&mut self, message: &LoggedMessage<'_>, shared: &mut Shared)
+    where
+        C: Consumer<Shared>,
+    {
+        for &place in &self.takers[message.topic.rank()] {
+            self.list[place].message(message, shared);
+        }
+    }
+
+    /// Says that all messages of a tick have been handed out.
+    pub fn end_of_tick<Shared: ?Sized>(&mut self, shared: &mut Shared)
+    where
+        C: Consumer<Shared>,
+    {
+        for consumer in &mut self.list {
+            consumer.end_of_tick(shared);
+        }
+    }
+
+    /// The consumers, after the last message.
+    pub fn into_list(self) -> Vec<Box<C>> {
+        self.list
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::messages::robot::Command;
+    use crate::stamp::PlainHeader;
+    use crate::topics::{Commands, Status};
+
+    /// Notes its number and the speeds commanded.
+    struct Speeds(f64, &'static [TopicId]);
+
+    impl Consumer<Vec<(f64, f64)>> for Speeds {
+        fn topics(&self) -> &[TopicId] {
+            self.1
+        }
+
+        fn message(&mut self, message: &LoggedMessage<'_>, noted: &mut Vec<(f64, f64)>) {
+            assert!(message.view::<Status>().is_none());
+            let (_, commands) = message.view::<Commands>().unwrap();
+            noted.extend(commands.map(|command| (self.0, command.v)));
+        }
+    }
+
+    #[test]
+    fn a_message_goes_to_the_consumers_of_its_topic_in_the_order_of_the_list() {
+        let mut consumers: Consumers<dyn Consumer<Vec<(f64, f64)>>> = Consumers::new(vec![
+            Box::new(Speeds(1.0, &[TopicId::Commands])),
+            Box::new(Speeds(2.0, &[TopicId::WorldMap])),
+            Box::new(Speeds(3.0, &[TopicId::Status, TopicId::Commands])),
+        ]);
+        assert!(consumers.take(TopicId::Commands) && !consumers.take(TopicId::Scan));
+        let mut header = PlainHeader::default();
+        header.stamp.tick = 7;
+        let command = Command {
+            v: 0.5,
+            ..Command::default()
+        };
+        let mut bytes = Vec::new();
+        cdr::encode::<Commands>(&header, &[command], &mut bytes);
+        let message = LoggedMessage::new(TopicId::Commands, 2_000_000_000, &bytes).unwrap();
+        assert_eq!((message.stamp.tick, message.time_s()), (7, 2.0));
+        let mut noted = Vec::new();
+        consumers.message(&message, &mut noted);
+        assert_eq!(noted, [(1.0, 0.5), (3.0, 0.5)]);
+        assert_eq!(
+            message.decode::<Commands>(),
+            Ok(Some((header, vec![command])))
+        );
+        assert_eq!(message.decode::<Status>(), Ok(None));
+        assert!(LoggedMessage::new(TopicId::Commands, 0, &bytes[..60]).is_none());
+    }
+}

@@ -1,0 +1,66 @@
+//! What happened in the world, over a run.
+
+use ipc_types::consumer::{Consumer, LoggedMessage};
+use ipc_types::messages::world::WorldEvent;
+use ipc_types::topics::{TopicId, WorldEvents};
+
+use super::options::RobotInfo;
+use super::outcome::OutcomePart;
+use super::summary::{EventEntry, Summary};
+
+/// Maximum number of events that a summary lists; the log has all.
+const MAX_EVENTS: usize = 100_000;
+
+/// The events so far.
+#[derive(Debug)]
+pub(super) struct Happened {
+    robots: Vec<String>,
+    events: Vec<EventEntry>,
+    omitted: u64,
+}
+
+impl Happened {
+    /// In a run with these robots.
+    pub(super) fn new(robots: &[RobotInfo]) -> Self {
+        Self {
+            robots: robots.iter().map(|robot| robot.name.clone()).collect(),
+            events: Vec::new(),
+            omitted: 0,
+        }
+    }
+
+    fn add(&mut self, time_s: f64, event: &WorldEvent) {
+        if self.events.len() >= MAX_EVENTS {
+            self.omitted += 1;
+            return;
+        }
+        self.events.push(EventEntry {
+            time_s,
+            kind: WorldEvent::name_of(event.kind).to_owned(),
+            robot: self.robots.get(event.robot as usize).cloned(),
+            other: (event.other != WorldEvent::NONE).then_some(event.other),
+            x: event.x,
+            y: event.y,
+            value: event.value,
+        });
+    }
+}
+
+impl Consumer for Happened {
+    fn topics(&self) -> &[TopicId] {
+        &[TopicId::WorldEvents]
+    }
+
+    fn message(&mut self, message: &LoggedMessage<'_>, (): &mut ()) {
+        if let Some((_, events)) = message.view::<WorldEvents>() {
+            events.for_each(|event| self.add(message.time_s(), &event));
+        }
+    }
+}
+
+impl OutcomePart for Happened {
+    fn finish(self: Box<Self>, summary: &mut Summary) {
+        summary.events = self.events;
+        summary.events_omitted = self.omitted;
+    }
+}

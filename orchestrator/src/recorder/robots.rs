@@ -1,0 +1,102 @@
+//! What became of the robots, over a run.
+
+use ipc_types::consumer::{Consumer, LoggedMessage};
+use ipc_types::messages::world::RobotState;
+use ipc_types::topics::{TopicId, WorldState};
+
+use super::options::RobotInfo;
+use super::outcome::OutcomePart;
+use super::summary::{RobotOutcome, Summary, seconds, status_name, team_name};
+
+/// The robots so far.
+#[derive(Debug)]
+pub(super) struct Robots {
+    tick: u64,
+    tick_period_ns: u64,
+    robots: Vec<Robot>,
+}
+
+#[derive(Debug, Clone)]
+struct Robot {
+    name: String,
+    /// Its last state.
+    state: RobotState,
+    /// When its status changed last [s].
+    decided_s: f64,
+    /// How often it was stopped for want of a command.
+    stops: u32,
+    /// How many ticks it stood stopped for want of a command.
+    stopped: u64,
+}
+
+impl Robots {
+    /// Before the first tick; `tick_period_ns` is the simulated time between two ticks.
+    pub(super) fn new(robots: &[RobotInfo], tick_period_ns: u64) -> Self {
+        let robots = robots.iter().map(|robot| Robot {
+            name: robot.name.clone(),
+            state: RobotState::default(),
+            decided_s: 0.0,
+            stops: 0,
+            stopped: 0,
+        });
+        Self {
+            tick: 0,
+            tick_period_ns,
+            robots: robots.collect(),
+        }
+    }
+
+    fn time_s(&self) -> f64 {
+        seconds(self.tick.saturating_mul(self.tick_period_ns))
+    }
+}
+
+impl Consumer for Robots {
+    fn topics(&self) -> &[TopicId] {
+        &[TopicId::WorldState]
+    }
+
+    fn message(&mut self, message: &LoggedMessage<'_>, (): &mut ()) {
+        let Some((header, states)) = message.view::<WorldState>() else {
+            return;
+        };
+        self.tick = header.stamp.tick;
+        let now = self.time_s();
+        for state in states {
+            if let Some(robot) = self.robots.get_mut(state.robot as usize) {
+                robot.take(now, state);
+            }
+        }
+    }
+}
+
+impl Robot {
+    fn take(&mut self, time_s: f64, state: RobotState) {
+        let is_stopped = state.fail_safe != 0;
+        self.stops += u32::from(is_stopped && self.state.fail_safe == 0);
+        self.stopped += u64::from(is_stopped);
+        if state.status == 0 || self.state.status != state.status {
+            self.decided_s = time_s;
+        }
+        self.state = state;
+    }
+}
+
+impl OutcomePart for Robots {
+    fn finish(self: Box<Self>, summary: &mut Summary) {
+        summary.ticks = self.tick;
+        summary.sim_time_s = self.time_s();
+        let robots = self.robots.into_iter().map(|robot| RobotOutcome {
+            name: robot.name,
+            team: team_name(robot.state.team).to_owned(),
+            outcome: status_name(robot.state.status).to_owned(),
+            time_s: robot.decided_s,
+            distance_m: robot.state.distance,
+            contacts: robot.state.contacts,
+            fail_safe_stops: robot.stops,
+            fail_safe_ticks: robot.stopped,
+            ..RobotOutcome::default()
+        });
+        summary.robots = robots.collect();
+    }
+}
