@@ -5,12 +5,13 @@
 //! from the corner where a pursuer would appear.
 
 use nalgebra::{Point2, Vector2};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::routes::Routes;
 
 /// How directions and distances to goals and other robots are measured.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum GoalField {
     /// Straight through obstacles (the chasing-game paper's): cheap, but a goal behind a block has

@@ -12,12 +12,13 @@
 use core::f64::consts::{PI, TAU};
 
 use nalgebra::{Point2, Vector2};
+use parameters::{Fidelity, Parameters, above};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sim_backend::math;
 use sim_backend::pose::{Pose2, Twist2};
 
 use planner_view::limits::Limits;
-use sim_backend::params::{Fidelity, ParamsError, positive};
 
 /// Distance ε of the control point ahead of the axle [m].
 pub const EPSILON: f64 = 0.15;
@@ -33,7 +34,7 @@ const DEAD_BAND: f64 = 0.01;
 const REVERSE_FRACTION: f64 = 0.1;
 
 /// Parameters of the feedback linearisation.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct FeedbackParams {
     /// [`Fidelity::Ours`]: the inverse of the kinematics, with the field taken at the control point. A
@@ -46,9 +47,12 @@ pub struct FeedbackParams {
     /// forward speed and turning rate are clipped each on its own, so that the robot leaves the wanted
     /// direction in tight turns.
     pub fidelity: Fidelity,
-    /// Turning rate allowed [rad/s] when lower than the robot's own limit; absent: the robot's.
+    /// Turning rate allowed when lower than the robot's own limit; absent: the robot's.
+    #[schemars(transform = above(0).unit("rad/s"))]
     pub omega_cap: Option<f64>,
 }
+
+impl Parameters for FeedbackParams {}
 
 impl FeedbackParams {
     /// The values of the chasing-game paper's experiments.
@@ -57,15 +61,6 @@ impl FeedbackParams {
             fidelity: Fidelity::Published,
             omega_cap: Some(0.5),
         }
-    }
-
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// [`ParamsError`] naming the first field that is out of range.
-    pub fn validate(&self) -> Result<(), ParamsError> {
-        self.omega_cap
-            .map_or(Ok(()), |cap| positive("omega_cap", cap))
     }
 
     /// The point [m] at which a robot at `pose` evaluates its potential field.
@@ -155,6 +150,8 @@ mod tests {
     use core::f64::consts::FRAC_PI_2;
 
     use proptest::prelude::*;
+
+    use parameters::check;
 
     use super::*;
 
@@ -270,9 +267,9 @@ mod tests {
             omega_cap: Some(-1.0),
             ..FeedbackParams::default()
         };
-        assert_eq!(bad.validate().unwrap_err().field, "omega_cap");
-        FeedbackParams::default().validate().unwrap();
-        FeedbackParams::paper().validate().unwrap();
+        assert_eq!(check(&bad).unwrap_err().field, "omega_cap");
+        check(&FeedbackParams::default()).unwrap();
+        check(&FeedbackParams::paper()).unwrap();
     }
 
     proptest! {

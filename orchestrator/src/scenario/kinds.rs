@@ -55,7 +55,7 @@ pub static KINDS: &[KindInfo] = &[
         },
         presets: &[("paper", || preset(&PursuerParams::paper()))],
         ..KindInfo::driver("pursuer", "chases evaders as one of a team", |node| {
-            check_params(node, PursuerParams::validate)
+            check_params(node, parameters::check::<PursuerParams>)
         })
     },
     KindInfo {

@@ -76,9 +76,9 @@ impl ReachAvoidParams {
         positive("sight", self.sight)?;
         not_negative("margin", self.margin)?;
         self.dominance.validate().map_err(within("dominance"))?;
-        self.obstacle.validate().map_err(within("obstacle"))?;
+        parameters::check(&self.obstacle).map_err(within("obstacle"))?;
         not_negative("body_guard", self.body_guard)?;
-        self.feedback.validate().map_err(within("feedback"))
+        parameters::check(&self.feedback).map_err(within("feedback"))
     }
 }
 

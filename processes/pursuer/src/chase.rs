@@ -48,7 +48,7 @@ impl Pursuer {
     /// # Errors
     /// [`ParamsError`] if a parameter is out of range.
     pub fn new(params: PursuerParams, limits: Limits, seed: u64) -> Result<Self, ParamsError> {
-        params.validate()?;
+        parameters::check(&params)?;
         Ok(Self {
             params,
             limits,

@@ -1,8 +1,9 @@
 //! Parameters of a pursuer.
 
+use parameters::{Fidelity, Parameters, above, at_least};
+use schemars::JsonSchema;
 use navigation::bearing::GoalField;
 use serde::{Deserialize, Serialize};
-use sim_backend::params::{Fidelity, ParamsError, not_negative, positive, require, within};
 use steering::feedback_linearisation::FeedbackParams;
 use steering::potential_field::{ObstacleParams, PerturbationParams, RepulsionParams};
 
@@ -11,7 +12,7 @@ mod tactics;
 pub use tactics::{GoalMethod, GoalParams, MAX_POST_RADIUS, RoleParams};
 
 /// Where knowledge of the opponents comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Knowledge {
     /// From the team's beliefs; an opponent without a belief is unknown.
@@ -22,7 +23,7 @@ pub enum Knowledge {
 }
 
 /// What of a belief attracts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum BeliefGoals {
     /// Every hypothesis, each with its own look-ahead (the paper's): the robot goes where most of
@@ -36,7 +37,7 @@ pub enum BeliefGoals {
 }
 
 /// Who chases whom.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum AssignmentMethod {
     /// Each pursuer takes the nearest evader and keeps it until it is caught or has escaped (the
@@ -52,18 +53,21 @@ pub enum AssignmentMethod {
 }
 
 /// Parameters of the assignment.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct AssignmentParams {
     /// Who chases whom.
     pub method: AssignmentMethod,
     /// What positions of the evaders the assignment goes by.
     pub knowledge: Knowledge,
-    /// Simulated time at which the first targets are taken [s], ≥ 0.
+    /// Simulated time at which the first targets are taken.
+    #[schemars(transform = at_least(0).unit("s"))]
     pub delay_s: f64,
-    /// Time between two assignments of the cut-off method [s], > 0.
+    /// Time between two assignments of the cut-off method.
+    #[schemars(transform = above(0).unit("s"))]
     pub period_s: f64,
-    /// How far around itself a pursuer blocks a street [m], > 0 (cut-off method).
+    /// How far around itself a pursuer blocks a street (cut-off method).
+    #[schemars(transform = above(0).unit("m"))]
     pub block_radius: f64,
 }
 
@@ -80,14 +84,15 @@ impl Default for AssignmentParams {
 }
 
 /// Parameters of a [`Pursuer`](crate::Pursuer).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PursuerParams {
     /// Where knowledge of the target's pose comes from.
     pub knowledge: Knowledge,
     /// What of a belief attracts.
     pub belief_goals: BeliefGoals,
-    /// Most hypotheses used as goals, ≥ 1; of more, evenly spaced ones are taken.
+    /// Most hypotheses used as goals; of more, evenly spaced ones are taken.
+    #[schemars(transform = at_least(1))]
     pub max_particles: usize,
     /// Who chases whom.
     pub assignment: AssignmentParams,
@@ -99,18 +104,21 @@ pub struct PursuerParams {
     pub goal_field: GoalField,
     /// Repulsion between pursuers, measured straight.
     pub scatter: RepulsionParams,
-    /// Weight of each pursuer in the scatter, ≥ 0; 0 for none.
+    /// Weight of each pursuer in the scatter; 0 for none.
+    #[schemars(transform = at_least(0))]
     pub scatter_weight: f64,
     /// Weight in the scatter of the body of each robot that no longer takes part but stands in the
-    /// way, ≥ 0.
+    /// way.
+    #[schemars(transform = at_least(0))]
     pub wreck_weight: f64,
     /// [`Fidelity::Published`]: a pursuer repels itself too, a constant push along its heading, and
     /// the goal ahead of a target may lie inside a block or beyond the arena's wall.
     pub fidelity: Fidelity,
     /// Repulsion from obstacles.
     pub obstacle: ObstacleParams,
-    /// Gap to another body [m] at which the robot begins to turn aside to pass it, ≥ 0; 0 for
+    /// Gap to another body at which the robot begins to turn aside to pass it; 0 for
     /// never (the paper).
+    #[schemars(transform = at_least(0).unit("m"))]
     pub body_guard: f64,
     /// Push that varies with time.
     pub perturbation: PerturbationParams,
@@ -139,6 +147,8 @@ impl Default for PursuerParams {
         }
     }
 }
+
+impl Parameters for PursuerParams {}
 
 impl PursuerParams {
     /// Whether anything in these parameters goes by beliefs, so that a perception process must
@@ -172,53 +182,20 @@ impl PursuerParams {
             feedback: FeedbackParams::paper(),
         }
     }
-
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// [`ParamsError`] with the path, the value and what was expected, for the first field that is
-    /// out of range.
-    pub fn validate(&self) -> Result<(), ParamsError> {
-        require(
-            self.max_particles >= 1,
-            "max_particles",
-            &self.max_particles,
-            "at least 1",
-        )?;
-        self.assignment.validate().map_err(within("assignment"))?;
-        self.roles.validate().map_err(within("roles"))?;
-        self.goals.validate().map_err(within("goals"))?;
-        self.scatter.validate().map_err(within("scatter"))?;
-        not_negative("scatter_weight", self.scatter_weight)?;
-        not_negative("wreck_weight", self.wreck_weight)?;
-        self.obstacle.validate().map_err(within("obstacle"))?;
-        self.perturbation
-            .validate()
-            .map_err(within("perturbation"))?;
-        self.feedback.validate().map_err(within("feedback"))
-    }
 }
 
-impl AssignmentParams {
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// [`ParamsError`] naming the first field that is out of range.
-    pub fn validate(&self) -> Result<(), ParamsError> {
-        not_negative("delay_s", self.delay_s)?;
-        positive("period_s", self.period_s)?;
-        positive("block_radius", self.block_radius)
-    }
-}
+impl Parameters for AssignmentParams {}
 
 #[cfg(test)]
 mod tests {
+    use parameters::check;
+
     use super::*;
 
     #[test]
     fn both_presets_are_valid_and_differ() {
-        PursuerParams::default().validate().unwrap();
-        PursuerParams::paper().validate().unwrap();
+        check(&PursuerParams::default()).unwrap();
+        check(&PursuerParams::paper()).unwrap();
         assert_ne!(PursuerParams::default(), PursuerParams::paper());
     }
 
@@ -226,16 +203,16 @@ mod tests {
     fn errors_carry_the_path_of_the_field() {
         let mut params = PursuerParams::default();
         params.assignment.period_s = 0.0;
-        let error = params.validate().unwrap_err();
+        let error = check(&params).unwrap_err();
         assert_eq!(
             error.to_string(),
-            "`assignment.period_s` is 0, but must be a finite number above 0"
+            "`assignment.period_s` is 0, but must be a finite number above 0 (s)"
         );
         let params = PursuerParams {
             max_particles: 0,
             ..PursuerParams::default()
         };
-        assert_eq!(params.validate().unwrap_err().field, "max_particles");
+        assert_eq!(check(&params).unwrap_err().field, "max_particles");
     }
 
     #[test]

@@ -114,11 +114,9 @@ impl EvaderParams {
         not_negative("police_weight", self.police_weight)?;
         not_negative("fellow_weight", self.fellow_weight)?;
         not_negative("wreck_weight", self.wreck_weight)?;
-        self.obstacle.validate().map_err(within("obstacle"))?;
-        self.perturbation
-            .validate()
-            .map_err(within("perturbation"))?;
-        self.feedback.validate().map_err(within("feedback"))
+        parameters::check(&self.obstacle).map_err(within("obstacle"))?;
+        parameters::check(&self.perturbation).map_err(within("perturbation"))?;
+        parameters::check(&self.feedback).map_err(within("feedback"))
     }
 }
 

@@ -1,11 +1,12 @@
 //! Repulsion from obstacles: the gradient of the blurred map, ∇(G∗I).
 
 use nalgebra::{Point2, Vector2};
+use parameters::{Fidelity, Parameters, at_least};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::capped;
 use planner_view::map::{PlannerMap, cell_of};
-use sim_backend::params::{Fidelity, ParamsError, not_negative};
 
 /// Velocity per gradient [m²/s]; in the paper's experiments the field speed 2 times the gradient gain
 /// 2.2.
@@ -15,7 +16,7 @@ const GAIN: f64 = 4.4;
 const MAX_SPEED: f64 = 6.0;
 
 /// Parameters of the obstacle field.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ObstacleParams {
     /// [`Fidelity::Ours`]: the gradient of the plain blur, interpolated between cells; continuous,
@@ -23,8 +24,9 @@ pub struct ObstacleParams {
     /// the blur that is set to 0 in obstacles, constant within a cell; jumps from cell to cell, and
     /// near a wall grows with the map's resolution.
     pub fidelity: Fidelity,
-    /// When the clearance beyond the robot's radius falls below this [m], the part of the summed
+    /// When the clearance beyond the robot's radius falls below this, the part of the summed
     /// field that points at the obstacle is taken away; 0 for never (the paper).
+    #[schemars(transform = at_least(0).unit("m"))]
     pub guard: f64,
 }
 
@@ -37,6 +39,8 @@ impl Default for ObstacleParams {
     }
 }
 
+impl Parameters for ObstacleParams {}
+
 impl ObstacleParams {
     /// The values of the chasing-game paper's experiments.
     pub fn paper() -> Self {
@@ -44,14 +48,6 @@ impl ObstacleParams {
             fidelity: Fidelity::Published,
             guard: 0.0,
         }
-    }
-
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// [`ParamsError`] naming the first field that is out of range.
-    pub fn validate(&self) -> Result<(), ParamsError> {
-        not_negative("guard", self.guard)
     }
 }
 

@@ -3,20 +3,21 @@
 use core::f64::consts::TAU;
 
 use nalgebra::Vector2;
+use parameters::{Parameters, at_least};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sim_backend::math;
-
-use sim_backend::params::{ParamsError, not_negative};
 
 /// Time of one turn [s].
 const PERIOD: f64 = 7.0;
 
 /// Parameters of the time-variant perturbation (chasing-game paper, §I-C: fields are made
 /// time-variant to get out of local minima; how is not said).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PerturbationParams {
-    /// Magnitude of the rotating push [m/s]; 0 for none.
+    /// Magnitude of the rotating push; 0 for none.
+    #[schemars(transform = at_least(0).unit("m/s"))]
     pub amplitude: f64,
 }
 
@@ -26,18 +27,12 @@ impl Default for PerturbationParams {
     }
 }
 
+impl Parameters for PerturbationParams {}
+
 impl PerturbationParams {
     /// The experiments of the chasing-game paper: nothing that varies with time was found there.
     pub fn paper() -> Self {
         Self { amplitude: 0.0 }
-    }
-
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// [`ParamsError`] naming the first field that is out of range.
-    pub fn validate(&self) -> Result<(), ParamsError> {
-        not_negative("amplitude", self.amplitude)
     }
 }
 

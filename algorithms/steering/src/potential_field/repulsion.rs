@@ -1,11 +1,12 @@
 //! Repulsion from other robots.
 
 use nalgebra::{Point2, Vector2};
+use parameters::{Fidelity, Parameters, above};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sim_backend::math;
 
 use navigation::bearing::Bearings;
-use sim_backend::params::{Fidelity, ParamsError, positive};
 
 /// Most that one repulsor's weight is multiplied with when very close.
 const NEAR_GAIN: f64 = 8.0;
@@ -24,7 +25,7 @@ pub struct Repulsor {
 }
 
 /// How a repulsion weakens with distance d.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Falloff {
     /// (`reach`/d)², at most 8: strong close by, a quarter at twice the reach.
@@ -36,14 +37,16 @@ pub enum Falloff {
 }
 
 /// Parameters of the repulsion.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct RepulsionParams {
     /// How it weakens with distance.
     pub falloff: Falloff,
-    /// The distance the fall-off is measured in [m], > 0.
+    /// The distance the fall-off is measured in.
+    #[schemars(transform = above(0).unit("m"))]
     pub reach: f64,
-    /// Magnitude that the sum approaches but never exceeds [m/s], > 0.
+    /// Magnitude that the sum approaches but never exceeds.
+    #[schemars(transform = above(0).unit("m/s"))]
     pub speed: f64,
     /// [`Fidelity::Published`] multiplies the sum once more with the mean weight of the repulsors:
     /// weights then count twice, and adding a weak repulsor weakens the others.
@@ -61,6 +64,8 @@ impl Default for RepulsionParams {
     }
 }
 
+impl Parameters for RepulsionParams {}
+
 impl RepulsionParams {
     /// The values of the chasing-game paper's experiments.
     pub fn paper() -> Self {
@@ -70,15 +75,6 @@ impl RepulsionParams {
             speed: 2.0,
             fidelity: Fidelity::Published,
         }
-    }
-
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// [`ParamsError`] naming the first field that is out of range.
-    pub fn validate(&self) -> Result<(), ParamsError> {
-        positive("reach", self.reach)?;
-        positive("speed", self.speed)
     }
 
     /// The fall-off's factor at a distance [m] ≥ 0.

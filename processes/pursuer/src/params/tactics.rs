@@ -1,13 +1,14 @@
 //! Parameters of how a team plays: where it aims, who guards the exits.
 
+use parameters::{Parameters, above, at_least};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sim_backend::params::{ParamsError, not_negative, positive, require};
 
 /// Furthest that a post may lie from its exit [m]; the work per tick grows with its square.
 pub const MAX_POST_RADIUS: f64 = 5.0;
 
 /// Where the goal for a hypothesis of a target lies.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum GoalMethod {
     /// Somewhat ahead of the target, see [`crate::goals::look_ahead`] (the paper's).
@@ -21,13 +22,14 @@ pub enum GoalMethod {
 }
 
 /// How hypotheses of a target become goals.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct GoalParams {
     /// Where the goal for a hypothesis lies.
     pub method: GoalMethod,
-    /// Distance at which a target counts as met [m], ≥ 0: the capture radius of the rules, or less.
+    /// Distance at which a target counts as met: the capture radius of the rules, or less.
     /// Used by everything that predicts interceptions for goals and guards.
+    #[schemars(transform = at_least(0).unit("m"))]
     pub reach: f64,
 }
 
@@ -40,29 +42,24 @@ impl Default for GoalParams {
     }
 }
 
-impl GoalParams {
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// [`ParamsError`] naming the first field that is out of range.
-    pub fn validate(&self) -> Result<(), ParamsError> {
-        not_negative("reach", self.reach)
-    }
-}
+impl Parameters for GoalParams {}
 
 /// Who does something else than to chase.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct RoleParams {
     /// How many pursuers guard the exits instead of chasing; 0 for none. More than there are
     /// pursuers means all of them. See [`crate::exit_guard`].
     pub exit_guard: usize,
-    /// How near to an exit's centre a target is through [m], ≥ 0.
+    /// How near to an exit's centre a target is through.
+    #[schemars(transform = at_least(0).unit("m"))]
     pub exit_radius: f64,
-    /// How far from its exit's centre a guard may stand [m], > 0, ≤ [`MAX_POST_RADIUS`].
+    /// Greatest distance of a guard from its exit's centre.
+    #[schemars(transform = above(0).at_most(MAX_POST_RADIUS).unit("m"))]
     pub post_radius: f64,
     /// Time that a guard must have to spare, at its post and for every target, to leave it for a
-    /// capture [s], ≥ 0.
+    /// capture.
+    #[schemars(transform = at_least(0).unit("s"))]
     pub margin_s: f64,
 }
 
@@ -77,38 +74,24 @@ impl Default for RoleParams {
     }
 }
 
-impl RoleParams {
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// [`ParamsError`] naming the first field that is out of range.
-    pub fn validate(&self) -> Result<(), ParamsError> {
-        not_negative("exit_radius", self.exit_radius)?;
-        positive("post_radius", self.post_radius)?;
-        require(
-            self.post_radius <= MAX_POST_RADIUS,
-            "post_radius",
-            &self.post_radius,
-            "at most 5",
-        )?;
-        not_negative("margin_s", self.margin_s)
-    }
-}
+impl Parameters for RoleParams {}
 
 #[cfg(test)]
 mod tests {
+    use parameters::check;
+
     use super::*;
 
     #[test]
     fn posts_that_are_too_far_and_negative_distances_are_refused() {
         let mut roles = RoleParams::default();
-        roles.validate().unwrap();
+        check(&roles).unwrap();
         roles.post_radius = 5.5;
-        assert_eq!(roles.validate().unwrap_err().field, "post_radius");
+        assert_eq!(check(&roles).unwrap_err().field, "post_radius");
         let goals = GoalParams {
             reach: -0.1,
             ..GoalParams::default()
         };
-        assert_eq!(goals.validate().unwrap_err().field, "reach");
+        assert_eq!(check(&goals).unwrap_err().field, "reach");
     }
 }

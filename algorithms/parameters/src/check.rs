@@ -1,0 +1,166 @@
+//! The check of all values against their ranges.
+
+use ciborium::Value as Data;
+use schemars::JsonSchema;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde_json::{Map, Value};
+
+use crate::error::ParamsError;
+use crate::range::{Kind, Range};
+use crate::schema;
+
+/// A set of parameters.
+pub trait Parameters: Serialize + DeserializeOwned + JsonSchema + Default + 'static {
+    /// Checks what one field asks of another; each field is within its range already.
+    ///
+    /// # Errors
+    /// [`ParamsError`] naming the field that does not fit the others.
+    fn check_relations(&self) -> Result<(), ParamsError> {
+        Ok(())
+    }
+}
+
+/// Checks the range of every field, in the order of declaration, then the relations between fields.
+///
+/// # Errors
+/// [`ParamsError`] with the path, the value and what was expected, for the first field that is out
+/// of range.
+pub fn check<P: Parameters>(params: &P) -> Result<(), ParamsError> {
+    check_ranges(params)?;
+    params.check_relations()
+}
+
+/// Checks the range of every field, in the order of declaration.
+///
+/// # Errors
+/// As [`check`].
+pub(crate) fn check_ranges<P: Serialize + JsonSchema + 'static>(
+    params: &P,
+) -> Result<(), ParamsError> {
+    let data = Data::serialized(params)
+        .map_err(|error| ParamsError::new("", &error, "values that have a text form"))?;
+    check_value(&data, schema::inline::<P>(), &mut Vec::new())
+}
+
+/// Checks one value against its schema; `path` leads to it.
+fn check_value(data: &Data, schema: &Value, path: &mut Vec<String>) -> Result<(), ParamsError> {
+    let Some(schema) = schema.as_object() else {
+        return Ok(());
+    };
+    if let Some(branches) = branches(schema) {
+        // The value has its type already: one of the branches is its own.
+        return match branches.iter().find(|branch| accepts(branch, data)) {
+            Some(branch) => check_value(data, branch, path),
+            None => Ok(()),
+        };
+    }
+    match data {
+        Data::Integer(n) => number(data, &i128::from(*n), Kind::Whole, schema, path),
+        Data::Float(x) => number(data, x, Kind::Real, schema, path),
+        Data::Array(elements) => {
+            let range = Range(schema);
+            if !range.contains_length(elements.len()) {
+                let found = format!("a list of {}", elements.len());
+                return Err(ParamsError::new(&path.join("."), &found, range.lengths()));
+            }
+            for (i, element) in elements.iter().enumerate() {
+                let prefix = schema.get("prefixItems").and_then(|items| items.get(i));
+                if let Some(schema) = prefix.or_else(|| schema.get("items")) {
+                    path.push(i.to_string());
+                    check_value(element, schema, path)?;
+                    path.pop();
+                }
+            }
+            Ok(())
+        }
+        Data::Map(entries) => {
+            for (key, value) in entries {
+                let Some(key) = key.as_text() else {
+                    continue;
+                };
+                let known = schema.get("properties").and_then(|p| p.get(key));
+                if let Some(schema) = known.or_else(|| schema.get("additionalProperties")) {
+                    path.push(key.to_owned());
+                    check_value(value, schema, path)?;
+                    path.pop();
+                }
+            }
+            Ok(())
+        }
+        _ => Ok(()),
+    }
+}
+
+fn number(
+    data: &Data,
+    text: &dyn core::fmt::Display,
+    kind: Kind,
+    schema: &Map<String, Value>,
+    path: &[String],
+) -> Result<(), ParamsError> {
+    let range = Range(schema);
+    if range.contains(data) {
+        return Ok(());
+    }
+    Err(ParamsError::new(&path.join("."), text, range.numbers(kind)))
+}
+
+/// The alternatives of a schema that has some.
+fn branches(schema: &Map<String, Value>) -> Option<&Vec<Value>> {
+    let found = schema.get("oneOf").or_else(|| schema.get("anyOf"))?;
+    found.as_array()
+}
+
+/// Whether a value has the type, the keys and the constants of a schema; ranges aside.
+fn accepts(schema: &Value, data: &Data) -> bool {
+    let Some(schema) = schema.as_object() else {
+        return true;
+    };
+    if let Some(branches) = branches(schema) {
+        return branches.iter().any(|branch| accepts(branch, data));
+    }
+    let is_text = |value: &Value| data.as_text().is_some_and(|t| value.as_str() == Some(t));
+    if schema.get("const").is_some_and(|value| !is_text(value)) {
+        return false;
+    }
+    let listed = schema.get("enum").and_then(Value::as_array);
+    if listed.is_some_and(|values| !values.iter().any(is_text)) {
+        return false;
+    }
+    let has_type = |name: &str| match data {
+        Data::Integer(_) => name == "integer" || name == "number",
+        Data::Float(_) => name == "number",
+        Data::Text(_) => name == "string",
+        Data::Bool(_) => name == "boolean",
+        Data::Null => name == "null",
+        Data::Array(_) => name == "array",
+        Data::Map(_) => name == "object",
+        _ => false,
+    };
+    let typed = match schema.get("type") {
+        Some(Value::String(name)) => has_type(name),
+        Some(Value::Array(names)) => names.iter().filter_map(Value::as_str).any(has_type),
+        _ => true,
+    };
+    typed && data.as_map().is_none_or(|map| accepts_keys(schema, map))
+}
+
+fn accepts_keys(schema: &Map<String, Value>, map: &[(Data, Data)]) -> bool {
+    let value_of = |key: &str| map.iter().find(|(k, _)| k.as_text() == Some(key));
+    let required = schema.get("required").and_then(Value::as_array);
+    let complete = required.is_none_or(|keys| {
+        let mut keys = keys.iter().filter_map(Value::as_str);
+        keys.all(|key| value_of(key).is_some())
+    });
+    let properties = schema.get("properties").and_then(Value::as_object);
+    let open = schema.get("additionalProperties") != Some(&Value::Bool(false));
+    complete
+        && map.iter().all(|(key, value)| {
+            let known = key.as_text().and_then(|key| properties?.get(key));
+            known.map_or(open, |schema| accepts(schema, value))
+        })
+}
+
+#[cfg(test)]
+mod tests;

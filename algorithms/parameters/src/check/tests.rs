@@ -1,0 +1,175 @@
+use serde::Deserialize;
+
+use super::*;
+use crate::{above, at_least, between, each};
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+struct Sample {
+    /// After `alpha` in the alphabet, before it in the declaration.
+    #[schemars(transform = at_least(0).unit("m"))]
+    zeta: f64,
+    #[schemars(transform = between(0, 1))]
+    alpha: f64,
+    #[schemars(transform = above(0).below(10).unit("m/s"))]
+    half_open: f64,
+    free: f64,
+    #[schemars(transform = at_least(1))]
+    count: u64,
+    #[schemars(transform = above(0).unit("rad"))]
+    cap: Option<f64>,
+    #[schemars(length(min = 1, max = 3), transform = each(above(0).unit("s")))]
+    times_s: Vec<f64>,
+    corner: [f64; 2],
+    inner: Inner,
+    shape: Shape,
+}
+
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+struct Inner {
+    #[schemars(transform = at_least(2))]
+    low: u32,
+    high: u32,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+enum Shape {
+    Disc {
+        #[schemars(transform = above(0).unit("m"))]
+        size: f64,
+    },
+    Square {
+        #[schemars(transform = above(1).unit("m"))]
+        size: f64,
+    },
+    Named(Name),
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct Name {
+    #[schemars(transform = at_least(7))]
+    number: i32,
+}
+
+impl Default for Sample {
+    fn default() -> Self {
+        Self {
+            zeta: 0.0,
+            alpha: 1.0,
+            half_open: 5.0,
+            free: -3.5,
+            count: 1,
+            cap: None,
+            times_s: vec![1.0],
+            corner: [0.0, -1.0],
+            inner: Inner { low: 2, high: 3 },
+            shape: Shape::Disc { size: 1.0 },
+        }
+    }
+}
+
+impl Parameters for Sample {
+    fn check_relations(&self) -> Result<(), ParamsError> {
+        let Inner { low, high } = self.inner;
+        crate::require(low < high, "inner.high", &high, "more than `inner.low`")
+    }
+}
+
+fn message(change: impl FnOnce(&mut Sample)) -> String {
+    let mut sample = Sample::default();
+    check(&sample).unwrap();
+    change(&mut sample);
+    check(&sample).unwrap_err().to_string()
+}
+
+#[test]
+fn a_value_out_of_range_is_named_with_range_and_unit() {
+    for (found, expected) in [
+        (
+            message(|s| s.zeta = -0.5),
+            "`zeta` is -0.5, but must be a finite number of at least 0 (m)",
+        ),
+        (
+            message(|s| s.alpha = 1.5),
+            "`alpha` is 1.5, but must be a number between 0 and 1",
+        ),
+        (
+            message(|s| s.half_open = 10.0),
+            "`half_open` is 10, but must be a number above 0 and below 10 (m/s)",
+        ),
+        (
+            message(|s| s.count = 0),
+            "`count` is 0, but must be a whole number of at least 1",
+        ),
+        (
+            message(|s| s.cap = Some(0.0)),
+            "`cap` is 0, but must be a finite number above 0 (rad)",
+        ),
+        (
+            message(|s| s.times_s = vec![1.0, 0.0]),
+            "`times_s.1` is 0, but must be a finite number above 0 (s)",
+        ),
+        (
+            message(|s| s.times_s.clear()),
+            "`times_s` is a list of 0, but must be 1 to 3 values",
+        ),
+        (
+            message(|s| s.inner.low = 1),
+            "`inner.low` is 1, but must be a whole number of at least 2",
+        ),
+        (
+            message(|s| s.shape = Shape::Square { size: 0.5 }),
+            "`shape.size` is 0.5, but must be a finite number above 1 (m)",
+        ),
+        (
+            message(|s| s.shape = Shape::Named(Name { number: 6 })),
+            "`shape.number` is 6, but must be a whole number of at least 7",
+        ),
+    ] {
+        assert_eq!(found, expected);
+    }
+}
+
+#[test]
+fn a_number_that_is_not_finite_is_refused_with_or_without_a_range() {
+    assert_eq!(
+        message(|s| s.free = f64::NAN),
+        "`free` is NaN, but must be a finite number"
+    );
+    assert_eq!(
+        message(|s| s.corner[1] = f64::INFINITY),
+        "`corner.1` is inf, but must be a finite number"
+    );
+    assert_eq!(
+        message(|s| s.alpha = f64::NAN),
+        "`alpha` is NaN, but must be a number between 0 and 1"
+    );
+}
+
+#[test]
+fn the_first_field_declared_is_reported_and_relations_come_last() {
+    let all = |s: &mut Sample| {
+        s.alpha = -1.0;
+        s.zeta = -1.0;
+        s.inner.high = 0;
+    };
+    assert!(message(all).starts_with("`zeta`"));
+    assert_eq!(
+        message(|s| s.inner.high = 2),
+        "`inner.high` is 2, but must be more than `inner.low`"
+    );
+}
+
+#[test]
+fn a_whole_number_is_compared_exactly() {
+    #[derive(Debug, Default, Serialize, Deserialize, JsonSchema)]
+    struct Large {
+        #[schemars(transform = at_least(0).at_most(u64::MAX - 1))]
+        n: u64,
+    }
+    impl Parameters for Large {}
+    check(&Large { n: u64::MAX - 1 }).unwrap();
+    assert!(check(&Large { n: u64::MAX }).is_err());
+}

@@ -1,0 +1,115 @@
+//! The error that names what is wrong with one parameter, and checks of single values.
+
+use core::fmt::Display;
+
+use thiserror::Error;
+
+/// A parameter whose value cannot be used.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("`{field}` is {value}, but must be {expected}")]
+pub struct ParamsError {
+    /// Path of the parameter inside its table, dots between levels (`limits.v_max`).
+    pub field: String,
+    /// The value found, as text.
+    pub value: String,
+    /// The values accepted, with their unit.
+    pub expected: String,
+}
+
+impl ParamsError {
+    /// An error about a field, with the value found and the values accepted.
+    pub fn new(field: &str, value: &(impl Display + ?Sized), expected: impl Into<String>) -> Self {
+        Self {
+            field: field.to_owned(),
+            value: value.to_string(),
+            expected: expected.into(),
+        }
+    }
+
+    /// The same error seen from the table that contains the field's table: `v_max` becomes
+    /// `limits.v_max`.
+    #[must_use]
+    pub fn within(mut self, table: &str) -> Self {
+        self.field = format!("{table}.{}", self.field);
+        self
+    }
+}
+
+/// For `map_err`: an error of a table, seen from the table that contains it.
+pub fn within(table: &str) -> impl FnOnce(ParamsError) -> ParamsError {
+    move |error| error.within(table)
+}
+
+/// Accepts a value when `ok` holds.
+///
+/// # Errors
+/// [`ParamsError`] with these parts when it does not.
+pub fn require(
+    ok: bool,
+    field: &str,
+    value: &(impl Display + ?Sized),
+    expected: impl Into<String>,
+) -> Result<(), ParamsError> {
+    if ok {
+        Ok(())
+    } else {
+        Err(ParamsError::new(field, value, expected))
+    }
+}
+
+/// Accepts a finite value > 0.
+///
+/// # Errors
+/// [`ParamsError`] for anything else.
+pub fn positive(field: &str, value: f64) -> Result<(), ParamsError> {
+    let ok = value.is_finite() && value > 0.0;
+    require(ok, field, &value, "a finite number above 0")
+}
+
+/// Accepts a finite value ≥ 0.
+///
+/// # Errors
+/// [`ParamsError`] for anything else.
+pub fn not_negative(field: &str, value: f64) -> Result<(), ParamsError> {
+    let ok = value.is_finite() && value >= 0.0;
+    require(ok, field, &value, "a finite number of at least 0")
+}
+
+/// Accepts a value in [0, 1].
+///
+/// # Errors
+/// [`ParamsError`] for anything else.
+pub fn fraction(field: &str, value: f64) -> Result<(), ParamsError> {
+    let ok = (0.0..=1.0).contains(&value);
+    require(ok, field, &value, "a number between 0 and 1")
+}
+
+/// Accepts any finite value.
+///
+/// # Errors
+/// [`ParamsError`] for an infinite value or NaN.
+pub fn finite(field: &str, value: f64) -> Result<(), ParamsError> {
+    require(value.is_finite(), field, &value, "a finite number")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_name_the_path_the_value_and_what_was_expected() {
+        let error = positive("weight", -1.5).unwrap_err().within("scatter");
+        assert_eq!(
+            error.to_string(),
+            "`scatter.weight` is -1.5, but must be a finite number above 0"
+        );
+    }
+
+    #[test]
+    fn nothing_accepts_nan() {
+        assert!(positive("x", f64::NAN).is_err());
+        assert!(not_negative("x", f64::NAN).is_err());
+        assert!(fraction("x", f64::NAN).is_err());
+        assert!(finite("x", f64::NAN).is_err());
+    }
+}

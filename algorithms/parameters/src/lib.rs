@@ -1,0 +1,55 @@
+//! Parameters, each declared once: type, default, range, unit and description.
+//!
+//! A struct of parameters derives its JSON Schema ([`schemars`]). The type of a field gives the
+//! type, the doc comment the description, [`Default`] the default. Range and unit are a
+//! [`Bounds`]:
+//!
+//! ```
+//! use parameters::{Parameters, above, at_least, check};
+//! use schemars::JsonSchema;
+//! use serde::{Deserialize, Serialize};
+//!
+//! /// Parameters of an assignment.
+//! #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
+//! #[serde(deny_unknown_fields, default)]
+//! struct Assignment {
+//!     /// Time between two assignments.
+//!     #[schemars(transform = above(0.0).unit("s"))]
+//!     period_s: f64,
+//!     /// Number of robots that are assigned.
+//!     #[schemars(transform = at_least(1))]
+//!     robots: usize,
+//! }
+//!
+//! impl Default for Assignment {
+//!     fn default() -> Self {
+//!         Self { period_s: 1.0, robots: 4 }
+//!     }
+//! }
+//!
+//! impl Parameters for Assignment {}
+//!
+//! let params = Assignment { period_s: 0.0, ..Assignment::default() };
+//! assert_eq!(
+//!     check(&params).unwrap_err().to_string(),
+//!     "`period_s` is 0, but must be a finite number above 0 (s)"
+//! );
+//! ```
+//!
+//! [`check`] compares every value with its range, in the order of declaration; what is left to
+//! write by hand are relations between fields ([`Parameters::check_relations`]).
+
+#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
+mod bounds;
+mod check;
+mod error;
+mod fidelity;
+mod range;
+mod schema;
+
+pub use bounds::{Bounds, above, at_least, between, each, unit};
+pub use check::{Parameters, check};
+pub use error::{ParamsError, finite, fraction, not_negative, positive, require, within};
+pub use fidelity::Fidelity;

@@ -1,0 +1,123 @@
+//! The values that a schema accepts, as text and as a test.
+
+use ciborium::Value as Data;
+use serde_json::{Map, Value};
+
+use crate::bounds::UNIT;
+
+/// The range of one schema.
+pub(crate) struct Range<'a>(pub &'a Map<String, Value>);
+
+impl Range<'_> {
+    /// Whether a number is inside.
+    pub fn contains(&self, number: &Data) -> bool {
+        let holds =
+            |keyword: &str, compare: fn(f64, f64) -> bool, exact: fn(i128, i128) -> bool| {
+                let Some(bound) = self.0.get(keyword) else {
+                    return true;
+                };
+                match (number, whole(bound), bound.as_f64()) {
+                    (Data::Integer(n), Some(bound), _) => exact(i128::from(*n), bound),
+                    (Data::Integer(n), None, Some(bound)) => compare(i128::from(*n) as f64, bound),
+                    (Data::Float(x), _, Some(bound)) => compare(*x, bound),
+                    _ => true,
+                }
+            };
+        let finite = !matches!(number, Data::Float(x) if !x.is_finite());
+        finite
+            && holds("minimum", |x, bound| x >= bound, |x, bound| x >= bound)
+            && holds("maximum", |x, bound| x <= bound, |x, bound| x <= bound)
+            && holds(
+                "exclusiveMinimum",
+                |x, bound| x > bound,
+                |x, bound| x > bound,
+            )
+            && holds(
+                "exclusiveMaximum",
+                |x, bound| x < bound,
+                |x, bound| x < bound,
+            )
+    }
+
+    /// Whether a list may have this many elements.
+    pub fn contains_length(&self, length: usize) -> bool {
+        let bound = |keyword: &str| self.0.get(keyword).and_then(Value::as_u64);
+        bound("minItems").is_none_or(|min| length as u64 >= min)
+            && bound("maxItems").is_none_or(|max| length as u64 <= max)
+    }
+
+    /// The unit, if it has one.
+    pub fn unit(&self) -> Option<&str> {
+        self.0.get(UNIT).and_then(Value::as_str)
+    }
+
+    /// The numbers accepted, in words, with their unit.
+    pub fn numbers(&self, kind: Kind) -> String {
+        let get = |keyword: &str| self.0.get(keyword).map(plain);
+        let lower = match (get("exclusiveMinimum"), get("minimum")) {
+            (Some(min), _) => Some(format!("above {min}")),
+            (None, min) => min.map(|min| format!("of at least {min}")),
+        };
+        let upper = match (get("exclusiveMaximum"), get("maximum")) {
+            (Some(max), _) => Some(format!("below {max}")),
+            (None, max) => max.map(|max| format!("of at most {max}")),
+        };
+        let noun = match kind {
+            Kind::Whole => "a whole number",
+            Kind::Real if lower.is_some() && upper.is_some() => "a number",
+            Kind::Real => "a finite number",
+        };
+        let range = match (lower, upper) {
+            (Some(_), Some(_)) if self.is_closed() => format!(
+                " between {} and {}",
+                get("minimum").unwrap_or_default(),
+                get("maximum").unwrap_or_default()
+            ),
+            (Some(lower), Some(upper)) => {
+                format!(" {lower} and {}", upper.trim_start_matches("of "))
+            }
+            (Some(one), None) | (None, Some(one)) => format!(" {one}"),
+            (None, None) => String::new(),
+        };
+        let unit = self.unit().map_or(String::new(), |u| format!(" ({u})"));
+        format!("{noun}{range}{unit}")
+    }
+
+    /// The numbers of elements accepted, in words.
+    pub fn lengths(&self) -> String {
+        let bound = |keyword: &str| self.0.get(keyword).and_then(Value::as_u64);
+        match (bound("minItems"), bound("maxItems")) {
+            (Some(min), Some(max)) if min == max => format!("{min} values"),
+            (Some(min), Some(max)) => format!("{min} to {max} values"),
+            (Some(min), None) => format!("at least {min} values"),
+            (None, Some(max)) => format!("at most {max} values"),
+            (None, None) => "a list".to_owned(),
+        }
+    }
+
+    fn is_closed(&self) -> bool {
+        !self.0.contains_key("exclusiveMinimum") && !self.0.contains_key("exclusiveMaximum")
+    }
+}
+
+/// Numbers with or without a fraction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// Without.
+    Whole,
+    /// With.
+    Real,
+}
+
+fn whole(bound: &Value) -> Option<i128> {
+    let signed = bound.as_i64().map(i128::from);
+    signed.or_else(|| bound.as_u64().map(i128::from))
+}
+
+/// A number as people write it: 5 for 5.0.
+fn plain(number: &Value) -> String {
+    match (whole(number), number.as_f64()) {
+        (None, Some(real)) => real.to_string(),
+        _ => number.to_string(),
+    }
+}

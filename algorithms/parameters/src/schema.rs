@@ -1,0 +1,23 @@
+//! The JSON Schema of a type, made once.
+
+use std::any::TypeId;
+use std::collections::HashMap;
+use std::sync::{Mutex, OnceLock, PoisonError};
+
+use schemars::JsonSchema;
+use schemars::generate::SchemaSettings;
+use serde_json::Value;
+
+/// The schema of a type in one piece, without references.
+pub(crate) fn inline<P: JsonSchema + 'static>() -> &'static Value {
+    static MADE: OnceLock<Mutex<HashMap<TypeId, &'static Value>>> = OnceLock::new();
+    let made = MADE.get_or_init(Mutex::default);
+    // The map is whole whenever the lock is free: a schema enters it when it is made.
+    let mut made = made.lock().unwrap_or_else(PoisonError::into_inner);
+    made.entry(TypeId::of::<P>()).or_insert_with(|| {
+        let settings = SchemaSettings::draft2020_12().with(|s| s.inline_subschemas = true);
+        let schema = settings.into_generator().into_root_schema_for::<P>();
+        // One per type of the program: it lives as long as the program.
+        Box::leak(Box::new(schema.to_value()))
+    })
+}
