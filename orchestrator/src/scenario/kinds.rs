@@ -72,7 +72,7 @@ pub static KINDS: &[KindInfo] = &[
         ..KindInfo::driver(
             "evader_potential",
             "flees to the nearest exit on a potential field",
-            |node| check_params(node, EvaderParams::validate),
+            |node| check_params(node, parameters::check::<EvaderParams>),
         )
     },
     KindInfo::driver(

@@ -5,13 +5,13 @@ use crate::potential_field::{
     Body, Goal, Perturbation, Repulsor, attraction, compose, obstacle, repulsion,
 };
 use nalgebra::Point2;
+use parameters::{ParamsError, check};
 use navigation::bearing::{Bearings, GoalField};
 use navigation::routes::{Threat, Wayfinder};
 use planner_view::limits::Limits;
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
-use sim_backend::params::ParamsError;
 use sim_backend::team::Team;
 
 use super::params::{EvaderParams, ThreatParams};
@@ -43,7 +43,7 @@ impl Evader {
     /// # Errors
     /// [`ParamsError`] if a parameter is out of range.
     pub fn new(params: EvaderParams, limits: Limits, seed: u64) -> Result<Self, ParamsError> {
-        params.validate()?;
+        check(&params)?;
         Ok(Self {
             params,
             limits,

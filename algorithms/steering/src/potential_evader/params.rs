@@ -1,21 +1,25 @@
 //! Parameters of the potential-field evader.
 
+use parameters::{Parameters, above, at_least};
+use schemars::JsonSchema;
 use crate::feedback_linearisation::FeedbackParams;
 use crate::potential_field::{ObstacleParams, PerturbationParams, RepulsionParams};
 use navigation::bearing::GoalField;
 use serde::{Deserialize, Serialize};
-use sim_backend::params::{ParamsError, not_negative, positive, within};
 
 /// How much the Police lengthen the ways that pass them (`goal_field = "geodesic"` only).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ThreatParams {
     /// Extra metres that a metre of way costs at distance `reach` from a pursuer, rising with the
-    /// inverse square of the distance; ≥ 0, 0 for none.
+    /// inverse square of the distance; 0 for none.
+    #[schemars(transform = at_least(0))]
     pub gain: f64,
-    /// See `gain` [m], > 0.
+    /// See `gain`.
+    #[schemars(transform = above(0).unit("m"))]
     pub reach: f64,
-    /// Time between two looks for a better way past the Police [s], > 0.
+    /// Time between two looks for a better way past the Police.
+    #[schemars(transform = above(0).unit("s"))]
     pub period_s: f64,
 }
 
@@ -30,7 +34,7 @@ impl Default for ThreatParams {
 }
 
 /// Parameters of an [`Evader`](super::Evader).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct EvaderParams {
     /// How the way to the exit is measured.
@@ -42,16 +46,20 @@ pub struct EvaderParams {
     /// How directions and distances to those robots are measured: along the ways, a pursuer behind
     /// a block is as far off as it must drive, and its push comes from the corner it would turn.
     pub avoid_field: GoalField,
-    /// Weight of each pursuer, ≥ 0.
+    /// Weight of each pursuer.
+    #[schemars(transform = at_least(0))]
     pub police_weight: f64,
-    /// Weight of each fellow evader, ≥ 0.
+    /// Weight of each fellow evader.
+    #[schemars(transform = at_least(0))]
     pub fellow_weight: f64,
-    /// Weight of the body of each robot that no longer takes part but stands in the way, ≥ 0.
+    /// Weight of the body of each robot that no longer takes part but stands in the way.
+    #[schemars(transform = at_least(0))]
     pub wreck_weight: f64,
     /// Repulsion from obstacles.
     pub obstacle: ObstacleParams,
-    /// Gap to another body [m] at which the robot begins to turn aside to pass it, ≥ 0; 0 for
+    /// Gap to another body at which the robot begins to turn aside to pass it; 0 for
     /// never (the paper).
+    #[schemars(transform = at_least(0).unit("m"))]
     pub body_guard: f64,
     /// Push that varies with time.
     pub perturbation: PerturbationParams,
@@ -82,6 +90,8 @@ impl Default for EvaderParams {
     }
 }
 
+impl Parameters for EvaderParams {}
+
 impl EvaderParams {
     /// The values of the chasing-game paper's experiments.
     pub fn paper() -> Self {
@@ -102,44 +112,20 @@ impl EvaderParams {
             feedback: FeedbackParams::paper(),
         }
     }
-
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// [`ParamsError`] with the path, the value and what was expected, for the first field that is
-    /// out of range.
-    pub fn validate(&self) -> Result<(), ParamsError> {
-        self.threat.validate().map_err(within("threat"))?;
-        self.avoid.validate().map_err(within("avoid"))?;
-        not_negative("police_weight", self.police_weight)?;
-        not_negative("fellow_weight", self.fellow_weight)?;
-        not_negative("wreck_weight", self.wreck_weight)?;
-        parameters::check(&self.obstacle).map_err(within("obstacle"))?;
-        parameters::check(&self.perturbation).map_err(within("perturbation"))?;
-        parameters::check(&self.feedback).map_err(within("feedback"))
-    }
 }
 
-impl ThreatParams {
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// [`ParamsError`] naming the first field that is out of range.
-    pub fn validate(&self) -> Result<(), ParamsError> {
-        not_negative("gain", self.gain)?;
-        positive("reach", self.reach)?;
-        positive("period_s", self.period_s)
-    }
-}
+impl Parameters for ThreatParams {}
 
 #[cfg(test)]
 mod tests {
+    use parameters::check;
+
     use super::*;
 
     #[test]
     fn both_presets_are_valid_and_differ() {
-        EvaderParams::default().validate().unwrap();
-        EvaderParams::paper().validate().unwrap();
+        check(&EvaderParams::default()).unwrap();
+        check(&EvaderParams::paper()).unwrap();
         assert_ne!(EvaderParams::default(), EvaderParams::paper());
     }
 
@@ -147,10 +133,10 @@ mod tests {
     fn errors_carry_the_path_of_the_field() {
         let mut params = EvaderParams::default();
         params.avoid.reach = f64::NAN;
-        let error = params.validate().unwrap_err();
+        let error = check(&params).unwrap_err();
         assert_eq!(
             error.to_string(),
-            "`avoid.reach` is NaN, but must be a finite number above 0"
+            "`avoid.reach` is NaN, but must be a finite number above 0 (m)"
         );
     }
 
