@@ -1,8 +1,8 @@
 //! Parameters of a pursuer.
 
+use navigation::bearing::GoalField;
 use parameters::{Fidelity, Parameters, above, at_least};
 use schemars::JsonSchema;
-use navigation::bearing::GoalField;
 use serde::{Deserialize, Serialize};
 use steering::feedback_linearisation::FeedbackParams;
 use steering::potential_field::{ObstacleParams, PerturbationParams, RepulsionParams};

@@ -5,9 +5,9 @@ use crate::potential_field::{
     Body, Goal, Perturbation, Repulsor, attraction, compose, obstacle, repulsion,
 };
 use nalgebra::Point2;
-use parameters::{ParamsError, check};
 use navigation::bearing::{Bearings, GoalField};
 use navigation::routes::{Threat, Wayfinder};
+use parameters::{ParamsError, check};
 use planner_view::limits::Limits;
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;

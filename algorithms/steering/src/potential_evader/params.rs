@@ -1,10 +1,10 @@
 //! Parameters of the potential-field evader.
 
-use parameters::{Parameters, above, at_least};
-use schemars::JsonSchema;
 use crate::feedback_linearisation::FeedbackParams;
 use crate::potential_field::{ObstacleParams, PerturbationParams, RepulsionParams};
 use navigation::bearing::GoalField;
+use parameters::{Parameters, above, at_least};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// How much the Police lengthen the ways that pass them (`goal_field = "geodesic"` only).
