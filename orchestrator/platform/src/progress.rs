@@ -1,10 +1,11 @@
 //! Progress of long commands: a bar on a terminal, plain lines elsewhere.
 
-use crate::eprintln;
 use std::io::IsTerminal as _;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use crate::eprintln;
 
 /// How often a plain line is written when stderr is not a terminal.
 const PLAIN_EVERY: Duration = Duration::from_secs(10);

@@ -8,6 +8,7 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
+use platform::{descriptors, proc, program};
 use runtime::lockstep::TurnPage;
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value as Json;
@@ -18,7 +19,6 @@ use crate::mission::child_process::CONFIG_VARIABLE;
 use crate::mission::report::exit_words;
 use crate::scenario::ResolvedScenario;
 use crate::scenario::spec::Mode;
-use platform::{descriptors, proc, program};
 
 /// Name of its log.
 pub(super) const LOG: &str = "mission.mcap";

@@ -1,11 +1,11 @@
 //! `protean chaos`.
 
-use platform::eprintln;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use clap::ValueEnum as _;
+use platform::eprintln;
 
 use super::run::{handle_signals, refuse_external, with_real_time};
 use super::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, OverrideArgs, complain, print, print_json};

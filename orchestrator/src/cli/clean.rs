@@ -1,8 +1,8 @@
 //! `protean clean`.
 
-use platform::eprintln;
 use std::process::ExitCode;
 
+use platform::eprintln;
 use serde_json::json;
 
 use super::{EXIT_FAILED, print, print_json};

@@ -1,8 +1,9 @@
 //! `protean export`.
 
-use platform::eprintln;
 use std::path::PathBuf;
 use std::process::ExitCode;
+
+use platform::eprintln;
 
 use super::logs::{self, TopicArgs};
 use super::{EXIT_PARTIAL, print, print_json};

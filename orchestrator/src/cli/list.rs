@@ -1,8 +1,8 @@
 //! `protean list`.
 
-use platform::eprintln;
 use std::process::ExitCode;
 
+use platform::eprintln;
 use serde_json::json;
 
 use super::{EXIT_INVALID, print, print_json};

@@ -1,10 +1,11 @@
 //! What `info`, `recover`, `filter`, `export` and `rerun` have in common.
 
-use platform::eprintln;
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+
+use platform::eprintln;
 
 use super::run::handle_signals;
 use super::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL};

@@ -31,9 +31,8 @@ use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::{CommandFactory as _, Parser, Subcommand};
+use config::Diagnostics;
 use platform::eprintln;
-
-use crate::scenario::text::Diagnostics;
 
 /// Exit code of a run that failed.
 pub const EXIT_FAILED: u8 = 1;

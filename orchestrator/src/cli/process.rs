@@ -1,9 +1,9 @@
 //! `protean process`: being one process of a run.
 
-use platform::eprintln;
 use std::path::Path;
 use std::process::ExitCode;
 
+use platform::eprintln;
 use runtime::Wiring;
 
 use super::EXIT_INVALID;

@@ -1,8 +1,9 @@
 //! `protean replay`.
 
-use platform::eprintln;
 use std::path::PathBuf;
 use std::process::ExitCode;
+
+use platform::eprintln;
 
 use super::logs::{self, PartArgs};
 use super::run::tell_of_viewers;

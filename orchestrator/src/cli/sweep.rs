@@ -1,6 +1,5 @@
 //! `protean sweep`.
 
-use platform::eprintln;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -8,6 +7,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use clap::Subcommand;
+use platform::eprintln;
 use serde_json::Value as Json;
 
 use super::run::handle_signals;

@@ -1,8 +1,8 @@
 //! What `protean sweep` does differently for missions of robots and for plans.
 
-use platform::eprintln;
 use std::path::Path;
 
+use platform::eprintln;
 use serde_json::{Value as Json, json};
 
 use super::sweep::SweepRunArgs;

@@ -1,10 +1,10 @@
 //! What `protean sweep` prints: what is still to be done, and what came of it.
 
-use platform::eprintln;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::ExitCode;
 
+use platform::eprintln;
 use serde_json::{Value as Json, json};
 
 use super::sweep_kind::SweepKind;

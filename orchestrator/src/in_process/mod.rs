@@ -23,6 +23,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
+use crew::Crew;
 use ipc_types::bus::{Bus, Publisher, PublisherOptions};
 use ipc_types::topics::ObstacleEvents;
 
@@ -32,7 +33,6 @@ use crate::mission::{MissionError, MissionOptions, MissionReport, recording};
 use crate::recorder::Recorder;
 use crate::scenario::ResolvedScenario;
 use crate::scenario::spec::Mode;
-use crew::Crew;
 
 /// Ticks between two looks at the progress.
 const SHOW_EVERY: u64 = 256;

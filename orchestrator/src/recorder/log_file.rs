@@ -8,10 +8,10 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use crate::storage::Storage;
 use rustix::fs::{FlockOperation, flock};
 
 use super::error::LogError;
+use crate::storage::Storage;
 
 /// Small records (message indexes, headers) are gathered up to this size before they are written.
 const BUFFER_BYTES: usize = 64 * 1024;

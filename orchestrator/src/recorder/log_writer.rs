@@ -6,13 +6,13 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use crate::storage::Storage;
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{Attachment, McapError, WriteOptions};
 
 use super::error::LogError;
 use super::log_file::{self, LogFile, Readable};
 use super::mirror::Mirror;
+use crate::storage::Storage;
 
 /// How the chunks of a log are compressed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

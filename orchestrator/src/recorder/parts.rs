@@ -2,7 +2,6 @@
 
 use ipc_types::cdr::SequenceHead;
 use ipc_types::stamp::Stamp;
-
 use ipc_types::topics::TopicId;
 
 /// Bytes of the encapsulation header.

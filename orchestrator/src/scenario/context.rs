@@ -1,12 +1,10 @@
 //! What every part of the resolution needs: the texts, the tree, and somewhere to complain.
 
+use config::{Code, Diagnostic, Diagnostics, FieldPath, Node, Origin, Sources, problem_at, read};
 use serde::de::DeserializeOwned;
 use sim_backend::params::ParamsError;
 
 use super::kinds::KindInfo;
-use super::text::{
-    Code, Diagnostic, Diagnostics, FieldPath, Node, Origin, Sources, problem_at, read,
-};
 
 /// The scenario being resolved.
 pub struct Context<'a> {

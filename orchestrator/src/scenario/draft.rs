@@ -1,5 +1,7 @@
 //! A scenario as written, before anything is filled in or checked.
 
+use config::{Code, Diagnostic, Diagnostics, FieldPath, Node, Sources};
+
 use super::context::Context;
 use super::files::Base;
 use super::jitter::Placement;
@@ -8,7 +10,6 @@ use super::load::resolve;
 use super::overrides;
 use super::resolved::ResolvedScenario;
 use super::template::{Grounds, Template};
-use super::text::{Code, Diagnostic, Diagnostics, FieldPath, Node, Sources};
 
 /// A scenario's text with the overrides applied so far.
 ///

@@ -1,10 +1,10 @@
 //! Reaction of a run to the failure of one of its processes: keys of `[[processes]]`.
 
+use config::{Code, FieldPath, Node};
 use serde::{Deserialize, Serialize};
 
 use super::context::Context;
 use super::spec::{Mode, ProcessBlock, RunSpec};
-use super::text::{Code, FieldPath, Node};
 
 /// Reaction to a process that exits, is killed, breaks the protocol or no longer answers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]

@@ -65,7 +65,7 @@ impl Base {
                     Some(text) => Ok(Found::Text(text)),
                     None => refused(
                         format!("no map `{path}` is built in"),
-                        super::text::list_choices(&builtin::map_names()),
+                        config::list_choices(&builtin::map_names()),
                     ),
                 };
             }

@@ -1,6 +1,7 @@
 //! Whether processes can do what they are told, with these robots on this map: what neither of the
 //! three shows by itself, and what would otherwise only be seen when the run starts.
 
+use config::{Code, FieldPath, Step};
 use coverage::sub_goals::design::{Design, Site};
 use coverage::workplace::{Workplace, WorkplaceError};
 use coverage_planners::{Boustrophedon, Chebyshev, Keyed, RandomBounce, Uniform};
@@ -18,7 +19,6 @@ use steering::waypoint_driver::DriverParams;
 use super::context::Context;
 use super::processes::{Read, kind_of};
 use super::robots::Robot;
-use super::text::{Code, FieldPath, Step};
 
 /// What a process is told to do with one of its robots.
 struct Task<'a> {

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use config::{Code, Diagnostic, FieldPath, Step};
 use sim_backend::map::{MapSpec, Passages, VectorMap, WorldMap};
 use sim_backend::pose::Pose2;
 use sim_backend::spec::{Region, RulesSpec, WorldSpec};
@@ -11,7 +12,6 @@ use sim_backend::world::{World, WorldError};
 use super::context::Context;
 use super::jitter::{self, MAX_DRAWS, Placement};
 use super::robots::Robot;
-use super::text::{Code, Diagnostic, FieldPath, Step};
 
 /// Checks that every robot stands free, draws the displaced starts, and checks that exits and goals
 /// can be reached; everything wrong is reported. The result are the starts.

@@ -1,11 +1,11 @@
 //! What a kind of process is, to the scenarios that name it.
 
+use config::{Node, read_once};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value as Json;
 
 use super::params_fault::ParamsFault;
-use super::text::{Node, read_once};
 
 /// Something that a process needs and another part of the scenario must provide.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -184,9 +184,9 @@ fn preset(params: &impl Serialize) -> Json {
 
 #[cfg(test)]
 mod tests {
+    use config::Node;
     use serde_json::json;
 
-    use super::super::text::Node;
     use super::*;
 
     fn complete(kind: &KindInfo, params: &Json) -> Json {

@@ -2,6 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use config::{
+    Code, Diagnostic, Diagnostics, FieldPath, Node, SourceKind, Sources, list_choices, nearest,
+    parse_document,
+};
 use sim_backend::map::MapSpec;
 use sim_backend::spec::{RulesSpec, WorldSpec};
 
@@ -12,10 +16,6 @@ use super::jitter::Placement;
 use super::kinds::{KINDS, KindInfo};
 use super::resolved::ResolvedScenario;
 use super::spec::{LogSpec, MAX_TICKS, RunSpec, TopLevel};
-use super::text::{
-    Code, Diagnostic, Diagnostics, FieldPath, Node, SourceKind, Sources, list_choices, nearest,
-    parse_document,
-};
 use super::{builtin, events, geometry, processes, robots, world};
 
 /// Largest scenario file that is read [bytes]; one with its map written out is far smaller.

@@ -3,7 +3,7 @@
 //! [`load`] turns the path of a scenario, or the name of a built-in one, into a
 //! [`ResolvedScenario`]: teams and defaults inherited, `--set` overrides applied, the map read and
 //! written out, starts drawn, parameters of every process typed and complete, everything checked.
-//! What is wrong comes back as [`Diagnostics`](text::Diagnostics), each with file, line, field,
+//! What is wrong comes back as [`Diagnostics`](config::Diagnostics), each with file, line, field,
 //! value and what was expected. [`ResolvedScenario::to_toml`] writes the whole into one text that
 //! loads to the same, which is what a log stores.
 //!
@@ -29,7 +29,6 @@ mod resolved;
 mod robots;
 pub mod spec;
 mod template;
-pub mod text;
 mod world;
 
 #[cfg(test)]

@@ -1,11 +1,10 @@
 //! `--set key=value`: changing values of a scenario from the command line.
 
-use toml_parser::lexer::TokenKind;
-
-use super::text::{
+use config::{
     Code, Diagnostic, Diagnostics, Entry, FieldPath, Node, Origin, SourceKind, Sources, Step,
     Table, Value, list_choices, nearest, parse_string, parse_value,
 };
+use toml_parser::lexer::TokenKind;
 
 /// Applies one `key=value` to the tree of a scenario.
 ///

@@ -1,10 +1,9 @@
 //! Why the parameters of a process were refused.
 
+use config::ReadError;
 use patrol::mission::MissionError;
 use patrol_planners::PatrolError;
 use sim_backend::params::ParamsError;
-
-use super::text::ReadError;
 
 /// Why the parameters of a process were refused.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,10 +1,11 @@
 //! Whether the processes fit each other and the robots.
 
+use config::Code;
+
 use super::context::Context;
 use super::kinds::{KindInfo, Need, Product};
 use super::processes::{Read, kind_of};
 use super::robots::Robot;
-use super::text::Code;
 
 /// Names that the run itself uses.
 const RESERVED: [&str; 3] = ["simulator", "orchestrator", "recorder"];

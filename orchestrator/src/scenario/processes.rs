@@ -1,5 +1,6 @@
 //! `[[processes]]`: who runs, and who drives which robot.
 
+use config::{Code, FieldPath, Node, Origin, Step, describe, suggest};
 use sim_backend::map::MapSpec;
 use sim_backend::team::Team;
 
@@ -11,7 +12,6 @@ use super::process_checks::{check_drivers, check_names, check_needs};
 use super::resolved::{ProcessSpec, Program};
 use super::robots::{Robot, check_name};
 use super::spec::{Grouping, MAX_PROCESSES, ProcessBlock, RunSpec};
-use super::text::{Code, FieldPath, Node, Origin, Step, describe, suggest};
 
 /// A process as read, with its place for complaints.
 pub struct Read {

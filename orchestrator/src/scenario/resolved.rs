@@ -1,5 +1,6 @@
 //! A scenario with everything filled in: what a run is a function of.
 
+use config::{Node, write_document};
 use platform::shell::quote;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value as Json, json};
@@ -8,7 +9,6 @@ use sim_backend::spec::{RulesSpec, WorldSpec};
 use super::events::EventSpec;
 use super::failure::Supervision;
 use super::spec::{LogSpec, RunSpec};
-use super::text::{Node, write_document};
 
 /// Who a process is.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -1,12 +1,12 @@
 //! `[[robots]]`, with what they inherit from their team and from the defaults.
 
+use config::{Code, FieldPath, Node, Value};
 use sim_backend::pose::Pose2;
 use sim_backend::spec::RobotSpec;
 use sim_backend::team::Team;
 
 use super::context::Context;
 use super::spec::{Defaults, MAX_BEAMS, MAX_ROBOTS, RobotBlock, StartJitter, Teams};
-use super::text::{Code, FieldPath, Node, Value};
 
 /// A robot as read, before its start is drawn.
 pub struct Robot {

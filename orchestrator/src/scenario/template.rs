@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
+use config::{Code, Diagnostic, Diagnostics};
 use sim_backend::map::{MapSpec, WorldMap};
 
 use super::jitter::{self, MAX_DRAWS, Placement};
 use super::resolved::ResolvedScenario;
-use super::text::{Code, Diagnostic, Diagnostics};
 
 /// Everything that the runs of a scenario with different seeds have in common. To give it a seed
 /// costs far less than to resolve the scenario again, and comes to the same.

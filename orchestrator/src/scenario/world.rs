@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use config::{Code, FieldPath, Node, SourceKind, nearest, parse_document};
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 use sim_backend::map::{MapSpec, RosMap, UnknownCells, VectorMap, VectorMapError};
@@ -12,7 +13,6 @@ use super::builtin;
 use super::context::Context;
 use super::files::{Base, Found, Refused, read_text};
 use super::spec::MAX_CELLS;
-use super::text::{Code, FieldPath, Node, SourceKind, nearest, parse_document};
 
 /// Largest vector map that is read [bytes].
 const MAX_MAP_FILE: u64 = 64 << 20;

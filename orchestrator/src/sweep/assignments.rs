@@ -1,7 +1,8 @@
 //! `set = { … }`: what a case or a level of a parameter changes of the scenario.
 
+use config::{FieldPath, Node, Value, write_value};
+
 use super::reader::Reader;
-use crate::scenario::text::{FieldPath, Node, Value, write_value};
 
 /// One override of the scenario.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,7 +36,7 @@ pub(super) fn read(reader: &mut Reader, path: &FieldPath, node: &Node) -> Vec<As
 }
 
 fn flatten(reader: &Reader, prefix: &str, node: &Node, found: &mut Vec<Assignment>) {
-    let whole = |table: &crate::scenario::text::Table| {
+    let whole = |table: &config::Table| {
         table.entries.is_empty() || table.get("kind").is_some() || table.get("command").is_some()
     };
     match &node.value {

@@ -1,5 +1,7 @@
 //! From cases and parameters to the scenarios of the cells, each checked.
 
+use config::{Code, Diagnostic, Diagnostics, FieldPath, Step};
+
 use super::assignments::Assignment;
 use super::cases::CaseDraft;
 use super::cell::{Cell, Value};
@@ -8,7 +10,6 @@ use super::grid::Written;
 use super::mission::Mission;
 use super::parameters::{Parameter, ScaleError};
 use super::reader::Reader;
-use crate::scenario::text::{Code, Diagnostic, Diagnostics, FieldPath, Step};
 use crate::scenario::{Draft, Grounds, ResolvedScenario, spec};
 
 /// A change of the scenario that has been made, and by whom.

@@ -2,13 +2,14 @@
 
 use std::path::Path;
 
+use config::{Code, FieldPath};
+
 use super::assignments::{self, Assignment};
 use super::experiment::{Case, LoadOptions};
 use super::parts::check_name;
 use super::reader::Reader;
 use super::spec::CaseSpec;
 use super::subject::Subject;
-use crate::scenario::text::{Code, FieldPath};
 
 /// A case as it is read.
 pub(super) struct CaseDraft<D> {

@@ -1,8 +1,7 @@
 //! One combination of case and parameters.
 
+use config::{Node, Value as TomlValue, render_float};
 use serde::{Deserialize, Serialize};
-
-use crate::scenario::text::{Node, Value as TomlValue, render_float};
 
 /// Value of a parameter.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

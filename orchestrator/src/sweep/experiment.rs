@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use config::{Code, Diagnostic, Diagnostics, FieldPath, Node};
+
 use super::cases::read_cases;
 use super::cell::Cell;
 use super::mission::Mission;
@@ -13,7 +15,6 @@ use super::spec::{FigureSpec, MAX_CELLS, MAX_MISSIONS, RunSpec, TopLevel};
 use super::subject::Subject;
 use super::{grid, parameters};
 use crate::scenario::files::read_text;
-use crate::scenario::text::{Code, Diagnostic, Diagnostics, FieldPath, Node};
 
 /// Largest experiment file that is read [bytes].
 pub(super) const MAX_FILE: u64 = 1 << 20;

@@ -1,10 +1,11 @@
 //! `[grid]`: the values of the parameters, all combinations of which are run.
 
+use config::{Code, FieldPath, Node, list_choices, nearest};
+
 use super::cell::Value;
 use super::parameters::Parameter;
 use super::reader::Reader;
 use super::spec::MAX_CELLS;
-use crate::scenario::text::{Code, FieldPath, Node, list_choices, nearest};
 
 /// A value where it is written.
 #[derive(Debug, Clone)]

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use config::{Code, Diagnostics, FieldPath, Node, list_choices, nearest};
+
 use super::build::build;
 use super::cases::CaseDraft;
 use super::cell::Cell;
@@ -13,7 +15,6 @@ use super::reader::Reader;
 use super::row::Row;
 use super::subject::{Ended, Pinning, Subject};
 use crate::scenario::files::{Base, Found};
-use crate::scenario::text::{Code, Diagnostics, FieldPath, Node, list_choices, nearest};
 use crate::scenario::{Draft, Loader, ResolvedScenario, Template, builtin};
 
 /// The prefix of a built-in scenario.

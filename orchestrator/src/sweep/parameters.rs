@@ -1,13 +1,14 @@
 //! `[parameters.NAME]`: the columns of an experiment and what they change of the scenario.
 
+use config::{Code, FieldPath, Node, Value as TomlValue, list_choices, nearest};
+use config::{render_float, write_value};
+
 use super::assignments::{self, Assignment};
 use super::cell::Value;
 use super::reader::Reader;
 use super::spec::ParameterSpec;
 use super::table::is_taken;
 use crate::scenario::Draft;
-use crate::scenario::text::{Code, FieldPath, Node, Value as TomlValue, list_choices, nearest};
-use crate::scenario::text::{render_float, write_value};
 
 /// A parameter that is varied.
 #[derive(Debug, Clone)]

@@ -1,11 +1,12 @@
 //! The smaller parts of an experiment file: names, seeds, `[run]`, `[[figures]]`.
 
+use config::{Code, FieldPath, list_choices, nearest};
+
 use super::experiment::LoadOptions;
 use super::parameters::Parameter;
 use super::reader::Reader;
 use super::seeds::Seeds;
 use super::spec::{FigureSpec, MAX_MISSIONS, RunSpec, SeedsSpec};
-use crate::scenario::text::{Code, FieldPath, list_choices, nearest};
 
 /// A name becomes a directory, and part of file names.
 pub(super) fn check_name(reader: &mut Reader, path: &FieldPath, name: &str) {

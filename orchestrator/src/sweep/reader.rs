@@ -1,11 +1,10 @@
 //! An experiment's text, and somewhere to complain.
 
-use serde::de::DeserializeOwned;
-
-use crate::scenario::text::{
+use config::{
     Code, Diagnostic, Diagnostics, FieldPath, Node, SourceKind, Sources, parse_document,
     problem_at, read,
 };
+use serde::de::DeserializeOwned;
 
 /// The text being read.
 pub(super) struct Reader {

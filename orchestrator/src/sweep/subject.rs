@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use config::{FieldPath, Node};
+
 use super::cases::CaseDraft;
 use super::cell::Cell;
 use super::engine::Call;
@@ -10,7 +12,6 @@ use super::grid::Written;
 use super::parameters::Parameter;
 use super::reader::Reader;
 use super::row::Record;
-use crate::scenario::text::{FieldPath, Node};
 
 /// A mission that has ended.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,6 +1,5 @@
 //! The receiving side of a link.
 
-use platform::eprintln;
 use std::fs::File;
 use std::io::Read;
 use std::os::unix::net::UnixStream;
@@ -16,6 +15,7 @@ use iceoryx2::prelude::{Node, ipc};
 use ipc_types::bus::{Bus, Subscriber};
 use ipc_types::clock::monotonic_ns;
 use ipc_types::topics::Scan;
+use platform::eprintln;
 
 use super::transport::{
     FRAME, RawHeader, pipe_path, raw_event, raw_node, raw_service, socket_path,

@@ -1,7 +1,8 @@
 //! A replay, shown live to viewers as a run is.
 
-use platform::eprintln;
 use std::collections::BTreeMap;
+
+use platform::eprintln;
 
 use super::super::source::{Logged, Source};
 use crate::live::{HubTap, LiveError, LiveServer, LiveTotals};

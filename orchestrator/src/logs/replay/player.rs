@@ -1,6 +1,5 @@
 //! Plays a log.
 
-use platform::eprintln;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -10,6 +9,7 @@ use ipc_types::bus::{Publisher, PublisherOptions};
 use ipc_types::messages::process::RunControl;
 use ipc_types::stamp::PlainHeader;
 use ipc_types::topics::{Control, NAMES, Topic as _};
+use platform::eprintln;
 use runtime::config::{Clock, ProcessConfig};
 use runtime::lockstep::{Conductor, Overseer, Phase};
 

@@ -1,9 +1,9 @@
 //! Which obstacles stand, as the events go by.
 
+use config::{Code, list_choices, nearest};
 use sim_backend::map::MapSpec;
 
 use super::{Action, EventSpec, Moment};
-use crate::scenario::text::{Code, list_choices, nearest};
 
 /// How the order of events comes about that nobody knows the times of.
 const IN_TURN: &str =

@@ -8,6 +8,8 @@ pub use moment::{Moment, Trigger};
 
 use std::collections::BTreeSet;
 
+use config::{Code, Diagnostic, FieldPath, Node};
+use history::History;
 use serde::{Deserialize, Serialize};
 use sim_backend::map::{MapSpec, ObstacleChange, ObstacleId};
 use sim_backend::shape::Shape;
@@ -15,8 +17,6 @@ use sim_backend::shape::Shape;
 use super::context::Context;
 use super::robots::Robot;
 use super::spec::MAX_EVENTS;
-use super::text::{Code, Diagnostic, FieldPath, Node};
-use history::History;
 
 /// Most corners of a polygon that appears during a run (its message has a fixed size).
 pub const MAX_EVENT_VERTICES: usize = 16;

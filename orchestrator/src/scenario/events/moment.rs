@@ -1,5 +1,6 @@
 //! When an event happens: at a time, or when a robot has come so far.
 
+use config::{Code, FieldPath, Node, list_choices, nearest};
 use serde::{Deserialize, Serialize};
 use sim_backend::map::MapSpec;
 use sim_backend::math;
@@ -7,7 +8,6 @@ use sim_backend::spec::Condition;
 
 use crate::scenario::context::Context;
 use crate::scenario::robots::Robot;
-use crate::scenario::text::{Code, FieldPath, Node, list_choices, nearest};
 
 /// Latest time and longest delay [s].
 const MAX_TIME_S: f64 = 1e9;

@@ -1,5 +1,6 @@
 //! One `[[events]]` block by itself.
 
+use config::{Code, FieldPath, Node};
 use serde::Deserialize;
 use sim_backend::map::MapSpec;
 use sim_backend::shape::Shape;
@@ -8,7 +9,6 @@ use super::moment::{self, WhenBlock};
 use super::{Action, EventSpec, MAX_EVENT_VERTICES};
 use crate::scenario::context::Context;
 use crate::scenario::robots::Robot;
-use crate::scenario::text::{Code, FieldPath, Node};
 use crate::scenario::world::shape_problem;
 
 #[derive(Deserialize)]

@@ -1,8 +1,8 @@
 //! `--set` and what it does.
 
+use config::parse_document;
 use proptest::prelude::*;
 
-use super::super::text::parse_document;
 use super::*;
 
 const TEXT: &str = "

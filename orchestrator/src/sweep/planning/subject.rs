@@ -3,11 +3,12 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
+use config::{Code, Diagnostic, FieldPath, Node};
+
 use super::row::PlanRow;
 use super::task::{Draft, Task};
 use crate::planning::solve;
 use crate::scenario::files::read_text;
-use crate::scenario::text::{Code, Diagnostic, FieldPath, Node};
 use crate::sweep::assignments::{self, Assignment};
 use crate::sweep::build::describe;
 use crate::sweep::cases::CaseDraft;

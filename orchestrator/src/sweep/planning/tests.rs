@@ -3,8 +3,9 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
+use config::Diagnostics;
+
 use super::*;
-use crate::scenario::text::Diagnostics;
 use crate::sweep::merge::merge;
 use crate::sweep::runner::{RunOptions, run};
 use crate::sweep::shard::Shard;

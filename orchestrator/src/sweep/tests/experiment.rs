@@ -1,9 +1,10 @@
 //! What a good experiment file means.
 
+use sim_backend::team::Team;
+
 use super::super::{Manifest, Metric, Seeds, Value};
 use super::*;
 use crate::scenario::Program;
-use sim_backend::team::Team;
 
 #[test]
 fn cells_are_all_combinations_case_by_case() {

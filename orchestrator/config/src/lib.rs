@@ -4,6 +4,9 @@
 //! into typed values by a `serde` deserializer that reports *where* it failed ([`read`]), and
 //! problems are collected in [`Diagnostics`].
 
+#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
 mod deserialize;
 mod diagnostic;
 mod node;
