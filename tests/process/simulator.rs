@@ -216,7 +216,7 @@ fn the_simulator_applies_obstacles_at_their_tick_and_refuses_impossible_ones() {
     let maps = rig.subscriber::<WorldMap>();
     let drivers = Drivers::take_off(rig);
     obstacles.update_connections().unwrap();
-    let sound = drivers.rig.plan.replays[0].event;
+    let sound = drivers.rig.plan.obstacle_changes[0].event;
     let send = |tick: u64, event: ObstacleEvent| {
         let mut header = PlainHeader::default();
         header.stamp.tick = tick;

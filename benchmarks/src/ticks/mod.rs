@@ -20,7 +20,7 @@ use ipc_types::topics::{Commands, Status, WorldState};
 use orchestrator::latency::link::pin;
 use orchestrator::mission::child_process::Executable;
 use orchestrator::mission::process_group::ProcessGroup;
-use orchestrator::mission::spaces::OwnedSpace;
+use orchestrator::mission::run_directory::RunDirectory;
 use runtime::config::{Clock, ProcessConfig, RobotInfo, RunConfig};
 use runtime::inputs::{StateInput, reply_stamp};
 use runtime::lockstep::{Conductor, Overseer, Phase, SlotState, TurnEnd, TurnPage};
@@ -157,7 +157,7 @@ fn rate(time: Duration, mut call: impl FnMut() -> Result<()>) -> Result<f64> {
 
 /// Starts a planner of this kind for every configuration.
 fn start_planners(
-    space: &OwnedSpace,
+    space: &RunDirectory,
     kind: &str,
     configs: &[impl Serialize],
 ) -> Result<ProcessGroup> {
@@ -181,12 +181,12 @@ struct RuntimeExchange {
     tick: u64,
     _services: Vec<TopicHolder>,
     _bus: Bus,
-    _space: OwnedSpace,
+    _space: RunDirectory,
 }
 
 impl RuntimeExchange {
     fn start() -> Result<Self> {
-        let space = OwnedSpace::create()?;
+        let space = RunDirectory::create()?;
         let run = run_config(space.space().root(), space.space().prefix());
         let bus = Bus::join(space.space(), run.bus_options(), "bench")?;
         let services = vec![
@@ -365,12 +365,12 @@ struct RawExchange {
     // Ended before the ports of the conductor close.
     planners: ProcessGroup,
     conductor: RawConductor,
-    _space: OwnedSpace,
+    _space: RunDirectory,
 }
 
 impl RawExchange {
     fn start() -> Result<Self> {
-        let space = OwnedSpace::create()?;
+        let space = RunDirectory::create()?;
         let conductor = RawConductor::create(space.space())?;
         let configs: Vec<_> = (0..PLANNERS as u32)
             .map(|index| RawConfig {

@@ -8,7 +8,7 @@ use serde_json::Value as Json;
 use super::mission::{self, Baseline, Ended, Mission};
 use super::{ChaosError, FaultKind, Outcome};
 use crate::logs::{self, Watch};
-use crate::mission::report::exit_words;
+use crate::mission::child_process::exit_words;
 use crate::scenario::ResolvedScenario;
 use crate::scenario::spec::Mode;
 

@@ -16,7 +16,7 @@ use tempfile::TempDir;
 
 use super::{ChaosError, FaultKind, Outcome};
 use crate::mission::child_process::CONFIG_VARIABLE;
-use crate::mission::report::exit_words;
+use crate::mission::child_process::exit_words;
 use crate::scenario::ResolvedScenario;
 use crate::scenario::spec::Mode;
 

@@ -6,11 +6,11 @@ use platform::eprintln;
 use serde_json::json;
 
 use super::{EXIT_FAILED, print, print_json};
-use crate::mission::spaces::{self, Found};
+use crate::mission::run_directory::{self, Found};
 
 /// Removes what dead runs have left and says what that was.
 pub fn clean(as_json: bool) -> ExitCode {
-    let found = match spaces::clean() {
+    let found = match run_directory::clean() {
         Ok(found) => found,
         Err(error) => {
             eprintln!("error: {error}");

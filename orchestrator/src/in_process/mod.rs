@@ -102,7 +102,7 @@ fn fly(
         bus.publisher(PublisherOptions::new(plan.orchestrator_index(), 1))?;
     let mut crew = Crew::open(&plan, &bus)?;
     crew.connect()?;
-    plan.send_replays(&obstacles)?;
+    plan.send_obstacle_changes(&obstacles)?;
     crew.prepare()?;
 
     let mut show = options.show.then(|| Show::new(scenario, &plan));

@@ -1,7 +1,7 @@
 //! One process of a run: started, watched, killed.
 
 use std::os::fd::{AsFd as _, BorrowedFd, OwnedFd};
-use std::os::unix::process::CommandExt as _;
+use std::os::unix::process::{CommandExt as _, ExitStatusExt as _};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::mpsc::SyncSender;
@@ -208,6 +208,15 @@ impl RunningProcess {
             return;
         }
         let _ = rustix::process::pidfd_send_signal(&self.pidfd, signal);
+    }
+}
+
+/// How a process ended, in words.
+pub fn exit_words(status: ExitStatus) -> String {
+    match (status.code(), status.signal()) {
+        (Some(code), _) => format!("ended with exit code {code}"),
+        (None, Some(signal)) => format!("was ended by signal {signal}"),
+        (None, None) => "ended".into(),
     }
 }
 

@@ -3,18 +3,17 @@
 //! Nothing here waits, asks the system or reads a clock: [`super::supervisor`] brings the events and takes the
 //! actions.
 
-mod look;
 mod process;
 #[cfg(test)]
 mod tests;
+mod timeouts;
 
 use std::time::{Duration, Instant};
 
 use ipc_types::messages::process::ProcessEvent;
 
-pub(super) use self::look::Seen;
 use self::process::{Process, Standing};
-use super::failure::Failure;
+pub(super) use self::timeouts::Seen;
 use super::plan::Launch;
 use crate::scenario::OnFailure;
 
@@ -38,6 +37,30 @@ pub(super) enum Event {
     NotStarted(String),
     /// It was started again and takes part.
     Back,
+}
+
+/// A failure of a process.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum Failure {
+    /// It ended; how, in words.
+    Exited(String),
+    /// It did not answer for this long.
+    Hung(Duration),
+    /// It was not ready within this time.
+    NotReady(Duration),
+    /// It could not be started again; why, in words.
+    NotStarted(String),
+}
+
+impl Failure {
+    /// What happened to the process, as what follows its name.
+    pub(super) fn words(&self) -> String {
+        match self {
+            Self::Exited(how) | Self::NotStarted(how) => how.clone(),
+            Self::Hung(waited) => format!("did not answer for {waited:?} and was killed"),
+            Self::NotReady(waited) => format!("was not ready within {waited:?} and was killed"),
+        }
+    }
 }
 
 /// The time at which an event is decided about.

@@ -7,8 +7,8 @@ use runtime::lockstep::PageError;
 
 use super::child_process::ChildError;
 use super::plan::PlanError;
-use super::room::NoRoom;
-use super::spaces::SpaceError;
+use super::run_directory::RunDirectoryError;
+use super::shm_usage::ShmFull;
 use crate::in_process::InProcessError;
 use crate::live::LiveError;
 use crate::recorder::{LogError, RecorderError};
@@ -18,10 +18,10 @@ use crate::recorder::{LogError, RecorderError};
 pub enum MissionError {
     /// The run's directory cannot be had.
     #[error("run directory: {0}")]
-    Space(#[from] SpaceError),
+    Space(#[from] RunDirectoryError),
     /// The processes have no room for what they say.
     #[error(transparent)]
-    Room(#[from] NoRoom),
+    Room(#[from] ShmFull),
     /// The scenario cannot be launched.
     #[error(transparent)]
     Plan(#[from] PlanError),

@@ -1,28 +1,33 @@
-//! One run, from the resolved scenario to the summary: processes started, supervised, recorded,
-//! ended, and nothing left behind.
+//! One run, from the resolved scenario to the summary: processes are started, supervised, recorded and ended, and
+//! nothing is left behind.
+//!
+//! * [`plan`], `obstacle_schedule`: what every process is told;
+//! * [`run_directory`], `resources`, `shm_usage`, `orphans`: what a run uses, and what is found of others;
+//! * [`child_process`], `stderr_lines`, [`process_group`], `external_bridge`: processes and their turns;
+//! * `decide`, `supervisor`, `process_log`: what happens to them, and what is done about it;
+//! * `recording`, `recorder_thread`, `progress`, [`report`]: log, display and summary;
+//! * `run`: all of it.
 
-pub(crate) mod bridge;
-mod changes;
 pub mod child_process;
-mod chronicle;
 mod decide;
 mod error;
-mod failure;
-mod gate;
-mod log_path;
+mod external_bridge;
+mod obstacle_schedule;
 mod orphans;
 pub mod plan;
 pub mod process_group;
+mod process_log;
 pub(crate) mod progress;
+mod recorder_thread;
 pub(crate) mod recording;
 pub mod report;
 pub(crate) mod resources;
-pub(crate) mod room;
 mod run;
-pub mod spaces;
+pub mod run_directory;
+mod shm_usage;
 mod stderr_lines;
 pub(crate) mod supervisor;
 
 pub use error::MissionError;
-pub use room::NoRoom;
 pub use run::{MissionOptions, MissionReport, run};
+pub use shm_usage::ShmFull;

@@ -12,10 +12,10 @@ use serde_json::Value as Json;
 use sim_backend::map::{ObstacleChange, WorldMap};
 use simulator::SimulatorParams;
 
-pub use super::changes::Replay;
+pub use super::obstacle_schedule::ScheduledChange;
 
-use super::changes;
 use super::child_process::Executable;
+use super::obstacle_schedule;
 use crate::scenario::kinds::{KINDS, Need, Product, find};
 use crate::scenario::spec::{self, Mode};
 use crate::scenario::{Program, ResolvedScenario, Supervision};
@@ -64,7 +64,7 @@ pub struct Plan {
     pub launches: Vec<Launch>,
     /// The obstacle changes whose ticks are known, by tick; the others are on the simulator's
     /// agenda.
-    pub replays: Vec<Replay>,
+    pub obstacle_changes: Vec<ScheduledChange>,
     /// The obstacles that stand from the beginning, for viewers.
     pub standing: Vec<ObstacleEvent>,
 }
@@ -138,7 +138,7 @@ impl Plan {
             capture_radius: scenario.world.rules.capture.map_or(0.0, |c| c.radius),
             log_level: log_level.to_owned(),
         };
-        let replays = changes::replays(&scenario.events, tick_period_ns)?;
+        let obstacle_changes = obstacle_schedule::scheduled(&scenario.events, tick_period_ns)?;
         // A standing polygon with more corners than a message holds is drawn by the map alone.
         let standing = map
             .obstacles()
@@ -155,7 +155,7 @@ impl Plan {
         Ok(Self {
             run,
             launches,
-            replays,
+            obstacle_changes,
             standing,
         })
     }
@@ -164,15 +164,15 @@ impl Plan {
     ///
     /// # Errors
     /// [`SendError`] if the bus refuses.
-    pub(crate) fn send_replays(
+    pub(crate) fn send_obstacle_changes(
         &self,
         obstacles: &Publisher<ObstacleEvents>,
     ) -> Result<(), SendError> {
-        for replay in &self.replays {
+        for change in &self.obstacle_changes {
             let mut header = PlainHeader::default();
-            header.stamp.tick = replay.tick;
-            header.stamp.time_ns = replay.tick * self.run.tick_period_ns;
-            obstacles.send(header, &[replay.event])?;
+            header.stamp.tick = change.tick;
+            header.stamp.time_ns = change.tick * self.run.tick_period_ns;
+            obstacles.send(header, &[change.event])?;
         }
         Ok(())
     }
@@ -268,7 +268,7 @@ fn launches(scenario: &ResolvedScenario, run: &RunConfig) -> Result<Vec<Launch>,
         world: scenario.world.clone(),
         blur_sigma: scenario.blur_sigma,
         drivers,
-        agenda: changes::agenda(&scenario.events, run.tick_period_ns)?,
+        agenda: obstacle_schedule::agenda(&scenario.events, run.tick_period_ns)?,
     };
     let mut launches = vec![Launch {
         executable: Executable::Kind("simulator".into()),

@@ -1,29 +1,23 @@
-//! The log of a run and the thread that writes it.
+//! The recording of a run: its log, and what stands at its head.
 
 use std::collections::BTreeMap;
-use std::os::fd::OwnedFd;
-use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, mpsc};
-use std::thread::JoinHandle;
-
-use ipc_types::bus::Bus;
-use runtime::lockstep::Overseer;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use super::error::MissionError;
-use super::gate::{Calls, PageGate};
 use super::plan::Plan;
-use super::progress::EventPrinter;
-use super::resources::RunResources;
+use super::report;
 use super::run::MissionOptions;
-use super::{log_path, report};
 use crate::eyes;
 use crate::recorder::{
     Beginnings, Compression, LogError, LogOptions, Manifest, ManifestFile, Mirror, ProcessInfo,
-    Recorder, RecorderError, RecorderOptions, Recording, RobotInfo, Summary, ViewerOptions,
+    RecorderOptions, Recording, RobotInfo, ViewerOptions,
 };
 use crate::scenario::ResolvedScenario;
 use crate::scenario::spec;
+
+/// Directory of logs without a name of their own.
+const DIRECTORY: &str = "logs";
 
 /// Begins to record a run, into a log if one is wanted.
 ///
@@ -58,7 +52,7 @@ fn create_log(
     loop {
         recorder.path = match &options.out {
             Some(path) => path.clone(),
-            None => log_path::free_path(&scenario.name, scenario.run.seed).map_err(|source| {
+            None => free_path(&scenario.name, scenario.run.seed).map_err(|source| {
                 MissionError::System {
                     what: "cannot make the directory logs".into(),
                     source,
@@ -71,6 +65,26 @@ fn create_log(
             result => return Ok(result?),
         }
     }
+}
+
+/// A path in `logs/` that nothing has yet: `<scenario>-<seed>.mcap`, or with a number behind.
+///
+/// Two runs may choose the same name at the same moment; the recorder creates the file exclusively
+/// and the loser asks again.
+fn free_path(scenario: &str, seed: u64) -> std::io::Result<PathBuf> {
+    std::fs::create_dir_all(DIRECTORY)?;
+    let stem = format!("{scenario}-{seed}");
+    (1..1_000_000_u32)
+        .map(|n| {
+            let name = if n == 1 {
+                format!("{stem}.mcap")
+            } else {
+                format!("{stem}-{n}.mcap")
+            };
+            Path::new(DIRECTORY).join(name)
+        })
+        .find(|path| !path.exists())
+        .ok_or_else(|| std::io::ErrorKind::AlreadyExists.into())
 }
 
 fn recorder_options(
@@ -172,101 +186,4 @@ pub(crate) fn robots(plan: &Plan) -> Vec<RobotInfo> {
 
 fn names<'a>(names: impl Iterator<Item = &'a str>) -> String {
     names.collect::<Vec<_>>().join(",")
-}
-
-/// The recorder and its thread.
-pub(super) struct RecorderThread {
-    thread: JoinHandle<Result<Summary, RecorderError>>,
-    connect: mpsc::Sender<()>,
-    connected: mpsc::Receiver<()>,
-    /// Set once nobody sends any more.
-    ended: Arc<AtomicBool>,
-    /// Readable when the thread has ended.
-    pub(super) wake: OwnedFd,
-}
-
-impl RecorderThread {
-    /// Starts the thread, which answers `calls`; returns once its subscriptions stand.
-    ///
-    /// # Errors
-    /// [`MissionError`] if the system refuses.
-    pub(super) fn start(
-        resources: &RunResources,
-        calls: Arc<Calls>,
-        recording: Recording,
-        mut printer: EventPrinter,
-    ) -> Result<Self, MissionError> {
-        let run = &resources.plan.run;
-        let system = |what: &str| {
-            let what = what.to_owned();
-            move |source: std::io::Error| MissionError::System { what, source }
-        };
-        let (wake, ended_end) = rustix::pipe::pipe_with(rustix::pipe::PipeFlags::CLOEXEC)
-            .map_err(|e| system("cannot make a pipe")(e.into()))?;
-        let (connect, do_connect) = mpsc::channel();
-        let (tell, connected) = mpsc::channel();
-        let ended = Arc::new(AtomicBool::new(false));
-        let gate = PageGate::new(
-            Overseer::new(Arc::clone(&resources.page)),
-            run.clock,
-            Arc::clone(&ended),
-            Arc::clone(&calls),
-        );
-        let (space, bus_options) = (run.space()?, run.bus_options());
-        let thread = std::thread::Builder::new()
-            .name("recorder".into())
-            .spawn(move || {
-                // Closed when the thread ends, however it ends: that wakes the supervisor.
-                let _wake = ended_end;
-                // The ports of the bus belong to the thread that opened them.
-                let bus =
-                    Bus::join(&space, bus_options, "recorder").map_err(RecorderError::Subscribe)?;
-                let recorder = Recorder::open(&bus, recording)?;
-                let _ = tell.send(());
-                // Both channels end when the run ends before it began.
-                if do_connect.recv().is_ok() {
-                    recorder.update_connections()?;
-                }
-                let _ = tell.send(());
-                calls.open(true);
-                let recorded = recorder.run(&gate, &mut printer);
-                calls.open(false);
-                recorded
-            })
-            .map_err(system("cannot start the recorder's thread"))?;
-        let recorder = Self {
-            thread,
-            connect,
-            connected,
-            ended,
-            wake,
-        };
-        // Its subscriptions must stand before anybody sends.
-        let _ = recorder.connected.recv();
-        Ok(recorder)
-    }
-
-    /// Whether the thread has ended; why is in its result.
-    pub(super) fn is_finished(&self) -> bool {
-        self.thread.is_finished()
-    }
-
-    /// Connects to all publishers, which exist by now.
-    pub(super) fn connect(&self) {
-        let _ = self.connect.send(());
-        let _ = self.connected.recv();
-    }
-
-    /// Says that nobody sends any more, and waits for the summary.
-    ///
-    /// # Errors
-    /// What the recorder failed with.
-    pub(super) fn finish(self) -> Result<Summary, MissionError> {
-        self.ended.store(true, Ordering::SeqCst);
-        drop(self.connect);
-        match self.thread.join() {
-            Ok(result) => Ok(result?),
-            Err(_) => Err(MissionError::RecorderLost),
-        }
-    }
 }

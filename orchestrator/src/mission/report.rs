@@ -1,7 +1,5 @@
 //! A run's outcome for people (a table) and for programs (JSON, design §10).
 
-use std::process::ExitStatus;
-
 use comfy_table::Table;
 use serde_json::{Value as Json, json};
 use tables::for_terminal;
@@ -38,16 +36,6 @@ pub fn machine() -> String {
         uname.release().to_string_lossy(),
         uname.machine().to_string_lossy(),
     )
-}
-
-/// How a process ended, in words.
-pub fn exit_words(status: ExitStatus) -> String {
-    use std::os::unix::process::ExitStatusExt as _;
-    match (status.code(), status.signal()) {
-        (Some(code), _) => format!("ended with exit code {code}"),
-        (None, Some(signal)) => format!("was ended by signal {signal}"),
-        (None, None) => "ended".into(),
-    }
 }
 
 /// The one JSON object of `protean run --json`.

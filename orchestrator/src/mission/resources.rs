@@ -11,8 +11,8 @@ use runtime::lockstep::TurnPage;
 
 use super::error::MissionError;
 use super::plan::Plan;
-use super::room;
-use super::spaces::{self, OwnedSpace};
+use super::run_directory::{self, RunDirectory};
+use super::shm_usage;
 use crate::scenario::ResolvedScenario;
 
 /// The shared resources of a run; they are removed when this is dropped.
@@ -24,7 +24,7 @@ pub(crate) struct RunResources {
     pub(crate) page: Arc<TurnPage>,
     topics: Vec<TopicHolder>,
     // Last: nothing of the run may be in use when it is wiped.
-    directory: OwnedSpace,
+    directory: RunDirectory,
 }
 
 impl RunResources {
@@ -39,9 +39,9 @@ impl RunResources {
     ) -> Result<Self, MissionError> {
         // What a killed orchestrator left behind goes now; a failure to do so concerns this run only
         // if it cannot have a directory of its own, which is said below.
-        let _ = spaces::clean();
-        room::check_start()?;
-        let directory = OwnedSpace::create()?;
+        let _ = run_directory::clean();
+        shm_usage::check_start()?;
+        let directory = RunDirectory::create()?;
         let space = directory.space();
         let plan = Plan::new(scenario, space.root(), space.prefix(), log_level)?;
         let bus = Bus::join(space, bus(plan.run.bus_options()), "orchestrator")?;

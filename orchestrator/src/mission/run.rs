@@ -14,12 +14,13 @@ use platform::eprintln;
 use runtime::config::Clock;
 
 use super::error::MissionError;
-use super::gate::Calls;
+use super::process_log::ProcessEventLog;
 use super::progress::Progress;
-use super::recording::{self, RecorderThread};
+use super::recorder_thread::{DrainRequests, RecorderThread};
+use super::recording;
 use super::resources::RunResources;
-use super::room;
-use super::supervisor::{SupervisionLog, Supervisor};
+use super::shm_usage;
+use super::supervisor::Supervisor;
 use crate::live::{LiveServer, LiveTotals};
 use crate::recorder::Summary;
 use crate::scenario::ResolvedScenario;
@@ -95,13 +96,13 @@ pub fn run(
     let robots = scenario.world.robots.iter().map(|r| r.name.clone());
     let printer = progress.events(robots.collect(), options.quiet);
 
-    let calls = Arc::<Calls>::default();
+    let requests = Arc::<DrainRequests>::default();
     let hang_timeout = hang_timeout(scenario, options.pace);
     let launches = &resources.plan.launches;
-    let log = SupervisionLog::open(&resources, Arc::clone(&calls))?;
+    let log = ProcessEventLog::open(&resources, Arc::clone(&requests))?;
     let mut supervisor =
         Supervisor::new(&resources, launches, hang_timeout, !options.quiet)?.with_log(log);
-    let recorder = RecorderThread::start(&resources, calls, recording, printer)?;
+    let recorder = RecorderThread::start(&resources, requests, recording, printer)?;
     let mut active = ActiveRun {
         resources: &resources,
         interrupted: &options.interrupted,
@@ -177,7 +178,7 @@ impl ActiveRun<'_> {
         control.update_connections()?;
         obstacles.update_connections()?;
         self.recorder.connect();
-        plan.send_replays(&obstacles)?;
+        plan.send_obstacle_changes(&obstacles)?;
         if !supervisor.prepare(self.interrupted)? {
             return Ok(Ended::Interrupted);
         }
@@ -212,7 +213,7 @@ impl ActiveRun<'_> {
                 return Ok(Ended::Over);
             }
             // First: a process that has died of it is not to blame.
-            room::check()?;
+            shm_usage::check()?;
             supervisor.attend()?;
             if self.interrupted.load(Ordering::SeqCst) {
                 return Ok(Ended::Interrupted);

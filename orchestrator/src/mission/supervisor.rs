@@ -10,17 +10,15 @@ use ipc_types::messages::process::ProcessEvent;
 use runtime::config::Clock;
 use runtime::lockstep::{Overseer, Phase, SlotState};
 
-use super::bridge::Bridge;
 use super::child_process::{ChildError, RunningProcess};
-use super::chronicle::Chronicle;
-use super::decide::{Action, Event, Moment, Seen, State};
+use super::decide::{Action, Event, Failure, Moment, Seen, State};
 use super::error::MissionError;
-use super::failure::Failure;
-use super::gate::Calls;
+use super::external_bridge::ExternalBridge;
 use super::plan::Launch;
 use super::process_group::{ProcessGroup, config_path, write_config};
+use super::process_log::ProcessEventLog;
 use super::resources::RunResources;
-use super::room;
+use super::shm_usage;
 
 /// Time between two looks while a process is awaited, at the start or after a failure. Processes say how far they
 /// are on the page; a few milliseconds are nothing against what starting a process takes.
@@ -33,37 +31,13 @@ pub(crate) struct Supervisor<'a> {
     resources: &'a RunResources,
     launches: &'a [Launch],
     overseer: Overseer,
-    bridge: Option<Bridge>,
+    bridge: Option<ExternalBridge>,
     /// In the order of their launches.
     processes: ProcessGroup,
     state: State,
-    log: Option<SupervisionLog>,
+    log: Option<ProcessEventLog>,
     /// Whether the lines of the processes are shown.
     echo: bool,
-}
-
-/// The log of a run, as supervision uses it.
-pub(super) struct SupervisionLog {
-    chronicle: Chronicle,
-    recorder: Arc<Calls>,
-}
-
-impl SupervisionLog {
-    /// Opens the topics of process events and lines.
-    ///
-    /// # Errors
-    /// [`MissionError`] if they cannot be opened.
-    pub(super) fn open(
-        resources: &RunResources,
-        recorder: Arc<Calls>,
-    ) -> Result<Self, MissionError> {
-        let plan = &resources.plan;
-        let (source, tick_period_ns) = (plan.orchestrator_index(), plan.run.tick_period_ns);
-        Ok(Self {
-            chronicle: Chronicle::open(&resources.bus, source, tick_period_ns)?,
-            recorder,
-        })
-    }
 }
 
 impl<'a> Supervisor<'a> {
@@ -88,7 +62,11 @@ impl<'a> Supervisor<'a> {
             resources,
             launches,
             overseer,
-            bridge: Some(Bridge::start(launches, &resources.bus, &resources.page)?),
+            bridge: Some(ExternalBridge::start(
+                launches,
+                &resources.bus,
+                &resources.page,
+            )?),
             processes: ProcessGroup::default(),
             state: State::new(launches, in_lock_step, hang_timeout),
             log: None,
@@ -97,7 +75,7 @@ impl<'a> Supervisor<'a> {
     }
 
     /// Has what happens to the processes and what they write go to the log.
-    pub(super) fn with_log(mut self, log: SupervisionLog) -> Self {
+    pub(super) fn with_log(mut self, log: ProcessEventLog) -> Self {
         self.log = Some(log);
         self
     }
@@ -108,7 +86,7 @@ impl<'a> Supervisor<'a> {
     /// [`MissionError`] names the process that cannot be started.
     pub(crate) fn start(&mut self, interrupted: &AtomicBool) -> Result<bool, MissionError> {
         for (index, launch) in self.launches.iter().enumerate() {
-            room::check_start()?;
+            shm_usage::check_start()?;
             let config = &launch.config;
             let slot = config.index as usize;
             write_config(self.resources.root(), &config.name, slot, config)?;
@@ -127,7 +105,7 @@ impl<'a> Supervisor<'a> {
             &launch.executable,
             &config_path(self.resources.root(), slot),
             self.echo,
-            self.log.as_ref().map(|log| log.chronicle.ear()),
+            self.log.as_ref().map(|log| log.line_sender()),
         )
     }
 
@@ -139,7 +117,7 @@ impl<'a> Supervisor<'a> {
         self.overseer.set_phase(Phase::Connect);
         let connected = self.reach(SlotState::Connected, interrupted)?;
         if let Some(log) = &self.log {
-            log.chronicle.connect()?;
+            log.connect()?;
         }
         Ok(connected)
     }
@@ -166,7 +144,7 @@ impl<'a> Supervisor<'a> {
         loop {
             let behind = self.behind(wanted);
             // First: a process that has died of it is not to blame.
-            room::check_start()?;
+            shm_usage::check_start()?;
             self.check_ends()?;
             let Some(index) = behind else {
                 return Ok(true);
@@ -208,7 +186,7 @@ impl<'a> Supervisor<'a> {
 
     /// Deals with the processes that have ended, and hands on what all have written.
     fn check_ends(&mut self) -> Result<(), MissionError> {
-        self.hand_on_lines();
+        self.forward_lines();
         for index in 0..self.processes.len() {
             if self.processes[index].check_exit() {
                 self.happened(index, Event::Ended(self.how_it_ended(index)))?;
@@ -274,7 +252,7 @@ impl<'a> Supervisor<'a> {
             Action::Stop => self.overseer.set_phase(Phase::Stop),
             Action::FreeDead => {
                 if let Some(log) = &self.log {
-                    log.recorder.call();
+                    log.drain();
                 }
                 self.resources.bus.clean_up_dead();
             }
@@ -304,7 +282,7 @@ impl<'a> Supervisor<'a> {
         for name in self.processes.end() {
             tracing::warn!("process {name} did not end and was killed");
         }
-        self.hand_on_lines();
+        self.forward_lines();
         if let Some(bridge) = self.bridge.take()
             && let Err(error) = bridge.finish()
         {
@@ -312,9 +290,9 @@ impl<'a> Supervisor<'a> {
         }
     }
 
-    fn hand_on_lines(&self) {
+    fn forward_lines(&self) {
         if let Some(log) = &self.log {
-            log.chronicle.hand_on(self.tick());
+            log.forward_lines(self.tick());
         }
     }
 
@@ -325,7 +303,7 @@ impl<'a> Supervisor<'a> {
 
     fn how_it_ended(&self, index: usize) -> String {
         let exit = self.processes[index].exit;
-        exit.map_or_else(|| "ended".into(), room::exit_words)
+        exit.map_or_else(|| "ended".into(), shm_usage::exit_words)
     }
 
     fn tell(&self, slot: usize, kind: u32, tick: u64, failures: u32, reason: &str) {
@@ -338,7 +316,7 @@ impl<'a> Supervisor<'a> {
             ..ProcessEvent::default()
         };
         event.set_reason(reason);
-        log.chronicle.tell(self.tick(), event);
+        log.publish_event(self.tick(), event);
     }
 
     /// Why the run ends because of a process.

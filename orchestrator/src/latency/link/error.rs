@@ -5,7 +5,7 @@ use std::time::Duration;
 use ipc_types::bus::{BusError, ReceiveError, SendError};
 
 use crate::mission::child_process::ChildError;
-use crate::mission::spaces::SpaceError;
+use crate::mission::run_directory::RunDirectoryError;
 
 /// Why a transport could not be measured.
 #[derive(Debug, thiserror::Error)]
@@ -42,7 +42,7 @@ pub enum LinkError {
     Child(#[from] ChildError),
     /// There is no directory for the measurement.
     #[error(transparent)]
-    Space(#[from] SpaceError),
+    Space(#[from] RunDirectoryError),
     /// The bus cannot be set up.
     #[error(transparent)]
     Bus(#[from] BusError),

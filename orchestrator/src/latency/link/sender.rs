@@ -26,7 +26,7 @@ use super::{
 };
 use crate::mission::child_process::Executable;
 use crate::mission::process_group::{AwaitError, ProcessGroup};
-use crate::mission::spaces::OwnedSpace;
+use crate::mission::run_directory::RunDirectory;
 
 /// Time that the receiver has for each step of its start.
 const READY_WITHIN: Duration = Duration::from_secs(10);
@@ -50,7 +50,7 @@ pub struct Link {
     _holder: TopicHolder,
     _bus: Bus,
     _node: Node<ipc::Service>,
-    _space: OwnedSpace,
+    _space: RunDirectory,
 }
 
 impl Link {
@@ -60,7 +60,7 @@ impl Link {
     /// # Errors
     /// [`LinkError`] names what could not be set up.
     pub fn start(most: usize, placement: Placement) -> Result<Self, LinkError> {
-        let space = OwnedSpace::create()?;
+        let space = RunDirectory::create()?;
         let config = SinkConfig {
             root: space.space().root().to_owned(),
             prefix: space.space().prefix().to_owned(),

@@ -27,7 +27,7 @@ const ATTEMPTS: u32 = 100;
 
 /// Why a run directory cannot be made.
 #[derive(Debug, thiserror::Error)]
-pub enum SpaceError {
+pub enum RunDirectoryError {
     /// The system refuses.
     #[error("{path}: {source}")]
     Io {
@@ -72,9 +72,9 @@ pub enum SpaceError {
     Name(#[from] BusError),
 }
 
-fn io(path: &Path) -> impl FnOnce(std::io::Error) -> SpaceError {
+fn io(path: &Path) -> impl FnOnce(std::io::Error) -> RunDirectoryError {
     let path = path.to_owned();
-    move |source| SpaceError::Io { path, source }
+    move |source| RunDirectoryError::Io { path, source }
 }
 
 /// The directory below which this user's runs live.
@@ -92,7 +92,7 @@ pub(crate) fn base() -> PathBuf {
 }
 
 /// Makes the directory if it is missing.
-fn make_private(path: &Path) -> Result<(), SpaceError> {
+fn make_private(path: &Path) -> Result<(), RunDirectoryError> {
     match DirBuilder::new().mode(0o700).create(path) {
         Err(e) if e.kind() != std::io::ErrorKind::AlreadyExists => Err(io(path)(e)),
         _ => Ok(()),
@@ -100,14 +100,14 @@ fn make_private(path: &Path) -> Result<(), SpaceError> {
 }
 
 /// Makes sure that no other user can look into the runs.
-fn check_owner(path: &Path) -> Result<(), SpaceError> {
+fn check_owner(path: &Path) -> Result<(), RunDirectoryError> {
     let user = rustix::process::getuid().as_raw();
     let found = path.symlink_metadata().map_err(io(path))?;
     let is_open = found.is_dir() && found.mode() & 0o077 != 0;
     if found.uid() == user && !is_open {
         return Ok(());
     }
-    Err(SpaceError::Open {
+    Err(RunDirectoryError::Open {
         path: path.to_owned(),
         owner: found.uid(),
         mode: found.mode() & 0o777,
@@ -117,7 +117,7 @@ fn check_owner(path: &Path) -> Result<(), SpaceError> {
 
 /// In the directory above only this user and the system may rename: it is theirs, and either others
 /// cannot write there or its sticky bit keeps them from what is not theirs.
-fn check_above(path: &Path) -> Result<(), SpaceError> {
+fn check_above(path: &Path) -> Result<(), RunDirectoryError> {
     let user = rustix::process::getuid().as_raw();
     let above = match path.parent() {
         Some(above) if !above.as_os_str().is_empty() => above,
@@ -129,7 +129,7 @@ fn check_above(path: &Path) -> Result<(), SpaceError> {
     if ours && !shared {
         return Ok(());
     }
-    Err(SpaceError::Unsafe {
+    Err(RunDirectoryError::Unsafe {
         path: above.to_owned(),
         owner: found.uid(),
         mode: found.mode() & 0o7777,
@@ -140,21 +140,21 @@ fn check_above(path: &Path) -> Result<(), SpaceError> {
 /// The directory of one run. Dropped, it kills what is left of the run's processes and removes the
 /// directory and the run's shared memory.
 #[derive(Debug)]
-pub struct OwnedSpace {
+pub struct RunDirectory {
     space: RunSpace,
     _lock: File,
 }
 
-impl OwnedSpace {
+impl RunDirectory {
     /// Makes a directory for a new run.
     ///
     /// # Errors
-    /// [`SpaceError`] if the system refuses.
-    pub fn create() -> Result<Self, SpaceError> {
+    /// [`RunDirectoryError`] if the system refuses.
+    pub fn create() -> Result<Self, RunDirectoryError> {
         Self::create_in(&base())
     }
 
-    fn create_in(base: &Path) -> Result<Self, SpaceError> {
+    fn create_in(base: &Path) -> Result<Self, RunDirectoryError> {
         check_above(base)?;
         make_private(base)?;
         check_owner(base)?;
@@ -162,7 +162,7 @@ impl OwnedSpace {
         loop {
             match Self::try_create(base) {
                 // A `clean` came between making and locking it.
-                Err(SpaceError::Io { source, .. })
+                Err(RunDirectoryError::Io { source, .. })
                     if attempts < ATTEMPTS
                         && matches!(source.kind(), ErrorKind::NotFound | ErrorKind::WouldBlock) =>
                 {
@@ -173,7 +173,7 @@ impl OwnedSpace {
         }
     }
 
-    fn try_create(base: &Path) -> Result<Self, SpaceError> {
+    fn try_create(base: &Path) -> Result<Self, RunDirectoryError> {
         let new = tempfile::Builder::new()
             .prefix(NEW)
             .rand_bytes(8)
@@ -205,7 +205,7 @@ impl OwnedSpace {
     }
 }
 
-impl Drop for OwnedSpace {
+impl Drop for RunDirectory {
     fn drop(&mut self) {
         orphans::end_run(self.space.root());
         if let Err(error) = self.space.wipe() {
@@ -244,13 +244,13 @@ pub enum Found {
 /// Removes every run of this user whose orchestrator is gone: processes, shared memory, files.
 ///
 /// # Errors
-/// [`SpaceError`] if the base directory cannot be used; what cannot be removed is in the result.
-pub fn clean() -> Result<Vec<Found>, SpaceError> {
+/// [`RunDirectoryError`] if the base directory cannot be used; what cannot be removed is in the result.
+pub fn clean() -> Result<Vec<Found>, RunDirectoryError> {
     clean_below(&base())
 }
 
 /// As [`clean`], of the runs in one directory.
-fn clean_below(base: &Path) -> Result<Vec<Found>, SpaceError> {
+fn clean_below(base: &Path) -> Result<Vec<Found>, RunDirectoryError> {
     check_above(base)?;
     let entries = match std::fs::read_dir(base) {
         // No run has ever begun.
@@ -322,136 +322,4 @@ fn lock_of(root: &Path) -> Lock {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn mode(path: &Path, mode: u32) {
-        std::fs::set_permissions(path, Permissions::from_mode(mode)).unwrap();
-    }
-
-    fn names(base: &Path) -> Vec<String> {
-        let mut names: Vec<String> = std::fs::read_dir(base)
-            .unwrap()
-            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-            .collect();
-        names.sort();
-        names
-    }
-
-    #[test]
-    fn a_run_is_alive_until_its_owner_ends_and_leaves_nothing() {
-        let directory = tempfile::tempdir().unwrap();
-        let base = directory.path().join("protean");
-        assert_eq!(clean_below(&base).unwrap(), []);
-        let owned = OwnedSpace::create_in(&base).unwrap();
-        let root = owned.space().root().to_owned();
-        assert_eq!(clean_below(&base).unwrap(), [Found::Alive(root.clone())]);
-        assert!(root.join(LOCK).exists());
-        drop(owned);
-        assert_eq!(names(&base), [] as [&str; 0]);
-        assert_eq!(clean_below(&base).unwrap(), []);
-    }
-
-    #[test]
-    fn only_a_lock_that_is_free_or_missing_means_that_a_run_is_abandoned() {
-        let directory = tempfile::tempdir().unwrap();
-        let base = directory.path().join("protean");
-        make_private(&base).unwrap();
-        let root = |name: &str| {
-            let root = base.join(name);
-            std::fs::create_dir(&root).unwrap();
-            root
-        };
-        // A lock that cannot be opened, like one when there are too many open files.
-        let unknown = root("r1");
-        std::fs::create_dir(unknown.join(LOCK)).unwrap();
-        let free = root("r2");
-        File::create(free.join(LOCK)).unwrap();
-        let missing = root("r3");
-        let half_made = root("tmp-4");
-        File::create(half_made.join(LOCK)).unwrap();
-        root("tmp-5");
-        root("other");
-        let removed = |root| Found::Removed {
-            root,
-            killed: Vec::new(),
-        };
-        let expected = [Found::Alive(unknown), removed(free), removed(missing)];
-        assert_eq!(clean_below(&base).unwrap(), expected);
-        assert_eq!(names(&base), ["other", "r1"]);
-    }
-
-    #[test]
-    fn runs_are_made_while_others_clean() {
-        use std::sync::atomic::{AtomicBool, Ordering};
-        let directory = tempfile::tempdir().unwrap();
-        let base = directory.path().join("protean");
-        make_private(&base).unwrap();
-        let stop = AtomicBool::new(false);
-        std::thread::scope(|scope| {
-            scope.spawn(|| {
-                while !stop.load(Ordering::SeqCst) {
-                    for found in clean_below(&base).unwrap() {
-                        assert!(!matches!(found, Found::Failed(..)), "{found:?}");
-                    }
-                }
-            });
-            for _ in 0..200 {
-                let owned = OwnedSpace::create_in(&base).unwrap();
-                assert!(owned.space().root().join(LOCK).exists());
-            }
-            stop.store(true, Ordering::SeqCst);
-        });
-        assert_eq!(names(&base), [] as [&str; 0]);
-    }
-
-    #[test]
-    fn a_directory_that_others_can_open_or_swap_is_refused_by_its_name() {
-        let directory = tempfile::tempdir().unwrap();
-        let refused = |base: &Path| OwnedSpace::create_in(base).err().map(|e| e.to_string());
-        let above = directory.path().join("above");
-        std::fs::create_dir(&above).unwrap();
-        let base = above.join("protean");
-        for (of_above, of_base, named) in [
-            (0o700, 0o755, Some(&base)),
-            (0o700, 0o770, Some(&base)),
-            (0o777, 0o700, Some(&above)),
-            (0o1777, 0o700, None),
-            (0o755, 0o700, None),
-        ] {
-            std::fs::create_dir(&base).unwrap();
-            mode(&base, of_base);
-            mode(&above, of_above);
-            match (refused(&base), named) {
-                (None, None) => {}
-                (Some(error), Some(path)) => {
-                    let start = format!("{}: ", path.display());
-                    assert!(error.starts_with(&start), "{error}");
-                }
-                (found, _) => panic!("{of_above:o} {of_base:o}: {found:?}"),
-            }
-            std::fs::remove_dir(&base).unwrap();
-        }
-        if !rustix::process::getuid().is_root() {
-            eprintln!("skipped: only root can give a directory away");
-            return;
-        }
-        for given in [&base, &above] {
-            std::fs::create_dir_all(&base).unwrap();
-            mode(&base, 0o700);
-            std::os::unix::fs::chown(given, Some(65534), None).unwrap();
-            let error = refused(&base).unwrap();
-            assert!(error.starts_with(&format!("{}: owned by user 65534", given.display())));
-            std::os::unix::fs::chown(&base, Some(0), None).unwrap();
-        }
-    }
-
-    #[test]
-    fn a_link_to_nowhere_is_refused_by_its_name() {
-        let directory = tempfile::tempdir().unwrap();
-        let base = directory.path().join("protean");
-        std::os::unix::fs::symlink(directory.path().join("nowhere"), &base).unwrap();
-        let error = OwnedSpace::create_in(&base).err().unwrap().to_string();
-        assert!(error.starts_with(base.to_str().unwrap()), "{error}");
-    }
-}
+mod tests;

@@ -1,48 +1,59 @@
-//! What the supervisor hands on to the log: which processes left and came back, and what all of them
-//! wrote to stderr.
+//! Messages of the supervisor for the log: which processes left and came back, and what all of them wrote to stderr.
 
+use std::sync::Arc;
 use std::sync::mpsc::{self, Receiver, SyncSender};
 use std::time::Duration;
 
-use ipc_types::bus::{Bus, Publisher, PublisherOptions};
+use ipc_types::bus::{Publisher, PublisherOptions};
 use ipc_types::messages::process::{LogHeader, ProcessEvent};
 use ipc_types::stamp::{PlainHeader, Stamp};
 use ipc_types::topics::{ProcessEvents, ProcessLog};
 
 use super::error::MissionError;
+use super::recorder_thread::DrainRequests;
+use super::resources::RunResources;
 use super::stderr_lines::{StderrLine, TEXT_BYTES};
 
 /// Lines that may wait for the supervisor's next look.
-const WAITING: usize = 4096;
-/// Most lines that are handed on at one look, so that a process that writes without end does not
-/// keep the supervisor from the others.
-const AT_ONCE: usize = 1024;
-/// How long a reader may take to make room before a line is left out.
+const MAX_WAITING: usize = 4096;
+/// Most lines that are sent at one look, so that a process that writes without end does not keep the supervisor from
+/// the others.
+const MAX_AT_ONCE: usize = 1024;
+/// Longest wait for a subscriber without room before a line is left out.
 const PATIENCE: Duration = Duration::from_millis(100);
 
-/// Tells the log of the processes.
-pub(super) struct Chronicle {
+/// The publishers of process events and lines, and the recorder that takes them.
+pub(super) struct ProcessEventLog {
     events: Publisher<ProcessEvents>,
     lines: Publisher<ProcessLog>,
-    heard: Receiver<StderrLine>,
-    ear: SyncSender<StderrLine>,
+    line_receiver: Receiver<StderrLine>,
+    line_sender: SyncSender<StderrLine>,
+    recorder: Arc<DrainRequests>,
     tick_period_ns: u64,
 }
 
-impl Chronicle {
-    /// Opens its topics for the process with index `source`.
-    pub(super) fn open(bus: &Bus, source: u32, tick_period_ns: u64) -> Result<Self, MissionError> {
+impl ProcessEventLog {
+    /// Opens the topics; `recorder` is to take what a process has sent before it is cleaned up.
+    ///
+    /// # Errors
+    /// [`MissionError`] if they cannot be opened.
+    pub(super) fn open(
+        resources: &RunResources,
+        recorder: Arc<DrainRequests>,
+    ) -> Result<Self, MissionError> {
+        let (bus, plan) = (&resources.bus, &resources.plan);
         let options = |capacity: usize| PublisherOptions {
             patience: PATIENCE,
-            ..PublisherOptions::new(source, capacity)
+            ..PublisherOptions::new(plan.orchestrator_index(), capacity)
         };
-        let (ear, heard) = mpsc::sync_channel(WAITING);
+        let (line_sender, line_receiver) = mpsc::sync_channel(MAX_WAITING);
         Ok(Self {
             events: bus.publisher(options(1))?,
             lines: bus.publisher(options(TEXT_BYTES))?,
-            heard,
-            ear,
-            tick_period_ns,
+            line_receiver,
+            line_sender,
+            recorder,
+            tick_period_ns: plan.run.tick_period_ns,
         })
     }
 
@@ -52,9 +63,14 @@ impl Chronicle {
         Ok(self.lines.update_connections()?)
     }
 
-    /// Where the processes' lines go.
-    pub(super) fn ear(&self) -> SyncSender<StderrLine> {
-        self.ear.clone()
+    /// The sender for the lines of the processes.
+    pub(super) fn line_sender(&self) -> SyncSender<StderrLine> {
+        self.line_sender.clone()
+    }
+
+    /// Lets the recorder take what has been sent.
+    pub(super) fn drain(&self) {
+        self.recorder.drain();
     }
 
     fn stamp(&self, tick: u64) -> Stamp {
@@ -65,9 +81,9 @@ impl Chronicle {
         }
     }
 
-    /// Hands on the lines that came, in tick `tick`.
-    pub(super) fn hand_on(&self, tick: u64) {
-        for line in self.heard.try_iter().take(AT_ONCE) {
+    /// Sends the lines that came, in tick `tick`.
+    pub(super) fn forward_lines(&self, tick: u64) {
+        for line in self.line_receiver.try_iter().take(MAX_AT_ONCE) {
             let header = LogHeader {
                 stamp: self.stamp(tick),
                 process: line.slot as u32,
@@ -79,8 +95,8 @@ impl Chronicle {
         }
     }
 
-    /// Tells what became of a process, in tick `now`.
-    pub(super) fn tell(&self, now: u64, event: ProcessEvent) {
+    /// Sends an event of a process, in tick `now`.
+    pub(super) fn publish_event(&self, now: u64, event: ProcessEvent) {
         let stamp = self.stamp(now);
         if let Err(error) = self.events.send(PlainHeader { stamp }, &[event]) {
             tracing::warn!("process/event: {error}");

@@ -1,4 +1,4 @@
-//! Events that nobody tells: silence, restarts that are due or done, timeouts.
+//! Events that come with time: silence, restarts that are due or done, timeouts.
 
 use std::time::Instant;
 

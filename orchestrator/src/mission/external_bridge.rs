@@ -28,7 +28,7 @@ const SOON: Duration = Duration::from_millis(5);
 
 /// The threads that take turns for others.
 #[derive(Debug)]
-pub struct Bridge {
+pub struct ExternalBridge {
     threads: Vec<JoinHandle<Result<(), MissionError>>>,
     stop: Arc<AtomicBool>,
     /// The seats whose processes are gone, as far as their threads have noticed.
@@ -37,7 +37,7 @@ pub struct Bridge {
     events: Vec<TopicHolder>,
 }
 
-impl Bridge {
+impl ExternalBridge {
     /// Takes a seat for every external process among these. Call before they are started.
     ///
     /// # Errors

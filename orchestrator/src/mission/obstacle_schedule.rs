@@ -1,4 +1,4 @@
-//! When the changes of a scenario's obstacles happen, in ticks.
+//! The ticks at which the obstacles of a scenario change.
 
 use ipc_types::messages::world::ObstacleEvent;
 use runtime::obstacle::{self, ObstacleMessageError};
@@ -6,9 +6,9 @@ use simulator::agenda::{Due, PlannedChange};
 
 use crate::scenario::{EventSpec, Moment};
 
-/// One obstacle change whose tick is known beforehand, to be replayed.
+/// A change of an obstacle whose tick is known beforehand.
 #[derive(Debug, Clone)]
-pub struct Replay {
+pub struct ScheduledChange {
     /// Tick at whose start it is applied.
     pub tick: u64,
     /// The change.
@@ -16,10 +16,10 @@ pub struct Replay {
 }
 
 /// The changes whose ticks are known beforehand, by tick.
-pub(super) fn replays(
+pub(super) fn scheduled(
     events: &[EventSpec],
     tick_period_ns: u64,
-) -> Result<Vec<Replay>, ObstacleMessageError> {
+) -> Result<Vec<ScheduledChange>, ObstacleMessageError> {
     events
         .iter()
         .filter(|event| !event.in_turn)
@@ -28,7 +28,7 @@ pub(super) fn replays(
             Moment::When { .. } => None,
         })
         .map(|(time_s, change)| {
-            Ok(Replay {
+            Ok(ScheduledChange {
                 tick: first_tick(time_s, tick_period_ns),
                 event: obstacle::to_message(&change)?,
             })
@@ -43,8 +43,7 @@ fn first_tick(time_s: f64, tick_period_ns: u64) -> u64 {
         .max(0.0) as u64
 }
 
-/// What the simulator waits with: the changes of the obstacles that some event of theirs lets wait
-/// for a robot.
+/// The agenda of the simulator: all changes of the obstacles that wait for a robot with one of theirs.
 pub(super) fn agenda(
     events: &[EventSpec],
     tick_period_ns: u64,
@@ -93,7 +92,11 @@ mod tests {
     fn events_come_at_the_first_tick_at_or_after_their_time() {
         let ticks = |dt: &str| -> Vec<u64> {
             let dt = format!("run.dt={dt}");
-            plan(&[&dt]).replays.iter().map(|r| r.tick).collect()
+            plan(&[&dt])
+                .obstacle_changes
+                .iter()
+                .map(|change| change.tick)
+                .collect()
         };
         assert_eq!(ticks("0.05"), [200, 300, 600, 1200, 1500]);
         assert_eq!(ticks("0.3"), [34, 50, 100, 200, 250]);
@@ -110,7 +113,11 @@ mod tests {
                      \"road_works\", shape = {{ circle = {{ center = [4.5, 3.0], radius = 0.4 }} }} }}"
             ),
         ]);
-        let ticks: Vec<u64> = plan.replays.iter().map(|r| r.tick).collect();
+        let ticks: Vec<u64> = plan
+            .obstacle_changes
+            .iter()
+            .map(|change| change.tick)
+            .collect();
         assert_eq!(ticks, [50, 250], "the lorry alone");
         let params: SimulatorParams =
             serde_json::from_value(plan.launches[0].config.params.clone()).unwrap();
