@@ -6,6 +6,7 @@ use ipc_types::consumer::LoggedMessage;
 use ipc_types::schema;
 use ipc_types::topics::TopicId;
 
+use super::derived::DerivedLog;
 use super::error::LogError;
 use super::log_writer::{ChannelId, ChannelSpec, LogWriter};
 use super::mirror::Mirror;
@@ -18,7 +19,8 @@ pub(super) struct Log {
     writer: LogWriter,
     /// By the rank of their topics.
     channels: Vec<ChannelId>,
-    viewer: Option<Viewer>,
+    /// What viewers see.
+    derived: Option<DerivedLog>,
     /// Time of the present tick [simulated ns].
     time_ns: u64,
 }
@@ -44,13 +46,16 @@ impl Log {
             })
         };
         let channels = TopicId::ALL.iter().map(channel).collect::<Result<_, _>>()?;
-        let viewer = Viewer::new(options, &mut writer)?;
+        let derived = match Viewer::new(options) {
+            Some(viewer) => Some(DerivedLog::new(Box::new(viewer), &mut writer)?),
+            None => None,
+        };
         // No flush here: a chunk that holds schemas and channels alone has no message index, and
         // Foxglove Studio opens no file with such a chunk.
         Ok(Self {
             writer,
             channels,
-            viewer,
+            derived,
             time_ns: 0,
         })
     }
@@ -78,16 +83,20 @@ impl Log {
             stamp.time_ns,
             message.bytes,
         )?;
-        match &mut self.viewer {
-            Some(viewer) if !rejected => viewer.message(message, &mut self.writer),
+        match &mut self.derived {
+            Some(derived) if !rejected => derived.update(&mut self.writer, |derived| {
+                if derived.topics().contains(&message.topic) {
+                    derived.message(message, &mut ());
+                }
+            }),
             _ => Ok(()),
         }
     }
 
     /// Every message of the present tick has been written.
     pub(super) fn end_of_tick(&mut self) -> Result<(), LogError> {
-        match &mut self.viewer {
-            Some(viewer) => viewer.end_of_tick(&mut self.writer),
+        match &mut self.derived {
+            Some(derived) => derived.update(&mut self.writer, |d| d.end_of_tick(&mut ())),
             None => Ok(()),
         }
     }
@@ -99,8 +108,8 @@ impl Log {
     /// Writes how the run ended, closes the file, and says in the summary what it holds.
     pub(super) fn finish(mut self, summary: &mut Summary) -> Result<(), LogError> {
         self.end_of_tick()?;
-        if let Some(viewer) = &mut self.viewer {
-            viewer.finish(&mut self.writer)?;
+        if let Some(derived) = &mut self.derived {
+            derived.update(&mut self.writer, |derived| derived.finish())?;
         }
         self.writer
             .metadata("protean.result", result_entries(summary))?;

@@ -15,6 +15,7 @@ mod bus;
 pub(crate) mod chain;
 mod checks;
 mod covered;
+mod derived;
 mod digest;
 mod error;
 mod gate;

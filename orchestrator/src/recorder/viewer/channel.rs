@@ -1,56 +1,39 @@
 //! A channel of messages in a viewers' schema.
 
 use core::marker::PhantomData;
-use std::collections::BTreeMap;
 
 use foxglove::Encode;
 
-use super::super::error::LogError;
-use super::super::log_writer::{ChannelId, ChannelSpec, LogWriter};
+use super::super::derived::{DerivedChannel, DerivedMessages};
 
-/// Encodes messages of one type into one channel of the log.
+/// Encodes messages of one type for one channel of the log.
+#[derive(Debug)]
 pub(super) struct ViewerChannel<M> {
-    id: ChannelId,
-    topic: String,
-    sequence: u32,
+    place: usize,
     message: PhantomData<fn(&M)>,
 }
 
 impl<M: Encode> ViewerChannel<M> {
-    pub(super) fn add(log: &mut LogWriter, topic: &str) -> Result<Self, LogError> {
-        let schema = M::get_schema();
-        let id = log.add_channel(&ChannelSpec {
-            topic,
-            schema_name: schema.as_ref().map_or("", |s| &s.name),
-            schema_encoding: schema.as_ref().map_or("", |s| &s.encoding),
-            schema: schema.as_ref().map_or(&[], |s| &s.data),
-            message_encoding: &M::get_message_encoding(),
-            metadata: &BTreeMap::new(),
-        })?;
-        Ok(Self {
-            id,
+    /// Adds a channel to a list.
+    pub(super) fn add(channels: &mut Vec<DerivedChannel>, topic: &str) -> Self {
+        let (name, encoding, data) = M::get_schema().map_or_else(Default::default, |schema| {
+            (schema.name, schema.encoding, schema.data.to_vec())
+        });
+        channels.push(DerivedChannel {
             topic: topic.to_owned(),
-            sequence: 0,
+            schema_name: name,
+            schema_encoding: encoding,
+            schema: data,
+            message_encoding: M::get_message_encoding(),
+        });
+        Self {
+            place: channels.len() - 1,
             message: PhantomData,
-        })
+        }
     }
 
-    /// Writes a message; `buffer` is scratch.
-    pub(super) fn write(
-        &mut self,
-        log: &mut LogWriter,
-        time_ns: u64,
-        message: &M,
-        buffer: &mut Vec<u8>,
-    ) -> Result<(), LogError> {
-        buffer.clear();
-        message.encode(buffer).map_err(|e| LogError::Encode {
-            path: log.path().to_owned(),
-            topic: self.topic.clone(),
-            reason: e.to_string(),
-        })?;
-        let sequence = self.sequence;
-        self.sequence = self.sequence.wrapping_add(1);
-        log.write(self.id, sequence, time_ns, time_ns, buffer)
+    /// Adds a message to what is written; returns its length (bytes).
+    pub(super) fn write(&self, out: &mut DerivedMessages, time_ns: u64, message: &M) -> usize {
+        out.push(self.place, time_ns, |bytes| message.encode(bytes))
     }
 }

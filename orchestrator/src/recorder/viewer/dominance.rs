@@ -1,25 +1,50 @@
 //! Who reaches what first, as coloured cells over the map.
 
 use foxglove::messages::Grid;
+use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::referee::{DominanceCell, DominanceHeader};
+use ipc_types::topics::{Dominance, TopicId};
 
-use super::{grid, palette};
+use super::channel::ViewerChannel;
+use super::{Picture, grid, palette};
 
 /// Margin beyond which a cell is coloured no stronger [s].
 const STRONG: f32 = 10.0;
 /// Weakest and strongest opacity.
 const ALPHA: (f32, f32) = (30.0, 120.0);
 
+/// `/viewer/dominance`, whenever a referee says it.
+pub(super) struct DominanceTopic(ViewerChannel<Grid>);
+
+impl DominanceTopic {
+    pub(super) fn new(picture: &mut Picture) -> Self {
+        Self(picture.add_channel("/viewer/dominance"))
+    }
+}
+
+impl Consumer<Picture> for DominanceTopic {
+    fn topics(&self) -> &[TopicId] {
+        &[TopicId::Dominance]
+    }
+
+    fn message(&mut self, message: &LoggedMessage<'_>, picture: &mut Picture) {
+        if let Some((header, cells)) = message.view::<Dominance>()
+            && let Some(grid) = draw(&header, message.time_ns, cells)
+        {
+            self.0.write(&mut picture.ready, message.time_ns, &grid);
+        }
+    }
+}
+
 /// Draws dominance: cells that evaders reach safely in their colour, the pursuers' in theirs, the
 /// stronger the greater the margin; cells that an evader would reach first, but not safely, in pale
 /// orange. `None` if the header and the number of cells do not belong together.
-pub(super) fn draw(
+fn draw(
     header: &DominanceHeader,
     time_ns: u64,
     cells: impl ExactSizeIterator<Item = DominanceCell>,
 ) -> Option<Grid> {
-    let count = u64::from(header.width) * u64::from(header.height);
-    if count != cells.len() as u64 || count == 0 {
+    if !grid::fits(header.width, header.height, cells.len()) {
         return None;
     }
     let mut data = Vec::with_capacity(cells.len() * 4);

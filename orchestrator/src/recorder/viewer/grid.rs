@@ -1,23 +1,77 @@
 //! The map as coloured cells.
 
 use foxglove::messages::{Grid, PackedElementField, Vector2, packed_element_field::NumericType};
+use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::world::{MapCell, MapHeader};
+use ipc_types::topics::{TopicId, WorldMap};
 
+use super::again::Again;
+use super::channel::ViewerChannel;
 use super::scene::pose;
-use super::{MAP_FRAME, palette, timestamp};
+use super::{MAP_FRAME, Picture, palette, timestamp};
 
 /// Bytes of a cell: red, green, blue, alpha.
 const STRIDE: u32 = 4;
 
+/// `/viewer/map`, at every revision, and again now and then.
+pub(super) struct MapTopic {
+    channel: ViewerChannel<Grid>,
+    grid: Option<Grid>,
+    again: Again,
+}
+
+impl MapTopic {
+    pub(super) fn new(picture: &mut Picture) -> Self {
+        Self {
+            channel: picture.add_channel("/viewer/map"),
+            grid: None,
+            again: Again::default(),
+        }
+    }
+
+    fn draw(&mut self, time_ns: u64, picture: &mut Picture) {
+        if let Some(grid) = &mut self.grid {
+            grid.timestamp = Some(timestamp(time_ns));
+            let bytes = self.channel.write(&mut picture.ready, time_ns, grid);
+            self.again.drawn(time_ns, bytes);
+        }
+    }
+}
+
+impl Consumer<Picture> for MapTopic {
+    fn topics(&self) -> &[TopicId] {
+        &[TopicId::WorldMap]
+    }
+
+    fn message(&mut self, message: &LoggedMessage<'_>, picture: &mut Picture) {
+        if let Some((header, cells)) = message.view::<WorldMap>()
+            && let Some(grid) = draw(&header, message.time_ns, cells)
+        {
+            self.grid = Some(grid);
+            self.draw(message.time_ns, picture);
+        }
+    }
+
+    fn end_of_tick(&mut self, picture: &mut Picture) {
+        if self.again.is_due(picture.now_ns()) {
+            self.draw(picture.now_ns(), picture);
+        }
+    }
+}
+
+/// Whether that many cells are those of a grid of this size, which has some.
+pub(super) fn fits(width: u32, height: u32, cells: usize) -> bool {
+    cells > 0 && u64::from(width) * u64::from(height) == cells as u64
+}
+
 /// Draws a map: obstacles dark, free cells the whiter the farther obstacles are (by the blurred
 /// map). `None` if the header and the number of cells do not belong together.
-pub(super) fn draw(
+fn draw(
     header: &MapHeader,
     time_ns: u64,
     cells: impl ExactSizeIterator<Item = MapCell>,
 ) -> Option<Grid> {
-    let count = u64::from(header.width) * u64::from(header.height);
-    if count != cells.len() as u64 || count == 0 {
+    if !fits(header.width, header.height, cells.len()) {
         return None;
     }
     let mut data = Vec::with_capacity(cells.len() * STRIDE as usize);

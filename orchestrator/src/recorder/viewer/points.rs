@@ -3,16 +3,75 @@
 use foxglove::messages::{
     LaserScan, PackedElementField, PointCloud, packed_element_field::NumericType,
 };
+use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::message::Message;
 use ipc_types::messages::perception::Particle;
 use ipc_types::messages::robot::ScanHeader;
+use ipc_types::topics::{Belief, Scan, TopicId};
 
+use super::channel::ViewerChannel;
 use super::scene::pose;
-use super::{MAP_FRAME, timestamp};
+use super::{MAP_FRAME, Picture, timestamp};
+
+/// `/viewer/particles/ROBOT`: the belief about a robot.
+pub(super) struct ParticlesTopic(Vec<ViewerChannel<PointCloud>>);
+
+impl ParticlesTopic {
+    pub(super) fn new(picture: &mut Picture) -> Self {
+        Self(picture.add_channels("particles"))
+    }
+}
+
+impl Consumer<Picture> for ParticlesTopic {
+    fn topics(&self) -> &[TopicId] {
+        &[TopicId::Belief]
+    }
+
+    fn message(&mut self, message: &LoggedMessage<'_>, picture: &mut Picture) {
+        let time_ns = message.time_ns;
+        if picture.is_drawing(time_ns)
+            && let Some((header, particles)) = message.view::<Belief>()
+            && let Some(channel) = self.0.get(header.robot as usize)
+        {
+            let length = particles.len() * size_of::<Particle>();
+            let start = message.bytes.len().saturating_sub(length);
+            let particles = message.bytes.get(start..).unwrap_or_default();
+            channel.write(&mut picture.ready, time_ns, &cloud(time_ns, particles));
+        }
+    }
+}
+
+/// `/viewer/scan/ROBOT`.
+pub(super) struct ScansTopic(Vec<ViewerChannel<LaserScan>>);
+
+impl ScansTopic {
+    pub(super) fn new(picture: &mut Picture) -> Self {
+        Self(picture.add_channels("scan"))
+    }
+}
+
+impl Consumer<Picture> for ScansTopic {
+    fn topics(&self) -> &[TopicId] {
+        &[TopicId::Scan]
+    }
+
+    fn message(&mut self, message: &LoggedMessage<'_>, picture: &mut Picture) {
+        let time_ns = message.time_ns;
+        if picture.is_drawing(time_ns)
+            && let Some((header, ranges)) = message.view::<Scan>()
+            && let Some(channel) = self.0.get(header.robot as usize)
+            && let Some(robot) = picture.robots.get(header.robot as usize)
+        {
+            let scan = scan(&header, time_ns, &robot.name, ranges);
+            channel.write(&mut picture.ready, time_ns, &scan);
+        }
+    }
+}
 
 /// A belief as a cloud of points; the particles' bytes are taken as they are, and all of their
 /// fields can be used for colouring.
-pub(super) fn cloud(time_ns: u64, particles: &[u8]) -> PointCloud {
+fn cloud(time_ns: u64, particles: &[u8]) -> PointCloud {
+    const { assert!(size_of::<Particle>() == 16) };
     let descriptor = Particle::DESCRIPTOR;
     let fields = descriptor
         .fields
@@ -34,7 +93,7 @@ pub(super) fn cloud(time_ns: u64, particles: &[u8]) -> PointCloud {
 }
 
 /// A range scan in its robot's frame.
-pub(super) fn scan(
+fn scan(
     header: &ScanHeader,
     time_ns: u64,
     robot: &str,

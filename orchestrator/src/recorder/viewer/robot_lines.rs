@@ -5,13 +5,16 @@ use foxglove::messages::{
     Color, LinePrimitive, Point3, SceneEntity, SceneEntityDeletion, SceneUpdate, line_primitive,
     scene_entity_deletion,
 };
+use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::robot::{PlanPoint, TreeEdge};
 use ipc_types::messages::world::RobotState;
+use ipc_types::topics::{Plan, TopicId, Tree};
 
 use super::super::options::RobotInfo;
 use super::again::Again;
+use super::channel::ViewerChannel;
 use super::scene::{entity, pose};
-use super::{palette, timestamp};
+use super::{Picture, palette, timestamp};
 
 /// How lines are drawn.
 #[derive(Debug)]
@@ -43,9 +46,60 @@ const TREE: Style = Style {
     height: 0.06,
 };
 
+/// `/viewer/plan` or `/viewer/tree`: the newest of every robot, in the picture of its tick.
+pub(super) struct LinesTopic {
+    takes: [TopicId; 1],
+    channel: ViewerChannel<SceneUpdate>,
+    lines: RobotLines,
+}
+
+impl LinesTopic {
+    /// Where the robots mean to go.
+    pub(super) fn plans(picture: &mut Picture) -> Self {
+        Self {
+            takes: [TopicId::Plan],
+            channel: picture.add_channel("/viewer/plan"),
+            lines: RobotLines::plans(picture.robots.len()),
+        }
+    }
+
+    /// The trees in which they search.
+    pub(super) fn trees(picture: &mut Picture) -> Self {
+        Self {
+            takes: [TopicId::Tree],
+            channel: picture.add_channel("/viewer/tree"),
+            lines: RobotLines::trees(picture.robots.len()),
+        }
+    }
+}
+
+impl Consumer<Picture> for LinesTopic {
+    fn topics(&self) -> &[TopicId] {
+        &self.takes
+    }
+
+    fn message(&mut self, message: &LoggedMessage<'_>, _: &mut Picture) {
+        if let Some((header, points)) = message.view::<Plan>() {
+            self.lines.set_plan(header.robot as usize, points);
+        }
+        if let Some((header, edges)) = message.view::<Tree>() {
+            self.lines.set_tree(header.robot as usize, edges);
+        }
+    }
+
+    fn end_of_tick(&mut self, picture: &mut Picture) {
+        let time_ns = picture.now_ns();
+        let update = self.lines.draw(&picture.robots, &picture.states, time_ns);
+        if let Some(update) = update {
+            let bytes = self.channel.write(&mut picture.ready, time_ns, &update);
+            self.lines.drawn(time_ns, bytes);
+        }
+    }
+}
+
 /// The last plan of every robot, or the last tree.
 #[derive(Debug)]
-pub(super) struct RobotLines {
+struct RobotLines {
     style: &'static Style,
     lines: Vec<Lines>,
     again: Again,
@@ -65,12 +119,12 @@ struct Lines {
 
 impl RobotLines {
     /// Plans of this many robots.
-    pub(super) fn plans(robots: usize) -> Self {
+    fn plans(robots: usize) -> Self {
         Self::new(&PLAN, robots)
     }
 
     /// Trees of this many robots.
-    pub(super) fn trees(robots: usize) -> Self {
+    fn trees(robots: usize) -> Self {
         Self::new(&TREE, robots)
     }
 
@@ -83,7 +137,7 @@ impl RobotLines {
     }
 
     /// Replaces the plan of a robot.
-    pub(super) fn set_plan(&mut self, robot: usize, points: impl Iterator<Item = PlanPoint>) {
+    fn set_plan(&mut self, robot: usize, points: impl Iterator<Item = PlanPoint>) {
         let mut is_timed = false;
         let points = points.inspect(|p| is_timed |= p.time_s != 0.0);
         self.set(robot, points.map(|p| [p.x, p.y]));
@@ -93,7 +147,7 @@ impl RobotLines {
     }
 
     /// Replaces the tree of a robot: both ends of every edge.
-    pub(super) fn set_tree(&mut self, robot: usize, edges: impl Iterator<Item = TreeEdge>) {
+    fn set_tree(&mut self, robot: usize, edges: impl Iterator<Item = TreeEdge>) {
         let ends = edges.flat_map(|e| [[e.from_x, e.from_y], [e.to_x, e.to_y]]);
         self.set(robot, ends.map(|end| end.map(f64::from)));
     }
@@ -109,7 +163,7 @@ impl RobotLines {
 
     /// The lines of all robots that still play, if any changed since the last picture, or if it is
     /// due again.
-    pub(super) fn draw(
+    fn draw(
         &mut self,
         robots: &[RobotInfo],
         states: &[RobotState],
@@ -166,7 +220,7 @@ impl RobotLines {
     }
 
     /// They were drawn, in that many bytes.
-    pub(super) fn drawn(&mut self, time_ns: u64, bytes: usize) {
+    fn drawn(&mut self, time_ns: u64, bytes: usize) {
         self.again.drawn(time_ns, bytes);
     }
 }

@@ -5,12 +5,15 @@ use foxglove::messages::{
     KeyValuePair, LinePrimitive, Point3, Pose, PosesInFrame, Quaternion, SceneEntity, SceneUpdate,
     TextPrimitive, Vector3, line_primitive,
 };
+use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::world::RobotState;
+use ipc_types::topics::{TopicId, WorldMap};
 use sim_backend::math::sincos;
 
-use super::super::options::RobotInfo;
+use super::super::options::{RecorderOptions, RobotInfo};
 use super::super::summary::status_name;
-use super::{CENTRE_FRAME, MAP_FRAME, palette, timestamp};
+use super::channel::ViewerChannel;
+use super::{CENTRE_FRAME, MAP_FRAME, Picture, grid, palette, timestamp};
 
 /// Code of a robot that still plays.
 const ACTIVE: u8 = 0;
@@ -27,9 +30,68 @@ const FONT_PIXELS: f64 = 14.0;
 /// Width of trails [pixels].
 const TRAIL_PIXELS: f64 = 2.0;
 
+/// `/viewer/scene`, `/viewer/tf` and `/viewer/poses`.
+pub(super) struct RobotsTopic {
+    scene: ViewerChannel<SceneUpdate>,
+    transforms: ViewerChannel<FrameTransforms>,
+    poses: ViewerChannel<PosesInFrame>,
+    trail: Trail,
+    trail_s: f64,
+    /// Middle of the map [m].
+    centre: Option<[f64; 2]>,
+}
+
+impl RobotsTopic {
+    pub(super) fn new(run: &RecorderOptions, picture: &mut Picture) -> Self {
+        let trail_s = run.viewer.trail_s;
+        Self {
+            scene: picture.add_channel("/viewer/scene"),
+            transforms: picture.add_channel("/viewer/tf"),
+            poses: picture.add_channel("/viewer/poses"),
+            trail: Trail::default(),
+            trail_s: if trail_s.is_finite() {
+                trail_s.max(0.0)
+            } else {
+                0.0
+            },
+            centre: None,
+        }
+    }
+}
+
+impl Consumer<Picture> for RobotsTopic {
+    fn topics(&self) -> &[TopicId] {
+        &[TopicId::WorldMap]
+    }
+
+    fn message(&mut self, message: &LoggedMessage<'_>, _: &mut Picture) {
+        if let Some((header, cells)) = message.view::<WorldMap>()
+            && grid::fits(header.width, header.height, cells.len())
+        {
+            let middle =
+                |origin: f64, cells: u32| origin + 0.5 * f64::from(cells) * header.resolution;
+            self.centre = Some([
+                middle(header.origin_x, header.width),
+                middle(header.origin_y, header.height),
+            ]);
+        }
+    }
+
+    fn end_of_tick(&mut self, picture: &mut Picture) {
+        let (time_ns, robots, states) = (picture.now_ns(), &picture.robots, &picture.states);
+        let update = draw(robots, states, time_ns, &mut self.trail, self.trail_s);
+        let transforms = transforms(robots, states, self.centre, time_ns);
+        let poses = poses(states, time_ns);
+        self.scene.write(&mut picture.ready, time_ns, &update);
+        self.transforms
+            .write(&mut picture.ready, time_ns, &transforms);
+        self.poses.write(&mut picture.ready, time_ns, &poses);
+    }
+}
+
 /// Where the robots were in the last picture.
 #[derive(Debug, Default)]
-pub(super) struct Trail {
+struct Trail {
     last: Vec<Option<(f64, f64)>>,
     pictures: u64,
 }
@@ -64,7 +126,7 @@ pub(super) fn entity(id: String, time_ns: u64) -> SceneEntity {
 }
 
 /// The robots of a state and the next piece of their trails.
-pub(super) fn draw(
+fn draw(
     robots: &[RobotInfo],
     states: &[RobotState],
     time_ns: u64,
@@ -199,7 +261,7 @@ impl Trail {
 }
 
 /// Where the robots are that stand in the world, for viewers that draw no scenes.
-pub(super) fn poses(states: &[RobotState], time_ns: u64) -> PosesInFrame {
+fn poses(states: &[RobotState], time_ns: u64) -> PosesInFrame {
     let present = states.iter().filter(|state| state.present != 0);
     PosesInFrame {
         timestamp: Some(timestamp(time_ns)),
@@ -211,7 +273,7 @@ pub(super) fn poses(states: &[RobotState], time_ns: u64) -> PosesInFrame {
 }
 
 /// One frame per robot, and one in the middle of the map.
-pub(super) fn transforms(
+fn transforms(
     robots: &[RobotInfo],
     states: &[RobotState],
     centre: Option<[f64; 2]>,

@@ -7,11 +7,16 @@ use foxglove::messages::{
     SceneEntityDeletion, SceneUpdate, TriangleListPrimitive, Vector3, line_primitive,
     scene_entity_deletion,
 };
+use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::world::ObstacleEvent;
+use ipc_types::topics::{ObstacleEvents, TopicId};
 use sim_backend::shape::Shape;
 
+use super::super::options::RecorderOptions;
+use super::again::Again;
+use super::channel::ViewerChannel;
 use super::scene::{entity, pose};
-use super::{palette, timestamp};
+use super::{Picture, palette, timestamp};
 
 /// Codes of `ObstacleEvent::action`.
 const DISAPPEAR: u8 = 1;
@@ -22,9 +27,60 @@ const HEIGHT: f64 = 0.05;
 /// Width of a polygon's outline [pixels].
 const OUTLINE_PIXELS: f64 = 3.0;
 
+/// `/viewer/obstacles`, whenever one of them changes, and again now and then.
+pub(super) struct ObstaclesTopic {
+    channel: ViewerChannel<SceneUpdate>,
+    obstacles: Obstacles,
+    again: Again,
+}
+
+impl ObstaclesTopic {
+    pub(super) fn new(run: &RecorderOptions, picture: &mut Picture) -> Self {
+        let mut topic = Self {
+            channel: picture.add_channel("/viewer/obstacles"),
+            obstacles: Obstacles::default(),
+            again: Again::default(),
+        };
+        for obstacle in &run.obstacles {
+            topic.obstacles.stands(obstacle);
+        }
+        if !run.obstacles.is_empty() {
+            topic.draw(0, picture);
+        }
+        topic
+    }
+
+    fn draw(&mut self, time_ns: u64, picture: &mut Picture) {
+        let update = self.obstacles.draw(time_ns);
+        let bytes = self.channel.write(&mut picture.ready, time_ns, &update);
+        self.again.drawn(time_ns, bytes);
+    }
+}
+
+impl Consumer<Picture> for ObstaclesTopic {
+    fn topics(&self) -> &[TopicId] {
+        &[TopicId::ObstacleEvents]
+    }
+
+    fn message(&mut self, message: &LoggedMessage<'_>, picture: &mut Picture) {
+        if let Some((_, events)) = message.view::<ObstacleEvents>() {
+            for event in events {
+                self.obstacles.apply(&event);
+                self.draw(message.time_ns, picture);
+            }
+        }
+    }
+
+    fn end_of_tick(&mut self, picture: &mut Picture) {
+        if self.again.is_due(picture.now_ns()) {
+            self.draw(picture.now_ns(), picture);
+        }
+    }
+}
+
 /// The obstacles that stand now.
 #[derive(Debug, Default)]
-pub(super) struct Obstacles {
+struct Obstacles {
     /// With their colours.
     standing: BTreeMap<u32, (ObstacleEvent, Color)>,
     gone: Vec<u32>,
@@ -32,13 +88,13 @@ pub(super) struct Obstacles {
 
 impl Obstacles {
     /// Takes up an obstacle that stands from the beginning.
-    pub(super) fn stands(&mut self, obstacle: &ObstacleEvent) {
+    fn stands(&mut self, obstacle: &ObstacleEvent) {
         let entry = (*obstacle, palette::BUILDING);
         self.standing.insert(obstacle.id, entry);
     }
 
     /// Takes up a change.
-    pub(super) fn apply(&mut self, event: &ObstacleEvent) {
+    fn apply(&mut self, event: &ObstacleEvent) {
         if event.action == DISAPPEAR {
             self.standing.remove(&event.id);
             self.gone.push(event.id);
@@ -48,7 +104,7 @@ impl Obstacles {
     }
 
     /// All obstacles that stand, and the deletion of those that have gone.
-    pub(super) fn draw(&mut self, time_ns: u64) -> SceneUpdate {
+    fn draw(&mut self, time_ns: u64) -> SceneUpdate {
         let id = |id: u32| format!("obstacle {id}");
         let deletions = self
             .gone

@@ -4,11 +4,14 @@ use foxglove::messages::{
     Color, LinePrimitive, Point3, SceneEntity, SceneEntityDeletion, SceneUpdate, line_primitive,
     scene_entity_deletion,
 };
+use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::perception::Sighting;
 use ipc_types::messages::world::RobotState;
+use ipc_types::topics::{Sightings, TopicId};
 
+use super::channel::ViewerChannel;
 use super::scene::{entity, pose};
-use super::{palette, timestamp};
+use super::{Picture, palette, timestamp};
 
 /// What viewers list.
 const ID: &str = "sight";
@@ -19,23 +22,57 @@ const HEIGHT: f64 = 0.08;
 /// Opacity of a view that is hardly one.
 const FAINT: f64 = 0.2;
 
+/// `/viewer/sight`.
+pub(super) struct SightTopic {
+    channel: ViewerChannel<SceneUpdate>,
+    sight: Sight,
+}
+
+impl SightTopic {
+    pub(super) fn new(picture: &mut Picture) -> Self {
+        Self {
+            channel: picture.add_channel("/viewer/sight"),
+            sight: Sight::default(),
+        }
+    }
+}
+
+impl Consumer<Picture> for SightTopic {
+    fn topics(&self) -> &[TopicId] {
+        &[TopicId::Sightings]
+    }
+
+    fn message(&mut self, message: &LoggedMessage<'_>, _: &mut Picture) {
+        if let Some((_, sightings)) = message.view::<Sightings>() {
+            self.sight.set(sightings);
+        }
+    }
+
+    fn end_of_tick(&mut self, picture: &mut Picture) {
+        let time_ns = picture.now_ns();
+        if let Some(update) = self.sight.draw(&picture.states, time_ns) {
+            self.channel.write(&mut picture.ready, time_ns, &update);
+        }
+    }
+}
+
 /// The sightings of the present tick.
 #[derive(Debug, Default)]
-pub(super) struct Sight {
+struct Sight {
     sightings: Vec<Sighting>,
     shown: bool,
 }
 
 impl Sight {
     /// Replaces the sightings.
-    pub(super) fn set(&mut self, sightings: impl Iterator<Item = Sighting>) {
+    fn set(&mut self, sightings: impl Iterator<Item = Sighting>) {
         self.sightings.clear();
         self.sightings.extend(sightings.filter(|s| s.seen != 0));
     }
 
     /// A line from every robot that is seen to the one that sees it best, the stronger the better
     /// the view; nothing if there was none and is none.
-    pub(super) fn draw(&mut self, states: &[RobotState], time_ns: u64) -> Option<SceneUpdate> {
+    fn draw(&mut self, states: &[RobotState], time_ns: u64) -> Option<SceneUpdate> {
         let place = |robot: u32| {
             let state = states.iter().find(|state| state.robot == robot)?;
             Some(Point3 {

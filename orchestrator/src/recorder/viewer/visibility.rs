@@ -7,15 +7,19 @@ use foxglove::messages::{
     Color, LinePrimitive, Point3, SceneEntity, SceneEntityDeletion, SceneUpdate,
     TriangleListPrimitive, line_primitive, scene_entity_deletion,
 };
+use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::world::{MapCell, MapHeader, RobotState};
+use ipc_types::topics::{TopicId, WorldMap};
 use nalgebra::Point2;
 use sim_backend::grid::{Grid, GridFrame};
 use sim_backend::pose::Pose2;
 use sim_backend::team::Team;
 use sim_backend::visibility::polygon::{Eye, Walls};
 
+use super::super::options::RecorderOptions;
+use super::channel::ViewerChannel;
 use super::scene::{entity, pose};
-use super::{palette, timestamp};
+use super::{Picture, grid, palette, timestamp};
 use crate::eyes::{EyeInfo, EyePlace};
 
 /// Least time between two pictures [simulated ns]: polygons are large, and robots slow.
@@ -28,9 +32,45 @@ const PIXELS: f64 = 1.0;
 /// are 0 and cost nothing in a log.
 const PARTS_OF_A_METRE: f64 = 1024.0;
 
+/// `/viewer/visibility`.
+pub(super) struct VisibilityTopic {
+    channel: ViewerChannel<SceneUpdate>,
+    visibility: Visibility,
+}
+
+impl VisibilityTopic {
+    pub(super) fn new(run: &RecorderOptions, picture: &mut Picture) -> Self {
+        Self {
+            channel: picture.add_channel("/viewer/visibility"),
+            visibility: Visibility::new(run.eyes.clone()),
+        }
+    }
+}
+
+impl Consumer<Picture> for VisibilityTopic {
+    fn topics(&self) -> &[TopicId] {
+        &[TopicId::WorldMap]
+    }
+
+    fn message(&mut self, message: &LoggedMessage<'_>, _: &mut Picture) {
+        if let Some((header, cells)) = message.view::<WorldMap>()
+            && grid::fits(header.width, header.height, cells.len())
+        {
+            self.visibility.map(&header, cells);
+        }
+    }
+
+    fn end_of_tick(&mut self, picture: &mut Picture) {
+        let (time_ns, states) = (picture.now_ns(), &picture.states);
+        if let Some(update) = self.visibility.draw(states, time_ns, picture.wanted) {
+            self.channel.write(&mut picture.ready, time_ns, &update);
+        }
+    }
+}
+
 /// The eyes and what is in their way.
 #[derive(Debug)]
-pub(super) struct Visibility {
+struct Visibility {
     eyes: Vec<Viewpoint>,
     walls: Option<Walls>,
     due_ns: u64,
@@ -68,7 +108,7 @@ impl Viewpoint {
 }
 
 impl Visibility {
-    pub(super) fn new(eyes: Vec<EyeInfo>) -> Self {
+    fn new(eyes: Vec<EyeInfo>) -> Self {
         Self {
             eyes: eyes.into_iter().map(Viewpoint::new).collect(),
             walls: None,
@@ -77,7 +117,7 @@ impl Visibility {
     }
 
     /// Takes up a map, whose number of cells is that of the header.
-    pub(super) fn map(&mut self, header: &MapHeader, cells: impl Iterator<Item = MapCell>) {
+    fn map(&mut self, header: &MapHeader, cells: impl Iterator<Item = MapCell>) {
         if self.eyes.is_empty() {
             return;
         }
@@ -98,12 +138,7 @@ impl Visibility {
 
     /// What is seen now, if it is time for a picture or one is wanted; nothing if there is nothing to
     /// show or to take away.
-    pub(super) fn draw(
-        &mut self,
-        states: &[RobotState],
-        time_ns: u64,
-        wanted: bool,
-    ) -> Option<SceneUpdate> {
+    fn draw(&mut self, states: &[RobotState], time_ns: u64, wanted: bool) -> Option<SceneUpdate> {
         let walls = self.walls.as_ref()?;
         if time_ns < self.due_ns && !wanted {
             return None;

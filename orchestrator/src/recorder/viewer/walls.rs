@@ -1,17 +1,44 @@
 //! The outlines of everything solid as points, for viewers that draw neither grids nor scenes.
 
 use foxglove::messages::{PackedElementField, PointCloud, packed_element_field::NumericType};
+use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::world::{MapCell, MapHeader};
+use ipc_types::topics::{TopicId, WorldMap};
 
+use super::channel::ViewerChannel;
 use super::scene::pose;
-use super::{MAP_FRAME, timestamp};
+use super::{MAP_FRAME, Picture, grid, timestamp};
 
 /// Bytes of a point: x, y, z as `f32`.
 const STRIDE: u32 = 12;
 
+/// `/viewer/walls`, at every revision of the map.
+pub(super) struct WallsTopic(ViewerChannel<PointCloud>);
+
+impl WallsTopic {
+    pub(super) fn new(picture: &mut Picture) -> Self {
+        Self(picture.add_channel("/viewer/walls"))
+    }
+}
+
+impl Consumer<Picture> for WallsTopic {
+    fn topics(&self) -> &[TopicId] {
+        &[TopicId::WorldMap]
+    }
+
+    fn message(&mut self, message: &LoggedMessage<'_>, picture: &mut Picture) {
+        if let Some((header, cells)) = message.view::<WorldMap>()
+            && grid::fits(header.width, header.height, cells.len())
+        {
+            let walls = draw(&header, message.time_ns, cells);
+            self.0.write(&mut picture.ready, message.time_ns, &walls);
+        }
+    }
+}
+
 /// The centres of the occupied cells that have a free neighbour. The number of cells must be that
 /// of the header.
-pub(super) fn draw(
+fn draw(
     header: &MapHeader,
     time_ns: u64,
     cells: impl ExactSizeIterator<Item = MapCell>,

@@ -1,14 +1,60 @@
-//! Events in words.
+//! Events in words, and what processes write.
 
 use foxglove::messages::{Log, log};
+use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::process::{LogHeader, ProcessEvent};
 use ipc_types::messages::world::WorldEvent;
+use ipc_types::topics::{ProcessEvents, ProcessLog, TopicId, WorldEvents};
 
-use super::super::options::{ProcessInfo, RobotInfo};
-use super::timestamp;
+use super::super::options::{ProcessInfo, RecorderOptions, RobotInfo};
+use super::channel::ViewerChannel;
+use super::{Picture, timestamp};
+
+/// `/viewer/log`.
+pub(super) struct LogTopic {
+    channel: ViewerChannel<Log>,
+    processes: Vec<ProcessInfo>,
+}
+
+impl LogTopic {
+    pub(super) fn new(run: &RecorderOptions, picture: &mut Picture) -> Self {
+        Self {
+            channel: picture.add_channel("/viewer/log"),
+            processes: run.processes.clone(),
+        }
+    }
+}
+
+impl Consumer<Picture> for LogTopic {
+    fn topics(&self) -> &[TopicId] {
+        &[
+            TopicId::WorldEvents,
+            TopicId::ProcessEvents,
+            TopicId::ProcessLog,
+        ]
+    }
+
+    fn message(&mut self, logged: &LoggedMessage<'_>, picture: &mut Picture) {
+        let (time_ns, processes) = (logged.time_ns, &self.processes);
+        let mut lines = Vec::new();
+        if let Some((_, events)) = logged.view::<WorldEvents>() {
+            lines.extend(events.map(|event| message(&event, &picture.robots, time_ns)));
+        }
+        if let Some((_, events)) = logged.view::<ProcessEvents>() {
+            lines.extend(events.map(|event| process_event(&event, processes, time_ns)));
+        }
+        if let Some((header, text)) = logged.view::<ProcessLog>() {
+            let text: Vec<u8> = text.collect();
+            lines.push(process_log(&header, &text, processes, time_ns));
+        }
+        for line in &lines {
+            self.channel.write(&mut picture.ready, time_ns, line);
+        }
+    }
+}
 
 /// An event as a log line.
-pub(super) fn message(event: &WorldEvent, robots: &[RobotInfo], time_ns: u64) -> Log {
+fn message(event: &WorldEvent, robots: &[RobotInfo], time_ns: u64) -> Log {
     let level = match WorldEvent::name_of(event.kind) {
         "invalid_command" | "missing_command" => log::Level::Warning,
         "contact_begin" | "contact_end" => log::Level::Debug,
@@ -24,7 +70,7 @@ pub(super) fn message(event: &WorldEvent, robots: &[RobotInfo], time_ns: u64) ->
 }
 
 /// What became of a process as a log line.
-pub(super) fn process_event(event: &ProcessEvent, processes: &[ProcessInfo], time_ns: u64) -> Log {
+fn process_event(event: &ProcessEvent, processes: &[ProcessInfo], time_ns: u64) -> Log {
     let name = process_name(event.process, processes);
     let tick = event.tick;
     let (level, message) = match event.kind {
@@ -51,12 +97,7 @@ pub(super) fn process_event(event: &ProcessEvent, processes: &[ProcessInfo], tim
 }
 
 /// What a process wrote to stderr as a log line.
-pub(super) fn process_log(
-    header: &LogHeader,
-    text: &[u8],
-    processes: &[ProcessInfo],
-    time_ns: u64,
-) -> Log {
+fn process_log(header: &LogHeader, text: &[u8], processes: &[ProcessInfo], time_ns: u64) -> Log {
     Log {
         timestamp: Some(timestamp(time_ns)),
         // The viewers' levels are those of the message.
@@ -76,7 +117,7 @@ fn process_name(index: u32, processes: &[ProcessInfo]) -> String {
 }
 
 /// An event as a sentence.
-pub(super) fn sentence(event: &WorldEvent, robots: &[RobotInfo]) -> String {
+fn sentence(event: &WorldEvent, robots: &[RobotInfo]) -> String {
     let name = |index: u32| match robots.get(index as usize) {
         Some(robot) => robot.name.clone(),
         None if index == WorldEvent::NONE => "an obstacle".to_owned(),

@@ -1,0 +1,146 @@
+//! Channels of a log beside those of the topics: made from the messages, such as those for viewers.
+
+use core::fmt::Display;
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use ipc_types::consumer::Consumer;
+
+use super::error::LogError;
+use super::log_writer::{ChannelId, ChannelSpec, LogWriter};
+
+/// Makes messages of derived channels from those of the run.
+pub(super) trait Derived: Consumer + Send {
+    /// The channels; a channel is named by its place in this list.
+    fn channels(&self) -> &[DerivedChannel];
+
+    /// What is ready to be written.
+    fn ready(&mut self) -> &mut DerivedMessages;
+
+    /// The last message of the run has been handed out.
+    fn finish(&mut self);
+}
+
+/// A derived channel.
+#[derive(Debug, Clone)]
+pub(super) struct DerivedChannel {
+    /// Name of the topic.
+    pub(super) topic: String,
+    /// Name of the schema.
+    pub(super) schema_name: String,
+    /// `protobuf`, …
+    pub(super) schema_encoding: String,
+    /// The schema itself.
+    pub(super) schema: Vec<u8>,
+    /// `protobuf`, …
+    pub(super) message_encoding: String,
+}
+
+/// Messages of derived channels, in the order in which they are written.
+#[derive(Debug, Default)]
+pub(super) struct DerivedMessages {
+    bytes: Vec<u8>,
+    messages: Vec<DerivedMessage>,
+    /// The first message that could not be encoded: its channel, and why.
+    failure: Option<(usize, String)>,
+}
+
+#[derive(Debug)]
+struct DerivedMessage {
+    channel: usize,
+    /// Simulated time (ns).
+    time_ns: u64,
+    bytes: Range<usize>,
+}
+
+impl DerivedMessages {
+    /// Adds the message that `encode` appends; returns its length (bytes).
+    pub(super) fn push<E: Display>(
+        &mut self,
+        channel: usize,
+        time_ns: u64,
+        encode: impl FnOnce(&mut Vec<u8>) -> Result<(), E>,
+    ) -> usize {
+        let start = self.bytes.len();
+        if let Err(error) = encode(&mut self.bytes) {
+            self.bytes.truncate(start);
+            self.failure.get_or_insert((channel, error.to_string()));
+            return 0;
+        }
+        let bytes = start..self.bytes.len();
+        let length = bytes.len();
+        self.messages.push(DerivedMessage {
+            channel,
+            time_ns,
+            bytes,
+        });
+        length
+    }
+}
+
+/// The derived channels of a log.
+pub(super) struct DerivedLog {
+    derived: Box<dyn Derived>,
+    channels: Vec<Channel>,
+}
+
+struct Channel {
+    id: ChannelId,
+    sequence: u32,
+}
+
+impl DerivedLog {
+    /// Adds the channels to a log, and what is ready before the first message of the run.
+    pub(super) fn new(derived: Box<dyn Derived>, log: &mut LogWriter) -> Result<Self, LogError> {
+        let add = |channel: &DerivedChannel| {
+            let id = log.add_channel(&ChannelSpec {
+                topic: &channel.topic,
+                schema_name: &channel.schema_name,
+                schema_encoding: &channel.schema_encoding,
+                schema: &channel.schema,
+                message_encoding: &channel.message_encoding,
+                metadata: &BTreeMap::new(),
+            })?;
+            Ok(Channel { id, sequence: 0 })
+        };
+        let channels = derived.channels().iter().map(add);
+        let channels = channels.collect::<Result<_, LogError>>()?;
+        let mut this = Self { derived, channels };
+        this.write(log)?;
+        Ok(this)
+    }
+
+    /// Hands on what happens in the run, and writes what comes of it.
+    pub(super) fn update(
+        &mut self,
+        log: &mut LogWriter,
+        update: impl FnOnce(&mut dyn Derived),
+    ) -> Result<(), LogError> {
+        update(self.derived.as_mut());
+        self.write(log)
+    }
+
+    fn write(&mut self, log: &mut LogWriter) -> Result<(), LogError> {
+        let ready = self.derived.ready();
+        let failure = ready.failure.take();
+        for message in ready.messages.drain(..) {
+            let Some(channel) = self.channels.get_mut(message.channel) else {
+                continue;
+            };
+            let sequence = channel.sequence;
+            channel.sequence = channel.sequence.wrapping_add(1);
+            let data = ready.bytes.get(message.bytes).unwrap_or_default();
+            log.write(channel.id, sequence, message.time_ns, message.time_ns, data)?;
+        }
+        ready.bytes.clear();
+        let Some((channel, reason)) = failure else {
+            return Ok(());
+        };
+        let channel = self.derived.channels().get(channel);
+        Err(LogError::Encode {
+            path: log.path().to_owned(),
+            topic: channel.map_or_else(String::new, |channel| channel.topic.clone()),
+            reason,
+        })
+    }
+}
