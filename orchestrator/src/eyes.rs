@@ -1,15 +1,12 @@
 //! Who looks, from where, how far and how wide: what viewers and reports draw as seen.
 
-use observer::ObserverParams;
+use runtime::kind::Lookout;
 use serde::Serialize;
-use serde::de::DeserializeOwned;
-use serde_json::Value as Json;
 use sim_backend::spec::RobotSpec;
 use sim_backend::team::Team;
 use sim_backend::visibility::polygon::SightLimits;
-use tracking::params::PerceptionParams;
 
-use crate::scenario::{Program, ResolvedScenario};
+use crate::scenario::ResolvedScenario;
 
 /// Somebody who looks.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -45,45 +42,22 @@ pub enum EyePlace {
     Point([f64; 2]),
 }
 
-/// A process that may look.
-#[derive(Debug)]
-pub struct Watcher<'a> {
-    /// Its name.
-    pub name: &'a str,
-    /// Its kind.
-    pub kind: &'a str,
-    /// Its parameters, complete.
-    pub params: &'a Json,
-    /// The robots that are given to it, by index.
-    pub robots: Vec<usize>,
-}
-
 /// The eyes of a scenario.
 pub fn of_scenario(scenario: &ResolvedScenario) -> Vec<EyeInfo> {
-    let watchers = scenario.processes.iter().filter_map(|process| {
-        let Program::Kind(kind) = &process.program else {
-            return None;
-        };
-        Some(Watcher {
-            name: &process.name,
-            kind,
-            params: &process.params,
-            robots: process.robots.clone(),
-        })
+    let robots = &scenario.world.robots;
+    let lookouts = scenario.processes.iter().filter_map(|process| {
+        let kind = process.program.kind()?;
+        Some((&*process.name, kind.lookout(&process.robots, robots)?))
     });
-    eyes(&scenario.world.robots, watchers)
+    eyes(robots, lookouts)
 }
 
-/// The eyes of these robots, as processes of our own use them: perception those that are given to
-/// it, or of all Police, an observer its robots and places (without any it is told everything, and
-/// nothing is drawn). Where nobody looks, the Police are drawn as if they did.
+/// The eyes of these processes, each with its name. Where none looks, the Police are drawn as if
+/// they did.
 pub fn eyes<'a>(
     robots: &[RobotSpec],
-    watchers: impl IntoIterator<Item = Watcher<'a>>,
+    lookouts: impl IntoIterator<Item = (&'a str, Lookout)>,
 ) -> Vec<EyeInfo> {
-    let police: Vec<usize> = (0..robots.len())
-        .filter(|&robot| robots[robot].team == Team::Police)
-        .collect();
     let name = |robot: usize| robots.get(robot).map_or("", |robot| robot.name.as_str());
     let mut eyes: Vec<EyeInfo> = Vec::new();
     let mut looks = false;
@@ -102,58 +76,31 @@ pub fn eyes<'a>(
             });
         }
     };
-    for watcher in watchers {
-        let by = format!(" ({})", watcher.name);
-        match watcher.kind {
-            "perception" => {
-                looks = true;
-                let params = read::<PerceptionParams>(watcher.params);
-                let limits = SightLimits {
-                    range: params.sensor.range,
-                    field_of_view: params.sensor.field_of_view,
-                };
-                let given = if watcher.robots.is_empty() {
-                    &police
-                } else {
-                    &watcher.robots
-                };
-                for &robot in given.iter().filter(|&&robot| robot < robots.len()) {
-                    let place = EyePlace::Robot(robot as u32);
-                    add(name(robot).to_owned(), &by, place, limits);
-                }
-            }
-            "observer" => {
-                looks = true;
-                let params = read::<ObserverParams>(watcher.params);
-                let limits = SightLimits {
-                    range: params.eyes.range,
-                    field_of_view: None,
-                };
-                for robot in 0..robots.len() {
-                    if params.from_robots.iter().any(|from| from == name(robot)) {
-                        let place = EyePlace::Robot(robot as u32);
-                        add(name(robot).to_owned(), &by, place, limits);
-                    }
-                }
-                for [x, y] in params.from_points {
-                    add(format!("{x} {y}"), &by, EyePlace::Point([x, y]), limits);
-                }
-            }
-            _ => {}
+    for (process, lookout) in lookouts {
+        looks = true;
+        let by = format!(" ({process})");
+        let given = lookout.robots.iter().copied();
+        for robot in given.filter(|&robot| robot < robots.len()) {
+            let place = EyePlace::Robot(robot as u32);
+            add(name(robot).to_owned(), &by, place, lookout.limits);
+        }
+        for [x, y] in lookout.points {
+            add(
+                format!("{x} {y}"),
+                &by,
+                EyePlace::Point([x, y]),
+                lookout.limits,
+            );
         }
     }
     if !looks {
+        let police = (0..robots.len()).filter(|&robot| robots[robot].team == Team::Police);
         for robot in police {
             let place = EyePlace::Robot(robot as u32);
             add(name(robot).to_owned(), "", place, SightLimits::default());
         }
     }
     eyes
-}
-
-/// Parameters that were checked when the run began; what cannot be read has the defaults.
-fn read<P: DeserializeOwned + Default>(params: &Json) -> P {
-    serde_json::from_value(params.clone()).unwrap_or_default()
 }
 
 #[cfg(test)]

@@ -19,4 +19,3 @@ pub mod routes;
 pub mod scenario;
 mod storage;
 pub mod sweep;
-pub mod wirings;

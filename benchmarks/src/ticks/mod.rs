@@ -21,10 +21,11 @@ use orchestrator::latency::link::pin;
 use orchestrator::mission::child_process::Executable;
 use orchestrator::mission::process_group::ProcessGroup;
 use orchestrator::mission::run_directory::RunDirectory;
-use runtime::config::{Clock, ProcessConfig, RobotInfo, RunConfig};
+use runtime::config::{Clock, ProcessConfig, RobotInfo, RunConfig, document};
 use runtime::inputs::{StateInput, reply_stamp};
+use runtime::kind::ParamsFault;
 use runtime::lockstep::{Conductor, Overseer, Phase, SlotState, TurnEnd, TurnPage};
-use runtime::{ProcessError, Wiring};
+use runtime::{Process, ProcessError, ProcessKind};
 use serde::Serialize;
 use sim_backend::pose::Pose2;
 use sim_backend::spec::Preset;
@@ -209,9 +210,9 @@ impl RuntimeExchange {
                 index,
                 robots: vec![index - 1],
                 upstream: Vec::new(),
-                params: serde_json::Value::Null,
             })
             .collect();
+        let configs: Vec<_> = configs.iter().map(|c| document(c, ())).collect();
         let planners = start_planners(&space, KIT_PLANNER, &configs)?;
         let mut exchange = Self {
             overseer,
@@ -317,15 +318,26 @@ struct TrivialPlanner {
     robot: u32,
 }
 
-impl Wiring for TrivialPlanner {
-    fn open(config: &ProcessConfig, bus: &Bus) -> std::result::Result<Self, ProcessError> {
+impl ProcessKind for TrivialPlanner {
+    const NAME: &'static str = KIT_PLANNER;
+    const SUMMARY: &'static str = "answers every state with a command";
+
+    type Params = ();
+
+    fn check_params((): &()) -> std::result::Result<(), ParamsFault> {
+        Ok(())
+    }
+
+    fn open(config: &ProcessConfig, (): &(), bus: &Bus) -> std::result::Result<Self, ProcessError> {
         Ok(Self {
             state: StateInput::open(bus, config.run.robots.len())?,
             commands: bus.publisher(PublisherOptions::new(config.index, 1))?,
             robot: config.robots.first().copied().unwrap_or(0),
         })
     }
+}
 
+impl Process for TrivialPlanner {
     fn connect(&mut self) -> std::result::Result<(), ProcessError> {
         self.state.connect()?;
         self.commands.update_connections()?;

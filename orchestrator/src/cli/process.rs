@@ -4,27 +4,30 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use platform::eprintln;
-use runtime::Wiring;
 
 use super::EXIT_INVALID;
 use crate::latency::link;
-use crate::wirings::{self, WiringVisitor};
+use crate::scenario::kind::find;
+use crate::scenario::kinds::KINDS;
+
+/// How a process runs, given the path of its configuration.
+type Run = fn(&Path) -> ExitCode;
+
+/// Processes that no scenario names: the one that leads the loop of the others, and the receiver of
+/// `protean latency`.
+const INTERNAL: [(&str, Run); 2] = [
+    (simulator::NAME, simulator::process::run),
+    (link::SINK_KIND, link::sink),
+];
 
 /// Runs the process of this kind to its end.
 pub fn run(kind: &str, config: &Path) -> ExitCode {
-    struct Live<'a>(&'a Path);
-    impl WiringVisitor for Live<'_> {
-        type Output = ExitCode;
-        fn visit<W: Wiring + 'static>(self) -> ExitCode {
-            runtime::run::<W>(self.0)
-        }
+    if let Some((_, run)) = INTERNAL.iter().find(|(name, _)| *name == kind) {
+        return run(config);
     }
-    match kind {
-        "simulator" => simulator::process::run(config),
-        link::SINK_KIND => link::sink(config),
-        other => wirings::visit(other, Live(config)).unwrap_or_else(|| {
-            eprintln!("error: no process of kind {other:?} in this program");
-            ExitCode::from(EXIT_INVALID)
-        }),
+    if let Some(kind) = find(KINDS, kind) {
+        return kind.run(config);
     }
+    eprintln!("error: no process of kind {kind:?} in this program");
+    ExitCode::from(EXIT_INVALID)
 }

@@ -1,39 +1,16 @@
 //! The processes of a run as members of one thread.
 
 use ipc_types::bus::Bus;
-use runtime::{ProcessConfig, ProcessError, Wiring};
+use runtime::{Process, ProcessError};
 use simulator::process::Simulator;
 
 use super::error::InProcessError;
-use crate::mission::child_process::Executable;
 use crate::mission::plan::{Launch, Plan};
-use crate::wirings::{self, WiringVisitor};
-
-/// A [`Wiring`] without its type.
-trait Steps {
-    fn connect(&mut self) -> Result<(), ProcessError>;
-    fn prepare(&mut self) -> Result<(), ProcessError>;
-    fn step(&mut self, tick: u64) -> Result<(), ProcessError>;
-}
-
-impl<W: Wiring> Steps for W {
-    fn connect(&mut self) -> Result<(), ProcessError> {
-        Wiring::connect(self)
-    }
-
-    fn prepare(&mut self) -> Result<(), ProcessError> {
-        Wiring::prepare(self)
-    }
-
-    fn step(&mut self, tick: u64) -> Result<(), ProcessError> {
-        Wiring::step(self, tick)
-    }
-}
 
 /// One process.
 struct Member {
     name: String,
-    steps: Box<dyn Steps>,
+    process: Box<dyn Process>,
 }
 
 /// Those who follow the world, in the order in which they take their turns.
@@ -53,26 +30,26 @@ impl Members {
 
     /// Connects everybody.
     pub(crate) fn connect(&mut self) -> Result<(), InProcessError> {
-        self.each(None, |steps| steps.connect())
+        self.each(None, |process| process.connect())
     }
 
     /// Lets everybody build what it needs of the map.
     pub(crate) fn prepare(&mut self) -> Result<(), InProcessError> {
-        self.each(None, |steps| steps.prepare())
+        self.each(None, |process| process.prepare())
     }
 
     /// Gives everybody the turn of a tick.
     pub(crate) fn step(&mut self, tick: u64) -> Result<(), InProcessError> {
-        self.each(Some(tick), |steps| steps.step(tick))
+        self.each(Some(tick), |process| process.step(tick))
     }
 
     fn each(
         &mut self,
         tick: Option<u64>,
-        act: impl Fn(&mut dyn Steps) -> Result<(), ProcessError>,
+        act: impl Fn(&mut dyn Process) -> Result<(), ProcessError>,
     ) -> Result<(), InProcessError> {
         self.members.iter_mut().try_for_each(|member| {
-            act(member.steps.as_mut()).map_err(|source| failed(&member.name, tick, source))
+            act(member.process.as_mut()).map_err(|source| failed(&member.name, tick, source))
         })
     }
 }
@@ -87,12 +64,10 @@ pub(super) struct Crew {
 impl Crew {
     /// Opens the ports of all processes.
     pub(super) fn open(plan: &Plan, bus: &Bus) -> Result<Self, InProcessError> {
-        let (leader, followers) = plan.launches.split_first().ok_or_else(|| {
-            let name = "simulator".to_owned();
-            let kind = name.clone();
-            InProcessError::UnknownKind { name, kind }
-        })?;
-        let simulator = open_simulator(&leader.config, bus)
+        let Some((leader, params, followers)) = plan.split_simulator() else {
+            return Err(InProcessError::NoSimulator);
+        };
+        let simulator = Simulator::open(&leader.config, params, bus)
             .map_err(|source| failed(&leader.config.name, None, source))?;
         Ok(Self {
             leader: leader.config.name.clone(),
@@ -146,42 +121,15 @@ fn failed(name: &str, tick: Option<u64>, source: ProcessError) -> InProcessError
     InProcessError::Process { name, when, source }
 }
 
-fn open_simulator(config: &ProcessConfig, bus: &Bus) -> Result<Simulator, ProcessError> {
-    let params =
-        serde_json::from_value(config.params.clone()).map_err(|e| ProcessError::Params {
-            process: config.name.clone(),
-            kind: config.kind.clone(),
-            reason: e.to_string(),
-        })?;
-    Simulator::open(config, &params, bus)
-}
-
 fn open_member(launch: &Launch, bus: &Bus) -> Result<Member, InProcessError> {
-    struct Open<'a>(&'a ProcessConfig, &'a Bus);
-    impl WiringVisitor for Open<'_> {
-        type Output = Result<Box<dyn Steps>, ProcessError>;
-        fn visit<W: Wiring + 'static>(self) -> Self::Output {
-            Ok(Box::new(W::open(self.0, self.1)?))
-        }
-    }
     let config = &launch.config;
-    let kind = match &launch.executable {
-        Executable::Kind(kind) => kind,
-        Executable::Command(_) => {
-            let name = config.name.clone();
-            return Err(InProcessError::External { name });
-        }
+    let name = config.name.clone();
+    let Some(kind) = launch.kind() else {
+        return Err(InProcessError::External { name });
     };
-    let steps = wirings::visit(kind, Open(config, bus))
-        .ok_or_else(|| InProcessError::UnknownKind {
-            name: config.name.clone(),
-            kind: kind.clone(),
-        })?
-        .map_err(|source| failed(&config.name, None, source))?;
-    Ok(Member {
-        name: config.name.clone(),
-        steps,
-    })
+    let opened = kind.open(config, bus);
+    let process = opened.map_err(|source| failed(&name, None, source))?;
+    Ok(Member { name, process })
 }
 
 /// The followers in an order in which everybody comes after those whose output of the same tick it

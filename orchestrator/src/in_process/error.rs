@@ -17,14 +17,9 @@ pub enum InProcessError {
         /// Name of the process.
         name: String,
     },
-    /// A process is of a kind that this program does not have.
-    #[error("processes.{name}.kind: no kind {kind:?} in this program")]
-    UnknownKind {
-        /// Name of the process.
-        name: String,
-        /// Its kind.
-        kind: String,
-    },
+    /// The plan begins with another process than the simulator.
+    #[error("the run has no simulator")]
+    NoSimulator,
     /// Processes need each other's output of the same tick.
     #[error("processes {} wait for each other", names.join(", "))]
     Circular {

@@ -1,6 +1,6 @@
 //! A run in one thread of this process: for sweeps of very many runs.
 //!
-//! The same wirings as those of the processes, over a bus in memory, take their turns in the order
+//! The same code as in processes of their own, over a bus in memory, takes its turns in the order
 //! of lock-step: the simulator publishes the state of a tick, everybody steps after those it waits
 //! for, the simulator takes the commands and steps the world. What is said is the same to the bit:
 //! digest, outcome and metrics are those of the run with processes. There are no clocks, so there
@@ -211,7 +211,10 @@ mod tests {
         let error = run(&scenario, &InProcessOptions::default()).unwrap_err();
         assert!(error.to_string().contains("run.mode"), "{error}");
         let mut scenario = game(1);
-        scenario.processes[0].program = crate::scenario::Program::Command(vec!["./mine".into()]);
+        scenario.processes[0].program = crate::scenario::Program::Command {
+            words: vec!["./mine".into()],
+            params: serde_json::Value::Null,
+        };
         let error = run(&scenario, &InProcessOptions::default()).unwrap_err();
         let field = format!("processes.{}.command", scenario.processes[0].name);
         assert!(error.to_string().contains(&field), "{error}");

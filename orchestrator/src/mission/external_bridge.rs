@@ -50,7 +50,7 @@ impl ExternalBridge {
         let stop = Arc::new(AtomicBool::new(false));
         let external: Vec<&ProcessConfig> = launches
             .iter()
-            .filter(|launch| matches!(launch.executable, Executable::Command(_)))
+            .filter(|launch| matches!(launch.executable(), Executable::Command(_)))
             .map(|launch| &launch.config)
             .collect();
         let mut bridge = Self {

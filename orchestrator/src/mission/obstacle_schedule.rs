@@ -76,10 +76,9 @@ mod tests {
     use std::path::Path;
 
     use sim_backend::spec::Condition;
-    use simulator::SimulatorParams;
 
     use super::*;
-    use crate::mission::plan::Plan;
+    use crate::mission::plan::{Plan, Role};
     use crate::scenario::load;
 
     fn plan(overrides: &[&str]) -> Plan {
@@ -119,8 +118,9 @@ mod tests {
             .map(|change| change.tick)
             .collect();
         assert_eq!(ticks, [50, 250], "the lorry alone");
-        let params: SimulatorParams =
-            serde_json::from_value(plan.launches[0].config.params.clone()).unwrap();
+        let Role::Simulator(params) = &plan.launches[0].role else {
+            panic!("{:?}", plan.launches[0]);
+        };
         let condition = Condition::Within {
             within: 0.8,
             of: [4.5, 3.0],

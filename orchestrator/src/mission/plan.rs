@@ -6,8 +6,10 @@ use ipc_types::bus::{Publisher, SendError};
 use ipc_types::messages::world::ObstacleEvent;
 use ipc_types::stamp::PlainHeader;
 use ipc_types::topics::ObstacleEvents;
-use runtime::config::{Clock, ProcessConfig, RobotInfo, RunConfig};
+use runtime::config::{Clock, ProcessConfig, RobotInfo, RunConfig, document};
+use runtime::kind::{Need, Product};
 use runtime::obstacle::{self, ObstacleMessageError};
+use serde::{Serialize, Serializer};
 use serde_json::Value as Json;
 use sim_backend::map::{ObstacleChange, WorldMap};
 use simulator::SimulatorParams;
@@ -16,7 +18,7 @@ pub use super::obstacle_schedule::ScheduledChange;
 
 use super::child_process::Executable;
 use super::obstacle_schedule;
-use crate::scenario::kinds::{KINDS, Need, Product, find};
+use crate::scenario::kind::ConfiguredKind;
 use crate::scenario::spec::{self, Mode};
 use crate::scenario::{Program, ResolvedScenario, Supervision};
 
@@ -36,22 +38,65 @@ pub enum PlanError {
     /// An obstacle event does not fit its message.
     #[error(transparent)]
     Obstacle(#[from] ObstacleMessageError),
-    /// The parameters cannot be written down.
-    #[error("parameters of the simulator: {0}")]
-    Params(#[from] serde_json::Error),
+}
+
+/// What a process is in its run, with its parameters.
+#[derive(Debug, Clone)]
+pub enum Role {
+    /// The world, which leads the loop of the others.
+    Simulator(Box<SimulatorParams>),
+    /// A process of the scenario.
+    Process(Program),
 }
 
 /// One process to be started.
 #[derive(Debug, Clone)]
 pub struct Launch {
-    /// What is executed.
-    pub executable: Executable,
-    /// What it is told.
+    /// What it is.
+    pub role: Role,
+    /// What it is told beside its parameters.
     pub config: ProcessConfig,
     /// Whether other processes wait for it.
     pub watched: bool,
     /// How it is looked after.
     pub supervision: Supervision,
+}
+
+impl Launch {
+    /// Its kind, if it is one that scenarios name.
+    pub fn kind(&self) -> Option<&ConfiguredKind> {
+        match &self.role {
+            Role::Simulator(_) => None,
+            Role::Process(program) => program.kind(),
+        }
+    }
+
+    /// Whether it makes something for others; of a program of the user's that is not known.
+    pub fn makes(&self, product: Product) -> bool {
+        self.kind().is_some_and(|kind| kind.kind().makes(product))
+    }
+
+    /// What is executed.
+    pub fn executable(&self) -> Executable {
+        match &self.role {
+            Role::Process(Program::Command { words, .. }) => Executable::Command(words.clone()),
+            Role::Simulator(_) | Role::Process(Program::Kind(_)) => {
+                Executable::Kind(self.config.kind.clone())
+            }
+        }
+    }
+}
+
+/// As the process reads it from its configuration.
+impl Serialize for Launch {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match &self.role {
+            Role::Simulator(params) => document(&self.config, params).serialize(serializer),
+            Role::Process(program) => {
+                document(&self.config, program.params()).serialize(serializer)
+            }
+        }
+    }
 }
 
 /// Everything that a run needs to start.
@@ -89,12 +134,11 @@ impl Plan {
     ) -> Result<Self, PlanError> {
         let map = WorldMap::recent(&scenario.world.map)?;
         let tick_period_ns = (scenario.run.dt * 1e9).round() as u64;
-        let particles = scenario
-            .processes
-            .iter()
-            .map(|p| particles(&p.params))
-            .max()
-            .unwrap_or(0);
+        let particles = scenario.processes.iter().map(|p| match &p.program {
+            Program::Kind(kind) => kind.belief_particles(),
+            Program::Command { params, .. } => particles(params),
+        });
+        let particles = particles.max().unwrap_or(0);
         let clock = match scenario.run.mode {
             Mode::LockStep => Clock::LockStep,
             Mode::RealTime => Clock::RealTime {
@@ -177,6 +221,15 @@ impl Plan {
         Ok(())
     }
 
+    /// The simulator with its parameters, and the processes that follow it.
+    pub fn split_simulator(&self) -> Option<(&Launch, &SimulatorParams, &[Launch])> {
+        let (leader, followers) = self.launches.split_first()?;
+        match &leader.role {
+            Role::Simulator(params) => Some((leader, params, followers)),
+            Role::Process(_) => None,
+        }
+    }
+
     /// Index under which the orchestrator itself sends.
     pub fn orchestrator_index(&self) -> u32 {
         self.launches.len() as u32
@@ -184,22 +237,17 @@ impl Plan {
 
     /// Whether the run has somebody who makes plans on request.
     pub fn serves_plans(&self) -> bool {
-        let serves = |launch: &Launch| {
-            find(KINDS, &launch.config.kind).is_some_and(|kind| kind.makes(Product::Plans))
-        };
-        self.launches.iter().any(serves)
+        self.launches.iter().any(|l| l.makes(Product::Plans))
     }
 
-    /// Whether the robot with this index may visit waypoints: by the kind of its process; nobody
-    /// knows it of a program of the user's own.
+    /// Whether the robot with this index may visit waypoints: by the kind of its process; a program
+    /// of the user's own may.
     pub fn visits_waypoints(&self, robot: u32) -> bool {
         let mut drivers = self
             .launches
             .iter()
             .filter(|launch| launch.config.robots.contains(&robot));
-        drivers.any(|launch| {
-            find(KINDS, &launch.config.kind).is_none_or(|kind| kind.makes(Product::Waypoints))
-        })
+        drivers.any(|launch| launch.kind().is_none() || launch.makes(Product::Waypoints))
     }
 
     /// Whether the beliefs of a tick are input of a process.
@@ -210,7 +258,7 @@ impl Plan {
     }
 }
 
-/// Particles per belief that the parameters of a process ask for.
+/// Particles per belief that the parameters of a program of the user's ask for.
 fn particles(params: &Json) -> usize {
     params
         .pointer("/filter/particles")
@@ -243,21 +291,18 @@ fn first_processor() -> u32 {
 }
 
 fn launches(scenario: &ResolvedScenario, run: &RunConfig) -> Result<Vec<Launch>, PlanError> {
-    let kind_of = |program: &Program| match program {
-        Program::Kind(kind) => find(KINDS, kind),
-        Program::Command(_) => None,
-    };
     let index = |position: usize| position as u32 + 1;
     let providers: Vec<u32> = scenario
         .processes
         .iter()
         .enumerate()
-        .filter(|(_, p)| kind_of(&p.program).is_some_and(|kind| kind.makes(Product::Beliefs)))
+        .filter(|(_, p)| p.makes(Product::Beliefs))
         .map(|(position, _)| index(position))
         .collect();
     let mut drivers: Vec<Option<u32>> = vec![None; scenario.world.robots.len()];
     for (position, process) in scenario.processes.iter().enumerate() {
-        let drives = kind_of(&process.program).is_none_or(|kind| kind.drives_robots);
+        let kind = process.program.kind();
+        let drives = kind.is_none_or(|kind| kind.kind().drives_robots);
         for &robot in process.robots.iter().filter(|_| drives) {
             if let Some(driver) = drivers.get_mut(robot) {
                 *driver = Some(index(position));
@@ -271,15 +316,14 @@ fn launches(scenario: &ResolvedScenario, run: &RunConfig) -> Result<Vec<Launch>,
         agenda: obstacle_schedule::agenda(&scenario.events, run.tick_period_ns)?,
     };
     let mut launches = vec![Launch {
-        executable: Executable::Kind("simulator".into()),
+        role: Role::Simulator(Box::new(simulator)),
         config: ProcessConfig {
             run: run.clone(),
-            name: "simulator".into(),
-            kind: "simulator".into(),
+            name: simulator::NAME.into(),
+            kind: simulator::NAME.into(),
             index: 0,
             robots: Vec::new(),
             upstream: Vec::new(),
-            params: serde_json::to_value(&simulator)?,
         },
         watched: false,
         // Without the world there is no run.
@@ -289,19 +333,15 @@ fn launches(scenario: &ResolvedScenario, run: &RunConfig) -> Result<Vec<Launch>,
         },
     }];
     for (position, process) in scenario.processes.iter().enumerate() {
-        let kind = kind_of(&process.program);
+        let kind = process.program.kind();
         // What a program of the user's reads is not known: it gets its turn when everything is there.
-        let needs_belief = kind.is_none_or(|k| (k.needs)(&process.params).contains(&Need::Belief));
-        let (executable, kind_name) = match &process.program {
-            Program::Kind(kind) => (Executable::Kind(kind.clone()), kind.clone()),
-            Program::Command(words) => (Executable::Command(words.clone()), "external".into()),
-        };
+        let needs_belief = kind.is_none_or(|kind| kind.needs(Need::Belief));
         launches.push(Launch {
-            executable,
+            role: Role::Process(process.program.clone()),
             config: ProcessConfig {
                 run: run.clone(),
                 name: process.name.clone(),
-                kind: kind_name,
+                kind: kind.map_or("external", |kind| kind.kind().name).into(),
                 index: index(position),
                 robots: process.robots.iter().map(|&r| r as u32).collect(),
                 upstream: if needs_belief {
@@ -309,7 +349,6 @@ fn launches(scenario: &ResolvedScenario, run: &RunConfig) -> Result<Vec<Launch>,
                 } else {
                     Vec::new()
                 },
-                params: process.params.clone(),
             },
             watched: providers.contains(&index(position)),
             supervision: process.supervision,
@@ -333,8 +372,9 @@ mod tests {
     fn the_simulator_comes_first_and_knows_who_drives_whom() {
         let plan = plan("chase", &[]);
         assert_eq!(plan.launches[0].config.kind, "simulator");
-        let params: SimulatorParams =
-            serde_json::from_value(plan.launches[0].config.params.clone()).unwrap();
+        let Role::Simulator(params) = &plan.launches[0].role else {
+            panic!("{:?}", plan.launches[0]);
+        };
         assert_eq!(params.drivers.len(), 6);
         for (robot, driver) in params.drivers.iter().enumerate() {
             let launch = &plan.launches[driver.unwrap() as usize];

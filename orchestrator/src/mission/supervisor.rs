@@ -89,7 +89,7 @@ impl<'a> Supervisor<'a> {
             shm_usage::check_start()?;
             let config = &launch.config;
             let slot = config.index as usize;
-            write_config(self.resources.root(), &config.name, slot, config)?;
+            write_config(self.resources.root(), &config.name, slot, launch)?;
             let process = self.launch(index)?;
             self.processes.push(process);
         }
@@ -102,7 +102,7 @@ impl<'a> Supervisor<'a> {
         RunningProcess::start(
             &launch.config.name,
             slot,
-            &launch.executable,
+            &launch.executable(),
             &config_path(self.resources.root(), slot),
             self.echo,
             self.log.as_ref().map(|log| log.line_sender()),

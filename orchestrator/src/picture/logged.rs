@@ -5,7 +5,10 @@ use serde_json::Value as Json;
 use sim_backend::map::MapSpec;
 use sim_backend::spec::{RobotSpec, RulesSpec};
 
-use crate::eyes::{EyeInfo, Watcher, eyes};
+use crate::eyes::{EyeInfo, eyes};
+use crate::scenario::kind::find;
+use crate::scenario::kinds::KINDS;
+use config::{Node, Origin};
 
 /// The parts of the scenario in a log that a picture needs; the rest is passed over, so that a
 /// picture does not depend on it.
@@ -54,15 +57,17 @@ impl LoggedScenario {
                 .iter()
                 .position(|r| Some(&*r.name) == name.as_str())
         };
-        let watchers = self.processes.iter().filter_map(|process| {
+        let lookouts = self.processes.iter().filter_map(|process| {
+            let name = process.get("name")?.as_str()?;
+            let kind = find(KINDS, process.get("kind")?.as_str()?)?;
             let given = process.get("robots").and_then(Json::as_array);
-            Some(Watcher {
-                name: process.get("name")?.as_str()?,
-                kind: process.get("kind")?.as_str()?,
-                params: process.get("params").unwrap_or(&Json::Null),
-                robots: given.into_iter().flatten().filter_map(index).collect(),
-            })
+            let given: Vec<usize> = given.into_iter().flatten().filter_map(index).collect();
+            let params = process.get("params").and_then(Node::from_json);
+            // Parameters that cannot be read, of another version say, have the defaults.
+            let read = params.and_then(|params| kind.read(&params).ok());
+            let read = read.or_else(|| kind.read(&Node::empty_table(Origin::Implied)).ok());
+            Some((name, read?.lookout(&given, &self.robots)?))
         });
-        eyes(&self.robots, watchers)
+        eyes(&self.robots, lookouts)
     }
 }

@@ -4,7 +4,8 @@ use ::coverage::goal::{Goal, GoalSource};
 use ::coverage::tour::Tour;
 use ::metrics::coverage::{CELL_SIDES, Figures, Meter, Rate};
 use coverage::sub_goals::FollowParams;
-use coverage::sub_goals::design::{Design, Site};
+use coverage::sub_goals::site::Site;
+use coverage_planners::design::Design;
 use coverage_planners::{Boustrophedon, Chebyshev, ChebyshevParams, Keyed, RandomBounce, Uniform};
 use nalgebra::Point2;
 use serde_json::{Value as Json, json};
@@ -92,11 +93,11 @@ pub fn plan(
 }
 
 fn chebyshev(order: &Order<'_>) -> Result<Planned, RouteError> {
-    let params: ChebyshevParams = order.params()?;
-    let mut planned = order.plan::<Chebyshev>(&params)?;
+    let params: &ChebyshevParams = order.router.params()?;
+    let mut planned = order.plan::<Chebyshev>(params)?;
     let decomposition = &planned.site.decomposition;
     if let Some(first) = decomposition.rectangle_at(planned.site.start) {
-        let tour = Chebyshev::lay_out(&params, &planned.site)
+        let tour = Chebyshev::lay_out(params, &planned.site)
             .and_then(|decomposition| {
                 Tour::new(&decomposition, first, &params.route, &params.iterations)
                     .map_err(|e| e.to_string())
@@ -108,16 +109,10 @@ fn chebyshev(order: &Order<'_>) -> Result<Planned, RouteError> {
 }
 
 fn any<D: Design>(order: &Order<'_>) -> Result<Planned, RouteError> {
-    let params: D::Params = order.params()?;
-    order.plan::<D>(&params)
+    order.plan::<D>(order.router.params()?)
 }
 
 impl Order<'_> {
-    fn params<P: serde::de::DeserializeOwned>(&self) -> Result<P, RouteError> {
-        serde_json::from_value(self.router.process.params.clone())
-            .map_err(|e| self.router.refused(&e))
-    }
-
     fn site(&self, follow: &FollowParams) -> Result<Site, RouteError> {
         let refused = |reason: &dyn std::fmt::Display| self.router.refused(reason);
         let map = WorldMap::recent(&self.scenario.world.map).map_err(|e| refused(&e))?;
@@ -135,7 +130,7 @@ impl Order<'_> {
 
     fn plan<D: Design>(&self, params: &D::Params) -> Result<Planned, RouteError> {
         let refused = |reason: &dyn std::fmt::Display| self.router.refused(reason);
-        D::validate(params).map_err(|e| refused(&e))?;
+        D::check_params(params).map_err(|e| refused(&e))?;
         let follow = D::follow(params);
         let site = self.site(&follow)?;
         // What the robot's body covers; the margin is for its drive only.

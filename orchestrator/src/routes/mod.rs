@@ -7,7 +7,7 @@ pub mod patrol;
 use sim_backend::spec::RobotSpec;
 use thiserror::Error;
 
-use crate::scenario::{ProcessSpec, Program, ResolvedScenario};
+use crate::scenario::{ProcessSpec, ResolvedScenario};
 
 /// Why there is nothing to say of a scenario's routes.
 #[derive(Debug, Error)]
@@ -77,10 +77,7 @@ impl<'s> Router<'s> {
         kinds: &[&str],
         name: Option<&str>,
     ) -> Result<Self, RouteError> {
-        let kind_of = |process: &'s ProcessSpec| match &process.program {
-            Program::Kind(kind) => Some(kind.as_str()),
-            Program::Command(_) => None,
-        };
+        let kind_of = |process: &'s ProcessSpec| process.program.kind_name();
         let fitting: Vec<(&ProcessSpec, &str)> = scenario
             .processes
             .iter()
@@ -141,6 +138,13 @@ impl<'s> Router<'s> {
     /// The seed that the process gives the planner of this robot.
     fn seed(&self, scenario: &ResolvedScenario) -> u64 {
         planner::planner_seed(scenario.run.seed, self.kind, &self.robot.name)
+    }
+
+    /// The parameters of the process.
+    fn params<P: 'static>(&self) -> Result<&'s P, RouteError> {
+        let kind = self.process.program.kind();
+        let params = kind.and_then(|kind| kind.params());
+        params.ok_or_else(|| self.refused(&"its parameters are of another kind"))
     }
 
     fn refused(&self, reason: &dyn std::fmt::Display) -> RouteError {

@@ -38,8 +38,7 @@ impl Patrol {
     ) -> Result<Self, RouteError> {
         let router = Router::find(scenario, &KINDS, process)?;
         let refused = |reason: &dyn std::fmt::Display| router.refused(reason);
-        let mut params: PatrolAwgParams =
-            serde_json::from_value(router.process.params.clone()).map_err(|e| refused(&e))?;
+        let mut params: PatrolAwgParams = router.params::<PatrolAwgParams>()?.clone();
         if key.is_some() {
             params.mission.key = key;
         }

@@ -4,7 +4,7 @@ use config::{Code, Diagnostic, Diagnostics, FieldPath, Node, Origin, Sources, pr
 use serde::de::DeserializeOwned;
 use sim_backend::params::ParamsError;
 
-use super::kinds::KindInfo;
+use super::kind::Kind;
 
 /// The scenario being resolved.
 pub struct Context<'a> {
@@ -13,7 +13,7 @@ pub struct Context<'a> {
     /// Its tree, overrides applied.
     pub root: Node,
     /// The kinds of processes that there are.
-    pub kinds: &'a [KindInfo],
+    pub kinds: &'a [Kind],
     /// What was found wrong.
     pub problems: Diagnostics,
 }

@@ -5,7 +5,7 @@ use config::{Code, Diagnostic, Diagnostics, FieldPath, Node, Sources};
 use super::context::Context;
 use super::files::Base;
 use super::jitter::Placement;
-use super::kinds::KindInfo;
+use super::kind::Kind;
 use super::load::resolve;
 use super::overrides;
 use super::resolved::ResolvedScenario;
@@ -19,7 +19,7 @@ pub struct Draft<'k> {
     pub(super) sources: Sources,
     pub(super) root: Node,
     pub(super) problems: Diagnostics,
-    pub(super) kinds: &'k [KindInfo],
+    pub(super) kinds: &'k [Kind],
     pub(super) base: Base,
     pub(super) stem: String,
 }

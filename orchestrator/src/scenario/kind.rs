@@ -1,121 +1,44 @@
-//! What a kind of process is, to the scenarios that name it.
+//! Kinds of processes without their types: what scenarios, runs and commands work with.
 
-use config::{Node, read_once};
-use serde::Serialize;
-use serde::de::DeserializeOwned;
+use core::any::Any;
+use core::fmt;
+use std::path::Path;
+use std::process::ExitCode;
+use std::sync::Arc;
+
+use config::{Node, ReadError, read_once};
+use ipc_types::bus::Bus;
+use runtime::kind::{Lookout, Need, ParamsFault, Process, ProcessKind, Product, Task, TaskFault};
+use runtime::{ProcessConfig, ProcessError};
 use serde_json::Value as Json;
+use sim_backend::spec::RobotSpec;
 
-use super::params_fault::ParamsFault;
-
-/// Something that a process needs and another part of the scenario must provide.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Need {
-    /// Beliefs about the opponents: a `perception` process.
-    Belief,
-    /// A `scan` sensor on every robot that the process drives.
-    Scan,
-    /// Trajectories on request: an `optimiser` process.
-    Plans,
-    /// A `goal` of every robot that the process drives.
-    Goal,
-}
-
-/// A name and the parameters that it stands for.
-pub type Preset = (&'static str, fn() -> Json);
-
-/// Something that a kind of process makes for others.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Product {
-    /// The beliefs that [`Need::Belief`] asks for.
-    Beliefs,
-    /// The plans that [`Need::Plans`] asks for.
-    Plans,
-    /// What becomes of waypoints (`robot/waypoint`).
-    Waypoints,
-}
-
-/// A kind of process.
-pub struct KindInfo {
+/// A kind of process, as one element of the list of a program's kinds.
+#[derive(Clone, Copy)]
+pub struct Kind {
     /// The name that scenarios use (`kind = "…"`).
     pub name: &'static str,
     /// What it does, in one line.
     pub summary: &'static str,
-    /// Whether it remembers what it saw, so that its memory rises, up to a bound, while it runs.
-    pub remembers: bool,
     /// Whether it commands robots (and then must be given some).
     pub drives_robots: bool,
-    /// What it makes for others.
-    pub makes: &'static [Product],
-    /// Reads and checks `params`, and gives them back complete: every default filled in.
-    pub check_params: fn(&Node) -> Result<Json, ParamsFault>,
-    /// What it needs, given its complete parameters.
-    pub needs: fn(&Json) -> Vec<Need>,
-    /// Sets of parameters that `params.preset` names; keys beside it change single values.
-    pub presets: &'static [Preset],
+    makes: &'static [Product],
+    read: fn(&Node) -> Result<ConfiguredKind, ParamsProblem>,
+    presets: fn() -> Vec<(&'static str, ConfiguredKind)>,
+    run: fn(&Path) -> ExitCode,
 }
 
-/// Reads parameters into `P`, checks them, and writes them back complete; the body of most
-/// [`KindInfo::check_params`]:
-///
-/// ```text
-/// check_params: |node| check_params(node, PursuerParams::validate),
-/// ```
-///
-/// # Errors
-/// What does not fit `P`, or what `validate` refuses.
-pub fn check_params<P, E>(
-    node: &Node,
-    validate: impl FnOnce(&P) -> Result<(), E>,
-) -> Result<Json, ParamsFault>
-where
-    P: DeserializeOwned + Serialize,
-    E: Into<ParamsFault>,
-{
-    let params: P = read_once(node).map_err(ParamsFault::Read)?;
-    validate(&params).map_err(E::into)?;
-    serde_json::to_value(&params).map_err(|e| ParamsFault::Write(e.to_string()))
-}
-
-impl KindInfo {
-    /// A kind that drives no robots, needs nothing and makes nothing for others.
-    pub const fn new(
-        name: &'static str,
-        summary: &'static str,
-        check_params: fn(&Node) -> Result<Json, ParamsFault>,
-    ) -> Self {
+impl Kind {
+    /// The kind that a type implements.
+    pub const fn of<K: ProcessKind>() -> Self {
         Self {
-            name,
-            summary,
-            remembers: false,
-            drives_robots: false,
-            makes: &[],
-            check_params,
-            needs: |_| Vec::new(),
-            presets: &[],
-        }
-    }
-
-    /// A kind that drives robots.
-    pub const fn driver(
-        name: &'static str,
-        summary: &'static str,
-        check_params: fn(&Node) -> Result<Json, ParamsFault>,
-    ) -> Self {
-        Self {
-            drives_robots: true,
-            ..Self::new(name, summary, check_params)
-        }
-    }
-
-    /// A kind that drives robots from waypoint to waypoint and says what becomes of these.
-    pub const fn planner(
-        name: &'static str,
-        summary: &'static str,
-        check_params: fn(&Node) -> Result<Json, ParamsFault>,
-    ) -> Self {
-        Self {
-            makes: &[Product::Waypoints],
-            ..Self::driver(name, summary, check_params)
+            name: K::NAME,
+            summary: K::SUMMARY,
+            drives_robots: K::DRIVES_ROBOTS,
+            makes: K::MAKES,
+            read: read::<K>,
+            presets: presets::<K>,
+            run: runtime::run::<K>,
         }
     }
 
@@ -123,9 +46,197 @@ impl KindInfo {
     pub fn makes(&self, product: Product) -> bool {
         self.makes.contains(&product)
     }
+
+    /// Reads and checks parameters; those that are not given have their defaults.
+    ///
+    /// # Errors
+    /// The first parameter that cannot be read or is refused.
+    pub fn read(&self, params: &Node) -> Result<ConfiguredKind, ParamsProblem> {
+        (self.read)(params)
+    }
+
+    /// The sets of parameters that `params.preset` names.
+    pub fn presets(&self) -> Vec<(&'static str, ConfiguredKind)> {
+        (self.presets)()
+    }
+
+    /// Runs a process of this kind with the configuration in a file to its end.
+    pub fn run(&self, config: &Path) -> ExitCode {
+        (self.run)(config)
+    }
+}
+
+impl fmt::Debug for Kind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("Kind").field(&self.name).finish()
+    }
 }
 
 /// The kind with this name.
-pub fn find<'k>(kinds: &'k [KindInfo], name: &str) -> Option<&'k KindInfo> {
+pub fn find<'k>(kinds: &'k [Kind], name: &str) -> Option<&'k Kind> {
     kinds.iter().find(|k| k.name == name)
+}
+
+/// Why the parameters of a process are refused.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ParamsProblem {
+    /// They do not fit their type.
+    Read(ReadError),
+    /// The check of the kind refuses them.
+    Fault(ParamsFault),
+    /// They cannot be written as JSON.
+    Write(String),
+}
+
+fn read<K: ProcessKind>(node: &Node) -> Result<ConfiguredKind, ParamsProblem> {
+    let params: K::Params = read_once(node).map_err(ParamsProblem::Read)?;
+    K::check_params(&params).map_err(ParamsProblem::Fault)?;
+    serde_json::to_value(&params).map_err(|e| ParamsProblem::Write(e.to_string()))?;
+    Ok(ConfiguredKind::new::<K>(params))
+}
+
+fn presets<K: ProcessKind>() -> Vec<(&'static str, ConfiguredKind)> {
+    let configured = |(name, params)| (name, ConfiguredKind::new::<K>(params));
+    K::presets().into_iter().map(configured).collect()
+}
+
+/// A kind of process with the parameters of one of its processes, complete and of their own type.
+#[derive(Debug, Clone)]
+pub struct ConfiguredKind(Arc<dyn Configured>);
+
+impl ConfiguredKind {
+    /// A kind with parameters.
+    pub fn new<K: ProcessKind>(params: K::Params) -> Self {
+        Self(Arc::new(Typed::<K> { params }))
+    }
+
+    /// The kind.
+    pub fn kind(&self) -> Kind {
+        self.0.kind()
+    }
+
+    /// The parameters, if they are of this type.
+    pub fn params<P: 'static>(&self) -> Option<&P> {
+        self.0.params().downcast_ref()
+    }
+
+    /// The parameters as JSON.
+    pub fn json(&self) -> Json {
+        self.0.json()
+    }
+
+    /// As [`ProcessKind::needs`].
+    pub fn needs(&self, need: Need) -> bool {
+        self.0.needs().contains(&need)
+    }
+
+    /// As [`ProcessKind::belief_particles`].
+    pub fn belief_particles(&self) -> usize {
+        self.0.belief_particles()
+    }
+
+    /// As [`ProcessKind::lookout`].
+    pub fn lookout(&self, given: &[usize], robots: &[RobotSpec]) -> Option<Lookout> {
+        self.0.lookout(given, robots)
+    }
+
+    /// As [`ProcessKind::check_task`].
+    ///
+    /// # Errors
+    /// What does not fit.
+    pub fn check_task(&self, task: &Task<'_>) -> Result<(), TaskFault> {
+        self.0.check_task(task)
+    }
+
+    /// As [`ProcessKind::extension`].
+    pub fn extension(&self) -> Option<Box<dyn Any>> {
+        self.0.extension()
+    }
+
+    /// Opens a process in this thread.
+    ///
+    /// # Errors
+    /// As [`runtime::kind::open`].
+    pub fn open(
+        &self,
+        config: &ProcessConfig,
+        bus: &Bus,
+    ) -> Result<Box<dyn Process>, ProcessError> {
+        self.0.open(config, bus)
+    }
+}
+
+impl PartialEq for ConfiguredKind {
+    fn eq(&self, other: &Self) -> bool {
+        self.0.equals(other.0.params())
+    }
+}
+
+/// [`ConfiguredKind`] for one type.
+trait Configured: fmt::Debug + Send + Sync {
+    fn kind(&self) -> Kind;
+    fn params(&self) -> &dyn Any;
+    fn equals(&self, params: &dyn Any) -> bool;
+    fn json(&self) -> Json;
+    fn needs(&self) -> Vec<Need>;
+    fn belief_particles(&self) -> usize;
+    fn lookout(&self, given: &[usize], robots: &[RobotSpec]) -> Option<Lookout>;
+    fn check_task(&self, task: &Task<'_>) -> Result<(), TaskFault>;
+    fn extension(&self) -> Option<Box<dyn Any>>;
+    fn open(&self, config: &ProcessConfig, bus: &Bus) -> Result<Box<dyn Process>, ProcessError>;
+}
+
+/// The parameters of a process of kind `K`.
+struct Typed<K: ProcessKind> {
+    params: K::Params,
+}
+
+impl<K: ProcessKind> fmt::Debug for Typed<K> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple(K::NAME).field(&self.params).finish()
+    }
+}
+
+impl<K: ProcessKind> Configured for Typed<K> {
+    fn kind(&self) -> Kind {
+        Kind::of::<K>()
+    }
+
+    fn params(&self) -> &dyn Any {
+        &self.params
+    }
+
+    fn equals(&self, params: &dyn Any) -> bool {
+        params.downcast_ref() == Some(&self.params)
+    }
+
+    fn json(&self) -> Json {
+        // That they have a JSON form was checked when they were read.
+        serde_json::to_value(&self.params).unwrap_or(Json::Null)
+    }
+
+    fn needs(&self) -> Vec<Need> {
+        K::needs(&self.params)
+    }
+
+    fn belief_particles(&self) -> usize {
+        K::belief_particles(&self.params)
+    }
+
+    fn lookout(&self, given: &[usize], robots: &[RobotSpec]) -> Option<Lookout> {
+        K::lookout(&self.params, given, robots)
+    }
+
+    fn check_task(&self, task: &Task<'_>) -> Result<(), TaskFault> {
+        K::check_task(&self.params, task)
+    }
+
+    fn extension(&self) -> Option<Box<dyn Any>> {
+        K::extension(&self.params)
+    }
+
+    fn open(&self, config: &ProcessConfig, bus: &Bus) -> Result<Box<dyn Process>, ProcessError> {
+        let process = runtime::kind::open::<K>(config, &self.params, bus)?;
+        Ok(Box::new(process))
+    }
 }

@@ -13,7 +13,8 @@ use super::context::Context;
 use super::draft::Draft;
 use super::files::{Base, read_text};
 use super::jitter::Placement;
-use super::kinds::{KINDS, KindInfo};
+use super::kind::Kind;
+use super::kinds::KINDS;
 use super::resolved::ResolvedScenario;
 use super::spec::{LogSpec, MAX_TICKS, RunSpec, TopLevel};
 use super::{builtin, events, geometry, processes, robots, world};
@@ -24,7 +25,7 @@ const MAX_SCENARIO: u64 = 64 << 20;
 /// Loads scenarios; see [`load`] for the usual case.
 #[derive(Clone, Copy)]
 pub struct Loader<'k> {
-    kinds: &'k [KindInfo],
+    kinds: &'k [Kind],
     allow_outside: bool,
 }
 
@@ -55,7 +56,7 @@ pub fn load(
 
 impl<'k> Loader<'k> {
     /// A loader that knows these kinds of processes.
-    pub fn with_kinds(kinds: &'k [KindInfo]) -> Self {
+    pub fn with_kinds(kinds: &'k [Kind]) -> Self {
         Self {
             kinds,
             allow_outside: false,

@@ -7,7 +7,8 @@
 //! value and what was expected. [`ResolvedScenario::to_toml`] writes the whole into one text that
 //! loads to the same, which is what a log stores.
 //!
-//! A new kind of process is one entry in [`kinds::KINDS`].
+//! A new kind of process is one implementation of [`runtime::ProcessKind`] and one line in
+//! [`kinds::KINDS`].
 
 pub mod builtin;
 mod context;
@@ -15,19 +16,18 @@ mod draft;
 pub mod events;
 mod failure;
 pub mod files;
-mod fits;
 mod geometry;
 pub mod jitter;
-mod kind;
+pub mod kind;
 pub mod kinds;
 mod load;
 mod overrides;
-mod params_fault;
 mod process_checks;
 mod processes;
 mod resolved;
 mod robots;
 pub mod spec;
+mod tasks;
 mod template;
 mod world;
 

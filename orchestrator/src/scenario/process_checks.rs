@@ -1,10 +1,10 @@
 //! Whether the processes fit each other and the robots.
 
 use config::Code;
+use runtime::kind::{Need, Product};
 
 use super::context::Context;
-use super::kinds::{KindInfo, Need, Product};
-use super::processes::{Read, kind_of};
+use super::processes::Read;
 use super::robots::Robot;
 
 /// Names that the run itself uses.
@@ -67,8 +67,8 @@ pub fn check_drivers(ctx: &mut Context<'_>, read: &[Read], robots: &[Robot]) {
 /// Something that one process makes for others.
 struct Provision {
     need: Need,
-    /// Whether a kind makes it.
-    makes: fn(&KindInfo) -> bool,
+    /// What provides it.
+    product: Product,
     /// Two processes …
     both: &'static str,
     /// A process …, but no process provides them.
@@ -78,13 +78,13 @@ struct Provision {
 const PROVISIONS: [Provision; 2] = [
     Provision {
         need: Need::Belief,
-        makes: |kind| kind.makes(Product::Beliefs),
+        product: Product::Beliefs,
         both: "publish beliefs",
         goes_by: "goes by beliefs",
     },
     Provision {
         need: Need::Plans,
-        makes: |kind| kind.makes(Product::Plans),
+        product: Product::Plans,
         both: "make plans",
         goes_by: "asks for plans",
     },
@@ -101,10 +101,9 @@ pub fn check_needs(ctx: &mut Context<'_>, read: &[Read], robots: &[Robot]) {
 
 /// What is needed of other processes is made, and by one only.
 fn check_provision(ctx: &mut Context<'_>, read: &[Read], provision: &Provision) {
-    let kinds = ctx.kinds;
     let providers: Vec<&Read> = read
         .iter()
-        .filter(|r| kind_of(kinds, &r.spec).is_some_and(provision.makes))
+        .filter(|r| r.spec.makes(provision.product))
         .collect();
     if let [first, second, ..] = providers.as_slice() {
         let message = format!(
@@ -119,11 +118,10 @@ fn check_provision(ctx: &mut Context<'_>, read: &[Read], provision: &Provision) 
     if !providers.is_empty() {
         return;
     }
-    let provider = kinds.iter().find(|kind| (provision.makes)(kind));
+    let provider = ctx.kinds.iter().find(|kind| kind.makes(provision.product));
     let provider = provider.map_or("…", |kind| kind.name);
     for r in read {
-        let needs = kind_of(kinds, &r.spec).map(|kind| (kind.needs)(&r.spec.params));
-        if needs.is_some_and(|needs| needs.contains(&provision.need)) {
+        if r.spec.needs(provision.need) {
             let message = format!(
                 "process `{}` {}, but no process provides them",
                 r.spec.name, provision.goes_by
@@ -168,20 +166,23 @@ const GOAL: Equipment = Equipment {
 
 /// Whoever needs a piece of equipment drives robots that have it.
 fn check_robots(ctx: &mut Context<'_>, read: &[Read], robots: &[Robot], equipment: &Equipment) {
-    let kinds = ctx.kinds;
     let [thing, use_of_it] = equipment.lacks;
     for r in read {
-        let Some(kind) = kind_of(kinds, &r.spec) else {
+        let Some(kind) = r
+            .spec
+            .program
+            .kind()
+            .filter(|kind| kind.needs(equipment.need))
+        else {
             continue;
         };
-        if !(kind.needs)(&r.spec.params).contains(&equipment.need) {
-            continue;
-        }
         let driven = r.spec.robots.iter().filter_map(|&i| robots.get(i));
         for robot in driven.filter(|robot| !(equipment.is_there)(robot)) {
             let message = format!(
                 "robot `{}` has no {thing}, but process `{}` ({}) {use_of_it}",
-                robot.spec.name, r.spec.name, kind.name
+                robot.spec.name,
+                r.spec.name,
+                kind.kind().name
             );
             let path = robot.path.then(equipment.key);
             let problem = ctx

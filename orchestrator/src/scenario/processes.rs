@@ -1,17 +1,18 @@
 //! `[[processes]]`: who runs, and who drives which robot.
 
 use config::{Code, FieldPath, Node, Origin, Step, describe, suggest};
+use runtime::kind::{ParamsFault, Product};
 use sim_backend::map::MapSpec;
 use sim_backend::team::Team;
 
 use super::context::Context;
 use super::failure;
-use super::fits;
-use super::kinds::{KindInfo, ParamsFault, Product, find};
+use super::kind::{ConfiguredKind, Kind, ParamsProblem, find};
 use super::process_checks::{check_drivers, check_names, check_needs};
 use super::resolved::{ProcessSpec, Program};
 use super::robots::{Robot, check_name};
 use super::spec::{Grouping, MAX_PROCESSES, ProcessBlock, RunSpec};
+use super::tasks;
 
 /// A process as read, with its place for complaints.
 pub struct Read {
@@ -52,22 +53,12 @@ pub fn resolve(
         check_drivers(ctx, &read, robots);
         check_needs(ctx, &read, robots);
         if let Some(map) = map.filter(|_| ctx.problems.len() == before) {
-            fits::check(ctx, map, robots, &read, run.seed);
+            tasks::check(ctx, map, robots, &read, run.seed);
         }
     }
     // Those that others wait for come first; otherwise the order of the file.
-    let kinds = ctx.kinds;
-    let provides = |p: &ProcessSpec| kind_of(kinds, p).is_some_and(|k| k.makes(Product::Beliefs));
-    read.sort_by_key(|r| !provides(&r.spec));
+    read.sort_by_key(|r| !r.spec.makes(Product::Beliefs));
     read.into_iter().map(|r| r.spec).collect()
-}
-
-/// The kind of a process; none if it is a command.
-pub fn kind_of<'k>(kinds: &'k [KindInfo], process: &ProcessSpec) -> Option<&'k KindInfo> {
-    match &process.program {
-        Program::Kind(name) => find(kinds, name),
-        Program::Command(_) => None,
-    }
 }
 
 fn read_block(
@@ -81,7 +72,7 @@ fn read_block(
     let Some(block) = ctx.read::<ProcessBlock>(node, path) else {
         return;
     };
-    let Some((program, kind)) = read_program(ctx, node, path, &block) else {
+    let Some(named) = read_program(ctx, node, path, &block) else {
         return;
     };
     let fallback = block.kind.clone().unwrap_or_default();
@@ -89,8 +80,23 @@ fn read_block(
     if !check_name(ctx, node, path, &name) {
         return;
     }
-    let Some(params) = read_params(ctx, node, path, kind) else {
-        return;
+    let (program, kind) = match named {
+        Named::Kind(kind) => {
+            let Some(configured) = read_params(ctx, node, path, kind) else {
+                return;
+            };
+            (Program::Kind(configured), Some(kind))
+        }
+        Named::Command(words) => {
+            // The user's own program reads its parameters.
+            let Some(params) = params_of(ctx, node, path) else {
+                return;
+            };
+            let Some(params) = ctx.read(&params, &path.then("params")) else {
+                return;
+            };
+            (Program::Command { words, params }, None)
+        }
     };
     let Some(driven) = read_robots(ctx, node, path, &block, kind, robots) else {
         return;
@@ -116,7 +122,6 @@ fn read_block(
             program: program.clone(),
             robots,
             supervision,
-            params: params.clone(),
         };
         read.push(Read {
             spec,
@@ -126,16 +131,22 @@ fn read_block(
     }
 }
 
+/// What a block says is executed.
+enum Named<'k> {
+    Kind(&'k Kind),
+    Command(Vec<String>),
+}
+
 fn read_program<'k>(
     ctx: &mut Context<'k>,
     node: &Node,
     path: &FieldPath,
     block: &ProcessBlock,
-) -> Option<(Program, Option<&'k KindInfo>)> {
+) -> Option<Named<'k>> {
     let problem = match (&block.kind, &block.command) {
         (Some(kind), None) => {
-            if let Some(info) = find(ctx.kinds, kind) {
-                return Some((Program::Kind(kind.clone()), Some(info)));
+            if let Some(kind) = find(ctx.kinds, kind) {
+                return Some(Named::Kind(kind));
             }
             if kind == "simulator" {
                 ctx.problem(
@@ -157,7 +168,7 @@ fn read_program<'k>(
         }
         (None, Some(command)) => match command.first() {
             Some(program) if !program.is_empty() && command.iter().all(|a| !a.contains('\0')) => {
-                return Some((Program::Command(command.clone()), None));
+                return Some(Named::Command(command.clone()));
             }
             _ => ctx
                 .problem(
@@ -191,12 +202,8 @@ fn read_program<'k>(
     None
 }
 
-fn read_params(
-    ctx: &mut Context<'_>,
-    node: &Node,
-    path: &FieldPath,
-    kind: Option<&KindInfo>,
-) -> Option<serde_json::Value> {
+/// The table of parameters of a block; an absent one is empty.
+fn params_of(ctx: &mut Context<'_>, node: &Node, path: &FieldPath) -> Option<Node> {
     let path = path.then("params");
     let empty = Node::empty_table(node.origin);
     let params = node.get("params").unwrap_or(&empty);
@@ -208,35 +215,36 @@ fn read_params(
         ctx.problems.push(problem);
         return None;
     }
-    let Some(kind) = kind else {
-        // The user's own program reads them.
-        return ctx.read(params, &path);
-    };
-    let params = &apply_preset(ctx, params, &path, kind)?;
-    let json = match (kind.check_params)(params) {
-        Ok(json) => json,
-        Err(ParamsFault::Read(_)) => {
+    Some(params.clone())
+}
+
+fn read_params(
+    ctx: &mut Context<'_>,
+    node: &Node,
+    path: &FieldPath,
+    kind: &Kind,
+) -> Option<ConfiguredKind> {
+    let params = params_of(ctx, node, path)?;
+    let path = path.then("params");
+    let params = &apply_preset(ctx, &params, &path, kind)?;
+    match kind.read(params) {
+        Ok(configured) => return Some(configured),
+        Err(ParamsProblem::Read(_)) => {
             // Reported in full, one by one, by leaving out what is wrong and trying again.
             let mut left = params.clone();
             report_all(ctx, kind, &mut left, &path);
-            return None;
         }
-        Err(ParamsFault::Field(found)) => {
-            ctx.refuse(params, &path, found);
-            return None;
-        }
-        Err(ParamsFault::Refused { field, message }) => {
+        Err(ParamsProblem::Fault(ParamsFault::Field(found))) => ctx.refuse(params, &path, found),
+        Err(ParamsProblem::Fault(ParamsFault::Refused { field, message })) => {
             let problem = ctx.problem(params, &path, &field, Code::OutOfRange, message);
             ctx.problems.push(problem);
-            return None;
         }
-        Err(ParamsFault::Write(message)) => {
+        Err(ParamsProblem::Write(message)) => {
             let problem = ctx.problem(params, &path, "", Code::OutOfRange, message);
             ctx.problems.push(problem);
-            return None;
         }
-    };
-    Some(json)
+    }
+    None
 }
 
 /// The parameters with `preset = "…"` replaced by what it stands for, under the other keys.
@@ -244,20 +252,21 @@ fn apply_preset(
     ctx: &mut Context<'_>,
     params: &Node,
     path: &FieldPath,
-    kind: &KindInfo,
+    kind: &Kind,
 ) -> Option<Node> {
     let Some(preset) = params.get("preset") else {
         return Some(params.clone());
     };
     let name = preset.as_str().unwrap_or_default();
-    let Some((_, values)) = kind.presets.iter().find(|p| p.0 == name) else {
-        let names: Vec<&str> = kind.presets.iter().map(|p| p.0).collect();
+    let presets = kind.presets();
+    let Some((_, values)) = presets.iter().find(|p| p.0 == name) else {
+        let names: Vec<&str> = presets.iter().map(|p| p.0).collect();
         let message = format!("kind `{}` has no such preset", kind.name);
         let blank = ctx.problem(params, path, "preset", Code::UnknownName, message);
         ctx.problems.push(suggest(blank, name, &names, ""));
         return None;
     };
-    let mut merged = Node::from_json(&values()).unwrap_or(Node::empty_table(Origin::Implied));
+    let mut merged = Node::from_json(&values.json()).unwrap_or(Node::empty_table(Origin::Implied));
     merged.origin = params.origin;
     if let (Some(table), Some(own)) = (merged.as_table_mut(), params.as_table()) {
         table.overlay(own);
@@ -267,8 +276,8 @@ fn apply_preset(
 }
 
 /// Reports every key of `params` that its kind cannot read.
-fn report_all(ctx: &mut Context<'_>, kind: &KindInfo, left: &mut Node, path: &FieldPath) {
-    while let Err(ParamsFault::Read(error)) = (kind.check_params)(left) {
+fn report_all(ctx: &mut Context<'_>, kind: &Kind, left: &mut Node, path: &FieldPath) {
+    while let Err(ParamsProblem::Read(error)) = kind.read(left) {
         let problem = describe(&ctx.sources, &error, path);
         ctx.problems.push(problem);
         let Some(Step::Key(key)) = error.path.0.first() else {
@@ -286,7 +295,7 @@ fn read_robots(
     node: &Node,
     path: &FieldPath,
     block: &ProcessBlock,
-    kind: Option<&KindInfo>,
+    kind: Option<&Kind>,
     robots: Option<&[Robot]>,
 ) -> Option<Vec<usize>> {
     let named = block.robots.as_deref();

@@ -2,29 +2,47 @@
 
 use config::{Node, write_document};
 use platform::shell::quote;
-use serde::{Deserialize, Serialize};
+use runtime::kind::{Need, Product};
 use serde_json::{Value as Json, json};
 use sim_backend::spec::{RulesSpec, WorldSpec};
 
 use super::events::EventSpec;
 use super::failure::Supervision;
+use super::kind::ConfiguredKind;
 use super::spec::{LogSpec, RunSpec};
 
-/// Who a process is.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+/// What a process is.
+#[derive(Debug, Clone, PartialEq)]
 pub enum Program {
-    /// One of our own, by its kind.
-    Kind(String),
-    /// An executable of the user's: its path and arguments.
-    Command(Vec<String>),
+    /// A kind of this program, with its parameters.
+    Kind(ConfiguredKind),
+    /// An executable of the user's.
+    Command {
+        /// Its path and arguments.
+        words: Vec<String>,
+        /// Its parameters as written.
+        params: Json,
+    },
+}
+
+impl ProcessSpec {
+    /// Whether it makes something for others; of a command that is not known.
+    pub fn makes(&self, product: Product) -> bool {
+        let kind = self.program.kind();
+        kind.is_some_and(|kind| kind.kind().makes(product))
+    }
+
+    /// Whether another part of the scenario must provide something; of a command that is not known.
+    pub fn needs(&self, need: Need) -> bool {
+        self.program.kind().is_some_and(|kind| kind.needs(need))
+    }
 }
 
 impl Program {
     /// The command line of a program that is not ours, as a person shall judge it: quoted as for a
     /// shell, and on one line whatever it holds. `None` for one of ours.
     pub fn command_line(&self) -> Option<String> {
-        let Self::Command(words) = self else {
+        let Self::Command { words, .. } = self else {
             return None;
         };
         let shown = |word: &String| {
@@ -36,25 +54,44 @@ impl Program {
         };
         Some(words.iter().map(shown).collect::<Vec<_>>().join(" "))
     }
+
+    /// The kind, if it is one of this program.
+    pub fn kind(&self) -> Option<&ConfiguredKind> {
+        match self {
+            Self::Kind(kind) => Some(kind),
+            Self::Command { .. } => None,
+        }
+    }
+
+    /// The name of the kind, if it is one of this program.
+    pub fn kind_name(&self) -> Option<&'static str> {
+        self.kind().map(|kind| kind.kind().name)
+    }
+
+    /// The parameters as JSON.
+    pub fn params(&self) -> Json {
+        match self {
+            Self::Kind(kind) => kind.json(),
+            Self::Command { params, .. } => params.clone(),
+        }
+    }
 }
 
 /// One process of the run (the simulator is always there and not listed).
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct ProcessSpec {
     /// Unique name.
     pub name: String,
-    /// What is executed.
+    /// What is executed, with which parameters.
     pub program: Program,
     /// Indices (into [`WorldSpec::robots`]) of the robots that it commands; sorted.
     pub robots: Vec<usize>,
     /// How it is looked after.
     pub supervision: Supervision,
-    /// Its parameters; complete and checked for a [`Program::Kind`], as written for a command.
-    pub params: Json,
 }
 
 /// A scenario as it runs: presets, teams, defaults, overrides, map and start jitter applied.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct ResolvedScenario {
     /// Short name, from the file's name unless the file says otherwise.
     pub name: String,
@@ -90,9 +127,7 @@ impl ResolvedScenario {
 
     /// The processes that are not ours.
     pub fn external_commands(&self) -> impl Iterator<Item = &ProcessSpec> {
-        self.processes
-            .iter()
-            .filter(|p| matches!(p.program, Program::Command(_)))
+        self.processes.iter().filter(|p| p.program.kind().is_none())
     }
 
     /// The scenario as a TOML file that is complete in itself and loads to the same
@@ -117,11 +152,11 @@ impl ResolvedScenario {
                     "name": p.name,
                     "on_failure": on_failure,
                     "ready_timeout_s": ready_timeout_s,
-                    "params": p.params,
+                    "params": p.program.params(),
                 });
                 match &p.program {
-                    Program::Kind(kind) => block["kind"] = json!(kind),
-                    Program::Command(command) => block["command"] = json!(command),
+                    Program::Kind(kind) => block["kind"] = json!(kind.kind().name),
+                    Program::Command { words, .. } => block["command"] = json!(words),
                 }
                 if !p.robots.is_empty() {
                     block["robots"] = p.robots.iter().map(robot_name).collect();
@@ -155,12 +190,15 @@ mod tests {
     #[test]
     fn a_command_line_is_one_line_from_which_its_words_can_be_told() {
         let line = |words: &[&str]| {
-            Program::Command(words.iter().map(|&w| w.to_owned()).collect()).command_line()
+            Program::Command {
+                words: words.iter().map(|&w| w.to_owned()).collect(),
+                params: Json::Null,
+            }
+            .command_line()
         };
         assert_eq!(line(&["./a", "b"]).unwrap(), "./a b");
         assert_eq!(line(&["sh", "-c", "x; y", ""]).unwrap(), "sh -c 'x; y' ''");
         let forged = line(&["ls", "\nStart them? [y/N] n\n"]).unwrap();
         assert_eq!(forged, r#"ls "\nStart them? [y/N] n\n""#);
-        assert_eq!(Program::Kind("pursuer".into()).command_line(), None);
     }
 }

@@ -5,14 +5,16 @@ pub mod params;
 
 use core::marker::PhantomData;
 
+use crate::design::Design;
 use crate::follower::Follower;
 use chaotic_maps::Key;
 use coverage::boustrophedon;
 use coverage::random_bounce::Bouncing;
-use coverage::sub_goals::design::{Design, Site};
 use coverage::sub_goals::params::FollowParams;
+use coverage::sub_goals::site::Site;
 use coverage::uniform::Uniformly;
 use coverage::wander::{Rule, Wanderer};
+use runtime::kind::ParamsFault;
 
 pub use params::{BoustrophedonParams, RandomParams};
 
@@ -30,11 +32,15 @@ pub type UniformPlanner = Follower<Uniform>;
 pub struct Boustrophedon;
 
 impl Design for Boustrophedon {
+    const NAME: &'static str = "coverage_boustrophedon";
+    const SUMMARY: &'static str =
+        "covers a workplace in parallel lanes: the fastest, and the easiest to foretell";
+
     type Params = BoustrophedonParams;
     type Goals = boustrophedon::Boustrophedon;
 
-    fn validate(params: &BoustrophedonParams) -> Result<(), String> {
-        params.validate().map_err(|e| e.to_string())
+    fn check_params(params: &BoustrophedonParams) -> Result<(), ParamsFault> {
+        params.validate().map_err(ParamsFault::from)
     }
 
     fn follow(params: &BoustrophedonParams) -> FollowParams {
@@ -69,12 +75,33 @@ pub type RandomBounce = Memoryless<Bouncing>;
 /// Independent uniform sub-goals.
 pub type Uniform = Memoryless<Uniformly>;
 
-impl<R: Rule> Design for Memoryless<R> {
+/// A rule, as a kind of process.
+pub trait RandomKind: Rule + 'static {
+    /// As [`Design::NAME`].
+    const NAME: &'static str;
+    /// As [`Design::SUMMARY`].
+    const SUMMARY: &'static str;
+}
+
+impl RandomKind for Bouncing {
+    const NAME: &'static str = "coverage_random_bounce";
+    const SUMMARY: &'static str = "drives straight from wall to wall, away at random angles";
+}
+
+impl RandomKind for Uniformly {
+    const NAME: &'static str = "coverage_uniform";
+    const SUMMARY: &'static str = "drives to independent, uniformly random sub-goals";
+}
+
+impl<R: RandomKind> Design for Memoryless<R> {
+    const NAME: &'static str = R::NAME;
+    const SUMMARY: &'static str = R::SUMMARY;
+
     type Params = RandomParams;
     type Goals = Wanderer<R>;
 
-    fn validate(params: &RandomParams) -> Result<(), String> {
-        params.validate().map_err(|e| e.to_string())
+    fn check_params(params: &RandomParams) -> Result<(), ParamsFault> {
+        params.validate().map_err(ParamsFault::from)
     }
 
     fn follow(params: &RandomParams) -> FollowParams {

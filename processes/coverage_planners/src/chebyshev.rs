@@ -5,13 +5,15 @@ pub mod params;
 #[cfg(test)]
 mod tests;
 
+use crate::design::Design;
 use crate::follower::Follower;
 use chaotic_maps::{AnySource, Key};
 use coverage::decomposition::Decomposition;
 use coverage::plan::{CoveragePlan, PlanSpec};
-use coverage::sub_goals::design::{Design, Site};
 use coverage::sub_goals::params::FollowParams;
+use coverage::sub_goals::site::Site;
 use nalgebra::Point2;
+use runtime::kind::ParamsFault;
 use sim_backend::shape::Aabb;
 
 pub use params::ChebyshevParams;
@@ -44,11 +46,21 @@ impl Chebyshev {
 }
 
 impl Design for Chebyshev {
+    const NAME: &'static str = "coverage_chebyshev";
+    const SUMMARY: &'static str =
+        "covers a workplace by chaotic sub-goals, rectangle after rectangle";
+
     type Params = ChebyshevParams;
     type Goals = CoveragePlan<AnySource>;
 
-    fn validate(params: &ChebyshevParams) -> Result<(), String> {
-        params.validate().map_err(|e| e.to_string())
+    fn check_params(params: &ChebyshevParams) -> Result<(), ParamsFault> {
+        if let Some(key) = &params.key {
+            key.validate().map_err(|error| ParamsFault::Refused {
+                field: "key".into(),
+                message: format!("`key`: {error}"),
+            })?;
+        }
+        params.validate().map_err(ParamsFault::from)
     }
 
     fn follow(params: &ChebyshevParams) -> FollowParams {

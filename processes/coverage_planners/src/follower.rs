@@ -11,12 +11,16 @@ use planner_view::view::View;
 use planner_view::waypoint::WaypointReport;
 use runtime::config::RobotInfo;
 use runtime::error::ProcessError;
+use runtime::kind::{Need, ParamsFault, Task, TaskFault};
 use sim_backend::pose::Pose2;
 use steering::waypoint_driver::{Driving, Situation, WaypointDriver};
 
 use coverage::sub_goals::arc_driver::ArcDriver;
-use coverage::sub_goals::design::{Design, Site};
 use coverage::sub_goals::params::{FollowParams, Interpolation};
+use coverage::sub_goals::site::Site;
+
+use crate::check::check_task;
+use crate::design::Design;
 
 /// How the robot is driven.
 #[derive(Debug)]
@@ -94,9 +98,25 @@ impl<D: Design> Follower<D> {
 }
 
 impl<D: Design> Planner for Follower<D> {
+    const NAME: &'static str = D::NAME;
+    const SUMMARY: &'static str = D::SUMMARY;
+
     type Params = D::Params;
 
     const WAYPOINTS: usize = 64;
+
+    fn check_params(params: &D::Params) -> Result<(), ParamsFault> {
+        D::check_params(params)
+    }
+
+    /// A scan is of use where there is one, but it can do without.
+    fn needs(_: &D::Params) -> Vec<Need> {
+        Vec::new()
+    }
+
+    fn check_task(params: &D::Params, task: &Task<'_>, seed: u64) -> Result<(), TaskFault> {
+        check_task::<D>(params, task, seed)
+    }
 
     fn inputs(params: &D::Params) -> PlannerInputs {
         PlannerInputs {
@@ -107,7 +127,7 @@ impl<D: Design> Planner for Follower<D> {
     }
 
     fn new(params: &D::Params, robot: &RobotInfo, seed: u64) -> Result<Self, String> {
-        D::validate(params)?;
+        D::check_params(params).map_err(|e| e.to_string())?;
         let mut follow = D::follow(params);
         let model = &robot.model;
         follow.driver = follow

@@ -3,11 +3,13 @@
 
 pub mod params;
 
+use crate::design::Design;
 use crate::follower::Follower;
 use chaotic_maps::Key;
 use coverage::keyed::KeyedCoverage;
-use coverage::sub_goals::design::{Design, Site};
 use coverage::sub_goals::params::FollowParams;
+use coverage::sub_goals::site::Site;
+use runtime::kind::ParamsFault;
 
 pub use params::KeyedCoverageParams;
 
@@ -19,11 +21,15 @@ pub type KeyedCoveragePlanner = Follower<Keyed>;
 pub struct Keyed;
 
 impl Design for Keyed {
+    const NAME: &'static str = "keyed_coverage";
+    const SUMMARY: &'static str =
+        "covers a workplace fast, by sub-goals that only its key foretells";
+
     type Params = KeyedCoverageParams;
     type Goals = KeyedCoverage;
 
-    fn validate(params: &KeyedCoverageParams) -> Result<(), String> {
-        params.validate().map_err(|e| e.to_string())
+    fn check_params(params: &KeyedCoverageParams) -> Result<(), ParamsFault> {
+        params.validate().map_err(ParamsFault::from)
     }
 
     fn follow(params: &KeyedCoverageParams) -> FollowParams {

@@ -9,6 +9,8 @@
 
 pub mod baselines;
 pub mod chebyshev;
+mod check;
+pub mod design;
 pub mod follower;
 pub mod keyed;
 

@@ -1,6 +1,7 @@
+use crate::design::Design;
 use coverage::goal::GoalSource;
 use coverage::sub_goals::FollowParams;
-use coverage::sub_goals::design::{Design, Site};
+use coverage::sub_goals::site::Site;
 use nalgebra::Point2;
 use sim_backend::shape::Aabb;
 
@@ -17,7 +18,7 @@ fn site() -> Site {
 
 fn points<D: Design>(text: &str, seed: u64) -> Vec<Point2<f64>> {
     let params: D::Params = toml::from_str(text).unwrap();
-    D::validate(&params).unwrap();
+    D::check_params(&params).unwrap();
     let site = site();
     let mut goals = D::goals(&params, &site, seed, None).unwrap();
     let mut from = site.start;
@@ -58,7 +59,7 @@ fn lanes_are_as_far_apart_as_the_body_is_wide() {
 
 fn refusal<D: Design>(text: &str) -> String {
     let params: D::Params = toml::from_str(text).unwrap();
-    D::validate(&params).unwrap_err()
+    D::check_params(&params).unwrap_err().to_string()
 }
 
 #[test]

@@ -5,6 +5,7 @@ use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
 use runtime::config::RobotInfo;
+use runtime::kind::ParamsFault;
 
 use crate::{Braitenberg, BraitenbergParams};
 
@@ -13,7 +14,18 @@ use crate::{Braitenberg, BraitenbergParams};
 pub struct BraitenbergPlanner(Braitenberg);
 
 impl Planner for BraitenbergPlanner {
+    const NAME: &'static str = "evader_braitenberg";
+    const SUMMARY: &'static str = "flees by its range scan alone, away from what is near";
+
     type Params = BraitenbergParams;
+
+    fn check_params(params: &BraitenbergParams) -> Result<(), ParamsFault> {
+        params.validate().map_err(ParamsFault::from)
+    }
+
+    fn presets() -> Vec<(&'static str, BraitenbergParams)> {
+        vec![("paper", BraitenbergParams::paper())]
+    }
 
     fn inputs(_: &BraitenbergParams) -> PlannerInputs {
         PlannerInputs {

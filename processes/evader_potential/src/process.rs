@@ -5,6 +5,7 @@ use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
 use runtime::config::RobotInfo;
+use runtime::kind::ParamsFault;
 
 use crate::{Evader, EvaderParams};
 
@@ -13,7 +14,18 @@ use crate::{Evader, EvaderParams};
 pub struct PotentialPlanner(Evader);
 
 impl Planner for PotentialPlanner {
+    const NAME: &'static str = "evader_potential";
+    const SUMMARY: &'static str = "flees to the nearest exit on a potential field";
+
     type Params = EvaderParams;
+
+    fn check_params(params: &EvaderParams) -> Result<(), ParamsFault> {
+        parameters::check(params).map_err(ParamsFault::from)
+    }
+
+    fn presets() -> Vec<(&'static str, EvaderParams)> {
+        vec![("paper", EvaderParams::paper())]
+    }
 
     fn inputs(_: &EvaderParams) -> PlannerInputs {
         PlannerInputs::default()

@@ -7,6 +7,7 @@ use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
 use runtime::config::RobotInfo;
+use runtime::kind::ParamsFault;
 
 use crate::evader::SHOWN_EDGES;
 use crate::{RrtStarEvader, RrtStarParams};
@@ -21,9 +22,23 @@ pub struct RrtStarPlanner {
 }
 
 impl Planner for RrtStarPlanner {
+    const NAME: &'static str = "evader_rrt_star";
+    const SUMMARY: &'static str = "plans its way to an exit past the Police with RRT*";
+
     type Params = RrtStarParams;
 
     const TREE_EDGES: usize = SHOWN_EDGES;
+
+    fn check_params(params: &RrtStarParams) -> Result<(), ParamsFault> {
+        params.validate().map_err(ParamsFault::from)
+    }
+
+    fn presets() -> Vec<(&'static str, RrtStarParams)> {
+        vec![
+            ("paper", RrtStarParams::paper()),
+            ("paper_arc", RrtStarParams::paper_arc()),
+        ]
+    }
 
     fn inputs(_: &RrtStarParams) -> PlannerInputs {
         PlannerInputs {

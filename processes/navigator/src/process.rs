@@ -11,6 +11,7 @@ use planner_view::steering::Steering;
 use planner_view::view::View;
 use runtime::ProcessError;
 use runtime::config::{Clock, ProcessConfig, RobotInfo};
+use runtime::kind::{Need, ParamsFault};
 use runtime::optimiser_client::OptimiserClient;
 use sim_backend::spec::Region;
 
@@ -42,7 +43,24 @@ struct Link {
 }
 
 impl Planner for NavigatorPlanner {
+    const NAME: &'static str = "navigator";
+    const SUMMARY: &'static str =
+        "drives to goals on trajectories of the optimiser, around what pops up";
+
     type Params = NavigatorParams;
+
+    fn check_params(params: &NavigatorParams) -> Result<(), ParamsFault> {
+        params.validate().map_err(ParamsFault::from)
+    }
+
+    fn presets() -> Vec<(&'static str, NavigatorParams)> {
+        vec![("paper", NavigatorParams::paper())]
+    }
+
+    fn needs(params: &NavigatorParams) -> Vec<Need> {
+        let goal = params.goals.is_empty().then_some(Need::Goal);
+        [Need::Plans].into_iter().chain(goal).collect()
+    }
 
     fn inputs(_: &NavigatorParams) -> PlannerInputs {
         PlannerInputs {

@@ -9,8 +9,11 @@ use nalgebra::Point2;
 use rand_chacha::ChaCha8Rng;
 use runtime::grids::{blurred_map, map_grids};
 use runtime::inputs::{MapInput, StateInput, reply_stamp};
-use runtime::{Clock, ProcessConfig, ProcessError, Wiring};
+use runtime::kind::{Lookout, ParamsFault};
+use runtime::{Clock, Process, ProcessConfig, ProcessError, ProcessKind};
 use sim_backend::pose::Pose2;
+use sim_backend::spec::RobotSpec;
+use sim_backend::visibility::polygon::SightLimits;
 use tracking::particle_filter::MotionLimits;
 use tracking::space::Space;
 
@@ -59,16 +62,40 @@ pub struct ObserverProcess {
     report: Vec<Prediction>,
 }
 
-impl Wiring for ObserverProcess {
-    fn open(config: &ProcessConfig, bus: &Bus) -> Result<Self, ProcessError> {
+impl ProcessKind for ObserverProcess {
+    const NAME: &'static str = "observer";
+    const SUMMARY: &'static str =
+        "watches robots, predicts where they will be, and measures how wrong it was";
+
+    type Params = ObserverParams;
+
+    fn check_params(params: &ObserverParams) -> Result<(), ParamsFault> {
+        params.validate().map_err(ParamsFault::from)
+    }
+
+    /// It looks from its robots and places; without any it is told everything.
+    fn lookout(params: &ObserverParams, _: &[usize], robots: &[RobotSpec]) -> Option<Lookout> {
+        let looks = |&robot: &usize| params.from_robots.contains(&robots[robot].name);
+        Some(Lookout {
+            robots: (0..robots.len()).filter(looks).collect(),
+            points: params.from_points.clone(),
+            limits: SightLimits {
+                range: params.eyes.range,
+                field_of_view: None,
+            },
+        })
+    }
+
+    fn open(
+        config: &ProcessConfig,
+        params: &ObserverParams,
+        bus: &Bus,
+    ) -> Result<Self, ProcessError> {
         let refuse = |reason: String| ProcessError::Params {
             process: config.name.clone(),
             kind: config.kind.clone(),
             reason,
         };
-        let params: ObserverParams =
-            serde_json::from_value(config.params.clone()).map_err(|e| refuse(e.to_string()))?;
-        params.validate().map_err(|e| refuse(e.to_string()))?;
         let run = &config.run;
         let indices = |field: &str, names: &[String]| {
             names
@@ -105,7 +132,7 @@ impl Wiring for ObserverProcess {
             map: MapInput::open(bus)?,
             predictions: bus.publisher(PublisherOptions::new(config.index, capacity))?,
             config: config.clone(),
-            params,
+            params: params.clone(),
             robots,
             from_robots,
             space: None,
@@ -115,7 +142,9 @@ impl Wiring for ObserverProcess {
             report: Vec::with_capacity(capacity),
         })
     }
+}
 
+impl Process for ObserverProcess {
     fn connect(&mut self) -> Result<(), ProcessError> {
         self.state.connect()?;
         self.map.connect()?;

@@ -2,7 +2,8 @@
 
 use ipc_types::bus::{Attendant, Bus};
 use ipc_types::topics::OptimiserPlan;
-use runtime::{ProcessConfig, ProcessError, Wiring};
+use runtime::kind::{ParamsFault, Product};
+use runtime::{Process, ProcessConfig, ProcessError, ProcessKind};
 
 use crate::answer::{self, Refusal};
 use crate::params::OptimiserParams;
@@ -25,16 +26,22 @@ enum Service {
     },
 }
 
-impl Wiring for OptimiserProcess {
-    fn open(config: &ProcessConfig, bus: &Bus) -> Result<Self, ProcessError> {
-        let refused = |reason: String| ProcessError::Params {
-            process: config.name.clone(),
-            kind: config.kind.clone(),
-            reason,
-        };
-        let params: OptimiserParams =
-            serde_json::from_value(config.params.clone()).map_err(|e| refused(e.to_string()))?;
-        params.validate().map_err(|e| refused(e.to_string()))?;
+impl ProcessKind for OptimiserProcess {
+    const NAME: &'static str = "optimiser";
+    const SUMMARY: &'static str = "makes minimum-time trajectories for whoever asks";
+    const MAKES: &'static [Product] = &[Product::Plans];
+
+    type Params = OptimiserParams;
+
+    fn check_params(params: &OptimiserParams) -> Result<(), ParamsFault> {
+        params.validate().map_err(ParamsFault::from)
+    }
+
+    fn open(
+        config: &ProcessConfig,
+        params: &OptimiserParams,
+        bus: &Bus,
+    ) -> Result<Self, ProcessError> {
         let service = match bus.space() {
             Some(space) => Service::Threads(Dispatcher::start(Given {
                 space: space.clone(),
@@ -49,7 +56,9 @@ impl Wiring for OptimiserProcess {
         };
         Ok(Self { service })
     }
+}
 
+impl Process for OptimiserProcess {
     fn connect(&mut self) -> Result<(), ProcessError> {
         // Both sides of a service connect when they send and receive.
         Ok(())

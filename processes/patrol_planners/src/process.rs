@@ -1,17 +1,29 @@
 //! Wires the planners to their topics: state, map and scan in; command, plan and waypoints out.
 
-use patrol::mission::Drive;
+use patrol::mission::{Drive, MissionError};
 use planner::{PlannedPoint, Planner, PlannerInputs};
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
 use planner_view::waypoint::WaypointReport;
 use runtime::config::RobotInfo;
+use runtime::kind::{ParamsFault, Task, TaskFault};
 
-use crate::{PatrolAwg, PatrolAwgParams, PatrolFto, PatrolFtoParams};
+use crate::check::check_task;
+use crate::{PatrolAwg, PatrolAwgParams, PatrolError, PatrolFto, PatrolFtoParams};
 
 /// Waypoints that may end in a tick, at most.
 const WAYPOINTS: usize = 64;
+
+/// The parameter that a patrol is refused for.
+fn fault(error: PatrolError) -> ParamsFault {
+    match error {
+        PatrolError::Params(error) => error.into(),
+        PatrolError::Mission(MissionError::Params(error)) => error.within("mission").into(),
+        PatrolError::Mission(error) => ParamsFault::named_in("mission", &error),
+        PatrolError::Fto(error) => ParamsFault::named_in("fto", &error),
+    }
+}
 
 /// The inputs of a patrol, with the exact shapes if it knows the obstacles.
 fn inputs(obstacles_known: bool) -> PlannerInputs {
@@ -27,9 +39,21 @@ fn inputs(obstacles_known: bool) -> PlannerInputs {
 pub struct PatrolAwgPlanner(PatrolAwg);
 
 impl Planner for PatrolAwgPlanner {
+    const NAME: &'static str = "patrol_awg";
+    const SUMMARY: &'static str = "patrols a contour along a zig-zag that only its key foretells";
+
     type Params = PatrolAwgParams;
 
     const WAYPOINTS: usize = WAYPOINTS;
+
+    fn check_params(params: &PatrolAwgParams) -> Result<(), ParamsFault> {
+        params.validate().map_err(fault)
+    }
+
+    fn check_task(params: &PatrolAwgParams, task: &Task<'_>, seed: u64) -> Result<(), TaskFault> {
+        let known = params.obstacles_known;
+        check_task(&params.mission, &params.driver, known, task, seed)
+    }
 
     fn inputs(params: &PatrolAwgParams) -> PlannerInputs {
         inputs(params.obstacles_known)
@@ -62,9 +86,22 @@ impl Planner for PatrolAwgPlanner {
 pub struct PatrolFtoPlanner(PatrolFto);
 
 impl Planner for PatrolFtoPlanner {
+    const NAME: &'static str = "patrol_fto";
+    const SUMMARY: &'static str =
+        "patrols a contour past fictive obstacles, or mixes them with a zig-zag";
+
     type Params = PatrolFtoParams;
 
     const WAYPOINTS: usize = WAYPOINTS;
+
+    fn check_params(params: &PatrolFtoParams) -> Result<(), ParamsFault> {
+        params.validate().map_err(fault)
+    }
+
+    fn check_task(params: &PatrolFtoParams, task: &Task<'_>, seed: u64) -> Result<(), TaskFault> {
+        let known = params.obstacles_known;
+        check_task(&params.mission, &params.driver, known, task, seed)
+    }
 
     fn inputs(params: &PatrolFtoParams) -> PlannerInputs {
         inputs(params.obstacles_known)

@@ -7,9 +7,12 @@ use ipc_types::stamp::{PlainHeader, Stamp};
 use ipc_types::topics::{Belief, Sightings};
 use runtime::grids::{blurred_map, map_grids};
 use runtime::inputs::{MapInput, StateInput, reply_stamp};
-use runtime::{Clock, ProcessConfig, ProcessError, Wiring};
+use runtime::kind::{Lookout, ParamsFault, Product};
+use runtime::{Clock, Process, ProcessConfig, ProcessError, ProcessKind};
 use sim_backend::pose::Pose2;
+use sim_backend::spec::RobotSpec;
 use sim_backend::team::Team;
+use sim_backend::visibility::polygon::SightLimits;
 
 use tracking::params::PerceptionParams;
 use tracking::particle_filter::MotionLimits;
@@ -29,14 +32,52 @@ pub struct PerceptionProcess {
     last_tick: Option<u64>,
 }
 
-impl Wiring for PerceptionProcess {
-    fn open(config: &ProcessConfig, bus: &Bus) -> Result<Self, ProcessError> {
-        let params: PerceptionParams =
-            serde_json::from_value(config.params.clone()).map_err(|e| ProcessError::Params {
-                process: config.name.clone(),
-                kind: config.kind.clone(),
-                reason: e.to_string(),
-            })?;
+impl ProcessKind for PerceptionProcess {
+    const NAME: &'static str = "perception";
+    const SUMMARY: &'static str =
+        "what the Police see, and what they believe about what they do not see";
+    const MAKES: &'static [Product] = &[Product::Beliefs];
+
+    type Params = PerceptionParams;
+
+    fn check_params(params: &PerceptionParams) -> Result<(), ParamsFault> {
+        params.validate().map_err(ParamsFault::from)
+    }
+
+    fn presets() -> Vec<(&'static str, PerceptionParams)> {
+        vec![("paper", PerceptionParams::paper())]
+    }
+
+    fn belief_particles(params: &PerceptionParams) -> usize {
+        params.filter.particles
+    }
+
+    /// It looks from its robots, or from all of the Police.
+    fn lookout(
+        params: &PerceptionParams,
+        given: &[usize],
+        robots: &[RobotSpec],
+    ) -> Option<Lookout> {
+        let police = || (0..robots.len()).filter(|&robot| robots[robot].team == Team::Police);
+        Some(Lookout {
+            robots: if given.is_empty() {
+                police().collect()
+            } else {
+                given.to_vec()
+            },
+            points: Vec::new(),
+            limits: SightLimits {
+                range: params.sensor.range,
+                field_of_view: params.sensor.field_of_view,
+            },
+        })
+    }
+
+    fn open(
+        config: &ProcessConfig,
+        params: &PerceptionParams,
+        bus: &Bus,
+    ) -> Result<Self, ProcessError> {
         let robots = &config.run.robots;
         let of_team = |team: Team| {
             (0..robots.len())
@@ -68,14 +109,16 @@ impl Wiring for PerceptionProcess {
             sightings: bus.publisher(PublisherOptions::new(config.index, targets.len()))?,
             beliefs: bus.publisher(PublisherOptions::new(config.index, params.filter.particles))?,
             config: config.clone(),
-            params,
+            params: params.clone(),
             observers,
             targets,
             perception: None,
             last_tick: None,
         })
     }
+}
 
+impl Process for PerceptionProcess {
     fn connect(&mut self) -> Result<(), ProcessError> {
         self.state.connect()?;
         self.map.connect()?;

@@ -1,5 +1,8 @@
 //! The interface of a steering algorithm, and what a robot gives it.
 
+use core::any::Any;
+use core::fmt;
+
 use ipc_types::bus::Bus;
 use ipc_types::messages::robot::TreeEdge;
 use planner_view::limits::Limits;
@@ -10,6 +13,8 @@ use planner_view::waypoint::WaypointReport;
 use rand::Rng as _;
 use runtime::config::{ProcessConfig, RobotInfo};
 use runtime::error::ProcessError;
+use runtime::kind::{Need, ParamsFault, Task, TaskFault};
+use serde::Serialize;
 use serde::de::DeserializeOwned;
 use sim_backend::spec::Region;
 
@@ -26,10 +31,25 @@ pub struct PlannerInputs {
     pub shapes: bool,
 }
 
-/// A steering algorithm for one robot.
-pub trait Planner: Sized {
-    /// Its parameters.
-    type Params: DeserializeOwned;
+/// A steering algorithm for one robot. With [`PlannerProcess`](crate::PlannerProcess) around it, it
+/// is a kind of process.
+pub trait Planner: Sized + 'static {
+    /// The name of its kind, which scenarios use (`kind = "…"`).
+    const NAME: &'static str;
+
+    /// What it does, in one line.
+    const SUMMARY: &'static str;
+
+    /// Its parameters. All of them have defaults.
+    type Params: Serialize
+        + DeserializeOwned
+        + Default
+        + Clone
+        + PartialEq
+        + fmt::Debug
+        + Send
+        + Sync
+        + 'static;
 
     /// Most edges of a tree that it publishes; 0 for a planner without trees.
     const TREE_EDGES: usize = 0;
@@ -37,8 +57,45 @@ pub trait Planner: Sized {
     /// Most waypoints that may end in one tick; 0 for a planner without waypoints.
     const WAYPOINTS: usize = 0;
 
+    /// Checks the parameters by themselves.
+    ///
+    /// # Errors
+    /// The first parameter that is out of range, or that does not go with the others.
+    fn check_params(params: &Self::Params) -> Result<(), ParamsFault>;
+
+    /// Sets of parameters that `params.preset` names; keys beside it change single values.
+    fn presets() -> Vec<(&'static str, Self::Params)> {
+        Vec::new()
+    }
+
     /// Which topics it reads, given its parameters.
     fn inputs(params: &Self::Params) -> PlannerInputs;
+
+    /// What another part of the scenario must provide: by default the beliefs and scans that are
+    /// among its inputs.
+    fn needs(params: &Self::Params) -> Vec<Need> {
+        let inputs = Self::inputs(params);
+        let needs = [
+            inputs.beliefs.then_some(Need::Belief),
+            inputs.scans.then_some(Need::Scan),
+        ];
+        needs.into_iter().flatten().collect()
+    }
+
+    /// Checks whether a robot can do what it is told on this map; `seed` is the planner's own.
+    ///
+    /// # Errors
+    /// What does not fit.
+    fn check_task(params: &Self::Params, task: &Task<'_>, seed: u64) -> Result<(), TaskFault> {
+        let _ = (params, task, seed);
+        Ok(())
+    }
+
+    /// As [`ProcessKind::extension`](runtime::ProcessKind::extension).
+    fn extension(params: &Self::Params) -> Option<Box<dyn Any>> {
+        let _ = params;
+        None
+    }
 
     /// A planner for a robot; `seed` is its own.
     ///

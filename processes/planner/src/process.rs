@@ -1,6 +1,7 @@
 //! The process of all steering planners: state, map, beliefs and scans in; a command and a plan per
 //! robot out.
 
+use core::any::Any;
 use std::sync::Arc;
 
 use ipc_types::bus::{Bus, Publisher, PublisherOptions};
@@ -13,7 +14,7 @@ use runtime::error::ProcessError;
 use runtime::inputs::{
     BeliefInput, Latest, MapInput, ScanInput, ShapesInput, StateInput, reply_stamp,
 };
-use runtime::life::Wiring;
+use runtime::kind::{Need, ParamsFault, Process, ProcessKind, Product, Task, TaskFault};
 use sim_backend::pose::Pose2;
 use sim_backend::spec::Region;
 
@@ -47,22 +48,52 @@ pub struct PlannerProcess<P: Planner> {
     planned: Vec<PlannedPoint>,
 }
 
-impl<P: Planner> Wiring for PlannerProcess<P> {
-    fn open(config: &ProcessConfig, bus: &Bus) -> Result<Self, ProcessError> {
+impl<P: Planner> ProcessKind for PlannerProcess<P> {
+    const NAME: &'static str = P::NAME;
+    const SUMMARY: &'static str = P::SUMMARY;
+    const DRIVES_ROBOTS: bool = true;
+    const MAKES: &'static [Product] = if P::WAYPOINTS > 0 {
+        &[Product::Waypoints]
+    } else {
+        &[]
+    };
+
+    type Params = P::Params;
+
+    fn check_params(params: &P::Params) -> Result<(), ParamsFault> {
+        P::check_params(params)
+    }
+
+    fn presets() -> Vec<(&'static str, P::Params)> {
+        P::presets()
+    }
+
+    fn needs(params: &P::Params) -> Vec<Need> {
+        P::needs(params)
+    }
+
+    fn check_task(params: &P::Params, task: &Task<'_>) -> Result<(), TaskFault> {
+        let seed = planner_seed(task.run_seed, P::NAME, &task.robot.name);
+        P::check_task(params, task, seed)
+    }
+
+    fn extension(params: &P::Params) -> Option<Box<dyn Any>> {
+        P::extension(params)
+    }
+
+    fn open(config: &ProcessConfig, params: &P::Params, bus: &Bus) -> Result<Self, ProcessError> {
         let refused = |reason: String| ProcessError::Params {
             process: config.name.clone(),
             kind: config.kind.clone(),
             reason,
         };
-        let params: P::Params =
-            serde_json::from_value(config.params.clone()).map_err(|e| refused(e.to_string()))?;
-        let inputs = P::inputs(&params);
+        let inputs = P::inputs(params);
         let robots = config.run.robots.len();
         let mut driven = config
             .own_robots()
             .map(|(robot, info)| {
                 let seed = planner_seed(config.run.seed, &config.kind, &info.name);
-                P::new(&params, info, seed).map(|mut planner| {
+                P::new(params, info, seed).map(|mut planner| {
                     planner.rules(&config.run.exits, config.run.capture_radius);
                     Driven { robot, planner }
                 })
@@ -101,7 +132,9 @@ impl<P: Planner> Wiring for PlannerProcess<P> {
             planned: Vec::with_capacity(MAX_PLAN_POINTS),
         })
     }
+}
 
+impl<P: Planner> Process for PlannerProcess<P> {
     fn connect(&mut self) -> Result<(), ProcessError> {
         self.state.connect()?;
         self.map_input.connect()?;

@@ -11,7 +11,8 @@ use planner::{planner_map, robot_views};
 use planner_view::map::PlannerMap;
 use planner_view::view::RobotView;
 use runtime::inputs::{MapInput, StateInput, reply_stamp};
-use runtime::{Clock, ProcessConfig, ProcessError, Wiring};
+use runtime::kind::ParamsFault;
+use runtime::{Clock, Process, ProcessConfig, ProcessError, ProcessKind};
 use sim_backend::team::Team;
 
 use crate::params::RefereeParams;
@@ -59,19 +60,27 @@ impl Due {
     }
 }
 
-impl Wiring for RefereeProcess {
-    fn open(config: &ProcessConfig, bus: &Bus) -> Result<Self, ProcessError> {
-        let params: RefereeParams =
-            serde_json::from_value(config.params.clone()).map_err(|e| ProcessError::Params {
-                process: config.name.clone(),
-                kind: config.kind.clone(),
-                reason: e.to_string(),
-            })?;
+impl ProcessKind for RefereeProcess {
+    const NAME: &'static str = "referee";
+    const SUMMARY: &'static str =
+        "says who reaches what first, and which evader can still be sure of an escape";
+
+    type Params = RefereeParams;
+
+    fn check_params(params: &RefereeParams) -> Result<(), ParamsFault> {
+        params.validate().map_err(ParamsFault::from)
+    }
+
+    fn open(
+        config: &ProcessConfig,
+        params: &RefereeParams,
+        bus: &Bus,
+    ) -> Result<Self, ProcessError> {
         let run = &config.run;
         let evaders = run.robots.iter().filter(|robot| robot.team == Team::Evader);
         let tick_s = run.tick_period();
         Ok(Self {
-            referee: Referee::new(params, run.exits.clone(), run.capture_radius),
+            referee: Referee::new(*params, run.exits.clone(), run.capture_radius),
             verdicts_due: Due::new(params.period_s, tick_s),
             cells_due: (params.cells_period_s > 0.0)
                 .then(|| Due::new(params.cells_period_s, tick_s)),
@@ -84,7 +93,9 @@ impl Wiring for RefereeProcess {
             config: config.clone(),
         })
     }
+}
 
+impl Process for RefereeProcess {
     fn connect(&mut self) -> Result<(), ProcessError> {
         self.state.connect()?;
         self.map_input.connect()?;

@@ -5,14 +5,14 @@ use std::time::Duration;
 
 use ipc_types::bus::{BusError, BusOptions, RunSpace};
 use ipc_types::topics::RunSize;
+use serde::de::{DeserializeOwned, IgnoredAny};
 use serde::{Deserialize, Serialize};
 use sim_backend::pose::Pose2;
 use sim_backend::spec::{Region, RobotModel};
 use sim_backend::team::Team;
 
-/// Everything a process needs to know.
+/// Everything a process needs to know, but for the parameters of its kind.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct ProcessConfig {
     /// What all processes of the run share.
     pub run: RunConfig,
@@ -26,8 +26,14 @@ pub struct ProcessConfig {
     pub robots: Vec<u32>,
     /// Indices of the processes whose output of a tick it needs.
     pub upstream: Vec<u32>,
-    /// Parameters of the kind, checked before the start.
-    pub params: serde_json::Value,
+}
+
+/// The file: a configuration, and beside it the parameters of the kind, checked before the start.
+#[derive(Debug, Serialize, Deserialize)]
+struct Document<C, P> {
+    #[serde(flatten)]
+    config: C,
+    params: P,
 }
 
 /// What all processes of a run share.
@@ -132,20 +138,35 @@ pub enum ConfigError {
     },
 }
 
+/// Reads the file that the orchestrator wrote: the configuration, and the parameters of the kind.
+///
+/// # Errors
+/// [`ConfigError`] names the file and the place in it.
+pub fn load<P: DeserializeOwned>(path: &Path) -> Result<(ProcessConfig, P), ConfigError> {
+    let text = std::fs::read_to_string(path).map_err(|source| ConfigError::File {
+        path: path.to_owned(),
+        source,
+    })?;
+    let read = |source| ConfigError::Syntax {
+        path: path.to_owned(),
+        source,
+    };
+    let document: Document<ProcessConfig, P> = serde_json::from_str(&text).map_err(read)?;
+    Ok((document.config, document.params))
+}
+
+/// What the file that [`load`] reads says.
+pub fn document<P: Serialize>(config: &ProcessConfig, params: P) -> impl Serialize {
+    Document { config, params }
+}
+
 impl ProcessConfig {
-    /// Reads the file that the orchestrator wrote.
+    /// Reads the file that the orchestrator wrote, without the parameters of the kind.
     ///
     /// # Errors
     /// [`ConfigError`] names the file and the place in it.
     pub fn load(path: &Path) -> Result<Self, ConfigError> {
-        let text = std::fs::read_to_string(path).map_err(|source| ConfigError::File {
-            path: path.to_owned(),
-            source,
-        })?;
-        serde_json::from_str(&text).map_err(|source| ConfigError::Syntax {
-            path: path.to_owned(),
-            source,
-        })
+        Ok(load::<IgnoredAny>(path)?.0)
     }
 
     /// The robots this process drives, with their indices; an index without a robot is left out.

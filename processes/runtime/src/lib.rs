@@ -1,7 +1,7 @@
 //! The runtime of a process: start-up, configuration, lock-step and real-time loops, heartbeat,
 //! shutdown, and the inputs that processes share.
 //!
-//! A process is an algorithm (a pure library) plus a [`Wiring`] that connects it to its topics;
+//! A process is an algorithm (a pure library) plus a [`ProcessKind`] that connects it to its topics;
 //! [`life::run`] does the rest. Steering planners implement the trait of crate `planner` instead.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
@@ -12,6 +12,7 @@ pub mod error;
 pub mod grids;
 pub mod guard;
 pub mod inputs;
+pub mod kind;
 pub mod life;
 pub mod lockstep;
 pub mod logging;
@@ -24,4 +25,5 @@ pub mod status;
 
 pub use config::{Clock, ProcessConfig, RobotInfo, RunConfig};
 pub use error::ProcessError;
-pub use life::{Setup, Wiring, run, run_with};
+pub use kind::{Process, ProcessKind};
+pub use life::{Setup, run, run_with};

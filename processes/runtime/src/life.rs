@@ -7,48 +7,15 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use ipc_types::bus::Bus;
+use serde::de::DeserializeOwned;
 
-use crate::config::{Clock, ProcessConfig};
+use crate::config::{self, Clock, ProcessConfig};
 use crate::error::ProcessError;
 use crate::guard;
+use crate::kind::{self, ProcessKind};
 use crate::lockstep::{Participant, Phase, SlotState, Turn, TurnPage};
 use crate::logging;
 use crate::status::Heartbeat;
-
-/// A process's algorithm, wired to its topics.
-pub trait Wiring: Sized {
-    /// Opens the ports and sets up the algorithm.
-    ///
-    /// # Errors
-    /// Ends the process before it is ready.
-    fn open(config: &ProcessConfig, bus: &Bus) -> Result<Self, ProcessError>;
-
-    /// Connects every port, now that all processes have opened theirs.
-    ///
-    /// # Errors
-    /// Ends the process.
-    fn connect(&mut self) -> Result<(), ProcessError>;
-
-    /// Builds what the algorithm needs of the map, which has been sent by now, so that the first
-    /// tick does not have to.
-    ///
-    /// # Errors
-    /// Ends the process.
-    fn prepare(&mut self) -> Result<(), ProcessError> {
-        Ok(())
-    }
-
-    /// Does one tick: takes up the inputs, computes, publishes the outputs.
-    ///
-    /// # Errors
-    /// Ends the process.
-    fn step(&mut self, tick: u64) -> Result<(), ProcessError>;
-
-    /// Messages so far that failed the checks.
-    fn rejected(&self) -> u64 {
-        0
-    }
-}
 
 /// What every process sets up first and keeps to its end.
 #[derive(Debug)]
@@ -116,20 +83,20 @@ impl Setup {
 
 /// Runs a process whose configuration lies in a file, to its end; returns its exit code. Errors go
 /// to stderr, to the heartbeat and to the turn page.
-pub fn run<W: Wiring>(config: &Path) -> ExitCode {
-    run_with(config, |config| {
+pub fn run<K: ProcessKind>(config: &Path) -> ExitCode {
+    run_with(config, |config, params| {
         let setup = Setup::new(config)?;
-        live::<W>(config, setup)
+        live::<K>(config, params, setup)
     })
 }
 
 /// As [`run`], with a body of one's own (the simulator leads the loop instead of following it).
-pub fn run_with(
+pub fn run_with<P: DeserializeOwned>(
     config: &Path,
-    body: impl FnOnce(&ProcessConfig) -> Result<(), ProcessError>,
+    body: impl FnOnce(&ProcessConfig, &P) -> Result<(), ProcessError>,
 ) -> ExitCode {
-    let config = match ProcessConfig::load(config) {
-        Ok(config) => config,
+    let (config, params) = match config::load(config) {
+        Ok(loaded) => loaded,
         Err(error) => {
             eprintln!("error: {error}");
             return ExitCode::FAILURE;
@@ -137,7 +104,7 @@ pub fn run_with(
     };
     logging::start(&config.run.log_level);
     name_process(&config.name);
-    match body(&config) {
+    match body(&config, &params) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             tracing::error!("{error}");
@@ -158,17 +125,21 @@ fn name_process(name: &str) {
     }
 }
 
-fn live<W: Wiring>(config: &ProcessConfig, mut setup: Setup) -> Result<(), ProcessError> {
+fn live<K: ProcessKind>(
+    config: &ProcessConfig,
+    params: &K::Params,
+    mut setup: Setup,
+) -> Result<(), ProcessError> {
     let seat = setup.participant(config);
     let joins_late = seat.joins_late();
-    let mut wiring = W::open(config, &setup.bus)?;
+    let mut process = kind::open::<K>(config, params, &setup.bus)?;
     seat.set_state(SlotState::Ready);
     let keep_going = || !setup.stop.load(Ordering::Relaxed);
     if !seat.wait_for_phase(Phase::Connect, keep_going) {
         seat.set_state(SlotState::Stopped);
         return Ok(());
     }
-    wiring.connect()?;
+    process.connect()?;
     setup.heartbeat.connect()?;
     setup.heartbeat.beat(0, 2, None)?;
     // The others opened their ports long before these, and sent the map.
@@ -178,7 +149,7 @@ fn live<W: Wiring>(config: &ProcessConfig, mut setup: Setup) -> Result<(), Proce
     }
     seat.set_state(SlotState::Connected);
     if seat.wait_for_phase(Phase::Prepare, keep_going) {
-        wiring.prepare()?;
+        process.prepare()?;
         seat.set_state(SlotState::Prepared);
     }
 
@@ -206,13 +177,13 @@ fn live<W: Wiring>(config: &ProcessConfig, mut setup: Setup) -> Result<(), Proce
                 overruns += tick - next;
                 setup.bus.begin_turn();
                 let start = Instant::now();
-                if let Err(error) = wiring.step(tick) {
+                if let Err(error) = process.step(tick) {
                     let _ = setup.heartbeat.beat(tick, 5, Some(&error.to_string()));
                     return Err(error);
                 }
                 let end = Instant::now();
                 let took = u64::try_from((end - start).as_nanos()).unwrap_or(u64::MAX);
-                setup.heartbeat.stepped(took, overruns, wiring.rejected());
+                setup.heartbeat.stepped(took, overruns, process.rejected());
                 if setup.heartbeat.is_due_at(end) {
                     setup.heartbeat.beat(tick, 3, None)?;
                 }
@@ -221,8 +192,8 @@ fn live<W: Wiring>(config: &ProcessConfig, mut setup: Setup) -> Result<(), Proce
             }
         }
     }
-    // The ports close with `wiring` and `setup`, the seat is given up last.
-    drop(wiring);
+    // The ports close with `process` and `setup`, the seat is given up last.
+    drop(process);
     seat.set_state(SlotState::Stopped);
     Ok(())
 }

@@ -16,3 +16,6 @@ pub mod params;
 pub mod process;
 
 pub use params::SimulatorParams;
+
+/// The name of the simulator, as a process and as its kind.
+pub const NAME: &str = "simulator";

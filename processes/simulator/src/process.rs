@@ -34,11 +34,9 @@ const EVENT_CAPACITY: usize = 1024;
 
 /// Runs the simulator with the configuration in a file.
 pub fn run(config: &Path) -> ExitCode {
-    runtime::run_with(config, |config| {
+    runtime::run_with(config, |config, params: &SimulatorParams| {
         let mut setup = Setup::new(config)?;
-        let params: SimulatorParams = serde_json::from_value(config.params.clone())
-            .map_err(|e| refused(config, &e.to_string()))?;
-        let mut simulator = Simulator::open(config, &params, &setup.bus)?;
+        let mut simulator = Simulator::open(config, params, &setup.bus)?;
         let seat = setup.participant(config);
         seat.set_state(SlotState::Ready);
         let stop = Arc::clone(&setup.stop);

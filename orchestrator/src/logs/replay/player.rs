@@ -10,7 +10,7 @@ use ipc_types::messages::process::RunControl;
 use ipc_types::stamp::PlainHeader;
 use ipc_types::topics::{Control, NAMES, Topic as _};
 use platform::eprintln;
-use runtime::config::{Clock, ProcessConfig};
+use runtime::config::Clock;
 use runtime::lockstep::{Conductor, Overseer, Phase};
 
 use super::super::error::LogsError;
@@ -23,6 +23,7 @@ use super::create_resources;
 use super::played::{ReplayOptions, Replayed};
 use super::publishers::TopicPublishers;
 use crate::mission::MissionError;
+use crate::mission::plan::Launch;
 use crate::mission::process_group::write_config;
 use crate::mission::resources::RunResources;
 use crate::scenario::ResolvedScenario;
@@ -117,9 +118,9 @@ impl<'a> Player<'a> {
         let resources = create_resources(scenario)?;
         let overseer = Overseer::new(Arc::clone(&resources.page));
         for launch in &resources.plan.launches {
-            let config = joining(&launch.config, options.rate);
-            let slot = config.index as usize;
-            write_config(resources.root(), &config.name, slot, &config)
+            let launch = joining(launch, options.rate);
+            let slot = launch.config.index as usize;
+            write_config(resources.root(), &launch.config.name, slot, &launch)
                 .map_err(MissionError::from)?;
         }
         let orchestrator = resources.plan.orchestrator_index();
@@ -325,11 +326,11 @@ impl<'a> Player<'a> {
 }
 
 /// What a process is told that joins the replay: time passes without waiting for it.
-fn joining(config: &ProcessConfig, rate: f64) -> ProcessConfig {
-    let mut config = config.clone();
-    config.run.clock = Clock::RealTime {
+fn joining(launch: &Launch, rate: f64) -> Launch {
+    let mut launch = launch.clone();
+    launch.config.run.clock = Clock::RealTime {
         factor: if rate.is_finite() { rate } else { 1000.0 },
         deadline_ns: 500_000_000,
     };
-    config
+    launch
 }

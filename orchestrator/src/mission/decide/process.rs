@@ -2,9 +2,10 @@
 
 use std::time::{Duration, Instant};
 
+use runtime::kind::Product;
+
 use super::{Action, Failure, OnFailure};
 use crate::mission::plan::Launch;
-use crate::scenario::kinds::{KINDS, Product, find};
 
 /// A process as it is supervised.
 #[derive(Debug)]
@@ -43,7 +44,6 @@ impl Process {
     /// A process that takes part, one of these.
     pub(super) fn new(launch: &Launch, all: &[Launch], now: Instant) -> Self {
         let config = &launch.config;
-        let kind = find(KINDS, &config.kind);
         let is_simulator = config.index == 0;
         let position = |up: &u32| all.iter().position(|launch| launch.config.index == *up);
         Self {
@@ -56,7 +56,7 @@ impl Process {
             },
             ready_timeout: Duration::from_secs_f64(launch.supervision.ready_timeout_s),
             upstream: config.upstream.iter().filter_map(position).collect(),
-            makes_plans: kind.is_some_and(|kind| kind.makes(Product::Plans)),
+            makes_plans: launch.makes(Product::Plans),
             drives_robots: !config.robots.is_empty(),
             standing: Standing::Present,
             failures: 0,

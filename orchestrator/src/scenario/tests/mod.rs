@@ -7,15 +7,18 @@ mod messages_of_parts;
 mod properties;
 mod resolve;
 
+use ipc_types::bus::Bus;
+use runtime::kind::{Need, ParamsFault, Product};
+use runtime::{Process, ProcessConfig, ProcessError, ProcessKind};
 use serde::{Deserialize, Serialize};
 use sim_backend::params::ParamsError;
 
 use super::files::Base;
-use super::kinds::{KindInfo, Need, Product, check_params};
+use super::kind::Kind;
 use super::{Loader, ResolvedScenario};
 
 /// Parameters of the kinds below.
-#[derive(Debug, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 struct Params {
     knowledge: Knowledge,
@@ -23,7 +26,7 @@ struct Params {
     gain: f64,
 }
 
-#[derive(Debug, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum Knowledge {
     Belief,
@@ -53,54 +56,85 @@ impl Params {
     }
 }
 
-const fn kind(name: &'static str, drives_robots: bool, provides_belief: bool) -> KindInfo {
-    KindInfo {
-        name,
-        summary: "",
-        remembers: false,
-        drives_robots,
-        makes: if provides_belief {
-            &[Product::Beliefs]
-        } else {
-            &[]
-        },
-        check_params: |node| check_params(node, Params::validate),
-        needs: |_| Vec::new(),
-        presets: &[],
-    }
+/// Kinds like the real ones, but with parameters of our own. They cannot run.
+macro_rules! kinds {
+    ($($type:ident $name:literal { $($of_it:tt)* })+) => {
+        $(
+            struct $type;
+
+            impl Process for $type {
+                fn connect(&mut self) -> Result<(), ProcessError> {
+                    Ok(())
+                }
+
+                fn step(&mut self, _: u64) -> Result<(), ProcessError> {
+                    Ok(())
+                }
+            }
+
+            impl ProcessKind for $type {
+                const NAME: &'static str = $name;
+                const SUMMARY: &'static str = "";
+                type Params = Params;
+
+                fn check_params(params: &Params) -> Result<(), ParamsFault> {
+                    Ok(params.validate()?)
+                }
+
+                fn open(_: &ProcessConfig, _: &Params, _: &Bus) -> Result<Self, ProcessError> {
+                    Ok(Self)
+                }
+
+                $($of_it)*
+            }
+        )+
+
+        static KINDS: &[Kind] = &[$(Kind::of::<$type>()),+];
+    };
 }
 
-/// Kinds like the real ones, but with parameters of our own.
-static KINDS: &[KindInfo] = &[
-    kind("perception", false, true),
-    KindInfo {
-        needs: |p| {
-            if p["knowledge"] == "belief" {
-                vec![Need::Belief]
-            } else {
-                Vec::new()
-            }
-        },
-        presets: &[(
-            "paper",
-            || serde_json::json!({ "knowledge": "exact", "gain": 7.0 }),
-        )],
-        ..kind("pursuer", true, false)
-    },
-    KindInfo {
-        needs: |_| vec![Need::Scan],
-        ..kind("evader_braitenberg", true, false)
-    },
-    kind("evader_potential", true, false),
-    KindInfo {
-        makes: &[Product::Plans],
-        ..kind("optimiser", false, false)
-    },
-    KindInfo {
-        needs: |_| vec![Need::Plans],
-        ..kind("navigator", true, false)
-    },
-];
+kinds! {
+    Perception "perception" {
+        const MAKES: &'static [Product] = &[Product::Beliefs];
+    }
+    Pursuer "pursuer" {
+        const DRIVES_ROBOTS: bool = true;
+
+        fn needs(params: &Params) -> Vec<Need> {
+            let needs = params.knowledge == Knowledge::Belief;
+            needs.then_some(Need::Belief).into_iter().collect()
+        }
+
+        fn presets() -> Vec<(&'static str, Params)> {
+            let paper = Params {
+                knowledge: Knowledge::Exact,
+                gain: 7.0,
+                ..Params::default()
+            };
+            vec![("paper", paper)]
+        }
+    }
+    Braitenberg "evader_braitenberg" {
+        const DRIVES_ROBOTS: bool = true;
+
+        fn needs(_: &Params) -> Vec<Need> {
+            vec![Need::Scan]
+        }
+    }
+    Potential "evader_potential" {
+        const DRIVES_ROBOTS: bool = true;
+    }
+    Optimiser "optimiser" {
+        const MAKES: &'static [Product] = &[Product::Plans];
+    }
+    Navigator "navigator" {
+        const DRIVES_ROBOTS: bool = true;
+
+        fn needs(_: &Params) -> Vec<Need> {
+            vec![Need::Plans]
+        }
+    }
+}
 
 /// A small scenario in which nothing is wrong.
 const GOOD: &str = r#"title = "Small"

@@ -4,9 +4,9 @@ use sim_backend::map::{MapSpec, ObstacleChange, ObstacleId};
 use sim_backend::spec::Condition;
 
 use super::*;
+use crate::scenario::Moment;
 use crate::scenario::events::{EventSpec, Trigger};
 use crate::scenario::spec::Pin;
-use crate::scenario::{Moment, Program};
 
 #[test]
 fn robots_inherit_from_team_and_defaults_and_keep_their_own() {
@@ -33,8 +33,12 @@ fn processes_are_expanded_named_and_ordered() {
     let names: Vec<&str> = s.processes.iter().map(|p| p.name.as_str()).collect();
     assert_eq!(names, ["perception", "pursuer", "evader_potential"]);
     assert_eq!(s.processes[1].robots, [0]);
-    assert_eq!(s.processes[0].params["particles"], 200);
-    assert_eq!(s.processes[0].params["gain"], 0.5, "defaults are filled in");
+    assert_eq!(s.processes[0].program.params()["particles"], 200);
+    assert_eq!(
+        s.processes[0].program.params()["gain"],
+        0.5,
+        "defaults are filled in"
+    );
     assert!(!s.uses_external_commands());
 
     let both = changed(
@@ -50,11 +54,11 @@ fn processes_are_expanded_named_and_ordered() {
     let names: Vec<&str> = s.processes.iter().map(|p| p.name.as_str()).collect();
     assert_eq!(names, ["perception", "own_cop", "own_thief"]);
     assert_eq!(
-        s.processes[1].program,
-        Program::Command(vec!["./planner".into(), "-v".into()])
+        s.processes[1].program.command_line().as_deref(),
+        Some("./planner -v")
     );
     assert_eq!(
-        s.processes[1].params,
+        s.processes[1].program.params(),
         serde_json::json!({ "any": [1, "x"] })
     );
     assert!(s.uses_external_commands());
@@ -77,7 +81,7 @@ fn presets_of_parameters_are_filled_in_under_single_values() {
     );
     let s = load(&text).unwrap();
     assert_eq!(
-        s.processes[1].params,
+        s.processes[1].program.params(),
         serde_json::json!({ "knowledge": "exact", "gain": 7.0, "particles": 3 })
     );
 }
@@ -226,7 +230,7 @@ fn overrides_change_what_they_name() {
     assert_eq!(s.world.robots[0].model().v_max, 0.5);
     assert_eq!(s.world.robots[1].name, "bandit");
     assert_eq!(s.world.robots[1].model().radius, 0.15);
-    assert_eq!(s.processes[0].params["particles"], 9);
+    assert_eq!(s.processes[0].program.params()["particles"], 9);
 }
 
 #[test]
@@ -237,7 +241,7 @@ fn a_process_that_does_not_say_how_long_its_start_may_take_has_the_time_of_the_r
     );
     let s = load_with(&text, &["run.ready_timeout_s=7"]).unwrap();
     for process in &s.processes {
-        let own = process.program == Program::Kind("pursuer".into());
+        let own = process.program.kind_name() == Some("pursuer");
         let wanted = if own { 3.0 } else { 7.0 };
         assert_eq!(
             process.supervision.ready_timeout_s, wanted,

@@ -4,7 +4,6 @@ use sim_backend::team::Team;
 
 use super::super::{Manifest, Metric, Seeds, Value};
 use super::*;
-use crate::scenario::Program;
 
 #[test]
 fn cells_are_all_combinations_case_by_case() {
@@ -56,9 +55,13 @@ fn a_cell_is_the_scenario_with_its_overrides_and_the_seed() {
         assert_eq!(robot.model().v_max, 0.45);
         assert_eq!(robot.scan.as_ref().unwrap().beams, 72);
     }
-    let kinds: Vec<_> = scenario.processes.iter().map(|p| &p.program).collect();
-    assert!(kinds.contains(&&Program::Kind("evader_braitenberg".into())));
-    assert!(!kinds.contains(&&Program::Kind("evader_potential".into())));
+    let kinds: Vec<_> = scenario
+        .processes
+        .iter()
+        .filter_map(|p| p.program.kind_name())
+        .collect();
+    assert!(kinds.contains(&"evader_braitenberg"));
+    assert!(!kinds.contains(&"evader_potential"));
     // As from the command line.
     let same = crate::scenario::load(&cell.target, &cell.overrides, Some(7)).unwrap();
     assert_eq!(same, scenario);
@@ -205,11 +208,11 @@ fn the_police_know_what_the_case_says() {
             let processes = cell.scenario(1).unwrap().processes;
             let known: Vec<_> = processes
                 .iter()
-                .filter(|p| p.program == Program::Kind("pursuer".to_owned()))
-                .map(|p| p.params["knowledge"].as_str().unwrap())
+                .filter(|p| p.program.kind_name() == Some("pursuer"))
+                .map(|p| p.program.params()["knowledge"].clone())
                 .collect();
             assert!(!known.is_empty(), "{file}: {cell:?}");
-            assert!(known.iter().all(|&k| k == knowledge), "{file}: {cell:?}");
+            assert!(known.iter().all(|k| k == knowledge), "{file}: {cell:?}");
         }
     }
 }

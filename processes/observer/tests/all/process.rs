@@ -4,8 +4,11 @@ use ipc_types::bus::{Bus, Publisher, PublisherOptions, Subscriber};
 use ipc_types::messages::observer::Prediction;
 use ipc_types::messages::world::{MapCell, MapHeader, RobotState, WorldHeader};
 use ipc_types::topics::{Predictions, WorldMap, WorldState};
+use observer::ObserverParams;
 use observer::process::ObserverProcess;
-use runtime::{Clock, ProcessConfig, ProcessError, RobotInfo, RunConfig, Wiring as _};
+use runtime::kind::open;
+use runtime::{Clock, ProcessConfig, ProcessError, RobotInfo, RunConfig};
+use runtime::{Process as _, ProcessKind as _};
 use serde_json::json;
 use sim_backend::pose::Pose2;
 use sim_backend::spec::RobotModel;
@@ -13,7 +16,7 @@ use sim_backend::team::Team;
 
 const CELLS: u32 = 60;
 
-fn config(params: serde_json::Value) -> ProcessConfig {
+fn config() -> ProcessConfig {
     let robot = |name: &str, x: f64| RobotInfo {
         name: name.into(),
         team: Team::Neutral,
@@ -47,8 +50,11 @@ fn config(params: serde_json::Value) -> ProcessConfig {
         index: 1,
         robots: Vec::new(),
         upstream: Vec::new(),
-        params,
     }
+}
+
+fn params_of(json: serde_json::Value) -> ObserverParams {
+    serde_json::from_value(json).unwrap()
 }
 
 /// A world of 6 m × 6 m with a wall from x = 2.9 to 3.1 below y = 3.
@@ -61,14 +67,15 @@ struct World {
 
 impl World {
     fn new(params: serde_json::Value) -> Self {
-        let config = config(params);
+        let config = config();
+        let params = params_of(params);
         let bus = Bus::local(config.run.bus_options(), None);
         let predictions = bus.recorder().unwrap();
         let state = bus.publisher(PublisherOptions::new(0, 2)).unwrap();
         let map: Publisher<WorldMap> = bus
             .publisher(PublisherOptions::new(0, (CELLS * CELLS) as usize))
             .unwrap();
-        let mut observer = ObserverProcess::open(&config, &bus).unwrap();
+        let mut observer = ObserverProcess::open(&config, &params, &bus).unwrap();
         observer.connect().unwrap();
         let header = MapHeader {
             resolution: 0.1,
@@ -212,13 +219,15 @@ fn names_that_are_nobodys_and_numbers_out_of_range_are_refused() {
         (json!({ "methods": [] }), "methods"),
         (json!({ "horizon": 1.0 }), "unknown field"),
     ] {
-        let config = config(params);
+        let config = config();
         let bus = Bus::local(config.run.bus_options(), None);
-        match ObserverProcess::open(&config, &bus).map(|_| ()) {
-            Err(ProcessError::Params { reason, .. }) => {
-                assert!(reason.contains(part), "{reason}");
-            }
-            other => panic!("{part}: {other:?}"),
-        }
+        let reason = match serde_json::from_value(params) {
+            Err(error) => error.to_string(),
+            Ok(params) => match open::<ObserverProcess>(&config, &params, &bus).map(|_| ()) {
+                Err(ProcessError::Params { reason, .. }) => reason,
+                other => panic!("{part}: {other:?}"),
+            },
+        };
+        assert!(reason.contains(part), "{reason}");
     }
 }

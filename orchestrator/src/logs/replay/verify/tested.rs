@@ -5,9 +5,9 @@ use std::collections::BTreeSet;
 use super::super::super::error::LogsError;
 use super::super::super::origin::Origin;
 use super::VerifyOptions;
-use crate::mission::child_process::Executable;
-use crate::mission::plan::{Launch, Plan};
-use crate::scenario::kinds::{KINDS, Need, Product, find};
+use runtime::kind::{Need, Product};
+
+use crate::mission::plan::{Launch, Plan, Role};
 use crate::scenario::{OnFailure, Program};
 
 /// Who is under test.
@@ -73,10 +73,10 @@ impl Tested {
                     "{name}: it leads the others; `protean rerun` does the whole run again"
                 )));
             }
-            if let Executable::Command(words) = &launch.executable
+            if let Role::Process(program @ Program::Command { .. }) = &launch.role
                 && !options.allow_external
             {
-                let line = Program::Command(words.clone()).command_line();
+                let line = program.command_line();
                 return Err(refuse(format!(
                     "{name}: it is a program that is not Protean's own; look at it and add \
                      --allow-external: {}",
@@ -86,17 +86,13 @@ impl Tested {
             launches.push(launch.clone());
         }
         let speakers: BTreeSet<u32> = launches.iter().map(|l| l.config.index).collect();
-        let needs_plans = |launch: &Launch| {
-            find(KINDS, &launch.config.kind)
-                .is_some_and(|kind| (kind.needs)(&launch.config.params).contains(&Need::Plans))
-        };
+        let needs_plans =
+            |launch: &Launch| launch.kind().is_some_and(|kind| kind.needs(Need::Plans));
         let mut helpers = Vec::new();
         if launches.iter().any(needs_plans) {
             // Requests and answers are in no log.
             for launch in &plan.launches {
-                let serves =
-                    find(KINDS, &launch.config.kind).is_some_and(|k| k.makes(Product::Plans));
-                if serves && !speakers.contains(&launch.config.index) {
+                if launch.makes(Product::Plans) && !speakers.contains(&launch.config.index) {
                     helpers.push(launch.config.name.clone());
                     launches.push(launch.clone());
                 }

@@ -1,10 +1,8 @@
-//! What a kind of coverage planner must say of itself, and the site that it plans for.
+//! The site that a coverage planner plans for.
 
 use crate::decomposition::{Decomposition, DecompositionError};
-use crate::goal::GoalSource;
 use crate::workplace::{Workplace, WorkplaceError};
 use nalgebra::Point2;
-use serde::de::DeserializeOwned;
 use sim_backend::shape::{Aabb, Convex};
 
 use crate::sub_goals::params::FollowParams;
@@ -63,33 +61,4 @@ impl Site {
             start,
         })
     }
-}
-
-/// A kind of coverage planner: how to make its sub-goals. The process does the rest.
-pub trait Design {
-    /// Its parameters.
-    type Params: DeserializeOwned + Clone;
-    /// Its sub-goals.
-    type Goals: GoalSource;
-
-    /// Checks the parameters.
-    ///
-    /// # Errors
-    /// A text that names the parameter that does not do.
-    fn validate(params: &Self::Params) -> Result<(), String>;
-
-    /// The parameters that all kinds share.
-    fn follow(params: &Self::Params) -> FollowParams;
-
-    /// The sub-goals for a site; `seed` is the robot's own. `before` are those for the site that it
-    /// replaces, if the map has changed: secrets and numbers go on from there.
-    ///
-    /// # Errors
-    /// A text that says what does not fit the site.
-    fn goals(
-        params: &Self::Params,
-        site: &Site,
-        seed: u64,
-        before: Option<Self::Goals>,
-    ) -> Result<Self::Goals, String>;
 }

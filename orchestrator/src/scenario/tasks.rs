@@ -1,0 +1,55 @@
+//! Whether processes can do what they are told, with these robots on this map: what neither of the
+//! three shows by itself, and what would otherwise only be seen when the run starts.
+
+use runtime::kind::{Task, TaskFault};
+use sim_backend::map::{MapSpec, WorldMap};
+
+use super::context::Context;
+use super::processes::Read;
+use super::robots::Robot;
+use config::{Code, FieldPath, Step};
+
+/// Reports what does not fit, the first thing of every process.
+pub fn check(ctx: &mut Context<'_>, map: &MapSpec, robots: &[Robot], read: &[Read], seed: u64) {
+    // A map that cannot be made is reported with the robots' places.
+    let Ok(ground) = WorldMap::recent(map) else {
+        return;
+    };
+    for r in read {
+        let Some(kind) = r.spec.program.kind() else {
+            continue;
+        };
+        let driven = r.spec.robots.iter().filter_map(|&i| robots.get(i));
+        let fault = driven
+            .map(|robot| Task {
+                robot: &robot.spec,
+                map,
+                ground: &ground,
+                run_seed: seed,
+            })
+            .find_map(|task| kind.check_task(&task).err());
+        match fault {
+            None => {}
+            Some(TaskFault::Param { field, message }) => {
+                let path = r.path.then("params");
+                let block = ctx.root.follow(&r.path).clone();
+                let written = block.get("params").is_some();
+                let problem = if written {
+                    let params = ctx.root.follow(&path).clone();
+                    ctx.problem(&params, &path, &field, Code::OutOfRange, message)
+                } else {
+                    let path = path.join(&FieldPath::parse(&field));
+                    ctx.block_problem(r.origin, &path, Code::OutOfRange, message)
+                };
+                ctx.problems.push(problem);
+            }
+            Some(TaskFault::Obstacle { index, message }) => {
+                let list = FieldPath::parse("world.map.vector.obstacles");
+                let path = list.step(Step::Index(index));
+                let origin = ctx.root.origin_along(&path);
+                let problem = ctx.block_problem(origin, &path, Code::Geometry, message);
+                ctx.problems.push(problem);
+            }
+        }
+    }
+}

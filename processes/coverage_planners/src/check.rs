@@ -1,0 +1,49 @@
+//! Whether a robot can cover a map.
+
+use coverage::sub_goals::site::Site;
+use coverage::workplace::{Workplace, WorkplaceError};
+use runtime::kind::{Task, TaskFault};
+use sim_backend::map::MapSpec;
+use sim_backend::shape::Shape;
+
+use crate::design::Design;
+
+/// Makes the first sub-goals on the map; `seed` is the planner's.
+pub(crate) fn check_task<D: Design>(
+    params: &D::Params,
+    task: &Task<'_>,
+    seed: u64,
+) -> Result<(), TaskFault> {
+    let follow = D::follow(params);
+    let bounds = *task.ground.bounds();
+    let radius = task.robot.model().radius;
+    if let MapSpec::Vector(map) = task.map {
+        let shapes: Vec<Shape> = map.obstacles.iter().map(|o| o.shape.clone()).collect();
+        let made = Workplace::new(bounds, radius, &shapes, follow.tolerance);
+        if let Err(error) = made
+            && let WorkplaceError::Outside { index, .. } | WorkplaceError::Covering { index } =
+                error
+        {
+            let name = map.obstacles.get(index).map_or("", |o| o.name.as_str());
+            let message = error.to_string();
+            let message = message.replacen(&format!("obstacles[{index}]"), &format!("`{name}`"), 1);
+            return Err(TaskFault::Obstacle { index, message });
+        }
+    }
+    let here = task.robot.start.position();
+    Site::new(bounds, task.ground.parts(), radius, &follow, here)
+        .and_then(|site| D::goals(params, &site, seed, None).map(drop))
+        .map_err(|message| TaskFault::param(field_of(&message), &message))
+}
+
+/// The parameter that a refusal is about.
+fn field_of(message: &str) -> &str {
+    let first = message.split(|c: char| !c.is_alphanumeric()).next();
+    match first.unwrap_or_default() {
+        "route" => "route",
+        "iterations" => "iterations",
+        "bridge" => "bridges",
+        "tolerance" => "follow.tolerance",
+        _ => message.split('`').nth(1).unwrap_or_default(),
+    }
+}

@@ -1,0 +1,52 @@
+//! What a coverage planner says of itself.
+
+use core::fmt::Debug;
+
+use coverage::goal::GoalSource;
+use coverage::sub_goals::params::FollowParams;
+use coverage::sub_goals::site::Site;
+use runtime::kind::ParamsFault;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+/// A kind of coverage planner: how to make its sub-goals. The process does the rest.
+pub trait Design: 'static {
+    /// The name of its kind, which scenarios use (`kind = "…"`).
+    const NAME: &'static str;
+    /// What it does, in one line.
+    const SUMMARY: &'static str;
+
+    /// Its parameters. All of them have defaults.
+    type Params: Serialize
+        + DeserializeOwned
+        + Default
+        + Clone
+        + PartialEq
+        + Debug
+        + Send
+        + Sync
+        + 'static;
+    /// Its sub-goals.
+    type Goals: GoalSource;
+
+    /// Checks the parameters by themselves.
+    ///
+    /// # Errors
+    /// The first parameter that is out of range, or that does not go with the others.
+    fn check_params(params: &Self::Params) -> Result<(), ParamsFault>;
+
+    /// The parameters that all kinds share.
+    fn follow(params: &Self::Params) -> FollowParams;
+
+    /// The sub-goals for a site; `seed` is the robot's own. `before` are those for the site that it
+    /// replaces, if the map has changed: secrets and numbers go on from there.
+    ///
+    /// # Errors
+    /// A text that says what does not fit the site.
+    fn goals(
+        params: &Self::Params,
+        site: &Site,
+        seed: u64,
+        before: Option<Self::Goals>,
+    ) -> Result<Self::Goals, String>;
+}
