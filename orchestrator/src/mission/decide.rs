@@ -1,7 +1,7 @@
 //! Decisions about the processes of a run: an event goes in, the actions to take come out, in their order.
 //!
-//! Nothing here waits, asks the system or reads a clock: [`super::supervisor`] brings the events and takes the
-//! actions.
+//! Nothing here waits, asks the system or reads a clock: [`super::executor`] sees what happens and takes the
+//! actions, [`super::supervisor`] brings them together.
 
 mod process;
 #[cfg(test)]
@@ -13,7 +13,8 @@ use std::time::{Duration, Instant};
 use ipc_types::messages::process::ProcessEvent;
 
 use self::process::{Process, Standing};
-pub(super) use self::timeouts::Seen;
+pub(super) use self::timeouts::{Seen, StartStep};
+use super::error::MissionError;
 use super::plan::Launch;
 use crate::scenario::OnFailure;
 
@@ -54,11 +55,40 @@ pub(super) enum Failure {
 
 impl Failure {
     /// What happened to the process, as what follows its name.
-    pub(super) fn words(&self) -> String {
+    fn words(&self) -> String {
         match self {
             Self::Exited(how) | Self::NotStarted(how) => how.clone(),
             Self::Hung(waited) => format!("did not answer for {waited:?} and was killed"),
             Self::NotReady(waited) => format!("was not ready within {waited:?} and was killed"),
+        }
+    }
+
+    /// The error of a run that ends because of it.
+    pub(super) fn into_error(
+        self,
+        name: String,
+        tick: u64,
+        when: String,
+        last_words: Vec<String>,
+    ) -> MissionError {
+        match self {
+            Self::Exited(how) | Self::NotStarted(how) => MissionError::Exited {
+                name,
+                how,
+                when,
+                last_words,
+            },
+            Self::Hung(waited) => MissionError::Hung {
+                name,
+                tick,
+                waited,
+                last_words,
+            },
+            Self::NotReady(waited) => MissionError::NotReady {
+                name,
+                waited,
+                last_words,
+            },
         }
     }
 }
@@ -112,6 +142,8 @@ pub(super) enum Action {
     End {
         /// How it failed.
         failure: Failure,
+        /// The last tick that was posted.
+        tick: u64,
         /// When, in words.
         when: String,
     },
@@ -174,7 +206,7 @@ impl State {
     }
 
     /// Time that a process has to become ready.
-    pub(super) fn ready_timeout(&self, index: usize) -> Duration {
+    fn ready_timeout(&self, index: usize) -> Duration {
         self.processes[index].ready_timeout
     }
 
@@ -265,7 +297,12 @@ impl State {
             } else {
                 "before it was ready".to_owned()
             };
-            actions.push(Action::End { failure, when });
+            let tick = at.tick();
+            actions.push(Action::End {
+                failure,
+                tick,
+                when,
+            });
             return actions;
         }
         self.has_lost = true;

@@ -4,13 +4,14 @@
 //! * [`plan`], `obstacle_schedule`: what every process is told;
 //! * [`run_directory`], `resources`, `shm_usage`, `orphans`: what a run uses, and what is found of others;
 //! * [`child_process`], `stderr_lines`, [`process_group`], `external_bridge`: processes and their turns;
-//! * `decide`, `supervisor`, `process_log`: what happens to them, and what is done about it;
+//! * `supervisor`, `decide`, `executor`, `process_log`: what happens to them, and what is done about it;
 //! * `recording`, `recorder_thread`, `progress`, [`report`]: log, display and summary;
 //! * `run`: all of it.
 
 pub mod child_process;
 mod decide;
 mod error;
+mod executor;
 mod external_bridge;
 mod obstacle_schedule;
 mod orphans;

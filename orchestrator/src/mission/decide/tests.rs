@@ -1,3 +1,5 @@
+use runtime::lockstep::SlotState;
+
 use super::*;
 
 const TIMEOUT: Duration = Duration::from_secs(10);
@@ -161,8 +163,7 @@ fn a_process_leaves_at_the_tick_that_it_owes_and_the_world_at_its_last() {
 /// Processes that take part and have done so many ticks, the simulator first.
 fn seen(done: [u64; 4]) -> [Seen; 4] {
     done.map(|done| Seen {
-        is_prepared: true,
-        takes_part: true,
+        state: SlotState::Prepared,
         done,
         is_vacant: true,
     })
@@ -234,7 +235,7 @@ fn a_restart_waits_for_its_time_and_a_vacant_place_and_has_its_own_timeout() {
     state.decide(1, ended(), at(now));
     assert!(state.is_expecting());
     let mut seen = seen([8; 4]);
-    (seen[1].is_prepared, seen[1].takes_part) = (false, false);
+    seen[1].state = SlotState::Starting;
     let due = now + RESTART_AFTER;
     let look = |state: &mut State, now: Instant, seen: &[Seen]| {
         let events = state.look(now, 8, seen, |_| false);
@@ -260,9 +261,39 @@ fn a_restart_waits_for_its_time_and_a_vacant_place_and_has_its_own_timeout() {
         .iter_mut()
         .for_each(|process| process.since = late);
     assert_eq!(look(&mut state, late, &seen), [Event::NotReady]);
-    seen[1].is_prepared = true;
+    seen[1].state = SlotState::Prepared;
     assert_eq!(look(&mut state, late, &seen), [Event::Back]);
     state.decide(1, Event::Back, at(late));
     assert!(!state.is_expecting());
     assert_eq!(look(&mut state, late, &seen), []);
+}
+
+#[test]
+fn a_step_of_the_start_waits_for_the_first_process_behind_as_long_as_that_has_time() {
+    use SlotState::{Connected, Dead, Prepared, Ready, Starting, Stopped};
+    let state = state(true, OnFailure::Abort);
+    let timeout = state.ready_timeout(2);
+    for (wanted, second, is_behind) in [
+        (Ready, Starting, true),
+        (Ready, Ready, false),
+        (Connected, Starting, true),
+        (Connected, Ready, true),
+        (Connected, Connected, false),
+        (Prepared, Connected, true),
+        (Prepared, Prepared, false),
+        // Its end is another event.
+        (Prepared, Stopped, false),
+        (Prepared, Dead, false),
+    ] {
+        let mut seen = seen([0; 4]);
+        seen[2].state = second;
+        let step = |taken| state.start_step(wanted, taken, &seen);
+        let (waiting, late) = if is_behind {
+            (StartStep::Waiting, StartStep::Late(2))
+        } else {
+            (StartStep::Done, StartStep::Done)
+        };
+        assert_eq!(step(timeout / 2), waiting, "{wanted:?} {second:?}");
+        assert_eq!(step(timeout), late, "{wanted:?} {second:?}");
+    }
 }

@@ -1,23 +1,56 @@
 //! Events that come with time: silence, restarts that are due or done, timeouts.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
+
+use runtime::lockstep::SlotState;
 
 use super::{Event, Process, Standing, State};
 
 /// A process as it is seen from outside.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::mission) struct Seen {
-    /// Whether it is ready for its first tick.
-    pub(in crate::mission) is_prepared: bool,
-    /// Whether the others wait for it.
-    pub(in crate::mission) takes_part: bool,
+    /// What the page says of it.
+    pub(in crate::mission) state: SlotState,
     /// Ticks that it has done.
     pub(in crate::mission) done: u64,
     /// Whether nothing of its predecessor keeps it from being started.
     pub(in crate::mission) is_vacant: bool,
 }
 
+/// Progress of the processes in a step of their start.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::mission) enum StartStep {
+    /// All have done it.
+    Done,
+    /// At least one has not, and still has time.
+    Waiting,
+    /// This one has not, and its time is over.
+    Late(usize),
+}
+
 impl State {
+    /// Progress of the step of the start that leads to `wanted` and has taken this long; the first process that has
+    /// not done it counts.
+    pub(in crate::mission) fn start_step(
+        &self,
+        wanted: SlotState,
+        taken: Duration,
+        seen: &[Seen],
+    ) -> StartStep {
+        let is_behind = |seen: &Seen| match wanted {
+            SlotState::Ready => seen.state == SlotState::Starting,
+            SlotState::Connected => {
+                matches!(seen.state, SlotState::Starting | SlotState::Ready)
+            }
+            _ => seen.state.is_alive() && seen.state != SlotState::Prepared,
+        };
+        match seen.iter().position(is_behind) {
+            None => StartStep::Done,
+            Some(index) if taken >= self.ready_timeout(index) => StartStep::Late(index),
+            Some(_) => StartStep::Waiting,
+        }
+    }
+
     /// What has happened by `now`, with `posted` ticks, besides the ends of processes; `is_stopped` tells whether a
     /// process stands still by a signal.
     pub(in crate::mission) fn look(
@@ -30,7 +63,9 @@ impl State {
         let mut events = Vec::new();
         for (index, (process, seen)) in self.processes.iter().zip(seen).enumerate() {
             match process.standing {
-                Standing::Starting { .. } if seen.is_prepared => events.push((index, Event::Back)),
+                Standing::Starting { .. } if seen.state == SlotState::Prepared => {
+                    events.push((index, Event::Back))
+                }
                 Standing::Starting { until } if now >= until => {
                     events.push((index, Event::NotReady));
                 }
@@ -70,7 +105,7 @@ impl State {
         // In real time the world goes on without those that do not answer.
         let mut silent = Vec::new();
         for (index, (process, seen)) in self.processes.iter_mut().zip(seen).enumerate() {
-            let is_present = process.standing == Standing::Present && seen.takes_part;
+            let is_present = process.standing == Standing::Present && seen.state.takes_part();
             if process.is_simulator || !is_present {
                 continue;
             }
@@ -94,7 +129,7 @@ impl State {
     ) -> Option<usize> {
         let owes = |index: usize| {
             let seen = seen.get(index);
-            seen.is_some_and(|seen| seen.takes_part && seen.done <= tick)
+            seen.is_some_and(|seen| seen.state.takes_part() && seen.done <= tick)
         };
         let processes = self.processes.iter().enumerate();
         let owing: Vec<(usize, &Process)> = processes
