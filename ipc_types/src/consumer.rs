@@ -89,6 +89,21 @@ impl<Shared: ?Sized> Consumer<Shared> for () {
     fn message(&mut self, _: &LoggedMessage<'_>, _: &mut Shared) {}
 }
 
+/// A borrowed consumer, which the caller keeps.
+impl<Shared: ?Sized, C: Consumer<Shared> + ?Sized> Consumer<Shared> for &mut C {
+    fn topics(&self) -> &[TopicId] {
+        (**self).topics()
+    }
+
+    fn message(&mut self, message: &LoggedMessage<'_>, shared: &mut Shared) {
+        (**self).message(message, shared);
+    }
+
+    fn end_of_tick(&mut self, shared: &mut Shared) {
+        (**self).end_of_tick(shared);
+    }
+}
+
 /// Consumers of a kind, in the order in which each message is handed to them.
 #[derive(Debug)]
 pub struct Consumers<C: ?Sized> {

@@ -41,7 +41,7 @@ impl LogFacts {
         }
     }
 
-    /// Takes up an attachment; returns whether it is the scenario.
+    /// Takes up an attachment.
     ///
     /// # Errors
     /// [`LogsError::NotRepeatable`] if the scenario cannot be understood.
@@ -50,9 +50,9 @@ impl LogFacts {
         log: &Path,
         header: &AttachmentHeader,
         data: &[u8],
-    ) -> Result<bool, LogsError> {
+    ) -> Result<(), LogsError> {
         if header.name != "scenario.toml" {
-            return Ok(false);
+            return Ok(());
         }
         let scenario = LoggedScenario::parse(data).map_err(|reason| LogsError::NotRepeatable {
             path: log.to_owned(),
@@ -60,7 +60,7 @@ impl LogFacts {
         })?;
         self.scenario = Some(scenario);
         self.scenario_text = String::from_utf8_lossy(data).into_owned();
-        Ok(true)
+        Ok(())
     }
 
     /// Replaces the cells of the map.

@@ -13,6 +13,7 @@ mod layers;
 mod layout;
 mod legend;
 pub(crate) mod log_facts;
+pub(crate) mod log_run;
 pub(crate) mod logged;
 mod read;
 mod signs;

@@ -1,7 +1,12 @@
 //! What happened in a run: events, and waypoints that ended.
 
+use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::robot::WaypointEnd;
 use ipc_types::messages::world::WorldEvent;
+use ipc_types::topics::{TopicId, Waypoints, WorldEvents};
+
+use crate::picture::log_run::LoggedRun;
+use crate::scenario::spec::MAX_ROBOTS;
 
 /// Most events that a page shows of those that matter, and of the others.
 const EVENTS: usize = 5000;
@@ -29,8 +34,28 @@ pub(super) struct Happened {
     pub(super) waypoints_omitted: u64,
 }
 
+impl Consumer<LoggedRun> for Happened {
+    fn topics(&self) -> &[TopicId] {
+        &[TopicId::WorldEvents, TopicId::Waypoints]
+    }
+
+    fn message(&mut self, message: &LoggedMessage<'_>, run: &mut LoggedRun) {
+        if let Some((_, events)) = run.decode::<WorldEvents>(message) {
+            for event in &events {
+                self.event(message.time_ns, event);
+            }
+        }
+        if let Some((_, ends)) = run.decode::<Waypoints>(message) {
+            let known = ends
+                .into_iter()
+                .filter(|end| (end.robot as usize) < MAX_ROBOTS);
+            known.for_each(|end| self.waypoint(message.time_ns, end));
+        }
+    }
+}
+
 impl Happened {
-    pub(super) fn event(&mut self, time_ns: u64, event: &WorldEvent) {
+    fn event(&mut self, time_ns: u64, event: &WorldEvent) {
         let is_frequent = FREQUENT.contains(&WorldEvent::name_of(event.kind));
         let others = self.events.len() - self.frequent;
         if is_frequent && self.frequent >= EVENTS || !is_frequent && others >= EVENTS {
@@ -41,7 +66,7 @@ impl Happened {
         self.events.push((time_ns, *event));
     }
 
-    pub(super) fn waypoint(&mut self, time_ns: u64, end: WaypointEnd) {
+    fn waypoint(&mut self, time_ns: u64, end: WaypointEnd) {
         if self.waypoints.len() < WAYPOINTS {
             self.waypoints.push((time_ns, end));
         } else {

@@ -1,10 +1,13 @@
 //! What is drawn over the robots: beliefs, plans, trees, scans, predictions.
 
+use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::observer::Prediction;
 use ipc_types::messages::perception::{BeliefHeader, Particle};
 use ipc_types::messages::robot::{PlanPoint, ScanHeader, TreeEdge};
+use ipc_types::topics::{Belief, Plan, Predictions, Scan, TopicId, Tree};
 
 use super::sampled::Sampled;
+use crate::picture::log_run::LoggedRun;
 use crate::scenario::spec::MAX_ROBOTS;
 
 const SECOND: u64 = 1_000_000_000;
@@ -92,8 +95,48 @@ impl Default for Layers {
     }
 }
 
+impl Consumer<LoggedRun> for Layers {
+    fn topics(&self) -> &[TopicId] {
+        &[
+            TopicId::Belief,
+            TopicId::Plan,
+            TopicId::Tree,
+            TopicId::Scan,
+            TopicId::Predictions,
+        ]
+    }
+
+    fn message(&mut self, message: &LoggedMessage<'_>, run: &mut LoggedRun) {
+        let time_ns = message.time_ns;
+        let is_known = |robot: u32| (robot as usize) < MAX_ROBOTS;
+        if let Some((header, particles)) = run.decode::<Belief>(message)
+            && is_known(header.robot)
+        {
+            self.belief(time_ns, &header, &particles);
+        }
+        if let Some((header, points)) = run.decode::<Plan>(message)
+            && is_known(header.robot)
+        {
+            self.plan(time_ns, header.robot, &points);
+        }
+        if let Some((header, edges)) = run.decode::<Tree>(message)
+            && is_known(header.robot)
+        {
+            self.tree(time_ns, header.robot, &edges);
+        }
+        if let Some((header, ranges)) = run.decode::<Scan>(message)
+            && is_known(header.robot)
+        {
+            self.scan(time_ns, &header, &ranges);
+        }
+        if let Some((_, predictions)) = run.decode::<Predictions>(message) {
+            self.predictions(time_ns, &predictions);
+        }
+    }
+}
+
 impl Layers {
-    pub(super) fn belief(&mut self, time_ns: u64, header: &BeliefHeader, particles: &[Particle]) {
+    fn belief(&mut self, time_ns: u64, header: &BeliefHeader, particles: &[Particle]) {
         let cloud = Cloud {
             mean: [header.mean_x, header.mean_y],
             points: shares(particles, PARTICLES),
@@ -101,7 +144,7 @@ impl Layers {
         self.beliefs.push(time_ns, header.robot, cloud);
     }
 
-    pub(super) fn plan(&mut self, time_ns: u64, robot: u32, points: &[PlanPoint]) {
+    fn plan(&mut self, time_ns: u64, robot: u32, points: &[PlanPoint]) {
         let points = spread(points, POINTS)
             .map(|p| [p.x, p.y])
             .filter(|p| p.iter().all(|c| c.is_finite()))
@@ -109,7 +152,7 @@ impl Layers {
         self.plans.push(time_ns, robot, points);
     }
 
-    pub(super) fn tree(&mut self, time_ns: u64, robot: u32, edges: &[TreeEdge]) {
+    fn tree(&mut self, time_ns: u64, robot: u32, edges: &[TreeEdge]) {
         // The chosen path whole, of the others as many as there is room for.
         let (path, others): (Vec<&TreeEdge>, Vec<&TreeEdge>) =
             edges.iter().partition(|edge| edge.on_path != 0);
@@ -125,7 +168,7 @@ impl Layers {
         self.trees.push(time_ns, robot, edges);
     }
 
-    pub(super) fn scan(&mut self, time_ns: u64, header: &ScanHeader, ranges: &[f32]) {
+    fn scan(&mut self, time_ns: u64, header: &ScanHeader, ranges: &[f32]) {
         let every = ranges.len().div_ceil(BEAMS).max(1);
         let far = header.range_max as f32;
         let near = header.range_min as f32;
@@ -148,7 +191,7 @@ impl Layers {
         self.scans.push(time_ns, header.robot, beams);
     }
 
-    pub(super) fn predictions(&mut self, time_ns: u64, predictions: &[Prediction]) {
+    fn predictions(&mut self, time_ns: u64, predictions: &[Prediction]) {
         let mut by_robot: std::collections::BTreeMap<u32, Vec<Foretold>> =
             std::collections::BTreeMap::new();
         for prediction in predictions {

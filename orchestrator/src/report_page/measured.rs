@@ -2,13 +2,17 @@
 
 use std::collections::BTreeMap;
 
+use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::observer::Prediction;
 use ipc_types::messages::perception::BeliefHeader;
 use ipc_types::messages::referee::Verdict;
 use ipc_types::messages::world::{CoverageState, RobotState};
+use ipc_types::topics::{Belief, Coverage, Predictions, TopicId, Verdicts};
 use sim_backend::math;
 
 use super::sampled::Sampled;
+use crate::picture::log_run::LoggedRun;
+use crate::scenario::spec::MAX_ROBOTS;
 
 /// Most values of one curve.
 const VALUES: usize = 1500;
@@ -55,6 +59,44 @@ pub(super) struct Measured {
     errors: BTreeMap<(Figure, Curve), (f64, u64)>,
 }
 
+impl Consumer<LoggedRun> for Measured {
+    fn topics(&self) -> &[TopicId] {
+        &[
+            TopicId::WorldState,
+            TopicId::Belief,
+            TopicId::Predictions,
+            TopicId::Coverage,
+            TopicId::Verdicts,
+        ]
+    }
+
+    fn message(&mut self, message: &LoggedMessage<'_>, run: &mut LoggedRun) {
+        let time_ns = message.time_ns;
+        if message.topic == TopicId::WorldState {
+            self.state(time_ns, &run.states);
+        }
+        if let Some((header, _)) = run.decode::<Belief>(message)
+            && (header.robot as usize) < MAX_ROBOTS
+        {
+            let truth = run.states.iter().find(|s| s.robot == header.robot);
+            self.belief(time_ns, &header, truth);
+        }
+        if let Some((_, predictions)) = run.decode::<Predictions>(message) {
+            self.predictions(time_ns, &predictions);
+        }
+        if let Some((_, reports)) = run.decode::<Coverage>(message) {
+            reports
+                .iter()
+                .for_each(|report| self.coverage(time_ns, report));
+        }
+        if let Some((_, verdicts)) = run.decode::<Verdicts>(message) {
+            verdicts
+                .iter()
+                .for_each(|verdict| self.verdict(time_ns, verdict));
+        }
+    }
+}
+
 impl Measured {
     fn add(&mut self, figure: Figure, curve: Curve, time_ns: u64, value: f64) {
         if self.curves.len() >= CURVES && !self.curves.contains_key(&(figure, curve)) {
@@ -66,7 +108,7 @@ impl Measured {
             .push(time_ns, 0, value);
     }
 
-    pub(super) fn state(&mut self, time_ns: u64, robots: &[RobotState]) {
+    fn state(&mut self, time_ns: u64, robots: &[RobotState]) {
         for s in robots {
             let curve = Curve::Robot(s.robot);
             self.add(Figure::Distance, curve, time_ns, s.distance);
@@ -100,12 +142,7 @@ impl Measured {
         }
     }
 
-    pub(super) fn belief(
-        &mut self,
-        time_ns: u64,
-        header: &BeliefHeader,
-        truth: Option<&RobotState>,
-    ) {
+    fn belief(&mut self, time_ns: u64, header: &BeliefHeader, truth: Option<&RobotState>) {
         let curve = Curve::Robot(header.robot);
         if let Some(s) = truth {
             let error = math::hypot(header.mean_x - s.x, header.mean_y - s.y);
@@ -117,7 +154,7 @@ impl Measured {
         self.add(Figure::BeliefSpread, curve, time_ns, spread);
     }
 
-    pub(super) fn coverage(&mut self, time_ns: u64, report: &CoverageState) {
+    fn coverage(&mut self, time_ns: u64, report: &CoverageState) {
         for (figure, name, value) in [
             (Figure::Coverage, "of the free area", report.fraction),
             (
@@ -133,12 +170,12 @@ impl Measured {
         }
     }
 
-    pub(super) fn verdict(&mut self, time_ns: u64, verdict: &Verdict) {
+    fn verdict(&mut self, time_ns: u64, verdict: &Verdict) {
         let curve = Curve::Robot(verdict.robot);
         self.add(Figure::SafeShare, curve, time_ns, verdict.area_share);
     }
 
-    pub(super) fn predictions(&mut self, time_ns: u64, predictions: &[Prediction]) {
+    fn predictions(&mut self, time_ns: u64, predictions: &[Prediction]) {
         for prediction in predictions
             .iter()
             .filter(|p| p.due != 0 && p.horizon_s >= 0.0)

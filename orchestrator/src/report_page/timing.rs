@@ -3,11 +3,13 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use ipc_types::consumer::{Consumer as _, LoggedMessage};
+use ipc_types::consumer::{Consumer, LoggedMessage};
+use ipc_types::topics::TopicId;
 use statistics::{Distribution, LogHistogram, Percentiles};
 
 use crate::mission::plan::Plan;
 use crate::mission::recording;
+use crate::picture::log_run::LoggedRun;
 use crate::recorder::chain::Chain;
 use crate::scenario::Loader;
 use crate::scenario::files::Base;
@@ -17,31 +19,45 @@ pub(super) const PER_DECADE: u32 = 8;
 
 /// Collects latencies once the processes are known.
 #[derive(Debug, Default)]
-pub(super) struct Timing(Option<Chain>);
+pub(super) struct Timing {
+    chain: Option<Chain>,
+    is_begun: bool,
+}
 
-impl Timing {
-    /// Takes the run's processes from its scenario; fails, with the reason, if this version does
-    /// not understand it.
-    pub(super) fn processes_of(&mut self, scenario: &str) -> Result<(), String> {
-        let loaded =
-            Loader::default().load_text("scenario.toml", scenario, &Base::Nothing, &[], None);
-        let scenario = loaded.map_err(|problems| problems.to_string())?;
-        let plan = Plan::new(&scenario, Path::new(""), "", "").map_err(|e| e.to_string())?;
-        self.0 = Some(Chain::new(&recording::processes(&plan)));
-        Ok(())
+impl Consumer<LoggedRun> for Timing {
+    fn topics(&self) -> &[TopicId] {
+        Chain::timed()
     }
 
-    pub(super) fn message(&mut self, message: &LoggedMessage<'_>) {
-        if let Some(chain) = &mut self.0
-            && message.topic.facts().timed
-        {
+    fn message(&mut self, message: &LoggedMessage<'_>, run: &mut LoggedRun) {
+        if !self.is_begun {
+            self.is_begun = true;
+            match chain_of(&run.facts.scenario_text) {
+                Ok(chain) => self.chain = Some(chain),
+                Err(reason) => run.note(format!(
+                    "latency histograms: the log's processes cannot be told apart: {reason}"
+                )),
+            }
+        }
+        if let Some(chain) = &mut self.chain {
             chain.message(message, &mut ());
         }
     }
+}
 
+/// For the processes of this scenario; fails, with the reason, if this version does not understand
+/// it.
+fn chain_of(scenario: &str) -> Result<Chain, String> {
+    let loaded = Loader::default().load_text("scenario.toml", scenario, &Base::Nothing, &[], None);
+    let scenario = loaded.map_err(|problems| problems.to_string())?;
+    let plan = Plan::new(&scenario, Path::new(""), "", "").map_err(|e| e.to_string())?;
+    Ok(Chain::new(&recording::processes(&plan)))
+}
+
+impl Timing {
     /// Percentiles [µs] and histograms by name.
     pub(super) fn finish(&mut self) -> BTreeMap<String, (Percentiles, LogHistogram)> {
-        let Some(chain) = &mut self.0 else {
+        let Some(chain) = &mut self.chain else {
             return BTreeMap::new();
         };
         chain.settle();

@@ -77,13 +77,8 @@ struct Output {
 }
 
 impl Consumer for Chain {
-    /// Those that are sent in answer to the input of their tick.
     fn topics(&self) -> &[TopicId] {
-        static TIMED: LazyLock<Vec<TopicId>> = LazyLock::new(|| {
-            let topics = TopicId::ALL.iter().copied();
-            topics.filter(|topic| topic.facts().timed).collect()
-        });
-        &TIMED
+        Self::timed()
     }
 
     fn message(&mut self, message: &LoggedMessage<'_>, (): &mut ()) {
@@ -92,6 +87,15 @@ impl Consumer for Chain {
 }
 
 impl Chain {
+    /// The topics whose messages are sent in answer to the input of their tick.
+    pub(crate) fn timed() -> &'static [TopicId] {
+        static TIMED: LazyLock<Vec<TopicId>> = LazyLock::new(|| {
+            let topics = TopicId::ALL.iter().copied();
+            topics.filter(|topic| topic.facts().timed).collect()
+        });
+        &TIMED
+    }
+
     /// Of a run with these processes.
     pub(crate) fn new(processes: &[ProcessInfo]) -> Self {
         let processes = processes.iter().map(|p| {
