@@ -7,8 +7,8 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use optimiser::{Method, Options, Problem, plan};
 use orchestrator::planning::Recipe;
+use trajectory::{Method, Options, Problem, plan};
 
 /// Seeds of the problems of a recipe.
 const SEEDS: std::ops::RangeInclusive<u64> = 1..=8;

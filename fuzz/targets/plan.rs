@@ -6,11 +6,12 @@ mod support;
 
 use ipc_types::messages::optimiser::PlanResponse;
 use libfuzzer_sys::{Corpus, fuzz_target};
-use optimiser::{answer, request, service};
+use optimiser::service;
+use optimiser::wire::{decode_request, encode_answer};
 
 fuzz_target!(|bytes: &[u8]| -> Corpus {
     let decoded = support::split(bytes)
-        .and_then(|(header, points)| Some((header, request::decode(&header, &points).ok()?)));
+        .and_then(|(header, points)| Some((header, decode_request(&header, &points).ok()?)));
     let Some((header, (problem, options))) = decoded else {
         return Corpus::Reject;
     };
@@ -20,7 +21,7 @@ fuzz_target!(|bytes: &[u8]| -> Corpus {
         patience <= 0
     };
     let result = service::solve(&problem, &options, None, &mut stop);
-    let (response, samples) = answer::encode(&header, &result, 0);
+    let (response, samples) = encode_answer(&header, &result, 0);
     assert_ne!(response.status, PlanResponse::FAILED);
     assert_eq!(response.is_plan(), !samples.is_empty());
     Corpus::Keep

@@ -6,20 +6,19 @@ mod support;
 
 use ipc_types::messages::optimiser::PlanResponse;
 use libfuzzer_sys::fuzz_target;
-use optimiser::answer::{self, Refusal};
-use optimiser::request;
+use optimiser::wire::{Refusal, decode_request, encode_answer};
 
 fuzz_target!(|bytes: &[u8]| {
     let Some((header, points)) = support::split(bytes) else {
         return;
     };
-    match request::decode(&header, &points) {
+    match decode_request(&header, &points) {
         Ok((problem, options)) => {
             assert!(problem.validate().is_ok() && options.validate().is_ok());
             assert_eq!(problem.obstacles.len(), header.shapes as usize);
         }
         Err(error) => {
-            let (response, samples) = answer::encode(&header, &Err(Refusal::from(error)), 0);
+            let (response, samples) = encode_answer(&header, &Err(Refusal::from(error)), 0);
             assert_eq!(response.status, PlanResponse::INVALID);
             assert!(samples.is_empty() && !response.reason_text().is_empty());
         }

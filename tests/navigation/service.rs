@@ -6,9 +6,9 @@ use crate::process::send_map;
 use crate::support::rig::{Rig, World};
 use ipc_types::messages::optimiser::{PlanRequest, PlanResponse, TrajectorySample};
 use ipc_types::messages::world::ShapePoint;
-use optimiser::plan::Sample;
 use runtime::lockstep::SlotState;
 use runtime::optimiser_client::{OptimiserClient, PlanAnswer};
+use trajectory::Sample;
 use zerocopy::{FromBytes as _, IntoBytes as _};
 
 /// Two robots that would ask.
@@ -139,9 +139,9 @@ fn is_honest(request: &PlanRequest, points: &[ShapePoint], answer: &PlanAnswer) 
     let reason = header.reason_text();
     assert!(header.is_plan(), "status {}: {reason}", header.status);
     assert_eq!(header.robot, request.robot);
-    let (problem, _) = optimiser::request::decode(request, points).unwrap();
-    let ground = optimiser::ground::Ground::new(&problem).unwrap();
-    let report = optimiser::check::report(&problem, &ground, &as_samples(samples));
+    let (problem, _) = optimiser::wire::decode_request(request, points).unwrap();
+    let ground = trajectory::obstacle_field::ObstacleField::new(&problem).unwrap();
+    let report = trajectory::validity_check::report(&problem, &ground, &as_samples(samples));
     assert!(report.is_honest(), "{:?}", report.violations);
     assert!(header.lower_bound > 0.0 && header.final_time >= header.lower_bound - 1e-9);
     assert!(header.min_clearance >= -1e-3, "{}", header.min_clearance);

@@ -7,11 +7,11 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::ValueEnum;
-use optimiser::Method;
-use optimiser::options::{Constraints, Guess};
 use platform::atomic_file::save;
 use platform::eprintln;
 use platform::progress::Progress;
+use trajectory::Method;
+use trajectory::options::{Constraints, Guess};
 
 use super::run::handle_signals;
 use super::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, print, processors};

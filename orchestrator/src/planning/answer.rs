@@ -3,9 +3,9 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use optimiser::{Method, Plan, PlanError, Sample, Status};
 use rustix::time::{ClockId, clock_gettime};
 use serde::{Deserialize, Serialize, Serializer};
+use trajectory::{Method, Plan, PlanError, Sample, Status};
 
 use super::field::FieldError;
 use super::instance::Instance;
@@ -186,7 +186,7 @@ pub fn solve(
         let mut stop = || interrupted.load(Ordering::Relaxed);
         // One problem must not take the others with it.
         let planned = catch_unwind(AssertUnwindSafe(|| {
-            optimiser::plan(&problem, &scaled, None, &mut stop)
+            trajectory::plan(&problem, &scaled, None, &mut stop)
         }));
         least = least.min(cpu_ms() - begin);
         last = Some(planned);

@@ -1,6 +1,6 @@
 //! The fields of an instance, read one by one, each with its unit and range.
 
-use optimiser::problem::{MAX_NUMBER, MAX_OBSTACLES};
+use trajectory::problem::{MAX_NUMBER, MAX_OBSTACLES};
 
 use super::instance::{Body, Instance};
 use super::loose::Loose;

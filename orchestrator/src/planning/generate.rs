@@ -6,12 +6,12 @@
 use core::f64::consts::TAU;
 
 use navigation::tangent_graph::ShortestPath;
-use optimiser::ground::Ground;
-use optimiser::{PlanError, bound};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value as Json, json};
 use sim_backend::math;
 use sim_backend::random::Stream;
+use trajectory::obstacle_field::ObstacleField;
+use trajectory::{PlanError, lower_bound};
 
 use super::field::FieldError;
 use super::instance::{Body, Instance};
@@ -337,9 +337,9 @@ pub struct Reference {
 pub fn reference(instance: &Instance) -> Result<Reference, PlanError> {
     let problem = instance.problem();
     problem.validate()?;
-    let exact = Ground::new(&problem)?.exact()?;
+    let exact = ObstacleField::new(&problem)?.exact()?;
     let path = exact.shortest(problem.start.position(), problem.goal)?;
-    let lower_bound = bound::lower_bound(&problem, path.length);
+    let lower_bound = lower_bound(&problem, path.length);
     Ok(Reference { path, lower_bound })
 }
 

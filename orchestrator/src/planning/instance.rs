@@ -1,11 +1,11 @@
 //! A planning problem as files hold it: lengths in pixels of a picture of known scale.
 
 use nalgebra::Point2;
-use optimiser::problem::MIN_CLEARANCE;
-use optimiser::{Problem, RobotLimits, Wheels};
 use serde_json::{Value as Json, json};
 use sim_backend::pose::Pose2;
 use sim_backend::shape::{Aabb, Convex};
+use trajectory::problem::MIN_CLEARANCE;
+use trajectory::{Problem, RobotLimits, Wheels};
 use trajectory_check::{Contract, Obstacle, WheelLimit};
 
 /// How deep [m] a start may lie in a grown obstacle: as deep as the check of plans allows.

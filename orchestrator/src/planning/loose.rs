@@ -2,8 +2,8 @@
 
 use core::fmt;
 
-use optimiser::problem::MAX_OBSTACLES;
 use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
+use trajectory::problem::MAX_OBSTACLES;
 
 /// Most elements of a list that are kept: one more than any may have.
 const KEPT: usize = MAX_OBSTACLES + 1;

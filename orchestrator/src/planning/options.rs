@@ -1,9 +1,9 @@
 //! How plans shall be made, with lengths in pixels.
 
 use nalgebra::Point2;
-use optimiser::options::{Constraints, Guess};
-use optimiser::{Method, Options, ProblemError};
 use serde::{Deserialize, Serialize};
+use trajectory::options::{Constraints, Guess};
+use trajectory::{Method, Options, ProblemError};
 
 /// How plans shall be made; absent numbers are the optimiser's own.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -299,7 +299,7 @@ fn a_plan_is_judged_by_the_instance_as_it_was_given() {
     let go = AtomicBool::new(false);
     for name in ["bspline", "lp", "vmc", "tangent"] {
         let options = PlanOptions {
-            method: optimiser::Method::by_name(name).unwrap(),
+            method: trajectory::Method::by_name(name).unwrap(),
             ..PlanOptions::default()
         };
         let answer = solve(&instance, &options, 1, &go).unwrap();

@@ -11,8 +11,9 @@ use ipc_types::messages::optimiser::PlanRequest;
 use ipc_types::messages::world::ShapePoint;
 use ipc_types::topics::{OptimiserPlan, PLAN_ANSWERED_EVENT, PLAN_ASKED_EVENT, RunSize};
 use optimiser::service::{Dispatcher, Given};
-use optimiser::{Method, request};
+use optimiser::wire::decode_request;
 use runtime::optimiser_client::OptimiserClient;
+use trajectory::Method;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut words = std::env::args().skip(1);
@@ -71,12 +72,12 @@ fn measure(
         workers: 2,
     })?;
     let mut client = OptimiserClient::open(&bus, 2)?;
-    let (problem, how) = request::decode(header, points)?;
+    let (problem, how) = decode_request(header, points)?;
     let (mut alone, mut asked, mut solve) = (Vec::new(), Vec::new(), Vec::new());
     // In turns, so that whatever else the machine does falls on both; the first few warm it up.
     for round in 0..count + 10 {
         let start = Instant::now();
-        optimiser::plan(&problem, &how, None, &mut || false)?;
+        trajectory::plan(&problem, &how, None, &mut || false)?;
         let by_itself = start.elapsed();
         let start = Instant::now();
         client.ask(*header, points)?;

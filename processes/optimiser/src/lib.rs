@@ -1,92 +1,14 @@
-//! Minimum-time trajectories of a differential-drive robot among obstacles.
+//! The process that plans minimum-time trajectories ([`trajectory`]) for others.
 //!
-//! The problem is that of Y. Xu, *Performance Analysis of the Enhanced Bio-Inspired Planning Algorithm
-//! for Rapid Situation Awareness Response* (AFRL-RV-PS-TR-2013-0106, 2013): from a pose to a place in
-//! the shortest time, with limited forward speed V and turning rate ω, past obstacles that the
-//! robot's centre keeps a distance from. Beyond the paper: convex polygons beside discs, wheels that
-//! couple V and ω, limited accelerations, prescribed speeds and headings at both ends.
-//!
-//! **How.** Turning is quick compared to driving, so without inertia the problem is one of geometry:
-//! the exact shortest path ([`navigation::tangent_graph`]) at full speed is a lower bound
-//! ([`bound`]) and says in which corridor to look. In it, a smooth curve of the method's family
-//! ([`curve`]) is found by a few convex programs ([`shape`]), made dense ([`drive`]) and driven as
-//! fast as its curvature and the limits allow ([`timing`]). With inertia the bound is loose and the
-//! path itself changes: [`refine`] searches on in the controls. Every trajectory passes the
-//! [`trajectory_check`] check, which shares no code with any of this, before it is an answer; where nothing
-//! smooth passes, the shortest path itself, with turns on the spot, does ([`tangent`]).
-//!
-//! **Methods** ([`Method`]): `bspline` (recommended), `lp` and `vmc` (the paper's parametrisations,
-//! exact in their equations but with obstacles looked at everywhere and not just at nodes), and
-//! `tangent`.
-//!
-//! Slips of the paper, mended: Eq. 4 divides by cos θ (here: the velocity's length and angle);
-//! Eq. 5 lacks dots (curvature is (ẋÿ − ẏẍ) / V³); the pseudo-inverse of Eq. 14 gives up the initial
-//! velocity (here all conditions at the ends are eliminated exactly); obstacles bound at the nodes
-//! only are hit between them ([`options::Constraints::Nodes`] shows it).
-//!
-//! Values in, values out: no clock, no randomness. The same problem, options and last plan give the
-//! same plan, bit for bit, unless `stop` cuts it short.
-//!
-//! ```
-//! use nalgebra::Point2;
-//! use optimiser::{Options, Problem, RobotLimits, plan};
-//! use sim_backend::pose::Pose2;
-//! use sim_backend::shape::{Aabb, Convex};
-//!
-//! let problem = Problem {
-//!     start: Pose2::new(0.5, 1.0, 0.6),
-//!     start_speed: None,
-//!     start_turn_rate: None,
-//!     goal: Point2::new(3.5, 1.0),
-//!     goal_heading: None,
-//!     goal_speed: None,
-//!     limits: RobotLimits::simple(0.15, 16.0),
-//!     obstacles: vec![Convex::disc(Point2::new(2.0, 1.0), 0.2)],
-//!     clearance: 0.1,
-//!     bounds: Aabb { min: Point2::new(0.0, 0.0), max: Point2::new(4.0, 2.0) },
-//!     start_tolerance: 0.005,
-//! };
-//! let plan = plan(&problem, &Options::default(), None, &mut || false).unwrap();
-//! assert!(plan.gap() < 1e-3);
-//! assert!(plan.min_clearance > -1e-3);
-//! ```
+//! [`wire`] turns requests into problems and plans into answers; [`service`] answers several requests
+//! at once.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
 
-pub mod answer;
-pub mod bound;
-pub mod candidate;
-pub mod check;
-pub mod curve;
-pub mod drive;
-pub mod ground;
-pub mod guide;
-pub mod knots;
-pub mod lgl;
-pub mod obstacle_planes;
-pub mod options;
 pub mod params;
-pub mod path;
-pub mod plan;
-pub mod planner;
-pub mod problem;
 pub mod process;
-pub mod program;
-pub mod refine;
-pub mod request;
 pub mod service;
-pub mod shape;
-pub mod spline;
-pub mod tangent;
-pub mod timing;
-pub mod trajectory;
-pub mod turning;
-pub mod warm;
-pub mod wavefront;
+pub mod wire;
 
-pub use options::Options;
 pub use params::OptimiserParams;
-pub use plan::{Method, Plan, PlanError, Sample, Status};
-pub use planner::plan;
-pub use problem::{Problem, ProblemError, RobotLimits, Wheels};

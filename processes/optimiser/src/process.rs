@@ -5,10 +5,9 @@ use ipc_types::topics::OptimiserPlan;
 use runtime::kind::{ParamsFault, Product};
 use runtime::{Process, ProcessConfig, ProcessError, ProcessKind};
 
-use crate::answer::{self, Refusal};
 use crate::params::OptimiserParams;
-use crate::request;
 use crate::service::{self, Dispatcher, Given, Memory};
+use crate::wire::{Refusal, decode_request, encode_answer};
 
 /// Serves `optimiser/plan`.
 #[derive(Debug)]
@@ -84,12 +83,12 @@ fn attend(bus: &Bus) -> Result<Attendant<OptimiserPlan>, ProcessError> {
     let mut memory = Memory::default();
     let attendant = bus.attend::<OptimiserPlan>(move |header, points| {
         let last = memory.followed(header);
-        let result = request::decode(header, points)
+        let result = decode_request(header, points)
             .map_err(Refusal::from)
             .and_then(|(problem, options)| {
                 service::solve(&problem, &options, last.as_deref(), &mut || false)
             });
-        let answer = answer::encode(header, &result, 0);
+        let answer = encode_answer(header, &result, 0);
         if let Ok(plan) = result {
             memory.keep(header, plan);
         }

@@ -2,10 +2,11 @@
 
 use ipc_types::messages::optimiser::{PlanRequest, PlanResponse};
 use ipc_types::messages::world::ShapePoint;
-use optimiser::answer::{self, Refusal};
-use optimiser::ground::Ground;
-use optimiser::{check, request, service};
+use optimiser::service;
+use optimiser::wire::{Refusal, decode_request, encode_answer};
 use proptest::prelude::*;
+use trajectory::obstacle_field::ObstacleField;
+use trajectory::validity_check;
 use zerocopy::{FromBytes as _, IntoBytes as _};
 
 /// A request that makes sense.
@@ -52,16 +53,16 @@ fn serve(header: &PlanRequest, points: &[ShapePoint]) -> PlanResponse {
         patience -= 1;
         patience <= 0
     };
-    let decoded = request::decode(header, points).map_err(Refusal::from);
+    let decoded = decode_request(header, points).map_err(Refusal::from);
     let result = decoded.and_then(|(problem, options)| {
         let plan = service::solve(&problem, &options, None, &mut stop)?;
-        let ground = Ground::new(&problem).expect("it was planned on");
-        let report = check::report(&problem, &ground, &plan.samples);
+        let ground = ObstacleField::new(&problem).expect("it was planned on");
+        let report = validity_check::report(&problem, &ground, &plan.samples);
         assert!(report.is_honest(), "{header:?}: {:?}", report.violations);
         assert!(plan.final_time >= plan.lower_bound - 1e-9, "{header:?}");
         Ok(plan)
     });
-    let (response, samples) = answer::encode(header, &result, 0);
+    let (response, samples) = encode_answer(header, &result, 0);
     assert_ne!(response.status, PlanResponse::FAILED, "{header:?}");
     assert_eq!(response.is_plan(), !samples.is_empty());
     response

@@ -51,7 +51,7 @@ mod towards;
 
 use std::sync::Arc as Shared;
 
-use nalgebra::Point2;
+use nalgebra::{Point2, Vector2};
 use thiserror::Error;
 
 use graph::Graph;
@@ -114,6 +114,22 @@ impl PathLeg {
         match self {
             Self::Segment { from, to } => from + (to - from) * part,
             Self::Arc(arc) => arc.at(part),
+        }
+    }
+
+    /// Unit vector of travel at a part of the way.
+    pub fn heading(&self, part: f64) -> Vector2<f64> {
+        match self {
+            Self::Segment { from, to } => (to - from).normalize(),
+            Self::Arc(arc) => arc.heading(part),
+        }
+    }
+
+    /// Curvature [1/m]: positive to the left.
+    pub fn curvature(&self) -> f64 {
+        match self {
+            Self::Segment { .. } => 0.0,
+            Self::Arc(Arc { radius, sweep, .. }) => sweep.signum() / radius,
         }
     }
 }

@@ -13,12 +13,11 @@ use ipc_types::clock;
 use ipc_types::messages::optimiser::{PlanRequest, PlanResponse};
 use ipc_types::topics::{MAX_EVENT_ID, OptimiserPlan, PLAN_ANSWERED_EVENT, PLAN_ASKED_EVENT};
 use runtime::ProcessError;
+use trajectory::plan::Plan;
 
-use super::memory::Memory;
 use super::pool::{Done, Job, Pool};
-use crate::answer::{self, Refusal};
-use crate::plan::Plan;
-use crate::request;
+use super::recent_plans::Memory;
+use crate::wire::{Refusal, decode_request, encode_answer};
 
 /// How long a lost wake-up, a client that has gone, or the end of the run may go unnoticed.
 const LOOK_UP: Duration = Duration::from_millis(50);
@@ -177,7 +176,7 @@ impl Desk {
     fn take_up(&mut self, request: ActiveRequest<OptimiserPlan>) -> Result<(), ProcessError> {
         let header = *request.header();
         self.cancel(header.robot)?;
-        let decoded = request::decode(&header, request.elements());
+        let decoded = decode_request(&header, request.elements());
         let (problem, options) = match decoded {
             Ok(decoded) => decoded,
             Err(error) => return self.answer(&request, &Err(error.into()), 0),
@@ -258,7 +257,7 @@ impl Desk {
             self.refused.fetch_add(1, Ordering::Relaxed);
             tracing::debug!("request of robot {} refused: {refusal}", header.robot);
         }
-        let (response, samples) = answer::encode(header, result, solve_ns);
+        let (response, samples) = encode_answer(header, result, solve_ns);
         match request.answer(response, &samples) {
             Ok(()) => {}
             Err(SendError::Transport { reason, .. }) => {

@@ -5,19 +5,17 @@
 //! sends the answers. The process's own thread takes no part, so that it is never late for its turn.
 
 mod dispatcher;
-mod memory;
 mod pool;
+mod recent_plans;
 
 use core::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 pub use dispatcher::{Dispatcher, Given};
-pub use memory::Memory;
+pub use recent_plans::Memory;
+use trajectory::{Options, Plan, Problem};
 
-use crate::answer::Refusal;
-use crate::options::Options;
-use crate::plan::Plan;
-use crate::problem::Problem;
+use crate::wire::Refusal;
 
 /// Plans; a panic, which would be a bug, becomes an answer instead of the end of everybody's run.
 ///
@@ -34,7 +32,7 @@ pub fn solve(
 ) -> Result<Plan, Refusal> {
     // Nothing that the planning leaves half done outlives it.
     let planned = catch_unwind(AssertUnwindSafe(|| {
-        crate::plan(problem, options, last, stop)
+        trajectory::plan(problem, options, last, stop)
     }));
     match planned {
         Ok(result) => result.map_err(Refusal::Plan),

@@ -9,11 +9,11 @@ use std::time::Instant;
 
 use ipc_types::clock;
 use rustix::event::{EventfdFlags, eventfd};
+use trajectory::options::Options;
+use trajectory::plan::Plan;
+use trajectory::problem::Problem;
 
-use crate::answer::Refusal;
-use crate::options::Options;
-use crate::plan::Plan;
-use crate::problem::Problem;
+use crate::wire::Refusal;
 
 /// A request to be worked on.
 pub(super) struct Job {

@@ -1,0 +1,253 @@
+//! One try of a method: a family of curves, a search in it, and the trajectory that comes of it.
+
+use nalgebra::{Point2, Vector2};
+use sim_backend::math;
+
+use crate::convex::curve_search::{CurveSearch, Scaling};
+use crate::convex::obstacle_planes::{NO_DEPTH, grow_margins};
+use crate::curve::bspline_basis::Basis;
+use crate::curve::knot_placement::{self, Headings};
+use crate::curve::lgl_nodes::Lgl;
+use crate::curve::{Camouflage, Curve, Ends, Pursuit, Spline};
+use crate::drive::sample_curve;
+use crate::drive::speed_profile;
+use crate::drive::trajectory_builder::Trajectory;
+use crate::guide::Guide;
+use crate::guide::previous_plan::Rest;
+use crate::obstacle_field::ObstacleField;
+use crate::options::{Constraints, Options};
+use crate::path_points::PathPoint;
+use crate::plan::Method;
+use crate::problem::Problem;
+use crate::refine::Refinement;
+
+/// Most times that a curve is made anew because it is too near to an obstacle between its samples.
+const MOST_REPAIRS: u32 = 8;
+/// How near [relative] to the shortest path a curve is good enough.
+const ENOUGH: f64 = 1e-5;
+/// How far beyond the bounds' corner the reference point lies by default, in their diagonals.
+const REFERENCE: f64 = 2.25;
+
+/// What turns on the spot and what the curve takes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Variant {
+    /// The robot turns on the spot before it starts.
+    pub turn_at_start: bool,
+    /// The robot turns on the spot after it has arrived.
+    pub turn_at_goal: bool,
+    /// How often the spline's breaks are halved.
+    pub level: u32,
+}
+
+/// A trajectory of a method.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Candidate {
+    /// The trajectory.
+    pub trajectory: Trajectory,
+    /// Points that control the curve.
+    pub control_points: usize,
+    /// Whether the limits of the accelerations are ignored: nothing to answer with, but something
+    /// to begin with.
+    pub rough: bool,
+}
+
+/// What is the same for all tries.
+pub struct Attempts<'a> {
+    /// The problem.
+    pub problem: &'a Problem,
+    /// The ground.
+    pub ground: &'a ObstacleField,
+    /// The path to begin with.
+    pub guide: &'a Guide,
+    /// Length of the shortest path [m].
+    pub shortest: f64,
+    /// The options.
+    pub options: &'a Options,
+    /// What is left of the robot's last plan.
+    pub rest: Option<Rest>,
+    /// Convex programs solved so far.
+    pub programs: u32,
+}
+
+impl Attempts<'_> {
+    /// Tries; `None` if nothing comes of it.
+    pub fn attempt(
+        &mut self,
+        variant: Variant,
+        stop: &mut dyn FnMut() -> bool,
+    ) -> Option<Candidate> {
+        let headings = Headings {
+            start: (!variant.turn_at_start).then_some(self.problem.start.theta),
+            goal: self.problem.goal_heading.filter(|_| !variant.turn_at_goal),
+        };
+        let frame = Scaling::new(self.guide.at(0.0), self.guide.length());
+        let unit = |angle: f64| {
+            let (sin, cos) = math::sincos(angle);
+            Vector2::new(cos, sin)
+        };
+        let ends = Ends {
+            start: frame.inward(self.problem.start.position()),
+            goal: frame.inward(self.problem.goal),
+            start_heading: headings.start.map(unit),
+            goal_heading: headings.goal.map(unit),
+        };
+        match self.options.method {
+            Method::Lp => {
+                let curve = Pursuit::new(self.basis(2, headings, variant.level), ends)?;
+                let (_, points) = self.search(&curve, &frame, None, stop)?;
+                self.drive(&curve, &points, variant)
+            }
+            Method::Bspline | Method::Vmc | Method::Tangent => {
+                let basis = self.basis(3, headings, variant.level);
+                let curve = Spline::new(basis.clone(), ends, None)?;
+                let (z, points) = self.search(&curve, &frame, None, stop)?;
+                if self.options.method != Method::Vmc || stop() {
+                    return self.drive(&curve, &points, variant);
+                }
+                let reference = frame.inward(self.reference());
+                let camouflage = Camouflage::new(self.options.nodes, reference, ends.start)?;
+                let hidden = Spline::new(basis, ends, Some(camouflage))?;
+                let start = hidden.hidden(&z);
+                let polished = self
+                    .search(&hidden, &frame, Some(start), stop)
+                    .and_then(|(_, points)| self.drive(&hidden, &points, variant));
+                // Where polishing fails, ν = 1 everywhere and the prey's path is the robot's.
+                polished.or_else(|| self.drive(&curve, &points, variant))
+            }
+        }
+    }
+
+    /// The trajectory made faster, or as it is if that does not succeed.
+    pub fn refine(
+        &mut self,
+        mut candidate: Candidate,
+        stop: &mut dyn FnMut() -> bool,
+    ) -> Candidate {
+        // The last plan kept the same limits: it is nearer to what is sought than any curve.
+        let rest = self.rest.as_ref().map(|rest| rest.samples.as_slice());
+        let mut found = None;
+        for samples in rest.into_iter().chain([candidate.trajectory.samples()]) {
+            let search = Refinement::new(self.problem, self.ground, samples);
+            let Some(mut search) = search else { continue };
+            found = search.run(stop);
+            self.programs += search.programs;
+            if found.is_some() || stop() {
+                break;
+            }
+        }
+        if let Some(samples) = found {
+            let trajectory = Trajectory::from_samples(samples);
+            if candidate.rough || trajectory.duration() < candidate.trajectory.duration() {
+                candidate.trajectory = trajectory;
+                candidate.rough = false;
+            }
+        }
+        candidate
+    }
+
+    fn basis(&self, degree: usize, headings: Headings, level: u32) -> Basis {
+        let degree = self.options.degree.unwrap_or(degree);
+        if let Some(count) = self.options.control_points {
+            return Basis::even(degree, count);
+        }
+        let limits = &self.problem.limits;
+        let turning = limits.top_speed() / limits.top_turn_rate();
+        Basis::new(
+            degree,
+            &knot_placement::breaks(self.guide, headings, turning, level),
+        )
+    }
+
+    fn reference(&self) -> Point2<f64> {
+        self.options.reference_point.unwrap_or_else(|| {
+            let bounds = &self.problem.bounds;
+            let diagonal = (bounds.max - bounds.min).norm();
+            bounds.min - Vector2::repeat(REFERENCE * diagonal)
+        })
+    }
+
+    /// A curve of the family that is free, with its points.
+    fn search(
+        &mut self,
+        curve: &dyn Curve,
+        frame: &Scaling,
+        mut from: Option<Vec<f64>>,
+        stop: &mut dyn FnMut() -> bool,
+    ) -> Option<(Vec<f64>, Vec<PathPoint>)> {
+        let mut search = CurveSearch::new(self.ground, self.guide, *frame, curve);
+        search.shortest = self.shortest;
+        search.near = self.rest.as_ref().map(|rest| &rest.guide);
+        let theta = self.problem.start.theta;
+        let nodes_only = self.options.constraints == Constraints::Nodes;
+        if nodes_only {
+            let nodes = Lgl::new(self.options.nodes).nodes;
+            search.only_at = Some(nodes.iter().map(|x| 0.5 * (x + 1.0)).collect());
+        }
+        let mut result = None;
+        for _ in 0..=MOST_REPAIRS {
+            let z = search.run(from.take(), ENOUGH, stop);
+            let Some(z) = z else { break };
+            let Some(points) = sample_curve::path(curve, &z, frame, theta, &self.problem.limits)
+            else {
+                break;
+            };
+            let deepest = grow_margins(&self.ground.depths(&points), &mut search.margins);
+            if deepest <= NO_DEPTH || nodes_only {
+                result = Some((z, points));
+                break;
+            }
+            if stop() {
+                break;
+            }
+            from = Some(z);
+        }
+        self.programs += search.programs;
+        result
+    }
+
+    /// Drives the points: turns, speeds, arrival.
+    fn drive(
+        &self,
+        curve: &dyn Curve,
+        points: &[PathPoint],
+        variant: Variant,
+    ) -> Option<Candidate> {
+        let problem = self.problem;
+        let limits = &problem.limits;
+        let turns = limits.angular_acceleration.is_some();
+        // On the spot the robot stands. V begins and ends as asked for unless it can step, and with 0
+        // where ω cannot step from a turn on the spot into a bend.
+        let end = |on_the_spot: bool, asked: Option<f64>| match limits.acceleration {
+            Some(_) if on_the_spot => Some(0.0),
+            Some(_) => asked,
+            None => (on_the_spot && turns).then_some(0.0),
+        };
+        let start = end(variant.turn_at_start, problem.start_speed);
+        let end = end(variant.turn_at_goal, problem.goal_speed);
+        let speeds = speed_profile::speeds(points, limits, start, end);
+        let rough = speeds.is_none();
+        let speeds = match speeds {
+            Some(speeds) => speeds,
+            None => speed_profile::speeds(points, &limits.without_inertia(), None, None)?,
+        };
+        let mut trajectory = Trajectory::at(&problem.start);
+        if variant.turn_at_start {
+            let first = points.first()?.theta;
+            trajectory.turn(limits, math::angle_difference(first, problem.start.theta));
+        }
+        trajectory.drive(points, &speeds);
+        trajectory.settle(problem.goal);
+        if variant.turn_at_goal
+            && let Some(heading) = problem.goal_heading
+        {
+            let angle = math::angle_difference(heading, trajectory.heading());
+            trajectory.turn(limits, angle);
+        }
+        trajectory.keep_ends(problem);
+        Some(Candidate {
+            trajectory,
+            control_points: curve.control_points(),
+            rough,
+        })
+    }
+}

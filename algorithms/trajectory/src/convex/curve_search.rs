@@ -1,0 +1,431 @@
+//! Finding the curve: sequential convex programming.
+//!
+//! Each program minimises the energy ½∫|r'|² dτ, whose minimum over all curves is the shortest path
+//! driven evenly, subject to half-planes: at samples of τ near an obstacle, the curve stays behind
+//! the line that touches the grown obstacle where the last curve was nearest to it. Obstacles are
+//! convex, so that these half-planes keep away from all of them: where positions are linear in the
+//! variables, what a program accepts is free at its samples, and no trust region is needed. Between
+//! samples the curve may sag into a round obstacle by h²/8R; that much margin is kept.
+
+use nalgebra::{Point2, Vector2};
+use sim_backend::shape::{Contact, Convex};
+
+use crate::convex::obstacle_planes::{HalfPlane, NO_DEPTH, surface};
+use crate::convex::quadratic_program::QuadraticProgram;
+use crate::curve::{Curve, Row};
+use crate::guide::Guide;
+use crate::obstacle_field::ObstacleField;
+
+/// Length of the guide in the programs' unit: their numbers are about 1 whatever the scale.
+const UNITS: f64 = 8.0;
+/// Cost of a unit by which an obstacle is entered.
+const SLACK_COST: f64 = 10.0;
+/// Most cost.
+const MOST_SLACK_COST: f64 = 1e5;
+/// What is kept beside the sag [m].
+const HAIR: f64 = 3e-5;
+/// Most sag [m] between samples: at first, and once it is known about where the curve goes.
+const SAG: [f64; 2] = [5e-4, 1e-4];
+/// Samples are not nearer to each other [m].
+const FINEST: [f64; 2] = [0.01, 0.006];
+/// Nor farther apart [m].
+const COARSEST: f64 = 0.04;
+/// Depth in a grown obstacle, as a part of its size, from which on the nearest side may be the wrong
+/// one.
+const DEEP: f64 = 0.15;
+/// Margin per way from an end of the path.
+const GROWTH: f64 = 0.05;
+/// Distance [m] from a grown obstacle within which the curve is held by it: at first, and once it
+/// is known about where it goes.
+const REACH: [f64; 2] = [0.15, 0.01];
+/// Distance [m] from the edge within which the curve is held by it.
+const EDGE_REACH: f64 = 0.2;
+/// Relative change of the cost that ends the iteration.
+const CONVERGED: f64 = 1e-4;
+/// Most programs of one iteration.
+const MOST: u32 = 25;
+/// Smallest speed at the ends as a part of the mean speed: the curve has a direction there.
+const LEAST_SPEED: f64 = 0.005;
+
+/// Coordinates of the programs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scaling {
+    origin: Point2<f64>,
+    /// Metres in a unit.
+    unit: f64,
+}
+
+impl Scaling {
+    /// The world's own coordinates [m].
+    pub const WORLD: Self = Self {
+        origin: Point2::new(0.0, 0.0),
+        unit: 1.0,
+    };
+
+    /// For a path of this length [m] from here.
+    pub fn new(origin: Point2<f64>, length: f64) -> Self {
+        Self {
+            origin,
+            unit: length / UNITS,
+        }
+    }
+
+    /// Into the programs' coordinates.
+    pub fn inward(&self, p: Point2<f64>) -> Vector2<f64> {
+        (p - self.origin) / self.unit
+    }
+
+    /// Out of them [m].
+    pub fn outward(&self, v: Vector2<f64>) -> Point2<f64> {
+        self.origin + v * self.unit
+    }
+
+    /// Metres in a unit.
+    pub fn unit(&self) -> f64 {
+        self.unit
+    }
+}
+
+/// A search for a curve.
+pub struct CurveSearch<'a> {
+    /// The ground.
+    pub ground: &'a ObstacleField,
+    /// The path to begin with.
+    pub guide: &'a Guide,
+    /// The coordinates.
+    pub frame: Scaling,
+    /// The curves.
+    pub curve: &'a dyn Curve,
+    /// By obstacle: what the path stays away in addition [m].
+    pub margins: Vec<f64>,
+    /// Length [m] that no curve can be shorter than.
+    pub shortest: f64,
+    /// A path that is known to be near the curve, if there is one.
+    pub near: Option<&'a Guide>,
+    /// Programs solved.
+    pub programs: u32,
+    /// The only places at which obstacles are looked at, if not everywhere.
+    pub only_at: Option<Vec<f64>>,
+    slack_cost: f64,
+}
+
+/// A half-plane at a sample: the curve stays ahead of a line.
+struct Hold {
+    at: f64,
+    plane: HalfPlane,
+    /// The obstacle, if it may be entered at a cost.
+    obstacle: Option<usize>,
+}
+
+impl<'a> CurveSearch<'a> {
+    /// A search that has not begun.
+    pub fn new(
+        ground: &'a ObstacleField,
+        guide: &'a Guide,
+        frame: Scaling,
+        curve: &'a dyn Curve,
+    ) -> Self {
+        Self {
+            ground,
+            guide,
+            frame,
+            curve,
+            margins: vec![0.0; ground.obstacles.len()],
+            shortest: guide.length(),
+            near: None,
+            programs: 0,
+            only_at: None,
+            slack_cost: SLACK_COST,
+        }
+    }
+
+    /// Iterates from a curve (`None`: from the guide) until the cost stays, or the curve's length
+    /// is nearer to the shortest than this share; `None` if a program has no solution. `stop` ends
+    /// it early with what there is.
+    pub fn run(
+        &mut self,
+        from: Option<Vec<f64>>,
+        enough: f64,
+        stop: &mut dyn FnMut() -> bool,
+    ) -> Option<Vec<f64>> {
+        let mut z = from;
+        let mut last_cost = z.as_deref().map_or(f64::INFINITY, |z| self.energy(z));
+        for round in 0..MOST {
+            let start = z
+                .clone()
+                .unwrap_or_else(|| vec![0.0; self.curve.variables()]);
+            let known = z.is_some();
+            if round > 0 && stop() {
+                return z;
+            }
+            let holds = self.holds(z.as_deref());
+            let (program, obstacles) = self.program(&start, &holds, known);
+            self.programs += 1;
+            let solution = program.solve()?;
+            let variables = self.curve.variables();
+            let depth = solution[variables..]
+                .iter()
+                .fold(0.0, |m: f64, s| m.max(*s));
+            let next = solution[..variables].to_vec();
+            let energy = self.energy(&next);
+            let cost = energy
+                + self.slack_cost
+                    * solution[variables..]
+                        .iter()
+                        .map(|s| s.max(0.0))
+                        .sum::<f64>();
+            z = Some(next);
+            let clean = depth * self.frame.unit() <= NO_DEPTH;
+            // length² ≤ ∫|r'|² (Cauchy–Schwarz).
+            let most = (2.0 * energy * UNITS).sqrt() * self.frame.unit();
+            if clean && self.curve.is_linear() && most <= self.shortest * (1.0 + enough) {
+                break;
+            }
+            if (last_cost - cost).abs() <= CONVERGED * cost {
+                if clean || obstacles == 0 || self.slack_cost >= MOST_SLACK_COST {
+                    break;
+                }
+                self.slack_cost *= 10.0;
+            }
+            last_cost = cost;
+        }
+        z
+    }
+
+    /// ½∫|r'|² [units].
+    fn energy(&self, z: &[f64]) -> f64 {
+        let mut row = Row::default();
+        let mut sum = 0.0;
+        self.quadrature(|at, weight| {
+            self.curve.row(at, 1, z, &mut row);
+            sum += 0.5 * weight * row.value.norm_squared();
+        });
+        sum / UNITS
+    }
+
+    /// Gauss points between the breaks.
+    fn quadrature(&self, mut visit: impl FnMut(f64, f64)) {
+        const NODES: [(f64, f64); 3] = [
+            (-0.774_596_669_241_483_4, 5.0 / 9.0),
+            (0.0, 8.0 / 9.0),
+            (0.774_596_669_241_483_4, 5.0 / 9.0),
+        ];
+        // A curve that is no polynomial between breaks needs more of them.
+        // Three points see squares of velocities of degree 2 at most: a higher degree with few
+        // breaks could otherwise move between them at no cost.
+        let fine = if self.curve.is_linear() && self.curve.degree() <= 3 {
+            1.0
+        } else {
+            1.0 / 24.0
+        };
+        for pair in self.curve.breaks().windows(2) {
+            let width = pair[1] - pair[0];
+            let parts = (width / fine).ceil().max(1.0);
+            let half = 0.5 * width / parts;
+            for i in 0..parts as usize {
+                let middle = pair[0] + half * (2 * i + 1) as f64;
+                for (x, w) in NODES {
+                    visit(middle + half * x, half * w);
+                }
+            }
+        }
+    }
+
+    /// The half-planes that hold the curve, as it is or, before there is one, as the guide is or the
+    /// path that is known to be near.
+    fn holds(&self, z: Option<&[f64]>) -> Vec<Hold> {
+        let length = self.guide.length();
+        let known = usize::from(z.is_some() || self.near.is_some());
+        let mut holds = Vec::new();
+        let mut row = Row::default();
+        let mut place = |at: f64| match z {
+            Some(z) => {
+                self.curve.row(at, 0, z, &mut row);
+                self.frame.outward(row.value)
+            }
+            None => self.near.unwrap_or(self.guide).at(at),
+        };
+        // Positions on a coarse grid say which obstacles matter where.
+        let count = (length / COARSEST).ceil().max(8.0) as usize;
+        let grid: Vec<Point2<f64>> = (0..=count)
+            .map(|i| place(i as f64 / count as f64))
+            .collect();
+        let steps = grid.windows(2).map(|p| (p[1] - p[0]).norm());
+        let step = steps.fold(0.0, f64::max);
+        let clearance = self.ground.clearance;
+        for (index, obstacle) in self.ground.obstacles.iter().enumerate() {
+            if let Some(places) = &self.only_at {
+                for &at in places {
+                    holds.push(self.hold(index, at, place(at), 0.0));
+                }
+                continue;
+            }
+            let radius = match obstacle {
+                Convex::Disc { radius, .. } => radius + clearance,
+                _ => clearance,
+            };
+            let spacing = (8.0 * SAG[known] * radius / 1.1)
+                .sqrt()
+                .clamp(FINEST[known], COARSEST);
+            let sag = 1.1 * spacing * spacing / (8.0 * radius);
+            let margin = HAIR + sag.min(SAG[0]) + self.margins[index];
+            let parts = (length / count as f64 / spacing).ceil().max(1.0) as usize;
+            for (i, p) in grid.iter().enumerate().take(count) {
+                if obstacle.distance(*p) - clearance > REACH[known] + step {
+                    continue;
+                }
+                for part in usize::from(i == 0)..parts {
+                    let at = (i as f64 + part as f64 / parts as f64) / count as f64;
+                    let p = if part == 0 { *p } else { place(at) };
+                    if obstacle.distance(p) - clearance <= REACH[known] {
+                        holds.push(self.hold(index, at, p, margin));
+                    }
+                }
+            }
+        }
+        self.hold_in_bounds(&grid, &mut holds);
+        holds
+    }
+
+    /// The half-plane that keeps the place `p` of the curve from an obstacle and a margin [m].
+    fn hold(&self, index: usize, at: f64, p: Point2<f64>, margin: f64) -> Hold {
+        let obstacle = &self.ground.obstacles[index];
+        let clearance = self.ground.clearance;
+        let (p, contact) = self.outside(obstacle, p, at);
+        let surface = surface(p, &contact);
+        // The ends may lie on the obstacle: the margin grows with the way from them.
+        let near = at.min(1.0 - at);
+        let end = self.guide.at(if at < 0.5 { 0.0 } else { 1.0 });
+        let height = (end - surface).dot(&contact.normal) - clearance;
+        let most = height.max(0.0) + GROWTH * near * self.guide.length();
+        let grown = clearance + margin.min(most);
+        Hold {
+            at,
+            plane: HalfPlane::ahead_of(surface, contact.normal, grown, &self.frame),
+            obstacle: Some(index),
+        }
+    }
+
+    /// The nearest side of an obstacle. Where a place lies deep inside, that may be the wrong one:
+    /// then the side on which the guide passes.
+    fn outside(&self, obstacle: &Convex, p: Point2<f64>, at: f64) -> (Point2<f64>, Contact) {
+        let contact = obstacle.contact(p);
+        let size = match obstacle {
+            Convex::Disc { radius, .. } => *radius + self.ground.clearance,
+            other => {
+                let around = other.aabb();
+                0.5 * (around.max - around.min).norm() + self.ground.clearance
+            }
+        };
+        if contact.distance - self.ground.clearance > -DEEP * size {
+            return (p, contact);
+        }
+        let guide = self.guide.at(at);
+        (guide, obstacle.contact(guide))
+    }
+
+    fn hold_in_bounds(&self, grid: &[Point2<f64>], holds: &mut Vec<Hold>) {
+        let bounds = &self.ground.bounds;
+        let (min, max) = (self.frame.inward(bounds.min), self.frame.inward(bounds.max));
+        let count = grid.len() - 1;
+        for (i, p) in grid.iter().enumerate().take(count).skip(1) {
+            let at = i as f64 / count as f64;
+            let sides = [
+                (p.x - bounds.min.x, Vector2::x(), min.x),
+                (p.y - bounds.min.y, Vector2::y(), min.y),
+                (bounds.max.x - p.x, -Vector2::x(), -max.x),
+                (bounds.max.y - p.y, -Vector2::y(), -max.y),
+            ];
+            for (distance, normal, line) in sides {
+                if distance < EDGE_REACH {
+                    holds.push(Hold {
+                        at,
+                        plane: HalfPlane { normal, line },
+                        obstacle: None,
+                    });
+                }
+            }
+        }
+    }
+
+    /// The program around a curve; the variables after the curve's are how deep obstacles are
+    /// entered. Returns how many of these there are, too.
+    fn program(&self, z: &[f64], holds: &[Hold], known: bool) -> (QuadraticProgram, usize) {
+        let variables = self.curve.variables();
+        let mut slack_of = vec![None; self.ground.obstacles.len()];
+        let mut slacks = 0;
+        for hold in holds {
+            if let Some(index) = hold.obstacle
+                && slack_of[index].is_none()
+            {
+                slack_of[index] = Some(variables + slacks);
+                slacks += 1;
+            }
+        }
+        let mut program = QuadraticProgram::new(variables + slacks);
+        let mut row = Row::default();
+        self.quadrature(|at, weight| {
+            self.curve.row(at, 1, z, &mut row);
+            let constant = row.constant(z);
+            let terms = merged(&mut row.terms);
+            let weight = weight / UNITS;
+            for (i, (var, a)) in terms.iter().enumerate() {
+                program.add_linear(*var, weight * a.dot(&constant));
+                for (other, b) in &terms[i..] {
+                    let value = a.dot(b);
+                    if value != 0.0 {
+                        program.add_quadratic(*var, *other, weight * value);
+                    }
+                }
+            }
+        });
+        for (var, cost) in self.curve.own_costs() {
+            program.add_quadratic(var, var, cost / UNITS);
+        }
+        for slack in variables..variables + slacks {
+            program.add_linear(slack, self.slack_cost);
+            program.at_most([(slack, -1.0)], 0.0);
+        }
+        for var in [self.curve.start_speed(), self.curve.goal_speed()]
+            .into_iter()
+            .flatten()
+        {
+            program.at_most([(var, -1.0)], -LEAST_SPEED * UNITS);
+        }
+        if known {
+            for (var, most) in self.curve.step_bounds() {
+                program.at_most([(var, 1.0)], z[var] + most);
+                program.at_most([(var, -1.0)], most - z[var]);
+            }
+        }
+        for hold in holds {
+            self.curve.row(hold.at, 0, z, &mut row);
+            let constant = row.constant(z).dot(&hold.plane.normal);
+            let terms = merged(&mut row.terms);
+            let slack = hold
+                .obstacle
+                .and_then(|index| slack_of[index])
+                .map(|slack| (slack, -1.0));
+            let terms = terms
+                .iter()
+                .map(|(var, term)| (*var, -term.dot(&hold.plane.normal)))
+                .filter(|(_, c)| *c != 0.0)
+                .chain(slack);
+            program.at_most(terms, constant - hold.plane.line);
+        }
+        (program, slacks)
+    }
+}
+
+/// The terms with every variable once, in order.
+fn merged(terms: &mut Vec<(usize, Vector2<f64>)>) -> &[(usize, Vector2<f64>)] {
+    terms.sort_by_key(|(var, _)| *var);
+    terms.dedup_by(|b, a| {
+        let same = a.0 == b.0;
+        if same {
+            a.1 += b.1;
+        }
+        same
+    });
+    terms
+}

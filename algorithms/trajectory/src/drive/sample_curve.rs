@@ -1,0 +1,107 @@
+//! From a curve to a path that can be driven: dense enough points.
+
+use nalgebra::Vector2;
+use sim_backend::math;
+
+use crate::convex::curve_search::Scaling;
+use crate::curve::{Curve, Trace};
+use crate::path_points::{self, PathPoint};
+use crate::problem::RobotLimits;
+
+/// Places in a span at which its curvature is looked at.
+const LOOKS: usize = 6;
+/// Largest difference between how a curve turns from point to point and how the curvatures at
+/// both say, relative to how far it could turn at most.
+const MISMATCH: f64 = 3e-4;
+/// How often the way between two points is halved at most.
+const MOST_HALVES: usize = 16;
+/// Most points of a path before that: a curve that needs more writhes.
+const MOST_POINTS: usize = 20_000;
+
+/// The points of a curve, its first heading the representative nearest to `theta` [rad]; `None` if
+/// the curve has a cusp.
+pub fn path(
+    curve: &dyn Curve,
+    z: &[f64],
+    frame: &Scaling,
+    theta: f64,
+    limits: &RobotLimits,
+) -> Option<Vec<PathPoint>> {
+    let trace = curve.trace(z);
+    let point = |at: f64| {
+        let [r, velocity, acceleration] = trace(at);
+        let speed = velocity.norm();
+        (speed > 1e-9).then(|| PathPoint {
+            s: 0.0,
+            at: frame.outward(r),
+            theta: math::atan2(velocity.y, velocity.x),
+            kappa: velocity.perp(&acceleration) / (speed * speed * speed) / frame.unit(),
+        })
+    };
+    let turning = limits.top_speed() / limits.top_turn_rate();
+    let mut points: Vec<PathPoint> = Vec::new();
+    let mut first = point(0.0)?;
+    first.theta = theta + math::angle_difference(first.theta, theta);
+    points.push(first);
+    let mut last = (0.0, first);
+    let mut ahead = Vec::new();
+    for at in places(&trace, curve.breaks(), frame) {
+        ahead.clear();
+        ahead.push((at, point(at)?));
+        while let Some((at, mut next)) = ahead.pop() {
+            let (before, a) = &last;
+            let turn = math::angle_difference(next.theta, a.theta);
+            // The arc over the chord.
+            let way = (next.at - a.at).norm() * (1.0 + turn * turn / 24.0);
+            // Whoever drives by the curvatures must turn as the curve does; between two points
+            // both speeds change linearly in time, so that the faster one counts for more.
+            let [v, w] = [a.kappa, next.kappa].map(|kappa| limits.speed_at(kappa));
+            let told = (a.kappa * v + next.kappa * w) / (v + w) * way;
+            if (told - turn).abs() > MISMATCH * way / turning + 1e-8 {
+                if ahead.len() >= MOST_HALVES || points.len() >= MOST_POINTS {
+                    return None;
+                }
+                ahead.push((at, next));
+                let middle = 0.5 * (before + at);
+                ahead.push((middle, point(middle)?));
+                continue;
+            }
+            next.s = a.s + way;
+            next.theta = a.theta + turn;
+            points.push(next);
+            last = (at, next);
+        }
+    }
+    Some(points)
+}
+
+/// Where to look at a curve so that its points are dense enough for its curvature.
+fn places(trace: &Trace<'_>, breaks: &[f64], frame: &Scaling) -> Vec<f64> {
+    let mut places = Vec::new();
+    for pair in breaks.windows(2) {
+        let width = pair[1] - pair[0];
+        let looked: Vec<(Vector2<f64>, f64)> = (0..=LOOKS)
+            .map(|i| {
+                let [r, velocity, acceleration] = trace(pair[0] + width * i as f64 / LOOKS as f64);
+                let speed = velocity.norm().max(1e-9);
+                (
+                    r,
+                    velocity.perp(&acceleration).abs() / (speed * speed * speed) / frame.unit(),
+                )
+            })
+            .collect();
+        // Each part as dense as the more curved of its ends wants it.
+        for (i, ends) in looked.windows(2).enumerate() {
+            let length = (ends[1].0 - ends[0].0).norm() * frame.unit();
+            let spacing = path_points::spacing(ends[0].1.max(ends[1].1));
+            let count = (1.05 * length / spacing).ceil().clamp(1.0, 4000.0);
+            let begin = pair[0] + width * i as f64 / LOOKS as f64;
+            let part = width / LOOKS as f64;
+            places.extend((1..=count as usize).map(|k| begin + part * k as f64 / count));
+        }
+    }
+    if let Some(last) = places.last_mut() {
+        *last = 1.0;
+    }
+    places
+}

@@ -1,0 +1,10 @@
+//! Paths from which the methods start.
+//!
+//! A [`Guide`] is a path among the obstacles: the exact shortest one, that of a grid ([`grid_guide`]),
+//! or what is left of the last plan ([`previous_plan`]).
+
+pub mod grid_guide;
+mod guide_path;
+pub mod previous_plan;
+
+pub use guide_path::Guide;

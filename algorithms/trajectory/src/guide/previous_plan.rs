@@ -1,0 +1,56 @@
+//! Starting from the plan that the robot has been following.
+
+use nalgebra::Point2;
+
+use crate::guide::Guide;
+use crate::obstacle_field::ObstacleField;
+use crate::path_points;
+use crate::plan::{Plan, Sample};
+use crate::problem::Problem;
+
+/// How far [m] start and goal may be from the old plan.
+const NEAR: f64 = 0.05;
+/// How deep [m] it may lead through obstacles: deeper, it may pass on the wrong side.
+const DEEP: f64 = 0.03;
+
+/// What is left of a plan, from where it passes the start.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rest {
+    /// The trajectory, its time beginning at 0.
+    pub samples: Vec<Sample>,
+    /// Its path.
+    pub guide: Guide,
+}
+
+/// What is left of a plan, if it still leads from the problem's start to its goal past the obstacles
+/// that there are now.
+pub fn rest(problem: &Problem, ground: &ObstacleField, plan: &Plan) -> Option<Rest> {
+    let start = problem.start.position();
+    let distance = |s: &Sample| (Point2::new(s.x, s.y) - start).norm();
+    let (first, _) = plan
+        .samples
+        .iter()
+        .enumerate()
+        .min_by(|a, b| distance(a.1).total_cmp(&distance(b.1)))?;
+    let begin = plan.samples.get(first)?.t;
+    let samples: Vec<Sample> = plan.samples[first..]
+        .iter()
+        .map(|s| Sample {
+            t: s.t - begin,
+            ..*s
+        })
+        .collect();
+    let end = samples.last()?;
+    let misses = (Point2::new(end.x, end.y) - problem.goal).norm();
+    if distance(&samples[0]) > NEAR || misses > NEAR {
+        return None;
+    }
+    let points = path_points::of_samples(&samples);
+    let depths = ground.depths(&points);
+    if depths.iter().any(|(_, depth)| *depth > DEEP) {
+        return None;
+    }
+    let corners: Vec<Point2<f64>> = points.iter().map(|p| p.at).collect();
+    let guide = Guide::through(&corners)?;
+    Some(Rest { samples, guide })
+}

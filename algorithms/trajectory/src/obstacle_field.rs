@@ -1,0 +1,240 @@
+//! Where the robot may be: obstacles, clearance and bounds of a problem, settled so that start and
+//! goal are free.
+
+use nalgebra::{Point2, Vector2};
+use navigation::tangent_graph::{ShortestPath, shortest_once};
+use planner_view::free_space::FreeSpace;
+use sim_backend::shape::{Aabb, Contact, Convex};
+
+use crate::path_points::PathPoint;
+use crate::plan::PlanError;
+use crate::problem::{Problem, ProblemError};
+
+/// Cells along the longer side of the field with which the exact geometry answers quickly. Few: a
+/// problem is asked some hundred questions, and making the field costs as much as they do.
+const CELLS: f64 = 16.0;
+/// How deep [m] a goal may lie in a grown obstacle or beyond the bounds: rounding.
+const GOAL_TOLERANCE: f64 = 1e-6;
+/// By how much [m] an obstacle is cut back beyond the start that lies in it: rounding.
+const HAIR: f64 = 1e-9;
+/// Radius [m] given to discs without one: the exact geometry wants pieces with an inside.
+const MIN_RADIUS: f64 = 1e-7;
+
+/// The ground of a problem.
+#[derive(Debug, Clone)]
+pub struct ObstacleField {
+    /// What the robot must not touch: the problem's obstacles, but where the start lies in a grown
+    /// one, that one is cut back until the start is on its border.
+    pub obstacles: Vec<Convex>,
+    /// Where its centre may be: the problem's bounds, and the start.
+    pub bounds: Aabb,
+    /// Distance [m] that its centre keeps from obstacles.
+    pub clearance: f64,
+    start: Point2<f64>,
+    goal: Point2<f64>,
+}
+
+impl ObstacleField {
+    /// Settles the ground of a problem that is valid ([`Problem::validate`]).
+    ///
+    /// # Errors
+    /// [`ProblemError`] if the start is deeper in an obstacle than tolerated, or the goal in one or
+    /// beyond the bounds.
+    pub fn new(problem: &Problem) -> Result<Self, ProblemError> {
+        let start = problem.start.position();
+        let goal = problem.goal;
+        let mut ground = Self {
+            obstacles: problem.obstacles.iter().map(with_inside).collect(),
+            bounds: problem.bounds,
+            clearance: problem.clearance,
+            start,
+            goal,
+        };
+        ground.admit_start(problem.start_tolerance)?;
+        ground.check_goal()?;
+        Ok(ground)
+    }
+
+    fn admit_start(&mut self, tolerance: f64) -> Result<(), ProblemError> {
+        let start = self.start;
+        let refused = |what: &str, depth: f64| ProblemError {
+            field: "start".to_owned(),
+            value: format!("({}, {})", start.x, start.y),
+            expected: format!("a place no more than {tolerance} m {what}; it is {depth:.4} m"),
+        };
+        let outside = beyond(&self.bounds, start);
+        if outside > tolerance {
+            return Err(refused("beyond the bounds", outside));
+        }
+        let bounds = &mut self.bounds;
+        bounds.min = bounds.min.coords.inf(&start.coords).into();
+        bounds.max = bounds.max.coords.sup(&start.coords).into();
+        for (i, obstacle) in self.obstacles.iter_mut().enumerate() {
+            let contact = obstacle.contact(start);
+            let depth = self.clearance - contact.distance;
+            if depth <= 0.0 {
+                continue;
+            }
+            let what = format!("inside obstacles[{i}], grown by the clearance");
+            if depth > tolerance {
+                return Err(refused(&what, depth));
+            }
+            *obstacle = cut_back(obstacle, start, &contact, self.clearance)
+                .ok_or_else(|| refused(&what, depth))?;
+        }
+        Ok(())
+    }
+
+    fn check_goal(&self) -> Result<(), ProblemError> {
+        let goal = self.goal;
+        let refused = |expected: String| ProblemError {
+            field: "goal".to_owned(),
+            value: format!("({}, {})", goal.x, goal.y),
+            expected,
+        };
+        if beyond(&self.bounds, goal) > GOAL_TOLERANCE {
+            let Aabb { min, max } = self.bounds;
+            return Err(refused(format!(
+                "a place within the bounds, x in {}…{} and y in {}…{}",
+                min.x, max.x, min.y, max.y
+            )));
+        }
+        for (i, obstacle) in self.obstacles.iter().enumerate() {
+            let distance = obstacle.contact(goal).distance;
+            if distance < self.clearance - GOAL_TOLERANCE {
+                return Err(refused(format!(
+                    "a place at least {} m from every obstacle; obstacles[{i}] is {distance:.4} m \
+                     away",
+                    self.clearance
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    /// The space in which the robot's centre moves as a disc of radius [`Self::clearance`].
+    fn space(&self) -> Result<FreeSpace, PlanError> {
+        // The bounds are for the centre; the disc may reach beyond.
+        let margin = Vector2::repeat(self.clearance);
+        let bounds = Aabb {
+            min: self.bounds.min - margin,
+            max: self.bounds.max + margin,
+        };
+        let size = bounds.max - bounds.min;
+        let cell = size.x.max(size.y) / CELLS;
+        FreeSpace::new(self.obstacles.clone(), bounds, cell).map_err(|e| {
+            let value = format!("{bounds:?}");
+            PlanError::Invalid(ProblemError {
+                field: "bounds".to_owned(),
+                value,
+                expected: e.to_string(),
+            })
+        })
+    }
+
+    /// Largest depth [m] of a path in each grown obstacle that it is in, by index.
+    pub fn depths(&self, points: &[PathPoint]) -> Vec<(usize, f64)> {
+        let mut found = Vec::new();
+        for (index, obstacle) in self.obstacles.iter().enumerate() {
+            let mut least = f64::INFINITY;
+            let mut i = 0;
+            while i < points.len() {
+                let distance = obstacle.contact(points[i].at).distance - self.clearance;
+                least = least.min(distance);
+                // Distances change by no more than the way: so far ahead there is nothing deep.
+                let reach = points[i].s + distance;
+                i += 1;
+                i += points[i..].partition_point(|p| p.s < reach);
+            }
+            if least < 0.0 {
+                found.push((index, -least));
+            }
+        }
+        found
+    }
+
+    /// The ground as exact geometry.
+    ///
+    /// # Errors
+    /// [`PlanError::Invalid`] for bounds that are too thin to be searched.
+    pub fn exact(&self) -> Result<ExactObstacleField, PlanError> {
+        Ok(ExactObstacleField {
+            space: self.space()?,
+            clearance: self.clearance,
+        })
+    }
+}
+
+/// The ground as exact geometry, with an index.
+#[derive(Debug, Clone)]
+pub struct ExactObstacleField {
+    /// The pieces.
+    pub space: FreeSpace,
+    /// Distance [m] that the robot's centre keeps from them.
+    pub clearance: f64,
+}
+
+impl ExactObstacleField {
+    /// The shortest path between two points [m].
+    ///
+    /// # Errors
+    /// [`PlanError::NoPath`] if there is none; [`PlanError::Invalid`] if there are too many
+    /// obstacles to tell.
+    pub fn shortest(&self, from: Point2<f64>, to: Point2<f64>) -> Result<ShortestPath, PlanError> {
+        shortest_once(&self.space, self.clearance, from, to)
+            .map_err(|e| {
+                PlanError::Invalid(ProblemError {
+                    field: "obstacles".to_owned(),
+                    value: self.space.shapes().parts().len().to_string(),
+                    expected: e.to_string(),
+                })
+            })?
+            .ok_or(PlanError::NoPath)
+    }
+}
+
+/// How far [m] a point is beyond the bounds; 0 within.
+fn beyond(bounds: &Aabb, p: Point2<f64>) -> f64 {
+    let low = bounds.min - p;
+    let high = p - bounds.max;
+    [low.x, low.y, high.x, high.y]
+        .into_iter()
+        .fold(0.0, f64::max)
+}
+
+fn with_inside(obstacle: &Convex) -> Convex {
+    match obstacle {
+        Convex::Disc { center, radius } => Convex::disc(*center, radius.max(MIN_RADIUS)),
+        other => other.clone(),
+    }
+}
+
+/// An obstacle without what is nearer to `p` than `clearance` [m]: a smaller disc, or the polygon
+/// cut along a line; `None` if nothing would be left of it. The line is across the direction to
+/// the nearest surface and `clearance` away, so that everything behind it is, too.
+fn cut_back(
+    obstacle: &Convex,
+    p: Point2<f64>,
+    contact: &Contact,
+    clearance: f64,
+) -> Option<Convex> {
+    if let Convex::Disc { center, radius } = obstacle {
+        let radius = radius - (clearance - contact.distance) - HAIR;
+        return (radius > 0.0).then(|| Convex::disc(*center, radius));
+    }
+    let line = p - contact.normal * (clearance + HAIR);
+    let height = |corner: Point2<f64>| (corner - line).dot(&contact.normal);
+    let corners = obstacle.corners();
+    let mut left = Vec::with_capacity(corners.len() + 1);
+    for (i, &a) in corners.iter().enumerate() {
+        let b = corners[(i + 1) % corners.len()];
+        let (ha, hb) = (height(a), height(b));
+        if ha <= 0.0 {
+            left.push(a);
+        }
+        if (ha < 0.0 && hb > 0.0) || (ha > 0.0 && hb < 0.0) {
+            left.push(a + (b - a) * (ha / (ha - hb)));
+        }
+    }
+    (left.len() >= 3).then(|| Convex::polygon(&left))
+}

@@ -1,0 +1,117 @@
+//! How a plan shall be made.
+
+use nalgebra::Point2;
+use serde::{Deserialize, Serialize};
+
+use crate::curve::bspline_basis::MAX_DEGREE;
+use crate::curve::lgl_nodes::MAX_NODES;
+use crate::plan::Method;
+use crate::problem::{MAX_NUMBER, ProblemError};
+
+/// Most control points that can be asked for.
+pub const MAX_CONTROL_POINTS: usize = 64;
+
+/// From what path a method starts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Guess {
+    /// The exact shortest path.
+    #[default]
+    Tangent,
+    /// The wavefront on a grid (the paper's), pulled taut.
+    Wavefront,
+}
+
+/// Where along the curve obstacles are looked at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Constraints {
+    /// Everywhere, dense enough for nothing to be overlooked.
+    #[default]
+    Dense,
+    /// At the N + 1 Legendre–Gauss–Lobatto nodes only, as in the paper. What lies between two nodes
+    /// is not seen: most such curves hit something, and are then no plan.
+    Nodes,
+}
+
+/// Options of a plan; the defaults are what is recommended.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Options {
+    /// The method.
+    pub method: Method,
+    /// From what path it starts.
+    pub guess: Guess,
+    /// Where along the curve obstacles are looked at.
+    pub constraints: Constraints,
+    /// Whether other ways are tried if the curve asked for is not honest or not good: turning on
+    /// the spot before and after it, more control points, and the exact shortest path in the end.
+    pub fallbacks: bool,
+    /// Whether a robot with inertia gets what a search in its controls makes of the curve
+    /// ([`crate::refine`]). Where only the wheels couple the speeds, it would gain a few thousandths
+    /// and is not tried.
+    pub refine: bool,
+    /// Degree of the B-spline, 2…8; absent: 3, or 2 for the prey of `lp`.
+    pub degree: Option<usize>,
+    /// Number of its control points, spread evenly, from degree + 1 to 64; absent: as many as the
+    /// path needs, where it needs them.
+    pub control_points: Option<usize>,
+    /// N of the N + 1 Legendre–Gauss–Lobatto nodes: of the path control parameter of `vmc`, and of
+    /// [`Constraints::Nodes`]; 2…64.
+    pub nodes: usize,
+    /// Reference point of `vmc` [m]; absent: 2.25 diagonals of the bounds beyond their smaller
+    /// corner.
+    pub reference_point: Option<Point2<f64>>,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            method: Method::default(),
+            guess: Guess::default(),
+            constraints: Constraints::default(),
+            fallbacks: true,
+            refine: true,
+            degree: None,
+            control_points: None,
+            nodes: 15,
+            reference_point: None,
+        }
+    }
+}
+
+impl Options {
+    /// Checks every field.
+    ///
+    /// # Errors
+    /// [`ProblemError`] names the first field that is out of range.
+    pub fn validate(&self) -> Result<(), ProblemError> {
+        let degree = self.degree.unwrap_or(3);
+        within("degree", degree, 2, MAX_DEGREE)?;
+        if let Some(count) = self.control_points {
+            within("control_points", count, degree + 1, MAX_CONTROL_POINTS)?;
+        }
+        within("nodes", self.nodes, 2, MAX_NODES)?;
+        if let Some(p) = self.reference_point
+            && !(p.x.abs() <= MAX_NUMBER && p.y.abs() <= MAX_NUMBER)
+        {
+            return Err(ProblemError {
+                field: "reference_point".to_owned(),
+                value: format!("({}, {})", p.x, p.y),
+                expected: format!("coordinates of at most {MAX_NUMBER:e} [m] in size"),
+            });
+        }
+        Ok(())
+    }
+}
+
+fn within(field: &str, value: usize, low: usize, high: usize) -> Result<(), ProblemError> {
+    if (low..=high).contains(&value) {
+        return Ok(());
+    }
+    Err(ProblemError {
+        field: field.to_owned(),
+        value: value.to_string(),
+        expected: format!("a whole number from {low} to {high}"),
+    })
+}

@@ -1,0 +1,278 @@
+//! What is asked of the optimiser: from where to where, by which robot, among what.
+
+use core::fmt::Display;
+
+use nalgebra::Point2;
+use sim_backend::pose::Pose2;
+use sim_backend::shape::{Aabb, Convex};
+use thiserror::Error;
+
+/// Most obstacles of one problem.
+pub const MAX_OBSTACLES: usize = 4096;
+/// Largest coordinate [m] and speed [m/s] that is taken for meant.
+pub const MAX_NUMBER: f64 = 1e6;
+/// Smallest clearance [m]; it stands for a robot that is a point.
+pub const MIN_CLEARANCE: f64 = 1e-6;
+/// How deep [m] the start may lie in a grown obstacle or beyond the bounds by default: what a robot
+/// that tracks its last trajectory can be off by. Deeper, there is no plan.
+pub const START_TOLERANCE: f64 = 5e-3;
+
+/// How fast the wheels can turn: |V| + |ω| b / 2 ≤ `speed`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wheels {
+    /// Largest speed of a wheel over ground [m/s], > 0.
+    pub speed: f64,
+    /// Distance b between the wheels [m], > 0.
+    pub separation: f64,
+}
+
+/// What the robot can do.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RobotLimits {
+    /// Largest forward speed V [m/s], > 0.
+    pub v_max: f64,
+    /// Largest turning rate ω [rad/s], > 0.
+    pub omega_max: f64,
+    /// Coupling of both by the wheels; `None`: independent, as in the paper.
+    pub wheels: Option<Wheels>,
+    /// Largest change of V [m/s²], > 0; `None`: V may step, as in the paper.
+    pub acceleration: Option<f64>,
+    /// Largest change of ω [rad/s²], > 0; `None`: ω may step.
+    pub angular_acceleration: Option<f64>,
+}
+
+impl RobotLimits {
+    /// The paper's robot: speed [m/s] and turning rate [rad/s] limited independently.
+    pub fn simple(v_max: f64, omega_max: f64) -> Self {
+        Self {
+            v_max,
+            omega_max,
+            wheels: None,
+            acceleration: None,
+            angular_acceleration: None,
+        }
+    }
+
+    /// The same robot without limits on its accelerations.
+    #[must_use]
+    pub fn without_inertia(&self) -> Self {
+        Self {
+            acceleration: None,
+            angular_acceleration: None,
+            ..*self
+        }
+    }
+
+    /// Whether speeds may step.
+    pub fn is_without_inertia(&self) -> bool {
+        self.acceleration.is_none() && self.angular_acceleration.is_none()
+    }
+
+    /// Largest speed [m/s] straight ahead.
+    pub fn top_speed(&self) -> f64 {
+        self.wheels.map_or(self.v_max, |w| self.v_max.min(w.speed))
+    }
+
+    /// Largest turning rate [rad/s] on the spot.
+    pub fn top_turn_rate(&self) -> f64 {
+        self.wheels.map_or(self.omega_max, |w| {
+            self.omega_max.min(2.0 * w.speed / w.separation)
+        })
+    }
+
+    /// Largest speed [m/s] on a path of curvature `kappa` [1/m].
+    pub fn speed_at(&self, kappa: f64) -> f64 {
+        let kappa = kappa.abs();
+        let turning = self.omega_max / kappa.max(1e-300);
+        let wheels = self.wheels.map_or(f64::INFINITY, |w| {
+            w.speed / (1.0 + 0.5 * kappa * w.separation)
+        });
+        self.v_max.min(turning).min(wheels)
+    }
+}
+
+/// A minimum-time problem; all of it in one frame, in SI units.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Problem {
+    /// Pose at the start.
+    pub start: Pose2,
+    /// Forward speed at the start [m/s], ≥ 0; `None`: free.
+    pub start_speed: Option<f64>,
+    /// Turning rate at the start [rad/s]; `None`: free.
+    pub start_turn_rate: Option<f64>,
+    /// Position of the goal [m].
+    pub goal: Point2<f64>,
+    /// Heading at the goal [rad]; `None`: free.
+    pub goal_heading: Option<f64>,
+    /// Forward speed at the goal [m/s], ≥ 0; `None`: free.
+    pub goal_speed: Option<f64>,
+    /// What the robot can do.
+    pub limits: RobotLimits,
+    /// What it must not touch.
+    pub obstacles: Vec<Convex>,
+    /// Distance [m] that its centre keeps from them (radius plus margin), ≥ [`MIN_CLEARANCE`].
+    pub clearance: f64,
+    /// Where its centre may be.
+    pub bounds: Aabb,
+    /// How deep [m] the start may lie in a grown obstacle or beyond the bounds, ≥ 0.
+    pub start_tolerance: f64,
+}
+
+/// What is wrong with a problem.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[error("{field} = {value}: expected {expected}")]
+pub struct ProblemError {
+    /// The field.
+    pub field: String,
+    /// What it is.
+    pub value: String,
+    /// What it should be.
+    pub expected: String,
+}
+
+impl ProblemError {
+    fn new(field: impl Into<String>, value: impl Display, expected: impl Into<String>) -> Self {
+        Self {
+            field: field.into(),
+            value: value.to_string(),
+            expected: expected.into(),
+        }
+    }
+}
+
+fn number(field: &str, value: f64) -> Result<(), ProblemError> {
+    if value.abs() <= MAX_NUMBER {
+        return Ok(());
+    }
+    let expected = format!("a number of at most {MAX_NUMBER:e} in size");
+    Err(ProblemError::new(
+        field,
+        format_args!("{value:e}"),
+        expected,
+    ))
+}
+
+fn positive(field: &str, value: f64) -> Result<(), ProblemError> {
+    number(field, value)?;
+    if value > 0.0 {
+        return Ok(());
+    }
+    Err(ProblemError::new(field, value, "a number > 0"))
+}
+
+fn not_negative(field: &str, value: f64) -> Result<(), ProblemError> {
+    number(field, value)?;
+    if value >= 0.0 {
+        return Ok(());
+    }
+    Err(ProblemError::new(field, value, "a number ≥ 0"))
+}
+
+impl Problem {
+    /// Checks every field on its own, and that the prescribed speeds are within the limits. Where
+    /// start and goal lie, [`ObstacleField`](crate::obstacle_field::ObstacleField) checks.
+    ///
+    /// # Errors
+    /// [`ProblemError`] names the first field that is out of range.
+    pub fn validate(&self) -> Result<(), ProblemError> {
+        number("start.x", self.start.x)?;
+        number("start.y", self.start.y)?;
+        number("start.theta", self.start.theta)?;
+        number("goal.x", self.goal.x)?;
+        number("goal.y", self.goal.y)?;
+        self.goal_heading
+            .map_or(Ok(()), |heading| number("goal.theta", heading))?;
+        let limits = &self.limits;
+        positive("v_max", limits.v_max)?;
+        positive("omega_max", limits.omega_max)?;
+        if let Some(wheels) = &limits.wheels {
+            positive("wheel_speed", wheels.speed)?;
+            positive("wheel_separation", wheels.separation)?;
+        }
+        for (field, value) in [
+            ("acceleration", limits.acceleration),
+            ("angular_acceleration", limits.angular_acceleration),
+        ] {
+            value.map_or(Ok(()), |value| positive(field, value))?;
+        }
+        not_negative("start_tolerance", self.start_tolerance)?;
+        number("clearance", self.clearance)?;
+        if self.clearance < MIN_CLEARANCE {
+            let expected = format!("at least {MIN_CLEARANCE} [m]");
+            return Err(ProblemError::new("clearance", self.clearance, expected));
+        }
+        self.validate_speeds()?;
+        self.validate_ground()
+    }
+
+    fn validate_speeds(&self) -> Result<(), ProblemError> {
+        let limits = &self.limits;
+        let turn = self.start_turn_rate.unwrap_or(0.0);
+        number("start_turn_rate", turn)?;
+        if turn.abs() > limits.top_turn_rate() {
+            let expected = format!("at most {} [rad/s] in size", limits.top_turn_rate());
+            return Err(ProblemError::new("start_turn_rate", turn, expected));
+        }
+        let wheels = |omega: f64| {
+            limits.wheels.map_or(f64::INFINITY, |w| {
+                w.speed - 0.5 * omega.abs() * w.separation
+            })
+        };
+        for (field, speed, omega) in [
+            ("start_speed", self.start_speed, turn),
+            ("goal_speed", self.goal_speed, 0.0),
+        ] {
+            let Some(speed) = speed else { continue };
+            not_negative(field, speed)?;
+            // Rounding of a measured speed must fit in.
+            let most = limits.v_max.min(wheels(omega)).max(0.0);
+            if speed > most * (1.0 + 1e-9) {
+                let expected = format!("at most {most} [m/s], what the limits allow");
+                return Err(ProblemError::new(field, speed, expected));
+            }
+        }
+        Ok(())
+    }
+
+    fn validate_ground(&self) -> Result<(), ProblemError> {
+        for (field, corner) in [
+            ("bounds.min", self.bounds.min),
+            ("bounds.max", self.bounds.max),
+        ] {
+            number(&format!("{field}.x"), corner.x)?;
+            number(&format!("{field}.y"), corner.y)?;
+        }
+        let size = self.bounds.max - self.bounds.min;
+        if !(size.x > 0.0 && size.y > 0.0) {
+            let value = format!("{} × {}", size.x, size.y);
+            return Err(ProblemError::new("bounds", value, "an inside"));
+        }
+        if self.obstacles.len() > MAX_OBSTACLES {
+            let expected = format!("at most {MAX_OBSTACLES}");
+            let found = self.obstacles.len();
+            return Err(ProblemError::new("obstacles", found, expected));
+        }
+        for (i, obstacle) in self.obstacles.iter().enumerate() {
+            match obstacle {
+                Convex::Disc { center, radius } => {
+                    number(&format!("obstacles[{i}].x"), center.x)?;
+                    number(&format!("obstacles[{i}].y"), center.y)?;
+                    not_negative(&format!("obstacles[{i}].radius"), *radius)?;
+                }
+                other => {
+                    let corners = other.corners();
+                    for corner in &corners {
+                        number(&format!("obstacles[{i}].x"), corner.x)?;
+                        number(&format!("obstacles[{i}].y"), corner.y)?;
+                    }
+                    if corners.len() < 3 {
+                        let field = format!("obstacles[{i}]");
+                        let value = format!("{} corners", corners.len());
+                        return Err(ProblemError::new(field, value, "at least 3 corners"));
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,270 @@
+//! Trajectories of robots with inertia, made faster.
+//!
+//! Where speeds cannot step, the shortest path is no longer the fastest, and how a path is driven
+//! decides where it should lead. From a first trajectory this searches on in the controls: at N + 1
+//! nodes, evenly spaced in time, poses and speeds are free, and so is the duration. Between nodes
+//! both speeds change linearly (what the trajectory's samples mean anyway), so that all limits of
+//! speeds, wheels and accelerations are linear in the variables, exactly, between nodes as well; only
+//! the motion from node to node and the obstacles are linearised, around the last trajectory
+//! (direct multiple shooting by sequential convex programming).
+
+mod convex_step;
+mod step_dynamics;
+
+use nalgebra::Point2;
+
+use crate::convex::obstacle_planes::{NO_DEPTH, grow_margins};
+use crate::obstacle_field::ObstacleField;
+use crate::path_points::{self, SPACING};
+use crate::plan::Sample;
+use crate::problem::Problem;
+use step_dynamics::Node;
+
+/// Least and most steps, and how long [s] one should be.
+const STEPS: [f64; 2] = [24.0, 120.0];
+const STEP_TIME: f64 = 0.15;
+/// Most programs of a search.
+const MOST: u32 = 40;
+/// Largest change of a heading [rad] and (relative) of the duration in one program at first.
+const TRUST: f64 = 0.4;
+/// It never gets smaller.
+const LEAST_TRUST: f64 = 1e-3;
+/// Relative change of the duration that ends the search.
+const CONVERGED: f64 = 1e-4;
+/// Difference [m] of poses from node to node that is none.
+const CLOSED: f64 = 2e-8;
+/// Cost [s] of a metre by which an obstacle is entered, or poses do not meet, in units of the time
+/// in which the robot covers it.
+const PENALTY: f64 = 20.0;
+/// Cost of a step's square, at first and at least: keeps programs with many solutions (a robot on
+/// open ground can wiggle for nothing) from jumping between them.
+const PROXIMAL: [f64; 2] = [1e-2, 1e-4];
+/// Distance [m] from an obstacle, besides what is driven in a step, within which it is looked at.
+const REACH: f64 = 0.15;
+/// Cost of the turning rate's square, relative to its limit's, per second: of all fastest
+/// trajectories the calmest. It costs less than this share of the duration.
+const CALM: f64 = 1e-4;
+/// Shares of the improvement that a program promises: below the first, the next one gets less
+/// freedom, above the second, more.
+const KEPT: [f64; 2] = [0.3, 0.8];
+/// Most samples of a trajectory: with more of them its steps are too long for the search to see
+/// what lies between nodes.
+const MOST_SAMPLES: f64 = 2e5;
+/// Largest turn [rad] between two samples.
+const TURN_SPACING: f64 = 0.05;
+
+/// A search for a faster trajectory.
+pub struct Refinement<'a> {
+    problem: &'a Problem,
+    ground: &'a ObstacleField,
+    nodes: Vec<Node>,
+    /// Duration [s].
+    time: f64,
+    /// By obstacle: what the nodes stay away in addition [m].
+    margins: Vec<f64>,
+    /// Programs solved.
+    pub programs: u32,
+    proximal: f64,
+}
+
+impl<'a> Refinement<'a> {
+    /// Begins with a trajectory that need not keep the limits; `None` for one without duration.
+    pub fn new(
+        problem: &'a Problem,
+        ground: &'a ObstacleField,
+        samples: &[Sample],
+    ) -> Option<Self> {
+        let time = samples.last()?.t;
+        if !(time > 0.0 && time.is_finite()) {
+            return None;
+        }
+        let steps = (time / STEP_TIME).clamp(STEPS[0], STEPS[1]).round() as usize;
+        let nodes = (0..=steps)
+            .map(|k| sample_at(samples, time * k as f64 / steps as f64))
+            .collect();
+        Some(Self {
+            problem,
+            ground,
+            nodes,
+            time,
+            margins: vec![0.0; ground.obstacles.len()],
+            programs: 0,
+            proximal: PROXIMAL[0],
+        })
+    }
+
+    /// Searches; the trajectory found, whether or not it is better than the first; `None` if none
+    /// is found that is free and without gaps.
+    pub fn run(&mut self, stop: &mut dyn FnMut() -> bool) -> Option<Vec<Sample>> {
+        let mut trust = TRUST;
+        // The first trajectory need not keep ends and limits; whatever does is better.
+        let mut merit = f64::INFINITY;
+        while self.programs < MOST {
+            if stop() {
+                return None;
+            }
+            self.programs += 1;
+            let Some(next) = self.improved(trust) else {
+                // Nothing within reach closes the gaps.
+                trust *= 3.0;
+                if trust > 10.0 {
+                    return None;
+                }
+                continue;
+            };
+            let (nodes, time) = (core::mem::replace(&mut self.nodes, next.nodes), self.time);
+            self.time = next.time;
+            let found = self.merit();
+            let kept = if merit.is_finite() {
+                (merit - found) / (merit - next.promised).max(1e-12)
+            } else {
+                1.0
+            };
+            if found > merit + 1e-9 * time {
+                (self.nodes, self.time) = (nodes, time);
+                trust *= 0.4;
+                self.proximal *= 10.0;
+                if trust < LEAST_TRUST {
+                    break;
+                }
+                continue;
+            }
+            if kept > KEPT[1] {
+                trust = (2.0 * trust).min(TRUST);
+                self.proximal = (self.proximal / 4.0).max(PROXIMAL[1]);
+            } else if kept < KEPT[0] {
+                trust *= 0.5;
+                self.proximal *= 2.0;
+            }
+            let settled = (merit - found) <= CONVERGED * time;
+            merit = found;
+            if settled && self.gap() <= CLOSED {
+                let depth = self.repair()?;
+                if depth <= NO_DEPTH {
+                    break;
+                }
+                merit = self.merit();
+            }
+        }
+        if self.gap() > 100.0 * CLOSED {
+            return None;
+        }
+        self.samples()
+    }
+
+    /// What turning costs [s].
+    fn unrest(&self) -> f64 {
+        let weight = CALM * self.step_time() / self.problem.limits.omega_max.powi(2);
+        self.nodes
+            .iter()
+            .map(|node| weight * node.omega * node.omega)
+            .sum()
+    }
+
+    /// Duration [s], plus what turning, gaps and depths cost.
+    fn merit(&self) -> f64 {
+        let price = PENALTY / self.problem.limits.top_speed();
+        let turn_price = PENALTY / self.problem.limits.top_turn_rate();
+        let mut sum = self.time + self.unrest();
+        let step_time = self.step_time();
+        for pair in self.nodes.windows(2) {
+            let step = step_dynamics::step(&pair[0], &pair[1], step_time);
+            let gap = pair[1].at - pair[0].at - step.way;
+            let turn = pair[1].theta - pair[0].theta - step.turn;
+            sum += price * (gap.x.abs() + gap.y.abs()) + turn_price * turn.abs();
+        }
+        for (index, obstacle) in self.ground.obstacles.iter().enumerate() {
+            let keep = self.ground.clearance + self.margins[index];
+            for node in self.inner() {
+                let near = obstacle.distance(node.at);
+                if near < keep {
+                    let depth = keep - obstacle.contact(node.at).distance;
+                    sum += price * (depth - NO_DEPTH).max(0.0);
+                }
+            }
+        }
+        sum
+    }
+
+    /// Largest gap [m] between where a step leads and the next node.
+    fn gap(&self) -> f64 {
+        let step_time = self.step_time();
+        self.nodes.windows(2).fold(0.0, |most: f64, pair| {
+            let step = step_dynamics::step(&pair[0], &pair[1], step_time);
+            most.max((pair[1].at - pair[0].at - step.way).norm())
+        })
+    }
+
+    fn step_time(&self) -> f64 {
+        self.time / (self.nodes.len() - 1) as f64
+    }
+
+    fn inner(&self) -> &[Node] {
+        &self.nodes[1..self.nodes.len() - 1]
+    }
+
+    /// Grows the obstacles that the way between nodes enters; how deep [m] it is at most.
+    fn repair(&mut self) -> Option<f64> {
+        let points = path_points::of_samples(&self.samples()?);
+        let depths = self.ground.depths(&points);
+        Some(grow_margins(&depths, &mut self.margins))
+    }
+
+    /// The trajectory, sampled; `None` if that makes too many samples.
+    fn samples(&self) -> Option<Vec<Sample>> {
+        let step_time = self.step_time();
+        let parts = |a: &Node, b: &Node| {
+            let way = a.v.max(b.v) * step_time;
+            let turn = a.omega.abs().max(b.omega.abs()) * step_time;
+            (way / SPACING).max(turn / TURN_SPACING).ceil().max(1.0)
+        };
+        let all: f64 = self
+            .nodes
+            .windows(2)
+            .map(|pair| parts(&pair[0], &pair[1]))
+            .sum();
+        if all > MOST_SAMPLES {
+            return None;
+        }
+        let sample = |t: f64, node: &Node| Sample {
+            t,
+            x: node.at.x,
+            y: node.at.y,
+            theta: node.theta,
+            v: node.v,
+            omega: node.omega,
+        };
+        let mut samples = vec![sample(0.0, &self.nodes[0])];
+        for (k, pair) in self.nodes.windows(2).enumerate() {
+            let (a, b) = (&pair[0], &pair[1]);
+            let parts = parts(a, b);
+            for i in 1..parts as usize {
+                let part = i as f64 / parts;
+                let node = step_dynamics::within(a, b, step_time, part);
+                samples.push(sample((k as f64 + part) * step_time, &node));
+            }
+            samples.push(sample((k + 1) as f64 * step_time, b));
+        }
+        Some(samples)
+    }
+}
+
+/// Pose and speeds at a time, by linear interpolation.
+fn sample_at(samples: &[Sample], t: f64) -> Node {
+    let after = samples
+        .partition_point(|s| s.t < t)
+        .clamp(1, samples.len() - 1);
+    let (a, b) = (&samples[after - 1], &samples[after]);
+    let part = if b.t > a.t {
+        ((t - a.t) / (b.t - a.t)).clamp(0.0, 1.0)
+    } else {
+        1.0
+    };
+    let mix = |a: f64, b: f64| a + (b - a) * part;
+    Node {
+        at: Point2::new(mix(a.x, b.x), mix(a.y, b.y)),
+        theta: mix(a.theta, b.theta),
+        v: mix(a.v, b.v),
+        omega: mix(a.omega, b.omega),
+    }
+}

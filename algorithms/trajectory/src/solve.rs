@@ -1,0 +1,240 @@
+//! From a problem to a plan.
+
+use crate::attempt::{Attempts, Candidate, Variant};
+use crate::drive::shortest_path_plan;
+use crate::drive::trajectory_builder::Trajectory;
+use crate::drive::turn_in_place;
+use crate::guide::Guide;
+use crate::guide::grid_guide;
+use crate::guide::previous_plan;
+use crate::lower_bound::lower_bound;
+use crate::obstacle_field::{ExactObstacleField, ObstacleField};
+use crate::options::{Guess, Options};
+use crate::path_points;
+use crate::plan::{Method, Plan, PlanError, Status};
+use crate::problem::Problem;
+use crate::validity_check;
+use sim_backend::math;
+
+/// A gap to the lower bound below which nothing better is looked for, relative to it; besides what
+/// it costs to turn into the shortest path on the spot.
+const GOOD: f64 = 1e-3;
+/// Length of what is left of the last plan, relative to the shortest path, up to which the search
+/// begins there: what is longer goes another way.
+const DETOUR: f64 = 1.03;
+/// Most of these costs that is allowed, relative to the lower bound.
+const MOST_TURNING: f64 = 1.5e-3;
+
+/// How often the breaks of splines are halved at most.
+const MOST_LEVEL: u32 = 1;
+
+/// Plans; `stop` is asked now and then whether to answer with what there is.
+///
+/// `last` is the plan that the robot has been following, if it is on the same errand: where it still
+/// leads past everything, the search begins near it.
+///
+/// # Errors
+/// [`PlanError`] if the problem is not valid or has no solution.
+pub fn plan(
+    problem: &Problem,
+    options: &Options,
+    last: Option<&Plan>,
+    stop: &mut dyn FnMut() -> bool,
+) -> Result<Plan, PlanError> {
+    problem.validate()?;
+    options.validate()?;
+    let ground = ObstacleField::new(problem)?;
+    let exact = ground.exact()?;
+    let way = exact.shortest(problem.start.position(), problem.goal)?;
+    let shortest = way.length;
+    if shortest > path_points::LONGEST {
+        return Err(PlanError::Infeasible("the way is longer than 2 km"));
+    }
+    let bound = lower_bound(problem, shortest);
+    let guide = Guide::new(way.legs);
+    // Where the grid is too coarse for a wave to get through, the exact path is there.
+    let coarse = match options.guess {
+        Guess::Wavefront => grid_guide::guide(&exact, problem.start.position(), problem.goal),
+        Guess::Tangent => None,
+    };
+    let mut tried = Tried::default();
+    if options.method != Method::Tangent
+        && let Some(guide) = &guide
+    {
+        let inertia = !problem.limits.is_without_inertia();
+        let good = bound * (1.0 + GOOD) + turning_time(problem, guide).min(MOST_TURNING * bound);
+        let bench = Attempts {
+            problem,
+            ground: &ground,
+            guide: coarse.as_ref().unwrap_or(guide),
+            shortest,
+            options,
+            rest: last
+                .and_then(|plan| previous_plan::rest(problem, &ground, plan))
+                .filter(|rest| rest.guide.length() <= DETOUR * shortest),
+            programs: 0,
+        };
+        // What a search in the controls has found is a local optimum whatever the bound says.
+        let enough = if inertia && options.refine {
+            f64::INFINITY
+        } else {
+            good
+        };
+        tried = try_curves(bench, enough, stop);
+    }
+    let (checked, method, status) = match tried.best {
+        Some(best) if tried.stopped => (best, options.method, Status::Deadline),
+        Some(best) => (best, options.method, Status::Planned),
+        None if options.method == Method::Tangent || guide.is_none() || options.fallbacks => {
+            let certain = certain(problem, &ground, &exact, guide.as_ref())?;
+            let status = match options.method {
+                Method::Tangent => Status::Planned,
+                // Where there is no way to go, there is no curve to find.
+                _ if guide.is_none() => Status::Planned,
+                _ if tried.stopped => Status::Deadline,
+                _ => Status::Fallback,
+            };
+            (certain, Method::Tangent, status)
+        }
+        None if tried.stopped => return Err(PlanError::Stopped),
+        None => return Err(PlanError::NotHonest),
+    };
+    Ok(Plan {
+        status,
+        method,
+        final_time: checked.trajectory.duration(),
+        lower_bound: bound,
+        length: checked.trajectory.length(),
+        min_clearance: checked.min_clearance,
+        iterations: tried.programs,
+        control_points: checked.control_points as u32,
+        samples: checked.trajectory.into_samples(),
+    })
+}
+
+/// A trajectory that has passed the check.
+struct Checked {
+    trajectory: Trajectory,
+    /// How far the path is from grown obstacles at least [m].
+    min_clearance: f64,
+    control_points: usize,
+}
+
+impl Checked {
+    /// `None` if the trajectory does not pass.
+    fn new(
+        problem: &Problem,
+        ground: &ObstacleField,
+        trajectory: Trajectory,
+        control_points: usize,
+    ) -> Option<Self> {
+        let report = validity_check::report(problem, ground, trajectory.samples());
+        report.is_honest().then_some(Self {
+            trajectory,
+            min_clearance: report.min_clearance,
+            control_points,
+        })
+    }
+}
+
+/// What came of the curves of a method.
+#[derive(Default)]
+struct Tried {
+    best: Option<Checked>,
+    /// Convex programs solved.
+    programs: u32,
+    /// Whether it was told to stop.
+    stopped: bool,
+}
+
+/// Tries one variant after the other until a plan takes no longer than `enough` [s].
+fn try_curves(mut bench: Attempts<'_>, enough: f64, stop: &mut dyn FnMut() -> bool) -> Tried {
+    let mut tried = Tried::default();
+    let inertia = !bench.problem.limits.is_without_inertia();
+    let most = if bench.options.fallbacks {
+        usize::MAX
+    } else {
+        1
+    };
+    for variant in variants(bench.problem).take(most) {
+        let mut candidate = bench.attempt(variant, stop);
+        if inertia && bench.options.refine {
+            candidate = candidate.map(|candidate| bench.refine(candidate, stop));
+        }
+        tried.stopped = stop();
+        if let Some(Candidate {
+            trajectory,
+            control_points,
+            rough: false,
+        }) = candidate
+        {
+            let time = trajectory.duration();
+            let best = tried.best.as_ref();
+            let better = best.is_none_or(|best| time < best.trajectory.duration());
+            let checked = better
+                .then(|| Checked::new(bench.problem, bench.ground, trajectory, control_points))
+                .flatten();
+            if checked.is_some() {
+                tried.best = checked;
+                if time <= enough {
+                    break;
+                }
+            }
+        }
+        if tried.stopped {
+            break;
+        }
+    }
+    tried.programs = bench.programs;
+    tried
+}
+
+/// How long [s] it takes to turn on the spot into a path and out of it.
+fn turning_time(problem: &Problem, guide: &Guide) -> f64 {
+    let time = |angle: f64| {
+        let phases = turn_in_place::phases(&problem.limits, angle);
+        phases.iter().map(|phase| phase.duration).sum::<f64>()
+    };
+    let into = math::angle_difference(guide.start_heading(), problem.start.theta);
+    let out = problem.goal_heading.map_or(0.0, |heading| {
+        let u = guide.heading(1.0);
+        math::angle_difference(heading, math::atan2(u.y, u.x))
+    });
+    time(into) + time(out)
+}
+
+/// The tries that make sense for a problem, one after the other: first those that turn least on the
+/// spot, then the same with finer splines.
+fn variants(problem: &Problem) -> impl Iterator<Item = Variant> {
+    // Who turns on the spot stands: a robot with inertia must not be moving.
+    let limits = &problem.limits;
+    let moves = problem.start_speed.is_some_and(|v| v > 0.0) && limits.acceleration.is_some();
+    let turns =
+        problem.start_turn_rate.is_some_and(|w| w != 0.0) && limits.angular_acceleration.is_some();
+    let leaves = problem.goal_speed.is_some_and(|v| v > 0.0) && limits.acceleration.is_some();
+    let may_turn_at_start = !(moves || turns);
+    let may_turn_at_goal = problem.goal_heading.is_some() && !leaves;
+    let either = |may: bool| [Some(false), may.then_some(true)].into_iter().flatten();
+    (0..=MOST_LEVEL).flat_map(move |level| {
+        either(may_turn_at_goal).flat_map(move |turn_at_goal| {
+            either(may_turn_at_start).map(move |turn_at_start| Variant {
+                turn_at_start,
+                turn_at_goal,
+                level,
+            })
+        })
+    })
+}
+
+/// The exact shortest path, driven and checked.
+fn certain(
+    problem: &Problem,
+    ground: &ObstacleField,
+    exact: &ExactObstacleField,
+    guide: Option<&Guide>,
+) -> Result<Checked, PlanError> {
+    let trajectory = shortest_path_plan::trajectory(problem, exact, guide)?;
+    Checked::new(problem, ground, trajectory, 0).ok_or(PlanError::Infeasible(
+        "the shortest path cannot be driven within the limits",
+    ))
+}

@@ -1,0 +1,51 @@
+//! The check of every trajectory before it is an answer: by [`trajectory_check`], which shares no code
+//! with what made it.
+
+use sim_backend::shape::Convex;
+use trajectory_check::{Contract, Obstacle, Report, WheelLimit};
+
+use crate::obstacle_field::ObstacleField;
+use crate::plan::Sample;
+use crate::problem::Problem;
+
+/// What a trajectory must keep to solve a problem on its ground.
+pub fn contract(problem: &Problem, ground: &ObstacleField) -> Contract {
+    let limits = &problem.limits;
+    let bounds = &ground.bounds;
+    Contract {
+        start: [problem.start.x, problem.start.y, problem.start.theta],
+        start_speed: problem.start_speed,
+        start_turn_rate: problem.start_turn_rate,
+        goal: [problem.goal.x, problem.goal.y],
+        goal_heading: problem.goal_heading,
+        goal_speed: problem.goal_speed,
+        v_max: limits.v_max,
+        omega_max: limits.omega_max,
+        wheel: limits.wheels.map(|w| WheelLimit {
+            speed: w.speed,
+            separation: w.separation,
+        }),
+        acceleration_max: limits.acceleration,
+        angular_acceleration_max: limits.angular_acceleration,
+        obstacles: ground.obstacles.iter().map(obstacle).collect(),
+        clearance: ground.clearance,
+        bounds: Some([bounds.min.x, bounds.min.y, bounds.max.x, bounds.max.y]),
+    }
+}
+
+fn obstacle(obstacle: &Convex) -> Obstacle {
+    match obstacle {
+        Convex::Disc { center, radius } => Obstacle::Disc {
+            center: *center,
+            radius: *radius,
+        },
+        other => Obstacle::Polygon {
+            vertices: other.corners(),
+        },
+    }
+}
+
+/// What the check finds.
+pub fn report(problem: &Problem, ground: &ObstacleField, samples: &[Sample]) -> Report {
+    trajectory_check::check(&contract(problem, ground), samples)
+}
