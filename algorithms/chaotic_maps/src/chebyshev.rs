@@ -22,6 +22,14 @@ pub enum Emission {
 }
 
 impl Emission {
+    /// The name of a generator: that of its map, and what is appended to it for the emission.
+    pub(crate) fn kind_of(self, map: &str) -> String {
+        match self {
+            Self::Raw => format!("{map}-raw"),
+            Self::Arcsine => map.to_owned(),
+        }
+    }
+
     /// Transforms a value of [−1, 1] with the arcsine law.
     pub(crate) fn emit(self, x: f64) -> f64 {
         match self {
@@ -55,7 +63,7 @@ impl ChebP {
     /// # Errors
     /// [`KeyError`] when a value is 0 or not below [`P`], or when `tx = ±ty` modulo [`P`].
     pub fn new(tx: u64, ty: u64, emission: Emission) -> Result<Self, KeyError> {
-        let kind = || crate::KeyKind::ChebP(emission).to_string();
+        let kind = || emission.kind_of("chebp");
         for (name, value) in [("tx", tx), ("ty", ty)] {
             if value == 0 || value >= P {
                 return Err(KeyError::OutOfRange {
@@ -146,7 +154,7 @@ impl ChebF64 {
     /// [`KeyError`] when a value is outside, when its size is within 1e-9 of 0, 1/2, √3/2 or 1 (at
     /// a fixed point after two steps), or when `y = ±x`.
     pub fn new(x: f64, y: f64, emission: Emission) -> Result<Self, KeyError> {
-        let kind = || crate::KeyKind::ChebF64(emission).to_string();
+        let kind = || emission.kind_of("chebf64");
         for (name, value) in [("x", x), ("y", y)] {
             if !(-1.0..=1.0).contains(&value) {
                 return Err(KeyError::OutOfRange {

@@ -2,20 +2,24 @@
 
 use thiserror::Error;
 
+/// The names of all kinds, for messages.
+pub(crate) const KINDS: &str = "catp, cat64, catf64, chebp, chebp-raw, chebf64, chebf64-raw, \
+    logistic, logistic-raw, standard, keyed";
+
 /// A key that cannot be used, and what to change.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum KeyError {
     /// The text does not start with the name of a generator and a colon.
     #[error(
         "`{found}` names no generator; write `kind:values` with one of the kinds {}",
-        crate::key::KINDS
+        KINDS
     )]
     Kind {
         /// The text found.
         found: String,
     },
     /// A name that no generator has.
-    #[error("`{found}` names no generator; use one of {}", crate::key::KINDS)]
+    #[error("`{found}` names no generator; use one of {}", KINDS)]
     KindName {
         /// The text found.
         found: String,

@@ -5,15 +5,13 @@ mod text;
 use rand::{Rng as _, SeedableRng as _};
 use rand_chacha::ChaCha20Rng;
 
+use crate::any_source::AnySource;
 use crate::cat::{Cat64, CatF64, CatP};
 use crate::chebyshev::{ChebF64, ChebP, Emission};
 use crate::error::KeyError;
 use crate::keyed::Keyed;
 use crate::maps::{Logistic, Standard};
 use crate::modulus::P;
-use crate::source::AnySource;
-
-pub(crate) use text::KINDS;
 
 /// A generator and its key.
 ///

@@ -14,6 +14,7 @@
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
 
+mod any_source;
 pub mod cat;
 pub mod chebyshev;
 mod decimal;
@@ -24,10 +25,11 @@ pub mod maps;
 pub mod modulus;
 mod source;
 
+pub use any_source::AnySource;
 pub use cat::{Cat64, CatF64, CatP};
 pub use chebyshev::{ChebF64, ChebP, Emission};
 pub use error::KeyError;
 pub use key::{Key, KeyKind};
 pub use keyed::Keyed;
 pub use maps::{Logistic, Standard};
-pub use source::{AnySource, Source};
+pub use source::Source;

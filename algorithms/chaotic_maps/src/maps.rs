@@ -49,7 +49,7 @@ impl Logistic {
     /// [`KeyError`] when a value is not in (0, 1), when it is within 1e-9 of 0, 1/4, 1/2, 3/4 or 1
     /// (at a fixed point after two steps), or when `y` is `x` or `1 − x`.
     pub fn new(x: f64, y: f64, emission: Emission) -> Result<Self, KeyError> {
-        let kind = crate::KeyKind::Logistic(emission).to_string();
+        let kind = emission.kind_of("logistic");
         for (name, value) in [("x", x), ("y", y)] {
             require(
                 (0.0..=1.0).contains(&value),

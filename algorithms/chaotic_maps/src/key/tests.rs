@@ -1,4 +1,5 @@
 use super::*;
+use crate::error::KINDS;
 use crate::source::Source as _;
 use proptest::prelude::*;
 

@@ -4,22 +4,9 @@ use core::fmt::{self, Display, Formatter};
 use core::str::FromStr;
 
 use super::{Key, KeyKind};
-use crate::chebyshev::Emission;
 use crate::decimal::decimal_state;
 use crate::error::KeyError;
 use crate::maps::Standard;
-
-/// The names of all kinds, for messages.
-pub(crate) const KINDS: &str = "catp, cat64, catf64, chebp, chebp-raw, chebf64, chebf64-raw, \
-    logistic, logistic-raw, standard, keyed";
-
-/// What is appended to the name of a map for its emission.
-const fn suffix(emission: Emission) -> &'static str {
-    match emission {
-        Emission::Raw => "-raw",
-        Emission::Arcsine => "",
-    }
-}
 
 impl Display for KeyKind {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
@@ -27,9 +14,9 @@ impl Display for KeyKind {
             Self::CatP => f.write_str("catp"),
             Self::Cat64 => f.write_str("cat64"),
             Self::CatF64 => f.write_str("catf64"),
-            Self::ChebP(emission) => write!(f, "chebp{}", suffix(emission)),
-            Self::ChebF64(emission) => write!(f, "chebf64{}", suffix(emission)),
-            Self::Logistic(emission) => write!(f, "logistic{}", suffix(emission)),
+            Self::ChebP(emission) => f.write_str(&emission.kind_of("chebp")),
+            Self::ChebF64(emission) => f.write_str(&emission.kind_of("chebf64")),
+            Self::Logistic(emission) => f.write_str(&emission.kind_of("logistic")),
             Self::Standard => f.write_str("standard"),
             Self::Keyed => f.write_str("keyed"),
         }
