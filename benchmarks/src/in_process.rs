@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use orchestrator::in_process::{self, Cache, InProcessOptions};
+use orchestrator::mission::in_process::{self, Cache, InProcessOptions};
 use orchestrator::scenario::{ResolvedScenario, load};
 use rustix::time::{ClockId, clock_gettime};
 use statistics::{Spread, paired_ratio};

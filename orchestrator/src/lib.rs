@@ -6,7 +6,6 @@
 pub mod chaos;
 pub mod cli;
 pub mod eyes;
-pub mod in_process;
 pub mod latency;
 pub mod live;
 pub mod logs;

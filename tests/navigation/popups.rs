@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::support::geometry::between;
 use crate::support::history::History;
-use orchestrator::in_process::{InProcessOptions, run};
+use orchestrator::mission::in_process::{InProcessOptions, run};
 use orchestrator::scenario;
 use proptest::prelude::*;
 

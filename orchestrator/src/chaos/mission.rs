@@ -15,7 +15,7 @@ use serde_json::Value as Json;
 use tempfile::TempDir;
 
 use super::{ChaosError, FaultKind, Outcome};
-use crate::mission::child_process::CONFIG_VARIABLE;
+use crate::mission::CONFIG_VARIABLE;
 use crate::mission::child_process::exit_words;
 use crate::scenario::ResolvedScenario;
 use crate::scenario::spec::Mode;

@@ -7,8 +7,8 @@ use std::sync::atomic::AtomicBool;
 use platform::eprintln;
 
 use super::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, RunArgs, print, print_json};
-use crate::in_process::{self, InProcessOptions};
 use crate::live::LiveTotals;
+use crate::mission::in_process::{self, InProcessOptions};
 use crate::mission::{self, MissionError, MissionOptions, MissionReport, report};
 use crate::scenario::spec::Mode;
 use crate::scenario::{Loader, ResolvedScenario};

@@ -12,7 +12,7 @@ use super::origin::refuse_external;
 use super::output::RUN_DIGEST;
 use super::recorded::{Left, Recorded};
 use super::watch::Watch;
-use crate::in_process::{self, InProcessOptions};
+use crate::mission::in_process::{self, InProcessOptions};
 use crate::mission::{self, MissionError, MissionOptions};
 
 /// How a run is done again.

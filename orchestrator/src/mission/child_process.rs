@@ -8,14 +8,11 @@ use std::sync::mpsc::SyncSender;
 use std::time::{Duration, Instant};
 
 use platform::{descriptors, proc, program};
+use rustix::event::{PollFd, PollFlags, Timespec};
 use rustix::process::{Pid, PidfdFlags, Signal, WaitId, WaitIdOptions};
 
-use super::orphans;
-use super::process_group::sleep_until_readable;
+use super::orphans::{self, CONFIG_VARIABLE};
 use super::stderr_lines::{StderrLine, StderrLines};
-
-/// Environment variable that tells every process of a run where its configuration lies.
-pub const CONFIG_VARIABLE: &str = "PROTEAN_CONFIG";
 
 /// Time for the system to end a process that was killed.
 const KILL_WITHIN: Duration = Duration::from_secs(5);
@@ -209,6 +206,20 @@ impl RunningProcess {
         }
         let _ = rustix::process::pidfd_send_signal(&self.pidfd, signal);
     }
+}
+
+/// Sleeps until one of these is readable, at most for `timeout`.
+pub(super) fn sleep_until_readable<'a>(
+    fds: impl IntoIterator<Item = BorrowedFd<'a>>,
+    timeout: Duration,
+) {
+    let fds = fds.into_iter();
+    let mut fds: Vec<_> = fds
+        .map(|fd| PollFd::from_borrowed_fd(fd, PollFlags::IN))
+        .collect();
+    let timeout = Timespec::try_from(timeout).unwrap_or_default();
+    // Woken by a signal or failed: the caller looks anyway.
+    let _ = rustix::event::poll(&mut fds, Some(&timeout));
 }
 
 /// How a process ended, in words.

@@ -1,7 +1,6 @@
 //! Decisions about the processes of a run: an event goes in, the actions to take come out, in their order.
 //!
-//! Nothing here waits, asks the system or reads a clock: [`super::executor`] sees what happens and takes the
-//! actions, [`super::supervisor`] brings them together.
+//! Nothing here waits, asks the system or reads a clock: the executor sees what happens and takes the actions.
 
 mod process;
 #[cfg(test)]

@@ -6,29 +6,32 @@
 //! * [`child_process`], `stderr_lines`, [`process_group`], `external_bridge`: processes and their turns;
 //! * `supervisor`, `decide`, `executor`, `process_log`: what happens to them, and what is done about it;
 //! * `recording`, `recorder_thread`, `progress`, [`report`]: log, display and summary;
-//! * `run`: all of it.
+//! * `run`: a run whose processes are processes of the system; [`in_process`]: one in a thread of this process.
 
 pub mod child_process;
 mod decide;
 mod error;
 mod executor;
 mod external_bridge;
+pub mod in_process;
 mod obstacle_schedule;
 mod orphans;
 pub mod plan;
 pub mod process_group;
 mod process_log;
-pub(crate) mod progress;
+mod progress;
 mod recorder_thread;
-pub(crate) mod recording;
+pub mod recording;
 pub mod report;
-pub(crate) mod resources;
+pub mod resources;
 mod run;
 pub mod run_directory;
 mod shm_usage;
 mod stderr_lines;
-pub(crate) mod supervisor;
+pub mod supervisor;
 
-pub use error::MissionError;
-pub use run::{MissionOptions, MissionReport, run};
+pub use error::{InProcessError, MissionError};
+pub use orphans::CONFIG_VARIABLE;
+pub use report::MissionReport;
+pub use run::{MissionOptions, run};
 pub use shm_usage::ShmFull;

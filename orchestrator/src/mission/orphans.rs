@@ -19,7 +19,8 @@ use rustix::process::{
     set_child_subreaper, waitid,
 };
 
-use super::child_process::CONFIG_VARIABLE;
+/// Environment variable that tells every process of a run where its configuration lies.
+pub const CONFIG_VARIABLE: &str = "PROTEAN_CONFIG";
 
 /// Most searches for processes that still live.
 const SEARCHES: u32 = 16;

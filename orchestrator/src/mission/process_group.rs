@@ -8,11 +8,10 @@ use std::os::unix::fs::OpenOptionsExt as _;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use rustix::event::{PollFd, PollFlags, Timespec};
 use rustix::process::Signal;
 use serde::Serialize;
 
-use super::child_process::{ChildError, Executable, RunningProcess};
+use super::child_process::{ChildError, Executable, RunningProcess, sleep_until_readable};
 
 /// Time that processes have to end by themselves.
 const END_WITHIN: Duration = Duration::from_secs(3);
@@ -172,25 +171,11 @@ impl Drop for ProcessGroup {
     }
 }
 
-/// Sleeps until one of these is readable, at most for `timeout`.
-pub(super) fn sleep_until_readable<'a>(
-    fds: impl IntoIterator<Item = BorrowedFd<'a>>,
-    timeout: Duration,
-) {
-    let fds = fds.into_iter();
-    let mut fds: Vec<_> = fds
-        .map(|fd| PollFd::from_borrowed_fd(fd, PollFlags::IN))
-        .collect();
-    let timeout = Timespec::try_from(timeout).unwrap_or_default();
-    // Woken by a signal or failed: the caller looks anyway.
-    let _ = rustix::event::poll(&mut fds, Some(&timeout));
-}
-
 /// Writes the configuration of a process, for the current user only.
 ///
 /// # Errors
 /// [`ChildError`] names the process and the reason.
-pub(crate) fn write_config(
+pub fn write_config(
     root: &Path,
     name: &str,
     slot: usize,

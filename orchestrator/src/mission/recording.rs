@@ -7,7 +7,6 @@ use std::sync::Arc;
 use super::error::MissionError;
 use super::plan::Plan;
 use super::report;
-use super::run::MissionOptions;
 use crate::eyes;
 use crate::recorder::{
     Beginnings, Compression, LogError, LogOptions, Manifest, ManifestFile, Mirror, ProcessInfo,
@@ -19,25 +18,34 @@ use crate::scenario::spec;
 /// Directory of logs without a name of their own.
 const DIRECTORY: &str = "logs";
 
+/// The file that a log is written to.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct LogFile<'a> {
+    /// Its path; a free one in `logs/` if not said.
+    pub(super) path: Option<&'a Path>,
+    /// Whether it may be overwritten.
+    pub(super) force: bool,
+}
+
 /// Begins to record a run, into a log if one is wanted.
 ///
 /// # Errors
-/// As [`create_log`].
-pub(crate) fn create(
+/// [`MissionError`] if the log cannot be created.
+pub(super) fn create(
     scenario: &ResolvedScenario,
     plan: &Plan,
-    options: &MissionOptions,
+    log: Option<LogFile<'_>>,
     beginnings: Arc<Beginnings>,
     mirror: Option<Box<dyn Mirror>>,
 ) -> Result<Recording, MissionError> {
-    if options.without_log {
-        let period = plan.run.tick_period_ns;
-        let (processes, robots) = (processes(plan), robots(plan));
-        return Ok(Recording::without_log(
-            &processes, &robots, period, beginnings,
-        ));
+    if let Some(log) = log {
+        return create_log(scenario, plan, log, mirror);
     }
-    create_log(scenario, plan, options, mirror)
+    let period = plan.run.tick_period_ns;
+    let (processes, robots) = (processes(plan), robots(plan));
+    Ok(Recording::without_log(
+        &processes, &robots, period, beginnings,
+    ))
 }
 
 /// Creates the log. Without a name of its own it takes the first free one, also when another run
@@ -45,13 +53,13 @@ pub(crate) fn create(
 fn create_log(
     scenario: &ResolvedScenario,
     plan: &Plan,
-    options: &MissionOptions,
+    log: LogFile<'_>,
     mut mirror: Option<Box<dyn Mirror>>,
 ) -> Result<Recording, MissionError> {
-    let mut recorder = recorder_options(scenario, plan, options);
+    let mut recorder = recorder_options(scenario, plan, log.force);
     loop {
-        recorder.path = match &options.out {
-            Some(path) => path.clone(),
+        recorder.path = match log.path {
+            Some(path) => path.to_owned(),
             None => free_path(&scenario.name, scenario.run.seed).map_err(|source| {
                 MissionError::System {
                     what: "cannot make the directory logs".into(),
@@ -61,7 +69,7 @@ fn create_log(
         };
         match Recording::create_mirrored(&recorder, &mut mirror) {
             // Another run took the name at the same moment: take the next.
-            Err(LogError::Exists { .. } | LogError::InUse { .. }) if options.out.is_none() => {}
+            Err(LogError::Exists { .. } | LogError::InUse { .. }) if log.path.is_none() => {}
             result => return Ok(result?),
         }
     }
@@ -87,11 +95,7 @@ fn free_path(scenario: &str, seed: u64) -> std::io::Result<PathBuf> {
         .ok_or_else(|| std::io::ErrorKind::AlreadyExists.into())
 }
 
-fn recorder_options(
-    scenario: &ResolvedScenario,
-    plan: &Plan,
-    options: &MissionOptions,
-) -> RecorderOptions {
+fn recorder_options(scenario: &ResolvedScenario, plan: &Plan, force: bool) -> RecorderOptions {
     let toml = scenario.to_toml();
     let processes = processes(plan);
     let entries = BTreeMap::from([
@@ -127,7 +131,7 @@ fn recorder_options(
                 spec::Compression::Zstd => LogOptions::default().compression,
                 spec::Compression::None => Compression::None,
             },
-            force: options.force,
+            force,
             ..LogOptions::default()
         },
         manifest: Manifest {
@@ -151,7 +155,7 @@ fn recorder_options(
 }
 
 /// Everybody who sends: the processes and the orchestrator.
-pub(crate) fn processes(plan: &Plan) -> Vec<ProcessInfo> {
+pub fn processes(plan: &Plan) -> Vec<ProcessInfo> {
     let mut processes: Vec<ProcessInfo> = plan
         .launches
         .iter()
@@ -173,7 +177,7 @@ pub(crate) fn processes(plan: &Plan) -> Vec<ProcessInfo> {
 }
 
 /// The robots as the recorder knows them.
-pub(crate) fn robots(plan: &Plan) -> Vec<RobotInfo> {
+pub fn robots(plan: &Plan) -> Vec<RobotInfo> {
     let robots = plan.run.robots.iter().zip(0..);
     robots
         .map(|(r, index)| RobotInfo {

@@ -16,12 +16,13 @@ use super::shm_usage;
 use crate::scenario::ResolvedScenario;
 
 /// The shared resources of a run; they are removed when this is dropped.
-pub(crate) struct RunResources {
+pub struct RunResources {
     /// What the processes are to do.
-    pub(crate) plan: Plan,
+    pub plan: Plan,
     /// The orchestrator's connection to the topics.
-    pub(crate) bus: Bus,
-    pub(crate) page: Arc<TurnPage>,
+    pub bus: Bus,
+    /// The page by which the processes take turns.
+    pub page: Arc<TurnPage>,
     topics: Vec<TopicHolder>,
     // Last: nothing of the run may be in use when it is wiped.
     directory: RunDirectory,
@@ -32,7 +33,7 @@ impl RunResources {
     ///
     /// # Errors
     /// [`MissionError`] if shared memory is full, or the system refuses.
-    pub(crate) fn create(
+    pub fn create(
         scenario: &ResolvedScenario,
         log_level: &str,
         bus: impl FnOnce(BusOptions) -> BusOptions,
@@ -57,12 +58,12 @@ impl RunResources {
     }
 
     /// The directory of the run.
-    pub(crate) fn root(&self) -> &Path {
+    pub fn root(&self) -> &Path {
         self.directory.space().root()
     }
 
     /// Whether any process listens to a topic of the run.
-    pub(crate) fn has_listeners(&self) -> bool {
+    pub fn has_listeners(&self) -> bool {
         self.topics.iter().any(|topic| topic.listeners() > 0)
     }
 }

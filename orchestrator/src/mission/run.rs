@@ -17,12 +17,12 @@ use super::error::MissionError;
 use super::process_log::ProcessEventLog;
 use super::progress::Progress;
 use super::recorder_thread::{DrainRequests, RecorderThread};
-use super::recording;
+use super::recording::{self, LogFile};
+use super::report::MissionReport;
 use super::resources::RunResources;
 use super::shm_usage;
 use super::supervisor::Supervisor;
-use crate::live::{LiveServer, LiveTotals};
-use crate::recorder::Summary;
+use crate::live::LiveServer;
 use crate::scenario::ResolvedScenario;
 
 /// How a run is done.
@@ -46,23 +46,6 @@ pub struct MissionOptions {
     pub pace: Option<f64>,
     /// Set from outside (Ctrl-C) to end the run in order.
     pub interrupted: Arc<AtomicBool>,
-}
-
-/// How a run went.
-#[derive(Debug, Clone)]
-pub struct MissionReport {
-    /// What the log holds.
-    pub summary: Summary,
-    /// Real time from the first tick to the last [s].
-    pub wall_time_s: f64,
-    /// Real time from the call to the first tick [s].
-    pub start_up_s: f64,
-    /// Whether it was ended from outside.
-    pub interrupted: bool,
-    /// Whether a process failed and the run went on.
-    pub has_lost: bool,
-    /// What live viewers got, if they were served.
-    pub live: Option<LiveTotals>,
 }
 
 /// Runs a scenario to its end.
@@ -91,7 +74,11 @@ pub fn run(
     }
     let mirror = live.as_ref().map(|live| Box::new(live.tap()) as _);
     // Maps in shared memory are never known from another run.
-    let recording = recording::create(scenario, &resources.plan, options, Arc::default(), mirror)?;
+    let log = (!options.without_log).then_some(LogFile {
+        path: options.out.as_deref(),
+        force: options.force,
+    });
+    let recording = recording::create(scenario, &resources.plan, log, Arc::default(), mirror)?;
     let progress = Progress::new(scenario.world.rules.time_limit, options.quiet);
     let robots = scenario.world.robots.iter().map(|r| r.name.clone());
     let printer = progress.events(robots.collect(), options.quiet);
@@ -99,9 +86,9 @@ pub fn run(
     let requests = Arc::<DrainRequests>::default();
     let hang_timeout = hang_timeout(scenario, options.pace);
     let launches = &resources.plan.launches;
-    let log = ProcessEventLog::open(&resources, Arc::clone(&requests))?;
+    let event_log = ProcessEventLog::open(&resources, Arc::clone(&requests))?;
     let mut supervisor =
-        Supervisor::new(&resources, launches, hang_timeout, !options.quiet)?.with_log(log);
+        Supervisor::new(&resources, launches, hang_timeout, !options.quiet)?.with_log(event_log);
     let recorder = RecorderThread::start(&resources, requests, recording, printer)?;
     let mut active = ActiveRun {
         resources: &resources,

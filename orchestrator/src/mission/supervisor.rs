@@ -23,7 +23,7 @@ const QUICK_BEAT: Duration = Duration::from_millis(2);
 const BEAT: Duration = Duration::from_millis(10);
 
 /// Processes of a run: started, supervised, and stopped at the latest when this is dropped.
-pub(crate) struct Supervisor<'a> {
+pub struct Supervisor<'a> {
     executor: Executor<'a>,
     state: State,
 }
@@ -34,7 +34,7 @@ impl<'a> Supervisor<'a> {
     ///
     /// # Errors
     /// [`MissionError`] if the turns of external programs cannot be bridged.
-    pub(crate) fn new(
+    pub fn new(
         resources: &'a RunResources,
         launches: &'a [Launch],
         hang_timeout: Duration,
@@ -57,7 +57,7 @@ impl<'a> Supervisor<'a> {
     ///
     /// # Errors
     /// [`MissionError`] names the process that cannot be started.
-    pub(crate) fn start(&mut self, interrupted: &AtomicBool) -> Result<bool, MissionError> {
+    pub fn start(&mut self, interrupted: &AtomicBool) -> Result<bool, MissionError> {
         self.executor.start()?;
         self.reach(SlotState::Ready, interrupted)
     }
@@ -66,7 +66,7 @@ impl<'a> Supervisor<'a> {
     ///
     /// # Errors
     /// [`MissionError`] names the process that fails or takes too long.
-    pub(crate) fn connect(&mut self, interrupted: &AtomicBool) -> Result<bool, MissionError> {
+    pub fn connect(&mut self, interrupted: &AtomicBool) -> Result<bool, MissionError> {
         self.executor.enter(Phase::Connect);
         let connected = self.reach(SlotState::Connected, interrupted)?;
         if let Some(log) = &self.executor.log {
@@ -80,13 +80,13 @@ impl<'a> Supervisor<'a> {
     ///
     /// # Errors
     /// [`MissionError`] names the process that fails or takes too long.
-    pub(crate) fn prepare(&mut self, interrupted: &AtomicBool) -> Result<bool, MissionError> {
+    pub fn prepare(&mut self, interrupted: &AtomicBool) -> Result<bool, MissionError> {
         self.executor.enter(Phase::Prepare);
         self.reach(SlotState::Prepared, interrupted)
     }
 
     /// Lets time begin.
-    pub(crate) fn begin(&mut self) {
+    pub fn begin(&mut self) {
         self.state.begin(Instant::now());
         self.executor.enter(Phase::Run);
     }
@@ -120,7 +120,7 @@ impl<'a> Supervisor<'a> {
     ///
     /// # Errors
     /// [`MissionError`] if one of them ends the run.
-    pub(crate) fn attend(&mut self) -> Result<(), MissionError> {
+    pub fn attend(&mut self) -> Result<(), MissionError> {
         self.check_ends()?;
         let (seen, posted) = (self.executor.see(), self.executor.ticks_posted());
         let is_stopped = |index| self.executor.is_stopped(index);
@@ -157,7 +157,7 @@ impl<'a> Supervisor<'a> {
     }
 
     /// Ends all processes, and hands on what they wrote last.
-    pub(crate) fn stop(&mut self) {
+    pub fn stop(&mut self) {
         self.executor.stop();
     }
 }

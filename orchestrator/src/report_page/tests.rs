@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use serde_json::Value as Json;
 
 use super::{Report, report};
-use crate::in_process::{self, InProcessOptions};
 use crate::logs::{FilterOptions, LogsError, Topics, Watch, filter};
+use crate::mission::in_process::{self, InProcessOptions};
 use crate::recorder::Summary;
 use crate::scenario::load;
 

@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 
 use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity};
 
-use crate::in_process::{self, InProcessOptions};
+use crate::mission::in_process::{self, InProcessOptions};
 use crate::mission::{self, MissionOptions, MissionReport};
 use crate::scenario::ResolvedScenario;
 

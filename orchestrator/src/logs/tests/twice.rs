@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use super::{rewrite, watch};
-use crate::in_process::{self, InProcessOptions};
 use crate::logs::compare::{Comparison, compare};
 use crate::logs::{LogsError, RerunOptions, recover, rerun};
+use crate::mission::in_process::{self, InProcessOptions};
 use crate::recorder::tests::record_run;
 use crate::scenario::load;
 

@@ -27,8 +27,8 @@ use super::super::recorded::{Left, Recorded};
 use super::super::source::Source;
 use super::super::watch::Watch;
 use super::create_resources;
-use crate::in_process::Members;
 use crate::mission::MissionError;
+use crate::mission::in_process::LocalProcesses;
 use crate::mission::plan::Plan;
 use crate::mission::supervisor::Supervisor;
 
@@ -122,7 +122,8 @@ pub fn verify(
         let tested = Tested::new(&plan, &recorded.origin, options)?;
         let bus = Bus::local(plan.run.bus_options(), None);
         let mut trial = Trial::open(&bus, &plan, &tested, &mut source, watch)?;
-        let mut members = Members::open(&tested.launches, &bus).map_err(MissionError::from)?;
+        let mut members =
+            LocalProcesses::open(&tested.launches, &bus).map_err(MissionError::from)?;
         trial.run(&mut members, &mut source, watch, &mut done)?;
         done.helpers = tested.helpers;
     } else {

@@ -6,8 +6,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use runtime::lockstep::{Conductor, TurnEnd};
 
 use super::super::super::error::LogsError;
-use crate::in_process::Members;
 use crate::mission::MissionError;
+use crate::mission::in_process::LocalProcesses;
 use crate::mission::resources::RunResources;
 use crate::mission::supervisor::Supervisor;
 
@@ -21,13 +21,13 @@ pub(super) trait ProcessesUnderTest {
     fn turn(&mut self, tick: u64) -> Result<(), LogsError>;
 }
 
-impl ProcessesUnderTest for Members {
+impl ProcessesUnderTest for LocalProcesses {
     fn connect(&mut self) -> Result<(), LogsError> {
-        Ok(Members::connect(self).map_err(MissionError::from)?)
+        Ok(LocalProcesses::connect(self).map_err(MissionError::from)?)
     }
 
     fn prepare(&mut self) -> Result<(), LogsError> {
-        Ok(Members::prepare(self).map_err(MissionError::from)?)
+        Ok(LocalProcesses::prepare(self).map_err(MissionError::from)?)
     }
 
     fn turn(&mut self, tick: u64) -> Result<(), LogsError> {

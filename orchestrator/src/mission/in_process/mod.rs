@@ -9,28 +9,28 @@
 //! Runs do not share anything but what [`InProcessOptions::cache`] keeps of their maps, so that
 //! each may have a thread of its own.
 
-mod cache;
-mod crew;
-mod error;
+mod processes;
 
-pub use cache::Cache;
-pub(crate) use crew::Members;
-pub use error::InProcessError;
+pub use processes::LocalProcesses;
 
+use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use crew::Crew;
 use ipc_types::bus::{Bus, Publisher, PublisherOptions};
 use ipc_types::topics::ObstacleEvents;
+use runtime::maps::Maps;
 
-use crate::mission::plan::Plan;
-use crate::mission::progress::{EventPrinter, Progress};
-use crate::mission::{MissionError, MissionOptions, MissionReport, recording};
-use crate::recorder::Recorder;
+use self::processes::LocalRun;
+use super::error::{InProcessError, MissionError};
+use super::plan::Plan;
+use super::progress::{EventPrinter, Progress};
+use super::recording::{self, LogFile};
+use super::report::MissionReport;
+use crate::recorder::{Beginnings, Recorder};
 use crate::scenario::ResolvedScenario;
 use crate::scenario::spec::Mode;
 
@@ -53,6 +53,26 @@ pub struct InProcessOptions {
     pub cache: Arc<Cache>,
 }
 
+/// Data that runs in one process share, because it depends on their maps alone and costs more than a run: share
+/// one between all runs of a sweep. Results do not depend on it.
+#[derive(Debug, Default)]
+pub struct Cache {
+    maps: Arc<Maps>,
+    beginnings: Arc<Beginnings>,
+}
+
+impl Cache {
+    /// Messages of the maps, as the recorder knows them.
+    fn beginnings(&self) -> Arc<Beginnings> {
+        Arc::clone(&self.beginnings)
+    }
+
+    /// The maps, as the processes of a run find them on their bus.
+    fn commons(&self) -> Arc<dyn Any + Send + Sync> {
+        Arc::clone(&self.maps) as Arc<dyn Any + Send + Sync>
+    }
+}
+
 /// Runs a scenario to its end in this thread.
 ///
 /// # Errors
@@ -71,7 +91,7 @@ pub fn run(
     }
     // With processes a panic ends one of them, and the run says which; here it must not end a
     // whole sweep. Nothing of the run outlives it but the cache, which holds finished things only.
-    catch_unwind(AssertUnwindSafe(|| fly(scenario, options))).unwrap_or_else(|panic| {
+    catch_unwind(AssertUnwindSafe(|| execute(scenario, options))).unwrap_or_else(|panic| {
         let text = panic
             .downcast_ref::<String>()
             .map(String::as_str)
@@ -81,7 +101,7 @@ pub fn run(
     })
 }
 
-fn fly(
+fn execute(
     scenario: &ResolvedScenario,
     options: &InProcessOptions,
 ) -> Result<MissionReport, MissionError> {
@@ -89,27 +109,25 @@ fn fly(
     let plan = Plan::new(scenario, Path::new(""), "", "warn")?;
     let bus = Bus::local(plan.run.bus_options(), Some(options.cache.commons()));
     // The recorder's subscriptions must stand before anybody sends.
-    let log = MissionOptions {
-        out: options.out.clone(),
+    let log = options.out.as_deref().map(|path| LogFile {
+        path: Some(path),
         force: options.force,
-        without_log: options.out.is_none(),
-        ..MissionOptions::default()
-    };
+    });
     let beginnings = options.cache.beginnings();
-    let recording = recording::create(scenario, &plan, &log, beginnings, None)?;
+    let recording = recording::create(scenario, &plan, log, beginnings, None)?;
     let mut recorder = Recorder::open(&bus, recording)?;
     let obstacles: Publisher<ObstacleEvents> =
         bus.publisher(PublisherOptions::new(plan.orchestrator_index(), 1))?;
-    let mut crew = Crew::open(&plan, &bus)?;
-    crew.connect()?;
+    let mut processes = LocalRun::open(&plan, &bus)?;
+    processes.connect()?;
     plan.send_obstacle_changes(&obstacles)?;
-    crew.prepare()?;
+    processes.prepare()?;
 
     let mut show = options.show.then(|| Show::new(scenario, &plan));
     let first_tick = Instant::now();
     let interrupted = loop {
-        let over = crew.turn()?;
-        let tick = crew.tick();
+        let over = processes.turn()?;
+        let tick = processes.tick();
         match &mut show {
             Some(show) => {
                 recorder.take(tick, &mut show.events)?;
@@ -123,7 +141,7 @@ fn fly(
         if over || interrupted {
             break !over;
         }
-        crew.advance();
+        processes.advance();
     };
     let wall_time_s = first_tick.elapsed().as_secs_f64();
     let summary = match &mut show {

@@ -1,45 +1,57 @@
-//! The processes of a run as members of one thread.
+//! The processes of a run in one thread.
 
 use ipc_types::bus::Bus;
 use runtime::{Process, ProcessError};
 use simulator::process::Simulator;
 
-use super::error::InProcessError;
-use crate::mission::plan::{Launch, Plan};
+use super::super::error::InProcessError;
+use super::super::plan::{Launch, Plan};
 
 /// One process.
-struct Member {
+struct LocalProcess {
     name: String,
     process: Box<dyn Process>,
 }
 
-/// Those who follow the world, in the order in which they take their turns.
-pub(crate) struct Members {
-    members: Vec<Member>,
+/// Processes that follow the simulator, in the order in which they take their turns.
+pub struct LocalProcesses {
+    processes: Vec<LocalProcess>,
 }
 
-impl Members {
+impl LocalProcesses {
     /// Opens the ports of these processes.
-    pub(crate) fn open(followers: &[Launch], bus: &Bus) -> Result<Self, InProcessError> {
-        let members = order(followers)?
+    ///
+    /// # Errors
+    /// [`InProcessError`] names the process that cannot be opened.
+    pub fn open(followers: &[Launch], bus: &Bus) -> Result<Self, InProcessError> {
+        let processes = order(followers)?
             .into_iter()
-            .map(|launch| open_member(launch, bus))
+            .map(|launch| open_process(launch, bus))
             .collect::<Result<_, _>>()?;
-        Ok(Self { members })
+        Ok(Self { processes })
     }
 
-    /// Connects everybody.
-    pub(crate) fn connect(&mut self) -> Result<(), InProcessError> {
+    /// Connects all of them.
+    ///
+    /// # Errors
+    /// [`InProcessError`] names the process that fails.
+    pub fn connect(&mut self) -> Result<(), InProcessError> {
         self.each(None, |process| process.connect())
     }
 
-    /// Lets everybody build what it needs of the map.
-    pub(crate) fn prepare(&mut self) -> Result<(), InProcessError> {
+    /// Lets all of them build what they need of the map.
+    ///
+    /// # Errors
+    /// [`InProcessError`] names the process that fails.
+    pub fn prepare(&mut self) -> Result<(), InProcessError> {
         self.each(None, |process| process.prepare())
     }
 
-    /// Gives everybody the turn of a tick.
-    pub(crate) fn step(&mut self, tick: u64) -> Result<(), InProcessError> {
+    /// Gives all of them the turn of a tick.
+    ///
+    /// # Errors
+    /// [`InProcessError`] names the process that fails.
+    pub fn step(&mut self, tick: u64) -> Result<(), InProcessError> {
         self.each(Some(tick), |process| process.step(tick))
     }
 
@@ -48,20 +60,20 @@ impl Members {
         tick: Option<u64>,
         act: impl Fn(&mut dyn Process) -> Result<(), ProcessError>,
     ) -> Result<(), InProcessError> {
-        self.members.iter_mut().try_for_each(|member| {
-            act(member.process.as_mut()).map_err(|source| failed(&member.name, tick, source))
+        self.processes.iter_mut().try_for_each(|it| {
+            act(it.process.as_mut()).map_err(|source| failed(&it.name, tick, source))
         })
     }
 }
 
-/// The simulator and those who follow it.
-pub(super) struct Crew {
+/// The simulator and the processes that follow it.
+pub(super) struct LocalRun {
     leader: String,
     simulator: Simulator,
-    members: Members,
+    followers: LocalProcesses,
 }
 
-impl Crew {
+impl LocalRun {
     /// Opens the ports of all processes.
     pub(super) fn open(plan: &Plan, bus: &Bus) -> Result<Self, InProcessError> {
         let Some((leader, params, followers)) = plan.split_simulator() else {
@@ -72,20 +84,20 @@ impl Crew {
         Ok(Self {
             leader: leader.config.name.clone(),
             simulator,
-            members: Members::open(followers, bus)?,
+            followers: LocalProcesses::open(followers, bus)?,
         })
     }
 
-    /// Connects everybody and sends the map.
+    /// Connects all processes and sends the map.
     pub(super) fn connect(&mut self) -> Result<(), InProcessError> {
-        self.members.connect()?;
+        self.followers.connect()?;
         let connected = self.simulator.connect();
         connected.map_err(|source| failed(&self.leader, None, source))
     }
 
-    /// Lets everybody build what it needs of the map.
+    /// Lets all processes build what they need of the map.
     pub(super) fn prepare(&mut self) -> Result<(), InProcessError> {
-        self.members.prepare()
+        self.followers.prepare()
     }
 
     /// The present tick.
@@ -93,15 +105,15 @@ impl Crew {
         self.simulator.tick()
     }
 
-    /// Does the present tick, but for the world's step: state out, everybody's turn, commands in.
-    /// True if the game is over; then the tick is the last, and nobody has a turn.
+    /// Does the present tick, but for the world's step: state out, the turns of the others, commands
+    /// in. True if the game is over; then the tick is the last, without turns.
     pub(super) fn turn(&mut self) -> Result<bool, InProcessError> {
         let tick = self.simulator.tick();
         let lead = |source| failed(&self.leader, Some(tick), source);
         if self.simulator.publish().map_err(lead)? {
             return Ok(true);
         }
-        self.members.step(tick)?;
+        self.followers.step(tick)?;
         self.simulator.take_commands().map_err(lead)?;
         Ok(false)
     }
@@ -121,7 +133,7 @@ fn failed(name: &str, tick: Option<u64>, source: ProcessError) -> InProcessError
     InProcessError::Process { name, when, source }
 }
 
-fn open_member(launch: &Launch, bus: &Bus) -> Result<Member, InProcessError> {
+fn open_process(launch: &Launch, bus: &Bus) -> Result<LocalProcess, InProcessError> {
     let config = &launch.config;
     let name = config.name.clone();
     let Some(kind) = launch.kind() else {
@@ -129,11 +141,11 @@ fn open_member(launch: &Launch, bus: &Bus) -> Result<Member, InProcessError> {
     };
     let opened = kind.open(config, bus);
     let process = opened.map_err(|source| failed(&name, None, source))?;
-    Ok(Member { name, process })
+    Ok(LocalProcess { name, process })
 }
 
-/// The followers in an order in which everybody comes after those whose output of the same tick it
-/// needs; otherwise as they stand in the plan.
+/// The followers in an order in which every process comes after those whose output of the same tick it needs;
+/// otherwise as they stand in the plan.
 fn order(followers: &[Launch]) -> Result<Vec<&Launch>, InProcessError> {
     let mut waiting: Vec<&Launch> = followers.iter().collect();
     let mut ordered: Vec<&Launch> = Vec::with_capacity(waiting.len());
