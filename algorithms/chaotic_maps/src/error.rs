@@ -1,5 +1,6 @@
 //! What can be wrong with a key.
 
+use parameters::ParamsError;
 use thiserror::Error;
 
 /// The names of all kinds, for messages.
@@ -172,4 +173,11 @@ pub enum KeyError {
         /// The generator.
         kind: String,
     },
+}
+
+/// A key is the parameter `key` everywhere.
+impl From<KeyError> for ParamsError {
+    fn from(error: KeyError) -> Self {
+        Self::refused("key", format!("`key`: {error}"))
+    }
 }

@@ -18,7 +18,9 @@ use crate::modulus::P;
 /// As text, and in TOML and JSON, `kind:values`, such as `catp:0.4,0.644` or
 /// `chebp-raw:123456789012345678,987654321098765432`. Reading checks the form only;
 /// [`Key::validate`] and [`Key::source`] refuse keys that the generator cannot use.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
+)]
 #[serde(try_from = "String", into = "String")]
 pub enum Key {
     /// `catp:a,b`: [`CatP`]; each value a whole number or a decimal `0.ddd` of at most 19 digits.
@@ -86,7 +88,17 @@ pub enum Key {
 }
 
 /// The name of a generator: what stands before the colon of a [`Key`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    Hash,
+    serde::Serialize,
+    serde::Deserialize,
+    schemars::JsonSchema,
+)]
 #[serde(try_from = "String", into = "String")]
 pub enum KeyKind {
     /// `catp`

@@ -29,7 +29,7 @@ use std::collections::VecDeque;
 
 use metrics::coverage::{CellGrid, CoverageError};
 use nalgebra::Point2;
-use sim_backend::params::ParamsError;
+use parameters::{ParamsError, check};
 use thiserror::Error;
 
 use crate::decomposition::Decomposition;
@@ -108,7 +108,7 @@ impl KeyedCoverage {
         key: [u8; 32],
         params: KeyedParams,
     ) -> Result<Self, KeyedError> {
-        params.validate()?;
+        check(&params)?;
         let (radius, cell) = (disc, params.cell);
         let fine = cell <= radius && radius.is_finite();
         if !fine {

@@ -1,12 +1,13 @@
 //! In which order a large loop visits the rectangles, and how many sub-goals each gets.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::decomposition::Decomposition;
 
 /// Order of the rectangles of a large loop.
-#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Route {
     /// A depth-first walk from the start's rectangle through all that can be reached from it:
@@ -19,7 +20,7 @@ pub enum Route {
 }
 
 /// Sub-goals that rectangles get in a large loop.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Iterations {
     /// This many in all, each rectangle of the tour according to its area, at least one each.

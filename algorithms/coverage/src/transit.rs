@@ -1,9 +1,10 @@
 //! How a plan gets from one rectangle to the next.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// What happens between two rectangles.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Transit {
     /// One sub-goal in the part of the bridge on this side, one in the part on the other.
@@ -13,7 +14,8 @@ pub enum Transit {
     /// rectangle until one lies in the bridge, then sub-goals in the bridge until one lies in the
     /// next rectangle. That can take millions of them, so that there is a cap.
     Wait {
-        /// Most sub-goals on either side before the transit is ended directly; ≥ 1.
+        /// Most sub-goals on either side before the transit is ended directly.
+        #[schemars(transform = parameters::at_least(1))]
         cap: u32,
     },
 }

@@ -11,7 +11,7 @@ use crate::range::{Kind, Range};
 use crate::schema;
 
 /// A set of parameters.
-pub trait Parameters: Serialize + DeserializeOwned + JsonSchema + Default + 'static {
+pub trait Parameters: Serialize + DeserializeOwned + JsonSchema + 'static {
     /// Checks what one field asks of another; each field is within its range already.
     ///
     /// # Errors
@@ -20,6 +20,9 @@ pub trait Parameters: Serialize + DeserializeOwned + JsonSchema + Default + 'sta
         Ok(())
     }
 }
+
+/// Nothing to be said.
+impl Parameters for () {}
 
 /// Checks the range of every field, in the order of declaration, then the relations between fields.
 ///
@@ -62,12 +65,12 @@ fn check_value(data: &Data, schema: &Value, path: &mut Vec<String>) -> Result<()
             let range = Range(schema);
             if !range.contains_length(elements.len()) {
                 let found = format!("a list of {}", elements.len());
-                return Err(ParamsError::new(&path.join("."), &found, range.lengths()));
+                return Err(ParamsError::new(&path.concat(), &found, range.lengths()));
             }
             for (i, element) in elements.iter().enumerate() {
                 let prefix = schema.get("prefixItems").and_then(|items| items.get(i));
                 if let Some(schema) = prefix.or_else(|| schema.get("items")) {
-                    path.push(i.to_string());
+                    path.push(format!("[{i}]"));
                     check_value(element, schema, path)?;
                     path.pop();
                 }
@@ -81,7 +84,8 @@ fn check_value(data: &Data, schema: &Value, path: &mut Vec<String>) -> Result<()
                 };
                 let known = schema.get("properties").and_then(|p| p.get(key));
                 if let Some(schema) = known.or_else(|| schema.get("additionalProperties")) {
-                    path.push(key.to_owned());
+                    let dot = if path.is_empty() { "" } else { "." };
+                    path.push(format!("{dot}{key}"));
                     check_value(value, schema, path)?;
                     path.pop();
                 }
@@ -103,7 +107,7 @@ fn number(
     if range.contains(data) {
         return Ok(());
     }
-    Err(ParamsError::new(&path.join("."), text, range.numbers(kind)))
+    Err(ParamsError::new(&path.concat(), text, range.numbers(kind)))
 }
 
 /// The alternatives of a schema that has some.

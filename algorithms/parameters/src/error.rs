@@ -6,14 +6,36 @@ use thiserror::Error;
 
 /// A parameter whose value cannot be used.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[error("`{field}` is {value}, but must be {expected}")]
 pub struct ParamsError {
     /// Path of the parameter inside its table, dots between levels (`limits.v_max`).
     pub field: String,
-    /// The value found, as text.
-    pub value: String,
-    /// The values accepted, with their unit.
-    pub expected: String,
+    /// What is wrong with it.
+    pub fault: Fault,
+}
+
+/// What is wrong with a parameter.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Fault {
+    /// Its value is not one of those accepted.
+    Value {
+        /// The value found, as text.
+        found: String,
+        /// The values accepted, with their unit.
+        expected: String,
+    },
+    /// It cannot be used, as a message says that names it and says what to change.
+    Refused(String),
+}
+
+impl Display for ParamsError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match &self.fault {
+            Fault::Value { found, expected } => {
+                write!(f, "`{}` is {found}, but must be {expected}", self.field)
+            }
+            Fault::Refused(message) => f.write_str(message),
+        }
+    }
 }
 
 impl ParamsError {
@@ -21,8 +43,29 @@ impl ParamsError {
     pub fn new(field: &str, value: &(impl Display + ?Sized), expected: impl Into<String>) -> Self {
         Self {
             field: field.to_owned(),
-            value: value.to_string(),
-            expected: expected.into(),
+            fault: Fault::Value {
+                found: value.to_string(),
+                expected: expected.into(),
+            },
+        }
+    }
+
+    /// An error about a field, with a message that says all.
+    pub fn refused(field: &str, message: impl Into<String>) -> Self {
+        Self {
+            field: field.to_owned(),
+            fault: Fault::Refused(message.into()),
+        }
+    }
+
+    /// An error about the field that a message names first, in backquotes; about the whole table
+    /// if it names none.
+    pub fn naming(message: impl Into<String>) -> Self {
+        let message = message.into();
+        let field = message.split('`').nth(1).unwrap_or_default().to_owned();
+        Self {
+            field,
+            fault: Fault::Refused(message),
         }
     }
 
@@ -30,7 +73,10 @@ impl ParamsError {
     /// `limits.v_max`.
     #[must_use]
     pub fn within(mut self, table: &str) -> Self {
-        self.field = format!("{table}.{}", self.field);
+        self.field = match self.field.as_str() {
+            "" => table.to_owned(),
+            field => format!("{table}.{field}"),
+        };
         self
     }
 }

@@ -51,5 +51,5 @@ mod schema;
 
 pub use bounds::{Bounds, above, at_least, between, each, unit};
 pub use check::{Parameters, check};
-pub use error::{ParamsError, finite, fraction, not_negative, positive, require, within};
+pub use error::{Fault, ParamsError, finite, fraction, not_negative, positive, require, within};
 pub use fidelity::Fidelity;

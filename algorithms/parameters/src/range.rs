@@ -1,5 +1,7 @@
 //! The values that a schema accepts, as text and as a test.
 
+use core::f64::consts::{PI, TAU};
+
 use ciborium::Value as Data;
 use serde_json::{Map, Value};
 
@@ -114,9 +116,11 @@ fn whole(bound: &Value) -> Option<i128> {
     signed.or_else(|| bound.as_u64().map(i128::from))
 }
 
-/// A number as people write it: 5 for 5.0.
+/// A number as people write it: 5 for 5.0, and π by its name.
 fn plain(number: &Value) -> String {
     match (whole(number), number.as_f64()) {
+        (None, Some(PI)) => "π".to_owned(),
+        (None, Some(TAU)) => "2π".to_owned(),
         (None, Some(real)) => real.to_string(),
         _ => number.to_string(),
     }

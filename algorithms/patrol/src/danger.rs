@@ -2,6 +2,7 @@
 //! and Fig. 8).
 
 use nalgebra::Point2;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sim_backend::shape::{Convex, Shape, ShapeError};
 use thiserror::Error;
@@ -16,7 +17,7 @@ pub const SHORTEST_STRETCH: f64 = 1e-6;
 ///
 /// In TOML a list of shapes, see [`Shape`]: `[{ circle = { center = [5, 5], radius = 2 } }]`. An
 /// empty list means everywhere.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(transparent)]
 pub struct DangerZones(pub Vec<Shape>);
 

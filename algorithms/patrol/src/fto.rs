@@ -18,10 +18,11 @@ mod params;
 
 use chaotic_maps::{AnySource, Source as _};
 use nalgebra::Point2;
+use parameters::{ParamsError, check};
 use sim_backend::pose::Pose2;
 
 pub use disc::{Disc, merged};
-pub use params::{FtoError, FtoParams};
+pub use params::FtoParams;
 
 /// First value of the paper's logistic map.
 const Z0: f64 = 0.18;
@@ -92,9 +93,9 @@ impl Fto {
     /// No obstacle yet.
     ///
     /// # Errors
-    /// [`FtoError`] naming the parameter that is out of range, or the key that cannot be used.
-    pub fn new(params: &FtoParams) -> Result<Self, FtoError> {
-        params.validate()?;
+    /// [`ParamsError`] naming the parameter that is out of range, or the key that cannot be used.
+    pub fn new(params: &FtoParams) -> Result<Self, ParamsError> {
+        check(params)?;
         let dice = match &params.key {
             None => Dice::Logistic(Z0),
             Some(key) => Dice::Keyed(Box::new(key.source()?)),

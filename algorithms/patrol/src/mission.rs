@@ -4,16 +4,17 @@ mod trial;
 
 use chaotic_maps::{Key, KeyError, KeyKind};
 use nalgebra::Point2;
+use parameters::{Parameters, ParamsError, above, at_least, check, each, unit};
 use planner_view::limits::Limits;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sim_backend::params::{ParamsError, require};
 use sim_backend::spec::RobotModel;
 use steering::go_to::GoToParams;
 use steering::waypoint_driver::DriverParams;
 use thiserror::Error;
 
 use crate::alpha::{AlphaError, LAPS, alpha_max_driven, check_driven};
-use crate::awg::{Awg, AwgError, AwgParams, Preset};
+use crate::awg::{Awg, AwgError, AwgParams, MAX_T_MAX, Preset};
 use crate::contour::{Contour, ContourError};
 use crate::danger::DangerZones;
 
@@ -28,21 +29,25 @@ const LAYOUT_ALPHA: f64 = 1.0;
 const CLOCK_RESERVE_S: f64 = 2.0;
 
 /// What a patrol is ordered to do.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct MissionParams {
-    /// The waypoints of the contour, x and y [m]; at least 2.
+    /// The waypoints of the contour, x and y; at least 2.
+    #[schemars(transform = each(each(unit("m"))))]
     pub contour: Vec<[f64; 2]>,
     /// Whether the last waypoint leads back to the first; otherwise the contour is walked there and
     /// back.
     pub closed: bool,
-    /// Time in which each lap shall be done [s], > 0.
+    /// Time in which each lap shall be done.
+    #[schemars(transform = above(0).at_most(MAX_T_MAX).unit("s"))]
     pub t_max: f64,
-    /// Width of the zig-zag [m], > 0; as great as the robot can drive in the time if absent.
+    /// Width of the zig-zag; as great as the robot can drive in the time if absent.
+    #[schemars(transform = above(0).unit("m"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub alpha: Option<f64>,
     /// Share of the time that is kept in reserve where the width is chosen, 0 to 1: what a robot that
     /// is late catches up with. The less, the wider the zig-zag and the later the robot.
+    #[schemars(transform = at_least(0).below(1))]
     pub margin: f64,
     /// Key of the generator, such as `catp:0.4,0.644`; a `keyed` one from the run's seed if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -83,7 +88,7 @@ pub enum MissionError {
     /// A key that cannot be used.
     #[error("`key`: {0}")]
     Key(#[from] KeyError),
-    /// Another parameter out of its range.
+    /// A parameter that cannot be used.
     #[error(transparent)]
     Params(#[from] ParamsError),
 }
@@ -136,25 +141,18 @@ impl Drive {
     }
 }
 
-impl MissionParams {
-    /// Checks every field by itself.
-    ///
-    /// # Errors
-    /// [`MissionError`] for the first that does not do, saying what to change.
-    pub fn validate(&self) -> Result<(), MissionError> {
-        self.layout()?;
-        require(
-            (0.0..1.0).contains(&self.margin),
-            "margin",
-            &self.margin,
-            "a share of at least 0 and below 1",
-        )?;
+impl Parameters for MissionParams {
+    fn check_relations(&self) -> Result<(), ParamsError> {
+        self.layout()
+            .map_err(|error| ParamsError::naming(error.to_string()))?;
         if let Some(key) = &self.key {
             key.validate()?;
         }
         Ok(())
     }
+}
 
+impl MissionParams {
     /// Chooses what was left open, for a robot and the seed of its process; the clock of the waypoints
     /// is made to run so fast that laps driven by it end within `t_max`.
     ///
@@ -162,14 +160,14 @@ impl MissionParams {
     /// matter of scenario and key alone.
     ///
     /// # Errors
-    /// [`MissionError`] as for [`Self::validate`], and for a robot that is too slow.
+    /// [`MissionError`] for a parameter that cannot be used, and for a robot that is too slow.
     pub fn prepare(
         &self,
         drive: &Drive,
         go_to: &GoToParams,
         seed: u64,
     ) -> Result<Mission, MissionError> {
-        self.validate()?;
+        check(self)?;
         let (contour, mut awg) = self.layout()?;
         let key = self.key_or(seed);
         let v_max = drive.limits.v_max() * go_to.speed_fraction;
@@ -193,7 +191,7 @@ impl MissionParams {
     /// # Errors
     /// As for [`Self::prepare`].
     pub fn check(&self, drive: &Drive, go_to: &GoToParams, seed: u64) -> Result<(), MissionError> {
-        self.validate()?;
+        check(self)?;
         let (_, awg) = self.layout()?;
         let v_max = drive.limits.v_max() * go_to.speed_fraction;
         awg.check_speed(v_max)?;

@@ -14,9 +14,10 @@
 
 use chaotic_maps::Source;
 use nalgebra::Point2;
+use parameters::{Parameters, ParamsError, at_least, between, check};
 use planner_view::waypoint::{Waypoint, WaypointKind, WaypointOutcome};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sim_backend::params::{ParamsError, fraction, require};
 
 use crate::awg::{Awg, Laps, Leg};
 
@@ -36,12 +37,14 @@ pub enum Method {
 }
 
 /// Parameters of [`MixedLaps`].
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct MixedParams {
-    /// Share of dropped waypoints above which a leg gets fictive obstacles, 0 to 1.
+    /// Share of dropped waypoints above which a leg gets fictive obstacles.
+    #[schemars(transform = between(0, 1))]
     pub dropped_share: f64,
-    /// Laps after which a leg whose waypoints could not be reached gets them again, ≥ 1.
+    /// Laps after which a leg whose waypoints could not be reached gets them again.
+    #[schemars(transform = at_least(1))]
     pub retry_laps: u32,
 }
 
@@ -54,21 +57,7 @@ impl Default for MixedParams {
     }
 }
 
-impl MixedParams {
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// [`ParamsError`] naming the first field that is out of range.
-    pub fn validate(&self) -> Result<(), ParamsError> {
-        fraction("dropped_share", self.dropped_share)?;
-        require(
-            self.retry_laps >= 1,
-            "retry_laps",
-            &self.retry_laps,
-            "a number of at least 1",
-        )
-    }
-}
+impl Parameters for MixedParams {}
 
 /// Share of a leg's zig-zag inside obstacles, 0 to 1; 0 for a leg without additional waypoints.
 ///
@@ -117,7 +106,7 @@ impl<S: Source> MixedLaps<S> {
     /// # Errors
     /// [`ParamsError`] naming the parameter that is out of range.
     pub fn new(params: MixedParams, laps: Laps<S>) -> Result<Self, ParamsError> {
-        params.validate()?;
+        check(&params)?;
         let records = vec![Record::default(); laps.awg().legs(0).len()];
         Ok(Self {
             params,

@@ -9,34 +9,41 @@
 use core::f64::consts::PI;
 
 use nalgebra::{Point2, Vector2};
+use parameters::{Parameters, above, between};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sim_backend::math;
 use sim_backend::pose::{Pose2, Twist2};
 
 use planner_view::limits::Limits;
-use sim_backend::params::{ParamsError, fraction, positive, require};
 
 /// A point nearer than this [m] is where the robot stands.
 const HERE: f64 = 1e-9;
 
 /// Parameters of [`go_to`].
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct GoToParams {
-    /// Bearing beyond which the robot turns on the spot [rad], in (0, π]. The larger, the faster a
+    /// Bearing beyond which the robot turns on the spot, in (0, π]. The larger, the faster a
     /// lap and the farther the way bulges out behind a corner (by the speed over the turning rate
     /// at most).
+    #[schemars(transform = above(0).at_most(PI).unit("rad"))]
     pub turn_on_spot: f64,
-    /// Turning rate per bearing [1/s], > 0; at most one tick's bearing is turned in a tick.
+    /// Turning rate per bearing; at most one tick's bearing is turned in a tick.
+    #[schemars(transform = above(0).unit("1/s"))]
     pub turn_gain: f64,
     /// Speed allowed, as a fraction of the highest forward speed, in [0, 1].
+    #[schemars(transform = above(0).at_most(1))]
     pub speed_fraction: f64,
-    /// Distance at which the point has been reached [m], > 0.
+    /// Distance at which the point has been reached.
+    #[schemars(transform = above(0).unit("m"))]
     pub arrived: f64,
-    /// Deceleration before the point [m/s²], > 0; absent: it is passed at full speed.
+    /// Deceleration before the point; absent: it is passed at full speed.
+    #[schemars(transform = above(0).unit("m/s²"))]
     pub deceleration: Option<f64>,
     /// With a deceleration: change of direction up to which the point is passed at speed all the
-    /// same, when it is known where to go on to [rad], in [0, π].
+    /// same, when it is known where to go on to, in [0, π].
+    #[schemars(transform = between(0, PI).unit("rad"))]
     pub pass_angle: f64,
 }
 
@@ -53,33 +60,7 @@ impl Default for GoToParams {
     }
 }
 
-impl GoToParams {
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// [`ParamsError`] naming the first field that is out of range.
-    pub fn validate(&self) -> Result<(), ParamsError> {
-        require(
-            self.turn_on_spot > 0.0 && self.turn_on_spot <= PI,
-            "turn_on_spot",
-            &self.turn_on_spot,
-            "a number above 0 and at most π",
-        )?;
-        positive("turn_gain", self.turn_gain)?;
-        fraction("speed_fraction", self.speed_fraction)?;
-        positive("speed_fraction", self.speed_fraction)?;
-        positive("arrived", self.arrived)?;
-        if let Some(deceleration) = self.deceleration {
-            positive("deceleration", deceleration)?;
-        }
-        require(
-            (0.0..=PI).contains(&self.pass_angle),
-            "pass_angle",
-            &self.pass_angle,
-            "a number between 0 and π",
-        )
-    }
-}
+impl Parameters for GoToParams {}
 
 /// Bearing of a point from a pose [rad], in (−π, π]; 0 where the robot stands.
 pub fn bearing(pose: &Pose2, point: Point2<f64>) -> f64 {
@@ -170,6 +151,8 @@ pub fn distance_to_segment(p: Point2<f64>, a: Point2<f64>, b: Point2<f64>) -> f6
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
+
+    use parameters::check;
 
     use super::*;
 
@@ -262,9 +245,9 @@ mod tests {
 
     #[test]
     fn parameters_out_of_range_are_named() {
-        let field = |params: GoToParams| params.validate().unwrap_err().field;
+        let field = |params: GoToParams| check(&params).unwrap_err().field;
         let good = GoToParams::default();
-        assert!(good.validate().is_ok());
+        assert!(check(&good).is_ok());
         assert_eq!(
             field(GoToParams {
                 turn_on_spot: 4.0,

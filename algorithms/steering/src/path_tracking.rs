@@ -7,13 +7,16 @@
 //! al., *Autonomous Robots* 2023), the speed follows from the curvature and from what is left of
 //! the path.
 
+use core::f64::consts::PI;
+
 use nalgebra::Point2;
+use parameters::{Parameters, ParamsError, above, at_least, between, require};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sim_backend::math;
 use sim_backend::pose::{Pose2, Twist2};
 
 use planner_view::limits::Limits;
-use sim_backend::params::{ParamsError, fraction, not_negative, positive, require};
 
 /// Points of a path nearer to each other than this [m] are one.
 const SAME_PLACE: f64 = 1e-9;
@@ -22,28 +25,37 @@ const SAME_PLACE: f64 = 1e-9;
 const SHORTER: f64 = 0.7;
 
 /// Parameters of a [`PathTracker`].
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct TrackingParams {
-    /// Distance along the path to the point looked at, while standing [m], > 0.
+    /// Distance along the path to the point looked at, while standing.
+    #[schemars(transform = above(0).unit("m"))]
     pub look_ahead: f64,
-    /// What is added to it per speed [s], ≥ 0.
+    /// What is added to it per speed.
+    #[schemars(transform = at_least(0).unit("s"))]
     pub look_ahead_time_s: f64,
-    /// Shortest look-ahead, taken where the way to a farther point is not clear [m], > 0 and at
+    /// Shortest look-ahead, taken where the way to a farther point is not clear and at
     /// most `look_ahead`.
+    #[schemars(transform = above(0).unit("m"))]
     pub least_look_ahead: f64,
-    /// Bearing of the point looked at beyond which the robot turns on the spot [rad], in (0, π].
+    /// Bearing of the point looked at beyond which the robot turns on the spot, in (0, π].
+    #[schemars(transform = above(0).at_most(PI).unit("rad"))]
     pub turn_on_spot: f64,
-    /// Turning rate per bearing while it does [1/s], > 0.
+    /// Turning rate per bearing while it does.
+    #[schemars(transform = above(0).unit("1/s"))]
     pub turn_gain: f64,
     /// Speed allowed, as a fraction of the highest forward speed, in [0, 1].
+    #[schemars(transform = between(0, 1))]
     pub speed_fraction: f64,
-    /// Deceleration before the end of the path [m/s²], > 0; absent: it is passed at full speed.
+    /// Deceleration before the end of the path; absent: it is passed at full speed.
+    #[schemars(transform = above(0).unit("m/s²"))]
     pub arrival_deceleration: Option<f64>,
-    /// Turning rate allowed [rad/s], > 0, when lower than the robot's own limit; absent: the
+    /// Turning rate allowed, when lower than the robot's own limit; absent: the
     /// robot's.
+    #[schemars(transform = above(0).unit("rad/s"))]
     pub omega_cap: Option<f64>,
-    /// Distance to the path's end at which the robot has arrived [m], > 0.
+    /// Distance to the path's end at which the robot has arrived.
+    #[schemars(transform = above(0).unit("m"))]
     pub arrived: f64,
 }
 
@@ -63,37 +75,14 @@ impl Default for TrackingParams {
     }
 }
 
-impl TrackingParams {
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// [`ParamsError`] naming the first field that is out of range.
-    pub fn validate(&self) -> Result<(), ParamsError> {
-        positive("look_ahead", self.look_ahead)?;
-        not_negative("look_ahead_time_s", self.look_ahead_time_s)?;
-        positive("least_look_ahead", self.least_look_ahead)?;
+impl Parameters for TrackingParams {
+    fn check_relations(&self) -> Result<(), ParamsError> {
         require(
             self.least_look_ahead <= self.look_ahead,
             "least_look_ahead",
             &self.least_look_ahead,
             "at most `look_ahead`",
-        )?;
-        require(
-            self.turn_on_spot > 0.0 && self.turn_on_spot <= core::f64::consts::PI,
-            "turn_on_spot",
-            &self.turn_on_spot,
-            "a number above 0 and at most π",
-        )?;
-        positive("turn_gain", self.turn_gain)?;
-        fraction("speed_fraction", self.speed_fraction)?;
-        positive("arrived", self.arrived)?;
-        for (field, value) in [
-            ("arrival_deceleration", self.arrival_deceleration),
-            ("omega_cap", self.omega_cap),
-        ] {
-            value.map_or(Ok(()), |value| positive(field, value))?;
-        }
-        Ok(())
+        )
     }
 }
 

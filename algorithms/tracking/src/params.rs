@@ -1,10 +1,13 @@
 //! Parameters of sensors and filters, with defaults, the paper's preset and validation.
 
+use core::f64::consts::TAU;
+
+use parameters::{Fidelity, Parameters, ParamsError, above, at_least, between, require, within};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sim_backend::params::{Fidelity, ParamsError, fraction, not_negative, positive, require};
 
 /// What the sensor tells about an opponent's heading.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase", deny_unknown_fields)]
 pub enum HeadingModel {
     /// Nothing: the heading is inferred from the motion.
@@ -14,27 +17,33 @@ pub enum HeadingModel {
     Exact,
     /// The true heading plus Gaussian noise.
     Noisy {
-        /// Standard deviation [rad], > 0.
+        /// Standard deviation.
+        #[schemars(transform = above(0).unit("rad"))]
         sigma: f64,
     },
 }
 
 /// The line-of-sight sensor (chasing-game paper, section III.C).
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct SensorParams {
     /// Visibility below which an opponent is unseen, 0…1.
+    #[schemars(transform = between(0, 1))]
     pub unseen_below: f64,
     /// Visibility above which the position is measured exactly, `unseen_below`…1.
+    #[schemars(transform = between(0, 1))]
     pub exact_above: f64,
-    /// Factor g of the noise σ = g·(1/V − 1) of x and of y [m], > 0.
+    /// Factor g of the noise σ = g·(1/V − 1) of x and of y.
+    #[schemars(transform = above(0).unit("m"))]
     pub sigma_gain: f64,
     /// What is measured of the heading.
     pub heading: HeadingModel,
-    /// Largest distance at which an observer sees [m], > 0; unlimited if absent.
+    /// Largest distance at which an observer sees; unlimited if absent.
+    #[schemars(transform = above(0).unit("m"))]
     pub range: Option<f64>,
-    /// Full opening angle of an observer's field of view, centred on its heading [rad], in (0, 2π];
+    /// Full opening angle of an observer's field of view, centred on its heading, in (0, 2π];
     /// all round if absent.
+    #[schemars(transform = above(0).at_most(TAU).unit("rad"))]
     pub field_of_view: Option<f64>,
 }
 
@@ -54,20 +63,25 @@ impl Default for SensorParams {
 /// The particle filter of one opponent (chasing-game paper, section III.D).
 ///
 /// Random walks are given per √s, rates per second: the belief does not depend on the tick rate.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct FilterParams {
     /// Number of particles, 1…1 000 000.
+    #[schemars(transform = between(1, MOST_PARTICLES))]
     pub particles: usize,
-    /// Random walk of the speed hypothesis [largest speed per √s], ≥ 0.
+    /// Random walk of the speed hypothesis [largest speed per √s].
+    #[schemars(transform = at_least(0).unit("largest speed per √s"))]
     pub speed_walk: f64,
-    /// Random walk of the turning-rate hypothesis [largest turning rate per √s], ≥ 0.
+    /// Random walk of the turning-rate hypothesis [largest turning rate per √s].
+    #[schemars(transform = at_least(0).unit("largest turning rate per √s"))]
     pub turn_walk: f64,
-    /// Rate at which the speed hypothesis returns to the largest speed [1/s], ≥ 0; 0 for a pure
+    /// Rate at which the speed hypothesis returns to the largest speed; 0 for a pure
     /// random walk, as the paper's. Who flees, or chases, does not stroll.
+    #[schemars(transform = at_least(0).unit("1/s"))]
     pub cruise_rate: f64,
-    /// Rate at which the turning-rate hypothesis returns to 0 [1/s], ≥ 0; 0 for a pure random walk,
+    /// Rate at which the turning-rate hypothesis returns to 0; 0 for a pure random walk,
     /// as the paper's, which lets hypotheses circle in place while the opponent drives on.
+    #[schemars(transform = at_least(0).unit("1/s"))]
     pub straighten_rate: f64,
     /// Whether an unseen hypothesis that would drive into an obstacle turns away from it (true) or is
     /// ruled out (false, as in the paper: then those that hardly move outlive the others).
@@ -92,13 +106,19 @@ impl Default for FilterParams {
 }
 
 /// All parameters of perception.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PerceptionParams {
     /// The sensor.
     pub sensor: SensorParams,
     /// The particle filters.
     pub filter: FilterParams,
+}
+
+impl Parameters for PerceptionParams {
+    fn check_relations(&self) -> Result<(), ParamsError> {
+        self.sensor.check_relations().map_err(within("sensor"))
+    }
 }
 
 impl PerceptionParams {
@@ -126,68 +146,34 @@ impl PerceptionParams {
             },
         }
     }
-
-    /// Checks every range.
-    ///
-    /// # Errors
-    /// [`ParamsError`] with the first field out of range.
-    pub fn validate(&self) -> Result<(), ParamsError> {
-        self.sensor.validate()?;
-        self.filter.validate()
-    }
 }
 
-impl SensorParams {
-    fn validate(&self) -> Result<(), ParamsError> {
-        fraction("sensor.unseen_below", self.unseen_below)?;
+impl Parameters for SensorParams {
+    fn check_relations(&self) -> Result<(), ParamsError> {
         require(
-            (self.unseen_below..=1.0).contains(&self.exact_above),
-            "sensor.exact_above",
+            self.exact_above >= self.unseen_below,
+            "exact_above",
             &self.exact_above,
-            "between sensor.unseen_below and 1",
-        )?;
-        positive("sensor.sigma_gain", self.sigma_gain)?;
-        if let HeadingModel::Noisy { sigma } = self.heading {
-            positive("sensor.heading.noisy.sigma", sigma)?;
-        }
-        if let Some(range) = self.range {
-            positive("sensor.range", range)?;
-        }
-        if let Some(angle) = self.field_of_view {
-            let expected = "an angle in (0, 2π] [rad]";
-            let ok = angle > 0.0 && angle <= core::f64::consts::TAU;
-            require(ok, "sensor.field_of_view", &angle, expected)?;
-        }
-        Ok(())
+            "between `unseen_below` and 1",
+        )
     }
 }
 
 /// Most particles of a filter.
 pub const MOST_PARTICLES: usize = 1_000_000;
 
-impl FilterParams {
-    /// Checks every range.
-    ///
-    /// # Errors
-    /// [`ParamsError`] with the first field out of range, as a path from `filter`.
-    pub fn validate(&self) -> Result<(), ParamsError> {
-        let ok = (1..=MOST_PARTICLES).contains(&self.particles);
-        require(ok, "filter.particles", &self.particles, "1 to 1000000")?;
-        not_negative("filter.speed_walk", self.speed_walk)?;
-        not_negative("filter.turn_walk", self.turn_walk)?;
-        not_negative("filter.cruise_rate", self.cruise_rate)?;
-        not_negative("filter.straighten_rate", self.straighten_rate)
-    }
-}
+impl Parameters for FilterParams {}
 
 #[cfg(test)]
 mod tests {
+    use parameters::check;
+
     use super::*;
 
     #[test]
     fn defaults_and_the_papers_preset_are_valid() {
-        assert_eq!(PerceptionParams::default().validate(), Ok(()));
-        assert_eq!(PerceptionParams::paper().validate(), Ok(()));
+        assert_eq!(check(&PerceptionParams::default()), Ok(()));
+        assert_eq!(check(&PerceptionParams::paper()), Ok(()));
     }
 
     #[test]
@@ -195,18 +181,18 @@ mod tests {
         let bad = |change: fn(&mut PerceptionParams)| {
             let mut params = PerceptionParams::default();
             change(&mut params);
-            params.validate().unwrap_err().to_string()
+            check(&params).unwrap_err().to_string()
         };
         assert_eq!(
             bad(|p| p.filter.particles = 0),
-            "`filter.particles` is 0, but must be 1 to 1000000"
+            "`filter.particles` is 0, but must be a whole number between 1 and 1000000"
         );
         assert_eq!(
             bad(|p| p.sensor.range = Some(-2.0)),
-            "`sensor.range` is -2, but must be a finite number above 0"
+            "`sensor.range` is -2, but must be a finite number above 0 (m)"
         );
         assert!(bad(|p| p.sensor.exact_above = 0.0).starts_with("`sensor.exact_above` is 0,"));
-        assert!(bad(|p| p.sensor.field_of_view = Some(7.0)).contains("(0, 2π]"));
+        assert!(bad(|p| p.sensor.field_of_view = Some(7.0)).contains("at most 2π (rad)"));
         assert!(bad(|p| p.filter.turn_walk = f64::NAN).contains("`filter.turn_walk` is NaN"));
         assert!(bad(|p| p.sensor.heading = HeadingModel::Noisy { sigma: 0.0 }).contains("noisy"));
     }

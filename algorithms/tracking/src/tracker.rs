@@ -1,8 +1,8 @@
 //! All opponents of a team: sightings and beliefs, tick by tick.
 
+use parameters::{ParamsError, check};
 use rand_chacha::ChaCha8Rng;
 use sim_backend::blur::BlurredMap;
-use sim_backend::params::ParamsError;
 use sim_backend::pose::Pose2;
 use thiserror::Error;
 
@@ -128,7 +128,7 @@ impl Perception {
         map: &BlurredMap,
         targets: Vec<TargetSetup>,
     ) -> Result<Self, PerceptionError> {
-        params.validate()?;
+        check(params)?;
         let space = Space::new(map);
         let mut tracks = Vec::with_capacity(targets.len());
         for target in targets {

@@ -23,7 +23,6 @@ use orchestrator::mission::process_group::ProcessGroup;
 use orchestrator::mission::run_directory::RunDirectory;
 use runtime::config::{Clock, ProcessConfig, RobotInfo, RunConfig, document};
 use runtime::inputs::{StateInput, reply_stamp};
-use runtime::kind::ParamsFault;
 use runtime::lockstep::{Conductor, Overseer, Phase, SlotState, TurnEnd, TurnPage};
 use runtime::{Process, ProcessError, ProcessKind};
 use serde::Serialize;
@@ -323,10 +322,6 @@ impl ProcessKind for TrivialPlanner {
     const SUMMARY: &'static str = "answers every state with a command";
 
     type Params = ();
-
-    fn check_params((): &()) -> std::result::Result<(), ParamsFault> {
-        Ok(())
-    }
 
     fn open(config: &ProcessConfig, (): &(), bus: &Bus) -> std::result::Result<Self, ProcessError> {
         Ok(Self {

@@ -7,6 +7,7 @@ use evader_rrt_star::params::Primitive;
 use evader_rrt_star::planning::{Planning, Task};
 use nalgebra::Point2;
 use navigation::tangent_graph::{ShortestPath, TangentGraph};
+use parameters::check;
 use planner_view::free_space::FreeSpace;
 use planner_view::limits::Limits;
 use runtime::seed::stream;
@@ -59,7 +60,7 @@ pub fn measure(count: u32) -> Result<Plans, MeasureError> {
     let seeds = 1..=u64::from(count);
     let mut plans = Vec::new();
     for (case, params) in cases() {
-        params.validate().map_err(failed)?;
+        check(&params).map_err(failed)?;
         let mut ground = Ground::new(&setting.space, setting.model.radius + params.margin, 1);
         for scene in ["start", "random"] {
             for seed in seeds.clone() {

@@ -130,7 +130,7 @@ impl Order<'_> {
 
     fn plan<D: Design>(&self, params: &D::Params) -> Result<Planned, RouteError> {
         let refused = |reason: &dyn std::fmt::Display| self.router.refused(reason);
-        D::check_params(params).map_err(|e| refused(&e))?;
+        parameters::check(params).map_err(|e| refused(&e))?;
         let follow = D::follow(params);
         let site = self.site(&follow)?;
         // What the robot's body covers; the margin is for its drive only.

@@ -1,8 +1,8 @@
 //! What every part of the resolution needs: the texts, the tree, and somewhere to complain.
 
 use config::{Code, Diagnostic, Diagnostics, FieldPath, Node, Origin, Sources, problem_at, read};
+use parameters::{Fault, ParamsError};
 use serde::de::DeserializeOwned;
-use sim_backend::params::ParamsError;
 
 use super::kind::Kind;
 
@@ -73,20 +73,16 @@ impl Context<'_> {
 
     /// Reports a value that a type's own check refused.
     pub fn refuse(&mut self, node: &Node, base: &FieldPath, found: ParamsError) {
-        let ParamsError {
-            field,
-            value,
-            expected,
-        } = found;
-        let message = if field.is_empty() {
-            "value out of range".to_owned()
-        } else {
-            format!("`{field}` is out of range")
+        let ParamsError { field, fault } = found;
+        let message = match &fault {
+            Fault::Refused(message) => message.clone(),
+            Fault::Value { .. } if field.is_empty() => "value out of range".to_owned(),
+            Fault::Value { .. } => format!("`{field}` is out of range"),
         };
-        let problem = self
-            .problem(node, base, &field, Code::OutOfRange, message)
-            .value(value)
-            .expected(expected);
+        let mut problem = self.problem(node, base, &field, Code::OutOfRange, message);
+        if let Fault::Value { found, expected } = fault {
+            problem = problem.value(found).expected(expected);
+        }
         self.problems.push(problem);
     }
 

@@ -2,13 +2,14 @@
 
 use core::any::Any;
 use core::fmt;
+use parameters::ParamsError;
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 
 use config::{Node, ReadError, read_once};
 use ipc_types::bus::Bus;
-use runtime::kind::{Lookout, Need, ParamsFault, Process, ProcessKind, Product, Task, TaskFault};
+use runtime::kind::{Lookout, Need, Process, ProcessKind, Product, Task, TaskFault};
 use runtime::{ProcessConfig, ProcessError};
 use serde_json::Value as Json;
 use sim_backend::spec::RobotSpec;
@@ -83,14 +84,14 @@ pub enum ParamsProblem {
     /// They do not fit their type.
     Read(ReadError),
     /// The check of the kind refuses them.
-    Fault(ParamsFault),
+    Fault(ParamsError),
     /// They cannot be written as JSON.
     Write(String),
 }
 
 fn read<K: ProcessKind>(node: &Node) -> Result<ConfiguredKind, ParamsProblem> {
     let params: K::Params = read_once(node).map_err(ParamsProblem::Read)?;
-    K::check_params(&params).map_err(ParamsProblem::Fault)?;
+    parameters::check(&params).map_err(ParamsProblem::Fault)?;
     serde_json::to_value(&params).map_err(|e| ParamsProblem::Write(e.to_string()))?;
     Ok(ConfiguredKind::new::<K>(params))
 }

@@ -48,7 +48,7 @@ pub const fn planner<P: Planner>() -> Kind {
 #[cfg(test)]
 mod tests {
     use config::Node;
-    use runtime::kind::{Need, ParamsFault};
+    use runtime::kind::Need;
     use serde_json::{Value as Json, json};
 
     use super::super::kind::{ConfiguredKind, ParamsProblem, find};
@@ -129,7 +129,7 @@ mod tests {
             (
                 "observer",
                 json!({ "horizons_s": [1.0, -1.0] }),
-                "horizons_s.1",
+                "horizons_s[1]",
             ),
             (
                 "observer",
@@ -146,7 +146,7 @@ mod tests {
         ] {
             let kind = find(KINDS, kind).unwrap();
             match kind.read(&Node::from_json(&params).unwrap()) {
-                Err(ParamsProblem::Fault(ParamsFault::Field(found))) => {
+                Err(ParamsProblem::Fault(found)) => {
                     assert_eq!(found.field, field);
                 }
                 other => panic!("{}: {other:?}", kind.name),

@@ -1,7 +1,7 @@
 //! `[[processes]]`: who runs, and who drives which robot.
 
 use config::{Code, FieldPath, Node, Origin, Step, describe, suggest};
-use runtime::kind::{ParamsFault, Product};
+use runtime::kind::Product;
 use sim_backend::map::MapSpec;
 use sim_backend::team::Team;
 
@@ -234,11 +234,7 @@ fn read_params(
             let mut left = params.clone();
             report_all(ctx, kind, &mut left, &path);
         }
-        Err(ParamsProblem::Fault(ParamsFault::Field(found))) => ctx.refuse(params, &path, found),
-        Err(ParamsProblem::Fault(ParamsFault::Refused { field, message })) => {
-            let problem = ctx.problem(params, &path, &field, Code::OutOfRange, message);
-            ctx.problems.push(problem);
-        }
+        Err(ParamsProblem::Fault(found)) => ctx.refuse(params, &path, found),
         Err(ParamsProblem::Write(message)) => {
             let problem = ctx.problem(params, &path, "", Code::OutOfRange, message);
             ctx.problems.push(problem);

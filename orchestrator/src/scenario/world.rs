@@ -1,12 +1,12 @@
 //! `[world]`: the map, read from wherever it is and written out.
 
+use parameters::ParamsError;
 use std::path::Path;
 
 use config::{Code, FieldPath, Node, SourceKind, nearest, parse_document};
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 use sim_backend::map::{MapSpec, RosMap, UnknownCells, VectorMap, VectorMapError};
-use sim_backend::params::ParamsError;
 use sim_backend::shape::ShapeError;
 
 use super::builtin;
@@ -315,11 +315,7 @@ pub fn shape_problem(e: ShapeError) -> ParamsError {
         other => {
             let text = other.to_string();
             let (what, expected) = text.split_once(": expected ").unwrap_or((&text, "a shape"));
-            ParamsError {
-                field: "polygon.vertices".to_owned(),
-                value: what.to_owned(),
-                expected: expected.to_owned(),
-            }
+            ParamsError::new("polygon.vertices", what, expected)
         }
     }
 }

@@ -14,7 +14,6 @@ use coverage::sub_goals::params::FollowParams;
 use coverage::sub_goals::site::Site;
 use coverage::uniform::Uniformly;
 use coverage::wander::{Rule, Wanderer};
-use runtime::kind::ParamsFault;
 
 pub use params::{BoustrophedonParams, RandomParams};
 
@@ -38,10 +37,6 @@ impl Design for Boustrophedon {
 
     type Params = BoustrophedonParams;
     type Goals = boustrophedon::Boustrophedon;
-
-    fn check_params(params: &BoustrophedonParams) -> Result<(), ParamsFault> {
-        params.validate().map_err(ParamsFault::from)
-    }
 
     fn follow(params: &BoustrophedonParams) -> FollowParams {
         params.follow
@@ -99,10 +94,6 @@ impl<R: RandomKind> Design for Memoryless<R> {
 
     type Params = RandomParams;
     type Goals = Wanderer<R>;
-
-    fn check_params(params: &RandomParams) -> Result<(), ParamsFault> {
-        params.validate().map_err(ParamsFault::from)
-    }
 
     fn follow(params: &RandomParams) -> FollowParams {
         params.follow

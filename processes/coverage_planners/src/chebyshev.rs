@@ -13,7 +13,6 @@ use coverage::plan::{CoveragePlan, PlanSpec};
 use coverage::sub_goals::params::FollowParams;
 use coverage::sub_goals::site::Site;
 use nalgebra::Point2;
-use runtime::kind::ParamsFault;
 use sim_backend::shape::Aabb;
 
 pub use params::ChebyshevParams;
@@ -52,16 +51,6 @@ impl Design for Chebyshev {
 
     type Params = ChebyshevParams;
     type Goals = CoveragePlan<AnySource>;
-
-    fn check_params(params: &ChebyshevParams) -> Result<(), ParamsFault> {
-        if let Some(key) = &params.key {
-            key.validate().map_err(|error| ParamsFault::Refused {
-                field: "key".into(),
-                message: format!("`key`: {error}"),
-            })?;
-        }
-        params.validate().map_err(ParamsFault::from)
-    }
 
     fn follow(params: &ChebyshevParams) -> FollowParams {
         params.follow

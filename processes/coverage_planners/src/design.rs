@@ -1,13 +1,11 @@
 //! What a coverage planner says of itself.
 
 use core::fmt::Debug;
+use parameters::Parameters;
 
 use coverage::goal::GoalSource;
 use coverage::sub_goals::params::FollowParams;
 use coverage::sub_goals::site::Site;
-use runtime::kind::ParamsFault;
-use serde::Serialize;
-use serde::de::DeserializeOwned;
 
 /// A kind of coverage planner: how to make its sub-goals. The process does the rest.
 pub trait Design: 'static {
@@ -17,23 +15,9 @@ pub trait Design: 'static {
     const SUMMARY: &'static str;
 
     /// Its parameters. All of them have defaults.
-    type Params: Serialize
-        + DeserializeOwned
-        + Default
-        + Clone
-        + PartialEq
-        + Debug
-        + Send
-        + Sync
-        + 'static;
+    type Params: Parameters + Default + Clone + PartialEq + Debug + Send + Sync;
     /// Its sub-goals.
     type Goals: GoalSource;
-
-    /// Checks the parameters by themselves.
-    ///
-    /// # Errors
-    /// The first parameter that is out of range, or that does not go with the others.
-    fn check_params(params: &Self::Params) -> Result<(), ParamsFault>;
 
     /// The parameters that all kinds share.
     fn follow(params: &Self::Params) -> FollowParams;

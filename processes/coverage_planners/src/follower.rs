@@ -11,7 +11,7 @@ use planner_view::view::View;
 use planner_view::waypoint::WaypointReport;
 use runtime::config::RobotInfo;
 use runtime::error::ProcessError;
-use runtime::kind::{Need, ParamsFault, Task, TaskFault};
+use runtime::kind::{Need, Task, TaskFault};
 use sim_backend::pose::Pose2;
 use steering::waypoint_driver::{Driving, Situation, WaypointDriver};
 
@@ -105,10 +105,6 @@ impl<D: Design> Planner for Follower<D> {
 
     const WAYPOINTS: usize = 64;
 
-    fn check_params(params: &D::Params) -> Result<(), ParamsFault> {
-        D::check_params(params)
-    }
-
     /// A scan is of use where there is one, but it can do without.
     fn needs(_: &D::Params) -> Vec<Need> {
         Vec::new()
@@ -127,7 +123,7 @@ impl<D: Design> Planner for Follower<D> {
     }
 
     fn new(params: &D::Params, robot: &RobotInfo, seed: u64) -> Result<Self, String> {
-        D::check_params(params).map_err(|e| e.to_string())?;
+        parameters::check(params).map_err(|e| e.to_string())?;
         let mut follow = D::follow(params);
         let model = &robot.model;
         follow.driver = follow

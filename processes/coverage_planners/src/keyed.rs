@@ -9,7 +9,6 @@ use chaotic_maps::Key;
 use coverage::keyed::KeyedCoverage;
 use coverage::sub_goals::params::FollowParams;
 use coverage::sub_goals::site::Site;
-use runtime::kind::ParamsFault;
 
 pub use params::KeyedCoverageParams;
 
@@ -27,10 +26,6 @@ impl Design for Keyed {
 
     type Params = KeyedCoverageParams;
     type Goals = KeyedCoverage;
-
-    fn check_params(params: &KeyedCoverageParams) -> Result<(), ParamsFault> {
-        params.validate().map_err(ParamsFault::from)
-    }
 
     fn follow(params: &KeyedCoverageParams) -> FollowParams {
         params.follow

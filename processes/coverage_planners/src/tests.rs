@@ -18,7 +18,7 @@ fn site() -> Site {
 
 fn points<D: Design>(text: &str, seed: u64) -> Vec<Point2<f64>> {
     let params: D::Params = toml::from_str(text).unwrap();
-    D::check_params(&params).unwrap();
+    parameters::check(&params).unwrap();
     let site = site();
     let mut goals = D::goals(&params, &site, seed, None).unwrap();
     let mut from = site.start;
@@ -59,7 +59,7 @@ fn lanes_are_as_far_apart_as_the_body_is_wide() {
 
 fn refusal<D: Design>(text: &str) -> String {
     let params: D::Params = toml::from_str(text).unwrap();
-    D::check_params(&params).unwrap_err().to_string()
+    parameters::check(&params).unwrap_err().to_string()
 }
 
 #[test]

@@ -1,10 +1,11 @@
 //! Parameters of the Braitenberg vehicle.
 
+use parameters::{Fidelity, Parameters, above, between};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sim_backend::params::{Fidelity, ParamsError, fraction, positive};
 
 /// How the product of the front cones becomes a speed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum SpeedGain {
     /// Divided by its value in the middle of an open street 1 m wide, so that the robot
@@ -16,14 +17,16 @@ pub enum SpeedGain {
 }
 
 /// Parameters of [`Braitenberg`](crate::Braitenberg).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct BraitenbergParams {
     /// How the product of the front cones becomes a speed.
     pub speed_gain: SpeedGain,
-    /// Turning rate at full asymmetry [rad/s], > 0.
+    /// Turning rate at full asymmetry.
+    #[schemars(transform = above(0).unit("rad/s"))]
     pub turn_gain: f64,
     /// Backward speed allowed, as a fraction of the highest forward speed, in [0, 1].
+    #[schemars(transform = between(0, 1))]
     pub reverse_fraction: f64,
     /// [`Fidelity::Ours`]: the vehicle turns on the spot when it is blocked ahead. With the bare
     /// formula of [`Fidelity::Published`] a robot that faces a wall squarely neither drives nor turns,
@@ -42,6 +45,8 @@ impl Default for BraitenbergParams {
     }
 }
 
+impl Parameters for BraitenbergParams {}
+
 impl BraitenbergParams {
     /// The values of the chasing-game paper's experiments.
     pub fn paper() -> Self {
@@ -52,25 +57,18 @@ impl BraitenbergParams {
             fidelity: Fidelity::Published,
         }
     }
-
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// [`ParamsError`] naming the first field that is out of range.
-    pub fn validate(&self) -> Result<(), ParamsError> {
-        positive("turn_gain", self.turn_gain)?;
-        fraction("reverse_fraction", self.reverse_fraction)
-    }
 }
 
 #[cfg(test)]
 mod tests {
+    use parameters::check;
+
     use super::*;
 
     #[test]
     fn both_presets_are_valid_and_differ() {
-        BraitenbergParams::default().validate().unwrap();
-        BraitenbergParams::paper().validate().unwrap();
+        check(&BraitenbergParams::default()).unwrap();
+        check(&BraitenbergParams::paper()).unwrap();
         assert_ne!(BraitenbergParams::default(), BraitenbergParams::paper());
     }
 
@@ -81,14 +79,14 @@ mod tests {
             ..BraitenbergParams::default()
         };
         assert_eq!(
-            bad.validate().unwrap_err().to_string(),
-            "`turn_gain` is 0, but must be a finite number above 0"
+            check(&bad).unwrap_err().to_string(),
+            "`turn_gain` is 0, but must be a finite number above 0 (rad/s)"
         );
         let bad = BraitenbergParams {
             reverse_fraction: f64::NAN,
             ..BraitenbergParams::default()
         };
-        assert_eq!(bad.validate().unwrap_err().field, "reverse_fraction");
+        assert_eq!(check(&bad).unwrap_err().field, "reverse_fraction");
     }
 
     #[test]

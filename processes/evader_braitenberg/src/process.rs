@@ -5,7 +5,6 @@ use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
 use runtime::config::RobotInfo;
-use runtime::kind::ParamsFault;
 
 use crate::{Braitenberg, BraitenbergParams};
 
@@ -18,10 +17,6 @@ impl Planner for BraitenbergPlanner {
     const SUMMARY: &'static str = "flees by its range scan alone, away from what is near";
 
     type Params = BraitenbergParams;
-
-    fn check_params(params: &BraitenbergParams) -> Result<(), ParamsFault> {
-        params.validate().map_err(ParamsFault::from)
-    }
 
     fn presets() -> Vec<(&'static str, BraitenbergParams)> {
         vec![("paper", BraitenbergParams::paper())]

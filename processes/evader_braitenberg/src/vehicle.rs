@@ -1,10 +1,10 @@
 //! The wiring from cones to motion.
 
+use parameters::{ParamsError, check};
 use planner_view::limits::Limits;
 use planner_view::steering::Steering;
 use planner_view::view::View;
 use sim_backend::math;
-use sim_backend::params::ParamsError;
 use sim_backend::pose::Twist2;
 
 use crate::cones::{Cones, read};
@@ -57,7 +57,7 @@ impl Braitenberg {
     /// # Errors
     /// [`ParamsError`] if a parameter is out of range.
     pub fn new(params: BraitenbergParams, limits: Limits, seed: u64) -> Result<Self, ParamsError> {
-        params.validate()?;
+        check(&params)?;
         let preferred = if seed.is_multiple_of(2) { 1.0 } else { -1.0 };
         Ok(Self {
             params,

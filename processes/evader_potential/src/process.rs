@@ -5,7 +5,6 @@ use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
 use runtime::config::RobotInfo;
-use runtime::kind::ParamsFault;
 
 use crate::{Evader, EvaderParams};
 
@@ -18,10 +17,6 @@ impl Planner for PotentialPlanner {
     const SUMMARY: &'static str = "flees to the nearest exit on a potential field";
 
     type Params = EvaderParams;
-
-    fn check_params(params: &EvaderParams) -> Result<(), ParamsFault> {
-        parameters::check(params).map_err(ParamsFault::from)
-    }
 
     fn presets() -> Vec<(&'static str, EvaderParams)> {
         vec![("paper", EvaderParams::paper())]

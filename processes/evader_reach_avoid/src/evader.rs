@@ -3,11 +3,11 @@
 use nalgebra::Point2;
 use navigation::bearing::Bearings;
 use navigation::dominance::{Arena, Dominance, Runner};
+use parameters::{ParamsError, check};
 use planner_view::limits::Limits;
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::{RobotView, View};
-use sim_backend::params::ParamsError;
 use sim_backend::spec::Region;
 use sim_backend::team::Team;
 use steering::feedback_linearisation::command;
@@ -44,7 +44,7 @@ impl Evader {
     /// # Errors
     /// [`ParamsError`] if a parameter is out of range.
     pub fn new(params: ReachAvoidParams, limits: Limits) -> Result<Self, ParamsError> {
-        params.validate()?;
+        check(&params)?;
         Ok(Self {
             dominance: Dominance::default(),
             params,

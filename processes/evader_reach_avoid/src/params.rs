@@ -1,38 +1,47 @@
 //! Parameters of the reach–avoid evader.
 
 use navigation::dominance::DominanceParams;
+use parameters::{Parameters, above, at_least};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sim_backend::params::{ParamsError, not_negative, positive, require, within};
 use steering::feedback_linearisation::FeedbackParams;
 use steering::potential_field::ObstacleParams;
 
 /// Parameters of an [`Evader`](crate::Evader).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ReachAvoidParams {
-    /// Time between two plans [s], > 0.
+    /// Time between two plans.
+    #[schemars(transform = above(0).unit("s"))]
     pub period_s: f64,
     /// Its own speed in its plans, as a fraction of its top speed, in (0, 1]: below 1, since plans
     /// know nothing of the time that turning takes.
+    #[schemars(transform = above(0).at_most(1))]
     pub speed_fraction: f64,
-    /// Distance beyond the capture radius that its plans keep from where pursuers could be [m], ≥ 0.
+    /// Distance beyond the capture radius that its plans keep from where pursuers could be.
+    #[schemars(transform = at_least(0).unit("m"))]
     pub keep_away: f64,
-    /// Without a safe way out: time by which it wants to be anywhere before the pursuers [s], ≥ 0;
+    /// Without a safe way out: time by which it wants to be anywhere before the pursuers;
     /// more is worth no more.
+    #[schemars(transform = at_least(0).unit("s"))]
     pub enough_s: f64,
     /// Without a safe way out: seconds of that time that it gives for being a second's drive nearer
-    /// to the exit, ≥ 0.
+    /// to the exit.
+    #[schemars(transform = at_least(0))]
     pub exit_weight: f64,
-    /// How far along its way it looks for the point to head for [m], > 0.
+    /// How far along its way it looks for the point to head for.
+    #[schemars(transform = above(0).unit("m"))]
     pub sight: f64,
-    /// Distance kept from obstacles beyond the robot's radius, when it cuts corners of its way [m],
-    /// ≥ 0.
+    /// Distance kept from obstacles beyond the robot's radius, when it cuts corners of its way,
+    ///.
+    #[schemars(transform = at_least(0).unit("m"))]
     pub margin: f64,
     /// How finely plans are computed.
     pub dominance: DominanceParams,
     /// Repulsion from obstacles.
     pub obstacle: ObstacleParams,
-    /// Gap to another body [m] at which it begins to turn aside to pass it, ≥ 0; 0 for never.
+    /// Gap to another body at which it begins to turn aside to pass it; 0 for never.
+    #[schemars(transform = at_least(0).unit("m"))]
     pub body_guard: f64,
     /// From field to command.
     pub feedback: FeedbackParams,
@@ -56,39 +65,17 @@ impl Default for ReachAvoidParams {
     }
 }
 
-impl ReachAvoidParams {
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// [`ParamsError`] with the path, the value and what was expected, for the first field that is
-    /// out of range.
-    pub fn validate(&self) -> Result<(), ParamsError> {
-        positive("period_s", self.period_s)?;
-        require(
-            self.speed_fraction > 0.0 && self.speed_fraction <= 1.0,
-            "speed_fraction",
-            &self.speed_fraction,
-            "a number above 0 and at most 1",
-        )?;
-        not_negative("keep_away", self.keep_away)?;
-        not_negative("enough_s", self.enough_s)?;
-        not_negative("exit_weight", self.exit_weight)?;
-        positive("sight", self.sight)?;
-        not_negative("margin", self.margin)?;
-        self.dominance.validate().map_err(within("dominance"))?;
-        parameters::check(&self.obstacle).map_err(within("obstacle"))?;
-        not_negative("body_guard", self.body_guard)?;
-        parameters::check(&self.feedback).map_err(within("feedback"))
-    }
-}
+impl Parameters for ReachAvoidParams {}
 
 #[cfg(test)]
 mod tests {
+    use parameters::check;
+
     use super::*;
 
     #[test]
     fn errors_carry_the_path_of_the_field_and_unknown_keys_are_refused() {
-        ReachAvoidParams::default().validate().unwrap();
+        check(&ReachAvoidParams::default()).unwrap();
         for (text, field) in [
             ("period_s = 0", "period_s"),
             ("speed_fraction = 1.01", "speed_fraction"),
@@ -97,7 +84,7 @@ mod tests {
             ("dominance = { pitch = inf }", "dominance.pitch"),
         ] {
             let params: ReachAvoidParams = toml::from_str(text).unwrap();
-            assert_eq!(params.validate().unwrap_err().field, field);
+            assert_eq!(check(&params).unwrap_err().field, field);
         }
         assert!(toml::from_str::<ReachAvoidParams>("periods = 1").is_err());
     }

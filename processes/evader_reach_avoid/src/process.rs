@@ -5,7 +5,6 @@ use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
 use runtime::config::RobotInfo;
-use runtime::kind::ParamsFault;
 use sim_backend::spec::Region;
 
 use crate::{Evader, ReachAvoidParams};
@@ -20,10 +19,6 @@ impl Planner for ReachAvoidPlanner {
         "flees by ways on which no pursuer can stop it, or to where it has most time";
 
     type Params = ReachAvoidParams;
-
-    fn check_params(params: &ReachAvoidParams) -> Result<(), ParamsFault> {
-        params.validate().map_err(ParamsFault::from)
-    }
 
     fn inputs(_: &ReachAvoidParams) -> PlannerInputs {
         PlannerInputs::default()

@@ -1,9 +1,9 @@
 //! What an edge of the tree costs.
 
 use nalgebra::Point2;
+use parameters::{Parameters, at_least, between};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-
-use sim_backend::params::{ParamsError, fraction, not_negative};
 
 use crate::motion::{Leg, Link};
 use crate::params::Algorithm;
@@ -21,7 +21,7 @@ const STEP: f64 = 0.5;
 const MAX_LOOKS: f64 = 32.0;
 
 /// Which formula makes the cost of an edge.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum CostKind {
     /// The edge's length [m]: shortest ways, whoever lies in wait.
@@ -43,15 +43,17 @@ pub enum CostKind {
 }
 
 /// Parameters of the cost.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct CostParams {
     /// Which formula.
     pub kind: CostKind,
-    /// Extra metres per metre of way where the danger is 1 (`time_aware` only), ≥ 0.
+    /// Extra metres per metre of way where the danger is 1 (`time_aware` only).
+    #[schemars(transform = at_least(0))]
     pub weight: f64,
     /// Share of a pursuer's speed with which it is taken to come nearer (`time_aware` only), in
     /// [0, 1]: 1 for a pursuer that drives straight for the place at once, 0 for one that stays.
+    #[schemars(transform = between(0, 1))]
     pub reach: f64,
 }
 
@@ -64,6 +66,8 @@ impl Default for CostParams {
         }
     }
 }
+
+impl Parameters for CostParams {}
 
 impl CostParams {
     /// The paper's formula.
@@ -80,15 +84,6 @@ impl CostParams {
             kind: CostKind::Length,
             ..Self::default()
         }
-    }
-
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// [`ParamsError`] naming the first field that is out of range.
-    pub fn validate(&self) -> Result<(), ParamsError> {
-        not_negative("weight", self.weight)?;
-        fraction("reach", self.reach)
     }
 }
 
@@ -241,6 +236,8 @@ fn bulge(from: Point2<f64>, to: Point2<f64>, link: &Link) -> nalgebra::Vector2<f
 mod tests {
     use proptest::prelude::*;
 
+    use parameters::check;
+
     use super::*;
 
     fn model(params: CostParams, pursuers: &[(f64, f64)]) -> CostModel {
@@ -347,7 +344,7 @@ mod tests {
             ..CostParams::default()
         };
         assert_eq!(
-            bad.validate().unwrap_err().to_string(),
+            check(&bad).unwrap_err().to_string(),
             "`reach` is 1.5, but must be a number between 0 and 1"
         );
     }

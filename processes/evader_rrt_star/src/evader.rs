@@ -1,12 +1,12 @@
 //! One evader: when it plans, what it does meanwhile, and how it follows its plans.
 
 use nalgebra::Point2;
+use parameters::{ParamsError, check};
 use planner_view::free_space::FreeSpace;
 use planner_view::limits::Limits;
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::{RobotView, View};
-use sim_backend::params::ParamsError;
 use sim_backend::pose::Pose2;
 use sim_backend::team::Team;
 use steering::feedback_linearisation::EPSILON;
@@ -106,7 +106,7 @@ impl RrtStarEvader {
     /// # Errors
     /// [`ParamsError`] if a parameter is out of range.
     pub fn new(params: RrtStarParams, limits: Limits, seed: u64) -> Result<Self, ParamsError> {
-        params.validate()?;
+        check(&params)?;
         let field = params.follower.field();
         Ok(Self {
             params,

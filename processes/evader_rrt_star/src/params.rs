@@ -1,7 +1,8 @@
 //! Parameters of the evader that plans with RRT*.
 
+use parameters::{Parameters, ParamsError, above, at_least, between, require, within};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sim_backend::params::{ParamsError, not_negative, positive, require, within};
 use steering::potential_evader::EvaderParams;
 
 use crate::cost::CostParams;
@@ -11,7 +12,7 @@ use crate::search::REFINE_SHARE;
 pub const MAX_ITERATIONS: u32 = 1_000_000;
 
 /// The variant of the search, and of what goes with it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Algorithm {
     /// RRT* with the improvements listed at [`Search`](crate::search::Search).
@@ -43,16 +44,19 @@ impl Algorithm {
 }
 
 /// Parameters of the tree search.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct SearchParams {
     /// The variant of the search.
     pub algorithm: Algorithm,
     /// Iterations of one plan, 1 … 1 000 000.
+    #[schemars(transform = between(1, MAX_ITERATIONS))]
     pub iterations: u32,
     /// Share of iterations that try to reach a goal, in [0, 0.7).
+    #[schemars(transform = at_least(0).below(1.0 - REFINE_SHARE))]
     pub goal_bias: f64,
-    /// Longest edge that is tried [m], > 0, and > 0.2 with the published search.
+    /// Longest edge that is tried, and with the published search.
+    #[schemars(transform = above(0).unit("m"))]
     pub max_edge: f64,
 }
 
@@ -67,33 +71,8 @@ impl Default for SearchParams {
     }
 }
 
-impl SearchParams {
-    /// The values of the chasing-game paper's experiments.
-    pub fn paper() -> Self {
-        Self {
-            algorithm: Algorithm::Published,
-            ..Self::default()
-        }
-    }
-
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// [`ParamsError`] naming the first field that is out of range.
-    pub fn validate(&self) -> Result<(), ParamsError> {
-        require(
-            (1..=MAX_ITERATIONS).contains(&self.iterations),
-            "iterations",
-            &self.iterations,
-            "a number from 1 to 1000000: without iterations there is no plan",
-        )?;
-        require(
-            self.goal_bias >= 0.0 && self.goal_bias < 1.0 - REFINE_SHARE,
-            "goal_bias",
-            &self.goal_bias,
-            "a number from 0 to less than 0.7: something must be left for the tree",
-        )?;
-        positive("max_edge", self.max_edge)?;
+impl Parameters for SearchParams {
+    fn check_relations(&self) -> Result<(), ParamsError> {
         require(
             self.max_edge > self.algorithm.min_edge(),
             "max_edge",
@@ -103,8 +82,18 @@ impl SearchParams {
     }
 }
 
+impl SearchParams {
+    /// The values of the chasing-game paper's experiments.
+    pub fn paper() -> Self {
+        Self {
+            algorithm: Algorithm::Published,
+            ..Self::default()
+        }
+    }
+}
+
 /// The motion primitive.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Primitive {
     /// Straight lines.
@@ -115,33 +104,26 @@ pub enum Primitive {
 }
 
 /// Parameters of arcs.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ArcParams {
-    /// Smallest turning radius [m], > 0; absent: the robot's highest speed through its highest
+    /// Smallest turning radius; absent: the robot's highest speed through its highest
     /// turning rate (as far as the follower may use it).
+    #[schemars(transform = above(0).unit("m"))]
     pub min_radius: Option<f64>,
 }
 
-impl ArcParams {
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// [`ParamsError`] naming the first field that is out of range.
-    pub fn validate(&self) -> Result<(), ParamsError> {
-        self.min_radius
-            .map_or(Ok(()), |radius| positive("min_radius", radius))
-    }
-}
+impl Parameters for ArcParams {}
 
 /// Parameters of the time that planning takes.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct TimingParams {
-    /// Simulated time that an iteration takes [s], ≥ 0. A plan holds `iterations` times this after
+    /// Simulated time that an iteration takes A plan holds `iterations` times this after
     /// it was begun; until then the last one is followed. With 0 the world stands still while the
     /// evader plans (the paper's experiments). The default is about ten times what the search takes
     /// on a desktop processor: a small robot's.
+    #[schemars(transform = at_least(0).unit("s"))]
     pub time_per_iteration_s: f64,
 }
 
@@ -153,18 +135,10 @@ impl Default for TimingParams {
     }
 }
 
-impl TimingParams {
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// [`ParamsError`] naming the first field that is out of range.
-    pub fn validate(&self) -> Result<(), ParamsError> {
-        not_negative("time_per_iteration_s", self.time_per_iteration_s)
-    }
-}
+impl Parameters for TimingParams {}
 
 /// When an evader plans anew, as long as its plan still stands.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ReplanRule {
     /// Every `period_s`, and when a pursuer threatens the path or the robot has left it; at most
@@ -198,15 +172,17 @@ impl ReplanRule {
 
 /// Parameters of replanning. Without a path, off it, and when an obstacle has come onto it, an
 /// evader plans anew as soon as the rule lets it.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ReplanParams {
     /// The rule.
     pub rule: ReplanRule,
-    /// Time between two plans (`periodic`) or two looks (`paper`) [s], > 0.
+    /// Time between two plans (`periodic`) or two looks (`paper`).
+    #[schemars(transform = above(0).unit("s"))]
     pub period_s: f64,
-    /// Distance of a threat [m] (`periodic` only): a path is threatened when a pursuer can be this
-    /// near to a place on it when the evader gets there; ≥ 0, 0 for never.
+    /// Distance of a threat (`periodic` only): a path is threatened when a pursuer can be this
+    /// near to a place on it when the evader gets there; 0 for never.
+    #[schemars(transform = at_least(0).unit("m"))]
     pub threat_distance: f64,
 }
 
@@ -220,6 +196,8 @@ impl Default for ReplanParams {
     }
 }
 
+impl Parameters for ReplanParams {}
+
 impl ReplanParams {
     /// The values of the chasing-game paper's experiments.
     pub fn paper() -> Self {
@@ -229,19 +207,10 @@ impl ReplanParams {
             threat_distance: 0.0,
         }
     }
-
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// [`ParamsError`] naming the first field that is out of range.
-    pub fn validate(&self) -> Result<(), ParamsError> {
-        positive("period_s", self.period_s)?;
-        not_negative("threat_distance", self.threat_distance)
-    }
 }
 
 /// The law by which a path is followed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Follower {
     /// Pure pursuit.
@@ -263,7 +232,7 @@ impl Follower {
 }
 
 /// Parameters of an [`RrtStarEvader`](crate::RrtStarEvader).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct RrtStarParams {
     /// The motion primitive.
@@ -274,7 +243,8 @@ pub struct RrtStarParams {
     pub search: SearchParams,
     /// The cost of paths.
     pub cost: CostParams,
-    /// Distance kept from walls beyond the robot's own radius [m], ≥ 0: room for the follower.
+    /// Distance kept from walls beyond the robot's own radius: room for the follower.
+    #[schemars(transform = at_least(0).unit("m"))]
     pub margin: f64,
     /// The time that planning takes.
     pub timing: TimingParams,
@@ -296,6 +266,12 @@ impl Default for RrtStarParams {
             replan: ReplanParams::default(),
             follower: Follower::default(),
         }
+    }
+}
+
+impl Parameters for RrtStarParams {
+    fn check_relations(&self) -> Result<(), ParamsError> {
+        self.search.check_relations().map_err(within("search"))
     }
 }
 
@@ -329,20 +305,6 @@ impl RrtStarParams {
             cost: CostParams::length(),
             ..Self::paper()
         }
-    }
-
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// [`ParamsError`] with the path, the value and what was expected, for the first field that is
-    /// out of range.
-    pub fn validate(&self) -> Result<(), ParamsError> {
-        self.arc.validate().map_err(within("arc"))?;
-        self.search.validate().map_err(within("search"))?;
-        self.cost.validate().map_err(within("cost"))?;
-        not_negative("margin", self.margin)?;
-        self.timing.validate().map_err(within("timing"))?;
-        self.replan.validate().map_err(within("replan"))
     }
 }
 

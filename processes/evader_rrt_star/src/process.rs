@@ -7,7 +7,6 @@ use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
 use runtime::config::RobotInfo;
-use runtime::kind::ParamsFault;
 
 use crate::evader::SHOWN_EDGES;
 use crate::{RrtStarEvader, RrtStarParams};
@@ -28,10 +27,6 @@ impl Planner for RrtStarPlanner {
     type Params = RrtStarParams;
 
     const TREE_EDGES: usize = SHOWN_EDGES;
-
-    fn check_params(params: &RrtStarParams) -> Result<(), ParamsFault> {
-        params.validate().map_err(ParamsFault::from)
-    }
 
     fn presets() -> Vec<(&'static str, RrtStarParams)> {
         vec![

@@ -1,5 +1,6 @@
 //! Wires [`Navigator`] to its topics and to the optimiser.
 
+use parameters::check;
 use std::time::Duration;
 
 use ipc_types::bus::Bus;
@@ -11,7 +12,7 @@ use planner_view::steering::Steering;
 use planner_view::view::View;
 use runtime::ProcessError;
 use runtime::config::{Clock, ProcessConfig, RobotInfo};
-use runtime::kind::{Need, ParamsFault};
+use runtime::kind::Need;
 use runtime::optimiser_client::OptimiserClient;
 use sim_backend::spec::Region;
 
@@ -49,10 +50,6 @@ impl Planner for NavigatorPlanner {
 
     type Params = NavigatorParams;
 
-    fn check_params(params: &NavigatorParams) -> Result<(), ParamsFault> {
-        params.validate().map_err(ParamsFault::from)
-    }
-
     fn presets() -> Vec<(&'static str, NavigatorParams)> {
         vec![("paper", NavigatorParams::paper())]
     }
@@ -70,7 +67,7 @@ impl Planner for NavigatorPlanner {
     }
 
     fn new(params: &NavigatorParams, robot: &RobotInfo, _seed: u64) -> Result<Self, String> {
-        params.validate().map_err(|e| e.to_string())?;
+        check(params).map_err(|e| e.to_string())?;
         let goals = if params.goals.is_empty() {
             robot
                 .goal

@@ -5,6 +5,7 @@ use navigator::drive::Drive;
 use navigator::params::AtPopup;
 use navigator::trajectory::Sample;
 use navigator::{Ask, Navigator, NavigatorParams, Trajectory, Unplanned};
+use parameters::check;
 use planner_view::free_space::FreeSpace;
 use planner_view::view::{RobotView, View};
 use sim_backend::math;
@@ -72,7 +73,7 @@ fn straight(ask: &Ask) -> Trajectory {
 
 impl Rig {
     fn new(params: NavigatorParams, goals: &[[f64; 2]], discs: &[(f64, f64, f64)]) -> Self {
-        params.validate().unwrap();
+        check(&params).unwrap();
         let goals = goals.iter().copied().map(Point2::from).collect();
         let model = RobotModel::turtlebot3_burger();
         Self {

@@ -4,17 +4,18 @@ use crate::recovery::cat::{CatModulus, CatRecovery};
 use crate::recovery::chebyshev::ChebyshevRecovery;
 use chaotic_maps::{AnySource, Emission};
 use nalgebra::{Point2, Vector2};
+use parameters::{Parameters, ParamsError, above, each, require, unit};
 use patrol::awg::{Awg, AwgParams, Preset};
 use patrol::contour::Contour;
 use patrol::danger::DangerZones;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sim_backend::params::{ParamsError, positive, require};
 
 use crate::layout::{Frame, Layout, Slot};
 use crate::predictors::key::Finder;
 
 /// Which cat map.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum CatKind {
     /// Modulo a prime near 2⁶³.
@@ -27,16 +28,19 @@ pub enum CatKind {
 }
 
 /// What is known of a patrol that puts in waypoints by a cat map (cat-map patrol paper).
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct CatKnowledge {
-    /// The route [m], at least two points.
+    /// The route, at least two points.
+    #[schemars(transform = each(each(unit("m"))))]
     pub contour: Vec<[f64; 2]>,
     /// Whether it ends where it began.
     pub closed: bool,
-    /// Time in which a lap is to be done [s], > 0.
+    /// Time in which a lap is to be done.
+    #[schemars(transform = above(0).unit("s"))]
     pub t_max: f64,
-    /// Width of the zig-zag [m], > 0.
+    /// Width of the zig-zag.
+    #[schemars(transform = above(0).unit("m"))]
     pub alpha: f64,
     /// The formulas' variant.
     pub preset: Preset,
@@ -60,22 +64,18 @@ impl Default for CatKnowledge {
     }
 }
 
-impl CatKnowledge {
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// [`ParamsError`] naming the first field that cannot be used.
-    pub fn validate(&self) -> Result<(), ParamsError> {
+impl Parameters for CatKnowledge {
+    fn check_relations(&self) -> Result<(), ParamsError> {
         self.layout().map(|_| ())
     }
+}
 
+impl CatKnowledge {
     /// The goals of a lap; of an open route, of a lap there and one back.
     ///
     /// # Errors
     /// [`ParamsError`] naming the first field that cannot be used.
     pub fn layout(&self) -> Result<Layout, ParamsError> {
-        positive("t_max", self.t_max)?;
-        positive("alpha", self.alpha)?;
         let points: Vec<Point2<f64>> = self.contour.iter().map(|&p| Point2::from(p)).collect();
         let contour = if self.closed {
             Contour::closed(&points)
@@ -142,7 +142,7 @@ impl Finder for CatRecovery {
 }
 
 /// Which function of a Chebyshev map's state is given out.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum ChebyshevForm {
     /// Its arcsine: uniform.
@@ -153,10 +153,11 @@ pub enum ChebyshevForm {
 }
 
 /// What is known of a coverage by two Chebyshev maps (Chebyshev coverage paper).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ChebyshevKnowledge {
-    /// The rectangle in which sub-goals lie: smallest x and y, largest x and y [m].
+    /// The rectangle in which sub-goals lie: smallest x and y, largest x and y.
+    #[schemars(transform = each(unit("m")))]
     pub rectangle: [f64; 4],
     /// What is given out.
     pub form: ChebyshevForm,
@@ -171,15 +172,13 @@ impl Default for ChebyshevKnowledge {
     }
 }
 
-impl ChebyshevKnowledge {
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// [`ParamsError`] naming the first field that cannot be used.
-    pub fn validate(&self) -> Result<(), ParamsError> {
+impl Parameters for ChebyshevKnowledge {
+    fn check_relations(&self) -> Result<(), ParamsError> {
         self.layout().map(|_| ())
     }
+}
 
+impl ChebyshevKnowledge {
     /// The one goal that is drawn again and again.
     ///
     /// # Errors

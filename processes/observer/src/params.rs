@@ -1,7 +1,8 @@
 //! Parameters of an observer.
 
+use parameters::{Parameters, ParamsError, above, at_least, each, require, unit, within};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sim_backend::params::{ParamsError, not_negative, positive, require, within};
 use tracking::params::FilterParams;
 
 use crate::knowledge::{CatKnowledge, ChebyshevKnowledge};
@@ -12,7 +13,7 @@ const MOST_HORIZONS: usize = 32;
 const LONGEST_HORIZON: f64 = 600.0;
 
 /// A method that needs no knowledge of how goals are made.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
     /// A Kalman filter of constant velocity.
@@ -39,16 +40,21 @@ impl Method {
 }
 
 /// How well an observer sees.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct EyesParams {
-    /// Standard deviation of x and of y [m], ≥ 0.
+    /// Standard deviation of x and of y.
+    #[schemars(transform = at_least(0).unit("m"))]
     pub noise: f64,
-    /// Standard deviation of the heading [rad], ≥ 0.
+    /// Standard deviation of the heading.
+    #[schemars(transform = at_least(0).unit("rad"))]
     pub heading_noise: f64,
-    /// Largest distance at which a robot is seen [m], > 0; unlimited if absent.
+    /// Largest distance at which a robot is seen; unlimited if absent.
+    #[schemars(transform = above(0).unit("m"))]
     pub range: Option<f64>,
 }
+
+impl Parameters for EyesParams {}
 
 impl Default for EyesParams {
     fn default() -> Self {
@@ -61,27 +67,32 @@ impl Default for EyesParams {
 }
 
 /// Parameters of an observer.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ObserverParams {
     /// Names of the robots that it watches; empty: all that it does not look from.
     pub watch: Vec<String>,
-    /// Fixed places from which it looks [m]. Without any, and without `from_robots`, it sees
+    /// Fixed places from which it looks. Without any, and without `from_robots`, it sees
     /// everything always.
+    #[schemars(transform = each(each(unit("m"))))]
     pub from_points: Vec<[f64; 2]>,
     /// Names of the robots from which it looks.
     pub from_robots: Vec<String>,
     /// How well it sees.
     pub eyes: EyesParams,
-    /// Time between two messages [s], > 0, rounded to whole ticks.
+    /// Time between two messages, rounded to whole ticks.
+    #[schemars(transform = above(0).unit("s"))]
     pub period_s: f64,
-    /// How far ahead it predicts [s], each > 0, rounded to whole ticks.
+    /// How far ahead it predicts, each, rounded to whole ticks.
+    #[schemars(length(min = 1, max = MOST_HORIZONS), transform = each(above(0).at_most(LONGEST_HORIZON).unit("s")))]
     pub horizons_s: Vec<f64>,
     /// By which methods, besides those that the knowledge below allows.
     pub methods: Vec<Method>,
-    /// Distance from its goal at which a watched robot turns to the next one [m], ≥ 0.
+    /// Distance from its goal at which a watched robot turns to the next one.
+    #[schemars(transform = at_least(0).unit("m"))]
     pub arrival: f64,
-    /// Spectral density of the acceleration in the Kalman filter [m²/s³], ≥ 0.
+    /// Spectral density of the acceleration in the Kalman filter [m²/s³].
+    #[schemars(transform = at_least(0).unit("m²/s³"))]
     pub acceleration: f64,
     /// The particle filters.
     pub filter: FilterParams,
@@ -110,55 +121,19 @@ impl Default for ObserverParams {
     }
 }
 
-impl ObserverParams {
-    /// Checks every field. That the names are those of robots is checked where the run is known.
-    ///
-    /// # Errors
-    /// [`ParamsError`] naming the first field that is out of range.
-    pub fn validate(&self) -> Result<(), ParamsError> {
-        for (index, point) in self.from_points.iter().enumerate() {
-            let [x, y] = point;
-            require(
-                point.iter().all(|c| c.is_finite()),
-                &format!("from_points.{index}"),
-                &format!("[{x}, {y}]"),
-                "two finite numbers",
-            )?;
-        }
-        not_negative("eyes.noise", self.eyes.noise)?;
-        not_negative("eyes.heading_noise", self.eyes.heading_noise)?;
-        if let Some(range) = self.eyes.range {
-            positive("eyes.range", range)?;
-        }
-        positive("period_s", self.period_s)?;
-        require(
-            (1..=MOST_HORIZONS).contains(&self.horizons_s.len()),
-            "horizons_s",
-            &format!("{} numbers", self.horizons_s.len()),
-            "1 to 32 numbers",
-        )?;
-        for (index, &horizon) in self.horizons_s.iter().enumerate() {
-            require(
-                horizon > 0.0 && horizon <= LONGEST_HORIZON,
-                &format!("horizons_s.{index}"),
-                &horizon,
-                "a time above 0 and at most 600 s",
-            )?;
-        }
+impl Parameters for ObserverParams {
+    fn check_relations(&self) -> Result<(), ParamsError> {
         require(
             !(self.methods.is_empty() && self.cat.is_none() && self.chebyshev.is_none()),
             "methods",
             &"empty",
             "at least one method, or knowledge in `cat` or `chebyshev`",
         )?;
-        not_negative("arrival", self.arrival)?;
-        not_negative("acceleration", self.acceleration)?;
-        self.filter.validate()?;
         if let Some(cat) = &self.cat {
-            cat.validate().map_err(within("cat"))?;
+            cat.check_relations().map_err(within("cat"))?;
         }
         if let Some(chebyshev) = &self.chebyshev {
-            chebyshev.validate().map_err(within("chebyshev"))?;
+            chebyshev.check_relations().map_err(within("chebyshev"))?;
         }
         Ok(())
     }

@@ -9,7 +9,7 @@ use nalgebra::Point2;
 use rand_chacha::ChaCha8Rng;
 use runtime::grids::{blurred_map, map_grids};
 use runtime::inputs::{MapInput, StateInput, reply_stamp};
-use runtime::kind::{Lookout, ParamsFault};
+use runtime::kind::Lookout;
 use runtime::{Clock, Process, ProcessConfig, ProcessError, ProcessKind};
 use sim_backend::pose::Pose2;
 use sim_backend::spec::RobotSpec;
@@ -68,10 +68,6 @@ impl ProcessKind for ObserverProcess {
         "watches robots, predicts where they will be, and measures how wrong it was";
 
     type Params = ObserverParams;
-
-    fn check_params(params: &ObserverParams) -> Result<(), ParamsFault> {
-        params.validate().map_err(ParamsFault::from)
-    }
 
     /// It looks from its robots and places; without any it is told everything.
     fn lookout(params: &ObserverParams, _: &[usize], robots: &[RobotSpec]) -> Option<Lookout> {

@@ -1,17 +1,19 @@
 //! Parameters of the process.
 
+use parameters::{Parameters, between};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sim_backend::params::{ParamsError, require};
 
 /// Most threads that plan.
 const MAX_WORKERS: u32 = 16;
 
 /// Parameters of the process `optimiser`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct OptimiserParams {
     /// Threads that plan: requests that are worked on at the same time, 1…16. (A run in one process
     /// answers one after the other.)
+    #[schemars(transform = between(1, MAX_WORKERS))]
     pub workers: u32,
 }
 
@@ -21,17 +23,4 @@ impl Default for OptimiserParams {
     }
 }
 
-impl OptimiserParams {
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// [`ParamsError`] naming the first field that is out of range.
-    pub fn validate(&self) -> Result<(), ParamsError> {
-        require(
-            (1..=MAX_WORKERS).contains(&self.workers),
-            "workers",
-            &self.workers,
-            "a number from 1 to 16",
-        )
-    }
-}
+impl Parameters for OptimiserParams {}

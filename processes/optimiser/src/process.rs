@@ -2,7 +2,7 @@
 
 use ipc_types::bus::{Attendant, Bus};
 use ipc_types::topics::OptimiserPlan;
-use runtime::kind::{ParamsFault, Product};
+use runtime::kind::Product;
 use runtime::{Process, ProcessConfig, ProcessError, ProcessKind};
 
 use crate::params::OptimiserParams;
@@ -31,10 +31,6 @@ impl ProcessKind for OptimiserProcess {
     const MAKES: &'static [Product] = &[Product::Plans];
 
     type Params = OptimiserParams;
-
-    fn check_params(params: &OptimiserParams) -> Result<(), ParamsFault> {
-        params.validate().map_err(ParamsFault::from)
-    }
 
     fn open(
         config: &ProcessConfig,

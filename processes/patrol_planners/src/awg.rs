@@ -2,6 +2,7 @@
 
 mod params;
 
+use parameters::check;
 use std::collections::VecDeque;
 
 use chaotic_maps::AnySource;
@@ -49,7 +50,7 @@ impl PatrolAwg {
         model: &RobotModel,
         seed: u64,
     ) -> Result<Self, PatrolError> {
-        params.validate()?;
+        check(params)?;
         let drive = Drive::of(model)?;
         let go_to = &params.driver.go_to;
         let mission = params.mission.prepare(&drive, go_to, seed)?;

@@ -2,6 +2,7 @@
 
 mod params;
 
+use parameters::{check, within};
 use std::collections::VecDeque;
 
 use chaotic_maps::AnySource;
@@ -15,7 +16,6 @@ use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
 use planner_view::waypoint::{Waypoint, WaypointKind, WaypointReport};
-use sim_backend::params::within;
 use sim_backend::spec::RobotModel;
 use steering::waypoint_driver::{Situation, WaypointDriver};
 
@@ -90,7 +90,7 @@ impl PatrolFto {
         model: &RobotModel,
         seed: u64,
     ) -> Result<Self, PatrolError> {
-        params.validate()?;
+        check(params)?;
         let mission = params.mission.prepare(drive, &params.driver.go_to, seed)?;
         let source = mission.key.source().map_err(MissionError::Key)?;
         let laps = mission.awg.clone().laps(source);

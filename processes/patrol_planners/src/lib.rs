@@ -13,7 +13,6 @@ mod check;
 mod fto;
 pub mod process;
 
-use patrol::fto::FtoError;
 use patrol::mission::MissionError;
 use sim_backend::params::ParamsError;
 use thiserror::Error;
@@ -27,9 +26,6 @@ pub enum PatrolError {
     /// What was ordered cannot be.
     #[error("mission: {0}")]
     Mission(#[from] MissionError),
-    /// The fictive obstacles cannot be.
-    #[error("fto: {0}")]
-    Fto(#[from] FtoError),
     /// A parameter or a limit of the robot is out of its range.
     #[error(transparent)]
     Params(#[from] ParamsError),

@@ -1,29 +1,19 @@
 //! Wires the planners to their topics: state, map and scan in; command, plan and waypoints out.
 
-use patrol::mission::{Drive, MissionError};
+use patrol::mission::Drive;
 use planner::{PlannedPoint, Planner, PlannerInputs};
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
 use planner_view::waypoint::WaypointReport;
 use runtime::config::RobotInfo;
-use runtime::kind::{ParamsFault, Task, TaskFault};
+use runtime::kind::{Task, TaskFault};
 
 use crate::check::check_task;
-use crate::{PatrolAwg, PatrolAwgParams, PatrolError, PatrolFto, PatrolFtoParams};
+use crate::{PatrolAwg, PatrolAwgParams, PatrolFto, PatrolFtoParams};
 
 /// Waypoints that may end in a tick, at most.
 const WAYPOINTS: usize = 64;
-
-/// The parameter that a patrol is refused for.
-fn fault(error: PatrolError) -> ParamsFault {
-    match error {
-        PatrolError::Params(error) => error.into(),
-        PatrolError::Mission(MissionError::Params(error)) => error.within("mission").into(),
-        PatrolError::Mission(error) => ParamsFault::named_in("mission", &error),
-        PatrolError::Fto(error) => ParamsFault::named_in("fto", &error),
-    }
-}
 
 /// The inputs of a patrol, with the exact shapes if it knows the obstacles.
 fn inputs(obstacles_known: bool) -> PlannerInputs {
@@ -45,10 +35,6 @@ impl Planner for PatrolAwgPlanner {
     type Params = PatrolAwgParams;
 
     const WAYPOINTS: usize = WAYPOINTS;
-
-    fn check_params(params: &PatrolAwgParams) -> Result<(), ParamsFault> {
-        params.validate().map_err(fault)
-    }
 
     fn check_task(params: &PatrolAwgParams, task: &Task<'_>, seed: u64) -> Result<(), TaskFault> {
         let known = params.obstacles_known;
@@ -93,10 +79,6 @@ impl Planner for PatrolFtoPlanner {
     type Params = PatrolFtoParams;
 
     const WAYPOINTS: usize = WAYPOINTS;
-
-    fn check_params(params: &PatrolFtoParams) -> Result<(), ParamsFault> {
-        params.validate().map_err(fault)
-    }
 
     fn check_task(params: &PatrolFtoParams, task: &Task<'_>, seed: u64) -> Result<(), TaskFault> {
         let known = params.obstacles_known;

@@ -2,6 +2,7 @@
 
 mod support;
 
+use parameters::check;
 use patrol::mission::Drive;
 use patrol_planners::{PatrolFto, PatrolFtoParams};
 use planner_view::map::PlannerMap;
@@ -138,7 +139,7 @@ fn the_mixture_has_fictive_obstacles_along_the_large_obstacle_only() {
 fn parameters_that_cannot_be_are_named() {
     let refused = |more: &str| {
         let params: PatrolFtoParams = toml::from_str(&(more.to_owned() + SQUARE)).unwrap();
-        params.validate().unwrap_err().to_string()
+        check(&params).unwrap_err().to_string()
     };
     assert!(refused("fto = { radius = 0.0 }\n").starts_with("fto: `radius` is 0"));
     assert!(refused("mixed = { retry_laps = 0 }\n").starts_with("`mixed.retry_laps` is 0"));

@@ -7,7 +7,7 @@ use ipc_types::stamp::{PlainHeader, Stamp};
 use ipc_types::topics::{Belief, Sightings};
 use runtime::grids::{blurred_map, map_grids};
 use runtime::inputs::{MapInput, StateInput, reply_stamp};
-use runtime::kind::{Lookout, ParamsFault, Product};
+use runtime::kind::{Lookout, Product};
 use runtime::{Clock, Process, ProcessConfig, ProcessError, ProcessKind};
 use sim_backend::pose::Pose2;
 use sim_backend::spec::RobotSpec;
@@ -39,10 +39,6 @@ impl ProcessKind for PerceptionProcess {
     const MAKES: &'static [Product] = &[Product::Beliefs];
 
     type Params = PerceptionParams;
-
-    fn check_params(params: &PerceptionParams) -> Result<(), ParamsFault> {
-        params.validate().map_err(ParamsFault::from)
-    }
 
     fn presets() -> Vec<(&'static str, PerceptionParams)> {
         vec![("paper", PerceptionParams::paper())]

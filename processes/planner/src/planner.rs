@@ -2,6 +2,7 @@
 
 use core::any::Any;
 use core::fmt;
+use parameters::Parameters;
 
 use ipc_types::bus::Bus;
 use ipc_types::messages::robot::TreeEdge;
@@ -13,9 +14,7 @@ use planner_view::waypoint::WaypointReport;
 use rand::Rng as _;
 use runtime::config::{ProcessConfig, RobotInfo};
 use runtime::error::ProcessError;
-use runtime::kind::{Need, ParamsFault, Task, TaskFault};
-use serde::Serialize;
-use serde::de::DeserializeOwned;
+use runtime::kind::{Need, Task, TaskFault};
 use sim_backend::spec::Region;
 
 use crate::outputs::{PlannedPoint, headed_for};
@@ -41,27 +40,13 @@ pub trait Planner: Sized + 'static {
     const SUMMARY: &'static str;
 
     /// Its parameters. All of them have defaults.
-    type Params: Serialize
-        + DeserializeOwned
-        + Default
-        + Clone
-        + PartialEq
-        + fmt::Debug
-        + Send
-        + Sync
-        + 'static;
+    type Params: Parameters + Default + Clone + PartialEq + fmt::Debug + Send + Sync;
 
     /// Most edges of a tree that it publishes; 0 for a planner without trees.
     const TREE_EDGES: usize = 0;
 
     /// Most waypoints that may end in one tick; 0 for a planner without waypoints.
     const WAYPOINTS: usize = 0;
-
-    /// Checks the parameters by themselves.
-    ///
-    /// # Errors
-    /// The first parameter that is out of range, or that does not go with the others.
-    fn check_params(params: &Self::Params) -> Result<(), ParamsFault>;
 
     /// Sets of parameters that `params.preset` names; keys beside it change single values.
     fn presets() -> Vec<(&'static str, Self::Params)> {

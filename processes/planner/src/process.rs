@@ -14,7 +14,7 @@ use runtime::error::ProcessError;
 use runtime::inputs::{
     BeliefInput, Latest, MapInput, ScanInput, ShapesInput, StateInput, reply_stamp,
 };
-use runtime::kind::{Need, ParamsFault, Process, ProcessKind, Product, Task, TaskFault};
+use runtime::kind::{Need, Process, ProcessKind, Product, Task, TaskFault};
 use sim_backend::pose::Pose2;
 use sim_backend::spec::Region;
 
@@ -59,10 +59,6 @@ impl<P: Planner> ProcessKind for PlannerProcess<P> {
     };
 
     type Params = P::Params;
-
-    fn check_params(params: &P::Params) -> Result<(), ParamsFault> {
-        P::check_params(params)
-    }
 
     fn presets() -> Vec<(&'static str, P::Params)> {
         P::presets()

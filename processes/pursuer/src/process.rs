@@ -5,7 +5,6 @@ use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
 use runtime::config::RobotInfo;
-use runtime::kind::ParamsFault;
 
 use crate::{Pursuer, PursuerParams};
 
@@ -18,10 +17,6 @@ impl Planner for PursuerPlanner {
     const SUMMARY: &'static str = "chases evaders as one of a team";
 
     type Params = PursuerParams;
-
-    fn check_params(params: &PursuerParams) -> Result<(), ParamsFault> {
-        parameters::check(params).map_err(ParamsFault::from)
-    }
 
     fn presets() -> Vec<(&'static str, PursuerParams)> {
         vec![("paper", PursuerParams::paper())]

@@ -1,17 +1,20 @@
 //! Parameters of the referee.
 
 use navigation::dominance::DominanceParams;
+use parameters::{Parameters, at_least};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sim_backend::params::{ParamsError, not_negative, within};
 
 /// Parameters of a [`Referee`](crate::Referee).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct RefereeParams {
-    /// Time between two verdicts [s], ≥ 0, rounded to whole ticks; 0 for a verdict in every tick.
+    /// Time between two verdicts, rounded to whole ticks; 0 for a verdict in every tick.
+    #[schemars(transform = at_least(0).unit("s"))]
     pub period_s: f64,
-    /// Time between two pictures of who reaches what first [s], ≥ 0, rounded to whole ticks; 0 for
+    /// Time between two pictures of who reaches what first, rounded to whole ticks; 0 for
     /// no pictures.
+    #[schemars(transform = at_least(0).unit("s"))]
     pub cells_period_s: f64,
     /// How finely it is computed.
     pub dominance: DominanceParams,
@@ -27,30 +30,22 @@ impl Default for RefereeParams {
     }
 }
 
-impl RefereeParams {
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// [`ParamsError`] naming the first field that is out of range.
-    pub fn validate(&self) -> Result<(), ParamsError> {
-        not_negative("period_s", self.period_s)?;
-        not_negative("cells_period_s", self.cells_period_s)?;
-        self.dominance.validate().map_err(within("dominance"))
-    }
-}
+impl Parameters for RefereeParams {}
 
 #[cfg(test)]
 mod tests {
+    use parameters::check;
+
     use super::*;
 
     #[test]
     fn errors_carry_the_path_of_the_field_and_unknown_keys_are_refused() {
-        RefereeParams::default().validate().unwrap();
+        check(&RefereeParams::default()).unwrap();
         let params: RefereeParams = toml::from_str("dominance = { pitch = -0.1 }").unwrap();
-        let error = params.validate().unwrap_err();
+        let error = check(&params).unwrap_err();
         assert_eq!(
             error.to_string(),
-            "`dominance.pitch` is -0.1, but must be a finite number above 0"
+            "`dominance.pitch` is -0.1, but must be a finite number above 0 (m)"
         );
         assert!(toml::from_str::<RefereeParams>("periods = 1").is_err());
     }

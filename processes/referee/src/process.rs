@@ -11,7 +11,6 @@ use planner::{planner_map, robot_views};
 use planner_view::map::PlannerMap;
 use planner_view::view::RobotView;
 use runtime::inputs::{MapInput, StateInput, reply_stamp};
-use runtime::kind::ParamsFault;
 use runtime::{Clock, Process, ProcessConfig, ProcessError, ProcessKind};
 use sim_backend::team::Team;
 
@@ -66,10 +65,6 @@ impl ProcessKind for RefereeProcess {
         "says who reaches what first, and which evader can still be sure of an escape";
 
     type Params = RefereeParams;
-
-    fn check_params(params: &RefereeParams) -> Result<(), ParamsFault> {
-        params.validate().map_err(ParamsFault::from)
-    }
 
     fn open(
         config: &ProcessConfig,

@@ -2,12 +2,10 @@
 
 use core::any::Any;
 use core::fmt;
+use parameters::Parameters;
 
 use ipc_types::bus::Bus;
-use serde::Serialize;
-use serde::de::DeserializeOwned;
 use sim_backend::map::{MapSpec, WorldMap};
-use sim_backend::params::ParamsError;
 use sim_backend::spec::RobotSpec;
 use sim_backend::visibility::polygon::SightLimits;
 
@@ -61,21 +59,7 @@ pub trait ProcessKind: Process + Sized + 'static {
     const MAKES: &'static [Product] = &[];
 
     /// Its parameters. All of them have defaults.
-    type Params: Serialize
-        + DeserializeOwned
-        + Default
-        + Clone
-        + PartialEq
-        + fmt::Debug
-        + Send
-        + Sync
-        + 'static;
-
-    /// Checks the parameters by themselves.
-    ///
-    /// # Errors
-    /// The first parameter that is out of range, or that does not go with the others.
-    fn check_params(params: &Self::Params) -> Result<(), ParamsFault>;
+    type Params: Parameters + Default + Clone + PartialEq + fmt::Debug + Send + Sync;
 
     /// Sets of parameters that `params.preset` names; keys beside it change single values.
     fn presets() -> Vec<(&'static str, Self::Params)> {
@@ -134,7 +118,7 @@ pub fn open<K: ProcessKind>(
     params: &K::Params,
     bus: &Bus,
 ) -> Result<K, ProcessError> {
-    K::check_params(params).map_err(|fault| ProcessError::Params {
+    parameters::check(params).map_err(|fault| ProcessError::Params {
         process: config.name.clone(),
         kind: config.kind.clone(),
         reason: fault.to_string(),
@@ -188,34 +172,6 @@ pub struct Task<'a> {
     pub ground: &'a WorldMap,
     /// Seed of the run.
     pub run_seed: u64,
-}
-
-/// Why the parameters of a process are refused.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum ParamsFault {
-    /// A value is out of its range.
-    #[error(transparent)]
-    Field(#[from] ParamsError),
-    /// Values that do not go together, or a table that makes no sense.
-    #[error("{message}")]
-    Refused {
-        /// Dotted path of the parameter inside `params` at which it shows.
-        field: String,
-        /// What is wrong with it and what to change.
-        message: String,
-    },
-}
-
-impl ParamsFault {
-    /// A refusal at the parameter of a table that its text names first, between backticks.
-    pub fn named_in(table: &str, error: &dyn fmt::Display) -> Self {
-        let message = error.to_string();
-        let field = match message.split('`').nth(1) {
-            Some(named) => format!("{table}.{named}"),
-            None => table.to_owned(),
-        };
-        Self::Refused { field, message }
-    }
 }
 
 /// Why a process cannot do what it is told with a robot on a map.

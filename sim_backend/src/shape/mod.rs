@@ -10,6 +10,7 @@ pub use convex::{Aabb, Contact, Convex};
 pub use travel::ShortArc;
 
 use nalgebra::Point2;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::math;
@@ -27,7 +28,7 @@ pub const MAX_CONCAVE_VERTICES: usize = 512;
 /// In TOML: `{ circle = { center = [0, 0], radius = 1 } }`,
 /// `{ rectangle = { center = [0, 0], half_extents = [1, 0.5], angle = 0.3 } }` or
 /// `{ polygon = { vertices = [[0, 0], [1, 0], [0, 1]] } }`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Shape {
     /// A disc.

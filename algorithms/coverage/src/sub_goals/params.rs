@@ -1,13 +1,15 @@
 //! Parameters that all planners of sub-goals share.
 
+use crate::workplace::LEAST_TOLERANCE;
+use parameters::{Parameters, ParamsError, above, at_least, positive, within};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sim_backend::params::{ParamsError, not_negative, positive, require, within};
 use steering::go_to::GoToParams;
 use steering::path_tracking::TrackingParams;
 use steering::waypoint_driver::DriverParams;
 
 /// How the robot gets from sub-goal to sub-goal (Chebyshev coverage paper, Fig. 9).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Interpolation {
     /// Straight legs; it stops and turns at each sub-goal. Goes around obstacles that its range
@@ -20,17 +22,20 @@ pub enum Interpolation {
 }
 
 /// Parameters that all planners of sub-goals share.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct FollowParams {
-    /// How far rectangles may stick out of the obstacles that they stand for [m], ≥ 10⁻⁶.
+    /// How far rectangles may stick out of the obstacles that they stand for, ≥ 10⁻⁶.
+    #[schemars(transform = at_least(LEAST_TOLERANCE).unit("m"))]
     pub tolerance: f64,
-    /// Distance that the robot's body keeps from obstacles and walls where it is planned to be [m],
-    /// ≥ 0: a robot on wheels strays from its legs.
+    /// Distance that the robot's body keeps from obstacles and walls where it is planned to be,
+    ///: a robot on wheels strays from its legs.
+    #[schemars(transform = at_least(0).unit("m"))]
     pub margin: f64,
     /// The way between sub-goals.
     pub interpolation: Interpolation,
-    /// An arc passes its sub-goal by this at most [m], > 0.
+    /// An arc passes its sub-goal by this at most.
+    #[schemars(transform = above(0).unit("m"))]
     pub most_miss: f64,
     /// How straight legs are driven.
     pub driver: DriverParams,
@@ -64,23 +69,11 @@ impl Default for FollowParams {
     }
 }
 
-impl FollowParams {
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// [`ParamsError`] with the path of the first field that is out of range.
-    pub fn validate(&self) -> Result<(), ParamsError> {
-        let least = crate::workplace::LEAST_TOLERANCE;
-        require(
-            self.tolerance >= least && self.tolerance.is_finite(),
-            "tolerance",
-            &self.tolerance,
-            "a finite number of at least 0.000001 [m]",
-        )?;
-        not_negative("margin", self.margin)?;
-        positive("most_miss", self.most_miss)?;
-        self.driver.validate().map_err(within("driver"))?;
-        self.tracking.validate().map_err(within("tracking"))?;
+impl Parameters for FollowParams {
+    fn check_relations(&self) -> Result<(), ParamsError> {
+        self.tracking
+            .check_relations()
+            .map_err(within("tracking"))?;
         positive("tracking.speed_fraction", self.tracking.speed_fraction)
     }
 }

@@ -1,15 +1,16 @@
 //! Parameters of the dominance regions.
 
+use parameters::{Parameters, above};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use sim_backend::params::{ParamsError, positive};
-
 /// How finely dominance is computed.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct DominanceParams {
-    /// Side of a cell [m], > 0, rounded to whole cells of the map. Cost grows with its inverse
+    /// Side of a cell, rounded to whole cells of the map. Cost grows with its inverse
     /// square.
+    #[schemars(transform = above(0).unit("m"))]
     pub pitch: f64,
 }
 
@@ -19,12 +20,4 @@ impl Default for DominanceParams {
     }
 }
 
-impl DominanceParams {
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// [`ParamsError`] naming the first field that is out of range.
-    pub fn validate(&self) -> Result<(), ParamsError> {
-        positive("pitch", self.pitch)
-    }
-}
+impl Parameters for DominanceParams {}

@@ -109,7 +109,7 @@ fn a_value_out_of_range_is_named_with_range_and_unit() {
         ),
         (
             message(|s| s.times_s = vec![1.0, 0.0]),
-            "`times_s.1` is 0, but must be a finite number above 0 (s)",
+            "`times_s[1]` is 0, but must be a finite number above 0 (s)",
         ),
         (
             message(|s| s.times_s.clear()),
@@ -140,7 +140,7 @@ fn a_number_that_is_not_finite_is_refused_with_or_without_a_range() {
     );
     assert_eq!(
         message(|s| s.corner[1] = f64::INFINITY),
-        "`corner.1` is inf, but must be a finite number"
+        "`corner[1]` is inf, but must be a finite number"
     );
     assert_eq!(
         message(|s| s.alpha = f64::NAN),

@@ -2,11 +2,12 @@
 //! of the generator's points lies.
 
 use nalgebra::Vector2;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// How a segment's length, as a multiple of the patrol's speed, becomes a number of waypoints
 /// (paper, Eq. 10).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Rounding {
     /// Downwards, as printed.
@@ -26,7 +27,7 @@ impl Rounding {
 }
 
 /// Which way the square lies on a segment (paper, Eq. 3).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Frame {
     /// Ahead of the robot, on every segment alike.
@@ -56,7 +57,7 @@ pub struct Mode {
 }
 
 /// Choices with a name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Preset {
     /// The formulas as the paper prints them: floor, atan.

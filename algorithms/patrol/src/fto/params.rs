@@ -1,23 +1,26 @@
 //! Parameters of the fictive obstacles.
 
-use chaotic_maps::{Key, KeyError};
+use chaotic_maps::Key;
+use parameters::{Parameters, ParamsError, above, between, each, require};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sim_backend::params::{ParamsError, fraction, positive, require};
-use thiserror::Error;
 
 /// Parameters of [`Fto`](super::Fto). The defaults are the paper's where it gives any.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct FtoParams {
     /// Key of a generator; the paper's logistic map if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub key: Option<Key>,
-    /// Least and greatest time that one is there [s].
+    /// Least and greatest time that one is there.
+    #[schemars(transform = each(above(0).unit("s")))]
     pub active_s: [f64; 2],
-    /// Radius of an obstacle [m], > 0.
+    /// Radius of an obstacle.
+    #[schemars(transform = above(0).unit("m"))]
     pub radius: f64,
     /// Least distance at which one appears, as a share of the way from the robot's edge to the end
-    /// of its sensor's reach, 0 to 1.
+    /// of its sensor's reach.
+    #[schemars(transform = between(0, 1))]
     pub nearest: f64,
 }
 
@@ -32,35 +35,17 @@ impl Default for FtoParams {
     }
 }
 
-/// Why there are no fictive obstacles.
-#[derive(Debug, Clone, PartialEq, Error)]
-pub enum FtoError {
-    /// A parameter out of its range.
-    #[error(transparent)]
-    Params(#[from] ParamsError),
-    /// A key that cannot be used.
-    #[error("`key`: {0}")]
-    Key(#[from] KeyError),
-}
-
-impl FtoParams {
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// [`FtoError`] for the first field that is out of range.
-    pub fn validate(&self) -> Result<(), FtoError> {
+impl Parameters for FtoParams {
+    fn check_relations(&self) -> Result<(), ParamsError> {
         if let Some(key) = &self.key {
             key.validate()?;
         }
         let [low, high] = self.active_s;
         require(
-            low > 0.0 && low <= high && high.is_finite(),
+            low <= high,
             "active_s",
             &format!("[{low}, {high}]"),
-            "two finite numbers above 0, the greater one last [s]",
-        )?;
-        positive("radius", self.radius)?;
-        fraction("nearest", self.nearest)?;
-        Ok(())
+            "two finite numbers above 0, the greater one last (s)",
+        )
     }
 }

@@ -1,3 +1,4 @@
+use parameters::check;
 use proptest::prelude::*;
 
 use super::*;
@@ -168,13 +169,13 @@ fn parameters_out_of_range_are_named() {
     let bad = |change: fn(&mut TrackingParams)| {
         let mut params = TrackingParams::default();
         change(&mut params);
-        params.validate().unwrap_err().field
+        check(&params).unwrap_err().field
     };
     assert_eq!(bad(|p| p.look_ahead = 0.0), "look_ahead");
     assert_eq!(bad(|p| p.least_look_ahead = 1.0), "least_look_ahead");
     assert_eq!(bad(|p| p.turn_on_spot = 4.0), "turn_on_spot");
     assert_eq!(bad(|p| p.omega_cap = Some(-1.0)), "omega_cap");
-    TrackingParams::default().validate().unwrap();
+    check(&TrackingParams::default()).unwrap();
 }
 
 proptest! {

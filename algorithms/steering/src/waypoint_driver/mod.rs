@@ -12,6 +12,7 @@ mod time_model;
 mod turning;
 
 use nalgebra::{Point2, Vector2};
+use parameters::{ParamsError, check, positive};
 use sim_backend::pose::{Pose2, Twist2};
 
 use guard::Guard;
@@ -24,7 +25,6 @@ use planner_view::free_space::FreeSpace;
 use planner_view::limits::Limits;
 use planner_view::view::ScanView;
 use planner_view::waypoint::{Waypoint, WaypointKind, WaypointOutcome, WaypointReport};
-use sim_backend::params::{ParamsError, positive};
 
 /// Most waypoints that are taken up in a tick: a source whose points are all left out shall not
 /// hold up the robot for ever.
@@ -103,7 +103,7 @@ impl WaypointDriver {
     /// # Errors
     /// [`ParamsError`] naming the parameter that is out of range.
     pub fn new(params: DriverParams, limits: Limits, radius: f64) -> Result<Self, ParamsError> {
-        params.validate()?;
+        check(&params)?;
         positive("radius", radius)?;
         Ok(Self {
             params,

@@ -1,35 +1,41 @@
 //! Parameters of the waypoint driver.
 
+use parameters::{Parameters, above};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::go_to::GoToParams;
 use planner_view::limits::Limits;
-use sim_backend::params::{ParamsError, positive, require, within};
 
 /// Least time allowed for a waypoint [s].
 pub const LEAST_TIME_S: f64 = 1.0;
 
 /// Parameters of a [`WaypointDriver`](super::WaypointDriver).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct DriverParams {
     /// How points are driven to; `go_to.arrived` is the tolerance of a waypoint.
     pub go_to: GoToParams,
-    /// Time allowed for a waypoint, as a multiple of what it takes without obstacles, > 0. The
+    /// Time allowed for a waypoint, as a multiple of what it takes without obstacles The
     /// cat-map patrol paper (§3) suggests 2.
+    #[schemars(transform = above(0))]
     pub time_limit_factor: f64,
-    /// Time from a scan to the moment its command can stop the robot [s], > 0; with a scan, the
+    /// Time from a scan to the moment its command can stop the robot; with a scan, the
     /// robot goes no faster than that it stays clear of what it sees for so long.
+    #[schemars(transform = above(0).unit("s"))]
     pub reaction_s: f64,
-    /// Deceleration of the drive [m/s²], > 0; absent: it stops at once, unless the robot's model
+    /// Deceleration of the drive; absent: it stops at once, unless the robot's model
     /// tells otherwise ([`Self::for_drive`]). With a scan, the robot goes no faster than that it can
     /// brake before what it sees.
+    #[schemars(transform = above(0).unit("m/s²"))]
     pub braking: Option<f64>,
-    /// Angular acceleration of the drive [rad/s²], > 0; absent: it turns at once, unless the robot's
+    /// Angular acceleration of the drive; absent: it turns at once, unless the robot's
     /// model tells otherwise. The robot turns no faster than that it can stop turning in time.
+    #[schemars(transform = above(0).unit("rad/s²"))]
     pub angular_acceleration: Option<f64>,
     /// Time in which the robot must get away from where it is by its radius, else the waypoint is
-    /// unreachable [s], > 0.
+    /// unreachable.
+    #[schemars(transform = above(0).unit("s"))]
     pub stuck_s: f64,
 }
 
@@ -45,6 +51,8 @@ impl Default for DriverParams {
         }
     }
 }
+
+impl Parameters for DriverParams {}
 
 impl DriverParams {
     /// These parameters for a robot whose drive has these accelerations [m/s², rad/s²]; where a
@@ -64,27 +72,5 @@ impl DriverParams {
         let time = |speed: f64, rate: Option<f64>| rate.map_or(0.0, |rate| speed / rate);
         time(limits.v_max() * self.go_to.speed_fraction, self.braking)
             + time(limits.omega_max(), self.angular_acceleration)
-    }
-
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// [`ParamsError`] with the path of the first field that is out of range.
-    pub fn validate(&self) -> Result<(), ParamsError> {
-        self.go_to.validate().map_err(within("go_to"))?;
-        positive("time_limit_factor", self.time_limit_factor)?;
-        require(
-            self.reaction_s.is_finite() && self.reaction_s > 0.0,
-            "reaction_s",
-            &self.reaction_s,
-            "a finite number above 0 (a tick of the simulation or more)",
-        )?;
-        for (field, value) in [
-            ("braking", self.braking),
-            ("angular_acceleration", self.angular_acceleration),
-        ] {
-            value.map_or(Ok(()), |value| positive(field, value))?;
-        }
-        positive("stuck_s", self.stuck_s)
     }
 }

@@ -1,11 +1,11 @@
 //! How long ways take without obstacles.
 
 use nalgebra::Point2;
+use parameters::{ParamsError, check, positive, require};
 use sim_backend::pose::Pose2;
 
 use crate::go_to::{GoToParams, bearing, coast, distance_to_segment, go_to};
 use planner_view::limits::Limits;
-use sim_backend::params::{ParamsError, positive, require};
 
 /// Longest lap that is simulated [ticks].
 const MOST_TICKS: f64 = 1e7;
@@ -42,7 +42,7 @@ pub fn lap_time(
     params: &GoToParams,
     dt: f64,
 ) -> Result<f64, ParamsError> {
-    params.validate()?;
+    check(params)?;
     positive("dt", dt)?;
     require(start.is_finite(), "start", &"not finite", "finite numbers")?;
     let mut pose = *start;

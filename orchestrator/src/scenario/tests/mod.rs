@@ -8,17 +8,18 @@ mod properties;
 mod resolve;
 
 use ipc_types::bus::Bus;
-use runtime::kind::{Need, ParamsFault, Product};
+use parameters::{Parameters, ParamsError};
+use runtime::kind::{Need, Product};
 use runtime::{Process, ProcessConfig, ProcessError, ProcessKind};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sim_backend::params::ParamsError;
 
 use super::files::Base;
 use super::kind::Kind;
 use super::{Loader, ResolvedScenario};
 
 /// Parameters of the kinds below.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 struct Params {
     knowledge: Knowledge,
@@ -26,7 +27,7 @@ struct Params {
     gain: f64,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 enum Knowledge {
     Belief,
@@ -43,16 +44,12 @@ impl Default for Params {
     }
 }
 
-impl Params {
-    fn validate(&self) -> Result<(), ParamsError> {
+impl Parameters for Params {
+    fn check_relations(&self) -> Result<(), ParamsError> {
         if self.gain >= 0.0 {
             return Ok(());
         }
-        Err(ParamsError {
-            field: "gain".into(),
-            value: self.gain.to_string(),
-            expected: "a number ≥ 0".into(),
-        })
+        Err(ParamsError::new("gain", &self.gain, "a number ≥ 0"))
     }
 }
 
@@ -76,10 +73,6 @@ macro_rules! kinds {
                 const NAME: &'static str = $name;
                 const SUMMARY: &'static str = "";
                 type Params = Params;
-
-                fn check_params(params: &Params) -> Result<(), ParamsFault> {
-                    Ok(params.validate()?)
-                }
 
                 fn open(_: &ProcessConfig, _: &Params, _: &Bus) -> Result<Self, ProcessError> {
                     Ok(Self)

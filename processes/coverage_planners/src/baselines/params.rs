@@ -2,29 +2,26 @@
 
 use chaotic_maps::Key;
 use coverage::sub_goals::params::FollowParams;
+use parameters::{Parameters, ParamsError, within};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sim_backend::params::{ParamsError, within};
 
 /// Parameters of the boustrophedon.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct BoustrophedonParams {
     /// What all planners of sub-goals share.
     pub follow: FollowParams,
 }
 
-impl BoustrophedonParams {
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// [`ParamsError`] with the path of the first field that is out of range.
-    pub fn validate(&self) -> Result<(), ParamsError> {
-        self.follow.validate().map_err(within("follow"))
+impl Parameters for BoustrophedonParams {
+    fn check_relations(&self) -> Result<(), ParamsError> {
+        self.follow.check_relations().map_err(within("follow"))
     }
 }
 
 /// Parameters of the random baselines.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct RandomParams {
     /// The key, `keyed:` and 64 hexadecimal digits; absent: made from the seed of the run.
@@ -33,13 +30,9 @@ pub struct RandomParams {
     pub follow: FollowParams,
 }
 
-impl RandomParams {
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// [`ParamsError`] with the path of the first field that is out of range.
-    pub fn validate(&self) -> Result<(), ParamsError> {
+impl Parameters for RandomParams {
+    fn check_relations(&self) -> Result<(), ParamsError> {
         crate::require_secret(self.key)?;
-        self.follow.validate().map_err(within("follow"))
+        self.follow.check_relations().map_err(within("follow"))
     }
 }

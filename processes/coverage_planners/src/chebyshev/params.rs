@@ -4,23 +4,26 @@ use chaotic_maps::{Emission, Key, KeyKind};
 use coverage::sub_goals::FollowParams;
 use coverage::tour::{Iterations, Route};
 use coverage::transit::Transit;
+use parameters::{Parameters, ParamsError, each, require, unit, within};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sim_backend::params::{ParamsError, require, within};
 
 /// A bridge between rectangles that share no border.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BridgeParams {
     /// The rectangles that it joins, by number.
     pub between: [usize; 2],
-    /// Its corner with the smaller coordinates [m].
+    /// Its corner with the smaller coordinates.
+    #[schemars(transform = each(unit("m")))]
     pub min: [f64; 2],
-    /// Its corner with the larger coordinates [m].
+    /// Its corner with the larger coordinates.
+    #[schemars(transform = each(unit("m")))]
     pub max: [f64; 2],
 }
 
 /// Parameters of the chaotic coverage planner.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ChebyshevParams {
     /// Generator and key, such as `chebp-raw:123,456`; absent: `map` with a key made from the seed
@@ -58,34 +61,24 @@ impl Default for ChebyshevParams {
     }
 }
 
-impl ChebyshevParams {
-    /// Checks every field that can be checked without the map.
-    ///
-    /// # Errors
-    /// [`ParamsError`] with the path of the first field that is out of range.
-    pub fn validate(&self) -> Result<(), ParamsError> {
-        if let Some(key) = &self.key
-            && let Err(error) = key.validate()
-        {
-            return Err(ParamsError::new("key", &error, "a sound key"));
+impl Parameters for ChebyshevParams {
+    fn check_relations(&self) -> Result<(), ParamsError> {
+        if let Some(key) = &self.key {
+            key.validate()?;
         }
         let none = match &self.iterations {
             Iterations::InAll(n) | Iterations::Each(n) => *n == 0,
             Iterations::By(numbers) => numbers.iter().all(|&n| n == 0),
         };
         require(!none, "iterations", &0, "at least one sub-goal")?;
-        require(
-            self.transit != Transit::Wait { cap: 0 },
-            "transit.wait.cap",
-            &0,
-            "at least 1 sub-goal",
-        )?;
-        self.follow.validate().map_err(within("follow"))
+        self.follow.check_relations().map_err(within("follow"))
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use parameters::check;
+
     use super::*;
 
     #[test]
@@ -102,7 +95,7 @@ mod tests {
             driver = { time_limit_factor = 3.0 }
         ";
         let params: ChebyshevParams = toml::from_str(text).unwrap();
-        params.validate().unwrap();
+        check(&params).unwrap();
         assert_eq!(params.transit, Transit::Wait { cap: 1000 });
         assert_eq!(
             params.follow.interpolation,
@@ -110,7 +103,7 @@ mod tests {
         );
         let again: ChebyshevParams = toml::from_str(&toml::to_string(&params).unwrap()).unwrap();
         assert_eq!(again, params);
-        ChebyshevParams::default().validate().unwrap();
+        check(&ChebyshevParams::default()).unwrap();
         assert!(toml::from_str::<ChebyshevParams>("loop = 1").is_err());
     }
 
@@ -118,9 +111,9 @@ mod tests {
     fn values_out_of_range_are_named() {
         let refusal = |text: &str| {
             let params: ChebyshevParams = toml::from_str(text).unwrap();
-            params.validate().unwrap_err().to_string()
+            check(&params).unwrap_err().to_string()
         };
-        assert!(refusal("key = \"chebp:5,5\"").starts_with("`key` is"));
+        assert!(refusal("key = \"chebp:5,5\"").starts_with("`key`: "));
         assert!(refusal("iterations = { each = 0 }").starts_with("`iterations` is 0"));
         assert!(refusal("transit = { wait = { cap = 0 } }").starts_with("`transit.wait.cap`"));
         assert!(refusal("follow = { tolerance = 0.0 }").starts_with("`follow.tolerance` is 0"));

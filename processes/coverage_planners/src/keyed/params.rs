@@ -3,11 +3,12 @@
 use chaotic_maps::Key;
 use coverage::keyed::KeyedParams;
 use coverage::sub_goals::params::FollowParams;
+use parameters::{Parameters, ParamsError, within};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sim_backend::params::{ParamsError, within};
 
 /// Parameters of the keyed coverage planner.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct KeyedCoverageParams {
     /// The key, `keyed:` and 64 hexadecimal digits; absent: made from the seed of the run.
@@ -32,14 +33,9 @@ impl Default for KeyedCoverageParams {
     }
 }
 
-impl KeyedCoverageParams {
-    /// Checks every field that can be checked without the map.
-    ///
-    /// # Errors
-    /// [`ParamsError`] with the path of the first field that is out of range.
-    pub fn validate(&self) -> Result<(), ParamsError> {
+impl Parameters for KeyedCoverageParams {
+    fn check_relations(&self) -> Result<(), ParamsError> {
         crate::require_secret(self.key)?;
-        self.goals.validate().map_err(within("goals"))?;
-        self.follow.validate().map_err(within("follow"))
+        self.follow.check_relations().map_err(within("follow"))
     }
 }

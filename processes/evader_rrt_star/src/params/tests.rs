@@ -1,4 +1,5 @@
 use super::*;
+use parameters::check;
 
 #[test]
 fn all_presets_are_valid_and_differ() {
@@ -8,7 +9,7 @@ fn all_presets_are_valid_and_differ() {
         RrtStarParams::paper_arc(),
     ];
     for preset in presets {
-        preset.validate().unwrap();
+        check(&preset).unwrap();
     }
     assert_ne!(presets[0], presets[1]);
     assert_ne!(presets[1], presets[2]);
@@ -18,9 +19,8 @@ fn all_presets_are_valid_and_differ() {
 fn a_budget_of_nothing_is_refused() {
     let params: RrtStarParams = toml::from_str("[search]\niterations = 0").unwrap();
     assert_eq!(
-        params.validate().unwrap_err().to_string(),
-        "`search.iterations` is 0, but must be a number from 1 to 1000000: without iterations \
-         there is no plan"
+        check(&params).unwrap_err().to_string(),
+        "`search.iterations` is 0, but must be a whole number between 1 and 1000000"
     );
 }
 
@@ -43,7 +43,7 @@ fn errors_carry_the_path_of_the_field() {
         ("replan = { period_s = 0.0 }", "replan.period_s"),
     ] {
         let params: RrtStarParams = toml::from_str(text).unwrap();
-        assert_eq!(params.validate().unwrap_err().field, field);
+        assert_eq!(check(&params).unwrap_err().field, field);
     }
     assert!(toml::from_str::<RrtStarParams>("iterations = 3").is_err());
 }

@@ -1,13 +1,13 @@
 //! Parameters of the patrol.
 
+use parameters::{Parameters, ParamsError, within};
 use patrol::mission::MissionParams;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use steering::waypoint_driver::DriverParams;
 
-use crate::PatrolError;
-
 /// How fast the patrol goes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Pace {
     /// Each waypoint when it is due ([`patrol::awg::Awg::due_s`]), so that an ally with the key knows
@@ -26,7 +26,7 @@ pub enum Pace {
 /// obstacles_known = true
 /// driver = { go_to = { arrived = 0.1 } }
 /// ```
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PatrolAwgParams {
     /// What is patrolled, in which time, with which key.
@@ -40,15 +40,8 @@ pub struct PatrolAwgParams {
     pub driver: DriverParams,
 }
 
-impl PatrolAwgParams {
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// [`PatrolError`] with the path of the first that does not do.
-    pub fn validate(&self) -> Result<(), PatrolError> {
-        self.mission.validate()?;
-        self.driver
-            .validate()
-            .map_err(|error| PatrolError::Params(error.within("driver")))
+impl Parameters for PatrolAwgParams {
+    fn check_relations(&self) -> Result<(), ParamsError> {
+        self.mission.check_relations().map_err(within("mission"))
     }
 }

@@ -1,15 +1,15 @@
 //! Parameters of the patrol.
 
+use parameters::{Parameters, ParamsError, within};
 use patrol::fto::FtoParams;
 use patrol::mission::MissionParams;
 use patrol::mixed::MixedParams;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use steering::waypoint_driver::DriverParams;
 
-use crate::PatrolError;
-
 /// What makes the patrol hard to predict.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Protection {
     /// Fictive obstacles wherever there is a threat: the baseline.
@@ -26,7 +26,7 @@ pub enum Protection {
 /// mission = { contour = [[1, 1], [1, 11], [11, 11], [11, 1]], t_max = 100 }
 /// fto = { radius = 0.2 }
 /// ```
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PatrolFtoParams {
     /// What makes it hard to predict.
@@ -43,19 +43,9 @@ pub struct PatrolFtoParams {
     pub driver: DriverParams,
 }
 
-impl PatrolFtoParams {
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// [`PatrolError`] with the path of the first that does not do.
-    pub fn validate(&self) -> Result<(), PatrolError> {
-        self.mission.validate()?;
-        self.fto.validate()?;
-        self.mixed
-            .validate()
-            .map_err(|error| PatrolError::Params(error.within("mixed")))?;
-        self.driver
-            .validate()
-            .map_err(|error| PatrolError::Params(error.within("driver")))
+impl Parameters for PatrolFtoParams {
+    fn check_relations(&self) -> Result<(), ParamsError> {
+        self.mission.check_relations().map_err(within("mission"))?;
+        self.fto.check_relations().map_err(within("fto"))
     }
 }

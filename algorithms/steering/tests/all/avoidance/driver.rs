@@ -2,6 +2,7 @@
 
 use super::{DT, DriverParams, PATROL, Run, route, square};
 use nalgebra::Point2;
+use parameters::check;
 use planner_view::limits::Limits;
 use planner_view::waypoint::WaypointOutcome::{InsideObstacle, Reached, TimedOut, Unreachable};
 use planner_view::waypoint::{Waypoint, WaypointKind, WaypointOutcome};
@@ -289,7 +290,7 @@ fn what_a_drive_can_do_is_filled_in_where_it_is_left_open() {
         angular_acceleration: Some(0.0),
         ..given
     };
-    assert_eq!(wrong.validate().unwrap_err().field, "angular_acceleration");
+    assert_eq!(check(&wrong).unwrap_err().field, "angular_acceleration");
 }
 
 #[test]
