@@ -4,8 +4,9 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use orchestrator::kinds::load;
 use orchestrator::mission::in_process::{self, Cache, InProcessOptions};
-use orchestrator::scenario::{ResolvedScenario, load};
+use orchestrator::scenario::ResolvedScenario;
 use rustix::time::{ClockId, clock_gettime};
 use statistics::{Spread, paired_ratio};
 

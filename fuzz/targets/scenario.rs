@@ -22,7 +22,7 @@ fuzz_target!(|text: &str| {
     let (mut overrides, text) = support::split(text);
     let small = SMALL.iter().find(|(map, _)| text.contains(map));
     overrides.extend(small.map(|(_, limit)| (*limit).to_owned()));
-    let loader = Loader::default();
+    let loader = Loader::new(orchestrator::kinds::KINDS);
     let load = |text: &str, overrides: &[String]| {
         loader.load_text("fuzz.toml", text, &Base::Nothing, overrides, None)
     };

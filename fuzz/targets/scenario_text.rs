@@ -11,7 +11,7 @@ use orchestrator::scenario::{Loader, files::Base};
 fuzz_target!(|text: &str| {
     let (mut overrides, text) = support::split(text);
     overrides.push("world.map=nowhere.toml".to_owned());
-    let problems = Loader::default()
+    let problems = Loader::new(orchestrator::kinds::KINDS)
         .load_text("fuzz.toml", &text, &Base::Nothing, &overrides, None)
         .expect_err("a scenario without a map");
     assert!(!problems.is_empty() && !problems.to_string().is_empty());

@@ -106,7 +106,7 @@ pub fn eyes<'a>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::load;
+    use crate::kinds::load;
 
     fn names(target: &str, set: &[&str]) -> Vec<String> {
         let set: Vec<String> = set.iter().map(|&set| set.to_owned()).collect();

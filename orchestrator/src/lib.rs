@@ -6,6 +6,7 @@
 pub mod chaos;
 pub mod cli;
 pub mod eyes;
+pub mod kinds;
 pub mod latency;
 pub mod live;
 pub mod logs;

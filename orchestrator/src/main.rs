@@ -6,5 +6,5 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    orchestrator::cli::main()
+    orchestrator::cli::main_with(orchestrator::kinds::KINDS.to_vec())
 }

@@ -19,7 +19,7 @@ use ipc_types::topics::{
     WorldShapes, WorldState, for_each_topic,
 };
 use orchestrator::mission::plan::Plan;
-use orchestrator::scenario::{self, ResolvedScenario};
+use orchestrator::scenario::ResolvedScenario;
 use runtime::lockstep::{Conductor, Overseer, Phase, SlotState, TurnEnd, TurnPage};
 use rustix::process::{Pid, PidfdFlags, Signal};
 
@@ -81,7 +81,7 @@ impl Rig {
             .unwrap();
         let file = directory.path().join("scenario.toml");
         std::fs::write(&file, text).unwrap();
-        let scenario = match scenario::load(file.to_str().unwrap(), &[], None) {
+        let scenario = match orchestrator::kinds::load(file.to_str().unwrap(), &[], None) {
             Ok(scenario) => scenario,
             Err(problems) => panic!("{problems}"),
         };

@@ -16,8 +16,6 @@ use sim_backend::pose::Pose2;
 use sim_backend::spec::RobotModel;
 use sim_backend::team::Team;
 
-use orchestrator::scenario;
-
 use super::plans::{Plan, Plans};
 
 /// The scenario whose map, robots and starts are taken.
@@ -89,7 +87,7 @@ struct Setting {
 impl Setting {
     fn new() -> Result<Self, MeasureError> {
         // Seed 1: the starts have the same jitter each time.
-        let scenario = scenario::load(SCENARIO, &[], Some(1)).map_err(failed)?;
+        let scenario = orchestrator::kinds::load(SCENARIO, &[], Some(1)).map_err(failed)?;
         let map = WorldMap::new(&scenario.world.map).map_err(failed)?;
         let space = FreeSpace::new(map.parts().to_vec(), *map.bounds(), map.frame().resolution)
             .map_err(failed)?;

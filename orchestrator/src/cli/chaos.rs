@@ -11,6 +11,7 @@ use super::run::{handle_signals, refuse_external, with_real_time};
 use super::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, OverrideArgs, complain, print, print_json};
 use crate::chaos::{ChaosOptions, FaultKind, chaos, line, text};
 use crate::scenario::Loader;
+use crate::scenario::kind::Kind;
 
 /// Help below the options.
 pub(super) const HELP: &str = "\
@@ -56,8 +57,8 @@ pub(super) struct ChaosArgs {
 }
 
 /// Injects faults, and prints which promises held.
-pub fn run(args: &ChaosArgs) -> ExitCode {
-    let options = match options(args) {
+pub fn run(kinds: &[Kind], args: &ChaosArgs) -> ExitCode {
+    let options = match options(kinds, args) {
         Ok(options) => options,
         Err(text) => {
             eprintln!("{text}");
@@ -92,9 +93,9 @@ pub fn run(args: &ChaosArgs) -> ExitCode {
     }
 }
 
-fn options(args: &ChaosArgs) -> Result<ChaosOptions, String> {
+fn options(kinds: &[Kind], args: &ChaosArgs) -> Result<ChaosOptions, String> {
     let set = with_real_time(&args.overrides.set, args.real_time)?;
-    let scenario = Loader::default()
+    let scenario = Loader::new(kinds)
         .allow_outside(args.overrides.allow_outside)
         .load(&args.scenario, &set, args.overrides.seed)
         .map_err(|problems| problems.to_string())?;

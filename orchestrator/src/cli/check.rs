@@ -7,10 +7,17 @@ use serde_json::json;
 
 use super::{EXIT_INVALID, OverrideArgs, print, print_json};
 use crate::scenario::Loader;
+use crate::scenario::kind::Kind;
 
 /// Checks a scenario and says what it is.
-pub fn check(target: &str, overrides: &OverrideArgs, show: bool, as_json: bool) -> ExitCode {
-    let loaded = Loader::default()
+pub fn check(
+    kinds: &[Kind],
+    target: &str,
+    overrides: &OverrideArgs,
+    show: bool,
+    as_json: bool,
+) -> ExitCode {
+    let loaded = Loader::new(kinds)
         .allow_outside(overrides.allow_outside)
         .load(target, &overrides.set, overrides.seed);
     match loaded {

@@ -7,6 +7,7 @@ use clap::Subcommand;
 use super::{EXIT_INVALID, OverrideArgs, complain, print};
 use crate::routes::coverage::{Extent, plan};
 use crate::scenario::Loader;
+use crate::scenario::kind::Kind;
 
 /// What `protean coverage` does.
 #[derive(Debug, Subcommand)]
@@ -58,9 +59,9 @@ fn parse_way(text: &str) -> Result<f64, String> {
 }
 
 /// Runs the command.
-pub(super) fn coverage(command: &CoverageCommand) -> ExitCode {
+pub(super) fn coverage(kinds: &[Kind], command: &CoverageCommand) -> ExitCode {
     let CoverageCommand::Plan(args) = command;
-    match planned(args) {
+    match planned(kinds, args) {
         Ok(text) => {
             print(&text);
             ExitCode::SUCCESS
@@ -72,8 +73,8 @@ pub(super) fn coverage(command: &CoverageCommand) -> ExitCode {
     }
 }
 
-fn planned(args: &PlanArgs) -> Result<String, Box<dyn std::error::Error>> {
-    let scenario = Loader::default()
+fn planned(kinds: &[Kind], args: &PlanArgs) -> Result<String, Box<dyn std::error::Error>> {
+    let scenario = Loader::new(kinds)
         .allow_outside(args.overrides.allow_outside)
         .load(&args.scenario, &args.overrides.set, args.overrides.seed)?;
     let extent = match (args.goals, args.way) {

@@ -15,6 +15,7 @@ use super::{print, print_json};
 use crate::latency::baselines::Repetitions;
 use crate::latency::{LatencyError, Report, Run, baselines, mission, of_log, text};
 use crate::logs::{LogsError, Watch, derived};
+use crate::scenario::kind::Kind;
 use crate::scenario::{Loader, ResolvedScenario};
 
 /// What stands below the options.
@@ -86,13 +87,13 @@ pub(super) struct LatencyArgs {
 type Refusal = (String, u8);
 
 /// Measures, and writes what was asked for.
-pub fn run(args: &LatencyArgs) -> ExitCode {
+pub fn run(kinds: &[Kind], args: &LatencyArgs) -> ExitCode {
     let interrupted = Arc::new(AtomicBool::new(false));
     if let Err(error) = handle_signals(&interrupted) {
         eprintln!("error: cannot handle signals: {error}");
         return ExitCode::from(EXIT_FAILED);
     }
-    match measure(args, &interrupted) {
+    match measure(kinds, args, &interrupted) {
         Ok(code) => ExitCode::from(code),
         Err((text, code)) => {
             eprintln!("{text}");
@@ -101,7 +102,11 @@ pub fn run(args: &LatencyArgs) -> ExitCode {
     }
 }
 
-fn measure(args: &LatencyArgs, interrupted: &Arc<AtomicBool>) -> Result<u8, Refusal> {
+fn measure(
+    kinds: &[Kind],
+    args: &LatencyArgs,
+    interrupted: &Arc<AtomicBool>,
+) -> Result<u8, Refusal> {
     runtime::logging::start("warn");
     ipc_types::bus::quiet_transport();
     // Whether the results may stand there is known before anything is measured.
@@ -119,7 +124,7 @@ fn measure(args: &LatencyArgs, interrupted: &Arc<AtomicBool>) -> Result<u8, Refu
     let mut code = 0;
     if let Some(log) = &log {
         let mut watch = Watch::new(Arc::clone(interrupted), args.quiet);
-        let measured = of_log(log, &mut watch).map_err(|error| refusal(&error))?;
+        let measured = of_log(log, kinds, &mut watch).map_err(|error| refusal(&error))?;
         if !measured.condition.data {
             eprintln!("warning: {} is not whole", log.display());
             code = EXIT_PARTIAL;
@@ -131,7 +136,7 @@ fn measure(args: &LatencyArgs, interrupted: &Arc<AtomicBool>) -> Result<u8, Refu
             baselines: Vec::new(),
         });
     } else {
-        missions(args, interrupted, &mut report)?;
+        missions(kinds, args, interrupted, &mut report)?;
     }
     if let Some((out, mut file)) = json {
         writeln!(file, "{:#}", report.json())
@@ -179,6 +184,7 @@ fn say(args: &LatencyArgs) -> impl FnMut(&str) + Send + use<> {
 
 /// A mission per rate, each with its baselines.
 fn missions(
+    kinds: &[Kind],
     args: &LatencyArgs,
     interrupted: &Arc<AtomicBool>,
     report: &mut Report,
@@ -198,7 +204,7 @@ fn missions(
     // All are checked before the first one runs.
     let scenarios = rates
         .iter()
-        .map(|rate| load(target, args, *rate))
+        .map(|rate| load(kinds, target, args, *rate))
         .collect::<Result<Vec<_>, _>>()
         .map_err(wrong)?;
     for scenario in &scenarios {
@@ -217,7 +223,7 @@ fn missions(
             quiet: args.quiet,
             interrupted: Arc::clone(interrupted),
         };
-        let (measured, ended) = match mission::run(scenario, &options) {
+        let (measured, ended) = match mission::run(scenario, kinds, &options) {
             Ok(done) => done,
             // What the missions before it have given is worth something.
             Err(error) if !report.runs.is_empty() => {
@@ -252,7 +258,12 @@ fn missions(
 }
 
 /// The scenario as it is to be run.
-fn load(target: &str, args: &LatencyArgs, rate: Option<f64>) -> Result<ResolvedScenario, String> {
+fn load(
+    kinds: &[Kind],
+    target: &str,
+    args: &LatencyArgs,
+    rate: Option<f64>,
+) -> Result<ResolvedScenario, String> {
     let mut set = args.overrides.set.clone();
     set.push("run.mode=real_time".to_owned());
     if let Some(rate) = rate {
@@ -266,7 +277,7 @@ fn load(target: &str, args: &LatencyArgs, rate: Option<f64>) -> Result<ResolvedS
         set.push(format!("run.dt={:?}", 1.0 / rate));
     }
     let load = |set: &[String]| {
-        Loader::default()
+        Loader::new(kinds)
             .allow_outside(args.overrides.allow_outside)
             .load(target, set, args.overrides.seed)
             .map_err(|problems| problems.to_string())

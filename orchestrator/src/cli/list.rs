@@ -6,11 +6,11 @@ use platform::eprintln;
 use serde_json::json;
 
 use super::{EXIT_INVALID, print, print_json};
-use crate::scenario::kinds::KINDS;
+use crate::scenario::kind::Kind;
 use crate::scenario::{builtin, list as scenarios};
 
 /// Lists what there is, or shows one built-in scenario.
-pub fn list(as_json: bool, show: Option<&str>) -> ExitCode {
+pub fn list(kinds: &[Kind], as_json: bool, show: Option<&str>) -> ExitCode {
     if let Some(name) = show {
         if let Some(scenario) = builtin::scenario(name) {
             print(scenario.text.trim_end());
@@ -30,7 +30,7 @@ pub fn list(as_json: bool, show: Option<&str>) -> ExitCode {
                 .iter()
                 .map(|s| json!({ "name": s.name, "title": s.title }))
                 .collect::<Vec<_>>(),
-            "kinds": KINDS
+            "kinds": kinds
                 .iter()
                 .map(|k| json!({ "name": k.name, "summary": k.summary }))
                 .collect::<Vec<_>>(),
@@ -42,7 +42,7 @@ pub fn list(as_json: bool, show: Option<&str>) -> ExitCode {
         text.push_str(&format!("  {:20} {}\n", s.name, s.title));
     }
     text.push_str("\nKinds of processes (kind = \"NAME\"):\n");
-    for k in KINDS {
+    for k in kinds {
         text.push_str(&format!("  {:20} {}\n", k.name, k.summary));
     }
     print(text.trim_end());

@@ -34,6 +34,8 @@ use clap::{CommandFactory as _, Parser, Subcommand};
 use config::Diagnostics;
 use platform::eprintln;
 
+use crate::scenario::kind::{Kind, find};
+
 /// Exit code of a run that failed.
 pub const EXIT_FAILED: u8 = 1;
 /// Exit code for wrong usage or input.
@@ -253,32 +255,60 @@ struct RunArgs {
     log_level: String,
 }
 
-/// Runs the command line; returns the exit code.
-pub fn main() -> ExitCode {
+/// Runs the command line with these kinds of processes; returns the exit code.
+///
+/// The main function of `protean` is `main_with(KINDS.to_vec())`; a program of somebody else adds its own kinds:
+///
+/// ```no_run
+/// # use orchestrator::{cli, kinds};
+/// # fn own_kind() -> orchestrator::scenario::kind::Kind { kinds::KINDS[0] }
+/// let mut all = kinds::KINDS.to_vec();
+/// all.push(own_kind()); // kinds::planner::<OwnPlanner>()
+/// cli::main_with(all);
+/// ```
+pub fn main_with(kinds: Vec<Kind>) -> ExitCode {
+    // As long as the program, which ends with the command.
+    let kinds: &'static [Kind] = kinds.leak();
+    if let Some(name) = twice(kinds) {
+        eprintln!("error: this program has two kinds of processes called {name:?}");
+        return ExitCode::from(EXIT_INVALID);
+    }
     platform::descriptors::raise_limit();
     let arguments: Vec<OsString> = std::env::args_os().skip(1).collect();
     if let Some(message) = moved::message(&arguments) {
         eprintln!("{message}");
         return ExitCode::from(EXIT_INVALID);
     }
-    let code = command(Cli::parse());
+    let code = command(kinds, Cli::parse());
     if RESULT_LOST.load(Ordering::Relaxed) && code == ExitCode::SUCCESS {
         return ExitCode::from(EXIT_FAILED);
     }
     code
 }
 
-fn command(cli: Cli) -> ExitCode {
+/// A name that two kinds have.
+fn twice(kinds: &[Kind]) -> Option<&'static str> {
+    let mut rest = kinds;
+    while let [kind, others @ ..] = rest {
+        if find(others, kind.name).is_some() {
+            return Some(kind.name);
+        }
+        rest = others;
+    }
+    None
+}
+
+fn command(kinds: &'static [Kind], cli: Cli) -> ExitCode {
     match cli.command {
-        None => run::run(DEFAULT_SCENARIO, &cli.run),
-        Some(Command::Run { scenario, args }) => run::run(&scenario, &args),
+        None => run::run(kinds, DEFAULT_SCENARIO, &cli.run),
+        Some(Command::Run { scenario, args }) => run::run(kinds, &scenario, &args),
         Some(Command::Check {
             scenario,
             overrides,
             print,
             json,
-        }) => check::check(&scenario, &overrides, print, json),
-        Some(Command::List { json, show }) => list::list(json, show.as_deref()),
+        }) => check::check(kinds, &scenario, &overrides, print, json),
+        Some(Command::List { json, show }) => list::list(kinds, json, show.as_deref()),
         Some(Command::Picture {
             log,
             out,
@@ -289,16 +319,16 @@ fn command(cli: Cli) -> ExitCode {
         Some(Command::Recover(args)) => recover::run(&args),
         Some(Command::Filter(args)) => filter::run(args),
         Some(Command::Export(args)) => export::run(args),
-        Some(Command::Report(args)) => report::run(&args),
-        Some(Command::Replay(args)) => replay::run(args),
-        Some(Command::Rerun(args)) => rerun::run(&args),
-        Some(Command::Latency(args)) => latency::run(&args),
+        Some(Command::Report(args)) => report::run(kinds, &args),
+        Some(Command::Replay(args)) => replay::run(kinds, args),
+        Some(Command::Rerun(args)) => rerun::run(kinds, &args),
+        Some(Command::Latency(args)) => latency::run(kinds, &args),
         Some(Command::Plan(args)) => plan::plan(&args),
         Some(Command::Instances(args)) => instances::instances(&args),
-        Some(Command::Coverage(command)) => coverage::coverage(&command),
-        Some(Command::Patrol(command)) => patrol::patrol(command),
-        Some(Command::Sweep(args)) => sweep::sweep(&args),
-        Some(Command::Chaos(args)) => chaos::run(&args),
+        Some(Command::Coverage(command)) => coverage::coverage(kinds, &command),
+        Some(Command::Patrol(command)) => patrol::patrol(kinds, command),
+        Some(Command::Sweep(args)) => sweep::sweep(kinds, &args),
+        Some(Command::Chaos(args)) => chaos::run(kinds, &args),
         Some(Command::Clean { json }) => clean::clean(json),
         Some(Command::Messages { python: _ }) => {
             print(ipc_types::python::module().trim_end());
@@ -313,7 +343,7 @@ fn command(cli: Cli) -> ExitCode {
             );
             ExitCode::SUCCESS
         }
-        Some(Command::Process { kind, config }) => process::run(&kind, &config),
+        Some(Command::Process { kind, config }) => process::run(kinds, &kind, &config),
     }
 }
 

@@ -10,6 +10,7 @@ use super::{EXIT_INVALID, OverrideArgs, complain, print, print_json};
 use crate::routes::RouteError;
 use crate::routes::patrol::{Laps, Patrol, kind_name, waypoint_json};
 use crate::scenario::Loader;
+use crate::scenario::kind::Kind;
 
 /// Scenario of a patrol if none is named.
 const DEFAULT: &str = "patrol_octagon";
@@ -75,15 +76,15 @@ pub(super) struct WhichArgs {
 }
 
 /// Runs the command.
-pub(super) fn patrol(command: PatrolCommand) -> ExitCode {
+pub(super) fn patrol(kinds: &[Kind], command: PatrolCommand) -> ExitCode {
     let done = match command {
-        PatrolCommand::Plan { which, laps, json } => plan(&which, laps, json),
+        PatrolCommand::Plan { which, laps, json } => plan(kinds, &which, laps, json),
         PatrolCommand::Predict {
             which,
             at,
             waypoint,
             json,
-        } => predict(&which, &at, &waypoint, json),
+        } => predict(kinds, &which, &at, &waypoint, json),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
@@ -94,16 +95,21 @@ pub(super) fn patrol(command: PatrolCommand) -> ExitCode {
     }
 }
 
-fn find(which: &WhichArgs) -> Result<Patrol, Box<dyn std::error::Error>> {
-    let scenario = Loader::default()
+fn find(kinds: &[Kind], which: &WhichArgs) -> Result<Patrol, Box<dyn std::error::Error>> {
+    let scenario = Loader::new(kinds)
         .allow_outside(which.overrides.allow_outside)
         .load(&which.scenario, &which.overrides.set, which.overrides.seed)?;
     let patrol = Patrol::of(&scenario, which.process.as_deref(), which.key)?;
     Ok(patrol)
 }
 
-fn plan(which: &WhichArgs, count: u32, as_json: bool) -> Result<(), Box<dyn std::error::Error>> {
-    let patrol = find(which)?;
+fn plan(
+    kinds: &[Kind],
+    which: &WhichArgs,
+    count: u32,
+    as_json: bool,
+) -> Result<(), Box<dyn std::error::Error>> {
+    let patrol = find(kinds, which)?;
     let laps = patrol.laps(count)?;
     if as_json {
         let mut json = patrol.json();
@@ -156,12 +162,13 @@ fn plan_text(patrol: &Patrol, laps: &Laps) -> String {
 }
 
 fn predict(
+    kinds: &[Kind],
     which: &WhichArgs,
     times: &[f64],
     numbers: &[u64],
     as_json: bool,
 ) -> Result<(), Box<dyn std::error::Error>> {
-    let patrol = find(which)?;
+    let patrol = find(kinds, which)?;
     let mut places = Vec::new();
     for &time in times {
         places.push((time, patrol.at(time)?));

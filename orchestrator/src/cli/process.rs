@@ -7,8 +7,7 @@ use platform::eprintln;
 
 use super::EXIT_INVALID;
 use crate::latency::link;
-use crate::scenario::kind::find;
-use crate::scenario::kinds::KINDS;
+use crate::scenario::kind::{Kind, find};
 
 /// How a process runs, given the path of its configuration.
 type Run = fn(&Path) -> ExitCode;
@@ -21,11 +20,11 @@ const INTERNAL: [(&str, Run); 2] = [
 ];
 
 /// Runs the process of this kind to its end.
-pub fn run(kind: &str, config: &Path) -> ExitCode {
+pub fn run(kinds: &[Kind], kind: &str, config: &Path) -> ExitCode {
     if let Some((_, run)) = INTERNAL.iter().find(|(name, _)| *name == kind) {
         return run(config);
     }
-    if let Some(kind) = find(KINDS, kind) {
+    if let Some(kind) = find(kinds, kind) {
         return kind.run(config);
     }
     eprintln!("error: no process of kind {kind:?} in this program");

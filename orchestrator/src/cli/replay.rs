@@ -12,6 +12,7 @@ use crate::logs::{
     LogsError, ReplayOptions, Replayed, TopicComparison, Verified, VerifyOptions, Watch, replay,
     verify,
 };
+use crate::scenario::kind::Kind;
 
 /// What stands below the options.
 pub(super) const HELP: &str = "\
@@ -82,18 +83,18 @@ pub(super) struct ReplayArgs {
 }
 
 /// Plays a log, or tests processes against it.
-pub fn run(args: ReplayArgs) -> ExitCode {
+pub fn run(kinds: &[Kind], args: ReplayArgs) -> ExitCode {
     runtime::logging::start("warn");
     logs::command(args.quiet, |watch| {
         if args.test.is_empty() {
-            play(args, watch)
+            play(kinds, args, watch)
         } else {
-            test(args, watch)
+            test(kinds, args, watch)
         }
     })
 }
 
-fn play(args: ReplayArgs, watch: &mut Watch) -> Result<ExitCode, LogsError> {
+fn play(kinds: &[Kind], args: ReplayArgs, watch: &mut Watch) -> Result<ExitCode, LogsError> {
     let options = ReplayOptions {
         rate: if args.as_fast_as_possible {
             f64::INFINITY
@@ -107,7 +108,7 @@ fn play(args: ReplayArgs, watch: &mut Watch) -> Result<ExitCode, LogsError> {
         live: args.live,
         quiet: args.quiet,
     };
-    let done = replay(&args.log, &options, watch)?;
+    let done = replay(&args.log, kinds, &options, watch)?;
     if let Some(live) = done.live {
         tell_of_viewers(live, args.quiet);
     }
@@ -125,7 +126,7 @@ fn play(args: ReplayArgs, watch: &mut Watch) -> Result<ExitCode, LogsError> {
     })
 }
 
-fn test(args: ReplayArgs, watch: &mut Watch) -> Result<ExitCode, LogsError> {
+fn test(kinds: &[Kind], args: ReplayArgs, watch: &mut Watch) -> Result<ExitCode, LogsError> {
     let options = VerifyOptions {
         processes: args.test,
         changes: args.set,
@@ -134,7 +135,7 @@ fn test(args: ReplayArgs, watch: &mut Watch) -> Result<ExitCode, LogsError> {
         allow_external: args.allow_external,
         quiet: args.quiet,
     };
-    let done = verify(&args.log, &options, watch)?;
+    let done = verify(&args.log, kinds, &options, watch)?;
     logs::note_version(done.recorded_by.as_deref());
     if args.json {
         print_json(&serde_json::json!(done));

@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use super::{logs, print, print_json};
 use crate::report_page::report;
+use crate::scenario::kind::Kind;
 
 /// What stands below the options.
 pub(super) const HELP: &str = "\
@@ -35,11 +36,11 @@ pub(super) struct ReportArgs {
 }
 
 /// Writes the page and prints the file's name.
-pub fn run(args: &ReportArgs) -> ExitCode {
+pub fn run(kinds: &'static [Kind], args: &ReportArgs) -> ExitCode {
     logs::command(args.quiet, |watch| {
         let out = args.out.clone();
         let out = out.unwrap_or_else(|| args.log.with_extension("html"));
-        let report = report(&args.log, &out, args.force, watch)?;
+        let report = report(&args.log, kinds, &out, args.force, watch)?;
         let code = logs::of_condition(&args.log, &report.condition);
         if args.json {
             print_json(&serde_json::json!(report));

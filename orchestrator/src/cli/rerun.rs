@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use super::{logs, print, print_json};
 use crate::logs::{Rerun, RerunOptions, rerun};
+use crate::scenario::kind::Kind;
 
 /// What stands below the options.
 pub(super) const HELP: &str = "\
@@ -41,14 +42,14 @@ pub(super) struct RerunArgs {
 }
 
 /// Does a run again and compares.
-pub fn run(args: &RerunArgs) -> ExitCode {
+pub fn run(kinds: &[Kind], args: &RerunArgs) -> ExitCode {
     runtime::logging::start("warn");
     let options = RerunOptions {
         in_process: args.in_process,
         allow_external: args.allow_external,
     };
     logs::command(args.quiet, |watch| {
-        let done = rerun(&args.log, options, watch)?;
+        let done = rerun(&args.log, kinds, options, watch)?;
         logs::note_version(done.recorded_by.as_deref());
         if args.json {
             print_json(&serde_json::json!(done));

@@ -10,6 +10,7 @@ use super::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, RunArgs, print, print_json}
 use crate::live::LiveTotals;
 use crate::mission::in_process::{self, InProcessOptions};
 use crate::mission::{self, MissionError, MissionOptions, MissionReport, report};
+use crate::scenario::kind::Kind;
 use crate::scenario::spec::Mode;
 use crate::scenario::{Loader, ResolvedScenario};
 pub(super) use platform::signals::interrupt as handle_signals;
@@ -18,9 +19,9 @@ pub(super) use platform::signals::interrupt as handle_signals;
 const LEVELS: [&str; 5] = ["error", "warn", "info", "debug", "trace"];
 
 /// Loads, checks and runs a scenario.
-pub fn run(target: &str, args: &RunArgs) -> ExitCode {
+pub fn run(kinds: &[Kind], target: &str, args: &RunArgs) -> ExitCode {
     runtime::logging::start(&args.log_level);
-    let scenario = match load(target, args) {
+    let scenario = match load(kinds, target, args) {
         Ok(scenario) => scenario,
         Err(text) => {
             eprintln!("{text}");
@@ -96,7 +97,7 @@ pub(super) fn tell_of_viewers(live: LiveTotals, quiet: bool) {
     }
 }
 
-fn load(target: &str, args: &RunArgs) -> Result<ResolvedScenario, String> {
+fn load(kinds: &[Kind], target: &str, args: &RunArgs) -> Result<ResolvedScenario, String> {
     if !LEVELS.contains(&args.log_level.as_str()) {
         return Err(format!(
             "error: --log-level {:?}: expected one of {}",
@@ -106,7 +107,7 @@ fn load(target: &str, args: &RunArgs) -> Result<ResolvedScenario, String> {
     }
     check_factor("--pace", args.pace)?;
     let set = with_real_time(&args.overrides.set, args.real_time)?;
-    let scenario = Loader::default()
+    let scenario = Loader::new(kinds)
         .allow_outside(args.overrides.allow_outside)
         .load(target, &set, args.overrides.seed)
         .map_err(|problems| problems.to_string())?;

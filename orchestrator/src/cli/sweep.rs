@@ -14,6 +14,7 @@ use super::run::handle_signals;
 use super::sweep_kind::SweepKind;
 use super::sweep_output::{Listing, conclude, known, list};
 use super::{EXIT_FAILED, EXIT_INVALID, print, processors};
+use crate::scenario::kind;
 use crate::sweep::merge::merge;
 use crate::sweep::planning::{Task, is_planning};
 use crate::sweep::runner::{self, RunOptions};
@@ -117,11 +118,11 @@ pub(super) struct SweepRunArgs {
 }
 
 /// Runs experiments, merges their results, and shows them.
-pub(super) fn sweep(args: &SweepArgs) -> ExitCode {
+pub(super) fn sweep(kinds: &'static [kind::Kind], args: &SweepArgs) -> ExitCode {
     match (&args.command, &args.run.experiment) {
         (Some(SweepCommand::Merge { parts, out, json }), _) => merged(parts, out, *json),
         (Some(SweepCommand::Figures { results }), _) => redrawn(results),
-        (None, Some(experiment)) => run(experiment, &args.run),
+        (None, Some(experiment)) => run(kinds, experiment, &args.run),
         (None, None) => {
             eprintln!("error: which experiment? `protean sweep EXPERIMENT.toml`, see --help");
             ExitCode::from(EXIT_INVALID)
@@ -185,7 +186,7 @@ fn redrawn(directory: &Path) -> ExitCode {
     }
 }
 
-fn run(path: &Path, args: &SweepRunArgs) -> ExitCode {
+fn run(kinds: &'static [kind::Kind], path: &Path, args: &SweepRunArgs) -> ExitCode {
     runtime::logging::start("warn");
     let parsed = (
         args.seeds.as_deref().map(Seeds::parse).transpose(),
@@ -197,6 +198,7 @@ fn run(path: &Path, args: &SweepRunArgs) -> ExitCode {
         (_, Err(error)) => return invalid(format!("error: --shard: {error}")),
     };
     let options = LoadOptions {
+        kinds,
         set: args.set.clone(),
         seeds,
         allow_outside: args.allow_outside,

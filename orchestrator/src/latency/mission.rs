@@ -9,6 +9,7 @@ use super::of_log::{Measured, of_log};
 use crate::logs::Watch;
 use crate::mission::{self, MissionOptions};
 use crate::scenario::ResolvedScenario;
+use crate::scenario::kind::Kind;
 
 /// How a mission is run.
 #[derive(Debug, Clone, Default)]
@@ -23,12 +24,14 @@ pub struct RunOptions {
     pub interrupted: Arc<AtomicBool>,
 }
 
-/// Runs a scenario, which says how, and reads the stamps in its log; whether it was interrupted.
+/// Runs a scenario, which says how, and reads the stamps in its log, whose scenario has these kinds of
+/// processes; whether it was interrupted.
 ///
 /// # Errors
 /// [`LatencyError`]: the mission failed, or ended before anything could be measured.
 pub fn run(
     scenario: &ResolvedScenario,
+    kinds: &[Kind],
     options: &RunOptions,
 ) -> Result<(Measured, bool), LatencyError> {
     let folder = tempfile::Builder::new()
@@ -52,5 +55,5 @@ pub fn run(
     )?;
     // Ctrl-C has ended the mission; what it has left is read all the same.
     let mut watch = Watch::new(Arc::default(), options.quiet);
-    Ok((of_log(&log, &mut watch)?, report.interrupted))
+    Ok((of_log(&log, kinds, &mut watch)?, report.interrupted))
 }

@@ -20,6 +20,7 @@ use crate::mission::report::mode_name;
 use crate::recorder::ProcessInfo;
 use crate::recorder::chain::{Answers, Chain, Passage};
 use crate::scenario::ResolvedScenario;
+use crate::scenario::kind::Kind;
 use crate::scenario::spec::Mode;
 
 /// Messages of one topic, for baselines of the same size.
@@ -89,11 +90,11 @@ impl Measured {
 /// # Errors
 /// [`LatencyError`]: the log cannot be read, is not ours or of another version, or nothing in it
 /// was stamped or answered.
-pub fn of_log(log: &Path, watch: &mut Watch) -> Result<Measured, LatencyError> {
+pub fn of_log(log: &Path, kinds: &[Kind], watch: &mut Watch) -> Result<Measured, LatencyError> {
     let mut reader = Reader::open(log, Some(watch))?;
     let mut reading = Reading::default();
     while let Some(item) = reader.next()? {
-        reading.item(log, item)?;
+        reading.item(log, kinds, item)?;
     }
     reader.check_all()?;
     let condition = reader.condition().clone();
@@ -121,7 +122,7 @@ struct Known {
 }
 
 impl Reading {
-    fn item(&mut self, log: &Path, item: Item<'_>) -> Result<(), LogsError> {
+    fn item(&mut self, log: &Path, kinds: &[Kind], item: Item<'_>) -> Result<(), LogsError> {
         match item {
             Item::Metadata(record) if record.name == MANIFEST => {
                 self.origin.manifest = record.metadata;
@@ -133,7 +134,7 @@ impl Reading {
             Item::Message(header, data) => {
                 if self.known.is_none() {
                     self.origin.check(log)?;
-                    self.known = Some(self.processes(log)?);
+                    self.known = Some(self.processes(log, kinds)?);
                 }
                 self.message(header.channel_id, header.log_time, data);
             }
@@ -155,8 +156,8 @@ impl Reading {
     }
 
     /// The processes, from the scenario in the log.
-    fn processes(&self, log: &Path) -> Result<Known, LogsError> {
-        let scenario = self.origin.scenario(log, &[], "")?;
+    fn processes(&self, log: &Path, kinds: &[Kind]) -> Result<Known, LogsError> {
+        let scenario = self.origin.scenario(log, &[], "", kinds)?;
         let plan = Plan::new(&scenario, Path::new(""), "", "").map_err(MissionError::from)?;
         let processes = recording::processes(&plan);
         let period_ns = (scenario.run.mode == Mode::RealTime).then(|| {

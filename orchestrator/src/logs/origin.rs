@@ -7,6 +7,7 @@ use super::error::LogsError;
 use super::known;
 use super::reader::Channel;
 use crate::scenario::files::Base;
+use crate::scenario::kind::Kind;
 use crate::scenario::spec::Mode;
 use crate::scenario::{Loader, ResolvedScenario};
 
@@ -47,12 +48,13 @@ impl Origin {
     }
 
     /// The scenario as it was run, with these changes; one in real time only if `so` is empty,
-    /// which else says what follows from that.
+    /// which else says what follows from that. `kinds` are those of this program.
     pub(crate) fn scenario(
         &self,
         log: &Path,
         changes: &[String],
         so: &str,
+        kinds: &[Kind],
     ) -> Result<ResolvedScenario, LogsError> {
         let refuse = |reason: String| {
             Err(LogsError::NotRepeatable {
@@ -69,7 +71,7 @@ impl Origin {
         let Ok(text) = str::from_utf8(text) else {
             return refuse("the scenario in it is not text".to_owned());
         };
-        let loader = Loader::default();
+        let loader = Loader::new(kinds);
         let load = |changes: &[String]| {
             loader.load_text("scenario.toml", text, &Base::Nothing, changes, None)
         };

@@ -14,6 +14,7 @@ use super::recorded::{Left, Recorded};
 use super::watch::Watch;
 use crate::mission::in_process::{self, InProcessOptions};
 use crate::mission::{self, MissionError, MissionOptions};
+use crate::scenario::kind::Kind;
 
 /// How a run is done again.
 #[derive(Debug, Clone, Copy, Default)]
@@ -78,16 +79,22 @@ fn differences_only<S: Serializer>(
     summary.serialize(serializer)
 }
 
-/// Does the run in a log again, from the scenario in it, and compares.
+/// Does the run in a log again, from the scenario in it and with these kinds of processes, and compares.
 ///
 /// # Errors
 /// [`LogsError`]: the log cannot be read, or its run cannot be done again.
-pub fn rerun(log: &Path, options: RerunOptions, watch: &mut Watch) -> Result<Rerun, LogsError> {
+pub fn rerun(
+    log: &Path,
+    kinds: &[Kind],
+    options: RerunOptions,
+    watch: &mut Watch,
+) -> Result<Rerun, LogsError> {
     let recorded = Recorded::read(log, |_| true, watch)?;
     let mut scenario = recorded.origin.scenario(
         log,
         &[],
         "it cannot be done again the same; runs in lock-step can",
+        kinds,
     )?;
     refuse_external(log, &scenario, options.allow_external)?;
     // Nobody looks at it.

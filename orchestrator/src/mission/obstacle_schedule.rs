@@ -78,8 +78,8 @@ mod tests {
     use sim_backend::spec::Condition;
 
     use super::*;
+    use crate::kinds::load;
     use crate::mission::plan::{Plan, Role};
-    use crate::scenario::load;
 
     fn plan(overrides: &[&str]) -> Plan {
         let overrides: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();

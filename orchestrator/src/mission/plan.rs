@@ -360,7 +360,7 @@ fn launches(scenario: &ResolvedScenario, run: &RunConfig) -> Result<Vec<Launch>,
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::load;
+    use crate::kinds::load;
 
     fn plan(name: &str, overrides: &[&str]) -> Plan {
         let overrides: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();

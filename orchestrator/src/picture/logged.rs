@@ -6,8 +6,7 @@ use sim_backend::map::MapSpec;
 use sim_backend::spec::{RobotSpec, RulesSpec};
 
 use crate::eyes::{EyeInfo, eyes};
-use crate::scenario::kind::find;
-use crate::scenario::kinds::KINDS;
+use crate::scenario::kind::{Kind, find};
 use config::{Node, Origin};
 
 /// The parts of the scenario in a log that a picture needs; the rest is passed over, so that a
@@ -51,7 +50,7 @@ impl LoggedScenario {
     }
 
     /// Who looks, as far as it can be understood.
-    pub(crate) fn eyes(&self) -> Vec<EyeInfo> {
+    pub(crate) fn eyes(&self, kinds: &[Kind]) -> Vec<EyeInfo> {
         let index = |name: &Json| {
             self.robots
                 .iter()
@@ -59,7 +58,7 @@ impl LoggedScenario {
         };
         let lookouts = self.processes.iter().filter_map(|process| {
             let name = process.get("name")?.as_str()?;
-            let kind = find(KINDS, process.get("kind")?.as_str()?)?;
+            let kind = find(kinds, process.get("kind")?.as_str()?)?;
             let given = process.get("robots").and_then(Json::as_array);
             let given: Vec<usize> = given.into_iter().flatten().filter_map(index).collect();
             let params = process.get("params").and_then(Node::from_json);

@@ -15,6 +15,7 @@ use super::timing::PER_DECADE;
 use crate::logs::output::RUN_DIGEST;
 use crate::picture::ground::corners;
 use crate::recorder::{RobotOutcome, status_name};
+use crate::scenario::kind::Kind;
 
 /// What became of the robots: as the run said at its end, else as the last state in the log has it.
 pub(super) fn outcome(gathered: &Gathered) -> Vec<RobotOutcome> {
@@ -207,7 +208,7 @@ fn latency(gathered: &mut Gathered) -> Json {
 }
 
 /// Everything but the lists and plots.
-pub(super) fn facts(gathered: &mut Gathered) -> Json {
+pub(super) fn facts(gathered: &mut Gathered, kinds: &[Kind]) -> Json {
     let latency = latency(gathered);
     let manifest = |key: &str| gathered.facts.manifest.get(key).cloned();
     let result = |key: &str| gathered.facts.result.get(key).cloned();
@@ -235,7 +236,7 @@ pub(super) fn facts(gathered: &mut Gathered) -> Json {
         "end_s": seconds(gathered.end_ns),
         "tick_period_s": seconds(gathered.tick_period_ns),
         "robots": robots,
-        "eyes": gathered.scenario.eyes(),
+        "eyes": gathered.scenario.eyes(kinds),
         "outcome": outcome(gathered),
         "coverage": parsed("coverage"),
         "predictions": parsed("predictions"),

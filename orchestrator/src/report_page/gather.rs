@@ -18,6 +18,7 @@ use crate::picture::Ground;
 use crate::picture::log_facts::LogFacts;
 use crate::picture::log_run::{LoggedRun, Purpose};
 use crate::picture::logged::LoggedScenario;
+use crate::scenario::kind::Kind;
 
 /// Most states of robots that are kept.
 const MOST_STATES: usize = 400_000;
@@ -73,11 +74,15 @@ impl Consumer<LoggedRun> for Frames {
 
 impl Gathered {
     /// Reads a log as far as it goes.
-    pub(super) fn read(log: &Path, watch: &mut Watch) -> Result<Self, LogsError> {
+    pub(super) fn read(
+        log: &Path,
+        kinds: &'static [Kind],
+        watch: &mut Watch,
+    ) -> Result<Self, LogsError> {
         let weigh = |frame: &Frame| frame.robots.len();
         let mut frames = Frames(Sampled::new(0, MOST_STATES, weigh));
         let (mut layers, mut happened) = (Layers::default(), Happened::default());
-        let (mut measured, mut timing) = (Measured::default(), Timing::default());
+        let (mut measured, mut timing) = (Measured::default(), Timing::new(kinds));
         let mut run = LoggedRun::read(
             log,
             Purpose::Page,

@@ -32,6 +32,7 @@ use self::pack::{Lists, Raster};
 use crate::logs::derived;
 use crate::logs::{Condition, LogsError, Watch};
 use crate::recorder::RobotOutcome;
+use crate::scenario::kind::Kind;
 
 /// What was written.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -62,11 +63,17 @@ pub struct Report {
 /// # Errors
 /// [`LogsError`]: the log cannot be read, is not one of ours or of another version, or the page
 /// cannot be written.
-pub fn report(log: &Path, out: &Path, force: bool, watch: &mut Watch) -> Result<Report, LogsError> {
+pub fn report(
+    log: &Path,
+    kinds: &'static [Kind],
+    out: &Path,
+    force: bool,
+    watch: &mut Watch,
+) -> Result<Report, LogsError> {
     // Whether the page may stand there is known before the log has been read.
     let mut file = derived::create(out, log, force, Readers::Owner)?;
-    let mut gathered = Gathered::read(log, watch)?;
-    let (page, mut report) = page(&mut gathered).map_err(derived::failed(out))?;
+    let mut gathered = Gathered::read(log, kinds, watch)?;
+    let (page, mut report) = page(&mut gathered, kinds).map_err(derived::failed(out))?;
     file.write_all(page.as_bytes())
         .and_then(|()| file.commit())
         .map_err(derived::failed(out))?;
@@ -75,12 +82,12 @@ pub fn report(log: &Path, out: &Path, force: bool, watch: &mut Watch) -> Result<
 }
 
 /// The page and what it says.
-fn page(gathered: &mut Gathered) -> std::io::Result<(String, Report)> {
+fn page(gathered: &mut Gathered, kinds: &[Kind]) -> std::io::Result<(String, Report)> {
     fit_bounds(gathered);
     let raster = Raster::of(gathered.ground.min, gathered.ground.max);
     let frames = gathered.frames.len();
     let mut lists = Lists::default();
-    let mut facts = facts::facts(gathered);
+    let mut facts = facts::facts(gathered, kinds);
     let plots = plots::plots(gathered, &mut lists);
     scene::pack(gathered, raster, &mut lists);
     if let Some(facts) = facts.as_object_mut() {

@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use serde_json::Value as Json;
 
 use super::{Report, report};
+use crate::kinds::{KINDS, load};
 use crate::logs::{FilterOptions, LogsError, Topics, Watch, filter};
 use crate::mission::in_process::{self, InProcessOptions};
 use crate::recorder::Summary;
-use crate::scenario::load;
 
 fn watch() -> Watch {
     Watch::new(std::sync::Arc::default(), true)
@@ -30,7 +30,7 @@ fn play(folder: &Path) -> (PathBuf, Summary) {
 /// The page of a log, and the facts in it.
 fn facts(log: &Path) -> (Report, Json) {
     let out = log.with_extension("html");
-    let report = report(log, &out, true, &mut watch()).unwrap();
+    let report = report(log, KINDS, &out, true, &mut watch()).unwrap();
     let page = std::fs::read_to_string(&out).unwrap();
     assert_eq!(page.len() as u64, report.bytes);
     let start = "<script id=\"facts\" type=\"application/json\">";
@@ -73,9 +73,15 @@ fn the_page_says_what_the_run_amounted_to() {
         assert!(plots.iter().any(|plot| plot["title"] == title), "{title}");
     }
     // Another page is not replaced unasked, nor is the log.
-    let again = super::report(&log, &log.with_extension("html"), false, &mut watch());
+    let again = super::report(
+        &log,
+        KINDS,
+        &log.with_extension("html"),
+        false,
+        &mut watch(),
+    );
     assert!(matches!(again, Err(LogsError::Exists { .. })), "{again:?}");
-    let itself = super::report(&log, &log, true, &mut watch());
+    let itself = super::report(&log, KINDS, &log, true, &mut watch());
     assert!(
         matches!(itself, Err(LogsError::IsTheLog { .. })),
         "{itself:?}"
@@ -115,7 +121,7 @@ fn a_truncated_log_is_shown_as_far_as_it_goes() {
     let out = folder.path().join("any.html");
     for part in 0..40 {
         std::fs::write(&cut, &bytes[..bytes.len() * part / 40]).unwrap();
-        match super::report(&cut, &out, true, &mut watch()) {
+        match super::report(&cut, KINDS, &out, true, &mut watch()) {
             Ok(report) => assert!(!report.missing.is_empty()),
             Err(LogsError::NotMcap { .. } | LogsError::Foreign { .. }) => {}
             Err(other) => panic!("{other}"),

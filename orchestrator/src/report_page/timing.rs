@@ -13,13 +13,15 @@ use crate::picture::log_run::LoggedRun;
 use crate::recorder::chain::Chain;
 use crate::scenario::Loader;
 use crate::scenario::files::Base;
+use crate::scenario::kind::Kind;
 
 /// Parts of a histogram per power of ten.
 pub(super) const PER_DECADE: u32 = 8;
 
 /// Collects latencies once the processes are known.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Timing {
+    kinds: &'static [Kind],
     chain: Option<Chain>,
     is_begun: bool,
 }
@@ -32,7 +34,7 @@ impl Consumer<LoggedRun> for Timing {
     fn message(&mut self, message: &LoggedMessage<'_>, run: &mut LoggedRun) {
         if !self.is_begun {
             self.is_begun = true;
-            match chain_of(&run.facts.scenario_text) {
+            match chain_of(&run.facts.scenario_text, self.kinds) {
                 Ok(chain) => self.chain = Some(chain),
                 Err(reason) => run.note(format!(
                     "latency histograms: the log's processes cannot be told apart: {reason}"
@@ -47,14 +49,23 @@ impl Consumer<LoggedRun> for Timing {
 
 /// For the processes of this scenario; fails, with the reason, if this version does not understand
 /// it.
-fn chain_of(scenario: &str) -> Result<Chain, String> {
-    let loaded = Loader::default().load_text("scenario.toml", scenario, &Base::Nothing, &[], None);
+fn chain_of(scenario: &str, kinds: &[Kind]) -> Result<Chain, String> {
+    let loaded = Loader::new(kinds).load_text("scenario.toml", scenario, &Base::Nothing, &[], None);
     let scenario = loaded.map_err(|problems| problems.to_string())?;
     let plan = Plan::new(&scenario, Path::new(""), "", "").map_err(|e| e.to_string())?;
     Ok(Chain::new(&recording::processes(&plan)))
 }
 
 impl Timing {
+    /// Collects nothing yet; the scenario in the log names these kinds of processes.
+    pub(super) fn new(kinds: &'static [Kind]) -> Self {
+        Self {
+            kinds,
+            chain: None,
+            is_begun: false,
+        }
+    }
+
     /// Percentiles [µs] and histograms by name.
     pub(super) fn finish(&mut self) -> BTreeMap<String, (Percentiles, LogHistogram)> {
         let Some(chain) = &mut self.chain else {

@@ -5,7 +5,7 @@ use planner_view::waypoint::WaypointKind;
 use super::coverage::{Extent, plan};
 use super::patrol::Patrol;
 use super::*;
-use crate::scenario::load;
+use crate::kinds::load;
 
 fn scenario(name: &str, set: &[&str]) -> ResolvedScenario {
     let set: Vec<String> = set.iter().map(|&s| s.to_owned()).collect();

@@ -14,7 +14,6 @@ use super::draft::Draft;
 use super::files::{Base, read_text};
 use super::jitter::Placement;
 use super::kind::Kind;
-use super::kinds::KINDS;
 use super::resolved::ResolvedScenario;
 use super::spec::{LogSpec, MAX_TICKS, RunSpec, TopLevel};
 use super::{builtin, events, geometry, processes, robots, world};
@@ -22,41 +21,16 @@ use super::{builtin, events, geometry, processes, robots, world};
 /// Largest scenario file that is read [bytes]; one with its map written out is far smaller.
 const MAX_SCENARIO: u64 = 64 << 20;
 
-/// Loads scenarios; see [`load`] for the usual case.
+/// Loads scenarios.
 #[derive(Clone, Copy)]
 pub struct Loader<'k> {
     kinds: &'k [Kind],
     allow_outside: bool,
 }
 
-impl Default for Loader<'static> {
-    fn default() -> Self {
-        Self {
-            kinds: KINDS,
-            allow_outside: false,
-        }
-    }
-}
-
-/// Loads a scenario with the kinds of processes that this program has; its files must lie in its
-/// folder.
-///
-/// `target` is the path of a TOML file or the name of a built-in scenario, `overrides` are
-/// `key=value` arguments, applied in order, and `seed` is applied last.
-///
-/// # Errors
-/// Everything that is wrong with it, each with its place.
-pub fn load(
-    target: &str,
-    overrides: &[String],
-    seed: Option<u64>,
-) -> Result<ResolvedScenario, Diagnostics> {
-    Loader::default().load(target, overrides, seed)
-}
-
 impl<'k> Loader<'k> {
     /// A loader that knows these kinds of processes.
-    pub fn with_kinds(kinds: &'k [Kind]) -> Self {
+    pub fn new(kinds: &'k [Kind]) -> Self {
         Self {
             kinds,
             allow_outside: false,
@@ -72,10 +46,13 @@ impl<'k> Loader<'k> {
         }
     }
 
-    /// As [`load`].
+    /// Loads a scenario.
+    ///
+    /// `target` is the path of a TOML file or the name of a built-in scenario, `overrides` are
+    /// `key=value` arguments, applied in order, and `seed` is applied last.
     ///
     /// # Errors
-    /// As [`load`].
+    /// Everything that is wrong with it, each with its place.
     pub fn load(
         &self,
         target: &str,
@@ -135,7 +112,7 @@ impl<'k> Loader<'k> {
     /// `base` says ([`Base::Nothing`] for one that comes from a log).
     ///
     /// # Errors
-    /// As [`load`].
+    /// As [`Loader::load`].
     pub fn load_text(
         &self,
         file: &str,

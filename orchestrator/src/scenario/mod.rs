@@ -1,6 +1,6 @@
 //! Missions: one TOML file says everything.
 //!
-//! [`load`] turns the path of a scenario, or the name of a built-in one, into a
+//! [`Loader`] turns the path of a scenario, or the name of a built-in one, into a
 //! [`ResolvedScenario`]: teams and defaults inherited, `--set` overrides applied, the map read and
 //! written out, starts drawn, parameters of every process typed and complete, everything checked.
 //! What is wrong comes back as [`Diagnostics`](config::Diagnostics), each with file, line, field,
@@ -8,7 +8,7 @@
 //! loads to the same, which is what a log stores.
 //!
 //! A new kind of process is one implementation of [`runtime::ProcessKind`] and one line in
-//! [`kinds::KINDS`].
+//! the list of a program's kinds.
 
 pub mod builtin;
 mod context;
@@ -19,7 +19,6 @@ pub mod files;
 mod geometry;
 pub mod jitter;
 pub mod kind;
-pub mod kinds;
 mod load;
 mod overrides;
 mod process_checks;
@@ -37,6 +36,6 @@ mod tests;
 pub use draft::Draft;
 pub use events::{EventSpec, Moment};
 pub use failure::{OnFailure, Supervision};
-pub use load::{Listed, Loader, list, load};
+pub use load::{Listed, Loader, list};
 pub use resolved::{ProcessSpec, Program, ResolvedScenario};
 pub use template::{Grounds, Template};

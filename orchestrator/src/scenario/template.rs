@@ -98,10 +98,10 @@ mod tests {
     fn a_template_with_a_seed_is_the_scenario_with_that_seed() {
         let mut grounds = Grounds::default();
         for name in ["chase", "chase_popup", "hello"] {
-            let draft = Loader::default().draft(name).unwrap();
+            let draft = Loader::new(crate::kinds::KINDS).draft(name).unwrap();
             let template = draft.template(&mut grounds).unwrap();
             for seed in [0, 1, 77, i64::MAX as u64] {
-                let loaded = super::super::load(name, &[], Some(seed)).unwrap();
+                let loaded = crate::kinds::load(name, &[], Some(seed)).unwrap();
                 assert_eq!(template.with_seed(seed).unwrap(), loaded, "{name} {seed}");
             }
         }

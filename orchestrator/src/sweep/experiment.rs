@@ -15,13 +15,16 @@ use super::spec::{FigureSpec, MAX_CELLS, MAX_MISSIONS, RunSpec, TopLevel};
 use super::subject::Subject;
 use super::{grid, parameters};
 use crate::scenario::files::read_text;
+use crate::scenario::kind::Kind;
 
 /// Largest experiment file that is read [bytes].
 pub(super) const MAX_FILE: u64 = 1 << 20;
 
 /// How an experiment is loaded.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct LoadOptions {
+    /// The kinds of processes that scenarios may name.
+    pub kinds: &'static [Kind],
     /// `key=value` arguments that go over every scenario.
     pub set: Vec<String>,
     /// Seeds in place of the file's.
@@ -30,6 +33,19 @@ pub struct LoadOptions {
     pub allow_outside: bool,
     /// Whether scenarios may start programs that are not Protean's own.
     pub allow_external: bool,
+}
+
+impl LoadOptions {
+    /// Nothing but what the file says, with these kinds of processes.
+    pub fn new(kinds: &'static [Kind]) -> Self {
+        Self {
+            kinds,
+            set: Vec::new(),
+            seeds: None,
+            allow_outside: false,
+            allow_external: false,
+        }
+    }
 }
 
 /// A case: what is compared with the others.

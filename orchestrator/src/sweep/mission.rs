@@ -172,7 +172,7 @@ fn open(
             }
         }
     };
-    match Loader::default()
+    match Loader::new(options.kinds)
         .allow_outside(options.allow_outside)
         .draft(&target)
     {

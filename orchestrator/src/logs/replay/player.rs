@@ -27,6 +27,7 @@ use crate::mission::plan::Launch;
 use crate::mission::process_group::write_config;
 use crate::mission::resources::RunResources;
 use crate::scenario::ResolvedScenario;
+use crate::scenario::kind::Kind;
 
 /// How long those who listen get to connect to somebody who speaks up late.
 const INTRODUCTION: Duration = Duration::from_millis(10);
@@ -47,6 +48,7 @@ const STOP: u32 = 4;
 /// too long.
 pub fn replay(
     log: &Path,
+    kinds: &[Kind],
     options: &ReplayOptions,
     watch: &mut Watch,
 ) -> Result<Replayed, LogsError> {
@@ -65,7 +67,7 @@ pub fn replay(
     }
     let before = to.saturating_add(1);
     let mut source = Source::open(log, &options.topics, before, options.live.is_some())?;
-    let scenario = source.origin().scenario(log, &[], "")?;
+    let scenario = source.origin().scenario(log, &[], "", kinds)?;
     if !source.has_index() && !options.quiet {
         eprintln!(
             "note: {} has no index: it is read from its beginning; `protean recover` makes one",

@@ -115,7 +115,13 @@ fn what_cannot_be_known_of_them_is_said() {
         text.contains("another program") && text.contains("are not known"),
         "{text}"
     );
-    let error = rerun(&log, RerunOptions::default(), &mut watch()).unwrap_err();
+    let error = rerun(
+        &log,
+        crate::kinds::KINDS,
+        RerunOptions::default(),
+        &mut watch(),
+    )
+    .unwrap_err();
     assert!(matches!(error, LogsError::Foreign { .. }), "{error}");
 }
 

@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use super::{rewrite, watch};
+use crate::kinds::load;
 use crate::logs::compare::{Comparison, compare};
 use crate::logs::{LogsError, RerunOptions, recover, rerun};
 use crate::mission::in_process::{self, InProcessOptions};
 use crate::recorder::tests::record_run;
-use crate::scenario::load;
 
 const IN_PROCESS: RerunOptions = RerunOptions {
     in_process: true,
@@ -80,7 +80,7 @@ fn a_run_done_again_is_proved_the_same_and_a_changed_log_is_found_out() {
     let folder = tempfile::tempdir().unwrap();
     let (log, other) = (folder.path().join("a.mcap"), folder.path().join("b.mcap"));
     let digest = play(&log);
-    let done = rerun(&log, IN_PROCESS, &mut watch()).unwrap();
+    let done = rerun(&log, crate::kinds::KINDS, IN_PROCESS, &mut watch()).unwrap();
     assert!(done.same && done.whole);
     assert_eq!(
         (Some(&digest), &digest),
@@ -104,7 +104,7 @@ fn a_run_done_again_is_proved_the_same_and_a_changed_log_is_found_out() {
         |_| {},
         |_| true,
     );
-    let done = rerun(&other, IN_PROCESS, &mut watch()).unwrap();
+    let done = rerun(&other, crate::kinds::KINDS, IN_PROCESS, &mut watch()).unwrap();
     assert!(!done.same);
     let comparison = done.comparison.unwrap();
     assert_eq!(comparison.equal() + 1, equal);
@@ -118,7 +118,7 @@ fn a_run_done_again_is_proved_the_same_and_a_changed_log_is_found_out() {
         }
     };
     rewrite(&log, &other, |_, _| true, wrong, |_| true);
-    let done = rerun(&other, IN_PROCESS, &mut watch()).unwrap();
+    let done = rerun(&other, crate::kinds::KINDS, IN_PROCESS, &mut watch()).unwrap();
     assert!(!done.same && done.comparison.unwrap().first().is_none());
 }
 
@@ -143,7 +143,7 @@ fn a_log_that_was_cut_short_is_compared_as_far_as_it_goes() {
     let recovered = folder.path().join("recovered.mcap");
     recover(&cut, &recovered, false, &mut watch()).unwrap();
     for log in [&cut, &recovered] {
-        let done = rerun(log, IN_PROCESS, &mut watch()).unwrap();
+        let done = rerun(log, crate::kinds::KINDS, IN_PROCESS, &mut watch()).unwrap();
         assert!(done.same && !done.whole, "{done:?}");
         assert_eq!(done.digest_logged, None);
         let comparison = done.comparison.unwrap();
@@ -157,7 +157,7 @@ fn runs_that_cannot_be_done_again_are_refused_with_the_reason() {
     let (log, other) = (folder.path().join("a.mcap"), folder.path().join("b.mcap"));
     play(&log);
     let refused = |words: &str| {
-        let error = rerun(&other, IN_PROCESS, &mut watch()).unwrap_err();
+        let error = rerun(&other, crate::kinds::KINDS, IN_PROCESS, &mut watch()).unwrap_err();
         assert!(error.to_string().contains(words), "{words}: {error}");
         error
     };
@@ -243,7 +243,7 @@ fn logs_of_another_version_are_refused() {
             }
         }
         output.finish().unwrap();
-        let error = rerun(&other, IN_PROCESS, &mut watch()).unwrap_err();
+        let error = rerun(&other, crate::kinds::KINDS, IN_PROCESS, &mut watch()).unwrap_err();
         assert!(matches!(error, LogsError::Layout { .. }), "{error}");
         assert!(error.to_string().contains(words), "{error}");
     }

@@ -180,7 +180,7 @@ impl Show {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::load;
+    use crate::kinds::load;
 
     fn game(seed: u64) -> ResolvedScenario {
         let set = ["rules.time_limit=8".to_owned()];

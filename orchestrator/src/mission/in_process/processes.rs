@@ -168,7 +168,7 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use crate::scenario::load;
+    use crate::kinds::load;
 
     fn followers(name: &str) -> Vec<Launch> {
         let scenario = load(name, &[], None).unwrap();

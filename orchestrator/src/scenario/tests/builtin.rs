@@ -1,6 +1,7 @@
 //! The scenarios that come with the program.
 
-use crate::scenario::{Loader, builtin, list, load};
+use crate::kinds::{KINDS, load};
+use crate::scenario::{Loader, builtin, list};
 
 #[test]
 fn every_built_in_scenario_loads_and_writes_itself_out() {
@@ -8,7 +9,7 @@ fn every_built_in_scenario_loads_and_writes_itself_out() {
         let s = load(scenario.name, &[], None).unwrap_or_else(|e| panic!("{}: {e}", scenario.name));
         assert_eq!(s.name, scenario.name);
         assert!(!s.uses_external_commands());
-        let again = Loader::default()
+        let again = Loader::new(KINDS)
             .load_text(
                 "log",
                 &s.to_toml(),

@@ -177,7 +177,7 @@ shape = { circle = { center = [1.0, -1.0], radius = 0.2 } }
 
 fn load_with(text: &str, overrides: &[&str]) -> Result<ResolvedScenario, String> {
     let overrides: Vec<String> = overrides.iter().map(ToString::to_string).collect();
-    Loader::with_kinds(KINDS)
+    Loader::new(KINDS)
         .load_text("small.toml", text, &Base::Nothing, &overrides, None)
         .map_err(|e| e.to_string())
 }

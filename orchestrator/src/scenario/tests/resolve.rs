@@ -266,7 +266,7 @@ fn files_are_found_beside_the_scenario_and_nowhere_else() {
         let text = text[..text.find("[[events]]").unwrap()].to_owned();
         write("game.toml", &text);
         let target = dir.path().join("game.toml").display().to_string();
-        Loader::with_kinds(KINDS)
+        Loader::new(KINDS)
             .load(&target, &[], Some(3))
             .map_err(|e| e.to_string())
     };
@@ -346,7 +346,7 @@ fn files_are_found_beside_the_scenario_and_nowhere_else() {
 
 #[test]
 fn scenarios_that_are_not_there_are_answered_with_those_that_are() {
-    let e = super::super::load("chse", &[], None)
+    let e = crate::kinds::load("chse", &[], None)
         .unwrap_err()
         .to_string();
     contains(
@@ -358,7 +358,7 @@ fn scenarios_that_are_not_there_are_answered_with_those_that_are() {
             "in all)",
         ],
     );
-    let e = super::super::load("/tmp", &[], None)
+    let e = crate::kinds::load("/tmp", &[], None)
         .unwrap_err()
         .to_string();
     contains(&e, &["cannot read /tmp"]);

@@ -38,7 +38,7 @@ fn load_with(text: &str, options: &LoadOptions) -> Result<PlanExperiment, Diagno
 }
 
 fn load(text: &str) -> Result<PlanExperiment, Diagnostics> {
-    load_with(text, &LoadOptions::default())
+    load_with(text, &LoadOptions::new(crate::kinds::KINDS))
 }
 
 fn carry_out(experiment: &PlanExperiment, out: &Path, shard: &str) {
@@ -102,7 +102,7 @@ fn keys_of_the_command_line_go_on_top() {
             "instances.obstacles=[1,2]".into(),
         ],
         seeds: Some(Seeds::parse("5..6").unwrap()),
-        ..LoadOptions::default()
+        ..LoadOptions::new(crate::kinds::KINDS)
     };
     let experiment = load_with(SMALL, &options).unwrap();
     assert!(
@@ -173,8 +173,8 @@ fn every_experiment_of_the_project_is_in_order() {
     for (name, cells) in [("vmc_lp_sensitivity", 56), ("vmc_lp_tables_3_4", 12)] {
         let path = folder.join(format!("{name}.toml"));
         assert!(is_planning(&path));
-        let experiment =
-            PlanExperiment::load(&path, &LoadOptions::default()).unwrap_or_else(|e| panic!("{e}"));
+        let experiment = PlanExperiment::load(&path, &LoadOptions::new(crate::kinds::KINDS))
+            .unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(
             (experiment.cells.len(), experiment.seeds.len()),
             (cells, 500)

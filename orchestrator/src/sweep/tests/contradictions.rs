@@ -67,7 +67,7 @@ fn the_seed_belongs_to_the_seeds() {
 fn the_command_line_must_not_undo_what_a_column_says() {
     let options = LoadOptions {
         set: vec!["teams.evader.limits.v_max=1".into()],
-        ..LoadOptions::default()
+        ..LoadOptions::new(crate::kinds::KINDS)
     };
     let error = load_with(GOOD, &options).unwrap_err();
     assert!(
@@ -76,7 +76,7 @@ fn the_command_line_must_not_undo_what_a_column_says() {
     );
     let options = LoadOptions {
         set: vec!["rules.time_limit=5".into()],
-        ..LoadOptions::default()
+        ..LoadOptions::new(crate::kinds::KINDS)
     };
     let experiment = load_with(GOOD, &options).unwrap();
     let limit = |cell: usize| {

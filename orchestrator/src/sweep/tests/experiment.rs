@@ -63,7 +63,7 @@ fn a_cell_is_the_scenario_with_its_overrides_and_the_seed() {
     assert!(kinds.contains(&"evader_braitenberg"));
     assert!(!kinds.contains(&"evader_potential"));
     // As from the command line.
-    let same = crate::scenario::load(&cell.target, &cell.overrides, Some(7)).unwrap();
+    let same = crate::kinds::load(&cell.target, &cell.overrides, Some(7)).unwrap();
     assert_eq!(same, scenario);
 }
 
@@ -132,7 +132,7 @@ fn a_scenario_may_lie_beside_the_experiment() {
         "scenario = \"s/mine.toml\"\nseeds = { first = 1, count = 1 }\n",
     )
     .unwrap();
-    let experiment = Experiment::load(&path, &LoadOptions::default()).unwrap();
+    let experiment = Experiment::load(&path, &LoadOptions::new(crate::kinds::KINDS)).unwrap();
     assert_eq!(experiment.cells.len(), 1);
     assert_eq!(experiment.cells[0].case, "mine");
     assert!(experiment.cells[0].target.ends_with("s/mine.toml"));
@@ -198,7 +198,7 @@ fn experiments() -> std::path::PathBuf {
 fn the_police_know_what_the_case_says() {
     for file in ["knowledge.toml", "knowledge_paper.toml"] {
         let path = experiments().join(file);
-        let experiment = Experiment::load(&path, &LoadOptions::default()).unwrap();
+        let experiment = Experiment::load(&path, &LoadOptions::new(crate::kinds::KINDS)).unwrap();
         for cell in &experiment.cells {
             let knowledge = match &*cell.case {
                 "exact" => "exact",
@@ -226,7 +226,7 @@ fn the_experiments_of_the_project_are_fine() {
         // Those of plans have a test of their own.
         let planning = super::super::planning::is_planning(&path);
         if !planning && path.extension().is_some_and(|e| e == "toml") {
-            let loaded = Experiment::load(&path, &LoadOptions::default());
+            let loaded = Experiment::load(&path, &LoadOptions::new(crate::kinds::KINDS));
             let experiment = loaded.unwrap_or_else(|e| panic!("{e}"));
             assert!(experiment.notes().is_empty(), "{:?}", experiment.notes());
             count += 1;

@@ -200,7 +200,7 @@ fn seeds_are_checked() {
     }
     let options = LoadOptions {
         seeds: Some(super::super::Seeds::parse("5..6").unwrap()),
-        ..LoadOptions::default()
+        ..LoadOptions::new(crate::kinds::KINDS)
     };
     let text = changed("seeds = { first = 1, count = 3 }", "");
     assert_eq!(load_with(&text, &options).unwrap().seeds.len(), 2);
@@ -253,6 +253,9 @@ fn what_a_sweep_cannot_do_is_said() {
             "--allow-external",
         ],
     );
-    let error = Experiment::load("/no/such.toml".as_ref(), &LoadOptions::default());
+    let error = Experiment::load(
+        "/no/such.toml".as_ref(),
+        &LoadOptions::new(crate::kinds::KINDS),
+    );
     assert!(error.unwrap_err().to_string().contains("/no/such.toml"));
 }

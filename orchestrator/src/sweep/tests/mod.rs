@@ -50,7 +50,7 @@ pub(super) fn load_with(text: &str, options: &LoadOptions) -> Result<Experiment,
 }
 
 pub(super) fn load(text: &str) -> Result<Experiment, String> {
-    load_with(text, &LoadOptions::default())
+    load_with(text, &LoadOptions::new(crate::kinds::KINDS))
 }
 
 /// The small experiment with one thing changed.

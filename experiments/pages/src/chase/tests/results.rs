@@ -27,7 +27,8 @@ fn results(directory: &Path, name: &str) -> Results {
     let text = EXPERIMENT.replace("NAME", name);
     let file = directory.join("file.toml");
     std::fs::write(&file, &text).unwrap();
-    let experiment = Experiment::load(&file, &LoadOptions::default()).unwrap();
+    let experiment =
+        Experiment::load(&file, &LoadOptions::new(orchestrator::kinds::KINDS)).unwrap();
     let manifest = Manifest::of(&experiment);
     let mut results = Results::open(&directory.join("out"), &manifest, &text).unwrap();
     for (cell, escaped) in [(0, 1), (1, 2)] {

@@ -31,6 +31,7 @@ use crate::mission::MissionError;
 use crate::mission::in_process::LocalProcesses;
 use crate::mission::plan::Plan;
 use crate::mission::supervisor::Supervisor;
+use crate::scenario::kind::Kind;
 
 /// What is tested, and how.
 #[derive(Debug, Clone, Default)]
@@ -97,6 +98,7 @@ impl Verified {
 /// [`LogsError`]: the log cannot be read, the processes cannot be tested against it, or one fails.
 pub fn verify(
     log: &Path,
+    kinds: &[Kind],
     options: &VerifyOptions,
     watch: &mut Watch,
 ) -> Result<Verified, LogsError> {
@@ -107,6 +109,7 @@ pub fn verify(
         log,
         &options.changes,
         "a process cannot be given the same once more; `protean replay` without --test plays it",
+        kinds,
     )?;
     let before = to.saturating_add(1).min(recorded.compared_before());
     let mut source = Source::open(log, &Topics::default(), before, false)?;

@@ -17,7 +17,10 @@ use planner::{Planner, PlannerProcess};
 use pursuer::process::PursuerPlanner;
 use referee::process::RefereeProcess;
 
-use super::kind::Kind;
+use config::Diagnostics;
+
+use crate::scenario::kind::Kind;
+use crate::scenario::{Loader, ResolvedScenario};
 
 /// The kinds of this program, in the order in which they are listed.
 pub static KINDS: &[Kind] = &[
@@ -45,14 +48,26 @@ pub const fn planner<P: Planner>() -> Kind {
     Kind::of::<PlannerProcess<P>>()
 }
 
+/// Loads a scenario with the kinds of this program; its files must lie in its folder.
+///
+/// # Errors
+/// As [`Loader::load`].
+pub fn load(
+    target: &str,
+    overrides: &[String],
+    seed: Option<u64>,
+) -> Result<ResolvedScenario, Diagnostics> {
+    Loader::new(KINDS).load(target, overrides, seed)
+}
+
 #[cfg(test)]
 mod tests {
     use config::Node;
     use runtime::kind::Need;
     use serde_json::{Value as Json, json};
 
-    use super::super::kind::{ConfiguredKind, ParamsProblem, find};
     use super::*;
+    use crate::scenario::kind::{ConfiguredKind, ParamsProblem, find};
 
     fn read(kind: &Kind, params: &Json) -> ConfiguredKind {
         kind.read(&Node::from_json(params).unwrap()).unwrap()
