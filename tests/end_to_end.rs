@@ -21,6 +21,7 @@ mod live;
 mod logs;
 mod missions;
 mod navigation;
+mod own_planner;
 mod patrol;
 mod plan;
 mod planning;

@@ -12,7 +12,6 @@ use rustix::event::{PollFd, PollFlags};
 use rustix::process::{Pid, PidfdFlags, Signal};
 use serde_json::Value as Json;
 
-use super::PROTEAN;
 use super::sandbox::{Sandbox, signal};
 
 /// Longest that any call may take.
@@ -30,10 +29,9 @@ pub struct Call<'a> {
 }
 
 impl<'a> Call<'a> {
-    pub(super) fn new(sandbox: &'a Sandbox, words: impl IntoIterator<Item = &'a str>) -> Self {
-        let mut command = Command::new(PROTEAN);
+    pub(super) fn new(sandbox: &'a Sandbox, program: &Path) -> Self {
+        let mut command = Command::new(program);
         command
-            .args(words)
             .current_dir(sandbox.path())
             .env("XDG_RUNTIME_DIR", sandbox.runtime_dir())
             .env_remove("PROTEAN_LOG")
@@ -50,6 +48,11 @@ impl<'a> Call<'a> {
 
     pub fn arg(mut self, word: impl AsRef<std::ffi::OsStr>) -> Self {
         self.command.arg(word);
+        self
+    }
+
+    pub fn args<'w>(mut self, words: impl IntoIterator<Item = &'w str>) -> Self {
+        self.command.args(words);
         self
     }
 

@@ -12,7 +12,7 @@ use rustix::process::{Pid, Signal};
 use serde_json::Value as Json;
 
 use super::call::Call;
-use super::{SOON, until};
+use super::{PROTEAN, SOON, until};
 
 /// A working directory and a runtime directory. Whatever runs leave behind there goes when the
 /// sandbox is dropped, also by a failing test.
@@ -94,7 +94,12 @@ impl Sandbox {
 
     /// A call of the program.
     pub fn protean<'a>(&'a self, words: impl IntoIterator<Item = &'a str>) -> Call<'a> {
-        Call::new(self, words)
+        self.call(PROTEAN.as_ref()).args(words)
+    }
+
+    /// A call of another program with the same commands.
+    pub fn call(&self, program: &Path) -> Call<'_> {
+        Call::new(self, program)
     }
 
     /// A short run of a scenario with the log `run.mcap`; its summary.

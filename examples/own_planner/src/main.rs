@@ -1,0 +1,13 @@
+//! The program `protean` with one more kind of process.
+
+mod nearest_free;
+
+use std::process::ExitCode;
+
+use orchestrator::{cli, kinds};
+
+fn main() -> ExitCode {
+    let mut all = kinds::KINDS.to_vec();
+    all.push(kinds::planner::<nearest_free::NearestFree>());
+    cli::main_with(all)
+}
