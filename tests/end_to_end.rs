@@ -29,6 +29,7 @@ mod process;
 mod regressions;
 mod replay;
 mod report;
+mod structure;
 mod supervision;
 mod sweep;
 mod triggers;

@@ -1,0 +1,119 @@
+//! The structure of the source tree: floors of crates, modules without cycles, sizes.
+//!
+//! A failure names file, line and rule. Dependencies of tests are free: they may use any crate, and other
+//! programs' libraries as independent readers.
+
+#[path = "structure/checks.rs"]
+mod checks;
+#[path = "structure/graph.rs"]
+mod graph;
+#[path = "structure/made_up.rs"]
+mod made_up;
+#[path = "structure/manifests.rs"]
+mod manifests;
+#[path = "structure/sources.rs"]
+mod sources;
+
+use std::path::Path;
+
+use checks::Rules;
+
+/// One crate per kind of process, or per family of kinds; none depends on another one.
+const PROCESSES: &[&str] = &[
+    "coverage_planners",
+    "evader_braitenberg",
+    "evader_potential",
+    "evader_reach_avoid",
+    "evader_rrt_star",
+    "navigator",
+    "observer",
+    "optimiser",
+    "patrol_planners",
+    "perception",
+    "pursuer",
+    "referee",
+    "simulator",
+];
+
+/// What the tree of this repository keeps to.
+const RULES: Rules = Rules {
+    floors: &[
+        // The wire, and what knows nothing of robots.
+        &[
+            "chaotic_maps",
+            "config",
+            "ipc_types",
+            "metrics",
+            "parameters",
+            "platform",
+            "tables",
+            "trajectory_check",
+        ],
+        &["sim_backend"],
+        &["draw", "planner_view", "runtime", "statistics", "tracking"],
+        &["navigation", "planner"],
+        &["steering", "trajectory"],
+        &["coverage", "patrol"],
+        PROCESSES,
+        &["protean"],
+        &["benchmarks", "end_to_end", "pages"],
+    ],
+    only: &[
+        (&["clap"], &["protean", "benchmarks", "pages"]),
+        (&["libc"], &["platform"]),
+        (&["mcap"], &["mcap_log"]),
+        (&["parquet"], &["tables"]),
+        (&["tungstenite"], &["viewer"]),
+        (PROCESSES, &["protean", "pages"]),
+    ],
+    max_file_lines: 500,
+    max_crate_lines: 6000,
+    known: KNOWN,
+};
+
+/// Faults that are still there, each with its file. What is mended goes from the list.
+const KNOWN: &[(&str, &str)] = &[
+    ("orchestrator/Cargo.toml", "`protean` has "),
+    ("orchestrator/Cargo.toml", "`protean` depends on `mcap`"),
+    (
+        "orchestrator/Cargo.toml",
+        "`protean` depends on `tungstenite`",
+    ),
+    (
+        "orchestrator/src/mission/error.rs",
+        "modules use each other in a cycle: mission → live → logs → mission",
+    ),
+    (
+        "orchestrator/src/live/hub.rs",
+        "modules use each other in a cycle: live → logs → live",
+    ),
+    (
+        "processes/evader_rrt_star/src/cost.rs",
+        "modules use each other in a cycle: cost → params → cost",
+    ),
+    (
+        "processes/evader_rrt_star/src/search.rs",
+        "modules use each other in a cycle: search → params → search",
+    ),
+    (
+        "sim_backend/src/map/cells.rs",
+        "modules use each other in a cycle: map → spec → map",
+    ),
+    (
+        "sim_backend/src/robot/drive.rs",
+        "modules use each other in a cycle: robot → spec → robot",
+    ),
+    (
+        "sim_backend/src/shape/polygon.rs",
+        "modules use each other in a cycle: shape → spec → map → shape",
+    ),
+    ("sim_backend/Cargo.toml", "`sim_backend` has "),
+];
+
+#[test]
+fn the_tree_keeps_its_structure() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let faults = checks::check(&root, &RULES);
+    let lines: Vec<String> = faults.iter().map(ToString::to_string).collect();
+    assert!(faults.is_empty(), "\n{}\n", lines.join("\n"));
+}

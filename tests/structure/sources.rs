@@ -1,0 +1,285 @@
+//! The modules of a crate, from its sources: how long they are without tests, and which use which.
+
+use std::collections::BTreeMap;
+use std::iter::Peekable;
+use std::path::{Path, PathBuf};
+
+use proc_macro2::token_stream::IntoIter;
+use proc_macro2::{Delimiter, Group, TokenStream, TokenTree};
+
+/// The sources of a library or program but for its tests, from the file of its root on.
+#[derive(Debug, Default)]
+pub struct Sources {
+    /// Lines, comments and blank ones included, without those of items and files that are compiled
+    /// for tests only.
+    pub lines: usize,
+    /// Every path that begins with `crate` or `super`.
+    pub uses: Vec<Use>,
+    /// Names that the root takes from its modules, each with the module.
+    pub exports: BTreeMap<String, String>,
+    /// The modules right below the root.
+    pub modules: Vec<String>,
+}
+
+/// A path from one module to another.
+#[derive(Debug)]
+pub struct Use {
+    /// The module that it stands in, from the root.
+    pub from: Vec<String>,
+    /// Where it goes, from the root.
+    pub to: Vec<String>,
+    /// Its file.
+    pub file: PathBuf,
+    /// Its line, from 1.
+    pub line: usize,
+}
+
+/// Reads a crate by the file of its root.
+///
+/// # Errors
+/// The file that cannot be read or is not Rust.
+pub fn read(root: &Path) -> Result<Sources, String> {
+    let mut sources = Sources::default();
+    let folder = root.parent().unwrap_or(Path::new("")).to_owned();
+    sources.read_file(root, &folder, &[])?;
+    Ok(sources)
+}
+
+/// A file while it is read.
+struct File<'a> {
+    path: &'a Path,
+    /// Where the files of its child modules are.
+    children: &'a Path,
+    /// Lines of items for tests.
+    test_lines: usize,
+}
+
+impl Sources {
+    fn read_file(&mut self, path: &Path, children: &Path, module: &[String]) -> Result<(), String> {
+        let text = std::fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))?;
+        let tokens: TokenStream = text
+            .parse()
+            .map_err(|e| format!("{}: {e}", path.display()))?;
+        let mut file = File {
+            path,
+            children,
+            test_lines: 0,
+        };
+        self.read_tokens(tokens, &mut file, module)?;
+        self.lines += text.lines().count() - file.test_lines;
+        Ok(())
+    }
+
+    fn read_tokens(
+        &mut self,
+        tokens: TokenStream,
+        file: &mut File<'_>,
+        module: &[String],
+    ) -> Result<(), String> {
+        let mut tokens = tokens.into_iter().peekable();
+        let mut other_path = None;
+        while let Some(token) = tokens.next() {
+            match &token {
+                TokenTree::Punct(punct) if punct.as_char() == '#' => {
+                    let Some(TokenTree::Group(group)) = tokens.peek() else {
+                        continue;
+                    };
+                    if is_test_only(group) {
+                        let first = punct.span().start().line;
+                        let last = skip_item(&mut tokens).unwrap_or(first);
+                        file.test_lines += last + 1 - first;
+                    } else if let Some(path) = path_attribute(group) {
+                        other_path = Some(path);
+                    }
+                }
+                TokenTree::Ident(ident) if ident == "mod" => {
+                    let Some(TokenTree::Ident(name)) = tokens.next() else {
+                        continue;
+                    };
+                    let mut child = module.to_vec();
+                    child.push(name.to_string());
+                    if module.is_empty() {
+                        self.modules.push(name.to_string());
+                    }
+                    match tokens.next() {
+                        Some(TokenTree::Group(body)) => {
+                            self.read_tokens(body.stream(), file, &child)?;
+                        }
+                        _ => self.read_child(file, other_path.take(), &child)?,
+                    }
+                }
+                TokenTree::Ident(ident) if ident == "use" && module.is_empty() => {
+                    for (path, name) in use_tree(&mut tokens) {
+                        self.export(&path, name);
+                    }
+                }
+                TokenTree::Ident(ident) if ident == "crate" || ident == "super" => {
+                    let line = ident.span().start().line;
+                    let first = ident.to_string();
+                    let paths = if double_colon(&mut tokens) {
+                        use_tree(&mut tokens)
+                    } else {
+                        Vec::new()
+                    };
+                    for (path, _) in paths {
+                        let Some(to) = absolute(module, &first, path) else {
+                            continue;
+                        };
+                        self.uses.push(Use {
+                            from: module.to_vec(),
+                            to,
+                            file: file.path.to_owned(),
+                            line,
+                        });
+                    }
+                }
+                TokenTree::Group(group) => self.read_tokens(group.stream(), file, module)?,
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// Reads the file of a module that is declared in another one.
+    fn read_child(
+        &mut self,
+        parent: &File<'_>,
+        other_path: Option<String>,
+        module: &[String],
+    ) -> Result<(), String> {
+        let name = module.last().map_or("", String::as_str);
+        let children = parent.children.join(name);
+        if let Some(path) = other_path {
+            let beside = parent.path.parent().unwrap_or(Path::new(""));
+            return self.read_file(&beside.join(path), &children, module);
+        }
+        let beside = parent.children.join(name).with_extension("rs");
+        if beside.is_file() {
+            self.read_file(&beside, &children, module)
+        } else {
+            self.read_file(&children.join("mod.rs"), &children, module)
+        }
+    }
+
+    fn export(&mut self, path: &[String], name: String) {
+        let from_root = match path {
+            [first, rest @ ..] if first == "crate" || first == "self" => rest,
+            path => path,
+        };
+        if let [module, _, ..] = from_root {
+            self.exports.insert(name, module.clone());
+        }
+    }
+}
+
+/// Where a path goes from the root; `None` above the root.
+fn absolute(module: &[String], first: &str, rest: Vec<String>) -> Option<Vec<String>> {
+    let mut rest = rest.into_iter().peekable();
+    let mut path = Vec::new();
+    if first == "super" {
+        path.extend_from_slice(module);
+        path.pop()?;
+        while rest.next_if(|segment| segment == "super").is_some() {
+            path.pop()?;
+        }
+    }
+    path.extend(rest);
+    Some(path)
+}
+
+type Tokens = Peekable<IntoIter>;
+
+/// Takes `::`, if it is next.
+fn double_colon(tokens: &mut Tokens) -> bool {
+    let mut taken = false;
+    while tokens
+        .next_if(|token| matches!(token, TokenTree::Punct(punct) if punct.as_char() == ':'))
+        .is_some()
+    {
+        taken = true;
+    }
+    taken
+}
+
+/// Takes a path or a tree of them: each path, and the name that a `use` gives it.
+fn use_tree(tokens: &mut Tokens) -> Vec<(Vec<String>, String)> {
+    let mut path = Vec::new();
+    loop {
+        match tokens.peek() {
+            Some(TokenTree::Ident(ident)) => {
+                path.push(ident.to_string());
+                tokens.next();
+            }
+            Some(TokenTree::Group(group)) if group.delimiter() == Delimiter::Brace => {
+                let group = group.clone();
+                tokens.next();
+                return branches(&group, &path);
+            }
+            _ => break,
+        }
+        if !double_colon(tokens) {
+            break;
+        }
+    }
+    if path.last().is_some_and(|last| last == "self") {
+        path.pop();
+    }
+    let mut name = path.last().cloned().unwrap_or_default();
+    if tokens
+        .next_if(|token| matches!(token, TokenTree::Ident(ident) if ident == "as"))
+        .is_some()
+        && let Some(TokenTree::Ident(ident)) = tokens.next()
+    {
+        name = ident.to_string();
+    }
+    vec![(path, name)]
+}
+
+/// The paths between the braces of a tree, each behind `path`.
+fn branches(group: &Group, path: &[String]) -> Vec<(Vec<String>, String)> {
+    let mut tokens = group.stream().into_iter().peekable();
+    let mut found = Vec::new();
+    while tokens.peek().is_some() {
+        for (rest, name) in use_tree(&mut tokens) {
+            let whole: Vec<String> = path.iter().cloned().chain(rest).collect();
+            found.push((whole, name));
+        }
+        // The comma, or the star of a glob.
+        tokens.next();
+    }
+    found
+}
+
+/// Whether an attribute is `#[cfg(test)]`, alone or with more that must hold.
+fn is_test_only(attribute: &Group) -> bool {
+    let text = attribute.stream().to_string().replace(' ', "");
+    text == "cfg(test)" || text.starts_with("cfg(all(test,")
+}
+
+/// The file that `#[path = "…"]` names.
+fn path_attribute(attribute: &Group) -> Option<String> {
+    let text = attribute.stream().to_string();
+    let path = text.strip_prefix("path = \"")?.strip_suffix('"')?;
+    Some(path.to_owned())
+}
+
+/// Passes over an item with what is left of its attributes; its last line.
+fn skip_item(tokens: &mut Tokens) -> Option<usize> {
+    let mut last = None;
+    while let Some(token) = tokens.next() {
+        last = Some(token.span().end().line);
+        let ends = match &token {
+            TokenTree::Punct(punct) => punct.as_char() == ';',
+            TokenTree::Group(group) => {
+                // `use a::{b, c};` goes on behind its braces.
+                group.delimiter() == Delimiter::Brace
+                    && !matches!(tokens.peek(), Some(TokenTree::Punct(next)) if next.as_char() == ';')
+            }
+            _ => false,
+        };
+        if ends {
+            break;
+        }
+    }
+    last
+}
