@@ -3,7 +3,7 @@
 //! The forms differ in their arithmetic only. [`CatP`] is the one to use: every key but zero has the
 //! full period `P + 1`. [`Cat64`] is the fastest; its low bits have short periods and are not used.
 //! [`CatF64`] is what the paper ran: rounding makes it, after a few steps, the same map on the grid
-//! of 2⁻⁵¹. The map is linear: see [`crate::recovery`] for what that tells an observer.
+//! of 2⁻⁵¹. The map is linear: see `recovery` of the observer for what that tells an observer.
 
 use crate::error::KeyError;
 use crate::modulus::{P, add, mul};

@@ -36,7 +36,7 @@
 //! );
 //! ```
 //!
-//! [`check`] compares every value with its range, in the order of declaration; what is left to
+//! [`fn@check`] compares every value with its range, in the order of declaration; what is left to
 //! write by hand are relations between fields ([`Parameters::check_relations`]).
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]

@@ -48,7 +48,7 @@ pub struct Options {
     /// the spot before and after it, more control points, and the exact shortest path in the end.
     pub fallbacks: bool,
     /// Whether a robot with inertia gets what a search in its controls makes of the curve
-    /// ([`crate::refine`]). Where only the wheels couple the speeds, it would gain a few thousandths
+    /// (`refine`). Where only the wheels couple the speeds, it would gain a few thousandths
     /// and is not tried.
     pub refine: bool,
     /// Degree of the B-spline, 2…8; absent: 3, or 2 for the prey of `lp`.

@@ -1,7 +1,7 @@
 //! TOML that remembers where every value came from, so that every error can point at it.
 //!
 //! Nothing here knows what a scenario is: texts are parsed into [`Node`]s with an [`Origin`], read
-//! into typed values by a `serde` deserializer that reports *where* it failed ([`read`]), and
+//! into typed values by a `serde` deserializer that reports *where* it failed ([`fn@read`]), and
 //! problems are collected in [`Diagnostics`].
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]

@@ -1,7 +1,7 @@
 //! Logs after the run: what is in them, what can be saved of a damaged one, parts of them, tables
 //! of them, and the run in them once more.
 //!
-//! Everything here reads a log from its beginning to its end ([`reader`](self::reader)), believes
+//! Everything here reads a log from its beginning to its end (`reader`), believes
 //! no length in it, keeps no more in memory than a chunk, and goes as far as a damaged or foreign
 //! file allows; what could not be read is in the [`Condition`].
 

@@ -1,5 +1,5 @@
-//! Supervision of the processes of a run: what happens to them goes to [`super::decide`], and the actions from there to
-//! [`super::executor`].
+//! Supervision of the processes of a run: what happens to them goes to `decide`, and the actions from there to
+//! `executor`.
 
 use std::os::fd::BorrowedFd;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -2,8 +2,8 @@
 //! caught and who got away.
 //!
 //! * [`RunTrace::read`] takes from a log what the picture needs, in bounded memory;
-//! * [`draw`] is the picture, as a pure function;
-//! * [`save`] puts it into a file, whole or not at all.
+//! * [`fn@draw`] is the picture, as a pure function;
+//! * `save` puts it into a file, whole or not at all.
 
 mod draw;
 mod draw_layers;

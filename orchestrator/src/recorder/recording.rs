@@ -183,7 +183,7 @@ impl Recording {
     }
 
     /// Writes what is ready, in order: the messages of the ticks up to `completed`, all of which have
-    /// been sent, and of those that began [`LONGEST_WAIT`] before `now`. What comes of such a tick
+    /// been sent, and of those that began `LONGEST_WAIT` before `now`. What comes of such a tick
     /// later is written at the next look. Before the first world state nothing is ready, so that it
     /// comes first.
     ///

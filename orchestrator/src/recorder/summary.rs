@@ -126,7 +126,7 @@ pub struct CoverageByWay {
 pub struct EventEntry {
     /// When [s].
     pub time_s: f64,
-    /// What: [`WorldEvent::NAMES`].
+    /// What: `WorldEvent::NAMES`.
     pub kind: String,
     /// Name of the robot it happened to.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -167,7 +167,7 @@ pub(super) fn seconds(ns: u64) -> f64 {
     ns as f64 / 1e9
 }
 
-/// Name of a team's code in [`RobotState`].
+/// Name of a team's code in `RobotState`.
 pub fn team_name(team: u8) -> &'static str {
     ["neutral", "police", "evader"]
         .get(usize::from(team))
@@ -175,7 +175,7 @@ pub fn team_name(team: u8) -> &'static str {
         .unwrap_or("unknown")
 }
 
-/// Name of a status code in [`RobotState`].
+/// Name of a status code in `RobotState`.
 pub fn status_name(status: u8) -> &'static str {
     [
         "active",

@@ -1,10 +1,10 @@
 //! A run as one page for a browser: the mission, animated, its events, its figures over time, its
 //! latencies, its outcome. One file that needs nothing else, neither a server nor a network.
 //!
-//! * [`gather`](self::gather) reads a log as far as it goes and thins out what comes densely
-//!   ([`sampled`](self::sampled)), so that neither memory nor the page grow with the run;
-//! * [`pack`](self::pack) makes small whole numbers of it;
-//! * [`html`](self::html) puts them into the page, whose parts are in `page/`.
+//! * `gather` reads a log as far as it goes and thins out what comes densely
+//!   (`sampled`), so that neither memory nor the page grow with the run;
+//! * `pack` makes small whole numbers of it;
+//! * `html` puts them into the page, whose parts are in `page/`.
 
 mod facts;
 mod gather;

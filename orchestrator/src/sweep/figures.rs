@@ -91,7 +91,7 @@ pub fn write(results: &Results) -> Result<Vec<PathBuf>, SweepError> {
 /// All figures of an experiment as charts, with their names.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`fn@write`].
 pub fn charts(results: &Results) -> Result<Vec<(String, Chart)>, SweepError> {
     let shown = shown(results)?;
     let figures = shown.figures.iter();

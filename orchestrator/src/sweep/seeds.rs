@@ -42,7 +42,7 @@ impl Seeds {
     /// `A..B`, both included, or one number.
     ///
     /// # Errors
-    /// [`SeedsError`] if it is neither, or of more than a million seeds.
+    /// `SeedsError` if it is neither, or of more than a million seeds.
     pub fn parse(text: &str) -> Result<Self, SeedsError> {
         let refused = || SeedsError {
             text: text.to_owned(),

@@ -1,7 +1,7 @@
 //! Charts: measured points with their intervals, joined to curves, beside published ones; as SVG.
 //!
 //! * a [`Chart`] says what is to be seen, in numbers and words;
-//! * [`draw`] arranges it on a page, as a pure function;
+//! * [`fn@draw`] arranges it on a page, as a pure function;
 //! * a [`Drawing`] is an SVG document ([`Drawing::svg`]).
 
 mod axes;

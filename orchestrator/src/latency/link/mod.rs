@@ -1,7 +1,7 @@
 //! One message from one process to another, over every transport that a mission is compared with.
 //!
 //! The sender ([`Link`]) reads the clock before it does anything for the message, the receiver
-//! ([`sink`]) when it has all of it; then the receiver says so on a shared page and the next message
+//! ([`fn@sink`]) when it has all of it; then the receiver says so on a shared page and the next message
 //! goes out. Both are processes of their own. Every byte is written.
 
 mod error;

@@ -5,7 +5,7 @@
 //! read is noted in the [`Condition`] and passed over; a file that ends in the middle is read to
 //! its last whole record. A chunk that the file ends in is not read: no checksum covers its part.
 //!
-//! [`file`] goes from record to record and to the end, [`chunk`] through what is compressed, [`record`]
+//! [`mod@file`] goes from record to record and to the end, [`chunk`] through what is compressed, [`record`]
 //! tells what a record means, [`index`] finds chunks without reading what is before them.
 
 mod chunk;

@@ -77,7 +77,7 @@ impl Cache {
 ///
 /// # Errors
 /// [`MissionError::InProcess`] if time passes by the clock, a process is a program of the user's
-/// own, or a process fails; others as of [`mission::run`](crate::mission::run).
+/// own, or a process fails; others as of [`mission::run`](fn@crate::mission::run).
 pub fn run(
     scenario: &ResolvedScenario,
     options: &InProcessOptions,
