@@ -5,7 +5,7 @@ use crate::support::geometry::{Walls, between, to_segment};
 use crate::support::ways::Drive;
 use serde_json::Value as Json;
 
-/// Side of the cells in which area is counted [m]: the maps' own.
+/// Side of the cells in which area is counted (m): the maps' own.
 const CELL: f64 = 0.1;
 
 /// The area of a workplace by the map alone, and what of it a disc has swept.
@@ -37,7 +37,7 @@ impl Count {
         [at(0, col), at(1, row)]
     }
 
-    /// A disc of this radius [m] along a track.
+    /// A disc of this radius (m) along a track.
     fn sweep(&mut self, track: &[[f64; 2]], radius: f64) {
         for pair in track.windows(2) {
             let reach = radius + between(pair[0], pair[1]);
@@ -54,7 +54,7 @@ impl Count {
         }
     }
 
-    /// Free area [m²].
+    /// Free area (m²).
     fn free(&self) -> f64 {
         self.cells.iter().filter(|(free, _)| *free).count() as f64 * CELL * CELL
     }

@@ -27,13 +27,13 @@ fn everybody_arrived_without_a_touch(summary: &Json) {
     }
 }
 
-/// Discs of the board: x, y, radius [m].
+/// Discs of the board: x, y, radius (m).
 const KNOWN: [[f64; 3]; 3] = [[1.5, 0.9, 0.3], [2.3, 2.4, 0.35], [3.6, 1.9, 0.3]];
 const POPPED_UP: [[f64; 3]; 2] = [[2.75, 1.6, 0.25], [3.6, 2.75, 0.2]];
-/// Radius of the robot there [m].
+/// Radius of the robot there (m).
 const SCOUT: f64 = 0.09;
 
-/// Distance of the robot's body from what stands on the board [m].
+/// Distance of the robot's body from what stands on the board (m).
 fn gap(state: &State, popped_up: bool) -> f64 {
     let robot = &state.robots[0];
     let edge = [robot.x, robot.y, 4.8 - robot.x, 3.6 - robot.y];

@@ -6,7 +6,7 @@ use crate::support::history::Visit;
 use crate::support::ways::{Drive, EPSILON};
 use serde_json::Value as Json;
 
-/// The octagon's corners [m].
+/// The octagon's corners (m).
 const OCTAGON: [[f64; 2]; 8] = [
     [5.0, 0.0],
     [0.0, 5.0],
@@ -18,7 +18,7 @@ const OCTAGON: [[f64; 2]; 8] = [
     [10.0, 0.0],
 ];
 
-/// Distance from a point to the octagon's contour [m].
+/// Distance from a point to the octagon's contour (m).
 fn off_contour(p: [f64; 2]) -> f64 {
     let sides = (0..8).map(|i| to_segment(p, OCTAGON[i], OCTAGON[(i + 1) % 8]));
     sides.fold(f64::INFINITY, f64::min)

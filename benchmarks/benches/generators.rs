@@ -23,7 +23,7 @@ fn run(source: &mut impl Source) -> [f64; 2] {
     })
 }
 
-/// Best rate over the repetitions [points/s].
+/// Best rate over the repetitions (points/s).
 fn best_rate(source: &mut impl Source) -> f64 {
     let best = (0..REPETITIONS)
         .map(|_| {

@@ -185,7 +185,7 @@ fn product(map: &BlurredMap, a: Point2<f64>, b: Point2<f64>) -> f64 {
     product.powf(length / samples)
 }
 
-/// Best rate of several updates from the same belief [1/s].
+/// Best rate of several updates from the same belief (1/s).
 fn rate<F: Clone>(filter: &F, n: usize, repetitions: usize, mut update: impl FnMut(&mut F)) -> f64 {
     let mut fastest = f64::INFINITY;
     for _ in 0..repetitions {

@@ -16,7 +16,7 @@ use ipc_types::messages::robot::ScanHeader;
 use ipc_types::topics::{RunSize, Scan};
 use statistics::paired_ratio;
 
-/// Payloads [bytes].
+/// Payloads (bytes).
 const SIZES: [usize; 6] = [64, 1 << 10, 16 << 10, 256 << 10, 1 << 20, 4 << 20];
 /// Pairs of blocks of which a ratio is the median.
 const PAIRS: usize = 31;

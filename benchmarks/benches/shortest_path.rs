@@ -168,7 +168,7 @@ fn paths(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// Length of the shortest way over the cells' centres [cells / 1000].
+/// Length of the shortest way over the cells' centres (cells / 1000).
 fn a_star(space: &FreeSpace, from: Point2<f64>, to: Point2<f64>) -> Option<u64> {
     let (frame, clearance) = (space.shapes().frame(), &space.shapes().clearance().cells);
     let (from, to) = (frame.cell_at(from)?, frame.cell_at(to)?);

@@ -109,7 +109,7 @@ fn exact(map: &BlurredMap, (a, b): Ray) -> f64 {
     math::exp(sum * (b - a).norm())
 }
 
-/// Best time of many repetitions [s] for one pass over the rays.
+/// Best time of many repetitions (s) for one pass over the rays.
 fn best(rays: &[Ray], repetitions: usize, query: impl Fn(Ray) -> f64) -> f64 {
     let mut fastest = f64::INFINITY;
     for _ in 0..repetitions {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
-/// Now on the monotonic clock of the machine [ns], comparable between processes.
+/// Now on the monotonic clock of the machine (ns), comparable between processes.
 ///
 /// It serves measurement only; nothing that steers reads it.
 pub fn monotonic_ns() -> u64 {
@@ -32,7 +32,7 @@ impl StampClock {
     /// Always 0.
     pub const STANDING: Self = Self { runs: false };
 
-    /// Now [ns].
+    /// Now (ns).
     pub fn now_ns(self) -> u64 {
         if self.runs { monotonic_ns() } else { 0 }
     }
@@ -44,12 +44,12 @@ impl StampClock {
 pub struct TurnStart(Arc<AtomicU64>);
 
 impl TurnStart {
-    /// The turn begins at this time [ns].
+    /// The turn begins at this time (ns).
     pub fn set(&self, now_ns: u64) {
         self.0.store(now_ns, Ordering::Relaxed);
     }
 
-    /// When it began [ns]; 0 before the first.
+    /// When it began (ns); 0 before the first.
     pub fn get(&self) -> u64 {
         self.0.load(Ordering::Relaxed)
     }

@@ -34,9 +34,9 @@ pub trait Message:
 pub struct Descriptor {
     /// Stable name, the same in every language: `protean/RobotState`; for plain numbers the ROS name.
     pub name: &'static str,
-    /// Size [bytes].
+    /// Size (bytes).
     pub size: usize,
-    /// Alignment [bytes].
+    /// Alignment (bytes).
     pub align: usize,
     /// The fields in order; empty for plain numbers.
     pub fields: &'static [Field],
@@ -49,7 +49,7 @@ pub struct Field {
     pub name: &'static str,
     /// What it means, with its unit.
     pub doc: &'static str,
-    /// Offset from the start of the message [bytes].
+    /// Offset from the start of the message (bytes).
     pub offset: usize,
     /// Its type.
     pub kind: FieldKind,

@@ -16,9 +16,9 @@ pub struct EyeInfo {
     /// Where it is.
     #[serde(flatten)]
     pub place: EyePlace,
-    /// Largest distance [m]; unlimited if absent.
+    /// Largest distance (m); unlimited if absent.
     pub range: Option<f64>,
-    /// Full opening angle around the robot's heading [rad]; all round if absent.
+    /// Full opening angle around the robot's heading (rad); all round if absent.
     pub field_of_view: Option<f64>,
 }
 
@@ -38,7 +38,7 @@ impl EyeInfo {
 pub enum EyePlace {
     /// A robot, by its index: as long as it plays.
     Robot(u32),
-    /// A fixed place [m].
+    /// A fixed place (m).
     Point([f64; 2]),
 }
 

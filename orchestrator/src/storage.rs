@@ -8,7 +8,7 @@ use std::os::unix::fs::MetadataExt as _;
 pub(crate) trait Storage: Send {
     /// Appends all bytes.
     fn append(&mut self, bytes: &[u8]) -> io::Result<()>;
-    /// Cuts the file to this length [bytes]; what is appended next goes there.
+    /// Cuts the file to this length (bytes); what is appended next goes there.
     fn cut(&mut self, length: u64) -> io::Result<()>;
     /// Waits until everything is on the disk.
     fn sync(&mut self) -> io::Result<()>;

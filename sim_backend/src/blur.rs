@@ -18,10 +18,10 @@ use thiserror::Error;
 use crate::grid::{Grid, GridFrame};
 use crate::math;
 
-/// Standard deviation of the blur used by the chasing-game experiments [m]: three cells of 0.0633 m.
+/// Standard deviation of the blur used by the chasing-game experiments (m): three cells of 0.0633 m.
 pub const PAPER_SIGMA: f64 = 0.19;
 
-/// Longest side of a map [cells]; keeps the fixed-point arithmetic of line of sight within 64 bits.
+/// Longest side of a map (cells); keeps the fixed-point arithmetic of line of sight within 64 bits.
 pub const MAX_SIDE: usize = 16_384;
 
 /// Why a blurred map could not be made.
@@ -38,7 +38,7 @@ pub enum BlurError {
     /// The cell size is not a positive finite length.
     #[error("the map's resolution is {resolution} m per cell; it must be positive and finite")]
     Resolution {
-        /// The offending resolution [m].
+        /// The offending resolution (m).
         resolution: f64,
     },
     /// The number of values does not fit the frame.
@@ -59,9 +59,9 @@ pub enum BlurError {
         "the blur's sigma is {sigma} m; it must be positive and at most the map's longer side, {limit} m"
     )]
     Sigma {
-        /// The offending standard deviation [m].
+        /// The offending standard deviation (m).
         sigma: f64,
-        /// The largest accepted one [m].
+        /// The largest accepted one (m).
         limit: f64,
     },
     /// A blurred value is outside 0…1.
@@ -82,7 +82,7 @@ pub struct BlurredMap {
 }
 
 impl BlurredMap {
-    /// Blurs a free map (`true` = free) with a Gaussian of standard deviation `sigma` [m].
+    /// Blurs a free map (`true` = free) with a Gaussian of standard deviation `sigma` (m).
     ///
     /// The kernel is sampled at whole cells out to ±4σ (rounded to a cell) and normalised to sum 1;
     /// beyond its edge the map continues as its mirror image (`d c b a | a b c d | d c b a`), so the
@@ -150,12 +150,12 @@ impl BlurredMap {
         &self.occupied
     }
 
-    /// Whether the point [m] lies in an occupied cell or outside the grid.
+    /// Whether the point (m) lies in an occupied cell or outside the grid.
     pub fn is_blocked(&self, p: Point2<f64>) -> bool {
         self.occupied.at(p).copied().unwrap_or(true)
     }
 
-    /// How open the world is at a point [m]: 0…1, bilinear between cell centres (constant over the
+    /// How open the world is at a point (m): 0…1, bilinear between cell centres (constant over the
     /// outer half cell of the grid), continuous up to the walls; 0 in obstacles and outside.
     pub fn value(&self, p: Point2<f64>) -> f64 {
         if self.is_blocked(p) {
@@ -166,7 +166,7 @@ impl BlurredMap {
             .map_or(0.0, |c| c.mix(|col, row| self.cell(cells, col, row)))
     }
 
-    /// Gradient of the unmasked blur at a point [1/m], pointing from obstacles to open space.
+    /// Gradient of the unmasked blur at a point (1/m), pointing from obstacles to open space.
     ///
     /// Bilinear interpolation of the central differences at the cell centres (one-sided in the
     /// outermost cells), hence continuous. Zero outside the grid.
@@ -184,7 +184,7 @@ impl BlurredMap {
         f64::from(cells[self.blurred.frame.index(col, row)])
     }
 
-    /// Central difference along x or y at a cell centre [1/m].
+    /// Central difference along x or y at a cell centre (1/m).
     fn difference(&self, col: usize, row: usize, along_x: bool) -> f64 {
         let frame = &self.blurred.frame;
         let cells = &self.blurred.cells;

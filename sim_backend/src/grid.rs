@@ -13,9 +13,9 @@ pub struct GridFrame {
     pub width: usize,
     /// Number of rows (cells along y).
     pub height: usize,
-    /// Side of a cell [m], > 0.
+    /// Side of a cell (m), > 0.
     pub resolution: f64,
-    /// World position of the *outer corner* of cell (0, 0) [m].
+    /// World position of the *outer corner* of cell (0, 0) (m).
     pub origin: Point2<f64>,
 }
 
@@ -30,7 +30,7 @@ impl GridFrame {
         self.len() == 0
     }
 
-    /// The cell (column, row) that contains a world point [m]; `None` outside the grid or for a
+    /// The cell (column, row) that contains a world point (m); `None` outside the grid or for a
     /// non-finite point.
     pub fn cell_at(&self, p: Point2<f64>) -> Option<(usize, usize)> {
         // Truncating is rounding down here, and unlike `floor` costs no call on the oldest x86-64.
@@ -46,12 +46,12 @@ impl GridFrame {
         row * self.width + col
     }
 
-    /// Storage index of the cell that contains a world point [m].
+    /// Storage index of the cell that contains a world point (m).
     pub fn index_at(&self, p: Point2<f64>) -> Option<usize> {
         self.cell_at(p).map(|(col, row)| self.index(col, row))
     }
 
-    /// World position of a cell's centre [m].
+    /// World position of a cell's centre (m).
     pub fn center(&self, col: usize, row: usize) -> Point2<f64> {
         Point2::new(
             self.origin.x + (col as f64 + 0.5) * self.resolution,
@@ -80,7 +80,7 @@ impl<T: Clone> Grid<T> {
 }
 
 impl<T> Grid<T> {
-    /// The value of the cell that contains a world point [m].
+    /// The value of the cell that contains a world point (m).
     pub fn at(&self, p: Point2<f64>) -> Option<&T> {
         self.frame.index_at(p).map(|i| &self.cells[i])
     }

@@ -11,7 +11,7 @@ pub use libm::{acos, asin, atan, atan2, cos, exp, hypot, log as ln, pow, sin, si
 pub use libm::{cosf, expf, logf as lnf, sincosf, sinf, tanhf};
 pub use libm::{erfc, lgamma as ln_gamma};
 
-/// Wraps an angle [rad] into (−π, π].
+/// Wraps an angle (rad) into (−π, π].
 ///
 /// Non-finite input gives NaN.
 pub fn wrap_angle(angle: f64) -> f64 {
@@ -24,7 +24,7 @@ pub fn wrap_angle(angle: f64) -> f64 {
     }
 }
 
-/// The signed shortest rotation [rad] from `from` to `to`, in (−π, π].
+/// The signed shortest rotation (rad) from `from` to `to`, in (−π, π].
 pub fn angle_difference(to: f64, from: f64) -> f64 {
     wrap_angle(to - from)
 }

@@ -9,16 +9,16 @@ use crate::math;
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Pose2 {
-    /// Position along the world's x axis [m].
+    /// Position along the world's x axis (m).
     pub x: f64,
-    /// Position along the world's y axis [m].
+    /// Position along the world's y axis (m).
     pub y: f64,
-    /// Heading [rad], counter-clockwise from +x, in (−π, π].
+    /// Heading (rad), counter-clockwise from +x, in (−π, π].
     pub theta: f64,
 }
 
 impl Pose2 {
-    /// A pose from its three coordinates [m, m, rad]; the heading is wrapped.
+    /// A pose from its three coordinates (m, m, rad); the heading is wrapped.
     pub fn new(x: f64, y: f64, theta: f64) -> Self {
         Self {
             x,
@@ -27,7 +27,7 @@ impl Pose2 {
         }
     }
 
-    /// The position [m].
+    /// The position (m).
     pub fn position(&self) -> Point2<f64> {
         Point2::new(self.x, self.y)
     }
@@ -48,9 +48,9 @@ impl Pose2 {
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Twist2 {
-    /// Forward speed [m/s].
+    /// Forward speed (m/s).
     pub v: f64,
-    /// Turning rate [rad/s], counter-clockwise positive.
+    /// Turning rate (rad/s), counter-clockwise positive.
     pub omega: f64,
 }
 
@@ -58,7 +58,7 @@ impl Twist2 {
     /// No motion.
     pub const STOP: Self = Self { v: 0.0, omega: 0.0 };
 
-    /// A twist from forward speed [m/s] and turning rate [rad/s].
+    /// A twist from forward speed (m/s) and turning rate (rad/s).
     pub const fn new(v: f64, omega: f64) -> Self {
         Self { v, omega }
     }

@@ -119,12 +119,12 @@ impl VisibilityField {
         &self.frame
     }
 
-    /// Whether a point [m] lies in a free cell of the grid.
+    /// Whether a point (m) lies in a free cell of the grid.
     pub fn is_free(&self, p: Point2<f64>) -> bool {
         self.end(p).is_some()
     }
 
-    /// The point [m] as an end of lines of sight; `None` in an occupied cell, outside the grid or
+    /// The point (m) as an end of lines of sight; `None` in an occupied cell, outside the grid or
     /// if not finite.
     pub fn end(&self, p: Point2<f64>) -> Option<RayEnd> {
         let x = (p.x - self.frame.origin.x) * self.scale;
@@ -141,7 +141,7 @@ impl VisibilityField {
         (self.occupied_bit(i64::from(end.x), i64::from(end.y)) & 1 == 0).then_some(end)
     }
 
-    /// V(a, b) for two points [m]: 0…1; exactly 0 if the line of sight is blocked.
+    /// V(a, b) for two points (m): 0…1; exactly 0 if the line of sight is blocked.
     ///
     /// Symmetric bit for bit; 1 for a = b in a free cell; independent of any step size.
     pub fn visibility(&self, a: Point2<f64>, b: Point2<f64>) -> f64 {
@@ -151,7 +151,7 @@ impl VisibilityField {
         }
     }
 
-    /// Whether no occupied cell lies between two points [m] (false if an end is not free).
+    /// Whether no occupied cell lies between two points (m) (false if an end is not free).
     pub fn is_visible(&self, a: Point2<f64>, b: Point2<f64>) -> bool {
         match (self.end(a), self.end(b)) {
             (Some(a), Some(b)) => self.depth(a, b).is_some(),
@@ -166,7 +166,7 @@ impl VisibilityField {
             .map_or(0.0, |nats| math::expf(-nats as f32))
     }
 
-    /// V from one observer [m] to many points given as separate coordinates [m].
+    /// V from one observer (m) to many points given as separate coordinates (m).
     ///
     /// Fills as many entries of `out` as all three slices have; NaN coordinates give 0.
     pub fn visibility_many(&self, observer: Point2<f64>, xs: &[f32], ys: &[f32], out: &mut [f32]) {
@@ -201,7 +201,7 @@ impl VisibilityField {
         self.bits[word] >> ((x >> POINT_BITS) & 63)
     }
 
-    /// Optical depth −ln V between two ends [nats], ≥ 0; `None` if blocked.
+    /// Optical depth −ln V between two ends (nats), ≥ 0; `None` if blocked.
     #[inline]
     fn depth(&self, a: RayEnd, b: RayEnd) -> Option<f64> {
         if self.probe(a, b) {

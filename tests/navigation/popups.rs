@@ -8,15 +8,15 @@ use crate::support::history::History;
 use orchestrator::mission::in_process::{InProcessOptions, run};
 use proptest::prelude::*;
 
-/// Radius of the robot [m], and its speed [m/s].
+/// Radius of the robot (m), and its speed (m/s).
 const RADIUS: f64 = 0.105;
 const SPEED: f64 = 0.4;
 
 #[derive(Debug, Clone)]
 struct Popup {
-    /// Way that the robot has made when it comes [m].
+    /// Way that the robot has made when it comes (m).
     travelled: f64,
-    /// Where it comes [m], and its radius [m].
+    /// Where it comes (m), and its radius (m).
     at: [f64; 2],
     radius: f64,
 }

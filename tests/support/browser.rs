@@ -27,7 +27,7 @@ pub fn browse(page: &Path, steps: &Json) -> Option<Json> {
 }
 
 /// Opens a log or a live run in Foxglove Studio with the layout that is shipped, at a time of the
-/// log [s], and takes these steps; `None`, and a note, if this machine cannot.
+/// log (s), and takes these steps; `None`, and a note, if this machine cannot.
 pub fn studio(source: &str, time_s: f64, steps: &Json) -> Option<Json> {
     let what = format!("opening {source} in Foxglove Studio");
     run(&what, "studio.py", steps, |command| {

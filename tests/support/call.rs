@@ -78,7 +78,7 @@ impl<'a> Call<'a> {
         self.through("sh", &["-c", script, kind, count])
     }
 
-    /// With at most this much time of the processor [s], then it is killed.
+    /// With at most this much time of the processor (s), then it is killed.
     pub fn within_seconds(self, seconds: &str) -> Self {
         self.through("sh", &["-c", "ulimit -t \"$0\" && exec \"$@\"", seconds])
     }

@@ -105,7 +105,7 @@ impl Walls {
         Self::parse(include_str!("../../scenarios/maps/hello.toml"))
     }
 
-    /// Distance from a point to the nearest wall or edge of the map [m]; negative inside one.
+    /// Distance from a point to the nearest wall or edge of the map (m); negative inside one.
     pub fn clearance(&self, p: [f64; 2]) -> f64 {
         let edge = (p[0] - self.min[0])
             .min(self.max[0] - p[0])
@@ -119,7 +119,7 @@ impl Walls {
 }
 
 impl Obstacle {
-    /// Distance from a point to its boundary [m]; negative inside.
+    /// Distance from a point to its boundary (m); negative inside.
     pub fn distance(&self, p: [f64; 2]) -> f64 {
         match self {
             Self::Rectangle {
@@ -153,7 +153,7 @@ impl Obstacle {
     }
 }
 
-/// Distance from a point to a segment [m].
+/// Distance from a point to a segment (m).
 pub fn to_segment(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     let (ex, ey) = (b[0] - a[0], b[1] - a[1]);
     let square = ex * ex + ey * ey;
@@ -167,7 +167,7 @@ pub fn to_segment(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     (dx * dx + dy * dy).sqrt()
 }
 
-/// Distance between two points [m].
+/// Distance between two points (m).
 pub fn between(a: [f64; 2], b: [f64; 2]) -> f64 {
     ((a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2)).sqrt()
 }

@@ -46,7 +46,7 @@ pub struct Message {
     pub logged_sequence: u64,
     pub log_time: u64,
     pub publish_time: u64,
-    /// Monotonic clock of its sending [ns]; differs from run to run.
+    /// Monotonic clock of its sending (ns); differs from run to run.
     pub sent_ns: u64,
 }
 

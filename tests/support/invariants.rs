@@ -11,7 +11,7 @@ use super::history::{Event, History, Message, Robot, State, scenario};
 
 /// Slack of comparisons of lengths and speeds, far below anything that is driven.
 const EPSILON: f64 = 1e-9;
-/// How deep in a wall a body may be for the arithmetic's sake [m].
+/// How deep in a wall a body may be for the arithmetic's sake (m).
 const PENETRATION: f64 = 1e-6;
 
 const POLICE: u8 = 1;
@@ -37,12 +37,12 @@ pub struct Game {
     pub period_ns: u64,
     pub walls: Walls,
     pub radius: f64,
-    /// Largest speed of every robot [m/s].
+    /// Largest speed of every robot (m/s).
     pub v_max: Vec<f64>,
     pub omega_max: f64,
-    /// Centre-to-centre distance below which Police catch [m]; 0 if they do not.
+    /// Centre-to-centre distance below which Police catch (m); 0 if they do not.
     pub capture: f64,
-    /// Centres and radii [m].
+    /// Centres and radii (m).
     pub exits: Vec<([f64; 2], f64)>,
     pub time_limit_s: f64,
     /// Whether a perception process follows the evaders.

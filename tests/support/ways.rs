@@ -10,10 +10,10 @@ use super::geometry::{Walls, between, to_segment};
 use super::history::{History, Visit, scenario};
 use super::invariants::{standing_obstacles, the_summary_says_what_the_log_holds};
 
-/// Slack for the arithmetic of lengths [m] and times [s].
+/// Slack for the arithmetic of lengths (m) and times (s).
 pub const EPSILON: f64 = 1e-9;
 
-/// How far a robot strays from its arcs where it cannot turn fast enough [m].
+/// How far a robot strays from its arcs where it cannot turn fast enough (m).
 const STRAYING: f64 = 0.1;
 
 /// A finished run with one robot.
@@ -21,9 +21,9 @@ pub struct Drive {
     pub history: History,
     pub summary: Json,
     pub walls: Walls,
-    /// Radius of the robot [m].
+    /// Radius of the robot (m).
     pub radius: f64,
-    /// Length of a tick [s].
+    /// Length of a tick (s).
     pub dt: f64,
     /// The scenario as it stands in the log.
     pub scenario: toml::Table,
@@ -91,7 +91,7 @@ impl Drive {
         all.filter(|end| end.outcome == outcome).count()
     }
 
-    /// Distance at which a waypoint counts as reached [m], as the scenario states it, and whether
+    /// Distance at which a waypoint counts as reached (m), as the scenario states it, and whether
     /// arcs pass by waypoints: then it is how far they may miss one, and the robot may stray.
     fn tolerance(&self) -> (f64, bool) {
         let processes = self.scenario["processes"].as_array().unwrap();
@@ -182,7 +182,7 @@ impl Drive {
         }
     }
 
-    /// Times of the laps that were completed [s]: from the last waypoint of the route of one to that
+    /// Times of the laps that were completed (s): from the last waypoint of the route of one to that
     /// of the next.
     pub fn lap_times(&self) -> Vec<f64> {
         let route = |end: &&Visit| end.kind == "route";

@@ -149,7 +149,7 @@ pub enum KeyError {
         x: f64,
         /// Second value.
         y: f64,
-        /// Exact period [steps].
+        /// Exact period (steps).
         period: u64,
     },
     /// The values stay so small that the map is not mixing for long.

@@ -23,15 +23,15 @@ use sim_backend::shape::Aabb;
 
 type Failure = Box<dyn std::error::Error + Send + Sync>;
 
-/// Lengths of path at which coverage is read [m].
+/// Lengths of path at which coverage is read (m).
 const MARKS: [f64; 4] = [250.0, 500.0, 800.0, 1000.0];
-/// Observers watch up to this length [m].
+/// Observers watch up to this length (m).
 const WATCHED: f64 = 800.0;
 /// Sub-goals watched before the observers without the method begin to guess.
 const HISTORY: usize = 20;
-/// No path is driven farther [m].
+/// No path is driven farther (m).
 const LIMIT: f64 = 4000.0;
-/// A guess this near is a hit [m].
+/// A guess this near is a hit (m).
 const HIT: f64 = 0.5;
 
 /// A planner and, if there is one to guess with, the method as an observer has it.
@@ -47,10 +47,10 @@ enum Planner {
 #[derive(Default)]
 struct Run {
     at_marks: [f64; 4],
-    /// Length at which 0.95 was covered [m]; NaN if it never was.
+    /// Length at which 0.95 was covered (m); NaN if it never was.
     to_95: f64,
     goals: usize,
-    /// Errors of the observers [m]: the method, neighbours in the plane, neighbours per
+    /// Errors of the observers (m): the method, neighbours in the plane, neighbours per
     /// coordinate, constant velocity.
     errors: [Vec<f64>; 4],
     hits: usize,
@@ -324,7 +324,7 @@ struct Row {
     keys: usize,
     goals: f64,
     hits: f64,
-    /// Median errors of the four observers, and the lower quartile of the first [m].
+    /// Median errors of the four observers, and the lower quartile of the first (m).
     medians: [f64; 4],
     quartile: f64,
 }

@@ -10,7 +10,7 @@ use metrics::coverage::Meter;
 use nalgebra::Point2;
 use sim_backend::shape::Aabb;
 
-/// Lengths of path at which coverage is read [m].
+/// Lengths of path at which coverage is read (m).
 const LENGTHS: [f64; 4] = [250.0, 500.0, 1000.0, 2000.0];
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -31,7 +31,7 @@ pub enum BoustrophedonError {
          workplace"
     )]
     TooManyLanes {
-        /// Distance between lanes [m].
+        /// Distance between lanes (m).
         spacing: f64,
     },
 }
@@ -50,8 +50,8 @@ pub struct Boustrophedon {
 }
 
 impl Boustrophedon {
-    /// A planner for the part of a workplace that can be reached from `start` [m], for a robot that
-    /// covers a disc of radius `disc` [m].
+    /// A planner for the part of a workplace that can be reached from `start` (m), for a robot that
+    /// covers a disc of radius `disc` (m).
     ///
     /// # Errors
     /// [`BoustrophedonError`] if the lanes are too many or not a distance apart.
@@ -79,7 +79,7 @@ impl Boustrophedon {
         })
     }
 
-    /// The same planner in a workplace that has changed, from `start` [m]: the walk begins anew and
+    /// The same planner in a workplace that has changed, from `start` (m): the walk begins anew and
     /// numbers go on.
     ///
     /// # Errors

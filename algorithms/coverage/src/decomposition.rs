@@ -24,7 +24,7 @@ use thiserror::Error;
 use crate::workplace::Workplace;
 use cells::Cells;
 
-/// Lines nearer to each other than this [m] are one; borders must share more than this.
+/// Lines nearer to each other than this (m) are one; borders must share more than this.
 pub(crate) const SAME: f64 = 1e-9;
 
 /// Most cells that the borders of obstacles may cut a workplace into.
@@ -40,7 +40,7 @@ pub enum DecompositionError {
          rectangles"
     )]
     NoFreeSpace {
-        /// The robot's radius [m].
+        /// The robot's radius (m).
         radius: f64,
     },
     /// Too many different borders of obstacles.
@@ -95,7 +95,7 @@ impl Decomposition {
     }
 
     /// The same with one more bridge, for routes between rectangles that share no border: `rectangle`
-    /// [m] is free and overlaps both of `between` (the paper's `T_BDF`, by which case 2 returns).
+    /// (m) is free and overlaps both of `between` (the paper's `T_BDF`, by which case 2 returns).
     ///
     /// # Errors
     /// [`BridgeError`] if the bridge is not free, does not reach both or joins what is joined.
@@ -130,7 +130,7 @@ impl Decomposition {
         Ok(self)
     }
 
-    /// The rectangles [m]; disjoint but for their borders. At least one.
+    /// The rectangles (m); disjoint but for their borders. At least one.
     pub fn rectangles(&self) -> &[Aabb] {
         &self.rectangles
     }
@@ -157,12 +157,12 @@ impl Decomposition {
             .map(|(_, bridge)| bridge)
     }
 
-    /// Area of a rectangle [m²]; 0 for one that there is not.
+    /// Area of a rectangle (m²); 0 for one that there is not.
     pub fn area_of(&self, rectangle: usize) -> f64 {
         self.rectangles.get(rectangle).map_or(0.0, area)
     }
 
-    /// Free area [m²].
+    /// Free area (m²).
     pub fn area(&self) -> f64 {
         self.rectangles.iter().map(area).sum()
     }
@@ -185,7 +185,7 @@ impl Decomposition {
             .map(|(rectangle, _)| rectangle)
     }
 
-    /// Area of a component [m²].
+    /// Area of a component (m²).
     pub fn component_area(&self, component: usize) -> f64 {
         self.component(component).map(|r| self.area_of(r)).sum()
     }
@@ -205,12 +205,12 @@ impl Decomposition {
         }
     }
 
-    /// The first rectangle that contains a point [m], borders included.
+    /// The first rectangle that contains a point (m), borders included.
     pub fn rectangle_at(&self, p: Point2<f64>) -> Option<usize> {
         self.rectangles.iter().position(|r| r.contains(p))
     }
 
-    /// The rectangle nearest to a point [m] and its distance [m]; 0 inside. `None` for a point that
+    /// The rectangle nearest to a point (m) and its distance (m); 0 inside. `None` for a point that
     /// is not finite.
     pub fn nearest_rectangle(&self, p: Point2<f64>) -> Option<(usize, f64)> {
         let distances = self.rectangles.iter().map(|r| r.distance(p)).enumerate();
@@ -227,7 +227,7 @@ pub struct Unreachable {
     pub components: usize,
     /// Their rectangles.
     pub rectangles: Vec<usize>,
-    /// Their area [m²].
+    /// Their area (m²).
     pub area: f64,
 }
 

@@ -8,7 +8,7 @@ use nalgebra::Point2;
 
 use crate::space::Space;
 
-/// Cells this much beyond the disc's radius or the free space [m] count, as in the measure of
+/// Cells this much beyond the disc's radius or the free space (m) count, as in the measure of
 /// coverage: rounding must not decide.
 const TOLERANCE: f64 = 1e-9;
 
@@ -38,7 +38,7 @@ pub struct Freshness {
 }
 
 impl Freshness {
-    /// Everything that can be reached is fresh; `radius` [m] of the disc, > 0. The neighbours of a
+    /// Everything that can be reached is fresh; `radius` (m) of the disc, > 0. The neighbours of a
     /// cell are those up to `neighbourhood` cells away along both axes.
     pub fn new(
         grid: &CellGrid,
@@ -106,13 +106,13 @@ impl Freshness {
         self.left
     }
 
-    /// Centre of the fresh cell number `index` [m], counted row by row.
+    /// Centre of the fresh cell number `index` (m), counted row by row.
     pub fn nth(&self, index: usize) -> Option<Point2<f64>> {
         let mut fresh = self.fresh.iter().enumerate().filter(|&(_, &fresh)| fresh);
         fresh.nth(index).map(|(cell, _)| self.cells.center(cell))
     }
 
-    /// Worth of what the disc would sweep on the straight leg between two finite points [m²].
+    /// Worth of what the disc would sweep on the straight leg between two finite points (m²).
     pub fn worth_of(&self, from: Point2<f64>, to: Point2<f64>) -> f64 {
         // Fewer lines of cells cross the leg if they run along it.
         let line = to - from;
@@ -130,7 +130,7 @@ impl Freshness {
         worth * self.cells.side() * self.cells.side()
     }
 
-    /// Sweeps the disc along a straight leg between two finite points [m]; returns how many fresh
+    /// Sweeps the disc along a straight leg between two finite points (m); returns how many fresh
     /// cells it met.
     pub fn sweep(&mut self, from: Point2<f64>, to: Point2<f64>) -> usize {
         let before = self.left;
@@ -153,7 +153,7 @@ impl Freshness {
         swept
     }
 
-    /// Fresh cells that the disc would sweep from one place to another [m].
+    /// Fresh cells that the disc would sweep from one place to another (m).
     pub fn fresh_on(&self, from: Point2<f64>, to: Point2<f64>) -> usize {
         let mut found = 0;
         let rows = Axis::Rows;

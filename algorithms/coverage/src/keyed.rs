@@ -72,9 +72,9 @@ pub enum KeyedError {
          smaller cells"
     )]
     Cell {
-        /// Side found [m].
+        /// Side found (m).
         cell: f64,
-        /// Radius of the disc [m].
+        /// Radius of the disc (m).
         radius: f64,
     },
 }
@@ -94,8 +94,8 @@ pub struct KeyedCoverage {
 }
 
 impl KeyedCoverage {
-    /// A planner for the part of a workplace that can be reached from `start` [m], for a robot that
-    /// covers a disc of radius `disc` [m], with the key of its stream.
+    /// A planner for the part of a workplace that can be reached from `start` (m), for a robot that
+    /// covers a disc of radius `disc` (m), with the key of its stream.
     ///
     /// # Errors
     /// [`KeyedError`] if a parameter is out of range or the cells do not suit the workplace or the
@@ -141,7 +141,7 @@ impl KeyedCoverage {
         other
     }
 
-    /// The same planner in a workplace that has changed, from `start` [m]: key, numbers and round go
+    /// The same planner in a workplace that has changed, from `start` (m): key, numbers and round go
     /// on, and what has been covered stays so where the cells are the same.
     ///
     /// # Errors

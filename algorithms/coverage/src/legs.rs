@@ -22,11 +22,11 @@ use crate::goal::Goal;
 /// Subtracted from a number of parts before it is rounded up, so that whole ones stay.
 const WHOLE_PARTS: f64 = 1e-12;
 
-/// Legs shorter than this [m] have no direction and turns by less than this [rad] are none.
+/// Legs shorter than this (m) have no direction and turns by less than this (rad) are none.
 const NOTHING: f64 = 1e-9;
 
-/// The points of a straight leg [m], the start left out and the end included, in equal parts of at
-/// most `step` [m]: ⌈d/step − 10⁻¹²⌉ of them, at least one. A step that is not positive makes one
+/// The points of a straight leg (m), the start left out and the end included, in equal parts of at
+/// most `step` (m): ⌈d/step − 10⁻¹²⌉ of them, at least one. A step that is not positive makes one
 /// part.
 pub fn interpolate(
     from: Point2<f64>,
@@ -72,9 +72,9 @@ pub struct Rounding {
 }
 
 impl Rounding {
-    /// Arcs for a robot that drives at `v` [m/s] and turns at `omega` [rad/s]: of radius v/ω where
-    /// there is room and the arc passes the corner by no more than `most_miss` [m] (at a sharp
-    /// corner a wide arc passes far from it). Arcs smaller than `least_radius` [m] are left out: the
+    /// Arcs for a robot that drives at `v` (m/s) and turns at `omega` (rad/s): of radius v/ω where
+    /// there is room and the arc passes the corner by no more than `most_miss` (m) (at a sharp
+    /// corner a wide arc passes far from it). Arcs smaller than `least_radius` (m) are left out: the
     /// robot turns on the spot.
     ///
     /// # Errors
@@ -113,12 +113,12 @@ impl Rounding {
         })
     }
 
-    /// Radius of the arcs that have room [m].
+    /// Radius of the arcs that have room (m).
     pub fn radius(&self) -> f64 {
         self.v / self.omega
     }
 
-    /// Fastest on a circle of this radius [m/s].
+    /// Fastest on a circle of this radius (m/s).
     pub fn speed_on(&self, radius: f64) -> f64 {
         self.v.min(self.omega * radius)
     }
@@ -127,16 +127,16 @@ impl Rounding {
 /// An arc in place of a corner.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fillet {
-    /// Where it leaves the first leg, E [m].
+    /// Where it leaves the first leg, E (m).
     pub enter: Point2<f64>,
-    /// Where it joins the second leg, F [m].
+    /// Where it joins the second leg, F (m).
     pub leave: Point2<f64>,
     /// The arc between them.
     pub arc: Arc,
 }
 
-/// The arc of at most `radius` [m], passing the corner by at most `most_miss` [m], that replaces
-/// the corner at `b` on the way from `a` over `b` to `c` [m]; the legs run in the rectangles `first`
+/// The arc of at most `radius` (m), passing the corner by at most `most_miss` (m), that replaces
+/// the corner at `b` on the way from `a` over `b` to `c` (m); the legs run in the rectangles `first`
 /// and `second`. `None` if there is no corner or no room.
 pub fn fillet(
     [a, b, c]: [Point2<f64>; 3],
@@ -178,7 +178,7 @@ pub fn fillet(
     Some(Fillet { enter, leave, arc })
 }
 
-/// How far [m] one gets from `p` in a rectangle along a unit vector; 0 from outside it.
+/// How far (m) one gets from `p` in a rectangle along a unit vector; 0 from outside it.
 fn run_within(rectangle: &Aabb, p: Point2<f64>, direction: Vector2<f64>) -> f64 {
     if !rectangle.contains(p) {
         return 0.0;
@@ -201,26 +201,26 @@ fn run_within(rectangle: &Aabb, p: Point2<f64>, direction: Vector2<f64>) -> f64 
 pub enum Piece {
     /// Straight on.
     Straight {
-        /// From here [m].
+        /// From here (m).
         from: Point2<f64>,
-        /// To here [m].
+        /// To here (m).
         to: Point2<f64>,
     },
     /// Along an arc.
     Arc(Arc),
     /// A turn on the spot.
     Turn {
-        /// Where [m].
+        /// Where (m).
         at: Point2<f64>,
-        /// From this heading [rad].
+        /// From this heading (rad).
         from: f64,
-        /// By this angle [rad], counter-clockwise if positive.
+        /// By this angle (rad), counter-clockwise if positive.
         by: f64,
     },
 }
 
 impl Piece {
-    /// Length [m].
+    /// Length (m).
     pub fn length(&self) -> f64 {
         match self {
             Self::Straight { from, to } => (to - from).norm(),
@@ -229,7 +229,7 @@ impl Piece {
         }
     }
 
-    /// How long it takes at full speed [s].
+    /// How long it takes at full speed (s).
     pub fn duration(&self, rounding: &Rounding) -> f64 {
         match self {
             Self::Straight { .. } => self.length() / rounding.v,
@@ -238,7 +238,7 @@ impl Piece {
         }
     }
 
-    /// Curvature [1/m], positive to the left; 0 for a turn on the spot.
+    /// Curvature (1/m), positive to the left; 0 for a turn on the spot.
     pub fn curvature(&self) -> f64 {
         match self {
             Self::Arc(arc) => arc.sweep.signum() / arc.radius,
@@ -262,7 +262,7 @@ impl Piece {
         }
     }
 
-    /// Poses along the piece, the start left out and the end included, at most `step` [m] apart (a
+    /// Poses along the piece, the start left out and the end included, at most `step` (m) apart (a
     /// turn: its end).
     pub fn poses(&self, step: f64) -> impl Iterator<Item = Pose2> + use<> {
         let parts = (self.length() / step - WHOLE_PARTS).ceil();
@@ -283,7 +283,7 @@ impl Piece {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rounder {
     rounding: Rounding,
-    /// Where the pieces given so far end [m], and the heading there [rad], once there is one.
+    /// Where the pieces given so far end (m), and the heading there (rad), once there is one.
     from: Point2<f64>,
     heading: Option<f64>,
     /// The leg that has not been given: where it starts (corner, not arc), where it ends, and where
@@ -292,7 +292,7 @@ pub struct Rounder {
 }
 
 impl Rounder {
-    /// A path from `start` [m]; with a heading [rad] if the robot must turn towards the first goal.
+    /// A path from `start` (m); with a heading (rad) if the robot must turn towards the first goal.
     pub fn new(rounding: Rounding, start: Point2<f64>, heading: Option<f64>) -> Self {
         Self {
             rounding,

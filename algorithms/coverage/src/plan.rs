@@ -22,9 +22,9 @@ pub enum PlanError {
         "start = ({}, {}): not in free space; the nearest is {distance} m away", .start.x, .start.y
     )]
     Start {
-        /// The start [m].
+        /// The start (m).
         start: Point2<f64>,
-        /// Distance from the nearest free rectangle [m].
+        /// Distance from the nearest free rectangle (m).
         distance: f64,
     },
     /// The tour does not fit the workplace.
@@ -79,7 +79,7 @@ pub struct CoveragePlan<S> {
     transit: Transit,
     loops: u32,
     source: S,
-    /// Where the last sub-goal (or the start) is [m].
+    /// Where the last sub-goal (or the start) is (m).
     position: Point2<f64>,
     stop: usize,
     phase: Phase,
@@ -89,7 +89,7 @@ pub struct CoveragePlan<S> {
 }
 
 impl<S: chaotic_maps::Source> CoveragePlan<S> {
-    /// A plan for a robot that starts at `start` [m] in free space.
+    /// A plan for a robot that starts at `start` (m) in free space.
     ///
     /// # Errors
     /// [`PlanError`] names what cannot be done and what to change.
@@ -124,7 +124,7 @@ impl<S: chaotic_maps::Source> CoveragePlan<S> {
         })
     }
 
-    /// Goes on in another workplace (the map has changed) from `start` [m]: a new tour, but the same
+    /// Goes on in another workplace (the map has changed) from `start` (m): a new tour, but the same
     /// source, numbers of sub-goals and count of loops.
     ///
     /// # Errors

@@ -12,7 +12,7 @@ use crate::goal::Goal;
 use crate::space::point_in;
 use crate::wander::{Rule, Wander, Wanderer};
 
-/// Legs shorter than this [m] would run into the wall that the robot stands at.
+/// Legs shorter than this (m) would run into the wall that the robot stands at.
 const SHORTEST_LEG: f64 = 0.01;
 
 /// Headings tried before a place is given up as too narrow.

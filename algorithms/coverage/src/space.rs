@@ -11,10 +11,10 @@ use sim_backend::shape::Aabb;
 use crate::decomposition::Decomposition;
 use crate::workplace::Workplace;
 
-/// Depth inside an obstacle that does not count as contact [m]: the rounding of coordinates.
+/// Depth inside an obstacle that does not count as contact (m): the rounding of coordinates.
 const TOUCH: f64 = 1e-9;
 
-/// How far in front of an obstacle a leg that would hit it ends [m].
+/// How far in front of an obstacle a leg that would hit it ends (m).
 const STAND_OFF: f64 = 1e-6;
 
 /// The component of a workplace's free space that contains the start.
@@ -27,7 +27,7 @@ pub struct Space {
 }
 
 impl Space {
-    /// What can be reached from `start` [m], or from the free rectangle nearest to it.
+    /// What can be reached from `start` (m), or from the free rectangle nearest to it.
     pub fn new(workplace: &Workplace, decomposition: &Decomposition, start: Point2<f64>) -> Self {
         let home = decomposition.nearest_rectangle(start).map_or(0, |(r, _)| r);
         let component = decomposition.component_of(home).unwrap_or(0);
@@ -60,23 +60,23 @@ impl Space {
         &self.members
     }
 
-    /// The rectangles that can be reached [m].
+    /// The rectangles that can be reached (m).
     pub fn rectangles(&self) -> impl Iterator<Item = &Aabb> {
         let all = self.decomposition.rectangles();
         self.members.iter().filter_map(|&r| all.get(r))
     }
 
-    /// The least rectangle around what can be reached [m].
+    /// The least rectangle around what can be reached (m).
     pub fn bounds(&self) -> &Aabb {
         &self.bounds
     }
 
-    /// Whether the robot's centre may be at a point [m] that it can reach.
+    /// Whether the robot's centre may be at a point (m) that it can reach.
     pub fn contains(&self, p: Point2<f64>) -> bool {
         self.rectangles().any(|r| r.contains(p))
     }
 
-    /// The point nearest to `p` [m] that can be reached; `p` itself if it can.
+    /// The point nearest to `p` (m) that can be reached; `p` itself if it can.
     pub fn nearest(&self, p: Point2<f64>) -> Point2<f64> {
         let clamped = self.rectangles().map(|r| clamp(r, p));
         clamped
@@ -84,7 +84,7 @@ impl Space {
             .unwrap_or(p)
     }
 
-    /// How far a robot gets on the straight leg from a free point to another [m]: `to` if nothing
+    /// How far a robot gets on the straight leg from a free point to another (m): `to` if nothing
     /// is in the way, else a point a micrometre before the first obstacle or border.
     pub fn clear_to(&self, from: Point2<f64>, to: Point2<f64>) -> Point2<f64> {
         let to = clamp(&self.bounds, to);
@@ -101,7 +101,7 @@ impl Space {
         from + (to - from) * part
     }
 
-    /// How far a robot gets from a free point along a direction [m], not necessarily of length 1;
+    /// How far a robot gets from a free point along a direction (m), not necessarily of length 1;
     /// the point itself for a direction of length 0.
     pub fn ray_end(&self, from: Point2<f64>, direction: Vector2<f64>) -> Point2<f64> {
         let reach = (0..2).map(|axis| match direction[axis] {
@@ -117,12 +117,12 @@ impl Space {
         }
     }
 
-    /// Whether the straight leg between two points [m] touches no obstacle.
+    /// Whether the straight leg between two points (m) touches no obstacle.
     pub fn is_clear(&self, from: Point2<f64>, to: Point2<f64>) -> bool {
         !self.inflated.iter().any(|o| entry(o, from, to).is_some())
     }
 
-    /// The rectangle that contains a point [m] among those that can be reached; the nearest to one
+    /// The rectangle that contains a point (m) among those that can be reached; the nearest to one
     /// outside.
     pub fn member_at(&self, p: Point2<f64>) -> usize {
         let all = self.decomposition.rectangles();
@@ -166,7 +166,7 @@ impl Space {
         way
     }
 
-    /// Legs from a point in rectangle `from` to `goal` [m] in rectangle `to`, each within one free
+    /// Legs from a point in rectangle `from` to `goal` (m) in rectangle `to`, each within one free
     /// rectangle: per border one point before and one behind it, at random where rectangles and
     /// bridge overlap. `unit` gives uniform numbers in [0, 1).
     pub fn legs(

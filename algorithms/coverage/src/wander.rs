@@ -37,7 +37,7 @@ pub(crate) enum Standing {
 }
 
 impl Wander {
-    /// In the part of a workplace that can be reached from `start` [m], with the key of the stream.
+    /// In the part of a workplace that can be reached from `start` (m), with the key of the stream.
     pub(crate) fn new(space: Space, key: [u8; 32]) -> Self {
         Self {
             space,
@@ -115,7 +115,7 @@ impl Wander {
 
 /// How a planner without memory chooses its next sub-goal.
 pub trait Rule {
-    /// The sub-goal after `from` [m], which lies in the planner's space; `None` if there is none.
+    /// The sub-goal after `from` (m), which lies in the planner's space; `None` if there is none.
     fn choose(wander: &mut Wander, from: Point2<f64>) -> Option<Goal>;
 }
 
@@ -127,7 +127,7 @@ pub struct Wanderer<R> {
 }
 
 impl<R> Wanderer<R> {
-    /// A planner for the part of a workplace that can be reached from `start` [m].
+    /// A planner for the part of a workplace that can be reached from `start` (m).
     pub fn new(
         workplace: &Workplace,
         decomposition: &Decomposition,
@@ -138,7 +138,7 @@ impl<R> Wanderer<R> {
         Self::of(Wander::new(space, key))
     }
 
-    /// The same planner in a workplace that has changed, from `start` [m]: stream and numbers go on.
+    /// The same planner in a workplace that has changed, from `start` (m): stream and numbers go on.
     #[must_use]
     pub fn moved(
         self,

@@ -21,7 +21,7 @@ use sim_backend::shape::{Aabb, Convex, Shape};
 /// Most rectangles that the obstacles of a workplace may become.
 pub const MAX_RECTANGLES: usize = 4096;
 
-/// Least tolerance of the conversion to rectangles [m]; well above the rounding of coordinates.
+/// Least tolerance of the conversion to rectangles (m); well above the rounding of coordinates.
 pub const LEAST_TOLERANCE: f64 = 1e-6;
 
 /// A workplace for one size of robot.
@@ -36,9 +36,9 @@ pub struct Workplace {
 }
 
 impl Workplace {
-    /// The workplace within `bounds` [m] of a robot of `radius` [m] among obstacles; those that are
+    /// The workplace within `bounds` (m) of a robot of `radius` (m) among obstacles; those that are
     /// no rectangles along the axes become rectangles that stick out of them by at most `tolerance`
-    /// [m], ≥ [`LEAST_TOLERANCE`].
+    /// (m), ≥ [`LEAST_TOLERANCE`].
     ///
     /// # Errors
     /// [`WorkplaceError`] names the obstacle or value that cannot be used and what to change.
@@ -120,33 +120,33 @@ impl Workplace {
         })
     }
 
-    /// The workplace itself [m].
+    /// The workplace itself (m).
     pub fn bounds(&self) -> &Aabb {
         &self.bounds
     }
 
-    /// Where the robot's centre may be if there were no obstacles [m]: the workplace shrunken by
+    /// Where the robot's centre may be if there were no obstacles (m): the workplace shrunken by
     /// the radius.
     pub fn inner(&self) -> Aabb {
         shrunken(&self.bounds, self.radius)
     }
 
-    /// The robot's radius [m].
+    /// The robot's radius (m).
     pub fn radius(&self) -> f64 {
         self.radius
     }
 
-    /// How far rectangles may stick out of the obstacles that they stand for [m].
+    /// How far rectangles may stick out of the obstacles that they stand for (m).
     pub fn tolerance(&self) -> f64 {
         self.tolerance
     }
 
-    /// The rectangles that stand for the obstacles [m], at their own size.
+    /// The rectangles that stand for the obstacles (m), at their own size.
     pub fn rectangles(&self) -> &[Aabb] {
         &self.rectangles
     }
 
-    /// What the robot's centre keeps out of [m]: the rectangles grown by the radius on every side
+    /// What the robot's centre keeps out of (m): the rectangles grown by the radius on every side
     /// and clipped to [`Workplace::inner`].
     pub fn inflated(&self) -> &[Aabb] {
         &self.inflated

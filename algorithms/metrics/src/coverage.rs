@@ -28,5 +28,5 @@ pub use spans::{Axis, Lattice, Span};
 pub use swept::Swept;
 pub use visits::Visits;
 
-/// Tolerance of everything that compares lengths [m], and of cell numbers [cells].
+/// Tolerance of everything that compares lengths (m), and of cell numbers (cells).
 pub(crate) const TOLERANCE: f64 = 1e-9;

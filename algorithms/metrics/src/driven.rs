@@ -2,7 +2,7 @@
 
 use nalgebra::Point2;
 
-/// Distance from a driven path within which it is taken to be straight [m]: about the radius of a
+/// Distance from a driven path within which it is taken to be straight (m): about the radius of a
 /// small robot, far below the legs of a zig-zag.
 pub const STRAIGHT_WITHIN: f64 = 0.1;
 
@@ -14,7 +14,7 @@ pub struct Track {
 }
 
 impl Track {
-    /// Adds where the robot is at a time [s]. What is not finite, or not later than what is there,
+    /// Adds where the robot is at a time (s). What is not finite, or not later than what is there,
     /// is left out.
     pub fn push(&mut self, time_s: f64, at: Point2<f64>) {
         let later = self.times.last().is_none_or(|&last| time_s > last);
@@ -24,12 +24,12 @@ impl Track {
         }
     }
 
-    /// The points, in order of time [m].
+    /// The points, in order of time (m).
     pub fn points(&self) -> &[Point2<f64>] {
         &self.points
     }
 
-    /// Where the robot was at a time [s], straight between two points; before the first point there,
+    /// Where the robot was at a time (s), straight between two points; before the first point there,
     /// after the last one there. `None` without points.
     pub fn at(&self, time_s: f64) -> Option<Point2<f64>> {
         let after = self.times.partition_point(|&t| t <= time_s);
@@ -43,7 +43,7 @@ impl Track {
         Some(start + (end - start) * ((time_s - from) / (to - from)))
     }
 
-    /// The points from one time to another [s], with the places at these times themselves.
+    /// The points from one time to another (s), with the places at these times themselves.
     pub fn between(&self, from_s: f64, to_s: f64) -> Vec<Point2<f64>> {
         let first = self.times.partition_point(|&t| t <= from_s);
         let last = self.times.partition_point(|&t| t < to_s).max(first);
@@ -56,8 +56,8 @@ impl Track {
         points
     }
 
-    /// Mean distance [m] between the robot and where an unprotected one would be, at `n` equal steps
-    /// of time from `from_s` to `to_s` [s]: the lap as it was driven against its `reference`
+    /// Mean distance (m) between the robot and where an unprotected one would be, at `n` equal steps
+    /// of time from `from_s` to `to_s` (s): the lap as it was driven against its `reference`
     /// (cat-map patrol paper, Eq. 11). `None` without points or steps.
     pub fn mae_time(
         &self,
@@ -76,7 +76,7 @@ impl Track {
     }
 }
 
-/// The corners of a path: the fewest of its points that it stays within `tolerance` [m] of (Ramer
+/// The corners of a path: the fewest of its points that it stays within `tolerance` (m) of (Ramer
 /// 1972, Douglas and Peucker 1973). First and last point are always among them.
 pub fn corners(path: &[Point2<f64>], tolerance: f64) -> Vec<Point2<f64>> {
     let Some(end) = path.len().checked_sub(1) else {
@@ -112,7 +112,7 @@ pub fn corners(path: &[Point2<f64>], tolerance: f64) -> Vec<Point2<f64>> {
     kept.map(|(point, _)| *point).collect()
 }
 
-/// Distance of a point from a segment [m].
+/// Distance of a point from a segment (m).
 fn from_segment(p: Point2<f64>, a: Point2<f64>, b: Point2<f64>) -> f64 {
     let (along, to) = (b - a, p - a);
     let squared = along.norm_squared();

@@ -21,7 +21,7 @@ pub use turns::{Turns, headings};
 /// Points per lap at which a path is compared with its reference, as in the paper's figures.
 pub const POINTS_PER_LAP: usize = 120;
 
-/// Mean distance [m] between points that divide the *lengths* of reference and lap in the same
+/// Mean distance (m) between points that divide the *lengths* of reference and lap in the same
 /// ratio, at `n` points per lap; mean over the laps (`MAE_lap`; paper, Eq. 11).
 ///
 /// `None` without laps, with `n` = 0 or with a path without points.
@@ -55,7 +55,7 @@ pub fn mae_joint(reference: &[Point2<f64>], laps: &[Vec<Point2<f64>>], n: usize)
     })
 }
 
-/// Mean distance [m] between where an unprotected robot would be and where this one is, at `n`
+/// Mean distance (m) between where an unprotected robot would be and where this one is, at `n`
 /// equal steps of *time* per lap, each leg of a lap taking the same time; mean over the laps
 /// (`MAE_time`).
 ///
@@ -70,7 +70,7 @@ pub fn mae_time(reference: &[Point2<f64>], laps: &[Vec<Point2<f64>>], n: usize) 
     })
 }
 
-/// Changes of direction per second in a lap of `legs` straight legs that is to take `t_max` [s]
+/// Changes of direction per second in a lap of `legs` straight legs that is to take `t_max` (s)
 /// (`ANDC`); the paper counts the one at the end of the last leg too.
 ///
 /// `None` unless `t_max` > 0.
@@ -78,7 +78,7 @@ pub fn andc(legs: usize, t_max: f64) -> Option<f64> {
     (t_max > 0.0 && t_max.is_finite()).then(|| legs as f64 / t_max)
 }
 
-/// Speed [m/s] at which a lap is driven in `t_max` [s].
+/// Speed (m/s) at which a lap is driven in `t_max` (s).
 ///
 /// `None` without points or unless `t_max` > 0.
 pub fn speed(lap: &[Point2<f64>], t_max: f64) -> Option<f64> {
@@ -102,21 +102,21 @@ pub fn joined(laps: &[Vec<Point2<f64>>]) -> Vec<Point2<f64>> {
 pub struct PathMetrics {
     /// Laps measured.
     pub laps: usize,
-    /// Length of the first lap [m].
+    /// Length of the first lap (m).
     pub length_first: f64,
-    /// Mean length of a lap [m].
+    /// Mean length of a lap (m).
     pub length_mean: f64,
-    /// Speed that the first lap takes [m/s].
+    /// Speed that the first lap takes (m/s).
     pub speed_first: f64,
-    /// Mean speed over all laps [m/s].
+    /// Mean speed over all laps (m/s).
     pub speed_mean: f64,
-    /// See [`mae_lap`] [m].
+    /// See [`mae_lap`] (m).
     pub mae_lap: f64,
-    /// See [`mae_joint`] [m].
+    /// See [`mae_joint`] (m).
     pub mae_joint: f64,
-    /// See [`mae_time`] [m].
+    /// See [`mae_time`] (m).
     pub mae_time: f64,
-    /// See [`andc`], mean over the laps [1/s].
+    /// See [`andc`], mean over the laps (1/s).
     pub andc: f64,
     /// Turns within the first lap.
     pub turns_first: Turns,
@@ -125,7 +125,7 @@ pub struct PathMetrics {
 }
 
 impl PathMetrics {
-    /// Measures laps that are to take `t_max` [s] each, at [`POINTS_PER_LAP`].
+    /// Measures laps that are to take `t_max` (s) each, at [`POINTS_PER_LAP`].
     ///
     /// `None` without laps, with a lap or a reference without points, or unless `t_max` > 0.
     pub fn of(reference: &[Point2<f64>], laps: &[Vec<Point2<f64>>], t_max: f64) -> Option<Self> {

@@ -5,7 +5,7 @@
 
 use core::f64::consts::PI;
 
-/// Lyapunov exponent [per step] from the derivatives of a map of one variable along an orbit: the
+/// Lyapunov exponent (per step) from the derivatives of a map of one variable along an orbit: the
 /// mean of `ln |f'(x_n)|` (Chebyshev coverage paper, Eq. 2).
 ///
 /// Derivatives of 0 give −∞; NaN without any derivative.
@@ -13,7 +13,7 @@ pub fn lyapunov_from_derivatives(derivatives: impl IntoIterator<Item = f64>) -> 
     mean(derivatives.into_iter().map(|d| libm::log(d.abs())))
 }
 
-/// Largest Lyapunov exponent [per step] from the Jacobians of a map of the plane along an orbit
+/// Largest Lyapunov exponent (per step) from the Jacobians of a map of the plane along an orbit
 /// (rows first): the mean growth of a tangent vector, renormalised at every step.
 ///
 /// The vector starts along (1, 1)/√2 and takes some ten steps to turn into the expanding direction;
@@ -32,7 +32,7 @@ pub fn lyapunov_from_jacobians(jacobians: impl IntoIterator<Item = [[f64; 2]; 2]
     }))
 }
 
-/// Lyapunov exponent [per step] of any map of one variable, by a second orbit `separation` away
+/// Lyapunov exponent (per step) of any map of one variable, by a second orbit `separation` away
 /// that is pulled back to that distance after each step.
 ///
 /// Needs no derivative, and so shows that a change of coordinates does not change the exponent.

@@ -33,13 +33,13 @@ pub enum GoalField {
 pub struct Bearing {
     /// Unit vector of the direction to set out in.
     pub direction: Vector2<f64>,
-    /// Distance to travel [m].
+    /// Distance to travel (m).
     pub distance: f64,
-    /// The point that `direction` points at [m]: the destination or the first corner before it.
+    /// The point that `direction` points at (m): the destination or the first corner before it.
     pub waypoint: Point2<f64>,
 }
 
-/// Distances below this [m] have no direction.
+/// Distances below this (m) have no direction.
 const NO_DISTANCE: f64 = 1.0e-3;
 
 /// A measure of bearings from the robot to points of the world.
@@ -52,7 +52,7 @@ pub enum Bearings<'a> {
 }
 
 impl Bearings<'_> {
-    /// The bearing of `to` from `from` [m]; `None` when they are closer than 1 mm or not finite.
+    /// The bearing of `to` from `from` (m); `None` when they are closer than 1 mm or not finite.
     ///
     /// A place to which no way leads is measured straight.
     pub fn of(&self, from: Point2<f64>, to: Point2<f64>) -> Option<Bearing> {

@@ -48,11 +48,11 @@ pub enum AlphaError {
          less the margin leaves {limit_s:.3} s: give it more time or a faster robot"
     )]
     TooSlow {
-        /// The slowest lap at the least width that was tried [s].
+        /// The slowest lap at the least width that was tried (s).
         lap_s: f64,
-        /// Time for a lap [s].
+        /// Time for a lap (s).
         t_max: f64,
-        /// The time less the margin [s].
+        /// The time less the margin (s).
         limit_s: f64,
     },
     /// The robot did not finish its laps.
@@ -67,7 +67,7 @@ pub enum AlphaError {
 ///
 /// Implemented by closures of this form and by [`TurnThenDrive`].
 pub trait LapTimes {
-    /// Time of each lap [s], driven one after the other; each begins where the one before ended and
+    /// Time of each lap (s), driven one after the other; each begins where the one before ended and
     /// has its start as first point. `None` if the robot does not finish them.
     fn lap_times(&mut self, laps: &[Vec<Point2<f64>>]) -> Option<Vec<f64>>;
 }
@@ -82,9 +82,9 @@ impl<F: FnMut(&[Vec<Point2<f64>>]) -> Option<Vec<f64>>> LapTimes for F {
 /// any that turns while it drives.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TurnThenDrive {
-    /// Its speed [m/s], > 0.
+    /// Its speed (m/s), > 0.
     pub v: f64,
-    /// Its turning rate [rad/s], > 0.
+    /// Its turning rate (rad/s), > 0.
     pub omega: f64,
 }
 
@@ -112,8 +112,8 @@ impl LapTimes for TurnThenDrive {
     }
 }
 
-/// The width [m] at which the mean length of the first `laps` laps is just what a robot of speed
-/// `v_robot` [m/s] drives in the time, turns taking none (`α_max`; paper, Eq. 8). The width that `awg`
+/// The width (m) at which the mean length of the first `laps` laps is just what a robot of speed
+/// `v_robot` (m/s) drives in the time, turns taking none (`α_max`; paper, Eq. 8). The width that `awg`
 /// has does not matter; `source` must be at its beginning.
 ///
 /// Exact: the length of a lap is a convex function of the width, least at 0.
@@ -148,10 +148,10 @@ pub fn alpha_max(
     Ok(low)
 }
 
-/// A width [m] at which each of the first `laps` laps takes the robot at most `t_max`·(1 − `margin`),
+/// A width (m) at which each of the first `laps` laps takes the robot at most `t_max`·(1 − `margin`),
 /// its turns counted; as great as halving finds it. At the width returned the laps have been tried.
 ///
-/// `v_max` [m/s] is the robot's greatest speed, from which the search starts; the rest is as for
+/// `v_max` (m/s) is the robot's greatest speed, from which the search starts; the rest is as for
 /// [`alpha_max`].
 ///
 /// # Errors
@@ -199,11 +199,11 @@ pub fn check_driven(
 struct Search<'r, R> {
     trial: Trial,
     robot: &'r mut R,
-    /// Time that a lap may take [s].
+    /// Time that a lap may take (s).
     limit_s: f64,
-    /// A width that has been tried and can be driven [m].
+    /// A width that has been tried and can be driven (m).
     low: f64,
-    /// A width that is too great [m].
+    /// A width that is too great (m).
     high: f64,
 }
 
@@ -253,7 +253,7 @@ impl<'r, R: LapTimes> Search<'r, R> {
         }
     }
 
-    /// Time of the slowest lap at a width [s]; `None` if the robot does not finish.
+    /// Time of the slowest lap at a width (s); `None` if the robot does not finish.
     fn slowest(&mut self, alpha: f64) -> Option<f64> {
         let times = self.robot.lap_times(&self.trial.paths(alpha))?;
         Some(times.into_iter().fold(0.0, f64::max))

@@ -24,7 +24,7 @@ pub use error::AwgError;
 pub use laps::Laps;
 pub use mode::{Frame, Mode, Preset, Rounding};
 
-/// Longest time for a lap [s]: every second is a waypoint, and a lap is planned at once.
+/// Longest time for a lap (s): every second is a waypoint, and a lap is planned at once.
 pub const MAX_T_MAX: f64 = 1e6;
 
 /// Guards lengths that are an exact multiple of the speed against rounding.
@@ -33,9 +33,9 @@ const RATIO_GUARD: f64 = 1e-9;
 /// What a zig-zag is made from, beside the contour.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AwgParams {
-    /// Time in which a lap shall be done [s], > 0 and ≤ [`MAX_T_MAX`] (the paper's `t_max`).
+    /// Time in which a lap shall be done (s), > 0 and ≤ [`MAX_T_MAX`] (the paper's `t_max`).
     pub t_max: f64,
-    /// Width of the zig-zag [m], > 0: waypoints lie within half of it on either side (α).
+    /// Width of the zig-zag (m), > 0: waypoints lie within half of it on either side (α).
     pub alpha: f64,
     /// How many waypoints there are, and which way the square lies.
     pub mode: Mode,
@@ -57,8 +57,8 @@ pub struct Leg {
 }
 
 impl Leg {
-    /// Time between two waypoints of the leg [s], if all are visited in time: one second where
-    /// waypoints are put in (τ = 1, paper, Eq. 10), the whole leg at the speed `v` [m/s] where not.
+    /// Time between two waypoints of the leg (s), if all are visited in time: one second where
+    /// waypoints are put in (τ = 1, paper, Eq. 10), the whole leg at the speed `v` (m/s) where not.
     pub fn seconds_per_waypoint(&self, v: f64) -> f64 {
         if self.stretch.threatened {
             1.0
@@ -168,7 +168,7 @@ impl Awg {
         })
     }
 
-    /// The same contour with another width [m].
+    /// The same contour with another width (m).
     ///
     /// # Errors
     /// [`AwgError::Alpha`] unless it is a finite number above 0.
@@ -180,7 +180,7 @@ impl Awg {
         Ok(self)
     }
 
-    /// Checks that a robot of this greatest speed [m/s] can walk the contour in the time at all.
+    /// Checks that a robot of this greatest speed (m/s) can walk the contour in the time at all.
     ///
     /// # Errors
     /// [`AwgError::TooShort`], which says the least time.
@@ -202,17 +202,17 @@ impl Awg {
         self.params
     }
 
-    /// Speed of an unprotected patrol [m/s] (v; paper, Eq. 9).
+    /// Speed of an unprotected patrol (m/s) (v; paper, Eq. 9).
     pub fn v(&self) -> f64 {
         self.v
     }
 
-    /// Length of the contour [m].
+    /// Length of the contour (m).
     pub fn contour_length(&self) -> f64 {
         self.length
     }
 
-    /// Where the first lap starts [m].
+    /// Where the first lap starts (m).
     pub fn start(&self) -> Point2<f64> {
         self.start
     }
@@ -250,24 +250,24 @@ impl Awg {
         Ok(self)
     }
 
-    /// Time between two waypoints of a leg [s], if all are visited in time:
+    /// Time between two waypoints of a leg (s), if all are visited in time:
     /// [`Leg::seconds_per_waypoint`], the paper's, unless the clock runs faster
     /// ([`Self::with_tempo`]).
     pub fn seconds_per_waypoint(&self, leg: &Leg) -> f64 {
         self.tempo * leg.seconds_per_waypoint(self.v)
     }
 
-    /// Time of a whole leg [s], if all its waypoints are visited in time.
+    /// Time of a whole leg (s), if all its waypoints are visited in time.
     pub(crate) fn leg_seconds(&self, leg: &Leg) -> f64 {
         self.seconds_per_waypoint(leg) * leg.waypoints() as f64
     }
 
-    /// Time of a lap by the clock of the waypoints [s], the same for all laps.
+    /// Time of a lap by the clock of the waypoints (s), the same for all laps.
     pub fn lap_time(&self) -> f64 {
         self.forward.iter().map(|leg| self.leg_seconds(leg)).sum()
     }
 
-    /// When a waypoint is due by that clock [s]; the start, number 0, at 0.
+    /// When a waypoint is due by that clock (s); the start, number 0, at 0.
     pub fn due_s(&self, number: u64) -> f64 {
         let Some((lap, index, j)) = self.place(number) else {
             return 0.0;

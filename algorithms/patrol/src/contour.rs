@@ -19,13 +19,13 @@ pub struct Contour {
 /// The straight way from one waypoint of a contour to the next.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Segment {
-    /// Where it starts [m].
+    /// Where it starts (m).
     pub from: Point2<f64>,
-    /// Where it ends [m].
+    /// Where it ends (m).
     pub to: Point2<f64>,
     /// Unit vector from start to end.
     pub along: Vector2<f64>,
-    /// Its length [m], > 0.
+    /// Its length (m), > 0.
     pub length: f64,
 }
 
@@ -72,9 +72,9 @@ pub enum ContourError {
     NotFinite {
         /// Index of the waypoint.
         index: usize,
-        /// Its x [m].
+        /// Its x (m).
         x: f64,
-        /// Its y [m].
+        /// Its y (m).
         y: f64,
     },
     /// Two waypoints in a row at the same place.
@@ -85,9 +85,9 @@ pub enum ContourError {
     Repeated {
         /// Index of the second of the two.
         index: usize,
-        /// Its x [m].
+        /// Its x (m).
         x: f64,
-        /// Its y [m].
+        /// Its y (m).
         y: f64,
     },
     /// Two waypoints in a row whose distance cannot be computed.
@@ -98,9 +98,9 @@ pub enum ContourError {
     TooFar {
         /// Index of the second of the two.
         index: usize,
-        /// Its x [m].
+        /// Its x (m).
         x: f64,
-        /// Its y [m].
+        /// Its y (m).
         y: f64,
     },
 }
@@ -161,7 +161,7 @@ impl Contour {
         })
     }
 
-    /// The waypoints P₁ … Pₙ [m]; of a closed contour the last is the first again.
+    /// The waypoints P₁ … Pₙ (m); of a closed contour the last is the first again.
     pub fn points(&self) -> &[Point2<f64>] {
         &self.points
     }
@@ -176,13 +176,13 @@ impl Contour {
         self.closed
     }
 
-    /// Length of a lap along it [m], > 0.
+    /// Length of a lap along it (m), > 0.
     pub fn length(&self) -> f64 {
         self.segments.iter().map(|s| s.length).sum()
     }
 
     /// The point S(share) that divides its length in this ratio, shares outside 0 … 1 being its
-    /// ends [m]; `None` for NaN.
+    /// ends (m); `None` for NaN.
     pub fn at(&self, share: f64) -> Option<Point2<f64>> {
         Polyline::new(&self.points).at(share)
     }

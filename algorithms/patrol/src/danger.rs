@@ -9,7 +9,7 @@ use thiserror::Error;
 
 use crate::contour::{Contour, Segment};
 
-/// Stretches of a contour shorter than this [m], inside or between zones, count with their
+/// Stretches of a contour shorter than this (m), inside or between zones, count with their
 /// neighbours: nobody can enter and leave within them, and they would make waypoints that coincide.
 pub const SHORTEST_STRETCH: f64 = 1e-6;
 
@@ -66,7 +66,7 @@ impl DangerZones {
         Ok(stretches)
     }
 
-    /// Whether a point [m] lies in a zone or on its border; everywhere without zones.
+    /// Whether a point (m) lies in a zone or on its border; everywhere without zones.
     ///
     /// # Errors
     /// [`DangerZoneError`] for the first zone that is no area.
@@ -90,7 +90,7 @@ impl DangerZones {
     }
 }
 
-/// The parts of a segment inside convex pieces, as distances from its start [m]: in order, apart
+/// The parts of a segment inside convex pieces, as distances from its start (m): in order, apart
 /// from each other and longer than [`SHORTEST_STRETCH`].
 fn inside(segment: &Segment, zones: &[Convex]) -> Vec<(f64, f64)> {
     let length = segment.length;

@@ -48,7 +48,7 @@ pub enum ForecastError {
 /// Where a robot is by a forecast.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Predicted {
-    /// The place [m].
+    /// The place (m).
     pub point: Point2<f64>,
     /// The waypoint that it comes from.
     pub from: Waypoint,
@@ -83,7 +83,7 @@ impl Forecast {
         &self.awg
     }
 
-    /// Time of a lap by the clock of the waypoints [s], the same for all laps; [`Awg::lap_time`].
+    /// Time of a lap by the clock of the waypoints (s), the same for all laps; [`Awg::lap_time`].
     pub fn lap_time(&self) -> f64 {
         self.awg.lap_time()
     }
@@ -115,7 +115,7 @@ impl Forecast {
         Ok(waypoints)
     }
 
-    /// Where the robot is `t` [s] after it set out from the start of the contour, by the clock of the
+    /// Where the robot is `t` (s) after it set out from the start of the contour, by the clock of the
     /// waypoints ([`Awg::due_s`]).
     ///
     /// # Errors
@@ -149,7 +149,7 @@ impl Forecast {
         Ok(between(from, to, (waypoints - passed).clamp(0.0, 1.0)))
     }
 
-    /// Where the robot is after `s` [m] of the way along its waypoints.
+    /// Where the robot is after `s` (m) of the way along its waypoints.
     ///
     /// # Errors
     /// [`ForecastError`] for a way that is none or longer than [`MAX_MEASURED_LAPS`] laps.

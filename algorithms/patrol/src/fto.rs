@@ -30,10 +30,10 @@ const Z0: f64 = 0.18;
 /// Parameter of the paper's logistic map.
 const R: f64 = 3.99;
 
-/// Least and greatest time without an obstacle [s].
+/// Least and greatest time without an obstacle (s).
 const GAP_S: [f64; 2] = [2.0, 20.0];
 
-/// Kept free between an obstacle and the robot's body when it stands on its goal [m].
+/// Kept free between an obstacle and the robot's body when it stands on its goal (m).
 const GOAL_GAP: f64 = 0.1;
 
 /// What the robot is like, and where.
@@ -41,11 +41,11 @@ const GOAL_GAP: f64 = 0.1;
 pub struct Carrier {
     /// Where it is.
     pub pose: Pose2,
-    /// Radius of its body [m].
+    /// Radius of its body (m).
     pub radius: f64,
-    /// How far its sensor reaches from its centre [m].
+    /// How far its sensor reaches from its centre (m).
     pub reach: f64,
-    /// The point that it has to reach next [m]; never hidden by a fictive obstacle.
+    /// The point that it has to reach next (m); never hidden by a fictive obstacle.
     pub goal: Option<Point2<f64>>,
 }
 
@@ -73,11 +73,11 @@ impl Dice {
 enum Phase {
     /// Nothing has been drawn yet.
     New,
-    /// No obstacle until then [s].
+    /// No obstacle until then (s).
     Gap(f64),
-    /// An obstacle until then [s].
+    /// An obstacle until then (s).
     Active(Disc, f64),
-    /// An obstacle that had to be taken away early; its time runs on until then [s].
+    /// An obstacle that had to be taken away early; its time runs on until then (s).
     Withdrawn(f64),
 }
 
@@ -107,7 +107,7 @@ impl Fto {
         })
     }
 
-    /// The obstacle at a time [s], if there is one; to be asked once per tick.
+    /// The obstacle at a time (s), if there is one; to be asked once per tick.
     ///
     /// When obstacles come and go depends on time alone, where they stand on the robot. One that
     /// touches the robot's body, or within whose reach its goal lies, is not shown: it would hold

@@ -20,10 +20,10 @@ use crate::danger::DangerZones;
 
 pub use trial::TrialDrive;
 
-/// Width with which a zig-zag is laid out before it is chosen [m]; of no consequence.
+/// Width with which a zig-zag is laid out before it is chosen (m); of no consequence.
 const LAYOUT_ALPHA: f64 = 1.0;
 
-/// By how much less than `t_max` a lap takes by the clock of the waypoints [s], though never by more
+/// By how much less than `t_max` a lap takes by the clock of the waypoints (s), though never by more
 /// than half of the margin: with waypoints about a second apart, the ends of laps are late or early by
 /// up to 1.5 s.
 const CLOCK_RESERVE_S: f64 = 2.0;
@@ -109,9 +109,9 @@ pub struct Mission {
 pub struct Drive {
     /// Its speeds.
     pub limits: Limits,
-    /// Its acceleration [m/s²], > 0; absent: it takes no time.
+    /// Its acceleration (m/s²), > 0; absent: it takes no time.
     pub acceleration: Option<f64>,
-    /// Its angular acceleration [rad/s²], > 0; absent: it takes no time.
+    /// Its angular acceleration (rad/s²), > 0; absent: it takes no time.
     pub angular_acceleration: Option<f64>,
 }
 

@@ -61,7 +61,7 @@ impl Parameters for MixedParams {}
 
 /// Share of a leg's zig-zag inside obstacles, 0 to 1; 0 for a leg without additional waypoints.
 ///
-/// `inside` tells whether a point [m] lies in an obstacle, enlarged as the robot wants it.
+/// `inside` tells whether a point (m) lies in an obstacle, enlarged as the robot wants it.
 pub fn share_inside(awg: &Awg, leg: &Leg, inside: impl Fn(Point2<f64>) -> bool) -> f64 {
     let mut found = 0u32;
     for j in 1..=leg.inserted {
@@ -124,7 +124,7 @@ impl<S: Source> MixedLaps<S> {
     /// The next waypoint to visit, and how the robot is protected on the way to it. On legs with
     /// fictive obstacles only the waypoints of the route are left.
     ///
-    /// `inside` tells whether a point [m] lies in an obstacle that the robot knows, enlarged as it
+    /// `inside` tells whether a point (m) lies in an obstacle that the robot knows, enlarged as it
     /// wants it.
     pub fn next_waypoint(&mut self, inside: impl Fn(Point2<f64>) -> bool) -> (Waypoint, Method) {
         loop {

@@ -35,7 +35,7 @@ pub enum FreeSpaceError {
         "resolution = {resolution}: expected a number > 0 [m] that makes at most {MAX_CELLS} cells"
     )]
     Resolution {
-        /// Side of a cell [m].
+        /// Side of a cell (m).
         resolution: f64,
     },
 }
@@ -43,23 +43,23 @@ pub enum FreeSpaceError {
 /// An arc of a circle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Arc {
-    /// Centre of the circle [m].
+    /// Centre of the circle (m).
     pub center: Point2<f64>,
-    /// Radius of the circle [m], ≥ 0.
+    /// Radius of the circle (m), ≥ 0.
     pub radius: f64,
-    /// Direction from the centre to where the arc starts [rad].
+    /// Direction from the centre to where the arc starts (rad).
     pub start: f64,
-    /// How far it goes [rad]: counter-clockwise if positive, clockwise if negative.
+    /// How far it goes (rad): counter-clockwise if positive, clockwise if negative.
     pub sweep: f64,
 }
 
 impl Arc {
-    /// Length [m].
+    /// Length (m).
     pub fn length(&self) -> f64 {
         self.radius * self.sweep.abs()
     }
 
-    /// The point at a part of the way, 0 at the start and 1 at the end [m].
+    /// The point at a part of the way, 0 at the start and 1 at the end (m).
     pub fn at(&self, part: f64) -> Point2<f64> {
         self.center + direction(self.start + self.sweep * part) * self.radius
     }
@@ -106,14 +106,14 @@ struct Inner {
 struct OpenCells {
     /// Cells in which a point might be free.
     cells: Vec<u32>,
-    /// No point of the map has more clearance [m].
+    /// No point of the map has more clearance (m).
     most: f64,
 }
 
 impl FreeSpace {
-    /// The space between pieces within `bounds` [m].
+    /// The space between pieces within `bounds` (m).
     ///
-    /// `resolution` [m] is the side of the cells of the clearance field that answers most
+    /// `resolution` (m) is the side of the cells of the clearance field that answers most
     /// questions; the answers do not depend on it. A twentieth of the width of a street does well.
     ///
     /// # Errors
@@ -149,7 +149,7 @@ impl FreeSpace {
         &self.inner.shapes
     }
 
-    /// Distance [m] from a point to the nearest piece or the bounds; 0 or less inside one or
+    /// Distance (m) from a point to the nearest piece or the bounds; 0 or less inside one or
     /// beyond the bounds (by the depth in the nearest piece), NaN for a point that is not finite.
     pub fn distance(&self, p: Point2<f64>) -> f64 {
         if !(p.x.is_finite() && p.y.is_finite()) {
@@ -163,26 +163,26 @@ impl FreeSpace {
         }
     }
 
-    /// Whether a disc of this radius [m] about a point is free.
+    /// Whether a disc of this radius (m) about a point is free.
     #[inline]
     pub fn is_free(&self, p: Point2<f64>, radius: f64) -> bool {
         self.inner.shapes.is_clear(p, radius - TOUCHING)
             && (radius > 0.0 || self.distance(p) >= 0.0)
     }
 
-    /// Whether a disc of this radius [m] can travel straight from `a` to `b`: exactly whether
+    /// Whether a disc of this radius (m) can travel straight from `a` to `b`: exactly whether
     /// every point of the segment is free. `false` for points that are not finite.
     #[inline]
     pub fn segment_is_free(&self, a: Point2<f64>, b: Point2<f64>, radius: f64) -> bool {
         self.inner.shapes.segment_is_clear(a, b, radius)
     }
 
-    /// Distance [m] between a segment and the nearest piece or the bounds; 0 if they touch.
+    /// Distance (m) between a segment and the nearest piece or the bounds; 0 if they touch.
     pub fn segment_clearance(&self, a: Point2<f64>, b: Point2<f64>) -> f64 {
         self.inner.shapes.segment_distance(a, b)
     }
 
-    /// Whether a disc of this radius [m] can travel along an arc: exactly whether every point of
+    /// Whether a disc of this radius (m) can travel along an arc: exactly whether every point of
     /// it is free. `false` for an arc that is not finite. More than a full turn is one.
     pub fn arc_is_free(&self, arc: &Arc, radius: f64) -> bool {
         use core::f64::consts::{FRAC_PI_2, TAU};
@@ -213,7 +213,7 @@ impl FreeSpace {
         })
     }
 
-    /// A point uniform over where a disc of this radius [m] is free; `None` if there is (almost)
+    /// A point uniform over where a disc of this radius (m) is free; `None` if there is (almost)
     /// nowhere. Uses a bounded number of the generator's words per try.
     pub fn random_free(&self, rng: &mut (impl Rng + ?Sized), radius: f64) -> Option<Point2<f64>> {
         let shapes = &self.inner.shapes;

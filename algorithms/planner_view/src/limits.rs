@@ -15,8 +15,8 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// Limits from the highest forward speed [m/s] (> 0), the highest backward speed [m/s] (≥ 0,
-    /// as a magnitude) and the highest turning rate [rad/s] (> 0).
+    /// Limits from the highest forward speed (m/s) (> 0), the highest backward speed (m/s) (≥ 0,
+    /// as a magnitude) and the highest turning rate (rad/s) (> 0).
     ///
     /// # Errors
     /// [`ParamsError`] naming the value that is out of range or not finite.
@@ -31,23 +31,23 @@ impl Limits {
         })
     }
 
-    /// Highest forward speed [m/s].
+    /// Highest forward speed (m/s).
     pub fn v_max(&self) -> f64 {
         self.v_max
     }
 
-    /// Highest backward speed [m/s], as a magnitude.
+    /// Highest backward speed (m/s), as a magnitude.
     pub fn reverse(&self) -> f64 {
         self.reverse
     }
 
-    /// Highest turning rate [rad/s], either way.
+    /// Highest turning rate (rad/s), either way.
     pub fn omega_max(&self) -> f64 {
         self.omega_max
     }
 
     /// These limits, with the backward speed no more than `fraction` of the forward one and the
-    /// turning rate no more than `omega_cap` [rad/s]. Neither can raise a limit.
+    /// turning rate no more than `omega_cap` (rad/s). Neither can raise a limit.
     #[must_use]
     pub fn restricted(&self, reverse_fraction: f64, omega_cap: Option<f64>) -> Self {
         Self {

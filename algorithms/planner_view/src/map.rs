@@ -10,7 +10,7 @@ use thiserror::Error;
 use crate::derived::Derived;
 use crate::free_space::FreeSpace;
 
-/// Clearances beyond this [m] are stored as this: a map without obstacles reports infinity, which
+/// Clearances beyond this (m) are stored as this: a map without obstacles reports infinity, which
 /// would poison interpolation.
 const FAR: f32 = 1.0e6;
 
@@ -38,11 +38,11 @@ pub enum MapError {
     Frame {
         /// Which layer of the map.
         layer: &'static str,
-        /// Resolution [m].
+        /// Resolution (m).
         resolution: f64,
-        /// Origin [m].
+        /// Origin (m).
         x: f64,
-        /// Origin [m].
+        /// Origin (m).
         y: f64,
     },
 }
@@ -63,7 +63,7 @@ pub struct PlannerMap {
 
 impl PlannerMap {
     /// A map from its blurred free space (value 1 in the open, 0 in obstacles), the distance from
-    /// each cell's centre to the nearest obstacle [m] (≤ 0 inside one) and its revision, which
+    /// each cell's centre to the nearest obstacle (m) (≤ 0 inside one) and its revision, which
     /// changes whenever an obstacle does.
     ///
     /// Clearances that are NaN count as blocked.
@@ -135,7 +135,7 @@ impl PlannerMap {
         &self.blurred
     }
 
-    /// Distance from each cell's centre to the nearest obstacle [m], finite.
+    /// Distance from each cell's centre to the nearest obstacle (m), finite.
     pub fn clearance_grid(&self) -> &Grid<f32> {
         &self.clearance
     }
@@ -145,7 +145,7 @@ impl PlannerMap {
         self.revision
     }
 
-    /// Distance from the centre of the cell at `p` to the nearest obstacle [m]; 0 outside the map
+    /// Distance from the centre of the cell at `p` to the nearest obstacle (m); 0 outside the map
     /// and for a point that is not finite.
     pub fn cell_clearance(&self, p: Point2<f64>) -> f64 {
         self.clearance
@@ -155,7 +155,7 @@ impl PlannerMap {
             .map_or(0.0, |value| f64::from(*value))
     }
 
-    /// Distance from `p` to the nearest obstacle [m], interpolated between cell centres; 0 outside
+    /// Distance from `p` to the nearest obstacle (m), interpolated between cell centres; 0 outside
     /// the map and for a point that is not finite.
     pub fn clearance(&self, p: Point2<f64>) -> f64 {
         if self.clearance.frame.cell_at(p).is_none() {
@@ -185,7 +185,7 @@ impl PlannerMap {
         (norm.is_finite() && norm > 0.2 * h).then(|| slope / norm)
     }
 
-    /// Whether a disc of this radius [m] can travel straight from `from` to `to` [m].
+    /// Whether a disc of this radius (m) can travel straight from `from` to `to` (m).
     ///
     /// Marches by the clearance, so that open ground costs few steps; accurate to about a cell.
     pub fn line_is_clear(&self, from: Point2<f64>, to: Point2<f64>, radius: f64) -> bool {
@@ -193,7 +193,7 @@ impl PlannerMap {
         self.free_run(from, to, radius) >= length
     }
 
-    /// How far [m] a disc of this radius [m] gets on the straight line from `from` to `to` [m]
+    /// How far (m) a disc of this radius (m) gets on the straight line from `from` to `to` (m)
     /// before it would touch an obstacle; at most the length of the line, 0 for points that are
     /// not finite.
     pub fn free_run(&self, from: Point2<f64>, to: Point2<f64>, radius: f64) -> f64 {
@@ -230,7 +230,7 @@ fn whole_below(value: f64) -> i64 {
     whole - i64::from(whole as f64 > value)
 }
 
-/// The point after `run` of a line's `length` [m].
+/// The point after `run` of a line's `length` (m).
 fn point_at(from: Point2<f64>, line: Vector2<f64>, length: f64, run: f64) -> Point2<f64> {
     if length > 0.0 {
         from + line * (run / length)
@@ -253,10 +253,10 @@ struct March<'a> {
 }
 
 impl<'a> March<'a> {
-    /// Places nearer to the edge of a cell than this [cells] are left to the other way.
+    /// Places nearer to the edge of a cell than this (cells) are left to the other way.
     const UNSURE: f64 = 1e-9;
 
-    /// Coordinates of a line and its grid up to this [cells] are off by less than half of
+    /// Coordinates of a line and its grid up to this (cells) are off by less than half of
     /// [`March::UNSURE`] when they come out of a dozen roundings by 2⁻⁵³.
     const LARGEST: f64 = 1e5;
 
@@ -282,7 +282,7 @@ impl<'a> March<'a> {
         }
     }
 
-    /// The clearance [m] of the cell at the point after `run` [m], unless that is outside the grid
+    /// The clearance (m) of the cell at the point after `run` (m), unless that is outside the grid
     /// or too near to the edge of the cell to be sure of.
     #[inline]
     fn clearance(&self, run: f64) -> Option<f32> {

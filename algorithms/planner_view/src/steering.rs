@@ -10,12 +10,12 @@ pub struct Steering {
     pub command: Twist2,
     /// Index of the robot that is being chased, if the planner chases one.
     pub target: Option<usize>,
-    /// The point the planner wants to reach in the end [m] (an exit, the look-ahead point of a
+    /// The point the planner wants to reach in the end (m) (an exit, the look-ahead point of a
     /// target, the weighted mean of such points over a belief).
     pub aim: Option<Point2<f64>>,
-    /// The point it heads for now [m]: the first corner on the way to `aim`, or `aim` itself.
+    /// The point it heads for now (m): the first corner on the way to `aim`, or `aim` itself.
     pub waypoint: Option<Point2<f64>>,
-    /// The potential field's value at the control point [m/s].
+    /// The potential field's value at the control point (m/s).
     pub field: Vector2<f64>,
 }
 

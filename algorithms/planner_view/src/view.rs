@@ -23,9 +23,9 @@ pub struct RobotView {
     pub pose: Pose2,
     /// How it moves, own frame.
     pub twist: Twist2,
-    /// Radius of its body [m].
+    /// Radius of its body (m).
     pub radius: f64,
-    /// Its highest forward speed [m/s].
+    /// Its highest forward speed (m/s).
     pub v_max: f64,
 }
 
@@ -44,11 +44,11 @@ impl RobotView {
 /// One hypothesis of an opponent's pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ParticleView {
-    /// Position along x [m].
+    /// Position along x (m).
     pub x: f32,
-    /// Position along y [m].
+    /// Position along y (m).
     pub y: f32,
-    /// Heading [rad].
+    /// Heading (rad).
     pub theta: f32,
     /// Weight, ≥ 0; need not be normalised.
     pub weight: f32,
@@ -72,7 +72,7 @@ pub struct BeliefView<'a> {
     pub particles: &'a [ParticleView],
     /// Mean pose of the hypotheses.
     pub mean: Pose2,
-    /// Standard deviation of the position around the mean [m].
+    /// Standard deviation of the position around the mean (m).
     pub position_std: f64,
     /// Whether anyone of the team sees the opponent in this tick.
     pub seen: bool,
@@ -81,24 +81,24 @@ pub struct BeliefView<'a> {
 /// A range scan in the robot's own frame, in the layout of ROS `LaserScan`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ScanView<'a> {
-    /// Direction of the first beam [rad], counter-clockwise from the robot's heading.
+    /// Direction of the first beam (rad), counter-clockwise from the robot's heading.
     pub angle_min: f64,
-    /// Angle from one beam to the next [rad]; may be negative.
+    /// Angle from one beam to the next (rad); may be negative.
     pub angle_increment: f64,
-    /// Shortest range the sensor reports [m].
+    /// Shortest range the sensor reports (m).
     pub range_min: f64,
-    /// Longest range the sensor reports [m].
+    /// Longest range the sensor reports (m).
     pub range_max: f64,
-    /// The ranges [m], beam by beam; +∞ where nothing was in reach (REP-117).
+    /// The ranges (m), beam by beam; +∞ where nothing was in reach (REP-117).
     pub ranges: &'a [f32],
 }
 
 /// Everything a planner may look at in one tick.
 #[derive(Debug, Clone, Copy)]
 pub struct View<'a> {
-    /// Simulated time since the start of the run [s].
+    /// Simulated time since the start of the run (s).
     pub time_s: f64,
-    /// Length of a tick [s].
+    /// Length of a tick (s).
     pub dt: f64,
     /// Index of the robot that is being planned for.
     pub me: usize,
@@ -106,7 +106,7 @@ pub struct View<'a> {
     pub robots: &'a [RobotView],
     /// The team's beliefs about its opponents; empty when the team has none.
     pub beliefs: &'a [BeliefView<'a>],
-    /// Centres of the exits [m]; empty when the arena has none.
+    /// Centres of the exits (m); empty when the arena has none.
     pub exits: &'a [Point2<f64>],
     /// The robot's own range scan of this tick, if it carries a sensor.
     pub scan: Option<ScanView<'a>>,
@@ -158,7 +158,7 @@ impl<'a> View<'a> {
         self.beliefs.iter().find(|belief| belief.robot == robot)
     }
 
-    /// The exits whose coordinates are finite [m].
+    /// The exits whose coordinates are finite (m).
     pub fn usable_exits(&self) -> impl Iterator<Item = Point2<f64>> + Clone + use<'a> {
         self.exits
             .iter()

@@ -24,7 +24,7 @@ pub struct Waypoint {
     pub lap: u32,
     /// What it is for.
     pub kind: WaypointKind,
-    /// Where it is, world frame [m].
+    /// Where it is, world frame (m).
     pub point: Point2<f64>,
 }
 
@@ -48,10 +48,10 @@ pub struct WaypointReport {
     pub waypoint: Waypoint,
     /// How it ended.
     pub outcome: WaypointOutcome,
-    /// When the robot set out for it, simulated time [s].
+    /// When the robot set out for it, simulated time (s).
     pub started_s: f64,
-    /// When it ended [s].
+    /// When it ended (s).
     pub ended_s: f64,
-    /// Nearest that the robot's centre came to it [m]; infinite if it never set out.
+    /// Nearest that the robot's centre came to it (m); infinite if it never set out.
     pub closest: f64,
 }

@@ -20,14 +20,14 @@ use sim_backend::pose::{Pose2, Twist2};
 
 use planner_view::limits::Limits;
 
-/// Distance ε of the control point ahead of the axle [m].
+/// Distance ε of the control point ahead of the axle (m).
 pub const EPSILON: f64 = 0.15;
 
-/// Distance ahead of the axle at which the published program evaluates the potential field [m]; the
+/// Distance ahead of the axle at which the published program evaluates the potential field (m); the
 /// theory wants ε itself.
 const PUBLISHED_FIELD_POINT: f64 = 0.05;
 
-/// A wanted speed below this [m/s] means: stand still.
+/// A wanted speed below this (m/s) means: stand still.
 const DEAD_BAND: f64 = 0.01;
 
 /// Backward speed allowed, as a fraction of the highest forward speed.
@@ -63,7 +63,7 @@ impl FeedbackParams {
         }
     }
 
-    /// The point [m] at which a robot at `pose` evaluates its potential field.
+    /// The point (m) at which a robot at `pose` evaluates its potential field.
     pub fn field_point_of(&self, pose: &Pose2) -> Point2<f64> {
         let ahead = match self.fidelity {
             Fidelity::Ours => EPSILON,
@@ -75,9 +75,9 @@ impl FeedbackParams {
 
 /// The command that moves a robot's control point with a wanted velocity.
 ///
-/// * `wanted` — velocity of the control point in the world frame [m/s]; may be far beyond what the
+/// * `wanted` — velocity of the control point in the world frame (m/s); may be far beyond what the
 ///   robot can do, only its direction matters then.
-/// * `theta` — the robot's heading [rad].
+/// * `theta` — the robot's heading (rad).
 /// * `limits` — what the robot can do; narrowed further by `omega_cap`, and to a tenth of the forward
 ///   speed backwards.
 ///

@@ -17,7 +17,7 @@ use sim_backend::pose::{Pose2, Twist2};
 
 use planner_view::limits::Limits;
 
-/// A point nearer than this [m] is where the robot stands.
+/// A point nearer than this (m) is where the robot stands.
 const HERE: f64 = 1e-9;
 
 /// Parameters of [`go_to`].
@@ -62,14 +62,14 @@ impl Default for GoToParams {
 
 impl Parameters for GoToParams {}
 
-/// Bearing of a point from a pose [rad], in (−π, π]; 0 where the robot stands.
+/// Bearing of a point from a pose (rad), in (−π, π]; 0 where the robot stands.
 pub fn bearing(pose: &Pose2, point: Point2<f64>) -> f64 {
     let forward = pose.forward();
     let offset = point - pose.position();
     math::atan2(forward.perp(&offset), forward.dot(&offset))
 }
 
-/// The command that leads from a pose to `target` [m] in ticks of `dt` [s].
+/// The command that leads from a pose to `target` (m) in ticks of `dt` (s).
 ///
 /// `onward` is where the robot goes afterwards, if that is known: a target is not slowed down for
 /// when it lies on the way. The command is finite and within the limits; it is a stop where the
@@ -118,7 +118,7 @@ fn passes(before: Vector2<f64>, after: Option<Vector2<f64>>, params: &GoToParams
     })
 }
 
-/// The pose after keeping a twist for `dt` [s], without limits or slip.
+/// The pose after keeping a twist for `dt` (s), without limits or slip.
 pub fn coast(pose: &Pose2, twist: Twist2, dt: f64) -> Pose2 {
     let half = 0.5 * twist.omega * dt;
     // The chord of the arc lies in the direction of its middle.
@@ -136,7 +136,7 @@ pub fn coast(pose: &Pose2, twist: Twist2, dt: f64) -> Pose2 {
     )
 }
 
-/// Distance [m] from a point to the segment from `a` to `b`.
+/// Distance (m) from a point to the segment from `a` to `b`.
 pub fn distance_to_segment(p: Point2<f64>, a: Point2<f64>, b: Point2<f64>) -> f64 {
     let line = b - a;
     let length_squared = line.norm_squared();

@@ -18,7 +18,7 @@ use sim_backend::pose::{Pose2, Twist2};
 
 use planner_view::limits::Limits;
 
-/// Points of a path nearer to each other than this [m] are one.
+/// Points of a path nearer to each other than this (m) are one.
 const SAME_PLACE: f64 = 1e-9;
 
 /// Share of the look-ahead that is tried next when the way to the point looked at is not clear.
@@ -90,12 +90,12 @@ impl Parameters for TrackingParams {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Path {
     points: Vec<Point2<f64>>,
-    /// Length of the path up to each point [m].
+    /// Length of the path up to each point (m).
     along: Vec<f64>,
 }
 
 impl Path {
-    /// A path through these points [m]; repeated points and points that are not finite are left
+    /// A path through these points (m); repeated points and points that are not finite are left
     /// out.
     pub fn new(points: impl IntoIterator<Item = Point2<f64>>) -> Self {
         let mut path = Self::default();
@@ -119,12 +119,12 @@ impl Path {
         path
     }
 
-    /// Its points [m].
+    /// Its points (m).
     pub fn points(&self) -> &[Point2<f64>] {
         &self.points
     }
 
-    /// Length up to each point [m].
+    /// Length up to each point (m).
     pub fn along(&self) -> &[f64] {
         &self.along
     }
@@ -134,12 +134,12 @@ impl Path {
         self.points.is_empty()
     }
 
-    /// Its length [m].
+    /// Its length (m).
     pub fn length(&self) -> f64 {
         self.along.last().copied().unwrap_or(0.0)
     }
 
-    /// The point at a distance along the path [m], one of the ends beyond them; `None` if there is
+    /// The point at a distance along the path (m), one of the ends beyond them; `None` if there is
     /// no point.
     pub fn at(&self, along: f64) -> Option<Point2<f64>> {
         let (piece, part) = self.piece_at(along)?;
@@ -147,7 +147,7 @@ impl Path {
         Some(b.map_or(*a, |b| a + (b - a) * part))
     }
 
-    /// Direction of travel at a distance along the path [rad]; `None` for fewer than two points.
+    /// Direction of travel at a distance along the path (rad); `None` for fewer than two points.
     pub fn direction(&self, along: f64) -> Option<f64> {
         let (piece, _) = self.piece_at(along)?;
         let piece = piece.min(self.points.len().checked_sub(2)?);
@@ -168,7 +168,7 @@ impl Path {
     }
 
     /// The point of the path between two distances along it that is nearest to `p`: its distance
-    /// along the path and its distance from `p` [m]. `None` if there is no point.
+    /// along the path and its distance from `p` (m). `None` if there is no point.
     pub fn project(&self, p: Point2<f64>, first: f64, last: f64) -> Option<(f64, f64)> {
         let mut best: Option<(f64, f64)> = None;
         let mut consider = |along: f64, at: Point2<f64>| {
@@ -200,11 +200,11 @@ impl Path {
 pub struct Tracking {
     /// The command; finite and within the limits.
     pub command: Twist2,
-    /// The point looked at [m].
+    /// The point looked at (m).
     pub target: Point2<f64>,
-    /// Distance from the path [m].
+    /// Distance from the path (m).
     pub off_path: f64,
-    /// What is left of the path [m].
+    /// What is left of the path (m).
     pub remaining: f64,
     /// Whether the end has been reached, by the path and not past it.
     pub arrived: bool,
@@ -229,7 +229,7 @@ impl PathTracker {
         &self.path
     }
 
-    /// How far along the path the robot is [m].
+    /// How far along the path the robot is (m).
     pub fn progress(&self) -> f64 {
         self.progress
     }

@@ -8,11 +8,11 @@ use crate::fast;
 /// One weighted hypothesis, as it is published.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Particle {
-    /// x [m].
+    /// x (m).
     pub x: f32,
-    /// y [m].
+    /// y (m).
     pub y: f32,
-    /// Heading [rad], in [−π, π].
+    /// Heading (rad), in [−π, π].
     pub theta: f32,
     /// Share of the belief; the weights of a belief sum to 1 (within rounding).
     pub weight: f32,
@@ -21,13 +21,13 @@ pub struct Particle {
 /// Summary of a belief.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Belief {
-    /// Weighted mean position [m, m] and circular mean of the headings [rad].
+    /// Weighted mean position (m, m) and circular mean of the headings (rad).
     pub mean: Pose2,
-    /// Variance of x [m²].
+    /// Variance of x (m²).
     pub covariance_xx: f64,
-    /// Covariance of x and y [m²].
+    /// Covariance of x and y (m²).
     pub covariance_xy: f64,
-    /// Variance of y [m²].
+    /// Variance of y (m²).
     pub covariance_yy: f64,
     /// 1 − length of the mean heading vector: 0 if all agree, 1 if nothing is known.
     pub heading_spread: f64,
@@ -35,12 +35,12 @@ pub struct Belief {
     pub effective_sample_size: f64,
     /// Whether the opponent was seen at this tick.
     pub seen: bool,
-    /// Seconds since the opponent was last seen [s]; infinite if it never was.
+    /// Seconds since the opponent was last seen (s); infinite if it never was.
     pub unseen_for: f64,
 }
 
 impl Belief {
-    /// Standard deviation of the position, √(σx² + σy²) [m].
+    /// Standard deviation of the position, √(σx² + σy²) (m).
     pub fn position_std(&self) -> f64 {
         (self.covariance_xx + self.covariance_yy).sqrt()
     }
@@ -48,7 +48,7 @@ impl Belief {
 
 /// Weighted moments of positions and headings, summed in a fixed order in f64.
 ///
-/// Returns the mean pose, the covariance (xx, xy, yy) [m²] and the heading spread.
+/// Returns the mean pose, the covariance (xx, xy, yy) (m²) and the heading spread.
 pub(crate) fn moments(
     xs: &[f32],
     ys: &[f32],

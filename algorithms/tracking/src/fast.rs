@@ -25,7 +25,7 @@ pub(crate) fn floor(x: f32) -> f32 {
     nearest - if nearest > x { 1.0 } else { 0.0 }
 }
 
-/// Sine and cosine of an angle [rad] of magnitude below 100; absolute error below 3e-7.
+/// Sine and cosine of an angle (rad) of magnitude below 100; absolute error below 3e-7.
 #[inline]
 pub fn sincos(angle: f32) -> (f32, f32) {
     let shifted = angle * FRAC_2_PI + ROUND;
@@ -64,7 +64,7 @@ pub fn exp_neg(x: f32) -> f32 {
     if x < 87.0 { power * scale } else { 0.0 }
 }
 
-/// An angle [rad] of magnitude below 10^5 brought into [−π, π].
+/// An angle (rad) of magnitude below 10^5 brought into [−π, π].
 #[inline]
 pub fn wrap(angle: f32) -> f32 {
     angle - TAU * round(angle * (1.0 / TAU))

@@ -69,10 +69,10 @@ pub struct FilterParams {
     /// Number of particles, 1…1 000 000.
     #[schemars(transform = between(1, MOST_PARTICLES))]
     pub particles: usize,
-    /// Random walk of the speed hypothesis [largest speed per √s].
+    /// Random walk of the speed hypothesis (largest speed per √s).
     #[schemars(transform = at_least(0).unit("largest speed per √s"))]
     pub speed_walk: f64,
-    /// Random walk of the turning-rate hypothesis [largest turning rate per √s].
+    /// Random walk of the turning-rate hypothesis (largest turning rate per √s).
     #[schemars(transform = at_least(0).unit("largest turning rate per √s"))]
     pub turn_walk: f64,
     /// Rate at which the speed hypothesis returns to the largest speed; 0 for a pure

@@ -39,11 +39,11 @@ use crate::sighting::{Measurement, Sighting};
 use crate::space::Space;
 use crate::watch::Watch;
 
-/// How often per second the factor 1 − V of an unseen opponent is applied [1/s]: once per tick of the
+/// How often per second the factor 1 − V of an unseen opponent is applied (1/s): once per tick of the
 /// experiments.
 const CLEARING_RATE: f64 = 20.0;
 
-/// Measurement noise below which all particles take the measured position and heading [m, rad].
+/// Measurement noise below which all particles take the measured position and heading (m, rad).
 const SNAP_BELOW: f64 = 0.01;
 
 /// Width of the likelihood that is applied before snapping [distance (angle) covered per tick at the
@@ -56,7 +56,7 @@ const SNAP_WIDTH: f64 = 0.15;
 const LOST_BELOW: f64 = 1e-4;
 
 /// Distance added to what the opponent can have covered unseen when the belief is built anew around
-/// the last place where it was seen [m].
+/// the last place where it was seen (m).
 const RECOVERY_MARGIN: f64 = 0.5;
 
 /// Particles handled together: all their arrays fit the first-level cache.
@@ -72,7 +72,7 @@ pub struct ParticleFilter {
     /// Weights with mean 1.
     weights: Vec<f32>,
     last_seen: Option<Point2<f64>>,
-    /// Time since then [s].
+    /// Time since then (s).
     unseen_for: f64,
     seen: bool,
     effective: f64,
@@ -161,7 +161,7 @@ impl ParticleFilter {
         self.rebuilt
     }
 
-    /// Advances the belief by `dt` [s] (> 0, finite) and takes in a sighting.
+    /// Advances the belief by `dt` (s) (> 0, finite) and takes in a sighting.
     ///
     /// `watch` holds the observers of this tick.
     pub fn update(&mut self, space: &Space, watch: &Watch, sighting: &Sighting, dt: f64) {

@@ -13,11 +13,11 @@ use crate::watch::Watch;
 /// A noisy measurement of an opponent's position, and of its heading if the sensor measures that.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measurement {
-    /// Measured position [m].
+    /// Measured position (m).
     pub position: Point2<f64>,
-    /// Standard deviation of x and of y, independent of each other [m]; 0 if exact.
+    /// Standard deviation of x and of y, independent of each other (m); 0 if exact.
     pub sigma: f64,
-    /// Measured heading [rad] and its standard deviation [rad] (0 if exact); `None` if the sensor
+    /// Measured heading (rad) and its standard deviation (rad) (0 if exact); `None` if the sensor
     /// does not measure headings.
     pub heading: Option<(f64, f64)>,
 }
@@ -39,7 +39,7 @@ impl Sighting {
         self.measurement.is_some()
     }
 
-    /// Standard deviation of the measured coordinates [m]; infinite if unseen.
+    /// Standard deviation of the measured coordinates (m); infinite if unseen.
     pub fn sigma(&self) -> f64 {
         self.measurement.map_or(f64::INFINITY, |m| m.sigma)
     }

@@ -66,7 +66,7 @@ impl Space {
         &self.free
     }
 
-    /// Whether a point [m] is valid for a particle.
+    /// Whether a point (m) is valid for a particle.
     pub fn is_valid(&self, p: Point2<f64>) -> bool {
         self.field.is_free(p)
     }
@@ -83,7 +83,7 @@ impl Space {
         )
     }
 
-    /// Looks up many points [m]: writes their places in the table read by [`Self::valid_at`].
+    /// Looks up many points (m): writes their places in the table read by [`Self::valid_at`].
     ///
     /// Points outside the grid (and NaN) fall on the table's border.
     #[inline]
@@ -93,7 +93,7 @@ impl Space {
         }
     }
 
-    /// As [`Self::locate`], for one point [m].
+    /// As [`Self::locate`], for one point (m).
     #[inline]
     pub(crate) fn place_of(&self, x: f32, y: f32) -> u32 {
         let (right, top) = (self.frame.width as f32, self.frame.height as f32);

@@ -32,7 +32,7 @@ pub enum PerceptionError {
     /// The time step is not positive.
     #[error("the time step is {dt} s; it must be positive and finite")]
     TimeStep {
-        /// The offending step [s].
+        /// The offending step (s).
         dt: f64,
     },
     /// The truth of an opponent was given that was not set up.
@@ -166,7 +166,7 @@ impl Perception {
         self.space = Space::new(map);
     }
 
-    /// Advances by `dt` [s]: looks from the observers' poses at every opponent in `targets` and
+    /// Advances by `dt` (s): looks from the observers' poses at every opponent in `targets` and
     /// updates its belief. Opponents that are not in `targets` (caught, escaped) keep theirs.
     ///
     /// The tracks come in the order in which they were set up.

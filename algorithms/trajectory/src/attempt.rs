@@ -23,7 +23,7 @@ use crate::refine::Refinement;
 
 /// Most times that a curve is made anew because it is too near to an obstacle between its samples.
 const MOST_REPAIRS: u32 = 8;
-/// How near [relative] to the shortest path a curve is good enough.
+/// How near (relative) to the shortest path a curve is good enough.
 const ENOUGH: f64 = 1e-5;
 /// How far beyond the bounds' corner the reference point lies by default, in their diagonals.
 const REFERENCE: f64 = 2.25;
@@ -59,7 +59,7 @@ pub struct Attempts<'a> {
     pub ground: &'a ObstacleField,
     /// The path to begin with.
     pub guide: &'a Guide,
-    /// Length of the shortest path [m].
+    /// Length of the shortest path (m).
     pub shortest: f64,
     /// The options.
     pub options: &'a Options,

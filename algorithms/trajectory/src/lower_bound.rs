@@ -4,8 +4,8 @@ use crate::drive::turn_in_place;
 use crate::problem::{Problem, RobotLimits};
 use sim_backend::math;
 
-/// A lower bound [s] on the duration of every trajectory that solves a problem whose shortest path
-/// has this length [m].
+/// A lower bound (s) on the duration of every trajectory that solves a problem whose shortest path
+/// has this length (m).
 ///
 /// The robot must cover at least the shortest path, so it needs at least as long as a point on a
 /// line that covers that distance with the same speed limit, acceleration limit and prescribed
@@ -24,7 +24,7 @@ pub fn lower_bound(problem: &Problem, shortest: f64) -> f64 {
     straight.max(turn)
 }
 
-/// Shortest duration [s] of a motion along a line over at least this length [m], between speeds
+/// Shortest duration (s) of a motion along a line over at least this length (m), between speeds
 /// that are prescribed or free.
 fn straight(limits: &RobotLimits, length: f64, start: Option<f64>, end: Option<f64>) -> f64 {
     let top = limits.top_speed();

@@ -13,11 +13,11 @@ use crate::problem::{Problem, ProblemError};
 /// Cells along the longer side of the field with which the exact geometry answers quickly. Few: a
 /// problem is asked some hundred questions, and making the field costs as much as they do.
 const CELLS: f64 = 16.0;
-/// How deep [m] a goal may lie in a grown obstacle or beyond the bounds: rounding.
+/// How deep (m) a goal may lie in a grown obstacle or beyond the bounds: rounding.
 const GOAL_TOLERANCE: f64 = 1e-6;
-/// By how much [m] an obstacle is cut back beyond the start that lies in it: rounding.
+/// By how much (m) an obstacle is cut back beyond the start that lies in it: rounding.
 const HAIR: f64 = 1e-9;
-/// Radius [m] given to discs without one: the exact geometry wants pieces with an inside.
+/// Radius (m) given to discs without one: the exact geometry wants pieces with an inside.
 const MIN_RADIUS: f64 = 1e-7;
 
 /// The ground of a problem.
@@ -28,7 +28,7 @@ pub struct ObstacleField {
     pub obstacles: Vec<Convex>,
     /// Where its centre may be: the problem's bounds, and the start.
     pub bounds: Aabb,
-    /// Distance [m] that its centre keeps from obstacles.
+    /// Distance (m) that its centre keeps from obstacles.
     pub clearance: f64,
     start: Point2<f64>,
     goal: Point2<f64>,
@@ -132,7 +132,7 @@ impl ObstacleField {
         })
     }
 
-    /// Largest depth [m] of a path in each grown obstacle that it is in, by index.
+    /// Largest depth (m) of a path in each grown obstacle that it is in, by index.
     pub fn depths(&self, points: &[PathPoint]) -> Vec<(usize, f64)> {
         let mut found = Vec::new();
         for (index, obstacle) in self.obstacles.iter().enumerate() {
@@ -170,12 +170,12 @@ impl ObstacleField {
 pub struct ExactObstacleField {
     /// The pieces.
     pub space: FreeSpace,
-    /// Distance [m] that the robot's centre keeps from them.
+    /// Distance (m) that the robot's centre keeps from them.
     pub clearance: f64,
 }
 
 impl ExactObstacleField {
-    /// The shortest path between two points [m].
+    /// The shortest path between two points (m).
     ///
     /// # Errors
     /// [`PlanError::NoPath`] if there is none; [`PlanError::Invalid`] if there are too many
@@ -193,7 +193,7 @@ impl ExactObstacleField {
     }
 }
 
-/// How far [m] a point is beyond the bounds; 0 within.
+/// How far (m) a point is beyond the bounds; 0 within.
 fn beyond(bounds: &Aabb, p: Point2<f64>) -> f64 {
     let low = bounds.min - p;
     let high = p - bounds.max;
@@ -209,7 +209,7 @@ fn with_inside(obstacle: &Convex) -> Convex {
     }
 }
 
-/// An obstacle without what is nearer to `p` than `clearance` [m]: a smaller disc, or the polygon
+/// An obstacle without what is nearer to `p` than `clearance` (m): a smaller disc, or the polygon
 /// cut along a line; `None` if nothing would be left of it. The line is across the direction to
 /// the nearest surface and `clearance` away, so that everything behind it is, too.
 fn cut_back(

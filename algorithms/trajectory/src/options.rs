@@ -59,7 +59,7 @@ pub struct Options {
     /// N of the N + 1 Legendre–Gauss–Lobatto nodes: of the path control parameter of `vmc`, and of
     /// [`Constraints::Nodes`]; 2…64.
     pub nodes: usize,
-    /// Reference point of `vmc` [m]; absent: 2.25 diagonals of the bounds beyond their smaller
+    /// Reference point of `vmc` (m); absent: 2.25 diagonals of the bounds beyond their smaller
     /// corner.
     pub reference_point: Option<Point2<f64>>,
 }

@@ -9,13 +9,13 @@ use crate::plan::Sample;
 /// A point of a path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PathPoint {
-    /// Length of the path up to it [m].
+    /// Length of the path up to it (m).
     pub s: f64,
-    /// Where it is [m].
+    /// Where it is (m).
     pub at: Point2<f64>,
-    /// Direction of travel [rad], continuous along the path.
+    /// Direction of travel (rad), continuous along the path.
     pub theta: f64,
-    /// Curvature [1/m]: positive to the left.
+    /// Curvature (1/m): positive to the left.
     pub kappa: f64,
 }
 
@@ -37,19 +37,19 @@ pub fn of_samples(samples: &[Sample]) -> Vec<PathPoint> {
     points
 }
 
-/// Largest distance between points of a path [m].
+/// Largest distance between points of a path (m).
 pub const SPACING: f64 = 0.015;
-/// Longest path that is planned [m]: some hundred thousand points.
+/// Longest path that is planned (m): some hundred thousand points.
 pub const LONGEST: f64 = 2e3;
-/// How far [m] a chord between two points may be from the path.
+/// How far (m) a chord between two points may be from the path.
 const SAGITTA: f64 = 5e-5;
 
-/// How far apart [m] points of a path of this curvature [1/m] lie.
+/// How far apart (m) points of a path of this curvature (1/m) lie.
 pub fn spacing(kappa: f64) -> f64 {
     SPACING.min((8.0 * SAGITTA / kappa.abs().max(1e-12)).sqrt())
 }
 
-/// The points of a leg that begins with this heading [rad] after `s` [m] of path.
+/// The points of a leg that begins with this heading (rad) after `s` (m) of path.
 pub fn of_leg(leg: &PathLeg, s: f64, theta: f64) -> Vec<PathPoint> {
     let (length, kappa) = (leg.length(), leg.curvature());
     // A leg from rest to rest needs points at which the robot moves.
@@ -67,7 +67,7 @@ pub fn of_leg(leg: &PathLeg, s: f64, theta: f64) -> Vec<PathPoint> {
         .collect()
 }
 
-/// The direction of a leg's beginning [rad], as the representative nearest to `near` [rad].
+/// The direction of a leg's beginning (rad), as the representative nearest to `near` (rad).
 pub fn leg_heading(leg: &PathLeg, near: f64) -> f64 {
     let u = leg.heading(0.0);
     near + math::angle_difference(math::atan2(u.y, u.x), near)

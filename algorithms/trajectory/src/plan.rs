@@ -64,13 +64,13 @@ pub struct Plan {
     pub method: Method,
     /// The trajectory; the first sample at the start, the last at the goal.
     pub samples: Vec<Sample>,
-    /// Duration [s].
+    /// Duration (s).
     pub final_time: f64,
-    /// No trajectory can be shorter than this [s].
+    /// No trajectory can be shorter than this (s).
     pub lower_bound: f64,
-    /// Length of the path [m].
+    /// Length of the path (m).
     pub length: f64,
-    /// Smallest distance [m] of the path to a grown obstacle; infinite without obstacles.
+    /// Smallest distance (m) of the path to a grown obstacle; infinite without obstacles.
     pub min_clearance: f64,
     /// Convex programs solved.
     pub iterations: u32,

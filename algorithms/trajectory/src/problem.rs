@@ -9,40 +9,40 @@ use thiserror::Error;
 
 /// Most obstacles of one problem.
 pub const MAX_OBSTACLES: usize = 4096;
-/// Largest coordinate [m] and speed [m/s] that is taken for meant.
+/// Largest coordinate (m) and speed (m/s) that is taken for meant.
 pub const MAX_NUMBER: f64 = 1e6;
-/// Smallest clearance [m]; it stands for a robot that is a point.
+/// Smallest clearance (m); it stands for a robot that is a point.
 pub const MIN_CLEARANCE: f64 = 1e-6;
-/// How deep [m] the start may lie in a grown obstacle or beyond the bounds by default: what a robot
+/// How deep (m) the start may lie in a grown obstacle or beyond the bounds by default: what a robot
 /// that tracks its last trajectory can be off by. Deeper, there is no plan.
 pub const START_TOLERANCE: f64 = 5e-3;
 
 /// How fast the wheels can turn: |V| + |ω| b / 2 ≤ `speed`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wheels {
-    /// Largest speed of a wheel over ground [m/s], > 0.
+    /// Largest speed of a wheel over ground (m/s), > 0.
     pub speed: f64,
-    /// Distance b between the wheels [m], > 0.
+    /// Distance b between the wheels (m), > 0.
     pub separation: f64,
 }
 
 /// What the robot can do.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RobotLimits {
-    /// Largest forward speed V [m/s], > 0.
+    /// Largest forward speed V (m/s), > 0.
     pub v_max: f64,
-    /// Largest turning rate ω [rad/s], > 0.
+    /// Largest turning rate ω (rad/s), > 0.
     pub omega_max: f64,
     /// Coupling of both by the wheels; `None`: independent, as in the paper.
     pub wheels: Option<Wheels>,
-    /// Largest change of V [m/s²], > 0; `None`: V may step, as in the paper.
+    /// Largest change of V (m/s²), > 0; `None`: V may step, as in the paper.
     pub acceleration: Option<f64>,
-    /// Largest change of ω [rad/s²], > 0; `None`: ω may step.
+    /// Largest change of ω (rad/s²), > 0; `None`: ω may step.
     pub angular_acceleration: Option<f64>,
 }
 
 impl RobotLimits {
-    /// The paper's robot: speed [m/s] and turning rate [rad/s] limited independently.
+    /// The paper's robot: speed (m/s) and turning rate (rad/s) limited independently.
     pub fn simple(v_max: f64, omega_max: f64) -> Self {
         Self {
             v_max,
@@ -68,19 +68,19 @@ impl RobotLimits {
         self.acceleration.is_none() && self.angular_acceleration.is_none()
     }
 
-    /// Largest speed [m/s] straight ahead.
+    /// Largest speed (m/s) straight ahead.
     pub fn top_speed(&self) -> f64 {
         self.wheels.map_or(self.v_max, |w| self.v_max.min(w.speed))
     }
 
-    /// Largest turning rate [rad/s] on the spot.
+    /// Largest turning rate (rad/s) on the spot.
     pub fn top_turn_rate(&self) -> f64 {
         self.wheels.map_or(self.omega_max, |w| {
             self.omega_max.min(2.0 * w.speed / w.separation)
         })
     }
 
-    /// Largest speed [m/s] on a path of curvature `kappa` [1/m].
+    /// Largest speed (m/s) on a path of curvature `kappa` (1/m).
     pub fn speed_at(&self, kappa: f64) -> f64 {
         let kappa = kappa.abs();
         let turning = self.omega_max / kappa.max(1e-300);
@@ -96,25 +96,25 @@ impl RobotLimits {
 pub struct Problem {
     /// Pose at the start.
     pub start: Pose2,
-    /// Forward speed at the start [m/s], ≥ 0; `None`: free.
+    /// Forward speed at the start (m/s), ≥ 0; `None`: free.
     pub start_speed: Option<f64>,
-    /// Turning rate at the start [rad/s]; `None`: free.
+    /// Turning rate at the start (rad/s); `None`: free.
     pub start_turn_rate: Option<f64>,
-    /// Position of the goal [m].
+    /// Position of the goal (m).
     pub goal: Point2<f64>,
-    /// Heading at the goal [rad]; `None`: free.
+    /// Heading at the goal (rad); `None`: free.
     pub goal_heading: Option<f64>,
-    /// Forward speed at the goal [m/s], ≥ 0; `None`: free.
+    /// Forward speed at the goal (m/s), ≥ 0; `None`: free.
     pub goal_speed: Option<f64>,
     /// What the robot can do.
     pub limits: RobotLimits,
     /// What it must not touch.
     pub obstacles: Vec<Convex>,
-    /// Distance [m] that its centre keeps from them (radius plus margin), ≥ [`MIN_CLEARANCE`].
+    /// Distance (m) that its centre keeps from them (radius plus margin), ≥ [`MIN_CLEARANCE`].
     pub clearance: f64,
     /// Where its centre may be.
     pub bounds: Aabb,
-    /// How deep [m] the start may lie in a grown obstacle or beyond the bounds, ≥ 0.
+    /// How deep (m) the start may lie in a grown obstacle or beyond the bounds, ≥ 0.
     pub start_tolerance: f64,
 }
 

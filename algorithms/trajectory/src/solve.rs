@@ -115,7 +115,7 @@ pub fn plan(
 /// A trajectory that has passed the check.
 struct Checked {
     trajectory: Trajectory,
-    /// How far the path is from grown obstacles at least [m].
+    /// How far the path is from grown obstacles at least (m).
     min_clearance: f64,
     control_points: usize,
 }
@@ -147,7 +147,7 @@ struct Tried {
     stopped: bool,
 }
 
-/// Tries one variant after the other until a plan takes no longer than `enough` [s].
+/// Tries one variant after the other until a plan takes no longer than `enough` (s).
 fn try_curves(mut bench: Attempts<'_>, enough: f64, stop: &mut dyn FnMut() -> bool) -> Tried {
     let mut tried = Tried::default();
     let inertia = !bench.problem.limits.is_without_inertia();
@@ -189,7 +189,7 @@ fn try_curves(mut bench: Attempts<'_>, enough: f64, stop: &mut dyn FnMut() -> bo
     tried
 }
 
-/// How long [s] it takes to turn on the spot into a path and out of it.
+/// How long (s) it takes to turn on the spot into a path and out of it.
 fn turning_time(problem: &Problem, guide: &Guide) -> f64 {
     let time = |angle: f64| {
         let phases = turn_in_place::phases(&problem.limits, angle);

@@ -9,13 +9,13 @@ use crate::region::{Around, Grown, inside_box};
 use crate::tolerances::Tolerances;
 use crate::violation::{Excess, Violation};
 
-/// A piece that comes closest so far is cut until its arc and its chord differ by no more [m].
+/// A piece that comes closest so far is cut until its arc and its chord differ by no more (m).
 const RESOLUTION: f64 = 1e-5;
 
 /// How often a piece is cut in halves at most. Each time, arc and chord differ by a quarter.
 const MAX_CUTS: u32 = 8;
 
-/// Least distance so far [m], below it or exact to within [`RESOLUTION`].
+/// Least distance so far (m), below it or exact to within [`RESOLUTION`].
 #[derive(Debug, Clone, Copy)]
 struct Least {
     distance: f64,
@@ -32,13 +32,13 @@ impl Least {
 /// A piece with the end of its chord.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Span {
-    /// Time of the start [s].
+    /// Time of the start (s).
     pub time: f64,
     /// The motion from there.
     pub piece: Piece,
-    /// Where it ends [m].
+    /// Where it ends (m).
     pub end: Point2<f64>,
-    /// How far [m] the samples are off the motion: a path through them may be nearer by so much.
+    /// How far (m) the samples are off the motion: a path through them may be nearer by so much.
     pub slack: f64,
 }
 
@@ -90,12 +90,12 @@ impl Clearance {
         }
     }
 
-    /// Least signed distance of the path to a grown obstacle [m]; infinite without obstacles.
+    /// Least signed distance of the path to a grown obstacle (m); infinite without obstacles.
     pub fn to_obstacles(&self) -> f64 {
         self.to_obstacle.distance
     }
 
-    /// Greatest depth in a grown obstacle or outside the bounds [m], 0 if there is none.
+    /// Greatest depth in a grown obstacle or outside the bounds (m), 0 if there is none.
     pub fn deepest(&self) -> f64 {
         (-self.to_obstacle.distance.min(self.within_bounds.distance)).max(0.0)
     }

@@ -31,7 +31,7 @@ impl Findings {
     }
 
     /// Records a violation of `kind` if something changes by more than `limit` a second, and
-    /// `rounding` besides, in `dt` [s] (> 0). Compared undivided: a tiny `dt` would overflow both.
+    /// `rounding` besides, in `dt` (s) (> 0). Compared undivided: a tiny `dt` would overflow both.
     pub fn rate_at_most(
         &mut self,
         kind: impl FnOnce(Excess) -> Violation,

@@ -11,9 +11,9 @@ use crate::violation::Violation;
 pub(crate) struct Limits<'a> {
     contract: &'a Contract,
     tolerances: &'a Tolerances,
-    /// Highest speed stated or implied [m/s].
+    /// Highest speed stated or implied (m/s).
     pub top_speed: f64,
-    /// Highest turning rate stated or implied [rad/s].
+    /// Highest turning rate stated or implied (rad/s).
     pub top_turn_rate: f64,
 }
 

@@ -18,9 +18,9 @@ pub(crate) struct Walk<'a> {
     tolerances: &'a Tolerances,
     /// The limits of the drive, and how fast it has been so far.
     pub limits: Limits<'a>,
-    /// Where the controls alone have led since the start [m].
+    /// Where the controls alone have led since the start (m).
     led_to: Point2<f64>,
-    /// Heading the controls alone have led to [rad].
+    /// Heading the controls alone have led to (rad).
     led_heading: f64,
     /// Figures of the way so far.
     pub figures: Figures,
@@ -31,14 +31,14 @@ pub(crate) struct Walk<'a> {
 /// What a walk adds up.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Figures {
-    /// Length of the way [m].
+    /// Length of the way (m).
     pub length: f64,
-    /// Farthest a sample is from where the controls alone lead from the start [m].
+    /// Farthest a sample is from where the controls alone lead from the start (m).
     pub drift: f64,
-    /// Sum of the distances between samples and where the controls lead from the one before [m], of
+    /// Sum of the distances between samples and where the controls lead from the one before (m), of
     /// those that were let pass.
     displacement: f64,
-    /// The same of headings [rad].
+    /// The same of headings (rad).
     heading: f64,
 }
 

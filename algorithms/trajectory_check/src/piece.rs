@@ -6,7 +6,7 @@ use nalgebra::{Point2, Vector2};
 
 use crate::sample::Sample;
 
-/// Turning [rad] over which three Gauss points integrate the way to 10⁻⁶ of its length, even where
+/// Turning (rad) over which three Gauss points integrate the way to 10⁻⁶ of its length, even where
 /// the controls change sharply: 20 nm in the 2 cm between two samples.
 const TURN_PER_STEP: f64 = 0.25;
 
@@ -24,15 +24,15 @@ const GAUSS: [(f64, f64); 3] = [
 /// A unicycle whose speed and turning rate change linearly in time.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Piece {
-    /// Position at the start [m].
+    /// Position at the start (m).
     pub start: Point2<f64>,
-    /// Heading at the start [rad].
+    /// Heading at the start (rad).
     pub heading: f64,
-    /// Forward speed at the start and at the end [m/s].
+    /// Forward speed at the start and at the end (m/s).
     pub speed: [f64; 2],
-    /// Turning rate at the start and at the end [rad/s].
+    /// Turning rate at the start and at the end (rad/s).
     pub rate: [f64; 2],
-    /// Duration [s] (≥ 0).
+    /// Duration (s) (≥ 0).
     pub dt: f64,
 }
 
@@ -57,12 +57,12 @@ impl Piece {
         }
     }
 
-    /// Change of the heading [rad].
+    /// Change of the heading (rad).
     pub fn turn(&self) -> f64 {
         self.dt * (self.rate[0] + self.rate[1]) / 2.0
     }
 
-    /// Length of the way [m], forwards and backwards alike.
+    /// Length of the way (m), forwards and backwards alike.
     pub fn way(&self) -> f64 {
         let [a, b] = self.speed;
         if self.reverses() {
@@ -73,7 +73,7 @@ impl Piece {
         }
     }
 
-    /// Displacement [m] in the frame of the start: x ahead, y to the left.
+    /// Displacement (m) in the frame of the start: x ahead, y to the left.
     pub fn displacement(&self) -> Vector2<f64> {
         let steps = (self.most_turn() / TURN_PER_STEP)
             .ceil()
@@ -92,7 +92,7 @@ impl Piece {
         sum * (self.dt / steps)
     }
 
-    /// Position at the end [m], by the controls.
+    /// Position at the end (m), by the controls.
     pub fn end(&self) -> Point2<f64> {
         self.start + rotated(self.displacement(), self.heading)
     }
@@ -117,7 +117,7 @@ impl Piece {
         [first, second]
     }
 
-    /// Farthest [m] that a point of the way can be from the chord, the straight segment from the
+    /// Farthest (m) that a point of the way can be from the chord, the straight segment from the
     /// way's start to its end.
     ///
     /// Proof. Let r(t) be the way, T its duration, and c(t) the point that runs along the chord at
@@ -148,7 +148,7 @@ impl Piece {
         self.dt * (along + fastest * turn) / 8.0
     }
 
-    /// Bound of the turning either way taken together [rad].
+    /// Bound of the turning either way taken together (rad).
     fn most_turn(&self) -> f64 {
         self.dt * self.rate[0].abs().max(self.rate[1].abs())
     }
@@ -158,7 +158,7 @@ impl Piece {
     }
 }
 
-/// A vector (of any unit) turned counter-clockwise by an angle [rad].
+/// A vector (of any unit) turned counter-clockwise by an angle (rad).
 pub(crate) fn rotated(vector: Vector2<f64>, angle: f64) -> Vector2<f64> {
     let (sin, cos) = libm::sincos(angle);
     Vector2::new(

@@ -11,7 +11,7 @@ struct Edge {
     segment: Segment,
     /// Unit normal, outwards.
     normal: Vector2<f64>,
-    /// Coordinate of the edge along its normal [m].
+    /// Coordinate of the edge along its normal (m).
     offset: f64,
 }
 
@@ -22,7 +22,7 @@ pub(crate) struct ConvexPolygon {
 }
 
 impl ConvexPolygon {
-    /// A polygon from corners [m] that [`validity`](crate::validity) has accepted.
+    /// A polygon from corners (m) that [`validity`](crate::validity) has accepted.
     pub fn new(vertices: &[Point2<f64>]) -> Self {
         let ends = vertices.iter().skip(1).chain(vertices.first());
         let edges = vertices
@@ -41,7 +41,7 @@ impl ConvexPolygon {
         Self { edges }
     }
 
-    /// Distance [m] from the segment `a`–`b` to the polygon; where they overlap, minus the greatest
+    /// Distance (m) from the segment `a`–`b` to the polygon; where they overlap, minus the greatest
     /// depth of a point of the segment inside.
     pub fn distance(&self, a: Point2<f64>, b: Point2<f64>) -> f64 {
         let depth = self.least_signed(a, b);
@@ -118,12 +118,12 @@ struct Line {
     slope: f64,
 }
 
-/// The segment between two points [m].
+/// The segment between two points (m).
 pub(crate) fn segment(a: Point2<f64>, b: Point2<f64>) -> Segment {
     Segment::new(Vector::new(a.x, a.y), Vector::new(b.x, b.y))
 }
 
-/// Distance [m] from a segment to a point.
+/// Distance (m) from a segment to a point.
 pub(crate) fn to_point(segment: &Segment, point: Vector) -> f64 {
     let nearest = segment.project_local_point(point, true).point;
     (point - nearest).length()

@@ -14,7 +14,7 @@ pub(crate) struct Around {
 }
 
 impl Around {
-    /// Whether every point within `radius` [m] of `point` is at least `gap` [m] outside. Quick, and
+    /// Whether every point within `radius` (m) of `point` is at least `gap` (m) outside. Quick, and
     /// false if in doubt.
     pub fn is_farther(&self, point: Point2<f64>, radius: f64, gap: f64) -> bool {
         let apart = gap + radius + self.radius;
@@ -36,7 +36,7 @@ enum Shape {
 }
 
 impl Grown {
-    /// An obstacle that [`validity`](crate::validity) has accepted, with the clearance [m] (≥ 0)
+    /// An obstacle that [`validity`](crate::validity) has accepted, with the clearance (m) (≥ 0)
     /// around it; and a disc around that.
     pub fn new(obstacle: &Obstacle, clearance: f64) -> (Around, Self) {
         let (center, reach, shape) = match obstacle {
@@ -64,7 +64,7 @@ impl Grown {
         (around, Self { shape, clearance })
     }
 
-    /// Distance [m] from the segment `a`–`b`; minus the greatest depth of a point of it inside.
+    /// Distance (m) from the segment `a`–`b`; minus the greatest depth of a point of it inside.
     pub fn distance(&self, a: Point2<f64>, b: Point2<f64>) -> f64 {
         let ungrown = match &self.shape {
             Shape::Disc { center, radius } => to_point(&segment(a, b), *center) - radius,
@@ -74,7 +74,7 @@ impl Grown {
     }
 }
 
-/// How far [m] inside the box `[x_min, y_min, x_max, y_max]` the segment `a`–`b` stays; below 0 if it
+/// How far (m) inside the box `[x_min, y_min, x_max, y_max]` the segment `a`–`b` stays; below 0 if it
 /// leaves the box. (A box is convex: an end is the farthest out.)
 pub(crate) fn inside_box(
     [x_min, y_min, x_max, y_max]: [f64; 4],

@@ -14,21 +14,21 @@ use crate::violation::Violation;
 /// What [`check`] found. All figures are NaN if the contract or the samples are unfit to be checked.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Report {
-    /// Time from the first sample to the last [s].
+    /// Time from the first sample to the last (s).
     pub duration: f64,
-    /// Length of the way by the stated speeds [m], forwards and backwards alike.
+    /// Length of the way by the stated speeds (m), forwards and backwards alike.
     pub length: f64,
-    /// Smallest signed distance [m] of the continuous path to an obstacle grown by the clearance;
+    /// Smallest signed distance (m) of the continuous path to an obstacle grown by the clearance;
     /// negative inside. Never above the true value, and usually 10 µm or less below; infinite
     /// without obstacles.
     pub min_clearance: f64,
-    /// Greatest depth inside a grown obstacle or outside the bounds [m], 0 if there is none.
+    /// Greatest depth inside a grown obstacle or outside the bounds (m), 0 if there is none.
     pub deepest: f64,
-    /// Highest speed [m/s], of those stated and those that follow from poses and times.
+    /// Highest speed (m/s), of those stated and those that follow from poses and times.
     pub top_speed: f64,
-    /// Highest turning rate [rad/s], of those stated and those that follow from poses and times.
+    /// Highest turning rate (rad/s), of those stated and those that follow from poses and times.
     pub top_turn_rate: f64,
-    /// Farthest [m] that a sample is from where the stated controls alone would have led from the
+    /// Farthest (m) that a sample is from where the stated controls alone would have led from the
     /// first one. Information only: it adds up what is allowed between samples.
     pub drift: f64,
     /// What is wrong: the worst of each kind.

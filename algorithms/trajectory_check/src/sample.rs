@@ -7,22 +7,22 @@ use nalgebra::Point2;
 /// Pose and controls of the robot at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
-    /// Time since the start [s]; 0 at the first sample, never decreasing.
+    /// Time since the start (s); 0 at the first sample, never decreasing.
     pub t: f64,
-    /// Position of the robot's centre, east [m].
+    /// Position of the robot's centre, east (m).
     pub x: f64,
-    /// Position of the robot's centre, north [m].
+    /// Position of the robot's centre, north (m).
     pub y: f64,
-    /// Heading [rad], counter-clockwise from east; any multiple of a full turn may be added.
+    /// Heading (rad), counter-clockwise from east; any multiple of a full turn may be added.
     pub theta: f64,
-    /// Forward speed [m/s]; negative backwards.
+    /// Forward speed (m/s); negative backwards.
     pub v: f64,
-    /// Turning rate [rad/s], counter-clockwise.
+    /// Turning rate (rad/s), counter-clockwise.
     pub omega: f64,
 }
 
 impl Sample {
-    /// Position of the robot's centre [m].
+    /// Position of the robot's centre (m).
     pub(crate) fn position(&self) -> Point2<f64> {
         Point2::new(self.x, self.y)
     }
@@ -40,7 +40,7 @@ impl Sample {
     }
 }
 
-/// An angle [rad] without its full turns, in [−π, π].
+/// An angle (rad) without its full turns, in [−π, π].
 pub(crate) fn wrapped(angle: f64) -> f64 {
     angle - TAU * (angle / TAU).round()
 }

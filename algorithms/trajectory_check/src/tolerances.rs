@@ -3,25 +3,25 @@
 /// Allowances of the checker.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tolerances {
-    /// Depth of the path inside a grown obstacle, or outside the bounds [m].
+    /// Depth of the path inside a grown obstacle, or outside the bounds (m).
     pub penetration: f64,
     /// Speeds, turning rates, wheel speeds and accelerations above their limits, as a fraction of
     /// the limit.
     pub limit: f64,
-    /// Error of each condition at the start and the goal [m, rad, m/s, rad/s].
+    /// Error of each condition at the start and the goal (m, rad, m/s, rad/s).
     pub boundary: f64,
     /// Difference between a sample's pose and where the controls lead from the sample before, as a
     /// fraction of what `v_max` and `omega_max` cover in the time between.
     pub mismatch: f64,
-    /// The same difference that is always allowed between two samples [m, rad].
+    /// The same difference that is always allowed between two samples (m, rad).
     pub mismatch_floor: f64,
-    /// The same differences summed over the trajectory, beyond the fraction `mismatch` [m, rad].
+    /// The same differences summed over the trajectory, beyond the fraction `mismatch` (m, rad).
     /// Without it, samples close enough together could crawl anywhere by `mismatch_floor` a step.
     pub mismatch_total: f64,
-    /// What rounding may add to any difference of two samples [m, rad, m/s, rad/s, s]; so close are
+    /// What rounding may add to any difference of two samples (m, rad, m/s, rad/s, s); so close are
     /// poses "the same".
     pub rounding: f64,
-    /// Longest way between two samples [m].
+    /// Longest way between two samples (m).
     pub spacing: f64,
 }
 

@@ -7,11 +7,11 @@ use crate::findings::Findings;
 use crate::sample::Sample;
 use crate::violation::Violation;
 
-/// Largest magnitude of a number [m, rad, s and what they are divided by] that is taken seriously.
+/// Largest magnitude of a number (m, rad, s and what they are divided by) that is taken seriously.
 /// With all numbers below it, no product in this crate overflows.
 const LARGEST: f64 = 1e9;
 
-/// Smallest area of a polygon [m²]: a square of a micrometre.
+/// Smallest area of a polygon (m²): a square of a micrometre.
 const SMALLEST_AREA: f64 = 1e-12;
 
 /// Sine of the turn to the right that rounding may cause at a corner of a convex polygon.

@@ -5,9 +5,9 @@ use sim_backend::grid::{Grid, GridFrame};
 
 /// Cells each way.
 pub const SIDE: usize = 384;
-/// Size of a cell [m].
+/// Size of a cell (m).
 pub const RESOLUTION: f64 = 1.0 / 64.0;
-/// Standard deviation of the blur [m].
+/// Standard deviation of the blur (m).
 pub const BLUR: f64 = 6.0 * RESOLUTION;
 
 /// The free cells of 6 m × 6 m: a wall with one exit around 4 × 4 blocks of 0.766 m in streets of 0.5625 m.

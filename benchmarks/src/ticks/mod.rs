@@ -95,7 +95,7 @@ pub fn measure(options: Options) -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-/// Rates of the blocks of the runtime and of the raw exchange [ticks/s], pair by pair.
+/// Rates of the blocks of the runtime and of the raw exchange (ticks/s), pair by pair.
 fn alternate(options: Options) -> Result<(Vec<f64>, Vec<f64>)> {
     let (mut ours, mut theirs) = (Vec::new(), Vec::new());
     // Where the scheduler puts sixteen processes decides a lot, and it seldom changes its mind: the

@@ -18,13 +18,13 @@ pub struct Plan {
     pub iterations: u32,
     /// Whether a way to the exit was found.
     pub found: bool,
-    /// Length of the way [m].
+    /// Length of the way (m).
     pub length_m: Option<f64>,
-    /// Least distance of the way from any pursuer [m].
+    /// Least distance of the way from any pursuer (m).
     pub closest_m: Option<f64>,
-    /// Length of the shortest way [m].
+    /// Length of the shortest way (m).
     pub shortest_m: Option<f64>,
-    /// Least distance of the shortest way from any pursuer [m].
+    /// Least distance of the shortest way from any pursuer (m).
     pub shortest_closest_m: Option<f64>,
 }
 

@@ -22,7 +22,7 @@ use super::plans::{Plan, Plans};
 const SCENARIO: &str = "chase_exact";
 /// Iterations of a plan: those after which the paper gave up on arcs.
 const ITERATIONS: u32 = 5000;
-/// Distance between two looks along the shortest way [m].
+/// Distance between two looks along the shortest way (m).
 const STEP: f64 = 0.01;
 
 /// Why plans cannot be measured: something about the built-in scenario.
@@ -183,7 +183,7 @@ fn along(path: &ShortestPath) -> impl Iterator<Item = Point2<f64>> {
     })
 }
 
-/// The least distance of a way over these points from any of some places [m].
+/// The least distance of a way over these points from any of some places (m).
 fn closest(points: impl Iterator<Item = Point2<f64>>, places: &[Point2<f64>]) -> f64 {
     let mut least = f64::INFINITY;
     let mut last: Option<Point2<f64>> = None;
@@ -197,7 +197,7 @@ fn closest(points: impl Iterator<Item = Point2<f64>>, places: &[Point2<f64>]) ->
     least
 }
 
-/// Distance of a place from a straight line between two points [m].
+/// Distance of a place from a straight line between two points (m).
 fn distance(from: Point2<f64>, to: Point2<f64>, place: Point2<f64>) -> f64 {
     let (way, off) = (to - from, place - from);
     let square = way.norm_squared();

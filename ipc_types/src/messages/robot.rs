@@ -6,7 +6,7 @@ use crate::message;
 use crate::stamp::{Stamp, headers};
 
 message! {
-    /// Header of `robot/scan`; the elements are the ranges [m], +∞ where nothing was hit,
+    /// Header of `robot/scan`; the elements are the ranges (m), +∞ where nothing was hit,
     /// −∞ where it was too near (REP-117).
     pub struct ScanHeader = "protean/ScanHeader" {
         stamp: Stamp = "when, in which order, by whom",

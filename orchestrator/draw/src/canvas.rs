@@ -18,7 +18,7 @@ pub struct Canvas {
 /// How a text stands.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Style {
-    /// Font size [px].
+    /// Font size (px).
     pub size: f64,
     /// Colour.
     pub color: &'static str,
@@ -31,7 +31,7 @@ pub struct Style {
 }
 
 impl Canvas {
-    /// A document of this size [px] with a title for those who cannot see it.
+    /// A document of this size (px) with a title for those who cannot see it.
     pub fn new(width: f64, height: f64, title: &str, description: &str) -> Self {
         let mut canvas = Self {
             text: String::new(),
@@ -53,7 +53,7 @@ impl Canvas {
         let _ = self.text.write_fmt(text);
     }
 
-    /// Writes a line of text with its base line at this point [px].
+    /// Writes a line of text with its base line at this point (px).
     pub fn label(&mut self, x: f64, y: f64, style: &Style, text: &str) {
         let halo = if style.halo {
             " stroke=\"#ffffff\" stroke-width=\"3.5\" stroke-linejoin=\"round\" \
@@ -85,7 +85,7 @@ impl Canvas {
     }
 }
 
-/// About how wide a text is [px]; exact widths depend on the reader's fonts.
+/// About how wide a text is (px); exact widths depend on the reader's fonts.
 pub(crate) fn text_width(text: &str, size: f64) -> f64 {
     text.chars().count() as f64 * size * LETTER
 }
@@ -95,7 +95,7 @@ pub fn bold_width(text: &str, size: f64) -> f64 {
     text.chars().count() as f64 * size * BOLD_LETTER
 }
 
-/// Breaks a text into lines of at most this width [px] where it has spaces.
+/// Breaks a text into lines of at most this width (px) where it has spaces.
 pub fn wrap(text: &str, size: f64, width: f64) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {

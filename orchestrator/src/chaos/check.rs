@@ -12,13 +12,13 @@ use crate::mission::child_process::exit_words;
 use crate::scenario::ResolvedScenario;
 use crate::scenario::spec::Mode;
 
-/// Multiples of the time of an undisturbed mission that one with a fault may take, and the time [s] on
+/// Multiples of the time of an undisturbed mission that one with a fault may take, and the time (s) on
 /// top of that and of what it takes to notice the failure: the machine may be busy.
 const PATIENCE: (f64, f64) = (5.0, 40.0);
 /// Time after which no process of a run may live whose orchestrator is gone: the grace of its
 /// processes, and what a busy machine adds.
 const GONE_WITHIN: Duration = Duration::from_secs(8);
-/// Real time that a log may lack before the death of the orchestrator [s].
+/// Real time that a log may lack before the death of the orchestrator (s).
 const LOST_S: f64 = 1.0;
 
 /// Runs a mission, injects the fault, and checks every promise.

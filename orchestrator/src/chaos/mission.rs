@@ -30,7 +30,7 @@ const LOOK: Duration = Duration::from_millis(5);
 /// An undisturbed mission.
 #[derive(Debug)]
 pub(super) struct Baseline {
-    /// Real time that it takes [s].
+    /// Real time that it takes (s).
     pub(super) lasted_s: f64,
     /// Its digest, in lock-step.
     pub(super) digest: Option<Json>,
@@ -202,7 +202,7 @@ impl Mission {
         }
     }
 
-    /// The age, at this moment, of the first tick beyond so many [s]; 0 if there was none.
+    /// The age, at this moment, of the first tick beyond so many (s); 0 if there was none.
     pub(super) fn age_beyond(&self, ticks: u64, now: Instant) -> f64 {
         let beyond = self.posts.iter().find(|&&(seen, _)| seen > ticks);
         beyond.map_or(0.0, |&(_, at)| {

@@ -52,9 +52,9 @@ pub struct Outcome {
     pub injected: bool,
     /// Promises that were broken.
     pub broken: Vec<String>,
-    /// Real time from the fault until the mission was over [s].
+    /// Real time from the fault until the mission was over (s).
     pub over_after_s: f64,
-    /// Real time before the death of the orchestrator that the log lacks [s].
+    /// Real time before the death of the orchestrator that the log lacks (s).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lost_s: Option<f64>,
 }
@@ -114,7 +114,7 @@ pub struct ChaosReport {
     pub injected: u64,
     /// Number of promises that were broken.
     pub broken: u64,
-    /// Real time [s].
+    /// Real time (s).
     pub lasted_s: f64,
     /// Whether it was ended from outside.
     pub interrupted: bool,

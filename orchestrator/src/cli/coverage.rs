@@ -39,7 +39,7 @@ pub(super) struct PlanArgs {
     /// How many sub-goals
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10_000_000), conflicts_with = "way")]
     goals: Option<u64>,
-    /// As many sub-goals as a way of this length reaches [m]
+    /// As many sub-goals as a way of this length reaches (m)
     #[arg(long, value_name = "LENGTH", value_parser = parse_way)]
     way: Option<f64>,
     /// Print one JSON object

@@ -37,7 +37,7 @@ The fields of the JSON object, and what every row means: docs/latency.md. Progre
 what was measured. Exit codes: 0 measured, 1 something failed, 2 wrong arguments, or a log that says nothing,
 3 interrupted, or the log is not whole.";
 
-/// Range of `--rate` [Hz]: that of a tick's length.
+/// Range of `--rate` (Hz): that of a tick's length.
 const RATES: core::ops::RangeInclusive<f64> = 1.0..=10_000.0;
 
 /// What `protean latency` takes.
@@ -51,10 +51,10 @@ pub(super) struct LatencyArgs {
     target: Option<String>,
     #[command(flatten)]
     overrides: OverrideArgs,
-    /// End the mission after this time [s]
+    /// End the mission after this time (s)
     #[arg(long, value_name = "S", conflicts_with = "of")]
     duration: Option<f64>,
-    /// Ticks per second [Hz], in place of the scenario's; several times: a mission each
+    /// Ticks per second (Hz), in place of the scenario's; several times: a mission each
     #[arg(long, value_name = "HZ", conflicts_with = "of")]
     rate: Vec<f64>,
     /// Measure from the stamps in this log, and run nothing

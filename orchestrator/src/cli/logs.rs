@@ -34,10 +34,10 @@ impl From<TopicArgs> for Topics {
 /// Which part of a log.
 #[derive(Debug, clap::Args)]
 pub(super) struct PartArgs {
-    /// From this simulated time on [s]
+    /// From this simulated time on (s)
     #[arg(long, value_name = "T")]
     pub(super) start: Option<f64>,
-    /// Up to this simulated time [s]
+    /// Up to this simulated time (s)
     #[arg(long, value_name = "T")]
     pub(super) end: Option<f64>,
     #[command(flatten)]

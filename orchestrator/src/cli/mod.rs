@@ -96,7 +96,7 @@ enum Command {
         /// Write the picture to this file [default: the log's name with .svg]
         #[arg(long, short, value_name = "FILE")]
         out: Option<PathBuf>,
-        /// Show the run at this simulated time [s], with what was believed then, not its end
+        /// Show the run at this simulated time (s), with what was believed then, not its end
         #[arg(long, value_name = "T")]
         at: Option<f64>,
         /// Overwrite the picture if it exists

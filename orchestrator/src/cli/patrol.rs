@@ -34,7 +34,7 @@ pub(super) enum PatrolCommand {
     Predict {
         #[command(flatten)]
         which: WhichArgs,
-        /// Time after the robot set out from the start of the contour [s]; may be given several times
+        /// Time after the robot set out from the start of the contour (s); may be given several times
         #[arg(
             long,
             value_name = "T",

@@ -91,7 +91,7 @@ struct HowArgs {
     /// N of the N + 1 Legendre-Gauss-Lobatto nodes [default: 15]
     #[arg(long, value_name = "N")]
     nodes: Option<usize>,
-    /// Reference point of vmc [px] [default: far beyond the lower corner of the bounds]
+    /// Reference point of vmc (px) [default: far beyond the lower corner of the bounds]
     #[arg(long, value_name = "X,Y", value_parser = parse_point, allow_hyphen_values = true)]
     reference_point: Option<[f64; 2]>,
     /// Try nothing else where the curve asked for is of no use

@@ -33,7 +33,7 @@ pub struct Sizes {
 }
 
 impl Sizes {
-    /// The mean size [bytes].
+    /// The mean size (bytes).
     pub fn mean(self) -> u64 {
         self.bytes / self.messages.max(1)
     }
@@ -52,9 +52,9 @@ pub struct Measured {
     pub machine: String,
     /// `real_time` or `lock_step`.
     pub mode: &'static str,
-    /// Ticks per second of the scenario [Hz].
+    /// Ticks per second of the scenario (Hz).
     pub rate_hz: f64,
-    /// Time between two ticks by the clock on the wall [ns]; none in lock-step.
+    /// Time between two ticks by the clock on the wall (ns); none in lock-step.
     pub period_ns: Option<u64>,
     /// Hops and steps by name.
     pub hops: Distributions,

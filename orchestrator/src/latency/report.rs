@@ -71,7 +71,7 @@ impl Run {
             .collect()
     }
 
-    /// Mean time of every stage [us], in the order of [`Stage::ALL`], of the ticks that could be
+    /// Mean time of every stage (us), in the order of [`Stage::ALL`], of the ticks that could be
     /// followed; they add up to the mean of the whole.
     pub fn means(&self) -> [f64; 7] {
         let passages = &self.measured.passages;
@@ -84,7 +84,7 @@ impl Run {
         means
     }
 
-    /// The greatest difference, over all ticks, between the sum of the stages and the whole [ns].
+    /// The greatest difference, over all ticks, between the sum of the stages and the whole (ns).
     pub fn sum_error_ns(&self) -> u64 {
         let differences = self.measured.passages.iter().map(|passage| {
             let sum: u64 = passage.stages.iter().sum();

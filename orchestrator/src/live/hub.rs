@@ -66,7 +66,7 @@ struct Viewer {
 pub(super) enum Frame {
     /// A text.
     Text(String),
-    /// How late it is [simulated ns].
+    /// How late it is (simulated ns).
     Time(u64),
     /// A message.
     Message {
@@ -74,7 +74,7 @@ pub(super) enum Frame {
         subscription: u32,
         /// Its channel.
         channel: usize,
-        /// Its time [simulated ns].
+        /// Its time (simulated ns).
         time_ns: u64,
         /// Its bytes, shared by all viewers.
         data: Arc<[u8]>,
@@ -298,7 +298,7 @@ impl Viewer {
 pub struct HubTap(Arc<Hub>);
 
 impl HubTap {
-    /// What is shown goes on at another time [simulated ns], which may be an earlier one. What held
+    /// What is shown goes on at another time (simulated ns), which may be an earlier one. What held
     /// until now does so no longer: what holds there is to be said next.
     pub fn jump(&mut self, time_ns: u64) {
         self.0.lock().jump(time_ns);

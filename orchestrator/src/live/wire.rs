@@ -57,7 +57,7 @@ pub(super) fn message(subscription: u32, time_ns: u64, data: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// How late it is in the run [simulated ns].
+/// How late it is in the run (simulated ns).
 pub(super) fn time(time_ns: u64) -> Vec<u8> {
     let mut bytes = vec![TIME];
     bytes.extend_from_slice(&time_ns.to_le_bytes());

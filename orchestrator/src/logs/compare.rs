@@ -26,7 +26,7 @@ pub(super) const CLOCKS: Range<usize> =
 pub struct Difference {
     /// Tick of the message.
     pub tick: u64,
-    /// Time of the tick [s].
+    /// Time of the tick (s).
     pub time_s: f64,
     /// Index of the process that sent it.
     pub source: u32,
@@ -73,7 +73,7 @@ pub struct Comparison {
 /// A message of the simulated history.
 #[derive(Clone, Copy)]
 struct Said<'a> {
-    /// Log time [ns].
+    /// Log time (ns).
     time: u64,
     stamp: Stamp,
     data: &'a [u8],
@@ -218,7 +218,7 @@ impl TopicComparison {
 }
 
 /// Compares the simulated history in a log with that of the same run done again, up to log time `before`
-/// [ns]. Of a log that does not reach to the end of its run (`cut`), what is there is compared.
+/// (ns). Of a log that does not reach to the end of its run (`cut`), what is there is compared.
 ///
 /// # Errors
 /// [`LogsError`]: one of them cannot be read, or goes back in time.

@@ -10,7 +10,7 @@ const MOST_FAULTS: usize = 64;
 /// Something that is wrong with a file, and what of it could not be read.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Fault {
-    /// Where in the file [bytes].
+    /// Where in the file (bytes).
     pub at: u64,
     /// What is wrong, for people.
     pub what: String,
@@ -21,9 +21,9 @@ pub struct Fault {
 pub struct Chunks {
     /// How many.
     pub count: u64,
-    /// Their size in the file [bytes].
+    /// Their size in the file (bytes).
     pub compressed_bytes: u64,
-    /// Their contents [bytes].
+    /// Their contents (bytes).
     pub uncompressed_bytes: u64,
 }
 
@@ -34,7 +34,7 @@ pub struct Chunks {
     reason = "each says of another part of the file whether it is there"
 )]
 pub struct Condition {
-    /// Size of the file [bytes].
+    /// Size of the file (bytes).
     pub file_bytes: u64,
     /// Whether the file ends as an MCAP file does.
     pub complete: bool,
@@ -44,7 +44,7 @@ pub struct Condition {
     pub summary: bool,
     /// Whether every chunk is in its index.
     pub index: bool,
-    /// Where the first record begins that is not whole, if the file ends in the middle [bytes].
+    /// Where the first record begins that is not whole, if the file ends in the middle (bytes).
     pub cut_at: Option<u64>,
     /// Messages that the file says it holds; only in a summary.
     pub claimed_messages: Option<u64>,

@@ -69,7 +69,7 @@ pub enum LogsError {
         path: PathBuf,
         /// What is so large.
         what: &'static str,
-        /// The limit [bytes].
+        /// The limit (bytes).
         limit: usize,
     },
     /// A name on the command line fits no topic.

@@ -18,9 +18,9 @@ use super::watch::Watch;
 /// What is kept of a log.
 #[derive(Debug, Clone, Default)]
 pub struct FilterOptions {
-    /// From this time on [s]: simulated time in logs of ours, else since the first message.
+    /// From this time on (s): simulated time in logs of ours, else since the first message.
     pub start_s: Option<f64>,
-    /// Up to and with this time [s].
+    /// Up to and with this time (s).
     pub end_s: Option<f64>,
     /// Which topics.
     pub topics: Topics,
@@ -40,7 +40,7 @@ pub struct Filtered {
     pub late_states: u64,
     /// Topics with messages in the new log.
     pub topics: usize,
-    /// Size of the new log [bytes].
+    /// Size of the new log (bytes).
     pub bytes: u64,
     /// In what condition the old one is.
     pub source: Condition,
@@ -186,7 +186,7 @@ fn restore(states: &mut States, from: u64, output: &mut Output) -> Result<u64, L
     Ok(last.len() as u64)
 }
 
-/// A time on the command line [s] in nanoseconds.
+/// A time on the command line (s) in nanoseconds.
 pub(super) fn nanoseconds(option: &str, time: Option<f64>) -> Result<Option<u64>, LogsError> {
     match time {
         None => Ok(None),

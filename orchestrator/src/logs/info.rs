@@ -61,9 +61,9 @@ pub struct LogInfo {
     /// How the log was repaired; empty if it was not.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub recovered: BTreeMap<String, String>,
-    /// Least log time [s]: simulated time in logs of ours, else usually since 1970.
+    /// Least log time (s): simulated time in logs of ours, else usually since 1970.
     pub start_s: f64,
-    /// Greatest log time [s].
+    /// Greatest log time (s).
     pub end_s: f64,
     /// The time between.
     pub duration_s: f64,
@@ -73,7 +73,7 @@ pub struct LogInfo {
     pub unsorted: u64,
     /// The topics, by name.
     pub topics: BTreeMap<String, TopicInfo>,
-    /// Names and sizes [bytes] of the attachments.
+    /// Names and sizes (bytes) of the attachments.
     pub attachments: Vec<(String, u64)>,
     /// Names of the metadata records.
     pub metadata: Vec<String>,
@@ -92,16 +92,16 @@ pub struct TopicInfo {
     pub messages: u64,
     /// Their bytes.
     pub bytes: u64,
-    /// First log time [s]; absent without messages, as are the next three.
+    /// First log time (s); absent without messages, as are the next three.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub first_s: Option<f64>,
-    /// Last log time [s].
+    /// Last log time (s).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub last_s: Option<f64>,
     /// Messages per second between these; absent if they are the same.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rate_hz: Option<f64>,
-    /// Longest time between two messages [s].
+    /// Longest time between two messages (s).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub longest_pause_s: Option<f64>,
     /// Messages that are missing by the numbers of their senders; absent if they are not numbered.

@@ -112,7 +112,7 @@ impl Output {
         self.metadata(&Metadata { name, metadata })
     }
 
-    /// Ends the log, puts it in its place and says how large it is [bytes].
+    /// Ends the log, puts it in its place and says how large it is (bytes).
     pub(super) fn finish(mut self) -> Result<u64, LogsError> {
         let finished = self.writer.finish().map(drop);
         self.check(finished)?;

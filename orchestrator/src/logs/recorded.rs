@@ -128,7 +128,7 @@ impl Recorded {
         }
     }
 
-    /// Log time up to which it is compared [ns].
+    /// Log time up to which it is compared (ns).
     pub(super) fn compared_before(&self) -> u64 {
         let period = self.origin.manifest.get("tick_period_ns");
         let period_ns: u64 = period.and_then(|text| text.parse().ok()).unwrap_or(1);

@@ -22,9 +22,9 @@ pub struct Recovered {
     pub attachments: u64,
     /// Metadata records in the new log, without the one that tells of the repair.
     pub metadata: u64,
-    /// Time of the last message [s].
+    /// Time of the last message (s).
     pub end_s: f64,
-    /// Size of the new log [bytes].
+    /// Size of the new log (bytes).
     pub bytes: u64,
     /// What was wrong with the old one.
     pub source: Condition,

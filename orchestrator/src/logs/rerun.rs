@@ -49,7 +49,7 @@ pub struct Rerun {
     pub same: bool,
     /// Last tick of the new run.
     pub ticks: u64,
-    /// Real time that it took [s].
+    /// Real time that it took (s).
     pub wall_time_s: f64,
     /// Their messages; absent for a log that was cut from another.
     #[serde(

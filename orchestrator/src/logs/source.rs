@@ -38,7 +38,7 @@ const FOR_VIEWERS: usize = usize::MAX;
 /// A message that is played.
 #[derive(Debug, Default, Clone, PartialEq, Eq)]
 pub(super) struct Logged {
-    /// Log time [ns].
+    /// Log time (ns).
     pub(super) time: u64,
     /// Place of its topic in [`ipc_types::topics::NAMES`]; beyond their end for viewers' pictures.
     pub(super) rank: usize,
@@ -89,14 +89,14 @@ pub(super) struct Source {
     played: BTreeMap<u16, Played>,
     /// The first message from the start on, which was read to find it.
     ahead: Option<Logged>,
-    /// Log time before which messages are handed out [ns].
+    /// Log time before which messages are handed out (ns).
     before: u64,
     /// Behind this place of the file there is none before `before`.
     end: u64,
 }
 
 impl Source {
-    /// Opens a log of ours of which these topics are wanted, up to log time `before` [ns]; viewers'
+    /// Opens a log of ours of which these topics are wanted, up to log time `before` (ns); viewers'
     /// pictures only if `pictures` says so.
     pub(super) fn open(
         log: &Path,
@@ -141,12 +141,12 @@ impl Source {
         self.reader.path()
     }
 
-    /// Its size [bytes].
+    /// Its size (bytes).
     pub(super) fn length(&self) -> u64 {
         self.reader.condition().file_bytes
     }
 
-    /// Where in the file it stands [bytes].
+    /// Where in the file it stands (bytes).
     pub(super) fn at(&self) -> u64 {
         self.reader.at()
     }

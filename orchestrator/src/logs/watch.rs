@@ -7,7 +7,7 @@ use platform::progress::Progress;
 
 use super::error::LogsError;
 
-/// Files below this size are read before anybody looks [bytes].
+/// Files below this size are read before anybody looks (bytes).
 const LONG: u64 = 32 << 20;
 const MEGABYTE: u64 = 1_000_000;
 

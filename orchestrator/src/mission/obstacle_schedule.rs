@@ -36,7 +36,7 @@ pub(super) fn scheduled(
         .collect()
 }
 
-/// The first tick at or after a time [s].
+/// The first tick at or after a time (s).
 fn first_tick(time_s: f64, tick_period_ns: u64) -> u64 {
     (time_s * 1e9 / tick_period_ns as f64 - 1e-9)
         .ceil()

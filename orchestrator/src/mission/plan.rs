@@ -115,7 +115,7 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Has the world keep to a pace in lock-step [simulated s/s].
+    /// Has the world keep to a pace in lock-step (simulated s/s).
     pub fn keep_pace(&mut self, pace: f64) {
         if let Some(simulator) = self.launches.first_mut() {
             simulator.config.run.pace = Some(pace);

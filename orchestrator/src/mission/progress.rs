@@ -23,7 +23,7 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Progress towards the time limit [s], if there is one; `quiet` shows nothing.
+    /// Progress towards the time limit (s), if there is one; `quiet` shows nothing.
     pub fn new(limit_s: Option<f64>, quiet: bool) -> Self {
         let terminal = std::io::stderr().is_terminal();
         let limit = limit_s.filter(|limit| limit.is_finite());
@@ -48,7 +48,7 @@ impl Progress {
         }
     }
 
-    /// Shows that the run has reached a simulated time [s].
+    /// Shows that the run has reached a simulated time (s).
     pub fn at(&mut self, time_s: f64) {
         let factor = time_s / self.start.elapsed().as_secs_f64().max(1e-9);
         self.bar.set_position((time_s * 1e3) as u64);

@@ -16,9 +16,9 @@ use crate::scenario::spec::Mode;
 pub struct MissionReport {
     /// What the log holds.
     pub summary: Summary,
-    /// Real time from the first tick to the last [s].
+    /// Real time from the first tick to the last (s).
     pub wall_time_s: f64,
-    /// Real time from the call to the first tick [s].
+    /// Real time from the call to the first tick (s).
     pub start_up_s: f64,
     /// Whether it was ended from outside.
     pub interrupted: bool,

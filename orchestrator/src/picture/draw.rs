@@ -17,18 +17,18 @@ use super::signs::{HALO, MARK, Sign, disc, sign};
 use super::trace::{Mark, RunTrace};
 use super::trail::{TrailPoint, simplify};
 
-/// Smallest radius of a robot on the page [px]: smaller ones are drawn larger.
+/// Smallest radius of a robot on the page (px): smaller ones are drawn larger.
 const SMALLEST_DISC: f64 = 8.0;
 /// Most points of all trails together.
 const MOST_TRAIL_POINTS: usize = 5000;
 /// Most dots of all beliefs together.
 const MOST_DOTS: usize = 2000;
-/// Font size of names [px].
+/// Font size of names (px).
 const NAME_SIZE: f64 = 14.0;
-/// A belief whose mean is nearer than this to its robot [px] needs no name of its own.
+/// A belief whose mean is nearer than this to its robot (px) needs no name of its own.
 const NAMED_BELIEF: f64 = 45.0;
 
-/// The parts of a trail: until which part of the time they go, their width [px] and opacity.
+/// The parts of a trail: until which part of the time they go, their width (px) and opacity.
 const BANDS: [(f64, f64, f64); 3] = [(0.6, 2.0, 0.40), (0.85, 2.6, 0.65), (1.0, 3.4, 1.0)];
 
 /// Draws a run as an SVG document, the same for the same trace.
@@ -126,7 +126,7 @@ struct Picture<'a> {
     trace: &'a RunTrace,
     layout: Layout,
     labels: Labels,
-    /// Radius of every robot's disc on the page [px].
+    /// Radius of every robot's disc on the page (px).
     discs: Vec<f64>,
 }
 
@@ -219,7 +219,7 @@ impl Picture<'_> {
         ));
     }
 
-    /// The commands of a closed line through these points [m].
+    /// The commands of a closed line through these points (m).
     fn outline(&self, canvas: &mut Canvas, points: &[[f64; 2]]) {
         for (i, &point) in points.iter().enumerate() {
             let [x, y] = self.layout.at(point);

@@ -18,9 +18,9 @@ const MOST_RECTANGLES: usize = 2500;
 /// What does not drive.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Ground {
-    /// Smallest x and y of the world [m].
+    /// Smallest x and y of the world (m).
     pub min: [f64; 2],
-    /// Largest x and y of the world [m].
+    /// Largest x and y of the world (m).
     pub max: [f64; 2],
     /// Obstacles with a shape, by their number in the world.
     pub obstacles: BTreeMap<u32, Standing>,
@@ -42,9 +42,9 @@ pub struct Standing {
 /// An occupancy grid.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Cells {
-    /// Outer corner of cell (0, 0), x and y [m].
+    /// Outer corner of cell (0, 0), x and y (m).
     pub origin: [f64; 2],
-    /// Side of a cell [m].
+    /// Side of a cell (m).
     pub side: f64,
     /// Columns.
     pub width: usize,
@@ -164,7 +164,7 @@ impl Cells {
         }
     }
 
-    /// Rectangles (smallest and largest corner [m]) that cover the occupied cells; of a grid too
+    /// Rectangles (smallest and largest corner (m)) that cover the occupied cells; of a grid too
     /// ragged for a drawing, those of a coarser one.
     pub(crate) fn rectangles(&self) -> Vec<[[f64; 2]; 2]> {
         self.at_most(MOST_RECTANGLES)
@@ -219,7 +219,7 @@ impl Cells {
     }
 }
 
-/// The corners of a shape [m], counter-clockwise (where shapes of both turns overlap, SVG would
+/// The corners of a shape (m), counter-clockwise (where shapes of both turns overlap, SVG would
 /// leave a hole); none for a circle.
 pub(crate) fn corners(shape: &Shape) -> Vec<[f64; 2]> {
     match shape {
@@ -245,7 +245,7 @@ pub(crate) fn corners(shape: &Shape) -> Vec<[f64; 2]> {
     }
 }
 
-/// The corners of a rectangle [m].
+/// The corners of a rectangle (m).
 pub(super) fn rectangle(center: [f64; 2], half_extents: [f64; 2], angle: f64) -> Vec<[f64; 2]> {
     let (sin, cos) = math::sincos(angle);
     [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]

@@ -1,9 +1,9 @@
 //! Finding room for names.
 
-/// Distances from what is named at which a name may stand [px], the best first.
+/// Distances from what is named at which a name may stand (px), the best first.
 const GAPS: [f64; 3] = [3.0, 10.0, 20.0];
 
-/// A rectangle on the page [px].
+/// A rectangle on the page (px).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Area {
     pub(super) left: f64,
@@ -72,7 +72,7 @@ impl Labels {
         self.drawn.push(point);
     }
 
-    /// Room for a text of this size beside a thing of this radius [px]: the place that hides
+    /// Room for a text of this size beside a thing of this radius (px): the place that hides
     /// least, and near things rather than far from them. `None` if everything is taken.
     pub(super) fn place(&mut self, at: [f64; 2], radius: f64, size: [f64; 2]) -> Option<Area> {
         let [w, h] = [size[0] / 2.0, size[1] / 2.0];

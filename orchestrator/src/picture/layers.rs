@@ -11,7 +11,7 @@ use super::ground::Cells;
 const MOST_PARTS: usize = 4000;
 /// Most cells of dominance that are kept: those of the largest map that a scenario may have.
 const MOST_CELLS: usize = 64 << 20;
-/// Coordinates beyond this [m] are not those of a world of ours.
+/// Coordinates beyond this (m) are not those of a world of ours.
 const FARTHEST: f32 = 1e6;
 
 /// The way that a robot means to go.
@@ -19,7 +19,7 @@ const FARTHEST: f32 = 1e6;
 pub struct PlanTrace {
     /// Index of the robot.
     pub robot: usize,
-    /// Its points, x and y [m].
+    /// Its points, x and y (m).
     pub points: Vec<[f32; 2]>,
 }
 
@@ -28,7 +28,7 @@ pub struct PlanTrace {
 pub struct TreeTrace {
     /// Index of the robot.
     pub robot: usize,
-    /// Both ends of every edge, x and y [m].
+    /// Both ends of every edge, x and y (m).
     pub edges: Vec<[[f32; 2]; 2]>,
 }
 

@@ -2,29 +2,29 @@
 
 use super::labels::Area;
 
-/// Largest width and height of the map on the page [px].
+/// Largest width and height of the map on the page (px).
 const LARGEST: f64 = 760.0;
-/// Smallest of either, so that there is room for something [px].
+/// Smallest of either, so that there is room for something (px).
 const SMALLEST: f64 = 60.0;
-/// Empty border of the page [px].
+/// Empty border of the page (px).
 const MARGIN: f64 = 28.0;
-/// Height of the title above the map [px].
+/// Height of the title above the map (px).
 const HEADER: f64 = 62.0;
-/// Space between map and legend [px].
+/// Space between map and legend (px).
 const GUTTER: f64 = 28.0;
-/// Width of the legend [px].
+/// Width of the legend (px).
 pub(super) const LEGEND: f64 = 258.0;
 
 /// The page: a title, the map below it, the legend to its right.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Layout {
-    /// Size of the page [px].
+    /// Size of the page (px).
     pub(super) width: f64,
-    /// Size of the page [px].
+    /// Size of the page (px).
     pub(super) height: f64,
     /// The map's part of it.
     pub(super) map: Area,
-    /// Left edge of the legend [px].
+    /// Left edge of the legend (px).
     pub(super) legend: f64,
     /// Pixels per metre.
     pub(super) scale: f64,
@@ -33,7 +33,7 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    /// The page for a world with these corners [m] and a legend of this height [px].
+    /// The page for a world with these corners (m) and a legend of this height (px).
     pub(super) fn new(min: [f64; 2], max: [f64; 2], legend_height: f64) -> Self {
         let min = min.map(|m| if m.is_finite() { m } else { 0.0 });
         let size = [0, 1].map(|i| {
@@ -63,12 +63,12 @@ impl Layout {
         }
     }
 
-    /// Left edge of the title, and the base line of its first line [px].
+    /// Left edge of the title, and the base line of its first line (px).
     pub(super) const fn title() -> [f64; 2] {
         [MARGIN, MARGIN + 22.0]
     }
 
-    /// A point of the world [m] on the page [px]: y is up in the world and down on the page.
+    /// A point of the world (m) on the page (px): y is up in the world and down on the page.
     /// Points outside the map come to its border.
     pub(super) fn at(&self, p: [f64; 2]) -> [f64; 2] {
         let x = p[0].clamp(self.min[0], self.max[0]);

@@ -8,21 +8,21 @@ use super::layout::LEGEND;
 use super::signs::{HALO, Sign, disc, sign};
 use super::trace::{MarkKind, RunTrace};
 
-/// Font size of the legend [px].
+/// Font size of the legend (px).
 const SIZE: f64 = 14.5;
-/// Font size of what is said beside [px].
+/// Font size of what is said beside (px).
 const SMALL: f64 = 12.5;
-/// Font size of the story [px].
+/// Font size of the story (px).
 const STORY: f64 = 13.5;
 /// Most lines of the story.
 const MOST_LINES: usize = 14;
-/// Distance of two lines of a row [px].
+/// Distance of two lines of a row (px).
 const LINE: f64 = 19.0;
-/// Space between two rows [px].
+/// Space between two rows (px).
 const BETWEEN: f64 = 11.0;
-/// Space for the sign at the left of a row [px].
+/// Space for the sign at the left of a row (px).
 const SIGN: f64 = 34.0;
-/// Space for the scale bar at the end [px].
+/// Space for the scale bar at the end (px).
 const SCALE_BAR: f64 = 64.0;
 /// A team has its members' fates listed up to this many.
 const MOST_FATES: usize = 8;
@@ -171,12 +171,12 @@ impl Legend {
         }
     }
 
-    /// Room that it needs [px].
+    /// Room that it needs (px).
     pub(super) fn height(&self) -> f64 {
         self.story_height() + self.rows.iter().map(Row::height).sum::<f64>() + SCALE_BAR
     }
 
-    /// Draws it with its upper left corner here [px]; the scale bar stands at `bottom`.
+    /// Draws it with its upper left corner here (px); the scale bar stands at `bottom`.
     pub(super) fn draw(&self, canvas: &mut Canvas, left: f64, top: f64) {
         let style = Style {
             size: SIZE,
@@ -316,7 +316,7 @@ fn square(canvas: &mut Canvas, at: [f64; 2], fill: &str, edge: &str) {
     ));
 }
 
-/// Draws a bar of a round length below the legend, its line at `y` [px]; `enlarged` says how many
+/// Draws a bar of a round length below the legend, its line at `y` (px); `enlarged` says how many
 /// times their size the smallest robots are drawn.
 pub(super) fn scale_bar(canvas: &mut Canvas, left: f64, y: f64, scale: f64, enlarged: f64) {
     let (metres, pixels) = round_length(scale);
@@ -353,7 +353,7 @@ pub(super) fn scale_bar(canvas: &mut Canvas, left: f64, y: f64, scale: f64, enla
     }
 }
 
-/// A length of 1, 2 or 5 times a power of ten [m] that is 60 to 150 pixels long, and these pixels.
+/// A length of 1, 2 or 5 times a power of ten (m) that is 60 to 150 pixels long, and these pixels.
 fn round_length(scale: f64) -> (f64, f64) {
     let mut metres = 1e-3;
     for step in [2.0, 2.5, 2.0].into_iter().cycle().take(30) {

@@ -18,13 +18,13 @@ use crate::scenario::spec::{MAX_EVENTS, MAX_ROBOTS};
 
 /// Maximum number of notes on what cannot be read.
 const MAX_NOTES: usize = 50;
-/// Largest coordinate of a world [m]; what lies beyond is not shown.
+/// Largest coordinate of a world (m); what lies beyond is not shown.
 const MAX_COORDINATE: f64 = 1e6;
 
 /// What a log is read for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Purpose {
-    /// A picture of a moment [ns]: with the newest map, and an error if a message cannot be read.
+    /// A picture of a moment (ns): with the newest map, and an error if a message cannot be read.
     Picture {
         /// The moment; later messages only tell when the run ended.
         until_ns: u64,
@@ -41,17 +41,17 @@ pub(crate) struct LoggedRun {
     pub(crate) facts: LogFacts,
     /// The newest states of the robots.
     pub(crate) states: Vec<RobotState>,
-    /// Their time [ns]; `None` before the first.
+    /// Their time (ns); `None` before the first.
     pub(crate) now_ns: Option<u64>,
-    /// Simulated time between two ticks [ns]; 0 before the first state.
+    /// Simulated time between two ticks (ns); 0 before the first state.
     pub(crate) tick_period_ns: u64,
     /// Whether the newest state is that of the end of the game.
     pub(crate) over: bool,
-    /// Time of the last state in the log [ns].
+    /// Time of the last state in the log (ns).
     pub(crate) end_ns: u64,
-    /// Time of the last message in the log [ns].
+    /// Time of the last message in the log (ns).
     pub(crate) last_ns: u64,
-    /// Changes of the obstacles, and when they were due [ns].
+    /// Changes of the obstacles, and when they were due (ns).
     pub(crate) changes: Vec<(u64, ObstacleChange)>,
     /// Messages by topic.
     pub(crate) counts: BTreeMap<String, u64>,
@@ -262,7 +262,7 @@ impl LoggedRun {
     }
 }
 
-/// Whether a place may be one of a world of ours [m].
+/// Whether a place may be one of a world of ours (m).
 pub(crate) fn is_near(place: [f64; 2]) -> bool {
     place.iter().all(|c| c.abs() <= MAX_COORDINATE)
 }

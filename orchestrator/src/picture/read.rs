@@ -22,7 +22,7 @@ const MOST_MARKS: usize = 64;
 const MOST_PARTICLES: usize = 1000;
 
 impl RunTrace {
-    /// Reads what a picture of the run at simulated time `at` [s] needs, or of its end if `at` is `None`.
+    /// Reads what a picture of the run at simulated time `at` (s) needs, or of its end if `at` is `None`.
     ///
     /// The log is read as far as it goes, in memory that does not grow with its length.
     ///
@@ -68,7 +68,7 @@ struct Marks(Vec<Mark>);
 struct Moment {
     /// Only a picture of a moment shows it, not that of the end.
     is_shown: bool,
-    /// With their times [ns].
+    /// With their times (ns).
     beliefs: BTreeMap<usize, (u64, BeliefTrace)>,
     layers: Layers,
 }

@@ -6,7 +6,7 @@ use sim_backend::math;
 
 use super::trace::MarkKind;
 
-/// Half the size of a mark [px].
+/// Half the size of a mark (px).
 pub(super) const MARK: f64 = 7.0;
 /// Rim of what lies on trails.
 pub(super) const HALO: &str = "#ffffff";

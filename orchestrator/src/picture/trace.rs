@@ -18,9 +18,9 @@ pub struct RunTrace {
     pub scenario: String,
     /// The seed, as the log has it.
     pub seed: String,
-    /// The moment that the picture shows [simulated s].
+    /// The moment that the picture shows (simulated s).
     pub time_s: f64,
-    /// When the run ended [simulated s].
+    /// When the run ended (simulated s).
     pub end_s: f64,
     /// What does not drive.
     pub ground: Ground,
@@ -45,9 +45,9 @@ pub struct RobotTrace {
     pub name: String,
     /// Its side.
     pub team: Team,
-    /// Radius of its disc [m].
+    /// Radius of its disc (m).
     pub radius: f64,
-    /// Where it is [m, m, rad].
+    /// Where it is (m, m, rad).
     pub pose: Pose2,
     /// Whether it still plays.
     pub active: bool,
@@ -60,9 +60,9 @@ pub struct RobotTrace {
 pub struct BeliefTrace {
     /// Index of the robot that the belief is about.
     pub robot: usize,
-    /// Mean of the particles, x and y [m].
+    /// Mean of the particles, x and y (m).
     pub mean: [f64; 2],
-    /// The particles, x and y [m].
+    /// The particles, x and y (m).
     pub particles: Vec<[f32; 2]>,
 }
 
@@ -73,9 +73,9 @@ pub struct Mark {
     pub kind: MarkKind,
     /// Index of the robot that it happened to.
     pub robot: usize,
-    /// Where, x and y [m].
+    /// Where, x and y (m).
     pub at: [f64; 2],
-    /// When [simulated s].
+    /// When (simulated s).
     pub time_s: f64,
 }
 

@@ -4,17 +4,17 @@ use sim_backend::math;
 
 /// Most points that a trail keeps while a log is read.
 const MOST_POINTS: usize = 8192;
-/// A robot that has moved less than this since the last point [m] adds none.
+/// A robot that has moved less than this since the last point (m) adds none.
 const LEAST_STEP: f64 = 0.002;
 
 /// A place on a trail.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrailPoint {
-    /// x [m].
+    /// x (m).
     pub x: f64,
-    /// y [m].
+    /// y (m).
     pub y: f64,
-    /// Simulated time [s].
+    /// Simulated time (s).
     pub time_s: f64,
 }
 
@@ -84,7 +84,7 @@ impl Trail {
     }
 }
 
-/// The points of a line that are needed to keep it within `tolerance` [m] of the whole (Douglas
+/// The points of a line that are needed to keep it within `tolerance` (m) of the whole (Douglas
 /// and Peucker's method, without recursion).
 pub(super) fn simplify(points: &[TrailPoint], tolerance: f64) -> Vec<TrailPoint> {
     let Some(end) = points.len().checked_sub(1) else {
@@ -110,7 +110,7 @@ pub(super) fn simplify(points: &[TrailPoint], tolerance: f64) -> Vec<TrailPoint>
     kept.map(|(&point, _)| point).collect()
 }
 
-/// Distance of a point from the segment between two others [m].
+/// Distance of a point from the segment between two others (m).
 fn off_line(p: &TrailPoint, a: &TrailPoint, b: &TrailPoint) -> f64 {
     let (dx, dy) = (b.x - a.x, b.y - a.y);
     let (px, py) = (p.x - a.x, p.y - a.y);

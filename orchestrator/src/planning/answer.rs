@@ -66,15 +66,15 @@ pub struct Answer {
     pub status: Outcome,
     /// Whether the plan keeps everything that the instance asks for; `None` without a plan.
     pub honest: Option<bool>,
-    /// Duration of the plan [s].
+    /// Duration of the plan (s).
     pub t_s: Option<f64>,
-    /// No plan can be shorter than this [s].
+    /// No plan can be shorter than this (s).
     pub lower_bound_s: Option<f64>,
     /// How much longer than that the plan is, relative to it.
     pub gap: Option<f64>,
-    /// CPU time of the thread that planned [ms]: of the quickest of all repetitions.
+    /// CPU time of the thread that planned (ms): of the quickest of all repetitions.
     pub cpu_ms: Option<f64>,
-    /// Smallest distance of the path from a grown obstacle [px]; `None` without obstacles.
+    /// Smallest distance of the path from a grown obstacle (px); `None` without obstacles.
     pub min_clearance: Option<f64>,
     /// The method that made the plan.
     pub method: Method,
@@ -82,11 +82,11 @@ pub struct Answer {
     pub iterations: Option<u32>,
     /// Degrees of freedom of the curve; 0 for one without.
     pub control_points: Option<u32>,
-    /// Length of the path [px].
+    /// Length of the path (px).
     pub length: Option<f64>,
     /// Why there is no plan, or what is wrong with it.
     pub error: Option<String>,
-    /// The plan: time [s], place [px], heading [rad], speed [px/s], turning rate [rad/s].
+    /// The plan: time (s), place (px), heading (rad), speed (px/s), turning rate (rad/s).
     #[serde(skip_serializing_if = "Option::is_none", serialize_with = "samples")]
     pub samples: Option<Vec<Sample>>,
 }
@@ -164,7 +164,7 @@ impl Answer {
     }
 }
 
-/// CPU time of this thread [ms].
+/// CPU time of this thread (ms).
 fn cpu_ms() -> f64 {
     let now = clock_gettime(ClockId::ThreadCPUTime);
     now.tv_sec as f64 * 1e3 + now.tv_nsec as f64 * 1e-6

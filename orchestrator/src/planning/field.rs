@@ -7,7 +7,7 @@ use super::loose::Loose;
 
 /// Most corners of a polygon.
 pub const MAX_CORNERS: usize = 1024;
-/// Largest coordinate [px], speed [px/s] or size of any kind; in metres it is limited as well.
+/// Largest coordinate (px), speed (px/s) or size of any kind; in metres it is limited as well.
 const MAX_PIXELS: f64 = 1e9;
 
 /// What is wrong with an instance.

@@ -8,7 +8,7 @@ use super::field::{FieldError, read_instance};
 use super::instance::Instance;
 use super::loose::Loose;
 
-/// Largest file that is read [bytes].
+/// Largest file that is read (bytes).
 pub const MAX_FILE: u64 = 64 << 20;
 /// Most characters of an id.
 pub const MAX_ID: usize = 200;

@@ -18,21 +18,21 @@ use super::instance::{Body, Instance};
 
 /// Stream of the random numbers, besides those of missions.
 const STREAM: u64 = 0x706c_616e;
-/// Size of a pixel [cm].
+/// Size of a pixel (cm).
 const CM_PER_PX: f64 = 0.75;
-/// Largest speed, 15 cm/s [px/s].
+/// Largest speed, 15 cm/s (px/s).
 const V_MAX: f64 = 20.0;
-/// Largest turning rate [rad/s].
+/// Largest turning rate (rad/s).
 const OMEGA_MAX: f64 = 16.0;
-/// Distance that the robot's centre keeps from obstacles [px].
+/// Distance that the robot's centre keeps from obstacles (px).
 const BUFFER: f64 = 10.0;
-/// How far beyond that start and goal are clear [px].
+/// How far beyond that start and goal are clear (px).
 const CLEAR: f64 = 2.0;
-/// The board [px].
+/// The board (px).
 const BOARD: [f64; 2] = [640.0, 480.0];
-/// How far starts and goals that may be anywhere are from the board's edge [px].
+/// How far starts and goals that may be anywhere are from the board's edge (px).
 const EDGE: f64 = 10.0;
-/// Least distance between such a start and goal [px].
+/// Least distance between such a start and goal (px).
 const FAR: f64 = 560.0;
 /// How much of the first path has been driven when more obstacles appear.
 const DRIVEN: f64 = 0.36;
@@ -61,9 +61,9 @@ pub struct Recipe {
     pub kind: Kind,
     /// Least and greatest number of discs (known ones, of [`Kind::PopUp`]).
     pub obstacles: [u32; 2],
-    /// Least and greatest radius of a disc [px].
+    /// Least and greatest radius of a disc (px).
     pub radius: [f64; 2],
-    /// Least and greatest heading at the start [°]: in the board's frame for [`Kind::Corner`],
+    /// Least and greatest heading at the start (°): in the board's frame for [`Kind::Corner`],
     /// off the straight line to the goal otherwise.
     pub angle: [f64; 2],
 }
@@ -324,9 +324,9 @@ fn pop_up(known: Instance, path: &ShortestPath, draw: &mut Draw) -> Instance {
 /// What is known of a problem before it is planned.
 #[derive(Debug, Clone)]
 pub struct Reference {
-    /// The shortest path [m].
+    /// The shortest path (m).
     pub path: ShortestPath,
-    /// No trajectory can be shorter than this [s].
+    /// No trajectory can be shorter than this (s).
     pub lower_bound: f64,
 }
 

@@ -8,7 +8,7 @@ use trajectory::problem::MIN_CLEARANCE;
 use trajectory::{Problem, RobotLimits, Wheels};
 use trajectory_check::{Contract, Obstacle, WheelLimit};
 
-/// How deep [m] a start may lie in a grown obstacle: as deep as the check of plans allows.
+/// How deep (m) a start may lie in a grown obstacle: as deep as the check of plans allows.
 pub const START_TOLERANCE: f64 = 1e-3;
 
 /// What the robot must not touch.
@@ -16,14 +16,14 @@ pub const START_TOLERANCE: f64 = 1e-3;
 pub enum Body {
     /// A disc.
     Disc {
-        /// Its centre [px].
+        /// Its centre (px).
         x: f64,
-        /// Its centre [px].
+        /// Its centre (px).
         y: f64,
-        /// Its radius [px], ≥ 0.
+        /// Its radius (px), ≥ 0.
         r: f64,
     },
-    /// A convex polygon: its corners [px], counter-clockwise.
+    /// A convex polygon: its corners (px), counter-clockwise.
     Polygon(Vec<[f64; 2]>),
 }
 
@@ -32,33 +32,33 @@ pub enum Body {
 pub struct Instance {
     /// Its name, the only one of its file.
     pub id: String,
-    /// Size of a pixel [cm], > 0.
+    /// Size of a pixel (cm), > 0.
     pub cm_per_px: f64,
-    /// Largest speed [px/s], > 0.
+    /// Largest speed (px/s), > 0.
     pub v_max: f64,
-    /// Largest turning rate [rad/s], > 0.
+    /// Largest turning rate (rad/s), > 0.
     pub omega_max: f64,
-    /// Distance that the robot's centre keeps from obstacles [px], ≥ 0.
+    /// Distance that the robot's centre keeps from obstacles (px), ≥ 0.
     pub buffer: f64,
-    /// Where its centre may be: least and greatest x and y [px], in the order x, y, x, y.
+    /// Where its centre may be: least and greatest x and y (px), in the order x, y, x, y.
     pub bounds: [f64; 4],
-    /// Where it starts: x [px], y [px], heading [rad].
+    /// Where it starts: x (px), y (px), heading (rad).
     pub start: [f64; 3],
-    /// Speed at the start [px/s].
+    /// Speed at the start (px/s).
     pub start_speed: Option<f64>,
-    /// Turning rate at the start [rad/s].
+    /// Turning rate at the start (rad/s).
     pub start_turn_rate: Option<f64>,
-    /// Where it goes: x [px], y [px].
+    /// Where it goes: x (px), y (px).
     pub goal: [f64; 2],
-    /// Heading there [rad].
+    /// Heading there (rad).
     pub goal_heading: Option<f64>,
-    /// Speed there [px/s].
+    /// Speed there (px/s).
     pub goal_speed: Option<f64>,
-    /// Largest speed of a wheel [px/s] and distance between the wheels [px].
+    /// Largest speed of a wheel (px/s) and distance between the wheels (px).
     pub wheels: Option<[f64; 2]>,
-    /// Largest change of the speed [px/s²].
+    /// Largest change of the speed (px/s²).
     pub acceleration: Option<f64>,
-    /// Largest change of the turning rate [rad/s²].
+    /// Largest change of the turning rate (rad/s²).
     pub angular_acceleration: Option<f64>,
     /// What is in the way.
     pub obstacles: Vec<Body>,
@@ -112,7 +112,7 @@ impl Instance {
         }
     }
 
-    /// What a plan must keep [SI]: the problem as it was given, whatever the optimiser makes of it.
+    /// What a plan must keep (SI): the problem as it was given, whatever the optimiser makes of it.
     pub fn contract(&self) -> Contract {
         let k = self.scale();
         let [x, y, theta] = self.start;

@@ -23,7 +23,7 @@ pub struct PlanOptions {
     pub control_points: Option<usize>,
     /// N of the N + 1 Legendre–Gauss–Lobatto nodes.
     pub nodes: Option<usize>,
-    /// Reference point of `vmc` [px].
+    /// Reference point of `vmc` (px).
     pub reference_point: Option<[f64; 2]>,
 }
 
@@ -43,7 +43,7 @@ impl Default for PlanOptions {
 }
 
 impl PlanOptions {
-    /// The options as the optimiser takes them, for pixels of this size [m].
+    /// The options as the optimiser takes them, for pixels of this size (m).
     pub fn scaled(&self, metres_per_px: f64) -> Options {
         let default = Options::default();
         Options {

@@ -14,7 +14,7 @@ pub struct Summary {
     pub outcomes: [usize; Outcome::ALL.len()],
     /// Plans that keep everything.
     pub honest: usize,
-    /// CPU times of honest plans [ms], ascending once sorted.
+    /// CPU times of honest plans (ms), ascending once sorted.
     cpu_ms: Vec<f64>,
     /// Gaps of honest plans.
     gaps: Vec<f64>,

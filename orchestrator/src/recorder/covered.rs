@@ -7,7 +7,7 @@ use ipc_types::topics::{Coverage, TopicId};
 use super::outcome::OutcomePart;
 use super::summary::{CoverageByWay, CoverageOutcome, Summary};
 
-/// Ways at which coverage is noted [m].
+/// Ways at which coverage is noted (m).
 const WAYS: [f64; 4] = [250.0, 500.0, 1000.0, 2000.0];
 
 /// The area visited, as last reported.

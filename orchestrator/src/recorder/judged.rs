@@ -58,12 +58,12 @@ impl OutcomePart for AllJudged {
 struct Judged {
     verdicts: u64,
     possible: u64,
-    /// Time of the first of the verdicts "not possible" since the last other one [s].
+    /// Time of the first of the verdicts "not possible" since the last other one (s).
     impossible_from: Option<f64>,
 }
 
 impl Judged {
-    /// Takes up a verdict of a moment [s].
+    /// Takes up a verdict of a moment (s).
     fn add(&mut self, time_s: f64, possible: bool) {
         self.verdicts += 1;
         if possible {

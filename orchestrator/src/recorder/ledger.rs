@@ -50,7 +50,7 @@ pub(super) struct Verdict {
 }
 
 impl Ledger {
-    /// For a run of these processes, with this much simulated time between two ticks [ns].
+    /// For a run of these processes, with this much simulated time between two ticks (ns).
     pub(super) fn new(processes: &[ProcessInfo], tick_period_ns: u64) -> Self {
         Self {
             accounts: TopicId::ALL.iter().map(|_| Account::default()).collect(),

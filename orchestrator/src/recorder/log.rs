@@ -21,7 +21,7 @@ pub(super) struct Log {
     channels: Vec<ChannelId>,
     /// What viewers see.
     derived: Option<DerivedLog>,
-    /// Time of the present tick [simulated ns].
+    /// Time of the present tick (simulated ns).
     time_ns: u64,
 }
 

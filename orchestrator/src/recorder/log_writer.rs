@@ -28,7 +28,7 @@ pub enum Compression {
 pub struct LogOptions {
     /// Compression of the chunks.
     pub compression: Compression,
-    /// Uncompressed size at which a chunk is closed [bytes].
+    /// Uncompressed size at which a chunk is closed (bytes).
     pub chunk_bytes: u64,
     /// Wall time after which an open chunk is closed and handed to the operating system: a killed
     /// recorder loses no more than this.
@@ -108,7 +108,7 @@ pub struct ChannelTotals {
 pub struct LogTotals {
     /// The channels, in the order in which they were added.
     pub channels: Vec<ChannelTotals>,
-    /// Size of the file [bytes].
+    /// Size of the file (bytes).
     pub file_bytes: u64,
 }
 
@@ -238,7 +238,7 @@ impl LogWriter {
 
     /// Writes one message.
     ///
-    /// Times are simulated [ns]. Within a channel `log_time` never goes back: an earlier one is
+    /// Times are simulated (ns). Within a channel `log_time` never goes back: an earlier one is
     /// raised to that of the message before; `publish_time` is written as given. An id of another
     /// log writes nothing.
     ///

@@ -10,7 +10,7 @@ pub(super) struct Message<'a> {
     pub(super) topic: TopicId,
     /// Its stamp.
     pub(super) stamp: &'a Stamp,
-    /// Time at which it is logged [simulated ns].
+    /// Time at which it is logged (simulated ns).
     pub(super) time_ns: u64,
     /// Whether it failed the checks.
     pub(super) rejected: bool,

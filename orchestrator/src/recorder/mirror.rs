@@ -8,6 +8,6 @@ pub trait Mirror: Send {
     /// A channel was added; the first is channel 0, the next channel 1, and so on.
     fn channel(&mut self, spec: &ChannelSpec<'_>);
 
-    /// A message was written, at this time of the log [simulated ns].
+    /// A message was written, at this time of the log (simulated ns).
     fn message(&mut self, channel: usize, log_time: u64, data: &[u8]);
 }

@@ -26,7 +26,7 @@ pub struct ProcessInfo {
 pub struct RobotInfo {
     /// Its name.
     pub name: String,
-    /// Its radius [m], > 0.
+    /// Its radius (m), > 0.
     pub radius: f64,
     /// Whether it may visit waypoints: then its way is kept for what the run amounts to.
     pub visits_waypoints: bool,
@@ -46,7 +46,7 @@ pub struct RecorderOptions {
     pub processes: Vec<ProcessInfo>,
     /// All robots.
     pub robots: Vec<RobotInfo>,
-    /// Simulated time between two ticks [ns], > 0.
+    /// Simulated time between two ticks (ns), > 0.
     pub tick_period_ns: u64,
     /// What viewers get to see.
     pub viewer: ViewerOptions,

@@ -31,7 +31,7 @@ pub struct ProcessOutcome {
 pub struct Outage {
     /// The first tick that it did not do.
     pub left_tick: u64,
-    /// Simulated time of that tick [s].
+    /// Simulated time of that tick (s).
     pub left_time_s: f64,
     /// Why: `was ended by signal 9`.
     pub reason: String,

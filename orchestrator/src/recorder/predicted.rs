@@ -23,24 +23,24 @@ pub struct PredictionOutcome {
     pub robot: String,
     /// Name of the method: [`Prediction::METHODS`].
     pub method: String,
-    /// How far ahead [s].
+    /// How far ahead (s).
     pub horizon_s: f64,
     /// Predictions that came due.
     pub predictions: u64,
     /// Times at which the method could not say.
     pub without: u64,
-    /// Mean error [m]; absent without a prediction, like the others.
+    /// Mean error (m); absent without a prediction, like the others.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mean_m: Option<f64>,
-    /// Median error [m].
+    /// Median error (m).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub median_m: Option<f64>,
-    /// Root mean square error [m].
+    /// Root mean square error (m).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rms_m: Option<f64>,
     /// Goals that the method made out.
     pub goals_observed: u32,
-    /// When it first knew the key [s]; absent if it never did.
+    /// When it first knew the key (s); absent if it never did.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub key_recovered_s: Option<f64>,
     /// Goals that it had made out by then.
@@ -53,7 +53,7 @@ pub struct PredictionOutcome {
 struct Series {
     errors: Vec<f64>,
     goals_observed: u32,
-    /// When the key was first known [s], and the goals made out by then.
+    /// When the key was first known (s), and the goals made out by then.
     recovered: Option<(f64, u32)>,
 }
 
@@ -83,7 +83,7 @@ impl OutcomePart for Predicted {
 }
 
 impl Predicted {
-    /// Takes up a prediction of an observer at a moment [s].
+    /// Takes up a prediction of an observer at a moment (s).
     fn add(&mut self, observer: u32, time_s: f64, prediction: &Prediction) {
         let key = (
             observer,

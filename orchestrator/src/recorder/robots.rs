@@ -21,7 +21,7 @@ struct Robot {
     name: String,
     /// Its last state.
     state: RobotState,
-    /// When its status changed last [s].
+    /// When its status changed last (s).
     decided_s: f64,
     /// How often it was stopped for want of a command.
     stops: u32,

@@ -17,7 +17,7 @@ pub struct Summary {
     pub digest: String,
     /// Last tick of the world.
     pub ticks: u64,
-    /// Simulated time of that tick [s].
+    /// Simulated time of that tick (s).
     pub sim_time_s: f64,
     /// What became of every robot, by its index.
     pub robots: Vec<RobotOutcome>,
@@ -25,7 +25,7 @@ pub struct Summary {
     /// ran.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub escape_possible_fraction: Option<f64>,
-    /// Time from which on no evader could be sure of an escape any more [s]; absent unless a referee
+    /// Time from which on no evader could be sure of an escape any more (s); absent unless a referee
     /// ran and that came about.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub escape_impossible_from_s: Option<f64>,
@@ -46,11 +46,11 @@ pub struct Summary {
     pub processes: Vec<ProcessOutcome>,
     /// Every channel of the log that holds messages.
     pub topics: BTreeMap<String, TopicCount>,
-    /// Latencies by name [µs].
+    /// Latencies by name (µs).
     pub latency_us: BTreeMap<String, Percentiles>,
     /// The log; empty if there is none because nothing happened.
     pub log: PathBuf,
-    /// Its size [bytes].
+    /// Its size (bytes).
     pub log_bytes: u64,
 }
 
@@ -63,9 +63,9 @@ pub struct RobotOutcome {
     pub team: String,
     /// `active`, `caught`, `escaped`, `timed_out`, `goal_reached` or `disabled`.
     pub outcome: String,
-    /// When that was decided, or the end of the run for an active one [s].
+    /// When that was decided, or the end of the run for an active one (s).
     pub time_s: f64,
-    /// Path length driven [m].
+    /// Path length driven (m).
     pub distance_m: f64,
     /// Contact episodes.
     pub contacts: u32,
@@ -79,7 +79,7 @@ pub struct RobotOutcome {
     /// judged it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub escape_possible_fraction: Option<f64>,
-    /// Time from which on it could not be sure of an escape any more [s]; absent if it escaped, or
+    /// Time from which on it could not be sure of an escape any more (s); absent if it escaped, or
     /// could have in the end.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub escape_impossible_from_s: Option<f64>,
@@ -95,17 +95,17 @@ pub struct CoverageOutcome {
     pub fraction: f64,
     /// Visited part of the area that the robots can visit at all, 0…1.
     pub coverable_fraction: f64,
-    /// Free area [m²].
+    /// Free area (m²).
     pub free_m2: f64,
-    /// Visited area [m²].
+    /// Visited area (m²).
     pub visited_m2: f64,
-    /// Mean time since the last visit over the coverable area [s].
+    /// Mean time since the last visit over the coverable area (s).
     pub mean_idleness_s: f64,
-    /// Longest that any coverable place has waited for a visit [s].
+    /// Longest that any coverable place has waited for a visit (s).
     pub worst_idleness_s: f64,
     /// Standard deviation of the visits of a coverable cell, divided by their mean.
     pub unevenness: f64,
-    /// Way driven by the robots that count, together [m].
+    /// Way driven by the robots that count, together (m).
     pub way_m: f64,
     /// What part of the area that the robots can visit had been visited when that way had become
     /// 250, 500, 1000 and 2000 m; as far as the run came.
@@ -115,7 +115,7 @@ pub struct CoverageOutcome {
 /// The area visited along a way.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct CoverageByWay {
-    /// The way [m].
+    /// The way (m).
     pub way_m: f64,
     /// Visited part of the area that can be visited, 0…1; between two reports, the straight line.
     pub coverable_fraction: f64,
@@ -124,7 +124,7 @@ pub struct CoverageByWay {
 /// One event.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct EventEntry {
-    /// When [s].
+    /// When (s).
     pub time_s: f64,
     /// What: `WorldEvent::NAMES`.
     pub kind: String,
@@ -134,9 +134,9 @@ pub struct EventEntry {
     /// The other robot's index, the obstacle's id or the exit's index, by kind.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub other: Option<u32>,
-    /// Where, x [m].
+    /// Where, x (m).
     pub x: f64,
-    /// Where, y [m].
+    /// Where, y (m).
     pub y: f64,
     /// By kind; 0 when it has none.
     pub value: f64,

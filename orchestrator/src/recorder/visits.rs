@@ -27,11 +27,11 @@ pub struct WaypointOutcome {
     pub timed_out: u64,
     /// Left out, because no way leads there.
     pub unreachable: u64,
-    /// Greatest distance that a robot's centre kept from a waypoint that counts as reached [m].
+    /// Greatest distance that a robot's centre kept from a waypoint that counts as reached (m).
     pub farthest_m: f64,
     /// Laps, from the first waypoint of the route to the last.
     pub laps: u32,
-    /// Longest time that one of them took [s].
+    /// Longest time that one of them took (s).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub longest_lap_s: Option<f64>,
     /// The laps through all their waypoints, those put in included; absent without a lap.
@@ -58,15 +58,15 @@ impl WaypointOutcome {
 /// What laps are like: means over the laps.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct LapFigures {
-    /// Length [m].
+    /// Length (m).
     pub length_m: f64,
-    /// Mean distance from where a robot would be that kept to the route, at equal times (MAE) [m].
+    /// Mean distance from where a robot would be that kept to the route, at equal times (MAE) (m).
     pub mae_m: f64,
     /// Changes of direction in a lap.
     pub turns: f64,
-    /// Mean change of direction (MAA), in [0, π] [rad].
+    /// Mean change of direction (MAA), in [0, π] (rad).
     pub maa: f64,
-    /// Mean change of direction, each folded to an acute angle, in [0, π/2] [rad].
+    /// Mean change of direction, each folded to an acute angle, in [0, π/2] (rad).
     pub maa_fold: f64,
 }
 
@@ -147,7 +147,7 @@ struct Open {
     began_s: f64,
     route: Vec<Point2<f64>>,
     way: Vec<Point2<f64>>,
-    /// When the last waypoint of the route ended [s], and how many points of the way came up to it.
+    /// When the last waypoint of the route ended (s), and how many points of the way came up to it.
     closed: Option<(f64, usize)>,
 }
 
@@ -165,7 +165,7 @@ impl Visits {
         }
     }
 
-    /// Takes up where the robot is at a time [s].
+    /// Takes up where the robot is at a time (s).
     fn state(&mut self, time_s: f64, at: Point2<f64>) {
         if self.keeps_track && self.track.points().len() < MOST_POINTS {
             self.track.push(time_s, at);

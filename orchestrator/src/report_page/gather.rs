@@ -39,11 +39,11 @@ pub(super) struct Gathered {
     /// Whether the log reaches the end of the game.
     pub(super) over: bool,
     pub(super) tick_period_ns: u64,
-    /// Time of the last state, or of the last message if there is none [ns].
+    /// Time of the last state, or of the last message if there is none (ns).
     pub(super) end_ns: u64,
     /// What stands from the beginning.
     pub(super) ground: Ground,
-    /// How it changed, by time [ns].
+    /// How it changed, by time (ns).
     pub(super) changes: Vec<(u64, ObstacleChange)>,
     pub(super) layers: Layers,
     pub(super) happened: Happened,

@@ -23,12 +23,12 @@ const FREQUENT: [&str; 4] = [
 /// Events and waypoints in their order, as many as there is room for.
 #[derive(Debug, Default)]
 pub(super) struct Happened {
-    /// Events, by time [ns].
+    /// Events, by time (ns).
     pub(super) events: Vec<(u64, WorldEvent)>,
     frequent: usize,
     /// Events that did not fit.
     pub(super) events_omitted: u64,
-    /// Waypoints that ended, by time [ns].
+    /// Waypoints that ended, by time (ns).
     pub(super) waypoints: Vec<(u64, WaypointEnd)>,
     /// Waypoints that did not fit.
     pub(super) waypoints_omitted: u64,

@@ -11,9 +11,9 @@ use crate::picture::log_run::LoggedRun;
 use crate::scenario::spec::MAX_ROBOTS;
 
 const SECOND: u64 = 1_000_000_000;
-/// Least time between two beliefs about a robot and between two trees of one [ns].
+/// Least time between two beliefs about a robot and between two trees of one (ns).
 const OFTEN: u64 = SECOND / 2;
-/// Least time between two plans, scans and predictions of a robot [ns].
+/// Least time between two plans, scans and predictions of a robot (ns).
 const OFTENER: u64 = SECOND / 4;
 /// Most particles of a belief, and of all beliefs.
 const PARTICLES: usize = 250;
@@ -35,16 +35,16 @@ const HORIZONS: usize = 16;
 /// What is believed about a robot.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Cloud {
-    /// Mean of the particles, x and y [m].
+    /// Mean of the particles, x and y (m).
     pub(super) mean: [f64; 2],
-    /// Places that stand for equal shares of the belief, x and y [m].
+    /// Places that stand for equal shares of the belief, x and y (m).
     pub(super) points: Vec<[f32; 2]>,
 }
 
 /// An edge of a search tree.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Edge {
-    /// Both ends, x and y [m].
+    /// Both ends, x and y (m).
     pub(super) ends: [[f32; 2]; 2],
     /// Whether it belongs to the chosen path.
     pub(super) on_path: bool,
@@ -53,10 +53,10 @@ pub(super) struct Edge {
 /// A range scan.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Beams {
-    /// Bearing of the first beam and angle between two [rad].
+    /// Bearing of the first beam and angle between two (rad).
     pub(super) first: f64,
     pub(super) step: f64,
-    /// Ranges [m]; those of beams that hit nothing are the largest measurable one.
+    /// Ranges (m); those of beams that hit nothing are the largest measurable one.
     pub(super) ranges: Vec<f32>,
 }
 
@@ -66,7 +66,7 @@ pub(super) struct Foretold {
     pub(super) method: u8,
     /// Number of the time ahead in [`Layers::horizons_s`].
     pub(super) horizon: u8,
-    /// Where, x and y [m]; infinite for "cannot say".
+    /// Where, x and y (m); infinite for "cannot say".
     pub(super) at: [f64; 2],
 }
 
@@ -78,7 +78,7 @@ pub(super) struct Layers {
     pub(super) trees: Sampled<Vec<Edge>>,
     pub(super) scans: Sampled<Beams>,
     pub(super) predictions: Sampled<Vec<Foretold>>,
-    /// The times ahead of predictions [s].
+    /// The times ahead of predictions (s).
     pub(super) horizons_s: Vec<f64>,
 }
 

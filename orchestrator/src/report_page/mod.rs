@@ -39,14 +39,14 @@ use crate::scenario::kind::Kind;
 pub struct Report {
     /// The page.
     pub page: PathBuf,
-    /// Its size [bytes].
+    /// Its size (bytes).
     pub bytes: u64,
     /// The scenario; empty if the log does not say.
     pub scenario: String,
     /// Fingerprint of the simulated history; absent if the log does not hold all of it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub digest: Option<String>,
-    /// Simulated time that the page shows [s].
+    /// Simulated time that the page shows (s).
     pub sim_time_s: f64,
     /// States of the world that the page can show.
     pub frames: usize,

@@ -10,15 +10,15 @@ use serde::Serialize;
 pub(super) const NONE: u16 = u16::MAX;
 /// Largest number that stands for a place or a value.
 const LARGEST: f64 = 65_534.0;
-/// Smallest step between two places [m].
+/// Smallest step between two places (m).
 const FINEST: f64 = 1e-3;
 
 /// How places become whole numbers: millimetres, or coarser in a world larger than 65 m.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub(super) struct Raster {
-    /// Place with the numbers 0, 0 [m].
+    /// Place with the numbers 0, 0 (m).
     pub(super) origin: [f64; 2],
-    /// Distance between two neighbouring numbers [m].
+    /// Distance between two neighbouring numbers (m).
     pub(super) step: f64,
 }
 
@@ -52,14 +52,14 @@ impl Raster {
         if inside { self.pack(p) } else { [NONE; 2] }
     }
 
-    /// The place of numbers [m].
+    /// The place of numbers (m).
     #[cfg(test)]
     pub(super) fn unpack(&self, n: [u16; 2]) -> [f64; 2] {
         [0, 1].map(|i| self.origin[i] + f64::from(n[i]) * self.step)
     }
 }
 
-/// An angle [rad] in 65536 parts of a turn.
+/// An angle (rad) in 65536 parts of a turn.
 pub(super) fn pack_angle(theta: f64) -> u16 {
     let turns = theta / core::f64::consts::TAU;
     (((turns - turns.floor()) * 65_536.0).round() as u32 & 0xffff) as u16

@@ -66,7 +66,7 @@ impl Timing {
         }
     }
 
-    /// Percentiles [µs] and histograms by name.
+    /// Percentiles (µs) and histograms by name.
     pub(super) fn finish(&mut self) -> BTreeMap<String, (Percentiles, LogHistogram)> {
         let Some(chain) = &mut self.chain else {
             return BTreeMap::new();

@@ -16,7 +16,7 @@ use super::patrol::kind_name;
 use super::{RouteError, Router};
 use crate::scenario::ResolvedScenario;
 
-/// Distance between two points of the path that are looked at for coverage [m]: the robot's step in
+/// Distance between two points of the path that are looked at for coverage (m): the robot's step in
 /// the Chebyshev coverage paper.
 const STEP: f64 = 0.125;
 
@@ -27,7 +27,7 @@ pub enum Extent {
     Loops(u32),
     /// This many sub-goals.
     Goals(u64),
-    /// A way of this length [m].
+    /// A way of this length (m).
     Way(f64),
 }
 

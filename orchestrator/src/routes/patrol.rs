@@ -56,12 +56,12 @@ impl Patrol {
         })
     }
 
-    /// Width of its zig-zag [m].
+    /// Width of its zig-zag (m).
     pub fn alpha(&self) -> f64 {
         self.mission.awg.params().alpha
     }
 
-    /// Time ordered for a lap [s].
+    /// Time ordered for a lap (s).
     pub fn t_max(&self) -> f64 {
         self.mission.awg.params().t_max
     }
@@ -71,7 +71,7 @@ impl Patrol {
         &self.mission.key
     }
 
-    /// Where it is at a time after it set out [s], by the clock of its waypoints.
+    /// Where it is at a time after it set out (s), by the clock of its waypoints.
     ///
     /// # Errors
     /// [`RouteError::Refused`] for a time that is none or too far ahead.

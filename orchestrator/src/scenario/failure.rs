@@ -24,7 +24,7 @@ pub enum OnFailure {
 pub struct Supervision {
     /// Reaction to its failure.
     pub on_failure: OnFailure,
-    /// Real time that it has to become ready, at the start and after every restart [s].
+    /// Real time that it has to become ready, at the start and after every restart (s).
     pub ready_timeout_s: f64,
 }
 

@@ -258,7 +258,7 @@ fn check_goals(ctx: &mut Context<'_>, ground: &WorldMap, robots: &[Robot]) {
     }
 }
 
-/// The cells that a disc of this radius [m] can pass. A cell within one cell's diagonal of fitting
+/// The cells that a disc of this radius (m) can pass. A cell within one cell's diagonal of fitting
 /// counts as fitting, so that the grid never closes a gap that is open.
 fn passages(ground: &WorldMap, radius: f64) -> Arc<Passages> {
     let enough = (radius - ground.frame().resolution * core::f64::consts::FRAC_1_SQRT_2) as f32;

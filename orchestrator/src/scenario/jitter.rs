@@ -21,14 +21,14 @@ const DOMAIN: u64 = 0x7374_6172_745f_6a69;
 pub struct Placement {
     /// Nominal pose.
     pub start: Pose2,
-    /// Radius of the body [m].
+    /// Radius of the body (m).
     pub radius: f64,
     /// Displacement, if any.
     pub jitter: Option<StartJitter>,
 }
 
 /// Draws the poses of all robots: those without jitter stay, the others are displaced, in order,
-/// and drawn again while they touch a wall (`is_free` says no for centre and radius [m]) or a robot
+/// and drawn again while they touch a wall (`is_free` says no for centre and radius (m)) or a robot
 /// that stands already. Each robot draws from its own stream, so that a robot more at the end does
 /// not move the others.
 ///

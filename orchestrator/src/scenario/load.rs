@@ -18,7 +18,7 @@ use super::resolved::ResolvedScenario;
 use super::spec::{LogSpec, MAX_TICKS, RunSpec, TopLevel};
 use super::{builtin, events, geometry, processes, robots, world};
 
-/// Largest scenario file that is read [bytes]; one with its map written out is far smaller.
+/// Largest scenario file that is read (bytes); one with its map written out is far smaller.
 const MAX_SCENARIO: u64 = 64 << 20;
 
 /// Loads scenarios.

@@ -103,7 +103,7 @@ pub struct ResolvedScenario {
     pub run: RunSpec,
     /// Map (written out), robots where they start, rules, seed.
     pub world: WorldSpec,
-    /// Standard deviation of the Gaussian blur of the map that planners and visibility use [m].
+    /// Standard deviation of the Gaussian blur of the map that planners and visibility use (m).
     pub blur_sigma: f64,
     /// The processes in the order in which they are started: first those that others wait for.
     pub processes: Vec<ProcessSpec>,

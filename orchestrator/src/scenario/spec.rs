@@ -25,7 +25,7 @@ pub const MAX_EVENTS: usize = 10_000;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct RunSpec {
-    /// Simulated length of one tick [s], 0.0001 to 1.
+    /// Simulated length of one tick (s), 0.0001 to 1.
     pub dt: f64,
     /// Seed of everything random: noise, start jitter, planners. `--seed` overrides it.
     pub seed: u64,
@@ -35,12 +35,12 @@ pub struct RunSpec {
     pub real_time_factor: f64,
     /// On which cores the processes may run.
     pub pin: Pin,
-    /// Wall-clock time [s] without an answer after which a process counts as hung, 0.1 to 3600.
+    /// Wall-clock time (s) without an answer after which a process counts as hung, 0.1 to 3600.
     pub hang_timeout_s: f64,
-    /// Wall-clock time [s] that the simulator, and every process that does not say otherwise, has to
+    /// Wall-clock time (s) that the simulator, and every process that does not say otherwise, has to
     /// become ready, 0.1 to 3600.
     pub ready_timeout_s: f64,
-    /// In real time: age [s, simulated] beyond which a robot's command is no longer obeyed and the
+    /// In real time: age (s, simulated) beyond which a robot's command is no longer obeyed and the
     /// robot stops, 0.001 to 60.
     pub command_deadline_s: f64,
 }
@@ -88,7 +88,7 @@ pub enum Pin {
 pub struct LogSpec {
     /// Compression of the chunks.
     pub compression: Compression,
-    /// Pictures per simulated second for viewers [Hz], 0 to 1000; 0 leaves viewer topics out.
+    /// Pictures per simulated second for viewers (Hz), 0 to 1000; 0 leaves viewer topics out.
     pub viewer_rate_hz: f64,
 }
 
@@ -116,11 +116,11 @@ pub enum Compression {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct StartJitter {
-    /// Along x: half the range, or the standard deviation [m], 0 to 100.
+    /// Along x: half the range, or the standard deviation (m), 0 to 100.
     pub x: f64,
-    /// Along y, likewise [m], 0 to 100.
+    /// Along y, likewise (m), 0 to 100.
     pub y: f64,
-    /// Of the heading, likewise [rad], 0 to π.
+    /// Of the heading, likewise (rad), 0 to π.
     pub theta: f64,
     /// What the three numbers mean.
     pub distribution: Distribution,

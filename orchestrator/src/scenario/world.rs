@@ -14,7 +14,7 @@ use super::context::Context;
 use super::files::{Base, Found, Refused, read_text};
 use super::spec::MAX_CELLS;
 
-/// Largest vector map that is read [bytes].
+/// Largest vector map that is read (bytes).
 const MAX_MAP_FILE: u64 = 64 << 20;
 /// Prefix of the name of a map that is part of the program.
 const BUILTIN: &str = "builtin:";
@@ -26,9 +26,9 @@ struct WorldBlock {
     /// Read by [`MapSpec`].
     #[serde(rename = "map", skip_serializing)]
     _map: Option<IgnoredAny>,
-    /// Side of the grid's cells [m], instead of what a vector map says.
+    /// Side of the grid's cells (m), instead of what a vector map says.
     resolution: Option<f64>,
-    /// Standard deviation of the map's Gaussian blur [m].
+    /// Standard deviation of the map's Gaussian blur (m).
     blur_sigma: f64,
 }
 
@@ -43,11 +43,11 @@ impl Default for WorldBlock {
     }
 }
 
-/// What `[world]` says: the map, written out, and the blur's σ [m].
+/// What `[world]` says: the map, written out, and the blur's σ (m).
 pub struct Ground {
     /// Never [`MapSpec::File`].
     pub map: MapSpec,
-    /// Standard deviation of the map's Gaussian blur [m].
+    /// Standard deviation of the map's Gaussian blur (m).
     pub blur_sigma: f64,
 }
 

@@ -17,7 +17,7 @@ use super::{grid, parameters};
 use crate::scenario::files::read_text;
 use crate::scenario::kind::Kind;
 
-/// Largest experiment file that is read [bytes].
+/// Largest experiment file that is read (bytes).
 pub(super) const MAX_FILE: u64 = 1 << 20;
 
 /// How an experiment is loaded.

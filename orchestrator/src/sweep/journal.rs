@@ -25,9 +25,9 @@ pub(super) struct Entry<R = Row> {
     pub cell: usize,
     /// Seed.
     pub seed: u64,
-    /// Real time that the mission took [s].
+    /// Real time that the mission took (s).
     pub wall_s: f64,
-    /// CPU time of what is compared by it [ms].
+    /// CPU time of what is compared by it (ms).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cpu_ms: Option<f64>,
     /// What it resulted in.
@@ -111,7 +111,7 @@ impl Journal {
     }
 }
 
-/// The entries, and the length of the whole lines [bytes].
+/// The entries, and the length of the whole lines (bytes).
 fn parse<R: DeserializeOwned>(
     path: &Path,
     bytes: &[u8],

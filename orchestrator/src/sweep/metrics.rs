@@ -54,33 +54,33 @@ metrics! {
     CaptureChance: Share, "evaders that are caught", Chance(|r| r.caught);
     /// Evaders that were neither caught nor escaped in time, of all evaders, 0 to 1.
     HeldOutChance: Share, "evaders that hold out", Chance(|r| r.held_out);
-    /// Mean simulated length of a game [s].
+    /// Mean simulated length of a game (s).
     GameTime: Number, "length of a game [s]", Mean(|r| Some(r.sim_time_s));
-    /// Mean simulated time of the first capture, of the games that had one [s].
+    /// Mean simulated time of the first capture, of the games that had one (s).
     FirstCapture: Number, "time of the first capture [s]", Mean(|r| r.first_capture_s);
-    /// Mean simulated time of the first escape, of the games that had one [s].
+    /// Mean simulated time of the first escape, of the games that had one (s).
     FirstEscape: Number, "time of the first escape [s]", Mean(|r| r.first_escape_s);
     /// Mean number of contact episodes of all robots per game.
     Contacts: Number, "contacts per game", Mean(|r| Some(f64::from(r.contacts)));
-    /// Mean speed of the evaders while they were in the game [m/s].
+    /// Mean speed of the evaders while they were in the game (m/s).
     EvaderMeanSpeed: Number, "mean speed of the evaders [m/s]", Mean(|r| r.evader_mean_speed);
     /// Mean part of the game in which an escape was possible, 0 to 1; needs a `referee`.
     EscapePossible: Share, "part of the game in which an escape is possible",
         Mean(|r| r.escape_possible_fraction);
-    /// Mean length of a lap through all its waypoints, of the robots that complete laps [m].
+    /// Mean length of a lap through all its waypoints, of the robots that complete laps (m).
     LapLength: Number, "length of a lap [m]", Mean(|r| laps(r, |w| Some(w.planned?.length_m)));
-    /// Mean time of the longest lap [s].
+    /// Mean time of the longest lap (s).
     LongestLap: Number, "longest lap [s]", Mean(|r| laps(r, |w| w.longest_lap_s));
-    /// Mean distance of a lap through all its waypoints from the route, at equal times [m].
+    /// Mean distance of a lap through all its waypoints from the route, at equal times (m).
     PlannedMae: Number, "distance from the route, as planned (MAE) [m]",
         Mean(|r| planned(r, |f| f.mae_m));
-    /// The same of laps as they were driven [m].
+    /// The same of laps as they were driven (m).
     DrivenMae: Number, "distance from the route, as driven (MAE) [m]",
         Mean(|r| driven(r, |f| f.mae_m));
-    /// Mean change of direction on laps through all their waypoints [rad].
+    /// Mean change of direction on laps through all their waypoints (rad).
     PlannedMaa: Number, "change of direction, as planned (MAA) [rad]",
         Mean(|r| planned(r, |f| f.maa));
-    /// The same on laps as they were driven [rad].
+    /// The same on laps as they were driven (rad).
     DrivenMaa: Number, "change of direction, as driven (MAA) [rad]",
         Mean(|r| driven(r, |f| f.maa));
     /// Waypoints left out, of all, 0 to 1.

@@ -45,7 +45,7 @@ pub struct Results<R = Row> {
     manifest: Manifest,
     journal: Journal,
     rows: BTreeMap<MissionId, R>,
-    /// CPU times of the missions that have one [ms].
+    /// CPU times of the missions that have one (ms).
     cpu_ms: BTreeMap<MissionId, f64>,
     /// What was found odd at opening.
     notes: Vec<String>,
@@ -185,7 +185,7 @@ impl<R: Record> Results<R> {
         self.record_timed(mission, row, wall_s, None)
     }
 
-    /// The same for a mission with a CPU time [ms].
+    /// The same for a mission with a CPU time (ms).
     ///
     /// # Errors
     /// As [`Self::record`].
@@ -291,7 +291,7 @@ impl<R: Record> Results<R> {
         self.rows.get(&mission)
     }
 
-    /// CPU time of a mission [ms], if it has one.
+    /// CPU time of a mission (ms), if it has one.
     pub fn cpu_ms(&self, mission: MissionId) -> Option<f64> {
         self.cpu_ms.get(&mission).copied()
     }

@@ -64,23 +64,23 @@ pub struct Row {
     pub caught: u32,
     /// Evaders that were neither when the time was up.
     pub held_out: u32,
-    /// Simulated length [s].
+    /// Simulated length (s).
     pub sim_time_s: f64,
-    /// Simulated time of the first capture [s].
+    /// Simulated time of the first capture (s).
     pub first_capture_s: Option<f64>,
-    /// Simulated time of the first escape [s].
+    /// Simulated time of the first escape (s).
     pub first_escape_s: Option<f64>,
     /// Contact episodes of all robots.
     pub contacts: u32,
-    /// Way driven by all evaders [m].
+    /// Way driven by all evaders (m).
     pub evader_distance_m: f64,
-    /// That by the time they were in the game [m/s].
+    /// That by the time they were in the game (m/s).
     pub evader_mean_speed: Option<f64>,
     /// Ticks of the world.
     pub ticks: u64,
     /// Part of the game in which an escape was possible, if a referee watched, 0 to 1.
     pub escape_possible_fraction: Option<f64>,
-    /// Simulated time from which no escape was possible any more, if a referee watched [s].
+    /// Simulated time from which no escape was possible any more, if a referee watched (s).
     pub escape_impossible_from_s: Option<f64>,
     /// The area visited, if the rules account for it.
     pub coverage: Option<CoverageOutcome>,

@@ -48,7 +48,7 @@ pub struct RunReport {
     pub carried_out: usize,
     /// Missions that were done before.
     pub known: usize,
-    /// Real time [s].
+    /// Real time (s).
     pub wall_time_s: f64,
     /// Whether it was interrupted.
     pub interrupted: bool,

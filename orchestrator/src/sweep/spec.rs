@@ -79,7 +79,7 @@ fn one() -> u64 {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct RunSpec {
-    /// Real time after which a mission is given up and counts as failed [s], 1 to 10⁶.
+    /// Real time after which a mission is given up and counts as failed (s), 1 to 10⁶.
     pub timeout_s: f64,
 }
 

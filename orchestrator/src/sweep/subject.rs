@@ -18,7 +18,7 @@ use super::row::Record;
 pub struct Ended<R> {
     /// Its result.
     pub row: R,
-    /// CPU time of what is compared by it [ms].
+    /// CPU time of what is compared by it (ms).
     pub cpu_ms: Option<f64>,
 }
 

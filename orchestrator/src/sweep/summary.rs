@@ -34,7 +34,7 @@ pub struct CellSummary {
     pub independent: Option<Interval>,
     /// The one that counts games, whose evaders share their fate.
     pub by_game: Option<Interval>,
-    /// Mean simulated length of a game [s].
+    /// Mean simulated length of a game (s).
     pub mean_time_s: Option<f64>,
     /// Contact episodes per game.
     pub contacts: Option<f64>,

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use hdrhistogram::Histogram;
 use serde::{Deserialize, Serialize};
 
-/// Longest time that is told apart [ns]; longer ones count as this.
+/// Longest time that is told apart (ns); longer ones count as this.
 const LONGEST_NS: u64 = 3_600_000_000_000;
 
 /// Percentiles of a time.
@@ -13,18 +13,18 @@ const LONGEST_NS: u64 = 3_600_000_000_000;
 pub struct Percentiles {
     /// How often it was measured.
     pub count: u64,
-    /// Median [µs].
+    /// Median (µs).
     pub p50: f64,
-    /// 90th percentile [µs].
+    /// 90th percentile (µs).
     pub p90: f64,
-    /// 99th percentile [µs].
+    /// 99th percentile (µs).
     pub p99: f64,
-    /// 99.9th percentile [µs]; 0 in results of versions that did not say it.
+    /// 99.9th percentile (µs); 0 in results of versions that did not say it.
     #[serde(default)]
     pub p999: f64,
-    /// Largest [µs].
+    /// Largest (µs).
     pub max: f64,
-    /// Jitter [µs]: the mean of |difference to the measurement before|; 0 in results of versions
+    /// Jitter (µs): the mean of |difference to the measurement before|; 0 in results of versions
     /// that did not say it.
     #[serde(default)]
     pub jitter: f64,
@@ -33,7 +33,7 @@ pub struct Percentiles {
 /// Counts on a logarithmic axis.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 pub struct LogHistogram {
-    /// The first part begins at ten to the power of this divided by the parts per decade [ns].
+    /// The first part begins at ten to the power of this divided by the parts per decade (ns).
     pub first: u32,
     /// Counts by part.
     pub counts: Vec<u64>,
@@ -64,7 +64,7 @@ impl Distribution {
         })
     }
 
-    /// A measurement [ns].
+    /// A measurement (ns).
     pub fn record(&mut self, ns: u64) {
         // Grows to the value; nothing above an hour is left to refuse.
         let _ = self.histogram.record(ns.min(LONGEST_NS));
@@ -79,7 +79,7 @@ impl Distribution {
         self.histogram.len()
     }
 
-    /// The value below which a share of them lies [µs].
+    /// The value below which a share of them lies (µs).
     pub fn at(&self, share: f64) -> f64 {
         microseconds(self.histogram.value_at_quantile(share).min(self.max))
     }
@@ -118,7 +118,7 @@ impl Distribution {
         LogHistogram { first, counts }
     }
 
-    /// Points of the cumulative distribution: time [µs] and the share that took at most that long,
+    /// Points of the cumulative distribution: time (µs) and the share that took at most that long,
     /// one per value that the histogram tells apart.
     pub fn shares(&self) -> Vec<(f64, f64)> {
         let all = self.count().max(1) as f64;
@@ -139,7 +139,7 @@ impl Distribution {
 pub struct Distributions(BTreeMap<String, Distribution>);
 
 impl Distributions {
-    /// A measurement [ns] of the one with this name.
+    /// A measurement (ns) of the one with this name.
     pub fn record(&mut self, name: &str, ns: u64) {
         if let Some(known) = self.0.get_mut(name) {
             known.record(ns);

@@ -40,9 +40,9 @@ pub struct Follower<D: Design> {
     goals: Option<D::Goals>,
     /// Revision of the map that the goals are for.
     revision: Option<u64>,
-    /// Where the last goal is, at which the next leg begins [m].
+    /// Where the last goal is, at which the next leg begins (m).
     last: Option<Point2<f64>>,
-    /// Where the robot was a tick ago [m].
+    /// Where the robot was a tick ago (m).
     before: Option<Point2<f64>>,
     reports: Vec<WaypointReport>,
     failure: Option<ProcessError>,

@@ -5,10 +5,10 @@ use core::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 use planner_view::view::ScanView;
 use sim_backend::math;
 
-/// Ranges below this [m] are taken as this: the vehicle divides by them.
+/// Ranges below this (m) are taken as this: the vehicle divides by them.
 const LEAST_RANGE: f64 = 1.0e-3;
 
-/// The reading of each cone [m]; `None` where the scan has no usable beam.
+/// The reading of each cone (m); `None` where the scan has no usable beam.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Cones {
     /// Straight ahead.
@@ -25,7 +25,7 @@ pub struct Cones {
 
 /// Reads the cones of a scan.
 ///
-/// A cone is `width` [rad] wide; its reading is the given percentile (in [0, 1], with linear
+/// A cone is `width` (rad) wide; its reading is the given percentile (in [0, 1], with linear
 /// interpolation between beams) of its beams' ranges. A scan so coarse that no beam lies in a cone
 /// is read at the beam next to the cone's axis, if that is less than one beam's spacing off.
 ///

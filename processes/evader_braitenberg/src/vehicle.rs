@@ -10,29 +10,29 @@ use sim_backend::pose::Twist2;
 use crate::cones::{Cones, read};
 use crate::params::{BraitenbergParams, SpeedGain};
 
-/// Added to the diagonal readings in the speed's formula [m] (the paper's experiments).
+/// Added to the diagonal readings in the speed's formula (m) (the paper's experiments).
 const DIAGONAL_OFFSET: f64 = 0.05;
-/// Weight of the diagonal cones in the turning rate [m].
+/// Weight of the diagonal cones in the turning rate (m).
 const DIAGONAL_WEIGHT: f64 = 5.0;
-/// Weight of the side cones in the turning rate [m].
+/// Weight of the side cones in the turning rate (m).
 const SIDE_WEIGHT: f64 = 1.0;
-/// Width of the street in which the normalised speed is the highest [m].
+/// Width of the street in which the normalised speed is the highest (m).
 const STREET_WIDTH: f64 = 1.0;
-/// Free range ahead at which the normalised speed is the highest [m], or the sensor's own longest range
+/// Free range ahead at which the normalised speed is the highest (m), or the sensor's own longest range
 /// if that is less.
 const OPEN_RANGE: f64 = 3.0;
-/// Range ahead at which the vehicle stops [m].
+/// Range ahead at which the vehicle stops (m).
 const STOP_RANGE: f64 = 0.4;
-/// Width of a cone [°].
+/// Width of a cone (°).
 const CONE_WIDTH_DEGREES: f64 = 10.0;
 /// Share of a cone's beams that may be shorter than its reading.
 const PERCENTILE: f64 = 0.1;
-/// Range ahead below which the vehicle counts as blocked [m]; above [`STOP_RANGE`], which it would only
+/// Range ahead below which the vehicle counts as blocked (m); above [`STOP_RANGE`], which it would only
 /// approach ever more slowly.
 const BLOCKED_RANGE: f64 = 0.5;
-/// Range ahead above which it no longer counts as blocked [m].
+/// Range ahead above which it no longer counts as blocked (m).
 const RELEASED_RANGE: f64 = 0.9;
-/// Difference of the free ranges to the left and to the right [m] below which a blocked robot turns
+/// Difference of the free ranges to the left and to the right (m) below which a blocked robot turns
 /// to its preferred side.
 const UNDECIDED: f64 = 0.1;
 
@@ -147,7 +147,7 @@ fn drive(front: f64, front_left: f64, front_right: f64) -> f64 {
         * squash(front_right + DIAGONAL_OFFSET)
 }
 
-/// The readings, with gaps filled in [m].
+/// The readings, with gaps filled in (m).
 #[derive(Debug, Clone, Copy)]
 struct Ranges {
     front: f64,

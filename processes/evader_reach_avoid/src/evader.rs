@@ -15,7 +15,7 @@ use steering::potential_field::{Body, Goal, attraction, compose, obstacle};
 
 use crate::params::ReachAvoidParams;
 
-/// Distance within which a place to flee to is looked for when no place is safe [m].
+/// Distance within which a place to flee to is looked for when no place is safe (m).
 const NEAR: f64 = 2.0;
 
 /// Goes where no pursuer can stop it.
@@ -59,14 +59,14 @@ impl Evader {
         })
     }
 
-    /// Takes note of where evaders get away, and within which distance Police catch them [m].
+    /// Takes note of where evaders get away, and within which distance Police catch them (m).
     pub fn rules(&mut self, exits: &[Region], capture_radius: f64) {
         self.exits = exits.to_vec();
         self.capture = capture_radius;
         self.arena = None;
     }
 
-    /// Lays out a new map for a robot of this radius [m]. [`Evader::command`] does it too if it has
+    /// Lays out a new map for a robot of this radius (m). [`Evader::command`] does it too if it has
     /// not been done; here it does not cost time in a tick.
     pub fn prepare(&mut self, map: &PlannerMap, radius: f64) {
         let known = |(revision, arena): &(u64, Arena)| {
@@ -190,8 +190,8 @@ impl Evader {
     }
 }
 
-/// What a place is worth [s] that is reached `margin` [s] before any pursuer and lies `way_out` [m]
-/// from the nearest exit, to an evader of this speed [m/s]: its margin up to
+/// What a place is worth (s) that is reached `margin` (s) before any pursuer and lies `way_out` (m)
+/// from the nearest exit, to an evader of this speed (m/s): its margin up to
 /// [`ReachAvoidParams::enough_s`], less [`ReachAvoidParams::exit_weight`] times the time to the exit.
 pub fn worth(margin: f64, way_out: f64, speed: f64, params: &ReachAvoidParams) -> f64 {
     margin.min(params.enough_s) - params.exit_weight * way_out / speed

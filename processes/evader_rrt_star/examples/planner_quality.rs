@@ -20,7 +20,7 @@ use rustix::time::{ClockId, clock_gettime};
 use sim_backend::pose::Pose2;
 use support::RADIUS;
 
-/// From (x, y) to (x, y) [m].
+/// From (x, y) to (x, y) (m).
 const QUERIES: [[f64; 4]; 3] = [
     [-4.5, 7.5, 9.0, 0.0],
     [-7.5, -7.3, 7.3, 7.5],
@@ -30,7 +30,7 @@ const QUERIES: [[f64; 4]; 3] = [
 /// Iterations between two looks at the clock.
 const BETWEEN_LOOKS: u32 = 20;
 
-/// CPU time of the process [ms].
+/// CPU time of the process (ms).
 fn cpu_ms() -> f64 {
     let time = clock_gettime(ClockId::ProcessCPUTime);
     time.tv_sec as f64 * 1e3 + time.tv_nsec as f64 * 1e-6

@@ -36,12 +36,12 @@ impl Bound {
         }
     }
 
-    /// Least length of a way from the start to a place [m].
+    /// Least length of a way from the start to a place (m).
     pub fn from_start(&self, p: Point2<f64>) -> f64 {
         (p - self.start).norm()
     }
 
-    /// Least length of a way from a place to a goal [m]; infinite without a goal.
+    /// Least length of a way from a place to a goal (m); infinite without a goal.
     pub fn to_goal(&self, p: Point2<f64>) -> f64 {
         if self.along_streets.is_empty() {
             return self.straight_to_goal(p);
@@ -59,7 +59,7 @@ impl Bound {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether a way over this place could be shorter than `best` [m].
+    /// Whether a way over this place could be shorter than `best` (m).
     pub fn can_beat(&self, p: Point2<f64>, best: f64) -> bool {
         let from_start = self.from_start(p);
         // The cheap look first.

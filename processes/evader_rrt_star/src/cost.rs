@@ -8,13 +8,13 @@ use serde::{Deserialize, Serialize};
 use crate::motion::{Leg, Link};
 use crate::params::Algorithm;
 
-/// Distance of a pursuer at which the danger is 1 [m].
+/// Distance of a pursuer at which the danger is 1 (m).
 const SCALE: f64 = 4.0;
 
-/// Time after which a pursuer is not taken to come any nearer [s].
+/// Time after which a pursuer is not taken to come any nearer (s).
 const HORIZON_S: f64 = 5.0;
 
-/// Distance between two looks along an edge [m].
+/// Distance between two looks along an edge (m).
 const STEP: f64 = 0.5;
 
 /// Most places at which the time-aware cost looks along one edge.
@@ -24,7 +24,7 @@ const MAX_LOOKS: f64 = 32.0;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum CostKind {
-    /// The edge's length [m]: shortest ways, whoever lies in wait.
+    /// The edge's length (m): shortest ways, whoever lies in wait.
     Length,
     /// The chasing-game paper's: length + (scale / d)³ with the distance d from the edge to the
     /// nearest pursuer *where it is now*. Per edge, so that a way of many short edges past a
@@ -90,9 +90,9 @@ impl CostParams {
 /// A pursuer as the cost sees it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pursuer {
-    /// Where it is [m].
+    /// Where it is (m).
     pub at: Point2<f64>,
-    /// Its highest speed [m/s].
+    /// Its highest speed (m/s).
     pub v_max: f64,
 }
 
@@ -103,17 +103,17 @@ pub struct Pursuer {
 #[derive(Debug, Clone, PartialEq)]
 pub struct CostModel {
     params: CostParams,
-    /// Pursuers nearer than this count as this far [m].
+    /// Pursuers nearer than this count as this far (m).
     closest: f64,
-    /// Speed of the evader [m/s].
+    /// Speed of the evader (m/s).
     own_speed: f64,
     pursuers: Vec<Pursuer>,
-    /// The highest speed of all pursuers if it is the same [m/s].
+    /// The highest speed of all pursuers if it is the same (m/s).
     one_speed: Option<f64>,
 }
 
 impl CostModel {
-    /// The costs for an evader with this search and speed [m/s] among no pursuers.
+    /// The costs for an evader with this search and speed (m/s) among no pursuers.
     pub fn new(params: CostParams, algorithm: Algorithm, own_speed: f64) -> Self {
         Self {
             params,
@@ -149,8 +149,8 @@ impl CostModel {
         self.pursuers.is_empty()
     }
 
-    /// What it costs [m] to go from one point to another by this link, after a way of length
-    /// `before` [m]. At least the link's length.
+    /// What it costs (m) to go from one point to another by this link, after a way of length
+    /// `before` (m). At least the link's length.
     pub fn edge(&self, from: Point2<f64>, to: Point2<f64>, link: &Link, before: f64) -> f64 {
         if self.pursuers.is_empty() {
             return link.length;
@@ -174,7 +174,7 @@ impl CostModel {
         ratio * ratio * ratio
     }
 
-    /// Distance [m] from a point to the nearest place where a pursuer can be that has driven for
+    /// Distance (m) from a point to the nearest place where a pursuer can be that has driven for
     /// `reach` seconds; negative within.
     fn margin(&self, at: Point2<f64>, reach: f64) -> f64 {
         if let Some(v_max) = self.one_speed {

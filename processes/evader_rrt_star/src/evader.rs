@@ -22,26 +22,26 @@ use crate::replan::{is_threatened, papers_safety};
 use crate::route::Route;
 use crate::tree::NONE;
 
-/// Distance by which a start that touches an obstacle may be moved to be free [m].
+/// Distance by which a start that touches an obstacle may be moved to be free (m).
 const MOST_PUSH: f64 = 1.0;
 
-/// Times nearer than this are the same [s].
+/// Times nearer than this are the same (s).
 const SAME_TIME: f64 = 1e-9;
 
-/// How far the straight pieces by which arcs are drawn may lie beside them [m].
+/// How far the straight pieces by which arcs are drawn may lie beside them (m).
 const CHORD: f64 = 0.003;
 
-/// A robot slower than this stands in the way [m/s].
+/// A robot slower than this stands in the way (m/s).
 const STANDING: f64 = 0.02;
 
 /// The paper's measure of safety below which its rule plans anew.
 const PAPER_THRESHOLD: f64 = 1.5;
 
-/// Distance from the exit within which the paper's rule plans at every chance [m].
+/// Distance from the exit within which the paper's rule plans at every chance (m).
 const PAPER_NEAR_EXIT: f64 = 0.3;
 
 /// Distance of the control point from a point of the path at which the potential field turns to the
-/// next [m].
+/// next (m).
 const WAYPOINT_REACHED: f64 = 0.3;
 
 /// Edges of a tree that are shown, at most.
@@ -50,11 +50,11 @@ pub const SHOWN_EDGES: usize = 512;
 /// An edge of a tree, drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ShownEdge {
-    /// The parent [m].
+    /// The parent (m).
     pub from: Point2<f64>,
-    /// The child [m].
+    /// The child (m).
     pub to: Point2<f64>,
-    /// Cost from the root to the child [m].
+    /// Cost from the root to the child (m).
     pub cost: f64,
     /// Whether it belongs to the way that was chosen.
     pub on_path: bool,
@@ -92,7 +92,7 @@ pub struct RrtStarEvader {
     /// Next point of the route, for the potential field.
     next: usize,
     pending: Option<Pending>,
-    /// When the last plan was begun, and when the paper's rule last looked [s].
+    /// When the last plan was begun, and when the paper's rule last looked (s).
     begun_s: Option<f64>,
     looked_s: f64,
     off_path: f64,
@@ -133,7 +133,7 @@ impl RrtStarEvader {
         })
     }
 
-    /// Prepares a new map for a robot of this radius [m]. [`Self::command`] does it too if it has
+    /// Prepares a new map for a robot of this radius (m). [`Self::command`] does it too if it has
     /// not been done; here it does not cost time in a tick.
     pub fn prepare(&mut self, map: &PlannerMap, radius: f64) {
         self.flight.prepare(map, radius);
@@ -147,7 +147,7 @@ impl RrtStarEvader {
         self.route.as_ref()
     }
 
-    /// How far along the route it is [m].
+    /// How far along the route it is (m).
     pub fn progress(&self) -> f64 {
         self.tracker.progress()
     }
@@ -393,7 +393,7 @@ impl RrtStarEvader {
         });
     }
 
-    /// Where the robot will be after some seconds [s], if it follows its route.
+    /// Where the robot will be after some seconds (s), if it follows its route.
     fn pose_in(&self, seconds: f64, own: &RobotView) -> Pose2 {
         let route = self.route.as_ref().filter(|_| seconds > 0.0);
         let is_followed = self.params.follower == Follower::PurePursuit

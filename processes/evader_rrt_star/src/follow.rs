@@ -17,7 +17,7 @@ use steering::potential_field::{Goal, Repulsor, attraction, compose, obstacle, r
 use crate::motion::{Arcs, Motion as _};
 
 /// Pure pursuit that does not cut corners where the short cut is not free for a robot of this
-/// radius [m].
+/// radius (m).
 pub fn pursue(
     tracker: &mut PathTracker,
     pose: &Pose2,

@@ -12,24 +12,24 @@ use crate::sampler::FreeSampler;
 /// Steps by which a place is moved out of obstacles.
 const PUSHES: u32 = 16;
 
-/// Distance by which an exit's centre may be moved to where the robot fits [m]; where that is not
+/// Distance by which an exit's centre may be moved to where the robot fits (m); where that is not
 /// enough, the exit is left out.
 pub const GOAL_TOLERANCE: f64 = 0.3;
 
-/// How much farther than necessary a place is moved [m].
+/// How much farther than necessary a place is moved (m).
 const SLACK: f64 = 1e-6;
 
 /// A robot that stands in the way, as a disc.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Body {
-    /// Its centre [m].
+    /// Its centre (m).
     pub at: Point2<f64>,
-    /// Distance between its centre and one's own at which they touch [m].
+    /// Distance between its centre and one's own at which they touch (m).
     pub reach: f64,
 }
 
 impl Body {
-    /// Whether a way that comes as near as `distance` [m] to the body and begins at `from` passes
+    /// Whether a way that comes as near as `distance` (m) to the body and begins at `from` passes
     /// it. Who touches it already may go on, but not nearer.
     pub fn lets_pass(&self, from: Point2<f64>, distance: f64) -> bool {
         distance >= self.reach.min((from - self.at).norm())
@@ -43,7 +43,7 @@ pub struct Ground {
     pub space: FreeSpace,
     /// Where samples are drawn from.
     pub sampler: FreeSampler,
-    /// Radius for which it is made [m].
+    /// Radius for which it is made (m).
     pub radius: f64,
     /// Revision of the map.
     pub revision: u64,
@@ -54,7 +54,7 @@ pub struct Ground {
 }
 
 impl Ground {
-    /// Prepares a map for a robot of this radius, margin included [m].
+    /// Prepares a map for a robot of this radius, margin included (m).
     pub fn new(space: &FreeSpace, radius: f64, revision: u64) -> Self {
         Self {
             space: space.clone(),
@@ -66,7 +66,7 @@ impl Ground {
         }
     }
 
-    /// The shortest ways to these goals [m], found once for each; empty where they are not known.
+    /// The shortest ways to these goals (m), found once for each; empty where they are not known.
     pub fn towards(&mut self, goals: &[Point2<f64>]) -> Vec<Arc<Towards>> {
         let Some(graph) = &self.graph else {
             return Vec::new();
@@ -89,7 +89,7 @@ impl Ground {
         self.radius == radius && self.revision == revision
     }
 
-    /// Whether a robot of this radius [m] can go straight between two points, past these bodies.
+    /// Whether a robot of this radius (m) can go straight between two points, past these bodies.
     pub fn is_free_line(
         &self,
         from: Point2<f64>,
@@ -105,7 +105,7 @@ impl Ground {
 
     /// A free place as near as can be: the place itself, or where it comes to when it is pushed
     /// away from the surfaces that it is too near to. `None` if that leads nowhere within `most`
-    /// [m].
+    /// (m).
     pub fn free_place(&self, p: Point2<f64>, most: f64) -> Option<Point2<f64>> {
         let mut at = p;
         for _ in 0..PUSHES {

@@ -32,12 +32,12 @@ pub struct BucketIndex {
 pub struct Near {
     /// The point's number.
     pub node: u32,
-    /// Its distance from the place asked for [m].
+    /// Its distance from the place asked for (m).
     pub distance: f64,
 }
 
 impl BucketIndex {
-    /// No points yet. Points outside `bounds` [m] may be inserted too; they are found more slowly.
+    /// No points yet. Points outside `bounds` (m) may be inserted too; they are found more slowly.
     pub fn new(bounds: Aabb) -> Self {
         let mut index = Self {
             bounds,
@@ -70,7 +70,7 @@ impl BucketIndex {
         self.at.is_empty()
     }
 
-    /// Adds a point [m]. One that is not finite takes a number, but is never found.
+    /// Adds a point (m). One that is not finite takes a number, but is never found.
     pub fn insert(&mut self, p: Point2<f64>) {
         self.at.push(p);
         self.next.push(NONE);
@@ -81,7 +81,7 @@ impl BucketIndex {
         }
     }
 
-    /// Moves a point to another place [m].
+    /// Moves a point to another place (m).
     pub fn relocate(&mut self, node: u32, to: Point2<f64>) {
         let Some(&from) = self.at.get(node as usize) else {
             return;
@@ -109,7 +109,7 @@ impl BucketIndex {
         self.link(node as usize);
     }
 
-    /// The points within `radius` [m] of `p`, in the order of the buckets.
+    /// The points within `radius` (m) of `p`, in the order of the buckets.
     pub fn near(&self, p: Point2<f64>, radius: f64, found: &mut Vec<Near>) {
         found.clear();
         let grow = nalgebra::Vector2::new(radius, radius);

@@ -5,7 +5,7 @@ use planner_view::free_space::{Arc, FreeSpace};
 use sim_backend::math;
 use sim_backend::pose::Pose2;
 
-/// Arcs that bend less than this [rad] are straight lines to any precision that matters.
+/// Arcs that bend less than this (rad) are straight lines to any precision that matters.
 const STRAIGHT: f64 = 1e-7;
 
 /// The shape of an edge.
@@ -20,9 +20,9 @@ pub enum Leg {
 /// A way from a pose to a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Link {
-    /// Its length [m].
+    /// Its length (m).
     pub length: f64,
-    /// Heading at its end [rad].
+    /// Heading at its end (rad).
     pub heading: f64,
     /// Its shape.
     pub leg: Leg,
@@ -38,7 +38,7 @@ impl Link {
         }
     }
 
-    /// Whether a robot of this radius [m] can go this way between two points without touching
+    /// Whether a robot of this radius (m) can go this way between two points without touching
     /// anything.
     pub fn is_free(
         &self,
@@ -53,7 +53,7 @@ impl Link {
         }
     }
 
-    /// Distance [m] from a point to the way between two points.
+    /// Distance (m) from a point to the way between two points.
     pub fn distance_to(&self, from: Point2<f64>, to: Point2<f64>, p: Point2<f64>) -> f64 {
         match &self.leg {
             Leg::Line => segment_distance(from, to, p),
@@ -73,7 +73,7 @@ impl Link {
     }
 }
 
-/// Distance [m] from a point to a segment.
+/// Distance (m) from a point to a segment.
 pub fn segment_distance(from: Point2<f64>, to: Point2<f64>, p: Point2<f64>) -> f64 {
     let (line, offset) = (to - from, p - from);
     let squared = line.norm_squared();
@@ -91,7 +91,7 @@ pub trait Motion {
     /// parent changes the ways to all nodes behind it.
     const HAS_HEADING: bool;
 
-    /// The way from a pose to a point at this distance [m]; `None` if the primitive has none.
+    /// The way from a pose to a point at this distance (m); `None` if the primitive has none.
     fn link(&self, from: &Pose2, to: Point2<f64>, distance: f64) -> Option<Link>;
 
     /// The way out of the pose at which the robot stands.
@@ -119,9 +119,9 @@ impl Motion for Straight {
 /// ℓ α / sin α, and the robot arrives turned by 2α.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Arcs {
-    /// Smallest turning radius [m], > 0.
+    /// Smallest turning radius (m), > 0.
     pub min_radius: f64,
-    /// Largest bearing of the point from the heading [rad], in (0, π/2]: half of the largest turn
+    /// Largest bearing of the point from the heading (rad), in (0, π/2]: half of the largest turn
     /// within one arc.
     pub max_bearing: f64,
     /// Whether the robot may turn on the spot before it sets off; its first leg is straight then.

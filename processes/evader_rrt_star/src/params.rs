@@ -25,7 +25,7 @@ pub enum Algorithm {
 }
 
 impl Algorithm {
-    /// Lower bound on edges [m]: they are longer than this.
+    /// Lower bound on edges (m): they are longer than this.
     pub fn min_edge(self) -> f64 {
         match self {
             Self::Improved => 1e-6,
@@ -33,7 +33,7 @@ impl Algorithm {
         }
     }
 
-    /// Least distance of a pursuer that counts [m]: a nearer one counts as this far, which bounds
+    /// Least distance of a pursuer that counts (m): a nearer one counts as this far, which bounds
     /// the danger.
     pub fn closest(self) -> f64 {
         match self {
@@ -153,7 +153,7 @@ pub enum ReplanRule {
 }
 
 impl ReplanRule {
-    /// Shortest time between the beginnings of two plans [s].
+    /// Shortest time between the beginnings of two plans (s).
     pub fn least_s(self) -> f64 {
         match self {
             Self::Periodic => 0.2,
@@ -161,7 +161,7 @@ impl ReplanRule {
         }
     }
 
-    /// Distance from the path at which it is no longer followed [m].
+    /// Distance from the path at which it is no longer followed (m).
     pub fn off_path(self) -> f64 {
         match self {
             Self::Periodic => 0.3,

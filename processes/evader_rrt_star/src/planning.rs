@@ -17,7 +17,7 @@ use crate::route::Route;
 use crate::search::{Progress, Scene, Search};
 use crate::tree::Tree;
 
-/// Largest bearing of an arc's end from the heading at its start [rad]: half of the largest turn in
+/// Largest bearing of an arc's end from the heading at its start (rad): half of the largest turn in
 /// one arc.
 const MAX_BEARING: f64 = core::f64::consts::FRAC_PI_4;
 
@@ -40,7 +40,7 @@ pub struct Task<'a> {
     pub cost: &'a CostModel,
     /// From where.
     pub start: Pose2,
-    /// To the cheapest of these [m].
+    /// To the cheapest of these (m).
     pub goals: &'a [Point2<f64>],
     /// The shortest ways to the goals, one for each, or none where they are not known.
     pub towards: &'a [Arc<Towards>],

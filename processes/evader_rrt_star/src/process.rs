@@ -15,7 +15,7 @@ use crate::{RrtStarEvader, RrtStarParams};
 #[derive(Debug)]
 pub struct RrtStarPlanner {
     evader: RrtStarEvader,
-    /// Its highest speed [m/s].
+    /// Its highest speed (m/s).
     v_max: f64,
     tree: Vec<TreeEdge>,
 }

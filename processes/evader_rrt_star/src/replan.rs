@@ -5,15 +5,15 @@ use nalgebra::Point2;
 use crate::cost::Pursuer;
 use crate::motion::segment_distance;
 
-/// Distance between two places at which threats are looked for [m].
+/// Distance between two places at which threats are looked for (m).
 const STEP: f64 = 0.1;
 
-/// How far ahead threats are looked for [s].
+/// How far ahead threats are looked for (s).
 const HORIZON_S: f64 = 3.0;
 
-/// Whether a pursuer can be within `distance` [m] of a place on the way ahead when the evader gets
+/// Whether a pursuer can be within `distance` (m) of a place on the way ahead when the evader gets
 /// there, within the next `HORIZON_S` seconds. `at` gives the way ahead by the distance along it
-/// [m], as long as there is one.
+/// (m), as long as there is one.
 pub fn is_threatened(
     at: impl Fn(f64) -> Option<Point2<f64>>,
     own_speed: f64,

@@ -7,7 +7,7 @@ use steering::path_tracking::Path;
 use crate::motion::Leg;
 use crate::search::Waypoint;
 
-/// Longest piece by which an arc is drawn [m].
+/// Longest piece by which an arc is drawn (m).
 const PIECE: f64 = 0.05;
 
 /// A way from where the robot will be to an exit, or as far towards one as was found.
@@ -17,7 +17,7 @@ pub struct Route {
     pub waypoints: Vec<Waypoint>,
     /// The same as straight pieces.
     pub path: Path,
-    /// What it costs [m].
+    /// What it costs (m).
     pub cost: f64,
     /// Whether it ends at a goal.
     pub is_complete: bool,
@@ -36,7 +36,7 @@ impl Route {
         })
     }
 
-    /// The pose at a distance along the route [m].
+    /// The pose at a distance along the route (m).
     pub fn pose_at(&self, along: f64) -> Option<Pose2> {
         let p = self.path.at(along)?;
         Some(Pose2::new(p.x, p.y, self.path.direction(along)?))

@@ -29,7 +29,7 @@ pub struct FreeSampler {
 }
 
 impl FreeSampler {
-    /// The cells for a robot of this radius [m].
+    /// The cells for a robot of this radius (m).
     pub fn new(space: &FreeSpace, radius: f64) -> Self {
         let bounds = space.bounds();
         let extent = bounds.max - bounds.min;
@@ -58,7 +58,7 @@ impl FreeSampler {
         }
     }
 
-    /// About how large the free space is [m²].
+    /// About how large the free space is (m²).
     pub fn area(&self) -> f64 {
         let parts = self.corners.len() - self.whole;
         (self.whole as f64 + 0.5 * parts as f64) * self.size * self.size

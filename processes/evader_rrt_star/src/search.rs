@@ -30,7 +30,7 @@ pub struct Scene<'a> {
     pub space: &'a FreeSpace,
     /// Where samples are drawn from.
     pub sampler: &'a FreeSampler,
-    /// Radius of the robot, with the margin that is to be kept [m].
+    /// Radius of the robot, with the margin that is to be kept (m).
     pub radius: f64,
     /// What edges cost.
     pub cost: &'a CostModel,
@@ -56,7 +56,7 @@ pub struct Progress {
     pub iterations: u32,
     /// Nodes of the tree, goals included.
     pub nodes: usize,
-    /// Cost of the best way to a goal [m]; infinite without one.
+    /// Cost of the best way to a goal (m); infinite without one.
     pub best: f64,
     /// Iteration at which the first way was found.
     pub first_found: Option<u32>,
@@ -69,9 +69,9 @@ pub struct Waypoint {
     pub pose: Pose2,
     /// How one gets there from the point before.
     pub leg: Leg,
-    /// Length of the way so far [m].
+    /// Length of the way so far (m).
     pub length: f64,
-    /// Cost of the way so far [m].
+    /// Cost of the way so far (m).
     pub cost: f64,
 }
 
@@ -101,7 +101,7 @@ pub struct Search<M> {
     way: Vec<u32>,
     iterations: u32,
     first_found: Option<u32>,
-    /// γ of the shrinking radius for the whole free space [m].
+    /// γ of the shrinking radius for the whole free space (m).
     gamma: f64,
     /// Running share of free space in which samples are still of use.
     useful: f64,
@@ -147,7 +147,7 @@ impl<M: Motion> Search<M> {
         self.params.algorithm == Algorithm::Improved
     }
 
-    /// Begins anew: nothing but the root and the goals [m].
+    /// Begins anew: nothing but the root and the goals (m).
     pub fn plant(&mut self, scene: &Scene<'_>, root: Pose2, goals: &[Point2<f64>], bound: Bound) {
         self.begin(scene, root, goals, bound);
     }
@@ -251,7 +251,7 @@ impl<M: Motion> Search<M> {
             .collect()
     }
 
-    /// The radius within which nodes are joined now [m]: γ √(ln n / n) for n nodes, so that it
+    /// The radius within which nodes are joined now (m): γ √(ln n / n) for n nodes, so that it
     /// shrinks as the tree fills the space. In the published search it stays the longest edge.
     fn radius(&self) -> f64 {
         if !self.is_improved() {

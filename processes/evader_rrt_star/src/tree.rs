@@ -14,11 +14,11 @@ pub const ROOT: u32 = 0;
 pub struct Node {
     /// Where it is, and the robot's heading there (0 for primitives without one).
     pub pose: Pose2,
-    /// Cost from the root [m]; infinite while it is not joined to it.
+    /// Cost from the root (m); infinite while it is not joined to it.
     pub cost: f64,
-    /// Length of the way from the root [m].
+    /// Length of the way from the root (m).
     pub length: f64,
-    /// Cost of the edge to it [m].
+    /// Cost of the edge to it (m).
     pub edge: f64,
     /// Its parent, or [`NONE`].
     pub parent: u32,
@@ -42,7 +42,7 @@ impl Node {
         }
     }
 
-    /// Where it is [m].
+    /// Where it is (m).
     pub fn at(&self) -> Point2<f64> {
         self.pose.position()
     }

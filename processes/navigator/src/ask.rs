@@ -11,23 +11,23 @@ use thiserror::Error;
 pub struct Ask {
     /// Pose at the start.
     pub start: Pose2,
-    /// Forward speed at the start [m/s]; `None`: free.
+    /// Forward speed at the start (m/s); `None`: free.
     pub start_speed: Option<f64>,
-    /// Turning rate at the start [rad/s]; `None`: free.
+    /// Turning rate at the start (rad/s); `None`: free.
     pub start_turn_rate: Option<f64>,
-    /// Where to [m].
+    /// Where to (m).
     pub goal: Point2<f64>,
-    /// Forward speed there [m/s]; `None`: free.
+    /// Forward speed there (m/s); `None`: free.
     pub goal_speed: Option<f64>,
     /// Body and limits, as far as plans may use them.
     pub model: RobotModel,
     /// What is in the way.
     pub obstacles: Vec<Convex>,
-    /// Distance that the robot's centre keeps from it [m].
+    /// Distance that the robot's centre keeps from it (m).
     pub clearance: f64,
     /// Where the robot's centre may be.
     pub bounds: Aabb,
-    /// How deep the start may lie in a grown obstacle [m].
+    /// How deep the start may lie in a grown obstacle (m).
     pub start_tolerance: f64,
 }
 

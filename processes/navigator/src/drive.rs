@@ -21,7 +21,7 @@ impl Drive {
         &self.model
     }
 
-    /// Highest speed straight ahead [m/s].
+    /// Highest speed straight ahead (m/s).
     pub fn top_speed(&self) -> f64 {
         let wheels = self.model.wheel_speed_max.unwrap_or(f64::INFINITY);
         self.model.v_max.min(wheels)
@@ -43,7 +43,7 @@ impl Drive {
         }
     }
 
-    /// What is executed of a command during `dt` [s] after `current` was: what the world makes of it. What
+    /// What is executed of a command during `dt` (s) after `current` was: what the world makes of it. What
     /// is not finite becomes a stop.
     pub fn execute(&self, current: Twist2, command: Twist2, dt: f64) -> Twist2 {
         let command = if command.is_finite() {
@@ -54,14 +54,14 @@ impl Drive {
         limit(&self.model, current, command, dt)
     }
 
-    /// Distance [m] that stopping takes from a speed [m/s] on.
+    /// Distance (m) that stopping takes from a speed (m/s) on.
     pub fn braking_distance(&self, speed: f64) -> f64 {
         self.model
             .acceleration
             .map_or(0.0, |a| speed * speed / (2.0 * a))
     }
 
-    /// Most distance [m] that a robot which drives with `speed` [m/s] now can cover within `dt` [s]
+    /// Most distance (m) that a robot which drives with `speed` (m/s) now can cover within `dt` (s)
     /// and while it stops afterwards.
     pub fn reach(&self, speed: f64, dt: f64) -> f64 {
         let top = self.model.v_max.max(self.model.v_reverse_max);

@@ -14,11 +14,11 @@ use crate::trajectory::Trajectory;
 
 /// Halvings with which a rate is found.
 const HALVINGS: u32 = 30;
-/// Speeds below this [m/s] are none.
+/// Speeds below this (m/s) are none.
 pub const STANDING: f64 = 1e-6;
-/// How far before a place where it must stop the robot stops [m].
+/// How far before a place where it must stop the robot stops (m).
 const BEFORE: f64 = 1e-3;
-/// Distance [m] from a standing reference below which it is left at that.
+/// Distance (m) from a standing reference below which it is left at that.
 const THERE: f64 = 2e-3;
 
 /// A trajectory that is being followed.
@@ -26,11 +26,11 @@ const THERE: f64 = 2e-3;
 pub struct Follow {
     /// The trajectory.
     pub trajectory: Trajectory,
-    /// How far the reference is on it [s].
+    /// How far the reference is on it (s).
     pub tau: f64,
-    /// Distance that the robot's centre must keep from obstacles on it [m].
+    /// Distance that the robot's centre must keep from obstacles on it (m).
     pub clearance: f64,
-    /// How far along it [m] the robot can go before something is in the way.
+    /// How far along it (m) the robot can go before something is in the way.
     pub blocked: Option<f64>,
     /// Whether there is no room for tracking errors: ticks then end where speeds step, so that no
     /// command is the mean of a turn on the spot and a straight way.
@@ -51,7 +51,7 @@ pub struct Motion {
 pub struct Stops {
     /// Whether the robot shall stop as soon as it can.
     pub halt: bool,
-    /// How far along the path [m] it may go because of other robots.
+    /// How far along the path (m) it may go because of other robots.
     pub traffic: Option<f64>,
 }
 
@@ -70,17 +70,17 @@ impl Follow {
         self.trajectory.at(self.tau).0
     }
 
-    /// Time left on it at full speed [s].
+    /// Time left on it at full speed (s).
     pub fn left(&self) -> f64 {
         (self.trajectory.duration() - self.tau).max(0.0)
     }
 
-    /// Distance of the robot from where it should be [m].
+    /// Distance of the robot from where it should be (m).
     pub fn error(&self, pose: &Pose2) -> f64 {
         (self.reference().position() - pose.position()).norm()
     }
 
-    /// What the robot does during the next `dt` [s].
+    /// What the robot does during the next `dt` (s).
     pub fn pace(&self, drive: &Drive, motion: &Motion, stops: &Stops, dt: f64) -> Pace {
         let rate = self.rate(drive, motion, stops, dt);
         let (from, to) = (self.tau, self.tau + rate * dt);
@@ -120,7 +120,7 @@ impl Follow {
         Twist2::new(v, 0.0)
     }
 
-    /// How far [m] along the path the reference may still go; `None` if to the end.
+    /// How far (m) along the path the reference may still go; `None` if to the end.
     fn room(&self, stops: &Stops) -> Option<f64> {
         let stop = match (self.blocked, stops.traffic) {
             (Some(a), Some(b)) => Some(a.min(b)),

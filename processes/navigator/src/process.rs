@@ -210,7 +210,7 @@ impl NavigatorPlanner {
 }
 
 impl Link {
-    /// Time allowed for an answer [real ns]; 0 in lock-step, where time stands still meanwhile.
+    /// Time allowed for an answer (real ns); 0 in lock-step, where time stands still meanwhile.
     fn deadline_ns(&self, planning_time_s: f64) -> u64 {
         match self.clock {
             Clock::LockStep => 0,

@@ -13,15 +13,15 @@ use crate::drive::Drive;
 use crate::follow::STANDING;
 use crate::trajectory::Trajectory;
 
-/// Distance beyond the necessary at which a robot stops for one with a lower index [m].
+/// Distance beyond the necessary at which a robot stops for one with a lower index (m).
 const YIELD_DISTANCE: f64 = 0.1;
-/// Distance kept beyond what the others can reach [m].
+/// Distance kept beyond what the others can reach (m).
 const GAP: f64 = 0.01;
-/// How much nearer to somebody who is too near already the way may lead [m]: the tracking error.
+/// How much nearer to somebody who is too near already the way may lead (m): the tracking error.
 const SLACK: f64 = 3e-3;
-/// Added to what others are planned around with [m], so that the plan can be driven.
+/// Added to what others are planned around with (m), so that the plan can be driven.
 const EASE: f64 = 0.01;
-/// How long a robot stands until it counts as an obstacle [s].
+/// How long a robot stands until it counts as an obstacle (s).
 const PARKED_S: f64 = 1.0;
 
 /// Another robot, as of this tick.
@@ -29,20 +29,20 @@ const PARKED_S: f64 = 1.0;
 pub struct Other {
     /// Its index.
     pub index: usize,
-    /// Its place [m].
+    /// Its place (m).
     pub at: Point2<f64>,
-    /// Its radius [m].
+    /// Its radius (m).
     pub radius: f64,
-    /// Distance between the two centres that must be kept [m].
+    /// Distance between the two centres that must be kept (m).
     required: f64,
-    /// The least of it, when they are too near already [m].
+    /// The least of it, when they are too near already (m).
     least: f64,
     /// Whether it will not move soon.
     pub parked: bool,
 }
 
 impl Other {
-    /// Radius [m] of the disc that stands for it in a plan of a robot that is kept `clearance` [m]
+    /// Radius (m) of the disc that stands for it in a plan of a robot that is kept `clearance` (m)
     /// away from it and whose start and goal are there.
     pub fn planned_radius(&self, clearance: f64, start: Point2<f64>, goal: Point2<f64>) -> f64 {
         let wanted = (self.required + EASE - clearance).max(self.radius);
@@ -56,7 +56,7 @@ impl Other {
 #[derive(Debug, Clone, Default)]
 pub struct Traffic {
     others: Vec<Other>,
-    /// By index: since when it stands [s].
+    /// By index: since when it stands (s).
     standing: Vec<Option<f64>>,
 }
 
@@ -100,8 +100,8 @@ impl Traffic {
         &self.others
     }
 
-    /// How far [m] along a path a robot may go from the time `from` [s] on, and who is in the way;
-    /// looked for on the next `ahead` [m].
+    /// How far (m) along a path a robot may go from the time `from` (s) on, and who is in the way;
+    /// looked for on the next `ahead` (m).
     pub fn stop(&self, path: &Trajectory, from: f64, ahead: f64) -> Option<(f64, usize)> {
         let start = path.along(from);
         let here = path.at(from).0.position();

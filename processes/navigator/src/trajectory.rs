@@ -6,13 +6,13 @@ use sim_backend::pose::{Pose2, Twist2};
 use steering::go_to::coast;
 use thiserror::Error;
 
-/// Longest piece of the path that is taken for straight [m], and most that it may bend [rad].
+/// Longest piece of the path that is taken for straight (m), and most that it may bend (rad).
 const PIECE: (f64, f64) = (0.01, 0.1);
-/// How far such a piece may be from the path [m].
+/// How far such a piece may be from the path (m).
 pub const SAGITTA: f64 = PIECE.0 * PIECE.1 / 8.0;
 /// Most pieces of one path: nobody drives farther.
 const MAX_PIECES: usize = 1 << 20;
-/// Speed backwards that is taken for rounding [m/s].
+/// Speed backwards that is taken for rounding (m/s).
 const ROUNDING: f64 = 1e-3;
 /// Halvings with which the end of what is free is found.
 const HALVINGS: u32 = 24;
@@ -21,7 +21,7 @@ const HALVINGS: u32 = 24;
 /// same time are a step of the speeds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
-    /// Time since the start [s].
+    /// Time since the start (s).
     pub t: f64,
     /// Where the robot is; the heading is continuous along the trajectory, not wrapped.
     pub pose: Pose2,
@@ -47,9 +47,9 @@ pub enum TrajectoryError {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trajectory {
     samples: Vec<Sample>,
-    /// Length of the path up to each sample [m].
+    /// Length of the path up to each sample (m).
     along: Vec<f64>,
-    /// Times [s] and places [m] so near each other that the path between them is straight.
+    /// Times (s) and places (m) so near each other that the path between them is straight.
     pieces: Vec<(f64, Point2<f64>)>,
 }
 
@@ -104,17 +104,17 @@ impl Trajectory {
         })
     }
 
-    /// Duration [s].
+    /// Duration (s).
     pub fn duration(&self) -> f64 {
         self.samples.last().map_or(0.0, |last| last.t)
     }
 
-    /// Length of the path [m].
+    /// Length of the path (m).
     pub fn length(&self) -> f64 {
         self.along.last().copied().unwrap_or(0.0)
     }
 
-    /// Where the robot shall be after `t` [s], and its speeds; before the start and after the end
+    /// Where the robot shall be after `t` (s), and its speeds; before the start and after the end
     /// it stands there.
     pub fn at(&self, t: f64) -> (Pose2, Twist2) {
         match self.find(t) {
@@ -126,7 +126,7 @@ impl Trajectory {
         }
     }
 
-    /// Length of the path up to the time `t` [m].
+    /// Length of the path up to the time `t` (m).
     pub fn along(&self, t: f64) -> f64 {
         match self.find(t) {
             Found::At(i) => self.along.get(i).copied().unwrap_or(0.0),
@@ -144,7 +144,7 @@ impl Trajectory {
         }
     }
 
-    /// The time [s] of the next step of the speeds after the time `after` [s].
+    /// The time (s) of the next step of the speeds after the time `after` (s).
     pub fn next_step(&self, after: f64) -> Option<f64> {
         let first = self.samples.partition_point(|sample| sample.t <= after);
         let ahead = self.samples.get(first..).unwrap_or_default();
@@ -152,14 +152,14 @@ impl Trajectory {
         steps.next().map(|pair| pair[0].t)
     }
 
-    /// The pieces of the path from a time [s] on: time and place of each end.
+    /// The pieces of the path from a time (s) on: time and place of each end.
     pub fn pieces(&self, from: f64) -> impl Iterator<Item = (f64, Point2<f64>)> {
         let first = self.pieces.partition_point(|(t, _)| *t <= from);
         let start = (from, self.at(from).0.position());
         core::iter::once(start).chain(self.pieces.get(first..).unwrap_or_default().iter().copied())
     }
 
-    /// How far [m] along the path a disc of this radius [m] can go from the time `from` [s] on;
+    /// How far (m) along the path a disc of this radius (m) can go from the time `from` (s) on;
     /// `None` if to its end.
     pub fn blocked(&self, space: &FreeSpace, from: f64, radius: f64) -> Option<f64> {
         let mut pieces = self.pieces(from);

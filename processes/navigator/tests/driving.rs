@@ -25,7 +25,7 @@ struct Rig {
     twist: Twist2,
     tick: u32,
     asked: Option<Ask>,
-    /// Everything that was asked, with the time [s].
+    /// Everything that was asked, with the time (s).
     asks: Vec<(f64, Ask)>,
     /// What is answered instead of a straight line.
     refusal: Option<Unplanned>,

@@ -38,7 +38,7 @@ impl Eyes {
         }
     }
 
-    /// Moves the observers to these places [m].
+    /// Moves the observers to these places (m).
     pub fn set(&mut self, space: &Space, places: impl IntoIterator<Item = Point2<f64>>) {
         let poses: Vec<Pose2> = places
             .into_iter()

@@ -6,11 +6,11 @@ use nalgebra::{Point2, Vector2};
 /// image of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frame {
-    /// Image of the output (0, 0) [m].
+    /// Image of the output (0, 0) (m).
     pub origin: Point2<f64>,
-    /// Image of the first axis [m].
+    /// Image of the first axis (m).
     pub first: Vector2<f64>,
-    /// Image of the second axis [m]; not parallel to the first.
+    /// Image of the second axis (m); not parallel to the first.
     pub second: Vector2<f64>,
 }
 
@@ -68,7 +68,7 @@ impl Layout {
         self.slots.len() as u64
     }
 
-    /// Area in which a drawn goal lies [m²]: that of the first; 1 if none is drawn.
+    /// Area in which a drawn goal lies (m²): that of the first; 1 if none is drawn.
     pub fn area(&self) -> f64 {
         let areas = self.slots.iter().filter_map(|slot| match slot {
             Slot::Drawn(frame) => Some(frame.first.perp(&frame.second).abs()),
@@ -77,7 +77,7 @@ impl Layout {
         areas.into_iter().find(|area| *area > 0.0).unwrap_or(1.0)
     }
 
-    /// Number in the round of a fixed goal within `tolerance` [m] of a place; the nearest one, of
+    /// Number in the round of a fixed goal within `tolerance` (m) of a place; the nearest one, of
     /// equals the first.
     pub fn fixed_near(&self, place: Point2<f64>, tolerance: f64) -> Option<u64> {
         let mut best: Option<(f64, u64)> = None;

@@ -16,7 +16,7 @@ use sim_backend::math;
 
 use crate::moment::{Look, ReachedGoal, Seen};
 
-/// Changes of heading below this [rad] are none.
+/// Changes of heading below this (rad) are none.
 const LEAST_TURN: f64 = 0.02;
 /// The same in standard deviations of the heading.
 const TURN_SIGMAS: f64 = 5.0;
@@ -27,7 +27,7 @@ const SHORT: usize = 4;
 /// Changes of the turning rate per look that are more than noise, in standard deviations of the
 /// heading: a change takes three of them.
 const JUMP_SIGMAS: f64 = 8.0;
-/// Way that makes a leg of poses with one heading [m], and more of it in standard deviations.
+/// Way that makes a leg of poses with one heading (m), and more of it in standard deviations.
 const LEAST_LEG: f64 = 0.01;
 const LEG_SIGMAS: f64 = 4.0;
 /// Poses of a leg's end that are averaged.
@@ -36,10 +36,10 @@ const END: usize = 8;
 const SETTLED: usize = 20;
 /// Poses that say which heading a leg has.
 const HEADINGS: usize = 5;
-/// Below this the last position is better than an average [m].
+/// Below this the last position is better than an average (m).
 const EXACT: f64 = 1e-3;
 
-/// Error of a goal in standard deviations of a position, and without any [m].
+/// Error of a goal in standard deviations of a position, and without any (m).
 const NOISE_KEPT: f64 = 1.2;
 const LEAST_ERROR: f64 = 0.003;
 
@@ -49,7 +49,7 @@ struct Sample {
     seen: Seen,
 }
 
-/// The goal that was reached with this sample, after a tick of this way [m].
+/// The goal that was reached with this sample, after a tick of this way (m).
 fn reached(sample: Sample, point: Point2<f64>, way: f64) -> ReachedGoal {
     // Anywhere in the way of a tick: way²/12 along it.
     let noise = NOISE_KEPT * sample.seen.sigma;
@@ -64,7 +64,7 @@ fn reached(sample: Sample, point: Point2<f64>, way: f64) -> ReachedGoal {
 /// Watches the legs of one robot.
 #[derive(Debug, Clone)]
 pub struct Legs {
-    /// Distance from its goal at which the robot turns to the next [m].
+    /// Distance from its goal at which the robot turns to the next (m).
     arrival: f64,
     /// The last poses with one heading, oldest first.
     samples: VecDeque<Sample>,
@@ -78,13 +78,13 @@ pub struct Legs {
     before: Option<(Sample, Option<Sample>)>,
     /// Whether the robot has turned more slowly since the last goal.
     slowing: bool,
-    /// The last goal [m].
+    /// The last goal (m).
     last: Option<Point2<f64>>,
     lost: bool,
 }
 
 impl Legs {
-    /// For a robot that turns to its next goal within `arrival` [m], ≥ 0, of the last.
+    /// For a robot that turns to its next goal within `arrival` (m), ≥ 0, of the last.
     pub fn new(arrival: f64) -> Self {
         Self {
             arrival,
@@ -177,7 +177,7 @@ impl Legs {
         self.odd = None;
     }
 
-    /// Mean heading of the leg's end [rad].
+    /// Mean heading of the leg's end (rad).
     fn heading(&self) -> f64 {
         let Some(last) = self.samples.back() else {
             return 0.0;
@@ -244,7 +244,7 @@ impl Legs {
         Some(reached(*last, end + Vector2::new(cos, sin) * ahead, way))
     }
 
-    /// The last position [m] and the velocity [m/s] of the leg's end, by least squares in time.
+    /// The last position (m) and the velocity (m/s) of the leg's end, by least squares in time.
     fn end(&self) -> Option<(Point2<f64>, Vector2<f64>)> {
         let last = self.samples.back()?;
         let n = self.samples.len() as f64;

@@ -7,22 +7,22 @@ use tracking::watch::Watch;
 /// A pose as it was measured.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Seen {
-    /// Measured position [m].
+    /// Measured position (m).
     pub position: Point2<f64>,
-    /// Measured heading [rad].
+    /// Measured heading (rad).
     pub heading: f64,
-    /// Standard deviation of x and of y [m], ≥ 0.
+    /// Standard deviation of x and of y (m), ≥ 0.
     pub sigma: f64,
-    /// Standard deviation of the heading [rad], ≥ 0.
+    /// Standard deviation of the heading (rad), ≥ 0.
     pub heading_sigma: f64,
 }
 
 /// One look at a robot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Look {
-    /// Simulated time [s].
+    /// Simulated time (s).
     pub time: f64,
-    /// Time since the look before [s], > 0.
+    /// Time since the look before (s), > 0.
     pub dt: f64,
     /// The measurement; `None` if the robot is out of sight.
     pub seen: Option<Seen>,
@@ -33,11 +33,11 @@ pub struct Look {
 /// A goal that a robot has been found to have reached.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReachedGoal {
-    /// When the robot turned away from it [s].
+    /// When the robot turned away from it (s).
     pub time: f64,
-    /// Where it must have been [m].
+    /// Where it must have been (m).
     pub point: Point2<f64>,
-    /// Standard deviation of x and of y [m].
+    /// Standard deviation of x and of y (m).
     pub sd: f64,
 }
 

@@ -9,7 +9,7 @@ use crate::knowledge::{CatKnowledge, ChebyshevKnowledge};
 
 /// Most times ahead.
 const MOST_HORIZONS: usize = 32;
-/// Longest time ahead [s].
+/// Longest time ahead (s).
 const LONGEST_HORIZON: f64 = 600.0;
 
 /// A method that needs no knowledge of how goals are made.
@@ -91,7 +91,7 @@ pub struct ObserverParams {
     /// Distance from its goal at which a watched robot turns to the next one.
     #[schemars(transform = at_least(0).unit("m"))]
     pub arrival: f64,
-    /// Spectral density of the acceleration in the Kalman filter [m²/s³].
+    /// Spectral density of the acceleration in the Kalman filter (m²/s³).
     #[schemars(transform = at_least(0).unit("m²/s³"))]
     pub acceleration: f64,
     /// The particle filters.

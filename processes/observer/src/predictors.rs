@@ -15,7 +15,7 @@ pub trait Predictor {
     /// Takes up a moment; moments come in the order of time.
     fn observe(&mut self, moment: &Moment<'_>);
 
-    /// Where the robot will be `horizon` [s] after the last moment; `None` if the method cannot say.
+    /// Where the robot will be `horizon` (s) after the last moment; `None` if the method cannot say.
     fn predict(&self, horizon: f64, moment: &Moment<'_>) -> Option<Point2<f64>>;
 
     /// Goals made out so far; 0 for methods that look for none.

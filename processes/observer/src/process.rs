@@ -27,11 +27,11 @@ use crate::predictors::similar_goal::SimilarGoal;
 use crate::predictors::similar_stretch::SimilarStretch;
 use crate::watched::{Foretold, Watched};
 
-/// Greatest error with which goals are made out [m].
+/// Greatest error with which goals are made out (m).
 const GOAL_ERROR: f64 = 0.03;
-/// Length of the stretches that are compared [s].
+/// Length of the stretches that are compared (s).
 const STRETCH_S: f64 = 2.0;
-/// Time between the poses of a stretch that are compared [s].
+/// Time between the poses of a stretch that are compared (s).
 const STRETCH_STEP_S: f64 = 0.25;
 
 /// A robot that is watched.

@@ -20,7 +20,7 @@ impl Score {
         self.pending.push_back((due, prediction));
     }
 
-    /// Compares what has come due with the truth of a tick [m].
+    /// Compares what has come due with the truth of a tick (m).
     pub fn compare(&mut self, tick: u64, truth: Point2<f64>) {
         while let Some(&(due, prediction)) = self.pending.front()
             && due <= tick
@@ -33,7 +33,7 @@ impl Score {
         }
     }
 
-    /// Error [m] of the last prediction that came due since this was asked last; infinite if the
+    /// Error (m) of the last prediction that came due since this was asked last; infinite if the
     /// method could not say. `None` if none came due.
     pub fn take(&mut self) -> Option<f64> {
         self.last.take()

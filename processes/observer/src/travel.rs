@@ -7,8 +7,8 @@ use crate::moment::{Moment, ReachedGoal};
 /// Legs over which the speed is averaged.
 const LEGS: usize = 8;
 
-/// Where a robot is that goes from `from` [m] through `goals` [m] along straight lines for `length`
-/// [m]. It stays at the last goal; `None` if there is none and it has to go on.
+/// Where a robot is that goes from `from` (m) through `goals` (m) along straight lines for `length`
+/// (m). It stays at the last goal; `None` if there is none and it has to go on.
 pub fn along(
     from: Point2<f64>,
     goals: impl IntoIterator<Item = Point2<f64>>,
@@ -31,10 +31,10 @@ pub fn along(
 /// The mean speed over the last legs, turns included, and where the robot was seen last.
 #[derive(Debug, Clone, Default)]
 pub struct Pace {
-    /// Time [s] and place of the last goals, oldest first.
+    /// Time (s) and place of the last goals, oldest first.
     goals: Vec<ReachedGoal>,
     last: Option<Point2<f64>>,
-    /// Time since then [s].
+    /// Time since then (s).
     unseen_for: f64,
 }
 
@@ -58,7 +58,7 @@ impl Pace {
         }
     }
 
-    /// Mean speed [m/s]; `None` before the second goal.
+    /// Mean speed (m/s); `None` before the second goal.
     pub fn speed(&self) -> Option<f64> {
         let (first, last) = (self.goals.first()?, self.goals.last()?);
         let time = last.time - first.time;
@@ -73,8 +73,8 @@ impl Pace {
         (time > 0.0).then(|| way / time)
     }
 
-    /// Where the robot was seen last [m], and how far it goes from there until `horizon` [s] from now
-    /// [m]; `None` before it has been seen and before the second goal.
+    /// Where the robot was seen last (m), and how far it goes from there until `horizon` (s) from now
+    /// (m); `None` before it has been seen and before the second goal.
     pub fn way(&self, horizon: f64) -> Option<(Point2<f64>, f64)> {
         Some((self.last?, self.speed()? * (self.unseen_for + horizon)))
     }

@@ -21,11 +21,11 @@ struct Entry {
 pub struct Foretold {
     /// Code of the method.
     pub method: u8,
-    /// How far ahead [s].
+    /// How far ahead (s).
     pub horizon: f64,
-    /// Where the robot will be [m]; `None` if the method cannot say.
+    /// Where the robot will be (m); `None` if the method cannot say.
     pub position: Option<Point2<f64>>,
-    /// Error [m] of the last prediction for this time ahead that came due since the last report,
+    /// Error (m) of the last prediction for this time ahead that came due since the last report,
     /// infinite if none was made; `None` if none was due.
     pub error: Option<f64>,
     /// Goals made out.
@@ -38,14 +38,14 @@ pub struct Foretold {
 pub struct Watched {
     legs: Legs,
     entries: Vec<Entry>,
-    /// Times ahead [s] and in ticks.
+    /// Times ahead (s) and in ticks.
     horizons: Vec<(f64, u64)>,
     look: Option<Look>,
 }
 
 impl Watched {
-    /// For a robot that turns to its next goal within `arrival` [m] of the last; `horizons` are in
-    /// [s] and in ticks.
+    /// For a robot that turns to its next goal within `arrival` (m) of the last; `horizons` are in
+    /// (s) and in ticks.
     pub fn new(arrival: f64, horizons: Vec<(f64, u64)>) -> Self {
         Self {
             legs: Legs::new(arrival),
@@ -74,7 +74,7 @@ impl Watched {
         self.entries.is_empty()
     }
 
-    /// Takes up the look of a tick, with the truth that only scores see [m].
+    /// Takes up the look of a tick, with the truth that only scores see (m).
     pub fn observe(
         &mut self,
         tick: u64,

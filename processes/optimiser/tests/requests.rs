@@ -85,7 +85,7 @@ fn awkward() -> impl Strategy<Value = f64> {
     ]
 }
 
-/// Offset of the first of the numbers in a request [bytes], and how many they are.
+/// Offset of the first of the numbers in a request (bytes), and how many they are.
 const NUMBERS: (usize, usize) = (64, 22);
 
 proptest! {

@@ -28,7 +28,7 @@ pub const SHOWN: usize = 12;
 pub struct PatrolAwg {
     mission: Mission,
     pace: Pace,
-    /// When the robot set out from the start of the contour, simulated time [s].
+    /// When the robot set out from the start of the contour, simulated time (s).
     set_out_s: Option<f64>,
     obstacles_known: bool,
     laps: Laps<AnySource>,
@@ -73,7 +73,7 @@ impl PatrolAwg {
         &self.mission
     }
 
-    /// When it set out from the start of the contour, simulated time [s]: a forecast's time 0.
+    /// When it set out from the start of the contour, simulated time (s): a forecast's time 0.
     pub fn set_out_s(&self) -> Option<f64> {
         self.set_out_s
     }

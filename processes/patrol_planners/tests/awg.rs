@@ -33,7 +33,7 @@ fn patrol(text: &str, more: &str, start: Pose2) -> Awg {
     Awg(PatrolAwg::new(&params, &model(start), 42).unwrap())
 }
 
-/// When each lap ended [s].
+/// When each lap ended (s).
 fn lap_ends(drive: &Drive, per_lap: u64) -> Vec<f64> {
     let ends = drive.reports.iter().filter(|r| {
         let number = r.waypoint.number;
@@ -182,7 +182,7 @@ fn a_patrol_that_cannot_be_names_the_field() {
     assert!(made(driver).starts_with("`driver.stuck_s` is -1"));
 }
 
-/// Distances of the robot from where its forecast says it is, tick by tick [m].
+/// Distances of the robot from where its forecast says it is, tick by tick (m).
 fn errors(drive: &Drive, planner: &Awg) -> Vec<f64> {
     let mission = planner.0.mission();
     let forecast = Forecast::new(mission.awg.clone(), mission.key.source().unwrap());

@@ -19,13 +19,13 @@ pub const MAX_PLAN_POINTS: usize = 128;
 /// A point of a plan.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PlannedPoint {
-    /// Where [m].
+    /// Where (m).
     pub at: Point2<f64>,
-    /// Heading there [rad].
+    /// Heading there (rad).
     pub theta: f64,
-    /// Time from now until the robot is there [s]; 0 where the plan has no timing.
+    /// Time from now until the robot is there (s); 0 where the plan has no timing.
     pub time_s: f64,
-    /// Forward speed there [m/s]; 0 where the plan has no timing.
+    /// Forward speed there (m/s); 0 where the plan has no timing.
     pub v: f64,
 }
 

@@ -89,7 +89,7 @@ pub trait Planner: Sized + 'static {
     fn new(params: &Self::Params, robot: &RobotInfo, seed: u64) -> Result<Self, String>;
 
     /// Takes note of the rules: where evaders get away, and the distance below which Police catch
-    /// them [m] (0 if they do not). Called once, before everything else.
+    /// them (m) (0 if they do not). Called once, before everything else.
     fn rules(&mut self, exits: &[Region], capture_radius: f64) {
         let _ = (exits, capture_radius);
     }

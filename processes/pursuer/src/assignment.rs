@@ -20,7 +20,7 @@ use crate::matching::{balanced, milliseconds};
 use crate::params::{AssignmentMethod, AssignmentParams};
 use crate::slots;
 
-/// Interception time that a change of target must gain [s]; keeps two pursuers from swapping to and fro.
+/// Interception time that a change of target must gain (s); keeps two pursuers from swapping to and fro.
 const SWITCH_COST_S: f64 = 2.0;
 
 /// Most pursuers and evaders that are matched with each other; more take the nearest.
@@ -31,7 +31,7 @@ const MAX_MATCHED: usize = 256;
 pub struct Order {
     /// The robot it chases.
     pub target: usize,
-    /// The place it takes to cut that robot off [m]; absent: it drives at the robot.
+    /// The place it takes to cut that robot off (m); absent: it drives at the robot.
     pub place: Option<Point2<f64>>,
 }
 
@@ -219,7 +219,7 @@ impl Assigner {
             .map(|(_, target)| *target)
     }
 
-    /// Predicted interception times [ms], pursuer by pursuer, less what a switch would cost. A pursuer
+    /// Predicted interception times (ms), pursuer by pursuer, less what a switch would cost. A pursuer
     /// that is late everywhere counts with its arrival at the end of the evader's way.
     fn costs(
         &self,

@@ -23,7 +23,7 @@ use crate::params::{GoalMethod, PursuerParams};
 use crate::slots;
 use crate::targets::supposed;
 
-/// How near a target must be, in sight, for a pursuer that cuts it off to drive at it [m].
+/// How near a target must be, in sight, for a pursuer that cuts it off to drive at it (m).
 const CLOSE: f64 = 1.0;
 
 /// Chases evaders by potential fields (chasing-game paper, §III-B).
@@ -62,7 +62,7 @@ impl Pursuer {
         })
     }
 
-    /// Lays the ways through a new map for a robot of this radius [m]. [`Pursuer::command`] does it
+    /// Lays the ways through a new map for a robot of this radius (m). [`Pursuer::command`] does it
     /// too if it has not been done; here it does not cost time in a tick.
     pub fn prepare(&mut self, map: &PlannerMap, radius: f64) {
         self.finder.prepare(map, radius);

@@ -32,15 +32,15 @@ use crate::matching::{milliseconds, one_each};
 /// Where cuts are tried, as shares of the way from the first place in time to the exit.
 const SHARES: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 
-/// A length [mm] that means "no way", and a node that means "none".
+/// A length (mm) that means "no way", and a node that means "none".
 const NONE: u32 = u32::MAX;
 
 /// Whom to cut off.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fugitive {
-    /// Where it is [m].
+    /// Where it is (m).
     pub at: Point2<f64>,
-    /// Its highest speed [m/s].
+    /// Its highest speed (m/s).
     pub v_max: f64,
     /// Whether the exits are guarded, so that they need not be blocked.
     pub guarded: bool,
@@ -49,9 +49,9 @@ pub struct Fugitive {
 /// Someone who can take a place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Blocker {
-    /// Where it is [m].
+    /// Where it is (m).
     pub at: Point2<f64>,
-    /// Its highest speed [m/s].
+    /// Its highest speed (m/s).
     pub v_max: f64,
     /// Where the way-finder keeps its ways.
     pub slot: usize,
@@ -60,7 +60,7 @@ pub struct Blocker {
 /// Places that block ways out.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Cut {
-    /// The places [m], in the order in which they were found.
+    /// The places (m), in the order in which they were found.
     pub places: Vec<Point2<f64>>,
     /// Whether no way out is left.
     pub complete: bool,
@@ -77,14 +77,14 @@ pub struct CutSearch {
     blocked: Vec<bool>,
     length: Vec<u32>,
     parent: Vec<u32>,
-    /// Nodes on the rim, with the least length of a way through them [mm].
+    /// Nodes on the rim, with the least length of a way through them (mm).
     queue: BinaryHeap<Reverse<(u32, u32)>>,
-    /// The way found last: places [m] and the length up to there [m].
+    /// The way found last: places (m) and the length up to there (m).
     way: Vec<(Point2<f64>, f64)>,
 }
 
 impl CutSearch {
-    /// A cut between a target and the exits [m], of fewer places than there are blockers.
+    /// A cut between a target and the exits (m), of fewer places than there are blockers.
     ///
     /// `finder` must have been prepared for the map. Nothing with fewer than two blockers, and
     /// nothing (but complete) where no way leads out.
@@ -254,7 +254,7 @@ impl CutSearch {
 }
 
 /// The places of a cut given to the blockers, one each at the least sum of driving times; `None`
-/// for those that shall drive at the target at `at` [m] itself.
+/// for those that shall drive at the target at `at` (m) itself.
 pub fn allot(
     map: &PlannerMap,
     finder: &mut Wayfinder,

@@ -28,7 +28,7 @@ use crate::targets;
 /// What a guard does in a tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Duty {
-    /// It drives to its post [m], or stands there.
+    /// It drives to its post (m), or stands there.
     Post(Point2<f64>),
     /// It captures this evader.
     Capture(usize),
@@ -46,7 +46,7 @@ pub struct ExitGuards {
     sites_for: Option<(u64, Vec<Point2<f64>>)>,
     sites: Vec<ExitSite>,
     hypotheses: Vec<Hypothesis>,
-    /// Of the exit that was looked at last: evaders and when each may be at each entry [s].
+    /// Of the exit that was looked at last: evaders and when each may be at each entry (s).
     threats: Vec<(usize, Vec<f64>)>,
 }
 
@@ -210,7 +210,7 @@ impl ExitGuards {
         }
     }
 
-    /// When the first of the evaders but `except` may be at each entry [s].
+    /// When the first of the evaders but `except` may be at each entry (s).
     fn deadlines(&self, entries: usize, except: Option<usize>) -> Vec<f64> {
         let mut deadlines = vec![NEVER_S; entries];
         for (_, times) in self.threats.iter().filter(|t| Some(t.0) != except) {
@@ -221,7 +221,7 @@ impl ExitGuards {
         deadlines
     }
 
-    /// The post of every guard of an exit [m].
+    /// The post of every guard of an exit (m).
     fn posts(
         &self,
         view: &View<'_>,
@@ -307,7 +307,7 @@ impl ExitGuards {
     }
 }
 
-/// Time that a pursuer needs to an exit [s]; as the crow flies if no way leads there.
+/// Time that a pursuer needs to an exit (s); as the crow flies if no way leads there.
 fn driving_time(
     map: &PlannerMap,
     finder: &mut Wayfinder,
@@ -322,7 +322,7 @@ fn driving_time(
     guard_time(distance, pursuer.v_max, 0.0)
 }
 
-/// When a guard that starts from `from` [m] has each entry in its reach [s]; `None` without a way.
+/// When a guard that starts from `from` (m) has each entry in its reach (s); `None` without a way.
 fn times_from(
     map: &PlannerMap,
     finder: &mut Wayfinder,

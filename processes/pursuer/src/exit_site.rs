@@ -23,13 +23,13 @@ use sim_backend::math;
 /// Points on the circle that stand for the ways in.
 const ENTRIES: u32 = 24;
 
-/// Distance between two posts that a guard chooses from [m].
+/// Distance between two posts that a guard chooses from (m).
 const POST_PITCH: f64 = 0.1;
 
-/// Gap between the bodies of two guards at their posts [m].
+/// Gap between the bodies of two guards at their posts (m).
 const POST_GAP: f64 = 0.2;
 
-/// A time that stands for "never" [s], small enough that differences of a nanosecond remain.
+/// A time that stands for "never" (s), small enough that differences of a nanosecond remain.
 pub const NEVER_S: f64 = 1.0e6;
 
 /// The surroundings of one exit.
@@ -40,14 +40,14 @@ pub struct ExitSite {
     radius: f64,
     robot_radius: f64,
     entries: Vec<Point2<f64>>,
-    /// Directions of the entries from the exit's centre [rad].
+    /// Directions of the entries from the exit's centre (rad).
     bearings: Vec<f64>,
     posts: Vec<Point2<f64>>,
 }
 
 impl ExitSite {
-    /// The surroundings of an exit [m] that one is through within `exit_radius` [m] of, for guards
-    /// of `robot_radius` [m] that stand no further than `post_radius` [m] from it. `slot` is where
+    /// The surroundings of an exit (m) that one is through within `exit_radius` (m) of, for guards
+    /// of `robot_radius` (m) that stand no further than `post_radius` (m) from it. `slot` is where
     /// the guards' way-finders keep the ways to it.
     ///
     /// Entries and posts are places from which the exit can be reached straight.
@@ -98,22 +98,22 @@ impl ExitSite {
         self.slot
     }
 
-    /// The exit's centre [m].
+    /// The exit's centre (m).
     pub fn exit(&self) -> Point2<f64> {
         self.exit
     }
 
-    /// The places where targets get through [m], never empty.
+    /// The places where targets get through (m), never empty.
     pub fn entries(&self) -> &[Point2<f64>] {
         &self.entries
     }
 
-    /// The places where a guard may stand [m], never empty.
+    /// The places where a guard may stand (m), never empty.
     pub fn posts(&self) -> &[Point2<f64>] {
         &self.posts
     }
 
-    /// Lengths of the shortest ways from `from` [m] to each entry that come through no other [m],
+    /// Lengths of the shortest ways from `from` (m) to each entry that come through no other (m),
     /// in the open: straight, or by a tangent to the circle of the entries and along it; 0 inside
     /// the circle.
     pub fn approaches(&self, from: Point2<f64>) -> impl Iterator<Item = f64> {
@@ -135,8 +135,8 @@ impl ExitSite {
         })
     }
 
-    /// How late one who is at each entry at these times is at worst [s], negative for being early;
-    /// `times` and `deadlines` [s] follow the entries.
+    /// How late one who is at each entry at these times is at worst (s), negative for being early;
+    /// `times` and `deadlines` (s) follow the entries.
     pub fn lateness(times: &[f64], deadlines: &[f64]) -> f64 {
         times
             .iter()
@@ -145,8 +145,8 @@ impl ExitSite {
             .fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// The post with the least lateness for a guard of this speed [m/s] and reach [m], given for
-    /// each entry when targets may be there [s] and when other guards can (`covered` [s]), and
+    /// The post with the least lateness for a guard of this speed (m/s) and reach (m), given for
+    /// each entry when targets may be there (s) and when other guards can (`covered` (s)), and
     /// where those stand.
     ///
     /// Of equal posts the one where the guard alone is less late, then the one nearer to the exit,
@@ -180,13 +180,13 @@ impl ExitSite {
     }
 }
 
-/// When a guard has a place in its reach [s], driving straight; negative for one that lies inside
+/// When a guard has a place in its reach (s), driving straight; negative for one that lies inside
 /// it, [`NEVER_S`] at most.
 pub fn straight_time(from: Point2<f64>, to: Point2<f64>, speed: f64, reach: f64) -> f64 {
     guard_time((to - from).norm(), speed, reach)
 }
 
-/// When a guard has a place at this distance [m] in its reach [s], see [`straight_time`].
+/// When a guard has a place at this distance (m) in its reach (s), see [`straight_time`].
 pub fn guard_time(distance: f64, speed: f64, reach: f64) -> f64 {
     let time = (distance - reach) / speed;
     if speed > 0.0 && !time.is_nan() {
@@ -196,7 +196,7 @@ pub fn guard_time(distance: f64, speed: f64, reach: f64) -> f64 {
     }
 }
 
-/// Direction of a vector [rad].
+/// Direction of a vector (rad).
 fn bearing(of: Vector2<f64>) -> f64 {
     math::atan2(of.y, of.x)
 }

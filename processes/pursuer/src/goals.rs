@@ -15,10 +15,10 @@ use crate::params::{BeliefGoals, Knowledge};
 /// Distance of a goal ahead of the target, along its heading, as a fraction of the range to it.
 const LOOK_AHEAD_RATIO: f64 = 0.7;
 
-/// Longest distance ahead [m].
+/// Longest distance ahead (m).
 const LONGEST_LOOK_AHEAD: f64 = 5.0;
 
-/// Side of the squares in which hypotheses are counted to find the heaviest cluster [m].
+/// Side of the squares in which hypotheses are counted to find the heaviest cluster (m).
 const MODE_CELL: f64 = 1.0;
 
 /// A hypothesis of a target's pose with its weight (> 0).
@@ -70,7 +70,7 @@ pub fn estimate(view: &View<'_>, target: usize, knowledge: Knowledge) -> Option<
     }
 }
 
-/// The goal for a hypothesis: a point ahead of it by a share of the distance to it [m], on this side of
+/// The goal for a hypothesis: a point ahead of it by a share of the distance to it (m), on this side of
 /// the first obstacle; the published program's may lie inside a block or beyond the arena's wall.
 pub fn look_ahead(
     map: &PlannerMap,

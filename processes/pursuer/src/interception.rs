@@ -28,30 +28,30 @@ use planner_view::view::RobotView;
 
 use crate::slots;
 
-/// Speeds below this [m/s] are standing still.
+/// Speeds below this (m/s) are standing still.
 const STILL: f64 = 1.0e-3;
 
 /// Where and when a pursuer meets its target.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Meeting {
-    /// Where the target then is [m].
+    /// Where the target then is (m).
     pub at: Point2<f64>,
-    /// When, from now on [s], ≥ 0.
+    /// When, from now on (s), ≥ 0.
     pub time_s: f64,
 }
 
 /// What is known, or supposed, of a target.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Target {
-    /// Where it is [m].
+    /// Where it is (m).
     pub at: Point2<f64>,
-    /// How it moves now, world frame [m/s].
+    /// How it moves now, world frame (m/s).
     pub velocity: Vector2<f64>,
-    /// Its highest speed [m/s].
+    /// Its highest speed (m/s).
     pub v_max: f64,
 }
 
-/// The earliest meeting of a pursuer at `from` [m] with `speed` [m/s] and `reach` [m] with a target
+/// The earliest meeting of a pursuer at `from` (m) with `speed` (m/s) and `reach` (m) with a target
 /// that keeps its velocity, in the open; `None` if there is none.
 pub fn meet_straight(
     from: Point2<f64>,
@@ -78,8 +78,8 @@ pub fn meet_straight(
     })
 }
 
-/// The earliest meeting on a way of places [m] with the times at which the target is there [s],
-/// given when the pursuer can be within its reach of a place [s]; `None` if it is late everywhere.
+/// The earliest meeting on a way of places (m) with the times at which the target is there (s),
+/// given when the pursuer can be within its reach of a place (s); `None` if it is late everywhere.
 ///
 /// Between two places of the way both times are taken as linear.
 pub fn meet_on_way(
@@ -118,7 +118,7 @@ pub struct Interceptor {
 }
 
 impl Interceptor {
-    /// An interceptor for which a target within `reach` [m] is met.
+    /// An interceptor for which a target within `reach` (m) is met.
     pub fn new(reach: f64) -> Self {
         Self {
             reach,
@@ -126,7 +126,7 @@ impl Interceptor {
         }
     }
 
-    /// The earliest meeting of `own` with a target that runs for one of `exits` [m]; `None` if
+    /// The earliest meeting of `own` with a target that runs for one of `exits` (m); `None` if
     /// `own` is late everywhere.
     ///
     /// `finder` must have been prepared for the map.
@@ -149,7 +149,7 @@ impl Interceptor {
         })
     }
 
-    /// When a pursuer is within its reach of a place at this driving distance [m], from now on [s].
+    /// When a pursuer is within its reach of a place at this driving distance (m), from now on (s).
     pub fn time_for(&self, distance: f64, pursuer: &RobotView) -> f64 {
         (distance - self.reach).max(0.0) / pursuer.v_max
     }
@@ -166,8 +166,8 @@ impl Interceptor {
         free.then_some(meeting)
     }
 
-    /// The shortest way of a target at `at` [m] to its nearest exit: places [m] with the times [s] at
-    /// which it is there at its highest speed `v_max` [m/s]; if it has no way or no speed, it stays
+    /// The shortest way of a target at `at` (m) to its nearest exit: places (m) with the times (s) at
+    /// which it is there at its highest speed `v_max` (m/s); if it has no way or no speed, it stays
     /// where it is.
     ///
     /// `finder` must have been prepared for the map.
@@ -227,7 +227,7 @@ mod tests {
         }
     }
 
-    /// When a pursuer that always drives at its target gets within `reach` [s], if within `limit`.
+    /// When a pursuer that always drives at its target gets within `reach` (s), if within `limit`.
     fn pure_chase(speed: f64, reach: f64, target: &Target, limit: f64) -> Option<f64> {
         let (mut from, mut at) = (Point2::origin(), target.at);
         let dt = 0.002;

@@ -3,14 +3,14 @@
 use pathfinding::kuhn_munkres::kuhn_munkres_min;
 use pathfinding::matrix::Matrix;
 
-/// The cost of the impossible [ms], about three hours.
+/// The cost of the impossible (ms), about three hours.
 pub const NEVER_MS: i64 = 10_000_000;
 
-/// Added to the cost of a place beyond an evader's fair share [ms], so that all fair shares are
+/// Added to the cost of a place beyond an evader's fair share (ms), so that all fair shares are
 /// filled first; above any sum of interception times of a full team.
 const SURPLUS_MS: i64 = NEVER_MS * 1024;
 
-/// A time as a cost [ms]; [`NEVER_MS`] for what is not a time that can come (NaN, infinity).
+/// A time as a cost (ms); [`NEVER_MS`] for what is not a time that can come (NaN, infinity).
 pub fn milliseconds(seconds: f64) -> i64 {
     let ms = (seconds * 1000.0).round();
     if ms >= 0.0 && ms < NEVER_MS as f64 {
@@ -20,7 +20,7 @@ pub fn milliseconds(seconds: f64) -> i64 {
     }
 }
 
-/// Matches every row (pursuer) with a column (evader) at the least sum of costs [ms].
+/// Matches every row (pursuer) with a column (evader) at the least sum of costs (ms).
 ///
 /// With n rows and m columns every column gets at least ⌊n/m⌋ rows and at most one more; with fewer
 /// rows than columns, every row its own column. `costs` holds n · m values in 0 ..= 10⁷, row by
@@ -52,7 +52,7 @@ pub fn balanced(costs: &[i64], rows: usize, columns: usize) -> Vec<(usize, usize
         .collect()
 }
 
-/// Gives every row (pursuer) a column (place) of its own at the least sum of costs [ms].
+/// Gives every row (pursuer) a column (place) of its own at the least sum of costs (ms).
 ///
 /// `costs` holds n · m values in 0 ..= 10⁷, row by row, with n ≤ m; nothing is matched otherwise.
 pub fn one_each(costs: &[i64], rows: usize, columns: usize) -> Vec<usize> {

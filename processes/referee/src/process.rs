@@ -43,7 +43,7 @@ struct Due {
 }
 
 impl Due {
-    /// Every `period_s` [s], at least one tick.
+    /// Every `period_s` (s), at least one tick.
     fn new(period_s: f64, tick_s: f64) -> Self {
         // A cast of a float saturates; NaN becomes 0.
         let every = ((period_s / tick_s).round() as u64).max(1);

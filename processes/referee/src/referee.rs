@@ -36,7 +36,7 @@ pub struct Referee {
 }
 
 impl Referee {
-    /// A referee of a game with these exits, in which Police catch within `capture` [m].
+    /// A referee of a game with these exits, in which Police catch within `capture` (m).
     pub fn new(params: RefereeParams, exits: Vec<Region>, capture: f64) -> Self {
         Self {
             dominance: Dominance::default(),
@@ -53,7 +53,7 @@ impl Referee {
         }
     }
 
-    /// Lays out a new map for robots of this radius [m]. [`Referee::judge`] does it too if it has
+    /// Lays out a new map for robots of this radius (m). [`Referee::judge`] does it too if it has
     /// not been done; here it does not cost time in a tick.
     pub fn prepare(&mut self, map: &PlannerMap, radius: f64) {
         let known = |(revision, of, _): &(u64, f64, Arena)| {
@@ -131,7 +131,7 @@ impl Referee {
     }
 }
 
-/// Radius [m] of the narrowest of the robots that chase or flee, in play or not; 0 without any.
+/// Radius (m) of the narrowest of the robots that chase or flee, in play or not; 0 without any.
 pub(crate) fn narrowest(robots: &[RobotView]) -> f64 {
     let radius = robots
         .iter()

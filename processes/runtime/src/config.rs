@@ -46,14 +46,14 @@ pub struct RunConfig {
     pub prefix: String,
     /// Seed of everything random.
     pub seed: u64,
-    /// Simulated time between two ticks [ns], > 0.
+    /// Simulated time between two ticks (ns), > 0.
     pub tick_period_ns: u64,
     /// How time passes.
     pub clock: Clock,
     /// In lock-step: simulated seconds per second that the simulator keeps to; `None`: as fast as it
     /// can.
     pub pace: Option<f64>,
-    /// Real time without an answer after which a process counts as hung [s].
+    /// Real time without an answer after which a process counts as hung (s).
     pub hang_timeout_s: f64,
     /// Processor to pin to; `None`: wherever the system likes.
     pub processor: Option<u32>,
@@ -71,7 +71,7 @@ pub struct RunConfig {
     pub robots: Vec<RobotInfo>,
     /// Where evaders get away.
     pub exits: Vec<Region>,
-    /// Distance below which a police robot catches an evader [m]; 0 if nobody is caught.
+    /// Distance below which a police robot catches an evader (m); 0 if nobody is caught.
     pub capture_radius: f64,
     /// Least severe level of the log on stderr: `error`, `warn`, `info`, `debug`, `trace`.
     pub log_level: String,
@@ -105,13 +105,13 @@ pub enum Clock {
     RealTime {
         /// Simulated seconds per second.
         factor: f64,
-        /// Age at which a command no longer holds and its robot stops [simulated ns].
+        /// Age at which a command no longer holds and its robot stops (simulated ns).
         deadline_ns: u64,
     },
 }
 
 /// Ticks after its own for which a command is good: those at which it is younger than the deadline
-/// [simulated ns].
+/// (simulated ns).
 pub fn ticks_within(deadline_ns: u64, tick_period: Duration) -> u64 {
     let period_ns = u64::try_from(tick_period.as_nanos()).unwrap_or(u64::MAX);
     deadline_ns.div_ceil(period_ns.max(1)).saturating_sub(1)

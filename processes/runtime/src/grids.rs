@@ -13,7 +13,7 @@ pub struct MapGrids {
     pub blurred: Grid<f32>,
     /// Cells whose centre is in an obstacle.
     pub occupied: Grid<bool>,
-    /// Distance from the cell's centre to the nearest obstacle [m].
+    /// Distance from the cell's centre to the nearest obstacle (m).
     pub clearance: Grid<f32>,
 }
 

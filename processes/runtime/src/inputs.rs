@@ -26,7 +26,7 @@ pub struct StateInput {
     pub header: WorldHeader,
     /// Robots of the newest state, in the order of their index.
     pub robots: Vec<RobotState>,
-    /// Monotonic clock when the newest state was taken up [ns].
+    /// Monotonic clock when the newest state was taken up (ns).
     pub received_ns: u64,
     /// States that failed the checks.
     pub rejected: u64,
@@ -338,7 +338,7 @@ pub struct RobotInput<T: Topic> {
     robots: usize,
     /// The newest messages, sorted by the robot they are about.
     pub latest: Vec<Latest<T>>,
-    /// Monotonic clock when the newest message was taken up [ns].
+    /// Monotonic clock when the newest message was taken up (ns).
     pub received_ns: u64,
     /// Messages that failed the checks.
     pub rejected: u64,
@@ -346,7 +346,7 @@ pub struct RobotInput<T: Topic> {
 
 /// Beliefs about the opponents.
 pub type BeliefInput = RobotInput<Belief>;
-/// Range scans; ranges [m] are +∞ where nothing was hit, −∞ where it was too near (REP-117).
+/// Range scans; ranges (m) are +∞ where nothing was hit, −∞ where it was too near (REP-117).
 pub type ScanInput = RobotInput<Scan>;
 
 impl<T: PerRobot> RobotInput<T> {

@@ -155,7 +155,7 @@ pub enum Product {
 pub struct Lookout {
     /// The robots that look, by index.
     pub robots: Vec<usize>,
-    /// Fixed places [m].
+    /// Fixed places (m).
     pub points: Vec<[f64; 2]>,
     /// How far and how wide it sees.
     pub limits: SightLimits,

@@ -22,7 +22,7 @@ pub struct Ground {
     pub spec: MapSpec,
     /// What has changed since, in order.
     pub changes: Vec<ObstacleChange>,
-    /// Standard deviation of the blur [m].
+    /// Standard deviation of the blur (m).
     pub blur_sigma: f64,
 }
 

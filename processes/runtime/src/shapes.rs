@@ -17,7 +17,7 @@ pub const MAX_POINTS: usize = 1 << 18;
 /// corners in as many triangles as it can be cut into.
 pub const POINTS_PER_EVENT: usize = 3 * (crate::obstacle::MAX_VERTICES - 2);
 
-/// Largest coordinate and radius [m] that a receiver believes.
+/// Largest coordinate and radius (m) that a receiver believes.
 const MAX_COORDINATE: f64 = 1e6;
 
 /// Why a message makes no pieces.
@@ -28,13 +28,13 @@ pub enum ShapesMessageError {
         "bounds from ({min_x}, {min_y}) to ({max_x}, {max_y}), expected finite ones with an inside"
     )]
     Bounds {
-        /// Smallest x [m].
+        /// Smallest x (m).
         min_x: f64,
-        /// Smallest y [m].
+        /// Smallest y (m).
         min_y: f64,
-        /// Largest x [m].
+        /// Largest x (m).
         max_x: f64,
-        /// Largest y [m].
+        /// Largest y (m).
         max_y: f64,
     },
     /// The points are not of as many shapes as announced, one after the other.
@@ -55,11 +55,11 @@ pub enum ShapesMessageError {
     Number {
         /// Index of the shape.
         shape: u32,
-        /// x [m].
+        /// x (m).
         x: f64,
-        /// y [m].
+        /// y (m).
         y: f64,
-        /// Radius [m].
+        /// Radius (m).
         radius: f64,
     },
     /// The points of a shape are neither a disc nor a convex polygon.

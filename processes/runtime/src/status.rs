@@ -83,7 +83,7 @@ impl Heartbeat {
     }
 }
 
-/// Resident memory of this process [bytes]; 0 if the system does not tell.
+/// Resident memory of this process (bytes); 0 if the system does not tell.
 fn resident_bytes() -> u64 {
     std::fs::read_to_string("/proc/self/statm")
         .ok()

@@ -58,7 +58,7 @@ pub struct UnknownRobot {
 #[derive(Debug, Clone, Default)]
 pub struct Agenda {
     items: Vec<Item>,
-    /// Where the robots started [m].
+    /// Where the robots started (m).
     starts: Vec<Point2<f64>>,
     /// Index of the first item that has not happened: those before it need no look.
     first: usize,

@@ -101,7 +101,7 @@ impl CommandBoard {
         self.is_missing(robot) || command.is_some_and(|command| !command.is_command())
     }
 
-    /// Monotonic clock when the last command was taken up [ns].
+    /// Monotonic clock when the last command was taken up (ns).
     pub fn received_ns(&self) -> u64 {
         self.received_ns
     }

@@ -164,7 +164,7 @@ pub fn revision(map: &WorldMap) -> u32 {
 /// `world/map` for the map as it is now.
 ///
 /// # Errors
-/// [`BlurError`] if the map cannot be blurred with this deviation [m].
+/// [`BlurError`] if the map cannot be blurred with this deviation (m).
 pub fn map_message(
     map: &WorldMap,
     blur_sigma: f64,

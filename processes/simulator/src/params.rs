@@ -11,7 +11,7 @@ use crate::agenda::PlannedChange;
 pub struct SimulatorParams {
     /// The world: map, robots, rules, seed.
     pub world: WorldSpec,
-    /// Standard deviation of the blur of the published map [m].
+    /// Standard deviation of the blur of the published map (m).
     pub blur_sigma: f64,
     /// For every robot the index of the process that drives it; `None`: nobody, it stands.
     pub drivers: Vec<Option<u32>>,

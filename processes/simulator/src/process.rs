@@ -345,7 +345,7 @@ impl Simulator {
         Ok(())
     }
 
-    /// Simulated time of the current tick [ns].
+    /// Simulated time of the current tick (ns).
     fn time_ns(&self) -> u64 {
         self.tick.saturating_mul(self.tick_period.as_nanos() as u64)
     }

@@ -21,9 +21,9 @@ pub struct CellMap {
     pub width: usize,
     /// Number of rows (cells along y).
     pub height: usize,
-    /// Side of a cell [m], > 0.
+    /// Side of a cell (m), > 0.
     pub resolution: f64,
-    /// Outer corner of the first cell [m].
+    /// Outer corner of the first cell (m).
     pub origin: [f64; 2],
     /// Lengths of the runs of equal cells, free and occupied in turn, the first one free (0 if the
     /// first cell is occupied); their sum is the number of cells.

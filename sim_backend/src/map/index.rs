@@ -17,7 +17,7 @@ const CELLS_PER_BUCKET: usize = 4;
 const MAX_BUCKETS: usize = 1 << 18;
 /// Reach of a bucket's last list, in sides of a bucket.
 const REACH: f64 = 2.0;
-/// Slack on comparisons of distances [m]: far above rounding, far below anything that matters.
+/// Slack on comparisons of distances (m): far above rounding, far below anything that matters.
 const SLACK: f64 = 1e-9;
 
 /// The lists of one bucket, one behind the other in [`ShapeIndex::items`].
@@ -36,7 +36,7 @@ pub(super) struct ShapeIndex {
     pub frame: GridFrame,
     /// Cells of the map's grid along the side of a bucket.
     pub cells_per_bucket: usize,
-    /// Radius around any point of a bucket within which [`Self::within_reach`] is complete [m].
+    /// Radius around any point of a bucket within which [`Self::within_reach`] is complete (m).
     pub reach: f64,
     inverse_side: f64,
     spans: Vec<Span>,
@@ -171,7 +171,7 @@ struct Node {
 }
 
 impl Node {
-    /// The circumscribed disc: centre and radius [m].
+    /// The circumscribed disc: centre and radius (m).
     fn disc(&self, frame: &GridFrame) -> (Point2<f64>, f64) {
         let side = frame.resolution;
         let x = (self.cols.0 + self.cols.1) as f64 * 0.5 * side;

@@ -19,7 +19,7 @@ pub struct Passages {
 }
 
 impl Passages {
-    /// The cells whose clearance [m] is above 0 and at least `needed` [m].
+    /// The cells whose clearance (m) is above 0 and at least `needed` (m).
     pub fn new(clearance: &Grid<f32>, needed: f64) -> Self {
         let frame = clearance.frame;
         let is_open = |cell: usize| {
@@ -48,7 +48,7 @@ impl Passages {
         Self { frame, rooms }
     }
 
-    /// Where a robot gets from these places [m]. The cell that it stands in is open to it whatever
+    /// Where a robot gets from these places (m). The cell that it stands in is open to it whatever
     /// its clearance is; a place outside the map leads nowhere.
     pub fn reach(&self, starts: impl IntoIterator<Item = Point2<f64>>) -> Reach<'_> {
         let mut reach = Reach {

@@ -5,20 +5,20 @@ use nalgebra::{Point2, Vector2};
 use super::ShapeMap;
 use crate::shape::{Aabb, Contact};
 
-/// How far beyond the border of a bucket [m] a hit still counts as inside: above the rounding of
+/// How far beyond the border of a bucket (m) a hit still counts as inside: above the rounding of
 /// the border crossings, below the slack with which pieces are listed.
 const BORDER: f64 = 1e-10;
 
 /// What a ray meets first.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {
-    /// Distance along the ray [m].
+    /// Distance along the ray (m).
     pub distance: f64,
     /// Index of the piece; `None` for the edge of the map.
     pub part: Option<u32>,
 }
 
-/// Distance [m] from a point to the edge of the map; negative beyond it, NaN for a NaN point.
+/// Distance (m) from a point to the edge of the map; negative beyond it, NaN for a NaN point.
 pub(super) fn edge_distance(bounds: &Aabb, p: Point2<f64>) -> f64 {
     let (low, high) = (p - bounds.min, bounds.max - p);
     let (x, y) = (low.x.min(high.x), low.y.min(high.y));
@@ -27,7 +27,7 @@ pub(super) fn edge_distance(bounds: &Aabb, p: Point2<f64>) -> f64 {
 }
 
 impl ShapeMap {
-    /// Distance [m] from a point to the nearest obstacle or the edge of the map; 0 in an obstacle,
+    /// Distance (m) from a point to the nearest obstacle or the edge of the map; 0 in an obstacle,
     /// beyond the edge, and for a point that is not finite.
     pub fn distance(&self, p: Point2<f64>) -> f64 {
         let mut distance = edge_distance(&self.bounds, p);
@@ -41,7 +41,7 @@ impl ShapeMap {
         }
     }
 
-    /// A lower bound [m] on [`Self::distance`] from the clearance field alone: one look-up, at
+    /// A lower bound (m) on [`Self::distance`] from the clearance field alone: one look-up, at
     /// most √2 cells (plus rounding) below the truth. Below 0 it says nothing.
     #[inline]
     pub fn clearance_at_least(&self, p: Point2<f64>) -> f64 {
@@ -59,7 +59,7 @@ impl ShapeMap {
         }
     }
 
-    /// Whether a disc of this radius [m] about a point touches no obstacle: the field where it
+    /// Whether a disc of this radius (m) about a point touches no obstacle: the field where it
     /// decides, exact geometry elsewhere.
     pub fn is_clear(&self, p: Point2<f64>, radius: f64) -> bool {
         self.clearance_at_least(p) >= radius || self.distance(p) >= radius
@@ -107,7 +107,7 @@ impl ShapeMap {
         ]
     }
 
-    /// Collects the pieces within `reach` [m] of a point, and perhaps some beyond; one look-up up
+    /// Collects the pieces within `reach` (m) of a point, and perhaps some beyond; one look-up up
     /// to [`Self::cheap_reach`].
     pub fn parts_within(&self, p: Point2<f64>, reach: f64, found: &mut Vec<u32>) {
         if reach <= self.index.reach {
@@ -119,7 +119,7 @@ impl ShapeMap {
     }
 
     /// Collects, in order, the pieces in buckets that the rectangle spanned by two points and
-    /// grown by `reach` [m] overlaps.
+    /// grown by `reach` (m) overlaps.
     pub(super) fn parts_in(
         &self,
         a: Point2<f64>,
@@ -140,14 +140,14 @@ impl ShapeMap {
         found.dedup();
     }
 
-    /// Radius [m] within which [`Self::parts_within`] needs a single look-up.
+    /// Radius (m) within which [`Self::parts_within`] needs a single look-up.
     pub fn cheap_reach(&self) -> f64 {
         self.index.reach
     }
 
-    /// Distance [m] along a ray from `origin` in the unit direction `dir` to the first obstacle or
+    /// Distance (m) along a ray from `origin` in the unit direction `dir` to the first obstacle or
     /// the edge of the map; 0 if the ray starts inside one, `None` if there is none within
-    /// `range` [m].
+    /// `range` (m).
     pub fn cast_ray(&self, origin: Point2<f64>, dir: Vector2<f64>, range: f64) -> Option<f64> {
         self.first_hit(origin, dir, range).map(|hit| hit.distance)
     }

@@ -13,9 +13,9 @@ use crate::grid::{Grid, GridFrame};
 use crate::params::ParamsError;
 use crate::spec::MAX_COORDINATE;
 
-/// Largest YAML file that is read [bytes].
+/// Largest YAML file that is read (bytes).
 const MAX_YAML: u64 = 1 << 20;
-/// Most that is read of an image [bytes]: plain pixels of the largest map, with comments.
+/// Most that is read of an image (bytes): plain pixels of the largest map, with comments.
 const MAX_IMAGE: u64 = 512 << 20;
 const KEYS: &str = "image, resolution, origin, negate, occupied_thresh, free_thresh or mode";
 
@@ -26,9 +26,9 @@ pub struct RosMap {
     pub path: PathBuf,
     /// The image, a PGM file; relative to the YAML file's directory.
     pub image: PathBuf,
-    /// Side of a pixel [m].
+    /// Side of a pixel (m).
     pub resolution: f64,
-    /// World position of the outer corner of the bottom left pixel [m].
+    /// World position of the outer corner of the bottom left pixel (m).
     pub origin: [f64; 2],
     /// Whether white is occupied instead of black.
     pub negate: bool,

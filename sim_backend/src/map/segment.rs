@@ -6,7 +6,7 @@ use super::ShapeMap;
 use super::query::edge_distance;
 use crate::shape::ShortArc;
 
-/// How much nearer [m] than its radius a disc may come and still only touch: far above the rounding
+/// How much nearer (m) than its radius a disc may come and still only touch: far above the rounding
 /// of tangents at map coordinates, far below the world's own contact distance (10⁻⁷ m).
 pub const TOUCHING: f64 = 1e-9;
 
@@ -24,7 +24,7 @@ enum Verdict {
 }
 
 impl ShapeMap {
-    /// Whether a disc of this radius [m] can travel straight from `a` to `b`: every point of the
+    /// Whether a disc of this radius (m) can travel straight from `a` to `b`: every point of the
     /// segment is at least `radius` from all pieces and the edge of the map, but for
     /// [`TOUCHING`]. `false` for points that are not finite.
     ///
@@ -39,7 +39,7 @@ impl ShapeMap {
         inside && self.stretch_is_clear([a, b], 0.5 * (b - a).norm(), radius, 0)
     }
 
-    /// The same for a part of a segment, whose half length [m] is given.
+    /// The same for a part of a segment, whose half length (m) is given.
     fn stretch_is_clear(
         &self,
         [a, b]: [Point2<f64>; 2],
@@ -62,7 +62,7 @@ impl ShapeMap {
         }
     }
 
-    /// Whether a disc of this radius [m] can travel along an arc of at most a half turn, as
+    /// Whether a disc of this radius (m) can travel along an arc of at most a half turn, as
     /// [`Self::segment_is_clear`].
     pub fn arc_is_clear(&self, arc: &ShortArc, radius: f64) -> bool {
         let radius = radius - TOUCHING;
@@ -113,7 +113,7 @@ impl ShapeMap {
             .all(|direction| edge_distance(&self.bounds, arc.at(direction)) >= radius)
     }
 
-    /// What the clearance field says of a stretch that lies within `half` [m] of its `middle`.
+    /// What the clearance field says of a stretch that lies within `half` (m) of its `middle`.
     fn judge(&self, middle: Point2<f64>, half: f64, radius: f64, depth: u32) -> Verdict {
         let least = self.clearance_at_least(middle);
         if least >= radius + half {
@@ -130,7 +130,7 @@ impl ShapeMap {
         }
     }
 
-    /// Whether all pieces within `reach` [m] of a point satisfy a test.
+    /// Whether all pieces within `reach` (m) of a point satisfy a test.
     fn near_are_clear(
         &self,
         middle: Point2<f64>,
@@ -147,7 +147,7 @@ impl ShapeMap {
         }
     }
 
-    /// Distance [m] between a segment and the nearest obstacle or the edge of the map; 0 if they
+    /// Distance (m) between a segment and the nearest obstacle or the edge of the map; 0 if they
     /// touch.
     pub fn segment_distance(&self, a: Point2<f64>, b: Point2<f64>) -> f64 {
         let edge = edge_distance(&self.bounds, a)

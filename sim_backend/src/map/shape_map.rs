@@ -22,13 +22,13 @@ pub struct ShapeMap {
     occupancy: Grid<bool>,
     pub(super) clearance: Grid<f32>,
     pub(super) inverse_resolution: f64,
-    /// How much nearer [m] an obstacle may be to a point than the clearance of its cell says.
+    /// How much nearer (m) an obstacle may be to a point than the clearance of its cell says.
     pub(super) clearance_error: f64,
     passages: KnownPassages,
 }
 
 impl ShapeMap {
-    /// Prepares pieces within `bounds` [m]; `frame` is the grid of the clearance field and should
+    /// Prepares pieces within `bounds` (m); `frame` is the grid of the clearance field and should
     /// begin at the smaller corner of the bounds and cover them. Finer cells make queries near
     /// walls cheaper and the preparation dearer; the answers are the same.
     pub fn new(parts: Vec<Convex>, bounds: Aabb, frame: GridFrame) -> Self {
@@ -72,17 +72,17 @@ impl ShapeMap {
         &self.occupancy
     }
 
-    /// Per cell the distance [m] from its centre to the nearest piece or the edge; 0 inside one.
+    /// Per cell the distance (m) from its centre to the nearest piece or the edge; 0 inside one.
     pub fn clearance(&self) -> &Grid<f32> {
         &self.clearance
     }
 
-    /// The cells whose clearance is at least `needed` [m], and which of them are joined; made once.
+    /// The cells whose clearance is at least `needed` (m), and which of them are joined; made once.
     pub fn passages(&self, needed: f64) -> Arc<Passages> {
         self.passages.get(&self.clearance, needed)
     }
 
-    /// How much nearer [m] a piece may be to a point than the clearance of its cell says: half a
+    /// How much nearer (m) a piece may be to a point than the clearance of its cell says: half a
     /// diagonal and rounding.
     pub fn clearance_error(&self) -> f64 {
         self.clearance_error

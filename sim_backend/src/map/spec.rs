@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{CellMap, RosMap, RosMapError, VectorMap, VectorMapError};
 
-/// Largest vector map file that is read [bytes].
+/// Largest vector map file that is read (bytes).
 const MAX_VECTOR_FILE: u64 = 64 << 20;
 
 /// The ground of a world.

@@ -32,7 +32,7 @@ pub struct VectorMap {
     pub name: String,
     /// The rectangle that the world occupies.
     pub bounds: Bounds,
-    /// Side of the grid's cells [m], > 0.
+    /// Side of the grid's cells (m), > 0.
     #[serde(default = "default_resolution")]
     pub resolution: f64,
     /// Most cells that the grid may have, in [1, [`MAX_CELLS`]]; more is an error, not a wait.
@@ -58,9 +58,9 @@ const fn default_max_cells() -> usize {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Bounds {
-    /// Smallest x and y [m].
+    /// Smallest x and y (m).
     pub min: [f64; 2],
-    /// Largest x and y [m].
+    /// Largest x and y (m).
     pub max: [f64; 2],
 }
 
@@ -114,7 +114,7 @@ fn quoted(name: &str) -> String {
 }
 
 impl VectorMap {
-    /// An empty map within bounds [m] with cells of this side [m].
+    /// An empty map within bounds (m) with cells of this side (m).
     pub fn empty(min: [f64; 2], max: [f64; 2], resolution: f64) -> Self {
         Self {
             name: String::new(),

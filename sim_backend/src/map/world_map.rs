@@ -255,7 +255,7 @@ impl WorldMap {
         self.shapes.occupancy()
     }
 
-    /// Per cell the distance [m] from its centre to the nearest obstacle; 0 inside one.
+    /// Per cell the distance (m) from its centre to the nearest obstacle; 0 inside one.
     pub fn clearance(&self) -> &Grid<f32> {
         self.shapes.clearance()
     }

@@ -6,7 +6,7 @@ use super::WorldMap;
 use crate::shape::Contact;
 
 impl WorldMap {
-    /// Distance [m] from a point to the nearest obstacle or the edge of the map; 0 in an obstacle,
+    /// Distance (m) from a point to the nearest obstacle or the edge of the map; 0 in an obstacle,
     /// beyond the edge, and for a point that is not finite.
     pub fn distance(&self, p: Point2<f64>) -> f64 {
         self.shapes().distance(p)
@@ -18,7 +18,7 @@ impl WorldMap {
         self.shapes().clearance_at_least(p)
     }
 
-    /// Whether a disc of this radius [m] about a point touches no obstacle.
+    /// Whether a disc of this radius (m) about a point touches no obstacle.
     pub fn is_clear(&self, p: Point2<f64>, radius: f64) -> bool {
         self.shapes().is_clear(p, radius)
     }
@@ -53,7 +53,7 @@ impl WorldMap {
         self.shapes().parts_within(p, reach, found);
     }
 
-    /// Radius [m] within which [`Self::parts_within`] needs a single look-up.
+    /// Radius (m) within which [`Self::parts_within`] needs a single look-up.
     pub(crate) fn cheap_reach(&self) -> f64 {
         self.shapes().cheap_reach()
     }

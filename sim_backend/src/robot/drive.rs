@@ -10,7 +10,7 @@ use crate::spec::{ActuatorSpec, RobotModel};
 /// Noise beyond this many standard deviations is cut off.
 const MAX_SIGMAS: f64 = 3.0;
 
-/// The twist [m/s, rad/s] that a drive executes during a step of `dt` [s] when `command` (finite)
+/// The twist (m/s, rad/s) that a drive executes during a step of `dt` (s) when `command` (finite)
 /// is asked of it and `current` was executed before.
 ///
 /// In this order: speed and turning rate are clamped to their limits; if a wheel would turn too
@@ -74,7 +74,7 @@ fn sinc(x: f64) -> f64 {
     }
 }
 
-/// The displacement [m] of a robot with heading `theta` [rad] that keeps a twist for `dt` [s].
+/// The displacement (m) of a robot with heading `theta` (rad) that keeps a twist for `dt` (s).
 ///
 /// The end of an arc lies at the arc's length times sinc(φ/2) in the direction of its middle
 /// heading, φ being the angle turned; this form needs no division by ω and hence no special case
@@ -86,7 +86,7 @@ pub(crate) fn arc_displacement(theta: f64, twist: Twist2, dt: f64) -> Vector2<f6
     Vector2::new(chord * cos, chord * sin)
 }
 
-/// The heading [rad] after turning by `turn`, wrapped.
+/// The heading (rad) after turning by `turn`, wrapped.
 pub(crate) fn turned(theta: f64, turn: f64) -> f64 {
     let sum = theta + turn;
     let pi = core::f64::consts::PI;
@@ -97,7 +97,7 @@ pub(crate) fn turned(theta: f64, turn: f64) -> f64 {
     }
 }
 
-/// The pose after keeping a twist for `dt` [s]: exact integration of the unicycle.
+/// The pose after keeping a twist for `dt` (s): exact integration of the unicycle.
 pub fn integrate(pose: Pose2, twist: Twist2, dt: f64) -> Pose2 {
     let shift = arc_displacement(pose.theta, twist, dt);
     Pose2 {

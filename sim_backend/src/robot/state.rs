@@ -90,7 +90,7 @@ pub struct Robot {
     pub finished_at: Option<Duration>,
     /// Index of the robot that caught it.
     pub caught_by: Option<usize>,
-    /// Way driven so far [m].
+    /// Way driven so far (m).
     pub distance_travelled: f64,
     /// Contacts so far.
     pub contacts: ContactCounts,
@@ -126,7 +126,7 @@ impl Robot {
         self.status == RobotStatus::Active
     }
 
-    /// Radius of its body [m].
+    /// Radius of its body (m).
     pub fn radius(&self) -> f64 {
         self.model.radius
     }

@@ -4,7 +4,7 @@ use super::Convex;
 
 impl Convex {
     /// Least and greatest coordinate across `axis` (0: x, 1: y) of the part of the piece whose
-    /// coordinate along `axis` lies between `low` and `high` [m], ends included: for axis 1, how
+    /// coordinate along `axis` lies between `low` and `high` (m), ends included: for axis 1, how
     /// far the piece reaches along x between two heights. `None` if nothing of it lies there.
     pub fn extent_in_band(&self, axis: usize, low: f64, high: f64) -> Option<(f64, f64)> {
         let across = 1 - axis.min(1);

@@ -7,7 +7,7 @@ use parry2d_f64::shape::SharedShape;
 
 use crate::math;
 
-/// Below this distance [m] the direction from the surface to a point is rounding noise, and the
+/// Below this distance (m) the direction from the surface to a point is rounding noise, and the
 /// side's own normal is used.
 const NORMAL_NOISE: f64 = 1e-12;
 
@@ -16,9 +16,9 @@ const NORMAL_NOISE: f64 = 1e-12;
 pub enum Convex {
     /// A disc.
     Disc {
-        /// Centre [m].
+        /// Centre (m).
         center: Point2<f64>,
-        /// Radius [m].
+        /// Radius (m).
         radius: f64,
     },
     /// A rectangle along the axes.
@@ -30,20 +30,20 @@ pub enum Convex {
 /// A rectangle along the axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Aabb {
-    /// Corner with the smallest coordinates [m].
+    /// Corner with the smallest coordinates (m).
     pub min: Point2<f64>,
-    /// Corner with the largest coordinates [m].
+    /// Corner with the largest coordinates (m).
     pub max: Point2<f64>,
 }
 
 /// A side of a convex polygon, counter-clockwise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Edge {
-    /// Where the side starts [m].
+    /// Where the side starts (m).
     pub(super) start: Point2<f64>,
     /// Unit vector along the side.
     pub(super) along: Vector2<f64>,
-    /// Length of the side [m].
+    /// Length of the side (m).
     pub(super) length: f64,
 }
 
@@ -57,7 +57,7 @@ impl Edge {
 /// Where a point stands towards the nearest surface of a piece.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact {
-    /// Distance to the surface [m]; negative inside, by the depth.
+    /// Distance to the surface (m); negative inside, by the depth.
     pub distance: f64,
     /// Unit vector from the surface to the outside at the nearest surface point. The whole piece
     /// lies behind the line through that point across `normal`.
@@ -65,12 +65,12 @@ pub struct Contact {
 }
 
 impl Convex {
-    /// A disc; `radius` [m] > 0.
+    /// A disc; `radius` (m) > 0.
     pub fn disc(center: Point2<f64>, radius: f64) -> Self {
         Self::Disc { center, radius }
     }
 
-    /// A rectangle about `center` [m] with half its sides [m], turned by `angle` [rad].
+    /// A rectangle about `center` (m) with half its sides (m), turned by `angle` (rad).
     pub fn rectangle(center: Point2<f64>, half_extents: [f64; 2], angle: f64) -> Self {
         let half = Vector2::new(half_extents[0], half_extents[1]);
         if angle == 0.0 {
@@ -89,7 +89,7 @@ impl Convex {
         ])
     }
 
-    /// A convex polygon from counter-clockwise corners [m]; repeated corners are dropped.
+    /// A convex polygon from counter-clockwise corners (m); repeated corners are dropped.
     pub fn polygon(corners: &[Point2<f64>]) -> Self {
         let n = corners.len();
         let edges = (0..n).filter_map(|i| {
@@ -104,7 +104,7 @@ impl Convex {
         Self::Polygon(edges.collect())
     }
 
-    /// Distance from a point to the piece [m]; 0 inside.
+    /// Distance from a point to the piece (m); 0 inside.
     pub fn distance(&self, p: Point2<f64>) -> f64 {
         match self {
             Self::Disc { center, radius } => ((p - center).norm() - radius).max(0.0),
@@ -134,7 +134,7 @@ impl Convex {
         }
     }
 
-    /// Distance [m] along a ray from `origin` in the unit direction `dir` to the piece; 0 if the
+    /// Distance (m) along a ray from `origin` in the unit direction `dir` to the piece; 0 if the
     /// origin is inside, `None` if the ray misses.
     pub fn ray(&self, origin: Point2<f64>, dir: Vector2<f64>) -> Option<f64> {
         match self {
@@ -223,22 +223,22 @@ impl Convex {
 }
 
 impl Aabb {
-    /// The middle [m].
+    /// The middle (m).
     pub fn center(&self) -> Point2<f64> {
         nalgebra::center(&self.min, &self.max)
     }
 
-    /// Half the lengths of the sides [m].
+    /// Half the lengths of the sides (m).
     pub fn half_extents(&self) -> Vector2<f64> {
         (self.max - self.min) * 0.5
     }
 
-    /// Whether a point [m] lies inside or on the border.
+    /// Whether a point (m) lies inside or on the border.
     pub fn contains(&self, p: Point2<f64>) -> bool {
         p.x >= self.min.x && p.x <= self.max.x && p.y >= self.min.y && p.y <= self.max.y
     }
 
-    /// Distance from a point to the rectangle [m]; 0 inside.
+    /// Distance from a point to the rectangle (m); 0 inside.
     pub fn distance(&self, p: Point2<f64>) -> f64 {
         let dx = (self.min.x - p.x).max(p.x - self.max.x).max(0.0);
         let dy = (self.min.y - p.y).max(p.y - self.max.y).max(0.0);

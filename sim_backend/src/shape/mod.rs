@@ -33,24 +33,24 @@ pub const MAX_CONCAVE_VERTICES: usize = 512;
 pub enum Shape {
     /// A disc.
     Circle {
-        /// Centre [m].
+        /// Centre (m).
         center: [f64; 2],
-        /// Radius [m], > 0.
+        /// Radius (m), > 0.
         radius: f64,
     },
     /// A rectangle.
     Rectangle {
-        /// Centre [m].
+        /// Centre (m).
         center: [f64; 2],
-        /// Half the length of each side, along the rectangle's own x and y [m], > 0.
+        /// Half the length of each side, along the rectangle's own x and y (m), > 0.
         half_extents: [f64; 2],
-        /// Rotation about the centre [rad], counter-clockwise.
+        /// Rotation about the centre (rad), counter-clockwise.
         #[serde(default)]
         angle: f64,
     },
     /// A simple polygon, convex or not, in either orientation; the last vertex joins the first.
     Polygon {
-        /// Corners in order [m]; at least 3, at most [`MAX_VERTICES`], or
+        /// Corners in order (m); at least 3, at most [`MAX_VERTICES`], or
         /// [`MAX_CONCAVE_VERTICES`] if it is not convex.
         vertices: Vec<[f64; 2]>,
     },
@@ -140,7 +140,7 @@ impl Shape {
         }
     }
 
-    /// The shape carried along by a rigid motion: turned by `motion.theta` about `pivot` [m], then
+    /// The shape carried along by a rigid motion: turned by `motion.theta` about `pivot` (m), then
     /// shifted by (`motion.x`, `motion.y`).
     #[must_use]
     pub fn moved(&self, pivot: Point2<f64>, motion: Pose2) -> Self {

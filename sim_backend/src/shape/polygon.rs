@@ -77,7 +77,7 @@ pub(super) fn effort(vertices: &[[f64; 2]]) -> Effort {
     }
 }
 
-/// Shoelace area [m²], positive for counter-clockwise corners.
+/// Shoelace area (m²), positive for counter-clockwise corners.
 fn signed_area(points: &[Point2<f64>]) -> f64 {
     let Some(&origin) = points.first() else {
         return 0.0;
@@ -89,7 +89,7 @@ fn signed_area(points: &[Point2<f64>]) -> f64 {
     0.5 * sum
 }
 
-/// Larger side of the bounding box [m].
+/// Larger side of the bounding box (m).
 fn extent(points: &[Point2<f64>]) -> f64 {
     let range = |f: fn(&Point2<f64>) -> f64| {
         let low = points.iter().map(f).fold(f64::INFINITY, f64::min);

@@ -7,9 +7,9 @@ use super::convex::{Aabb, Convex, Edge};
 /// An arc of a circle, counter-clockwise, of at most a half turn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ShortArc {
-    /// Centre of the circle [m].
+    /// Centre of the circle (m).
     pub center: Point2<f64>,
-    /// Radius of the circle [m], ≥ 0.
+    /// Radius of the circle (m), ≥ 0.
     pub radius: f64,
     /// Unit vector from the centre to where the arc starts.
     pub start: Vector2<f64>,
@@ -19,7 +19,7 @@ pub struct ShortArc {
 }
 
 impl ShortArc {
-    /// The point of the circle in the direction of a unit vector [m].
+    /// The point of the circle in the direction of a unit vector (m).
     pub fn at(&self, direction: Vector2<f64>) -> Point2<f64> {
         self.center + direction * self.radius
     }
@@ -44,7 +44,7 @@ impl ShortArc {
             && direction.dot(&(self.start + self.end)) >= 0.0
     }
 
-    /// Distance [m] from a point to the arc, apart from the arc's ends: infinite if the nearest
+    /// Distance (m) from a point to the arc, apart from the arc's ends: infinite if the nearest
     /// point of the circle is not on the arc.
     fn inner_distance(&self, p: Point2<f64>) -> f64 {
         let offset = p - self.center;
@@ -57,7 +57,7 @@ impl ShortArc {
 }
 
 impl Convex {
-    /// Corners of the piece [m], counter-clockwise; the centre alone of a disc.
+    /// Corners of the piece (m), counter-clockwise; the centre alone of a disc.
     pub fn corners(&self) -> Vec<Point2<f64>> {
         match self {
             Self::Disc { center, .. } => vec![*center],
@@ -74,7 +74,7 @@ impl Convex {
         }
     }
 
-    /// Whether every point of the segment from `a` to `b` is at least `radius` [m] away.
+    /// Whether every point of the segment from `a` to `b` is at least `radius` (m) away.
     ///
     /// Exact but for rounding. For a radius of 0 a segment along the border is clear, one through
     /// the inside is not.
@@ -97,7 +97,7 @@ impl Convex {
         }
     }
 
-    /// Distance [m] from the piece to the segment from `a` to `b`; 0 if they meet.
+    /// Distance (m) from the piece to the segment from `a` to `b`; 0 if they meet.
     pub fn segment_distance(&self, a: Point2<f64>, b: Point2<f64>) -> f64 {
         match self {
             Self::Disc { center, radius } => {
@@ -116,7 +116,7 @@ impl Convex {
         }
     }
 
-    /// Whether every point of an arc is at least `radius` [m] away.
+    /// Whether every point of an arc is at least `radius` (m) away.
     ///
     /// Exact but for rounding: the distance to a convex piece is least at an end of the arc, where
     /// the arc faces a corner, where it runs parallel to a side, or where it enters. An arc that
@@ -160,7 +160,7 @@ fn box_edges(aabb: &Aabb) -> [Edge; 4] {
     ]
 }
 
-/// Square of the distance [m²] from a point to the segment from `a` to `b`.
+/// Square of the distance (m²) from a point to the segment from `a` to `b`.
 fn segment_distance_squared(p: Point2<f64>, a: Point2<f64>, b: Point2<f64>) -> f64 {
     let (line, offset) = (b - a, p - a);
     let along = offset.dot(&line);
@@ -200,7 +200,7 @@ fn polygon_is_clear(edges: &[Edge], a: Point2<f64>, b: Point2<f64>, radius: f64)
         && [a, b].iter().all(|&p| point_is_clear(edges, p, squared))
 }
 
-/// How far [m] the polygon lies beside the line through `a` and `b`; negative if on both sides;
+/// How far (m) the polygon lies beside the line through `a` and `b`; negative if on both sides;
 /// −∞ for a segment without direction, `None` for one that is not finite.
 fn side_gap(edges: &[Edge], a: Point2<f64>, b: Point2<f64>) -> Option<f64> {
     let line = b - a;
@@ -229,7 +229,7 @@ fn meets(edges: &[Edge], a: Point2<f64>, b: Point2<f64>) -> bool {
     !edges.iter().any(behind) && side_gap(edges, a, b).is_none_or(|gap| gap < 0.0)
 }
 
-/// Whether the square of the distance from a point to the polygon is at least `squared` [m²],
+/// Whether the square of the distance from a point to the polygon is at least `squared` (m²),
 /// corners apart.
 fn point_is_clear(edges: &[Edge], p: Point2<f64>, squared: f64) -> bool {
     let mut inside = true;

@@ -17,7 +17,7 @@ use crate::robot::Robot;
 pub enum Condition {
     /// Its centre has covered a way.
     Travelled {
-        /// Length of the way [m], ≥ 0.
+        /// Length of the way (m), ≥ 0.
         travelled: f64,
     },
     /// It has come nearer to its goal.
@@ -27,9 +27,9 @@ pub enum Condition {
     },
     /// Its centre is near a point.
     Within {
-        /// Largest distance [m], > 0.
+        /// Largest distance (m), > 0.
         within: f64,
-        /// The point, x and y [m].
+        /// The point, x and y (m).
         of: [f64; 2],
     },
 }
@@ -56,7 +56,7 @@ impl Condition {
         }
     }
 
-    /// Whether it is true of a robot, as it is now, that started at `start` [m]. A robot without a
+    /// Whether it is true of a robot, as it is now, that started at `start` (m). A robot without a
     /// goal makes no progress.
     pub fn holds(&self, robot: &Robot, start: Point2<f64>) -> bool {
         let at = robot.pose.position();

@@ -16,16 +16,16 @@ use crate::team::Team;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct CoverageSpec {
-    /// Radius of the disc about a robot's centre that it visits [m], > 0: of its tool, or of what
+    /// Radius of the disc about a robot's centre that it visits (m), > 0: of its tool, or of what
     /// it sees (walls do not limit it). Each robot's own radius if absent.
     pub radius: Option<f64>,
-    /// Side of the cells that are accounted for [m], > 0; that of the map's grid if absent.
+    /// Side of the cells that are accounted for (m), > 0; that of the map's grid if absent.
     pub resolution: Option<f64>,
     /// Names of the robots that count, beside those of `teams`.
     pub robots: Vec<String>,
     /// Teams whose robots count. All robots count if `robots` and `teams` are both empty.
     pub teams: Vec<Team>,
-    /// Time between two reports [s], > 0.
+    /// Time between two reports (s), > 0.
     pub period: f64,
 }
 

@@ -2,7 +2,7 @@
 
 use crate::params::{ParamsError, require};
 
-/// Largest coordinate or length that a map, shape or robot may have [m].
+/// Largest coordinate or length that a map, shape or robot may have (m).
 ///
 /// A limit of sense rather than of arithmetic: at 100 km a position still resolves 10⁻¹¹ m, so
 /// that contacts keep their tolerance.

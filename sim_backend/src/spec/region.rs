@@ -16,25 +16,25 @@ use crate::params::ParamsError;
 pub enum Region {
     /// The points strictly nearer to `center` than `radius`.
     Circle {
-        /// Centre [m].
+        /// Centre (m).
         center: [f64; 2],
-        /// Radius [m], > 0.
+        /// Radius (m), > 0.
         radius: f64,
     },
     /// The points strictly inside a rectangle.
     Rectangle {
-        /// Centre [m].
+        /// Centre (m).
         center: [f64; 2],
-        /// Half the length of each side, along the rectangle's own x and y [m], > 0.
+        /// Half the length of each side, along the rectangle's own x and y (m), > 0.
         half_extents: [f64; 2],
-        /// Rotation about the centre [rad], counter-clockwise.
+        /// Rotation about the centre (rad), counter-clockwise.
         #[serde(default)]
         angle: f64,
     },
 }
 
 impl Region {
-    /// Whether a point [m] lies strictly inside.
+    /// Whether a point (m) lies strictly inside.
     pub fn contains(&self, p: Point2<f64>) -> bool {
         match *self {
             Self::Circle { center, radius } => {
@@ -58,7 +58,7 @@ impl Region {
         }
     }
 
-    /// The region's centre [m].
+    /// The region's centre (m).
     pub fn center(&self) -> Point2<f64> {
         match *self {
             Self::Circle { center, .. } | Self::Rectangle { center, .. } => {
@@ -67,7 +67,7 @@ impl Region {
         }
     }
 
-    /// Radius [m] of the smallest circle around [`Self::center`] that covers the region.
+    /// Radius (m) of the smallest circle around [`Self::center`] that covers the region.
     pub fn bounding_radius(&self) -> f64 {
         match *self {
             Self::Circle { radius, .. } => radius,

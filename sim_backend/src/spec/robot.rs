@@ -24,15 +24,15 @@ pub struct RobotSpec {
     pub name: String,
     /// The side it plays for.
     pub team: Team,
-    /// Pose at time 0 [m, m, rad].
+    /// Pose at time 0 (m, m, rad).
     pub start: Pose2,
     /// The robot whose body and limits are taken where nothing else is said.
     #[serde(default)]
     pub preset: Preset,
-    /// Radius of the disc that the robot occupies [m], > 0; the preset's if absent.
+    /// Radius of the disc that the robot occupies (m), > 0; the preset's if absent.
     #[serde(default)]
     pub radius: Option<f64>,
-    /// Distance between the wheels' contact points [m], > 0; the preset's if absent.
+    /// Distance between the wheels' contact points (m), > 0; the preset's if absent.
     #[serde(default)]
     pub wheel_separation: Option<f64>,
     /// Limits that differ from the preset's.
@@ -163,17 +163,17 @@ impl Preset {
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct LimitsSpec {
-    /// Largest forward speed [m/s], > 0.
+    /// Largest forward speed (m/s), > 0.
     pub v_max: Option<f64>,
-    /// Largest speed backwards [m/s], ≥ 0.
+    /// Largest speed backwards (m/s), ≥ 0.
     pub v_reverse_max: Option<f64>,
-    /// Largest turning rate either way [rad/s], ≥ 0.
+    /// Largest turning rate either way (rad/s), ≥ 0.
     pub omega_max: Option<f64>,
-    /// Largest change of forward speed [m/s²], > 0; unlimited if neither this nor the preset says.
+    /// Largest change of forward speed (m/s²), > 0; unlimited if neither this nor the preset says.
     pub acceleration: Option<f64>,
-    /// Largest change of turning rate [rad/s²], > 0; unlimited if neither this nor the preset says.
+    /// Largest change of turning rate (rad/s²), > 0; unlimited if neither this nor the preset says.
     pub angular_acceleration: Option<f64>,
-    /// Largest speed of a wheel's rim, |v| + |ω|·separation/2 [m/s], > 0; unlimited if neither this
+    /// Largest speed of a wheel's rim, |v| + |ω|·separation/2 (m/s), > 0; unlimited if neither this
     /// nor the preset says.
     pub wheel_speed_max: Option<f64>,
 }
@@ -182,21 +182,21 @@ pub struct LimitsSpec {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RobotModel {
-    /// Radius of the disc that the robot occupies [m].
+    /// Radius of the disc that the robot occupies (m).
     pub radius: f64,
-    /// Distance between the wheels' contact points [m].
+    /// Distance between the wheels' contact points (m).
     pub wheel_separation: f64,
-    /// Largest forward speed [m/s].
+    /// Largest forward speed (m/s).
     pub v_max: f64,
-    /// Largest speed backwards [m/s].
+    /// Largest speed backwards (m/s).
     pub v_reverse_max: f64,
-    /// Largest turning rate [rad/s].
+    /// Largest turning rate (rad/s).
     pub omega_max: f64,
-    /// Largest change of forward speed [m/s²]; `None` is unlimited.
+    /// Largest change of forward speed (m/s²); `None` is unlimited.
     pub acceleration: Option<f64>,
-    /// Largest change of turning rate [rad/s²]; `None` is unlimited.
+    /// Largest change of turning rate (rad/s²); `None` is unlimited.
     pub angular_acceleration: Option<f64>,
-    /// Largest |v| + |ω|·separation/2 [m/s]; `None` is unlimited.
+    /// Largest |v| + |ω|·separation/2 (m/s); `None` is unlimited.
     pub wheel_speed_max: Option<f64>,
 }
 
@@ -251,7 +251,7 @@ pub struct ActuatorSpec {
     pub noise: f64,
     /// Standard deviation of the turning rate, as a part of it, ≥ 0.
     pub angular_noise: f64,
-    /// Standard deviation of the turning rate per forward speed [rad/m], ≥ 0 (a robot told to go
+    /// Standard deviation of the turning rate per forward speed (rad/m), ≥ 0 (a robot told to go
     /// straight veers).
     pub veer: f64,
 }

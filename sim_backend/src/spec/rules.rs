@@ -14,7 +14,7 @@ pub struct RulesSpec {
     pub capture: Option<CaptureSpec>,
     /// Where evaders escape; the map's own exits count as well.
     pub exits: Vec<Region>,
-    /// Simulated time [s] after which evaders and robots with a goal are timed out; never if
+    /// Simulated time (s) after which evaders and robots with a goal are timed out; never if
     /// absent.
     pub time_limit: Option<f64>,
     /// Which area counts as visited; nothing is accounted for if absent.
@@ -46,9 +46,9 @@ impl Default for RulesSpec {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct CaptureSpec {
-    /// A Police centre strictly nearer than this to the evader's centre catches it [m], > 0.
+    /// A Police centre strictly nearer than this to the evader's centre catches it (m), > 0.
     pub radius: f64,
-    /// How long some Police robot must have been that near without interruption [s], ≥ 0. At 0 the
+    /// How long some Police robot must have been that near without interruption (s), ≥ 0. At 0 the
     /// first tick catches.
     pub dwell: f64,
 }

@@ -13,22 +13,22 @@ const MAX_BEAMS: usize = 65_536;
 /// A planar range scanner at the robot's centre.
 ///
 /// Beam `i` points at `angle_min + i·angle_increment` from the robot's heading. A beam reports the
-/// distance [m] to the first obstacle or robot; `+∞` if there is none within `range_max`, and `−∞`
+/// distance (m) to the first obstacle or robot; `+∞` if there is none within `range_max`, and `−∞`
 /// if it is nearer than `range_min` (REP-117).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ScanSpec {
     /// Number of beams, in [1, 65536].
     pub beams: usize,
-    /// Direction of the first beam from the robot's heading [rad], counter-clockwise.
+    /// Direction of the first beam from the robot's heading (rad), counter-clockwise.
     pub angle_min: f64,
-    /// Angle from one beam to the next [rad], ≠ 0 if there are several beams.
+    /// Angle from one beam to the next (rad), ≠ 0 if there are several beams.
     pub angle_increment: f64,
-    /// Nearest distance that can be measured [m], ≥ 0.
+    /// Nearest distance that can be measured (m), ≥ 0.
     pub range_min: f64,
-    /// Farthest distance that can be measured [m], > `range_min`.
+    /// Farthest distance that can be measured (m), > `range_min`.
     pub range_max: f64,
-    /// Standard deviation of a measured distance [m], ≥ 0; 0 is exact.
+    /// Standard deviation of a measured distance (m), ≥ 0; 0 is exact.
     pub noise: f64,
 }
 
@@ -88,11 +88,11 @@ impl ScanSpec {
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct OdometrySpec {
-    /// Standard deviation of the distance per √distance [m/√m], ≥ 0.
+    /// Standard deviation of the distance per √distance (m/√m), ≥ 0.
     pub distance_per_distance: f64,
-    /// Standard deviation of the heading per √distance [rad/√m], ≥ 0.
+    /// Standard deviation of the heading per √distance (rad/√m), ≥ 0.
     pub heading_per_distance: f64,
-    /// Standard deviation of the heading per √rotation [rad/√rad], ≥ 0.
+    /// Standard deviation of the heading per √rotation (rad/√rad), ≥ 0.
     pub heading_per_rotation: f64,
 }
 

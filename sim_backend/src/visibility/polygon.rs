@@ -20,7 +20,7 @@ use self::sweep::{Corner, Span, Sweep};
 use crate::grid::{Grid, GridFrame};
 use crate::math;
 
-/// Directions closer to each other than this are one [rad].
+/// Directions closer to each other than this are one (rad).
 const SAME_DIRECTION: f64 = 1e-9;
 /// Least distance of an eye to the sides of its cell, in cells.
 const OFF_THE_WALL: f64 = 1e-6;
@@ -28,9 +28,9 @@ const OFF_THE_WALL: f64 = 1e-6;
 /// A place to look from.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Eye {
-    /// Where it is [m].
+    /// Where it is (m).
     pub position: Point2<f64>,
-    /// Where it looks [rad].
+    /// Where it looks (rad).
     pub heading: f64,
     /// What it is able to see.
     pub limits: SightLimits,
@@ -39,9 +39,9 @@ pub struct Eye {
 /// How far and how wide somebody sees.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SightLimits {
-    /// Largest distance [m], > 0; unlimited if absent.
+    /// Largest distance (m), > 0; unlimited if absent.
     pub range: Option<f64>,
-    /// Full opening angle around the heading [rad], in (0, 2π]; all round if absent.
+    /// Full opening angle around the heading (rad), in (0, 2π]; all round if absent.
     pub field_of_view: Option<f64>,
 }
 

@@ -48,13 +48,13 @@ pub enum WorldError {
         index: usize,
         /// Its name.
         name: String,
-        /// Its start [m].
+        /// Its start (m).
         x: f64,
-        /// Its start [m].
+        /// Its start (m).
         y: f64,
-        /// Smallest coordinates of the map [m].
+        /// Smallest coordinates of the map (m).
         min: [f64; 2],
-        /// Largest coordinates of the map [m].
+        /// Largest coordinates of the map (m).
         max: [f64; 2],
     },
     /// A robot starts in an obstacle or too near to one.
@@ -67,13 +67,13 @@ pub enum WorldError {
         index: usize,
         /// Its name.
         name: String,
-        /// Its start [m].
+        /// Its start (m).
         x: f64,
-        /// Its start [m].
+        /// Its start (m).
         y: f64,
-        /// Distance from its centre to the nearest obstacle [m].
+        /// Distance from its centre to the nearest obstacle (m).
         clearance: f64,
-        /// The clearance that it needs [m].
+        /// The clearance that it needs (m).
         radius: f64,
     },
     /// Two robots start in one place.
@@ -90,9 +90,9 @@ pub enum WorldError {
         second: usize,
         /// Its name.
         second_name: String,
-        /// Distance of their centres [m].
+        /// Distance of their centres (m).
         distance: f64,
-        /// Sum of their radii [m].
+        /// Sum of their radii (m).
         needed: f64,
     },
     /// There is no way for an evader to any exit.
@@ -105,11 +105,11 @@ pub enum WorldError {
         index: usize,
         /// Its name.
         name: String,
-        /// Its start [m].
+        /// Its start (m).
         x: f64,
-        /// Its start [m].
+        /// Its start (m).
         y: f64,
-        /// Its radius [m].
+        /// Its radius (m).
         radius: f64,
     },
     /// There is no way for a robot to its goal.
@@ -122,11 +122,11 @@ pub enum WorldError {
         index: usize,
         /// Its name.
         name: String,
-        /// Its start [m].
+        /// Its start (m).
         x: f64,
-        /// Its start [m].
+        /// Its start (m).
         y: f64,
-        /// Its radius [m].
+        /// Its radius (m).
         radius: f64,
     },
 }

@@ -24,7 +24,7 @@ pub enum EventKind {
         evader: usize,
         /// The nearest Police robot (of equally near ones the first) within the radius.
         by: usize,
-        /// Distance of their centres [m].
+        /// Distance of their centres (m).
         distance: f64,
     },
     /// An evader reached an exit.
@@ -76,7 +76,7 @@ pub enum EventKind {
     PushedOut {
         /// The robot.
         robot: usize,
-        /// How far it was pushed [m].
+        /// How far it was pushed (m).
         distance: f64,
     },
     /// An obstacle came to stand on a robot, and no place near was free: the robot cannot move.

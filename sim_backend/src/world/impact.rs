@@ -4,11 +4,11 @@ use nalgebra::{Point2, Vector2};
 
 use crate::map::WorldMap;
 
-/// Gap [m] that is kept at a contact: far above the rounding of positions, far below a millimetre.
+/// Gap (m) that is kept at a contact: far above the rounding of positions, far below a millimetre.
 const SKIN: f64 = 1e-7;
-/// Advancement ends when the gap is below this [m].
+/// Advancement ends when the gap is below this (m).
 const HIT: f64 = 1.5 * SKIN;
-/// Gap [m] below which two things touch.
+/// Gap (m) below which two things touch.
 pub(super) const TOUCH: f64 = 2.0 * SKIN;
 /// Closing speed, relative to the speed, below which motion counts as along a surface.
 const ALONG: f64 = 1e-10;
@@ -21,11 +21,11 @@ pub(super) struct Mover {
     pub robot: usize,
     pub radius: f64,
     pub position: Point2<f64>,
-    /// Velocity that its twist asks for [m/s].
+    /// Velocity that its twist asks for (m/s).
     pub desired: Vector2<f64>,
-    /// Velocity that its contacts leave [m/s].
+    /// Velocity that its contacts leave (m/s).
     pub velocity: Vector2<f64>,
-    /// Way driven in this step [m].
+    /// Way driven in this step (m).
     pub path: f64,
 }
 
@@ -58,7 +58,7 @@ pub(super) fn slide(desired: Vector2<f64>, normals: &[Vector2<f64>]) -> Vector2<
     best
 }
 
-/// How far [m] a mover gets in the unit direction `dir` before it hits an obstacle; `None` if it
+/// How far (m) a mover gets in the unit direction `dir` before it hits an obstacle; `None` if it
 /// gets as far as `length`.
 ///
 /// Conservative advancement: from each piece's nearest point, the whole (convex) piece lies behind
@@ -120,7 +120,7 @@ pub(super) fn sweep(
     None
 }
 
-/// Time [s] until two movers' discs come within the skin of each other at their present
+/// Time (s) until two movers' discs come within the skin of each other at their present
 /// velocities; infinite if they do not, or if they touch already without closing.
 pub(super) fn time_to_impact(a: &Mover, b: &Mover) -> f64 {
     let (offset, velocity) = (a.position - b.position, a.velocity - b.velocity);

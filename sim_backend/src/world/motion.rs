@@ -20,7 +20,7 @@ use crate::robot::Robot;
 use crate::robot::drive;
 use crate::spec::Blocked;
 
-/// Largest distance [m] between an arc and the chords that replace it near contacts.
+/// Largest distance (m) between an arc and the chords that replace it near contacts.
 const SAGITTA: f64 = 1e-5;
 /// Most chords of an arc: beyond, the chords are farther from the arc, and contact is still exact
 /// along them.
@@ -68,7 +68,7 @@ impl Motion {
         }
     }
 
-    /// Moves every robot by its twist for `dt` [s] > 0. `solid` tells which robots have a body.
+    /// Moves every robot by its twist for `dt` (s) > 0. `solid` tells which robots have a body.
     pub fn advance(
         &mut self,
         map: &WorldMap,
@@ -191,7 +191,7 @@ impl Motion {
         }
     }
 
-    /// Drives every mover along its straight desired velocity for `h` [s], from contact to contact.
+    /// Drives every mover along its straight desired velocity for `h` (s), from contact to contact.
     fn move_along_chords(&mut self, map: &WorldMap, h: f64, rule: Blocked) {
         let mut left = h;
         for _ in 0..16 + 4 * self.movers.len() {

@@ -6,11 +6,11 @@ use super::{EventKind, ObstacleAction, World, has_body};
 use crate::map::{ObstacleChange, ObstacleError};
 use crate::math;
 
-/// How far [m] at most an obstacle pushes a robot aside, beyond the robot's own diameter.
+/// How far (m) at most an obstacle pushes a robot aside, beyond the robot's own diameter.
 const PUSH_LIMIT: f64 = 1.0;
 /// Directions in which a free place is looked for.
 const DIRECTIONS: usize = 64;
-/// Room [m] left to the obstacle after a push: more than a contact needs.
+/// Room (m) left to the obstacle after a push: more than a contact needs.
 const ROOM: f64 = 1e-6;
 
 impl World {
@@ -67,7 +67,7 @@ impl World {
         Ok(())
     }
 
-    /// The nearest place where a robot stands free, and its distance [m].
+    /// The nearest place where a robot stands free, and its distance (m).
     fn free_place(&self, robot: usize) -> Option<(Point2<f64>, f64)> {
         let (start, radius) = (
             self.robots[robot].pose.position(),

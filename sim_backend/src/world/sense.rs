@@ -16,7 +16,7 @@ impl World {
         self.extras.get(robot).and_then(|extra| extra.scan.as_ref())
     }
 
-    /// Measures with a robot's range scanner: one value per beam into `ranges` [m] (see
+    /// Measures with a robot's range scanner: one value per beam into `ranges` (m) (see
     /// [`ScanSpec`]). Its noise depends on seed, robot and tick, not on how often it is asked.
     ///
     /// Returns the scanner, or `None` (and no ranges) if the robot has none.

@@ -40,7 +40,7 @@ pub enum BridgeError {
         .rectangle.min.x, .rectangle.min.y, .rectangle.max.x, .rectangle.max.y
     )]
     NotFree {
-        /// The bridge [m].
+        /// The bridge (m).
         rectangle: Aabb,
     },
     /// A bridge that does not reach.
@@ -49,14 +49,14 @@ pub enum BridgeError {
         .rectangle.min.x, .rectangle.min.y, .rectangle.max.x, .rectangle.max.y
     )]
     Apart {
-        /// The bridge [m].
+        /// The bridge (m).
         rectangle: Aabb,
         /// The rectangle that it does not reach.
         other: usize,
     },
 }
 
-/// Whether a rectangle [m] has an inside, lies in the workplace and meets no grown obstacle.
+/// Whether a rectangle (m) has an inside, lies in the workplace and meets no grown obstacle.
 pub(super) fn is_free(rectangle: &Aabb, workplace: &Workplace) -> bool {
     let inner = workplace.inner();
     let (low, high) = (rectangle.min - inner.min, inner.max - rectangle.max);
@@ -69,7 +69,7 @@ pub(super) fn is_free(rectangle: &Aabb, workplace: &Workplace) -> bool {
             .all(|o| depth(rectangle, o) <= SAME)
 }
 
-/// How far two rectangles overlap [m], along the axis along which they do less; negative if they
+/// How far two rectangles overlap (m), along the axis along which they do less; negative if they
 /// are apart.
 pub(super) fn depth(a: &Aabb, b: &Aabb) -> f64 {
     let overlap = a.max.inf(&b.max) - a.min.sup(&b.min);
@@ -82,7 +82,7 @@ pub(super) fn depth(a: &Aabb, b: &Aabb) -> f64 {
 pub struct Bridge {
     /// The rectangles that it joins, the lower number first.
     pub between: [usize; 2],
-    /// The bridge itself [m].
+    /// The bridge itself (m).
     pub rectangle: Aabb,
 }
 

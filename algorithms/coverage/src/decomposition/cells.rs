@@ -8,9 +8,9 @@ use crate::workplace::Workplace;
 
 /// Cells between lines along both axes.
 pub(super) struct Cells {
-    /// Lines across x [m], increasing; at least 2.
+    /// Lines across x (m), increasing; at least 2.
     xs: Vec<f64>,
-    /// Lines across y [m], increasing; at least 2.
+    /// Lines across y (m), increasing; at least 2.
     ys: Vec<f64>,
     /// Per cell, row after row.
     free: Vec<bool>,
@@ -95,17 +95,17 @@ impl Cells {
         &self.free
     }
 
-    /// Width [m] of columns `first..=last`.
+    /// Width (m) of columns `first..=last`.
     pub fn width(&self, first: usize, last: usize) -> f64 {
         distance(&self.xs, first, last)
     }
 
-    /// Height [m] of rows `first..=last`.
+    /// Height (m) of rows `first..=last`.
     pub fn height(&self, first: usize, last: usize) -> f64 {
         distance(&self.ys, first, last)
     }
 
-    /// The rectangle of a block of cells [m].
+    /// The rectangle of a block of cells (m).
     pub fn aabb(&self, block: &Block) -> Aabb {
         let line = |lines: &[f64], index: usize| lines.get(index).copied().unwrap_or(f64::NAN);
         Aabb {

@@ -7,7 +7,7 @@ use crate::draws::{Draws, part};
 use crate::freshness::Freshness;
 use crate::space::Space;
 
-/// Legs shorter than this [m] are none.
+/// Legs shorter than this (m) are none.
 const SHORTEST_LEG: f64 = 0.01;
 
 /// Candidates per depth of foresight that are followed further.
@@ -62,12 +62,12 @@ pub(super) struct Choice<'a> {
     pub(super) params: &'a KeyedParams,
     pub(super) space: &'a Space,
     pub(super) freshness: &'a Freshness,
-    /// The disc's radius [m].
+    /// The disc's radius (m).
     pub(super) radius: f64,
 }
 
 impl Choice<'_> {
-    /// The sub-goal after `from` [m] that serves the orders of this and the next sub-goals best;
+    /// The sub-goal after `from` (m) that serves the orders of this and the next sub-goals best;
     /// `None` if no order leads anywhere from there.
     pub(super) fn best(
         &self,
@@ -115,7 +115,7 @@ impl Choice<'_> {
         followed.max_by(|a, b| a.score.total_cmp(&b.score))
     }
 
-    /// What a metre of path must bring in [m²/m]: falls with the root of what is left to cover, as
+    /// What a metre of path must bring in (m²/m): falls with the root of what is left to cover, as
     /// the best leg's share of new ground does.
     fn cost(&self) -> f64 {
         2.0 * self.radius * THRIFT * self.freshness.mean_worth().sqrt()

@@ -32,7 +32,7 @@ fn path(rounding: Rounding, start: Point2<f64>, goals: &[Goal]) -> Vec<Piece> {
     pieces
 }
 
-/// Largest jump of place [m] and heading [rad] between the end of a piece and the next one.
+/// Largest jump of place (m) and heading (rad) between the end of a piece and the next one.
 fn worst_joint(pieces: &[Piece]) -> (f64, f64) {
     pieces.windows(2).fold((0.0, 0.0), |(place, turn), pair| {
         let (end, start) = (pair[0].at(1.0), pair[1].at(0.0));

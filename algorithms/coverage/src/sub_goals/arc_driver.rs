@@ -19,10 +19,10 @@ use steering::waypoint_driver::{Driving, LEAST_TIME_S, Situation};
 
 use crate::sub_goals::params::FollowParams;
 
-/// Distance between the points of a path on an arc [m].
+/// Distance between the points of a path on an arc (m).
 const STEP: f64 = 0.02;
 
-/// Least radius of an arc [m]: at a corner with less room the robot turns on the spot.
+/// Least radius of an arc (m): at a corner with less room the robot turns on the spot.
 const LEAST_RADIUS: f64 = 0.02;
 
 /// Most sub-goals that may end in a tick.
@@ -35,7 +35,7 @@ struct Stretch {
     points: Vec<Point2<f64>>,
     /// Whether the way goes on without a corner.
     smooth: bool,
-    /// Time that it takes at full speed [s].
+    /// Time that it takes at full speed (s).
     duration: f64,
 }
 
@@ -45,7 +45,7 @@ struct Leg {
     started_s: f64,
     until_s: f64,
     closest: f64,
-    /// Where it ends on the tracked path [m].
+    /// Where it ends on the tracked path (m).
     end: f64,
 }
 
@@ -55,13 +55,13 @@ pub struct ArcDriver {
     limits: Limits,
     tracking: TrackingParams,
     rounding: Rounding,
-    /// Time that turning round takes [s].
+    /// Time that turning round takes (s).
     half_turn_s: f64,
     time_limit_factor: f64,
     rounder: Option<Rounder>,
     /// The goal whose corner is not known yet.
     pending: Option<Goal>,
-    /// Where the last finished stretch ends [m].
+    /// Where the last finished stretch ends (m).
     tail: Point2<f64>,
     stretches: VecDeque<Stretch>,
     leg: Option<Leg>,

@@ -14,12 +14,12 @@ pub struct Site {
     pub workplace: Workplace,
     /// Its free space.
     pub decomposition: Decomposition,
-    /// Where the robot is [m], or the nearest place in free space.
+    /// Where the robot is (m), or the nearest place in free space.
     pub start: Point2<f64>,
 }
 
 impl Site {
-    /// The workplace within `bounds` [m] among obstacles, for a robot of this radius [m] at `here`.
+    /// The workplace within `bounds` (m) among obstacles, for a robot of this radius (m) at `here`.
     ///
     /// # Errors
     /// A text that says what does not do and what to change.

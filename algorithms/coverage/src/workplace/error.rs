@@ -20,15 +20,15 @@ pub enum WorkplaceError {
          the workplace; enlarge the workplace or take a smaller robot"
     )]
     Radius {
-        /// Radius found [m].
+        /// Radius found (m).
         radius: f64,
-        /// Radii must be below this [m].
+        /// Radii must be below this (m).
         limit: f64,
     },
     /// The tolerance of the conversion is not a length.
     #[error("tolerance = {tolerance}: expected a finite number of at least {LEAST_TOLERANCE} [m]")]
     Tolerance {
-        /// Tolerance found [m].
+        /// Tolerance found (m).
         tolerance: f64,
     },
     /// An obstacle is no shape: a value that is not finite, edges that cross, no inside.
@@ -53,7 +53,7 @@ pub enum WorkplaceError {
     Outside {
         /// Which obstacle, from 0.
         index: usize,
-        /// The workplace [m].
+        /// The workplace (m).
         bounds: Aabb,
     },
     /// An obstacle leaves nothing of the workplace.
@@ -71,7 +71,7 @@ pub enum WorkplaceError {
          a larger tolerance"
     )]
     TooManyRectangles {
-        /// Tolerance found [m].
+        /// Tolerance found (m).
         tolerance: f64,
     },
 }

@@ -12,7 +12,7 @@ const LINES: f64 = 1024.0;
 /// that the share is good to about 10⁻⁴.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ConversionLoss {
-    /// Area given up [m²], ≥ 0.
+    /// Area given up (m²), ≥ 0.
     pub area: f64,
     /// The same as a share of the free area that there would be without the conversion, from 0 to
     /// 1; 1 if nothing is left.

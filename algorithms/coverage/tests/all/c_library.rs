@@ -31,7 +31,7 @@ fn orbit(n: usize) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// Points; length [m]; goals at 0.5 m, path at 0.1, 0.25 and 0.5 m, disc.
+/// Points; length (m); goals at 0.5 m, path at 0.1, 0.25 and 0.5 m, disc.
 type Row = (usize, f64, [f64; 5]);
 
 fn check(rows: &[Row], emit: fn(f64) -> f64) {

@@ -13,7 +13,7 @@ use sim_backend::shape::{Aabb, Convex};
 
 use Emission::{Arcsine, Raw};
 
-/// Distance between points of the path [m].
+/// Distance between points of the path (m).
 const STEP: f64 = 0.125;
 
 fn key(emission: Emission) -> AnySource {
@@ -101,7 +101,7 @@ fn drive(
     (goals, meter.figures())
 }
 
-/// Loops, sub-goals, length [m]; goals at 0.5 m, path at 0.25 and 0.5 m, disc.
+/// Loops, sub-goals, length (m); goals at 0.5 m, path at 0.25 and 0.5 m, disc.
 type Row = (Emission, u32, u64, f64, [f64; 4]);
 
 fn check(

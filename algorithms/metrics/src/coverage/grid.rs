@@ -19,7 +19,7 @@ pub struct CellGrid {
 }
 
 impl CellGrid {
-    /// Cells of this side [m]; those at the far borders may stick out. A cell is coverable if its
+    /// Cells of this side (m); those at the far borders may stick out. A cell is coverable if its
     /// centre is free ([`Ground::is_free`]).
     ///
     /// # Errors
@@ -51,7 +51,7 @@ impl CellGrid {
         Ok(grid)
     }
 
-    /// Side of the cells [m].
+    /// Side of the cells (m).
     pub fn side(&self) -> f64 {
         self.side
     }
@@ -76,7 +76,7 @@ impl CellGrid {
         false
     }
 
-    /// Centre of a cell [m].
+    /// Centre of a cell (m).
     pub fn center(&self, cell: usize) -> Point2<f64> {
         let (column, row) = (cell % self.columns, cell / self.columns);
         Point2::new(
@@ -90,7 +90,7 @@ impl CellGrid {
         Lattice::new(self.center(0), self.side, [self.columns, self.rows])
     }
 
-    /// The cell of a point [m]: ⌊x/g + 10⁻⁹⌋ along each axis, clamped to the grid.
+    /// The cell of a point (m): ⌊x/g + 10⁻⁹⌋ along each axis, clamped to the grid.
     pub fn cell_of(&self, p: Point2<f64>) -> usize {
         // A cast saturates and makes 0 of NaN: every point has a cell.
         let index = |offset: f64, count: usize| {

@@ -16,7 +16,7 @@ pub enum CoverageError {
     Rectangle {
         /// Which rectangle.
         what: &'static str,
-        /// Its corners [m].
+        /// Its corners (m).
         rectangle: Rectangle,
     },
     /// A robot that is larger than its workplace, or no robot.
@@ -25,9 +25,9 @@ pub enum CoverageError {
          the workplace; enlarge the workplace or take a smaller robot"
     )]
     Radius {
-        /// Radius found [m].
+        /// Radius found (m).
         radius: f64,
-        /// Radii must be below this [m].
+        /// Radii must be below this (m).
         limit: f64,
     },
     /// Cells that are no cells, or too many of them.
@@ -37,7 +37,7 @@ pub enum CoverageError {
         MAX_CELLS = super::MAX_CELLS
     )]
     CellSide {
-        /// Side found [m].
+        /// Side found (m).
         side: f64,
     },
     /// Not one cell whose centre is free.
@@ -46,13 +46,13 @@ pub enum CoverageError {
          fewer obstacles"
     )]
     NothingCoverable {
-        /// Side of the cells [m].
+        /// Side of the cells (m).
         side: f64,
     },
     /// Points along a path that are no distance apart.
     #[error("step = {step}: expected a number > 0 [m], the distance between points of the path")]
     Step {
-        /// Step found [m].
+        /// Step found (m).
         step: f64,
     },
 }
@@ -60,14 +60,14 @@ pub enum CoverageError {
 /// A rectangle along the axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rectangle {
-    /// Corner with the smallest coordinates [m].
+    /// Corner with the smallest coordinates (m).
     pub min: Point2<f64>,
-    /// Corner with the largest coordinates [m].
+    /// Corner with the largest coordinates (m).
     pub max: Point2<f64>,
 }
 
 impl Rectangle {
-    /// A rectangle between two corners [m], the first with the smaller coordinates.
+    /// A rectangle between two corners (m), the first with the smaller coordinates.
     pub fn new(min: Point2<f64>, max: Point2<f64>) -> Self {
         Self { min, max }
     }
@@ -96,7 +96,7 @@ pub struct Ground {
 }
 
 impl Ground {
-    /// The workplace within `bounds` [m] for a robot of `radius` [m]; `inflated` are the obstacles
+    /// The workplace within `bounds` (m) for a robot of `radius` (m); `inflated` are the obstacles
     /// with the radius added on every side.
     ///
     /// # Errors
@@ -124,22 +124,22 @@ impl Ground {
         })
     }
 
-    /// The workplace [m].
+    /// The workplace (m).
     pub fn bounds(&self) -> Rectangle {
         self.bounds
     }
 
-    /// The robot's radius [m].
+    /// The robot's radius (m).
     pub fn radius(&self) -> f64 {
         self.radius
     }
 
-    /// What the robot's centre must keep out of [m].
+    /// What the robot's centre must keep out of (m).
     pub fn inflated(&self) -> &[Rectangle] {
         &self.inflated
     }
 
-    /// Whether the robot's centre may be at a point [m]: in the closed workplace shrunken by the
+    /// Whether the robot's centre may be at a point (m): in the closed workplace shrunken by the
     /// radius and not strictly inside an inflated obstacle (both within 1 nm).
     pub fn is_free(&self, p: Point2<f64>) -> bool {
         let (low, high) = (self.bounds.min, self.bounds.max);

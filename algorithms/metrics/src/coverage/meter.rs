@@ -4,10 +4,10 @@ use nalgebra::Point2;
 
 use super::{CellGrid, CoverageError, Ground, Swept, Visits};
 
-/// Sides of the cells by which goals and path are counted [m].
+/// Sides of the cells by which goals and path are counted (m).
 pub const CELL_SIDES: [f64; 3] = [0.1, 0.25, 0.5];
 
-/// Side of the cells by which the disc is counted [m].
+/// Side of the cells by which the disc is counted (m).
 pub const DISC_CELL_SIDE: f64 = 0.1;
 
 /// Subtracted from a number of steps before it is rounded up, so that whole ones stay.
@@ -32,7 +32,7 @@ impl Rate {
 /// What a [`Meter`] has counted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Figures {
-    /// Length of the path [m].
+    /// Length of the path (m).
     pub length: f64,
     /// Cells with a sub-goal, for each of [`CELL_SIDES`].
     pub goals: [Rate; 3],
@@ -60,7 +60,7 @@ pub struct Meter {
 }
 
 impl Meter {
-    /// Nothing driven yet; points of the path are at most `step` [m] apart (0.125 m in the
+    /// Nothing driven yet; points of the path are at most `step` (m) apart (0.125 m in the
     /// Chebyshev coverage paper, §4).
     ///
     /// # Errors
@@ -82,21 +82,21 @@ impl Meter {
         })
     }
 
-    /// Drives straight to a sub-goal [m]; the first call is where the path starts, which counts as
+    /// Drives straight to a sub-goal (m); the first call is where the path starts, which counts as
     /// a sub-goal too.
     pub fn goal(&mut self, p: Point2<f64>) {
         self.drive(p);
         self.mark_goal(p);
     }
 
-    /// Counts a sub-goal [m] to which the path does not lead straight.
+    /// Counts a sub-goal (m) to which the path does not lead straight.
     pub fn mark_goal(&mut self, p: Point2<f64>) {
         for visits in &mut self.goals {
             visits.add(p);
         }
     }
 
-    /// Drives straight to a point [m] that is no sub-goal; the first call is where the path starts.
+    /// Drives straight to a point (m) that is no sub-goal; the first call is where the path starts.
     /// Points that are not finite are left out.
     pub fn drive(&mut self, p: Point2<f64>) {
         if !(p.x.is_finite() && p.y.is_finite()) {
@@ -122,7 +122,7 @@ impl Meter {
         self.last = Some(p);
     }
 
-    /// Drives towards a sub-goal [m] until the path is `limit` [m] long; `true` if it got there
+    /// Drives towards a sub-goal (m) until the path is `limit` (m) long; `true` if it got there
     /// before that, which counts the sub-goal.
     pub fn goal_within(&mut self, p: Point2<f64>, limit: f64) -> bool {
         let Some(from) = self.last else {
@@ -147,12 +147,12 @@ impl Meter {
         }
     }
 
-    /// Length of the path [m].
+    /// Length of the path (m).
     pub fn length(&self) -> f64 {
         self.length
     }
 
-    /// Where the path ends [m], once it has begun.
+    /// Where the path ends (m), once it has begun.
     pub fn last(&self) -> Option<Point2<f64>> {
         self.last
     }

@@ -10,7 +10,7 @@ use super::TOLERANCE;
 /// The centres of square cells, row after row.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lattice {
-    /// Centre of the first cell [m].
+    /// Centre of the first cell (m).
     origin: Point2<f64>,
     side: f64,
     /// Cells per metre.
@@ -42,7 +42,7 @@ pub struct Span {
 }
 
 impl Lattice {
-    /// Cells of this side [m] by the centre of the first [m] and the numbers of columns and rows.
+    /// Cells of this side (m) by the centre of the first (m) and the numbers of columns and rows.
     pub fn new(origin: Point2<f64>, side: f64, [columns, rows]: [usize; 2]) -> Self {
         Self {
             origin,
@@ -53,7 +53,7 @@ impl Lattice {
         }
     }
 
-    /// Side of the cells [m].
+    /// Side of the cells (m).
     pub fn side(&self) -> f64 {
         self.side
     }
@@ -68,7 +68,7 @@ impl Lattice {
         self.rows
     }
 
-    /// Centre of a cell [m].
+    /// Centre of a cell (m).
     pub fn center(&self, cell: usize) -> Point2<f64> {
         let (column, row) = (cell % self.columns, cell / self.columns);
         Point2::new(
@@ -77,8 +77,8 @@ impl Lattice {
         )
     }
 
-    /// Visits the cells whose centres come within `radius` [m] of the segment between two points
-    /// [m], line by line. Both points must be finite.
+    /// Visits the cells whose centres come within `radius` (m) of the segment between two points
+    /// (m), line by line. Both points must be finite.
     pub fn each_span(
         &self,
         from: Point2<f64>,
@@ -110,7 +110,7 @@ impl Lattice {
         }
     }
 
-    /// The cells whose centres lie between two offsets [m] from the first one's, first and last.
+    /// The cells whose centres lie between two offsets (m) from the first one's, first and last.
     fn indices(&self, low: f64, high: f64, count: usize) -> Option<(usize, usize)> {
         // Casts cut towards 0 and saturate, and cost far less than `floor` and `ceil`.
         let low = low * self.per_metre;
@@ -161,7 +161,7 @@ impl Strip {
         (a.min(b) - self.radius, a.max(b) + self.radius)
     }
 
-    /// Where the horizontal line at `y` within [`Strip::y_range`] runs through the strip [m].
+    /// Where the horizontal line at `y` within [`Strip::y_range`] runs through the strip (m).
     fn x_range(&self, y: f64) -> (f64, f64) {
         let [ux, uy] = self.along;
         let half = self.radius * uy.abs();

@@ -15,7 +15,7 @@ pub struct Swept {
 }
 
 impl Swept {
-    /// Nothing swept yet by a disc of `radius` [m].
+    /// Nothing swept yet by a disc of `radius` (m).
     pub fn new(grid: CellGrid, radius: f64) -> Self {
         Self {
             reached: vec![false; grid.len()],
@@ -31,7 +31,7 @@ impl Swept {
         &self.grid
     }
 
-    /// Sweeps the disc straight from one point to another [m]; does nothing for points that are
+    /// Sweeps the disc straight from one point to another (m); does nothing for points that are
     /// not finite.
     pub fn sweep(&mut self, from: Point2<f64>, to: Point2<f64>) {
         if ![from.x, from.y, to.x, to.y].iter().all(|x| x.is_finite()) {

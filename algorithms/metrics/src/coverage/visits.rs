@@ -27,7 +27,7 @@ impl Visits {
         &self.grid
     }
 
-    /// Counts a point [m].
+    /// Counts a point (m).
     pub fn add(&mut self, p: Point2<f64>) {
         let cell = self.grid.cell_of(p);
         let coverable = self.grid.is_coverable(cell);

@@ -10,7 +10,7 @@ pub struct Polyline<'a> {
 }
 
 impl<'a> Polyline<'a> {
-    /// A polyline through points [m]; points may repeat.
+    /// A polyline through points (m); points may repeat.
     pub fn new(points: &'a [Point2<f64>]) -> Self {
         let mut sum = 0.0;
         let mut covered = Vec::with_capacity(points.len());
@@ -23,7 +23,7 @@ impl<'a> Polyline<'a> {
         Self { points, covered }
     }
 
-    /// Length from the first point to the last [m].
+    /// Length from the first point to the last (m).
     pub fn length(&self) -> f64 {
         self.covered.last().copied().unwrap_or(0.0)
     }

@@ -4,10 +4,10 @@ use core::f64::consts::PI;
 
 use nalgebra::{Point2, Vector2};
 
-/// Legs no longer than this [m] have no heading.
+/// Legs no longer than this (m) have no heading.
 const SHORTEST_LEG: f64 = 1e-12;
 
-/// Headings [rad] in [−π, π] of the legs that are longer than 1e-12 m, in order.
+/// Headings (rad) in [−π, π] of the legs that are longer than 1e-12 m, in order.
 pub fn headings(path: &[Point2<f64>]) -> Vec<f64> {
     legs(path).map(|leg| libm::atan2(leg.y, leg.x)).collect()
 }
@@ -23,13 +23,13 @@ fn legs(path: &[Point2<f64>]) -> impl Iterator<Item = Vector2<f64>> + '_ {
 pub struct Turns {
     /// How many turns there are: one less than legs with a heading.
     pub count: usize,
-    /// Mean turn, regardless of its direction [rad], in [0, π] (`MAA`); 0 without turns. Half a
+    /// Mean turn, regardless of its direction (rad), in [0, π] (`MAA`); 0 without turns. Half a
     /// right angle more than π/2 is a path that mostly goes back.
     pub maa: f64,
-    /// Mean of each turn or of what it lacks to π, whichever is less [rad], in [0, π/2]
+    /// Mean of each turn or of what it lacks to π, whichever is less (rad), in [0, π/2]
     /// (`MAA_fold`). Headings taken as slopes give this; kept to compare with the paper.
     pub maa_fold: f64,
-    /// Least and greatest turn [rad] (`RA`); [0, 0] without turns.
+    /// Least and greatest turn (rad) (`RA`); [0, 0] without turns.
     pub range: [f64; 2],
 }
 
@@ -68,7 +68,7 @@ impl Turns {
     }
 }
 
-/// The turn from one leg to the next [rad], in [−π, π).
+/// The turn from one leg to the next (rad), in [−π, π).
 fn turn(before: Vector2<f64>, after: Vector2<f64>) -> f64 {
     let turn = libm::atan2(before.perp(&after), before.dot(&after));
     if turn >= PI { -PI } else { turn }

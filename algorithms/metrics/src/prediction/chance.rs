@@ -4,7 +4,7 @@
 /// Even number of intervals of the quadrature.
 const INTERVALS: usize = 2000;
 
-/// Median distance of two independent points, uniform over a rectangle of these sides [m].
+/// Median distance of two independent points, uniform over a rectangle of these sides (m).
 ///
 /// Sides that are negative or not finite count as 0.
 pub fn chance_median(width: f64, height: f64) -> f64 {

@@ -62,7 +62,7 @@ pub struct ErrorsByHorizon {
 }
 
 impl ErrorsByHorizon {
-    /// For these times ahead [s].
+    /// For these times ahead (s).
     pub fn new(horizons: &[f64]) -> Self {
         Self {
             horizons: horizons.to_vec(),
@@ -70,7 +70,7 @@ impl ErrorsByHorizon {
         }
     }
 
-    /// Takes up the error [m] of a prediction for the horizon with this index; one that is not
+    /// Takes up the error (m) of a prediction for the horizon with this index; one that is not
     /// finite stands for a prediction that was not made. An index that does not exist is passed over.
     pub fn add(&mut self, horizon: usize, error: f64) {
         if let Some(errors) = self.errors.get_mut(horizon) {
@@ -78,7 +78,7 @@ impl ErrorsByHorizon {
         }
     }
 
-    /// Every horizon [s] with its statistics, `None` where no prediction was made.
+    /// Every horizon (s) with its statistics, `None` where no prediction was made.
     pub fn statistics(&self) -> impl Iterator<Item = (f64, Option<ErrorStatistics>)> + '_ {
         let statistics = self.errors.iter().map(|e| ErrorStatistics::of(e));
         self.horizons.iter().copied().zip(statistics)

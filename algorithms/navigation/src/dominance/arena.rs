@@ -17,12 +17,12 @@ pub struct Arena {
 #[derive(Debug, Clone)]
 struct Exit {
     nodes: Vec<u32>,
-    /// Length of the shortest way to the exit from everywhere [m], as the time of a wave of 1 m/s.
+    /// Length of the shortest way to the exit from everywhere (m), as the time of a wave of 1 m/s.
     way: Wave,
 }
 
 impl Arena {
-    /// The arena for robots of this radius [m], with exits that evaders reach with their centre.
+    /// The arena for robots of this radius (m), with exits that evaders reach with their centre.
     pub fn new(map: &PlannerMap, params: &DominanceParams, radius: f64, exits: &[Region]) -> Self {
         let lattice = Lattice::new(map, params.pitch, radius, SIGHT);
         let exits = exits
@@ -57,7 +57,7 @@ impl Arena {
         self.exits.get(exit).map_or(&[], |exit| &exit.nodes)
     }
 
-    /// The shortest ways to an exit, as a wave of 1 m/s from it: its times are lengths [m].
+    /// The shortest ways to an exit, as a wave of 1 m/s from it: its times are lengths (m).
     pub fn way_to(&self, exit: usize) -> Option<&Wave> {
         self.exits.get(exit).map(|exit| &exit.way)
     }

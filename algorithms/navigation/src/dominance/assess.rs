@@ -9,9 +9,9 @@ use planner_view::map::PlannerMap;
 /// A robot that takes part.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Runner {
-    /// Where it is [m].
+    /// Where it is (m).
     pub at: Point2<f64>,
-    /// Its top speed [m/s].
+    /// Its top speed (m/s).
     pub speed: f64,
 }
 
@@ -23,12 +23,12 @@ pub struct Verdict {
     /// The exit with the greatest margin; `None` if there is no exit that it could reach even
     /// without pursuers.
     pub exit: Option<usize>,
-    /// How much earlier than any pursuer it is at that exit [s]; −∞ without an exit, ∞ without
+    /// How much earlier than any pursuer it is at that exit (s); −∞ without an exit, ∞ without
     /// pursuers. If an escape is possible, on the safe way with the greatest margin. If not, on the
     /// shortest way, and then it may still be positive: the evader would be first, but a pursuer
     /// can cut off the way.
     pub margin: f64,
-    /// Time of the safe way to the exit [s]; infinite if there is none.
+    /// Time of the safe way to the exit (s); infinite if there is none.
     pub time: f64,
     /// Share of all places where a robot fits that it safely reaches, 0..1.
     pub area_share: f64,
@@ -46,7 +46,7 @@ pub struct Dominance {
 
 impl Dominance {
     /// Assesses one moment; a verdict per evader, in the order given. A pursuer catches within
-    /// `capture` [m].
+    /// `capture` (m).
     ///
     /// The arena must have been made from this map. Robots with numbers out of range are treated as
     /// if they were not there.
@@ -196,7 +196,7 @@ fn verdict(arena: &Arena, police: &Wave, safe: &Wave, race: impl Fn(usize) -> f6
     best
 }
 
-/// How much earlier than any pursuer an evader is at an exit [s] if both go the shortest way; −∞ if
+/// How much earlier than any pursuer an evader is at an exit (s) if both go the shortest way; −∞ if
 /// the evader cannot get there.
 fn race(arena: &Arena, exit: usize, police: &[Runner], evader: &Runner, capture: f64) -> f64 {
     let lattice = arena.lattice();

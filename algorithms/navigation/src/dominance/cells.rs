@@ -34,7 +34,7 @@ pub struct Cell {
     /// Place of the first evader in the list of evaders, of the first pursuer in that of pursuers;
     /// 0 with [`Owner::Nobody`].
     pub first: u32,
-    /// How much later than the first evader the first pursuer is there [s]: negative where a
+    /// How much later than the first evader the first pursuer is there (s): negative where a
     /// pursuer is first (−∞ if no evader comes), ∞ where no pursuer comes, 0 with
     /// [`Owner::Nobody`].
     pub margin: f32,

@@ -4,14 +4,14 @@ use nalgebra::Point2;
 
 use planner_view::map::PlannerMap;
 
-/// Side of a graph's block [m], rounded to whole map cells; a passage narrower than this (after taking
+/// Side of a graph's block (m), rounded to whole map cells; a passage narrower than this (after taking
 /// off the robot's width) may be overlooked.
 const PITCH: f64 = 0.25;
 
-/// Distance kept from obstacles beyond the robot's radius [m].
+/// Distance kept from obstacles beyond the robot's radius (m).
 pub const MARGIN: f64 = 0.05;
 
-/// How far along a way its straight first leg is looked for [m]; a longer straight leg is driven in
+/// How far along a way its straight first leg is looked for (m); a longer straight leg is driven in
 /// parts. In the open, where ways bend only because the graph knows eight directions, longer means
 /// straighter and costs more time.
 pub(super) const SIGHT: f64 = 4.0;
@@ -61,12 +61,12 @@ pub struct NavGrid {
 pub struct Edge {
     /// The neighbour.
     pub to: u32,
-    /// Length [mm], ≥ 1.
+    /// Length (mm), ≥ 1.
     pub length: u32,
 }
 
 impl NavGrid {
-    /// The graph for a robot of this radius [m].
+    /// The graph for a robot of this radius (m).
     pub fn new(map: &PlannerMap, radius: f64) -> Self {
         let frame = &map.clearance_grid().frame;
         let inflation = radius + MARGIN;
@@ -102,7 +102,7 @@ impl NavGrid {
         grid
     }
 
-    /// Distance kept from obstacles [m]: the robot's radius and the margin.
+    /// Distance kept from obstacles (m): the robot's radius and the margin.
     pub fn inflation(&self) -> f64 {
         self.inflation
     }
@@ -117,7 +117,7 @@ impl NavGrid {
         self.points.is_empty()
     }
 
-    /// The node at, or nearest to, a point [m]; points outside the map count as being on its edge.
+    /// The node at, or nearest to, a point (m); points outside the map count as being on its edge.
     /// `None` for a point that is not finite and in a map where the robot fits nowhere.
     pub fn node_at(&self, p: Point2<f64>) -> Option<usize> {
         if !(p.x.is_finite() && p.y.is_finite()) {
@@ -133,12 +133,12 @@ impl NavGrid {
         (node != NONE).then_some(node as usize)
     }
 
-    /// The point that represents a node [m].
+    /// The point that represents a node (m).
     pub fn point(&self, node: usize) -> Option<Point2<f64>> {
         self.points.get(node).copied()
     }
 
-    /// The points of all nodes [m].
+    /// The points of all nodes (m).
     pub fn points(&self) -> &[Point2<f64>] {
         &self.points
     }

@@ -9,7 +9,7 @@ use nalgebra::Point2;
 use super::nav_grid::{NONE, NavGrid, SIGHT};
 use planner_view::map::PlannerMap;
 
-/// A cost [mm] that means "no way".
+/// A cost (mm) that means "no way".
 const UNREACHED: u32 = u32::MAX;
 
 /// Largest factor by which a threat may lengthen an edge.
@@ -18,22 +18,22 @@ const MAX_THREAT: f64 = 1000.0;
 /// Somewhere one would rather not pass: ways near it count as longer than they are.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Threat {
-    /// Where it is [m].
+    /// Where it is (m).
     pub at: Point2<f64>,
     /// Extra metres that a metre of way costs at distance `reach` from it; falls off (and rises
     /// towards it) with the square of the distance.
     pub gain: f64,
-    /// See `gain` [m].
+    /// See `gain` (m).
     pub reach: f64,
 }
 
 /// The first straight leg of a way.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RouteLeg {
-    /// Where the leg ends [m]: the destination if it can be seen, else the last point on the way
+    /// Where the leg ends (m): the destination if it can be seen, else the last point on the way
     /// to it that can.
     pub waypoint: Point2<f64>,
-    /// Length of the way beyond the waypoint [m].
+    /// Length of the way beyond the waypoint (m).
     pub beyond: f64,
 }
 
@@ -52,9 +52,9 @@ pub struct RouteLeg {
 /// machine.
 #[derive(Debug, Clone)]
 pub struct RouteTree {
-    /// What the cheapest way costs [mm]: its length, more where something threatens.
+    /// What the cheapest way costs (mm): its length, more where something threatens.
     cost: Vec<u32>,
-    /// How long the cheapest way is [mm].
+    /// How long the cheapest way is (mm).
     length: Vec<u32>,
     parent: Vec<u32>,
     gates: Gates,
@@ -66,7 +66,7 @@ pub struct RouteTree {
     /// Extra cost of a node as a fraction of the length of its edges, in 1/256; [`NONE`] until it
     /// is needed; empty when nothing threatens.
     extra: Vec<u32>,
-    /// Nodes on the rim with what the ways to them cost [mm], the cheapest first, the lowest of several.
+    /// Nodes on the rim with what the ways to them cost (mm), the cheapest first, the lowest of several.
     queue: BinaryHeap<Reverse<(u32, u32)>>,
     /// Where the gates are seen from; nothing in a tree without gates.
     origin: Option<Point2<f64>>,
@@ -191,17 +191,17 @@ impl RouteTree {
         self.queue.is_empty()
     }
 
-    /// Length of the way to a node [mm]; `None` if the tree has not reached it.
+    /// Length of the way to a node (mm); `None` if the tree has not reached it.
     pub fn length_mm(&self, node: usize) -> Option<u32> {
         self.knows(node).then(|| self.length.get(node).copied())?
     }
 
-    /// Length of the way to a node [m]; `None` if the tree has not reached it.
+    /// Length of the way to a node (m); `None` if the tree has not reached it.
     pub fn length(&self, node: usize) -> Option<f64> {
         self.length_mm(node).map(|mm| f64::from(mm) / 1000.0)
     }
 
-    /// What the way to a node costs [m]: its length, more where something threatens; `None` if
+    /// What the way to a node costs (m): its length, more where something threatens; `None` if
     /// the tree has not reached it.
     pub fn cost(&self, node: usize) -> Option<f64> {
         self.knows(node)
@@ -344,7 +344,7 @@ impl Routes<'_> {
         (self.tree.rank(node)? < self.horizon).then_some(node)
     }
 
-    /// The first leg of the way to a point [m]; `None` if no way is known.
+    /// The first leg of the way to a point (m); `None` if no way is known.
     pub fn leg_to(&self, to: Point2<f64>) -> Option<RouteLeg> {
         let node = self.known(to)?;
         let gate = self.tree.gate(self.map, self.grid, node)?;
@@ -362,20 +362,20 @@ impl Routes<'_> {
         })
     }
 
-    /// Length of the way to a point [m], to the accuracy of the graph's blocks; `None` if no
+    /// Length of the way to a point (m), to the accuracy of the graph's blocks; `None` if no
     /// way is known.
     pub fn distance_to(&self, to: Point2<f64>) -> Option<f64> {
         let node = self.known(to)?;
         Some(self.tree.length(node)? + (to - self.grid.point(node)?).norm())
     }
 
-    /// What the way to a point costs [m]; `None` if no way is known.
+    /// What the way to a point costs (m); `None` if no way is known.
     pub fn cost_of(&self, to: Point2<f64>) -> Option<f64> {
         self.tree.cost(self.known(to)?)
     }
 
-    /// Writes the way from the root to a point into `way`, root first, as points [m] with the
-    /// distance travelled to each [m]; leaves it empty if no way is known.
+    /// Writes the way from the root to a point into `way`, root first, as points (m) with the
+    /// distance travelled to each (m); leaves it empty if no way is known.
     pub fn way_to(&self, to: Point2<f64>, way: &mut Vec<(Point2<f64>, f64)>) {
         way.clear();
         let mut next = self.known(to);

@@ -12,7 +12,7 @@ use planner_view::map::PlannerMap;
 /// Most trees that are kept; a slot beyond it shares the last one.
 const MAX_SLOTS: usize = 256;
 
-/// Radii above this [m] are taken as this; no arena holds such a robot, a broken message may.
+/// Radii above this (m) are taken as this; no arena holds such a robot, a broken message may.
 const MAX_RADIUS: f64 = 10.0;
 
 /// Keeps the graph of the current map (one for all planners that share the map) and one
@@ -33,7 +33,7 @@ struct Slot {
     /// What the tree grew from, if others use it too.
     seed: Option<Seed>,
     tree: Arc<RouteTree>,
-    /// How far the tree would have grown if it were used here alone [nodes]: answers must not
+    /// How far the tree would have grown if it were used here alone (nodes): answers must not
     /// depend on others.
     horizon: u32,
 }
@@ -54,16 +54,16 @@ enum Planted {
 /// The way to the exit that is cheapest to reach.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WayOut {
-    /// The exit [m].
+    /// The exit (m).
     pub exit: Point2<f64>,
-    /// The last point of the way that can be seen from where it begins [m], or the exit itself.
+    /// The last point of the way that can be seen from where it begins (m), or the exit itself.
     pub waypoint: Point2<f64>,
-    /// Length of the way [m].
+    /// Length of the way (m).
     pub length: f64,
 }
 
 impl Wayfinder {
-    /// Builds the graph for this map and radius [m], unless it is the one already built.
+    /// Builds the graph for this map and radius (m), unless it is the one already built.
     pub fn prepare(&mut self, map: &PlannerMap, radius: f64) {
         let radius = if radius.is_nan() {
             0.0
@@ -87,7 +87,7 @@ impl Wayfinder {
         self.ways.as_ref().map(|ways| &ways.grid)
     }
 
-    /// The shortest ways from `root` to `targets` [m], with their first legs, kept under a slot
+    /// The shortest ways from `root` to `targets` (m), with their first legs, kept under a slot
     /// number.
     ///
     /// `None` before [`prepare`], for a root that is not finite, and in a map where the robot fits
@@ -161,7 +161,7 @@ impl Wayfinder {
         })
     }
 
-    /// The way from a point to the exit [m] that is cheapest to reach past `threats`, kept under a
+    /// The way from a point to the exit (m) that is cheapest to reach past `threats`, kept under a
     /// slot number; planted anew when the exits change or `renew` is set (because the threats have
     /// moved), but not when only the point moves.
     ///

@@ -15,9 +15,9 @@ use super::{GraphError, MAX_TANGENTS};
 use planner_view::free_space::FreeSpace;
 
 /// Where two tangents depart from one place, the shorter leads over the longer's way: the longer is
-/// left out. Angles [rad] this near are one place; only rounding must fit in.
+/// left out. Angles (rad) this near are one place; only rounding must fit in.
 const SAME_PLACE: f64 = 1e-11;
-/// How far [rad] a path may go back on a track without noticing: a tangent that only touches a site
+/// How far (rad) a path may go back on a track without noticing: a tangent that only touches a site
 /// lands and departs at one place but for rounding.
 const BACK: f64 = 1e-9;
 
@@ -29,23 +29,23 @@ pub(super) const NONE: u32 = u32::MAX;
 pub(super) struct Vertex {
     /// Track on which it departs.
     pub track: u32,
-    /// Where [rad].
+    /// Where (rad).
     pub at: f64,
-    /// Length of the tangent [m].
+    /// Length of the tangent (m).
     pub length: f64,
     /// Track on which it lands.
     pub to_track: u32,
-    /// Where [rad].
+    /// Where (rad).
     pub to_at: f64,
-    /// Ends of the tangent [m].
+    /// Ends of the tangent (m).
     pub ends: [Point2<f64>; 2],
     /// The next departure after landing; [`NONE`] if there is none.
     pub next: u32,
-    /// Cost [m] of the tangent and the arc to `next`.
+    /// Cost (m) of the tangent and the arc to `next`.
     pub next_cost: f64,
     /// The next departure on the same track; [`NONE`] if there is none.
     pub stay: u32,
-    /// Cost [m] of the arc to `stay`.
+    /// Cost (m) of the arc to `stay`.
     pub stay_cost: f64,
 }
 
@@ -191,7 +191,7 @@ impl Graph {
         place(self.site(track), -1.0, at)
     }
 
-    /// The first departure of a track at or after a place, and the arc to it [m].
+    /// The first departure of a track at or after a place, and the arc to it (m).
     #[inline]
     pub fn departure(&self, track: u32, at: f64) -> (u32, f64) {
         let (begin, end) = (self.first[track as usize], self.first[track as usize + 1]);
@@ -213,7 +213,7 @@ impl Graph {
         }
     }
 
-    /// The departure after a vertex on its track, and the arc to it [m].
+    /// The departure after a vertex on its track, and the arc to it (m).
     fn after(&self, vertex: u32) -> (u32, f64) {
         let v = &self.vertices[vertex as usize];
         let (begin, end) = (
@@ -232,7 +232,7 @@ impl Graph {
         }
     }
 
-    /// Angle [rad] of the arc on a track from one place to another; `None` if the other lies behind.
+    /// Angle (rad) of the arc on a track from one place to another; `None` if the other lies behind.
     #[inline]
     pub fn arc(&self, track: u32, from: f64, to: f64) -> Option<f64> {
         let full = self.site(track).full;
@@ -245,7 +245,7 @@ impl Graph {
         }
     }
 
-    /// The vertices from which one step, its cost [m] given, leads to a vertex.
+    /// The vertices from which one step, its cost (m) given, leads to a vertex.
     pub fn before(&self, vertex: u32) -> impl Iterator<Item = (u32, f64)> {
         let i = vertex as usize;
         let range = self.landing_first[i] as usize..self.landing_first[i + 1] as usize;

@@ -8,7 +8,7 @@ use super::PathLeg;
 use super::graph::{self, Graph};
 use planner_view::free_space::Arc;
 
-/// Legs shorter than this [m] are left out: joints that rounding makes.
+/// Legs shorter than this (m) are left out: joints that rounding makes.
 const SHORTEST: f64 = 1e-12;
 
 /// Adds the way through these points.

@@ -60,11 +60,11 @@ pub use once::shortest_once;
 use planner_view::free_space::{Arc, FreeSpace};
 pub use towards::Towards;
 
-/// How deep [m] in a grown piece a start or goal may be: it is pushed out to the border, and the
+/// How deep (m) in a grown piece a start or goal may be: it is pushed out to the border, and the
 /// way there belongs to the path. Ten times what the world's contacts leave, a hundredth of a
 /// robot. Deeper inside there is no path.
 pub const PUSH_OUT: f64 = 1e-3;
-/// Smallest radius of a robot [m]; it stands for a point.
+/// Smallest radius of a robot (m); it stands for a point.
 pub const MIN_RADIUS: f64 = 1e-6;
 /// Most arcs that a graph may have: the time to build it grows with their square. A noisy occupancy
 /// grid can have more.
@@ -91,9 +91,9 @@ pub enum GraphError {
 pub enum PathLeg {
     /// Straight ahead.
     Segment {
-        /// Where it begins [m].
+        /// Where it begins (m).
         from: Point2<f64>,
-        /// Where it ends [m].
+        /// Where it ends (m).
         to: Point2<f64>,
     },
     /// Around a corner or disc.
@@ -101,7 +101,7 @@ pub enum PathLeg {
 }
 
 impl PathLeg {
-    /// Length [m].
+    /// Length (m).
     pub fn length(&self) -> f64 {
         match self {
             Self::Segment { from, to } => (to - from).norm(),
@@ -109,7 +109,7 @@ impl PathLeg {
         }
     }
 
-    /// The point at a part of the way, 0 at the start and 1 at the end [m].
+    /// The point at a part of the way, 0 at the start and 1 at the end (m).
     pub fn at(&self, part: f64) -> Point2<f64> {
         match self {
             Self::Segment { from, to } => from + (to - from) * part,
@@ -125,7 +125,7 @@ impl PathLeg {
         }
     }
 
-    /// Curvature [1/m]: positive to the left.
+    /// Curvature (1/m): positive to the left.
     pub fn curvature(&self) -> f64 {
         match self {
             Self::Segment { .. } => 0.0,
@@ -137,7 +137,7 @@ impl PathLeg {
 /// A shortest path.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ShortestPath {
-    /// Length [m]: the sum of the legs.
+    /// Length (m): the sum of the legs.
     pub length: f64,
     /// The legs in order, each beginning where the last ended; none if start and goal are the same.
     /// Headings are continuous at all joints but those of a start or goal that was pushed out.
@@ -164,7 +164,7 @@ struct Inner {
 }
 
 impl TangentGraph {
-    /// The graph of a space for a robot of this radius [m].
+    /// The graph of a space for a robot of this radius (m).
     ///
     /// # Errors
     /// [`GraphError`] for a radius that is not usable and for maps with too many corners.
@@ -188,7 +188,7 @@ impl TangentGraph {
         })
     }
 
-    /// The robot's radius [m].
+    /// The robot's radius (m).
     pub fn radius(&self) -> f64 {
         self.inner.radius
     }
@@ -208,7 +208,7 @@ impl TangentGraph {
         self.inner.graph.vertices.len()
     }
 
-    /// The shortest path between two points [m]; `None` if there is none, if either is deeper
+    /// The shortest path between two points (m); `None` if there is none, if either is deeper
     /// inside a grown piece than [`PUSH_OUT`], or not finite.
     pub fn shortest(&self, from: Point2<f64>, to: Point2<f64>) -> Option<ShortestPath> {
         let mut legs = Vec::new();
@@ -217,12 +217,12 @@ impl TangentGraph {
         Some(ShortestPath { length, legs })
     }
 
-    /// Length [m] of [`Self::shortest`]; allocates nothing once its thread has asked before.
+    /// Length (m) of [`Self::shortest`]; allocates nothing once its thread has asked before.
     pub fn distance(&self, from: Point2<f64>, to: Point2<f64>) -> Option<f64> {
         search::with_scratch(|scratch| self.inner.search(from, to, None, scratch))
     }
 
-    /// Prepares one goal [m] for questions from many starts.
+    /// Prepares one goal (m) for questions from many starts.
     pub fn towards(&self, goal: Point2<f64>) -> Towards {
         Towards::new(Shared::clone(&self.inner), goal)
     }

@@ -13,9 +13,9 @@ use planner_view::free_space::FreeSpace;
 
 /// Cells along the longer side of the map. Smaller cells have shorter lists, and more of them.
 const CELLS: usize = 64;
-/// How deep [m] a line must go through a piece for it to count as hidden behind it.
+/// How deep (m) a line must go through a piece for it to count as hidden behind it.
 const DEPTH: f64 = 1e-5;
-/// How far [m] inside a circle a point counts as on it: what a free point may be.
+/// How far (m) inside a circle a point counts as on it: what a free point may be.
 const ON: f64 = 2.0 * TOUCHING;
 
 /// A tangent from a point that joins a track; whether it is free is not known yet.
@@ -23,11 +23,11 @@ const ON: f64 = 2.0 * TOUCHING;
 pub(super) struct Join {
     /// The track.
     pub track: u32,
-    /// Where it lands [rad].
+    /// Where it lands (rad).
     pub at: f64,
-    /// Length of the tangent [m].
+    /// Length of the tangent (m).
     pub length: f64,
-    /// Where it touches [m].
+    /// Where it touches (m).
     pub touch: Point2<f64>,
 }
 

@@ -14,7 +14,7 @@ use planner_view::free_space::FreeSpace;
 /// after the other.
 const SUPPOSED: [f64; 4] = [1.01, 1.05, 1.2, 1.6];
 
-/// The shortest path of a disc of this radius [m] between two points [m]; as
+/// The shortest path of a disc of this radius (m) between two points (m); as
 /// [`TangentGraph::shortest`], but without the preparations that only pay for many questions.
 ///
 /// A path that touches a site anywhere is at least as long as the way over the nearest point of

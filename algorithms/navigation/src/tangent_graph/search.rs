@@ -75,7 +75,7 @@ pub(super) fn with_joins<R>(f: impl FnOnce(&mut Vec<Join>) -> R) -> R {
 }
 
 impl Inner {
-    /// Length [m] of the shortest path; its legs are written to `path`, if there is one.
+    /// Length (m) of the shortest path; its legs are written to `path`, if there is one.
     pub(super) fn search(
         &self,
         from: Point2<f64>,
@@ -200,7 +200,7 @@ impl Inner {
         }
     }
 
-    /// The tangent to the goal from a track, and the arc [m] to where it departs.
+    /// The tangent to the goal from a track, and the arc (m) to where it departs.
     #[inline]
     fn goal_on(&self, track: u32, at: f64, scratch: &Scratch) -> Option<(u32, f64)> {
         let (search, goal) = scratch.goal_of[track as usize];
@@ -240,7 +240,7 @@ impl Inner {
         }
     }
 
-    /// A lower bound on the cost [m] from a vertex to the goal, found once per search.
+    /// A lower bound on the cost (m) from a vertex to the goal, found once per search.
     #[inline]
     fn least(&self, vertex: u32, q: Point2<f64>, scratch: &mut Scratch) -> f64 {
         let mark = &mut scratch.marks[vertex as usize];

@@ -8,11 +8,11 @@ use sim_backend::shape::Convex;
 
 use planner_view::free_space::FreeSpace;
 
-/// Arcs narrower than this [rad] are dropped: they are what rounding leaves of the seam between two
+/// Arcs narrower than this (rad) are dropped: they are what rounding leaves of the seam between two
 /// pieces, and a path that would bend by so little passes straight (penetrating by far less than
 /// [`sim_backend::map::TOUCHING`]).
 const MIN_WIDTH: f64 = 1e-6;
-/// How far [rad] outside its arc a tangent point may lie and count as the arc's end. Only rounding
+/// How far (rad) outside its arc a tangent point may lie and count as the arc's end. Only rounding
 /// must fit in: whether the segment is free is checked exactly.
 const END: f64 = 1e-7;
 
@@ -26,13 +26,13 @@ pub(super) struct Site {
     start: Vector2<f64>,
     /// Unit vector to the counter-clockwise end.
     end: Vector2<f64>,
-    /// Direction of `start` [rad].
+    /// Direction of `start` (rad).
     pub start_angle: f64,
-    /// Angle from `start` to `end` [rad], in (0, 2π].
+    /// Angle from `start` to `end` (rad), in (0, 2π].
     pub width: f64,
     /// A whole circle: `start` is arbitrary, and a path may pass it.
     pub full: bool,
-    /// Radius [m] of the piece itself about the centre; 0 for a corner.
+    /// Radius (m) of the piece itself about the centre; 0 for a corner.
     pub core: f64,
 }
 
@@ -66,7 +66,7 @@ impl Site {
         }
     }
 
-    /// Where the direction `n` (a unit vector) meets the arc, as the angle from its start [rad];
+    /// Where the direction `n` (a unit vector) meets the arc, as the angle from its start (rad);
     /// `None` if it does not.
     #[inline]
     pub fn angle_of(&self, n: Vector2<f64>) -> Option<f64> {
@@ -116,7 +116,7 @@ struct Circle {
     part: usize,
 }
 
-/// All arcs around the pieces of a space grown by `radius` [m], at most `limit` of them and one.
+/// All arcs around the pieces of a space grown by `radius` (m), at most `limit` of them and one.
 pub(super) fn find(space: &FreeSpace, radius: f64, limit: usize) -> Vec<Site> {
     let mut sites = Vec::new();
     for (part, piece) in space.shapes().parts().iter().enumerate() {
@@ -155,7 +155,7 @@ pub(super) fn find(space: &FreeSpace, radius: f64, limit: usize) -> Vec<Site> {
     without_twins(sites)
 }
 
-/// The free arcs of a circle within a cone (first direction and width [rad]), or all around.
+/// The free arcs of a circle within a cone (first direction and width (rad)), or all around.
 fn arcs(
     space: &FreeSpace,
     radius: f64,
@@ -225,7 +225,7 @@ fn seam(borders: &[f64], is_free: impl Fn(f64) -> bool) -> Option<(f64, f64)> {
         .map(|(_, end)| (end, TAU))
 }
 
-/// Directions [rad] in which a point of the circle is `radius` from a piece or the edge: between
+/// Directions (rad) in which a point of the circle is `radius` from a piece or the edge: between
 /// two neighbouring ones, an arc is free as a whole or not at all. More than needed does no harm.
 fn borders(space: &FreeSpace, radius: f64, circle: &Circle) -> Vec<f64> {
     let mut borders = Vec::new();

@@ -8,7 +8,7 @@ pub(super) type Turn = f64;
 /// A tangent segment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Tangent {
-    /// Length [m].
+    /// Length (m).
     pub length: f64,
     /// Unit vector from the first circle's centre to where the segment begins.
     pub from: Vector2<f64>,
@@ -49,9 +49,9 @@ pub(super) fn between(
     })
 }
 
-/// The two segments from a point to a circle: their length [m], and the unit vectors from the
+/// The two segments from a point to a circle: their length (m), and the unit vectors from the
 /// centre to where they touch, for the one that joins counter-clockwise and the one that joins
-/// clockwise. A point on the circle, or inside it by no more than `slack` [m], is its own touching
+/// clockwise. A point on the circle, or inside it by no more than `slack` (m), is its own touching
 /// point; `None` further inside.
 ///
 /// As [`between`] with a first radius of 0: the touching point lies in the direction `−i s u`.

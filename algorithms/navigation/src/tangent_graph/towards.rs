@@ -24,13 +24,13 @@ const MIXED: f32 = -1.0;
 pub struct Towards {
     inner: Shared<Inner>,
     goal: Point2<f64>,
-    /// Where the paths end, if the goal can be reached at all, and how far [m] it is from there.
+    /// Where the paths end, if the goal can be reached at all, and how far (m) it is from there.
     settled: Option<(Point2<f64>, f64)>,
-    /// Cost [m] from every vertex to the settled goal.
+    /// Cost (m) from every vertex to the settled goal.
     costs: Vec<f64>,
-    /// Tangents to the goal, by their track: where it departs, and its length [m].
+    /// Tangents to the goal, by their track: where it departs, and its length (m).
     last: Vec<Option<(f64, f64)>>,
-    /// Bits of lower bounds [m] for the cells of the clearance field, found when first needed.
+    /// Bits of lower bounds (m) for the cells of the clearance field, found when first needed.
     cells: Vec<AtomicU32>,
 }
 
@@ -71,12 +71,12 @@ impl Towards {
         }
     }
 
-    /// The goal [m].
+    /// The goal (m).
     pub fn goal(&self) -> Point2<f64> {
         self.goal
     }
 
-    /// Length [m] of the shortest path from a point; `None` if there is none.
+    /// Length (m) of the shortest path from a point; `None` if there is none.
     ///
     /// The same as [`TangentGraph::distance`](super::TangentGraph::distance), faster.
     pub fn distance(&self, from: Point2<f64>) -> Option<f64> {
@@ -129,7 +129,7 @@ impl Towards {
         None
     }
 
-    /// A lower bound [m] on [`Self::distance`] by one look-up; infinite where there is no path, 0
+    /// A lower bound (m) on [`Self::distance`] by one look-up; infinite where there is no path, 0
     /// for points that are not finite. Made for heuristics and pruning; the first
     /// question of a cell takes as long as a [`Self::distance`].
     ///
@@ -172,7 +172,7 @@ impl Towards {
     }
 }
 
-/// Cost [m] from a place on a track to the goal without another departure.
+/// Cost (m) from a place on a track to the goal without another departure.
 #[inline]
 fn arrival(inner: &Inner, last: &[Option<(f64, f64)>], track: u32, at: f64) -> Option<f64> {
     let (departs, length) = (*last.get(track as usize)?)?;

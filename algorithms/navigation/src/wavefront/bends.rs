@@ -22,7 +22,7 @@ pub(super) struct Target {
     pub(super) to: u32,
     /// The node next to it on the straight way back; [`NONE`] next to the bend.
     pub(super) back: u32,
-    /// Distance [m].
+    /// Distance (m).
     pub(super) distance: f32,
 }
 
@@ -41,7 +41,7 @@ pub(super) struct Bends {
 }
 
 impl Bends {
-    /// The bends of a lattice, with targets up to `sight` [m].
+    /// The bends of a lattice, with targets up to `sight` (m).
     pub(super) fn new(map: &PlannerMap, lattice: &Lattice, sight: f64) -> Self {
         let mut bends = Self {
             of_node: vec![NONE; lattice.len()],
@@ -132,7 +132,7 @@ impl Bends {
         self.points.len()
     }
 
-    /// Where they are [m].
+    /// Where they are (m).
     pub(super) fn points(&self) -> &[Point2<f64>] {
         &self.points
     }

@@ -33,8 +33,8 @@ pub struct Lattice {
 }
 
 impl Lattice {
-    /// The lattice for a robot of this radius [m] at this pitch [m], rounded to whole cells of the
-    /// map (at least one). For `sight` [m] see [`SIGHT`](super::SIGHT).
+    /// The lattice for a robot of this radius (m) at this pitch (m), rounded to whole cells of the
+    /// map (at least one). For `sight` (m) see [`SIGHT`](super::SIGHT).
     pub fn new(map: &PlannerMap, pitch: f64, radius: f64, sight: f64) -> Self {
         let fine = &map.clearance_grid().frame;
         // A pitch that is not a number becomes one cell.
@@ -92,17 +92,17 @@ impl Lattice {
         &self.frame
     }
 
-    /// Side of a cell [m].
+    /// Side of a cell (m).
     pub fn pitch(&self) -> f64 {
         self.frame.resolution
     }
 
-    /// Radius of the robot [m].
+    /// Radius of the robot (m).
     pub fn radius(&self) -> f64 {
         self.radius
     }
 
-    /// The node of the cell that contains a point [m], if the cell is free.
+    /// The node of the cell that contains a point (m), if the cell is free.
     pub fn node_at(&self, p: Point2<f64>) -> Option<usize> {
         let node = *self.node_of.get(self.frame.index_at(p)?)?;
         (node != NONE).then_some(node as usize)
@@ -119,7 +119,7 @@ impl Lattice {
         self.cell_of.get(node).map(|&cell| cell as usize)
     }
 
-    /// Centre of a node's cell [m].
+    /// Centre of a node's cell (m).
     pub fn point(&self, node: usize) -> Option<Point2<f64>> {
         let cell = self.cell(node)?;
         Some(
@@ -141,7 +141,7 @@ impl Lattice {
         self.node_of_cell(self.frame.index(col as usize, row as usize))
     }
 
-    /// The free cell nearest to a point among those whose centre is within `reach` [m] of it; the
+    /// The free cell nearest to a point among those whose centre is within `reach` (m) of it; the
     /// one with the lowest number of several.
     pub fn nearest(&self, p: Point2<f64>, reach: f64) -> Option<usize> {
         let mut best: Option<(f64, usize)> = None;
@@ -153,8 +153,8 @@ impl Lattice {
         best.map(|(_, node)| node)
     }
 
-    /// Calls `visit` with every node whose centre is within `reach` [m] of a point, and the
-    /// distance [m], row by row.
+    /// Calls `visit` with every node whose centre is within `reach` (m) of a point, and the
+    /// distance (m), row by row.
     pub fn for_each_within(&self, p: Point2<f64>, reach: f64, mut visit: impl FnMut(usize, f64)) {
         let frame = &self.frame;
         let near = |value: f64, origin: f64, cells: usize| {
@@ -201,7 +201,7 @@ impl Lattice {
         self.len() + self.bends.len()
     }
 
-    /// Radius with which lines of sight are tested [m]: half a cell's diagonal less than the robot's,
+    /// Radius with which lines of sight are tested (m): half a cell's diagonal less than the robot's,
     /// so that a line along a wall at the robot's very radius is not lost to rounding.
     pub(super) fn sight_radius(&self, map: &PlannerMap) -> f64 {
         let slack = 0.71 * map.clearance_grid().frame.resolution;

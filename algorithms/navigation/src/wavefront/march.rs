@@ -71,13 +71,13 @@ impl Wave {
         }
     }
 
-    /// When the wave reaches each node [s], by its number; infinite where it does not come.
+    /// When the wave reaches each node (s), by its number; infinite where it does not come.
     pub fn times(&self) -> &[f32] {
         // Behind them are the bends, and the place that stands for none.
         self.times.get(..self.nodes).unwrap_or_default()
     }
 
-    /// When the wave reaches a node [s]; infinite where it does not come.
+    /// When the wave reaches a node (s); infinite where it does not come.
     pub fn time(&self, node: usize) -> f32 {
         self.times().get(node).copied().unwrap_or(f32::INFINITY)
     }
@@ -88,7 +88,7 @@ impl Wave {
         self.labels.get(node).copied().filter(|_| reached)
     }
 
-    /// When the wave is at a point [m], by linear interpolation between the centres of the cells
+    /// When the wave is at a point (m), by linear interpolation between the centres of the cells
     /// around it; infinite if it reaches none of them.
     pub fn time_at(&self, lattice: &Lattice, p: nalgebra::Point2<f64>) -> f64 {
         let frame = lattice.frame();
@@ -134,7 +134,7 @@ impl Wave {
         self.straight.resize(places, false);
     }
 
-    /// Marches from the seeds at a speed [m/s].
+    /// Marches from the seeds at a speed (m/s).
     fn march(&mut self, lattice: &Lattice, speed: f64, limit: Option<&[f32]>) {
         self.clear(lattice);
         let step = (lattice.pitch() / speed) as f32;

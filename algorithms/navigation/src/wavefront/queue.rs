@@ -47,7 +47,7 @@ impl Queue {
         self.per_second = PER_STEP / step;
     }
 
-    /// Adds a node at a time [s], ≥ 0.
+    /// Adds a node at a time (s), ≥ 0.
     pub(super) fn push(&mut self, time: f32, node: u32) {
         self.put(u64::from(time.to_bits()) << 32 | u64::from(node));
     }

@@ -5,19 +5,19 @@ use nalgebra::Point2;
 use super::lattice::Lattice;
 use planner_view::map::PlannerMap;
 
-/// How far from a source [m] a free cell is looked for if none can be seen from it.
+/// How far from a source (m) a free cell is looked for if none can be seen from it.
 const LOST: f64 = 1.0;
 
 /// A robot from which a wave starts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Source {
-    /// Where it is [m].
+    /// Where it is (m).
     pub at: Point2<f64>,
-    /// Its speed [m/s], ≥ 0; 0 for one that cannot leave its place.
+    /// Its speed (m/s), ≥ 0; 0 for one that cannot leave its place.
     pub speed: f64,
-    /// Time at which it starts [s], ≥ 0.
+    /// Time at which it starts (s), ≥ 0.
     pub delay: f64,
-    /// How far it reaches from where it is [m], ≥ 0: what is within this of it is reached at once.
+    /// How far it reaches from where it is (m), ≥ 0: what is within this of it is reached at once.
     pub reach: f64,
     /// Comes back as [`Wave::label`](super::Wave::label) of the places that it reaches first.
     pub label: u32,
@@ -57,10 +57,10 @@ impl Source {
 }
 
 /// Distance from a source within which times are computed along straight lines instead of by differences
-/// [m].
+/// (m).
 const EXACT_RADIUS: f64 = 1.0;
 
-/// The same around corners that the wave turns round [m]: longer than the edges of usual obstacles, so
+/// The same around corners that the wave turns round (m): longer than the edges of usual obstacles, so
 /// that from a corner the next one is seen.
 pub const SIGHT: f64 = 3.0;
 

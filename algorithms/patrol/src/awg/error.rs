@@ -11,7 +11,7 @@ pub enum AwgError {
     /// A time that is none.
     #[error("`t_max` is {value}, but must be a number above 0 and of at most {MAX_T_MAX} [s]")]
     TMax {
-        /// The time given [s].
+        /// The time given (s).
         value: f64,
     },
     /// A width that is none.
@@ -19,7 +19,7 @@ pub enum AwgError {
         "`alpha` is {value}, but must be a finite number above 0 [m]; leave it out to have it chosen"
     )]
     Alpha {
-        /// The width given [m].
+        /// The width given (m).
         value: f64,
     },
     /// A clock that does not run, or runs late.
@@ -34,9 +34,9 @@ pub enum AwgError {
          computed with: give coordinates in metres and the time in seconds"
     )]
     Speed {
-        /// Length of the contour [m].
+        /// Length of the contour (m).
         length: f64,
-        /// Time for it [s].
+        /// Time for it (s).
         t_max: f64,
     },
     /// A contour that is too long for the time, even without a zig-zag.
@@ -45,13 +45,13 @@ pub enum AwgError {
          the robot's {v_max} m/s: give it more time, a shorter contour or a faster robot"
     )]
     TooShort {
-        /// Time for a lap [s].
+        /// Time for a lap (s).
         t_max: f64,
-        /// Length of the contour [m].
+        /// Length of the contour (m).
         length: f64,
-        /// Greatest speed of the robot [m/s].
+        /// Greatest speed of the robot (m/s).
         v_max: f64,
-        /// Least time that would do [s].
+        /// Least time that would do (s).
         least: f64,
     },
     /// A danger zone that is no area.

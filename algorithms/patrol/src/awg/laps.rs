@@ -70,7 +70,7 @@ impl<S: Source> Laps<S> {
     /// (paper, end of §4); those left out on the way are appended to `dropped`. The generator takes
     /// their steps all the same, so that who has the key but not the map foresees the others.
     ///
-    /// `inside` tells whether a point [m] lies in an obstacle, enlarged as the robot wants it.
+    /// `inside` tells whether a point (m) lies in an obstacle, enlarged as the robot wants it.
     pub fn next_outside(
         &mut self,
         inside: impl Fn(Point2<f64>) -> bool,

@@ -9,9 +9,9 @@ use sim_backend::shape::Convex;
 /// A fictive obstacle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Disc {
-    /// Centre [m].
+    /// Centre (m).
     pub center: Point2<f64>,
-    /// Radius [m], > 0.
+    /// Radius (m), > 0.
     pub radius: f64,
 }
 

@@ -10,7 +10,7 @@ use steering::waypoint_driver::lap_time;
 use super::Drive;
 use crate::alpha::LapTimes;
 
-/// Tick of the trial drive [s]. Not that of the run: the width must not depend on it.
+/// Tick of the trial drive (s). Not that of the run: the width must not depend on it.
 const TICK_S: f64 = 0.05;
 
 /// A robot that is driven through laps as the waypoint driver does it, on empty ground.
@@ -18,7 +18,7 @@ const TICK_S: f64 = 0.05;
 pub struct TrialDrive {
     limits: Limits,
     go_to: GoToParams,
-    /// Time that each waypoint costs beyond the ideal drive [s].
+    /// Time that each waypoint costs beyond the ideal drive (s).
     loss_s: f64,
 }
 

@@ -13,7 +13,7 @@ use sim_backend::map::{MapSpec, UnknownCells, WorldMap};
 use sim_backend::math;
 use sim_backend::shape::{Aabb, Convex, Shape};
 
-/// Radius of the TurtleBot3 Burger [m].
+/// Radius of the TurtleBot3 Burger (m).
 pub const RADIUS: f64 = 0.105;
 
 /// The city of the scenarios.
@@ -119,7 +119,7 @@ pub fn arc_distance(space: &FreeSpace, arc: &Arc, count: usize) -> (f64, f64) {
     (least, 0.5 * arc.length() / count as f64)
 }
 
-/// The unit vector in a direction [rad].
+/// The unit vector in a direction (rad).
 pub fn unit(angle: f64) -> Vector2<f64> {
     let (sin, cos) = math::sincos(angle);
     Vector2::new(cos, sin)

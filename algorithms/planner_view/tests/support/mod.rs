@@ -14,14 +14,14 @@ use sim_backend::math;
 use sim_backend::pose::{Pose2, Twist2};
 use sim_backend::team::Team;
 
-/// Radius of the TurtleBot3 Burger's body as a disc [m].
+/// Radius of the TurtleBot3 Burger's body as a disc (m).
 pub const RADIUS: f64 = 0.105;
-/// The city's exit [m].
+/// The city's exit (m).
 pub const EXIT: Point2<f64> = Point2::new(9.0, 0.0);
-/// Standard deviation of the blur [m].
+/// Standard deviation of the blur (m).
 pub const SIGMA: f64 = 0.19;
 
-/// Time between two ticks [s].
+/// Time between two ticks (s).
 pub const DT: f64 = 0.05;
 
 /// The city and what planners know of it.
@@ -58,7 +58,7 @@ pub fn view<'a>(time_s: f64, robots: &'a [RobotView], exits: &'a [Point2<f64>]) 
     }
 }
 
-/// Axis-aligned rectangles as (x0, x1, y0, y1) [m].
+/// Axis-aligned rectangles as (x0, x1, y0, y1) (m).
 pub type Rectangle = (f64, f64, f64, f64);
 
 /// The obstacles of an arena.
@@ -89,7 +89,7 @@ impl Arena {
         }
     }
 
-    /// Distance from a point to the nearest obstacle [m], 0 inside one.
+    /// Distance from a point to the nearest obstacle (m), 0 inside one.
     pub fn clearance(&self, p: Point2<f64>) -> f64 {
         let mut least = f64::INFINITY;
         for &(x0, x1, y0, y1) in &self.rectangles {
@@ -143,7 +143,7 @@ impl Arena {
         PlannerMap::new(blurred, clearance, 1).expect("a sane map")
     }
 
-    /// Range [m] from a point in a direction [rad] to the nearest obstacle, at most `max`.
+    /// Range (m) from a point in a direction (rad) to the nearest obstacle, at most `max`.
     pub fn range(&self, from: Point2<f64>, angle: f64, max: f64) -> f64 {
         let (sin, cos) = math::sincos(angle);
         let mut run = 0.0;
@@ -176,9 +176,9 @@ pub struct Kinematic {
     pub twist: Twist2,
     /// Ticks in which a wall stopped it.
     pub contacts: u32,
-    /// Distance travelled [m].
+    /// Distance travelled (m).
     pub travelled: f64,
-    /// Least clearance of the body from a wall so far [m].
+    /// Least clearance of the body from a wall so far (m).
     pub least_clearance: f64,
 }
 

@@ -20,7 +20,7 @@ use super::params::{EvaderParams, ThreatParams};
 const PAST_POLICE: usize = 0;
 /// The way-finder's slot of the shortest ways.
 const SHORTEST: usize = 1;
-/// Distance within which other robots are measured along the ways [m].
+/// Distance within which other robots are measured along the ways (m).
 const MEASURED: f64 = 4.0;
 
 /// Runs for the nearest exit and from the Police by potential fields.
@@ -55,7 +55,7 @@ impl Evader {
         })
     }
 
-    /// Lays the ways through a new map for a robot of this radius [m]. [`Evader::command`] does it
+    /// Lays the ways through a new map for a robot of this radius (m). [`Evader::command`] does it
     /// too if it has not been done; here it does not cost time in a tick.
     pub fn prepare(&mut self, map: &PlannerMap, radius: f64) {
         let geodesic = GoalField::Geodesic;

@@ -11,9 +11,9 @@ use planner_view::view::RobotView;
 /// A robot's body, to be driven round.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Body {
-    /// Its centre [m].
+    /// Its centre (m).
     pub at: Point2<f64>,
-    /// Its radius [m], ≥ 0.
+    /// Its radius (m), ≥ 0.
     pub radius: f64,
 }
 
@@ -26,13 +26,13 @@ impl From<&RobotView> for Body {
     }
 }
 
-/// Difference of clearance [m] that makes the left the better side.
+/// Difference of clearance (m) that makes the left the better side.
 const CLEARLY_MORE: f64 = 0.05;
 
 /// The field with the part that would drive a robot into a body turned to go round it.
 ///
-/// * `here`, `radius` — the robot's centre and radius [m].
-/// * `guard` — gap between the two bodies [m] at which the turning begins; at a third of it all of
+/// * `here`, `radius` — the robot's centre and radius (m).
+/// * `guard` — gap between the two bodies (m) at which the turning begins; at a third of it all of
 ///   the inward part is turned, linear in between. 0 for never.
 ///
 /// The robot passes on the right, unless the map has clearly more room to the left of the body: two

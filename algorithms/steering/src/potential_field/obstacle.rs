@@ -8,11 +8,11 @@ use serde::{Deserialize, Serialize};
 use super::capped;
 use planner_view::map::{PlannerMap, cell_of};
 
-/// Velocity per gradient [m²/s]; in the paper's experiments the field speed 2 times the gradient gain
+/// Velocity per gradient (m²/s); in the paper's experiments the field speed 2 times the gradient gain
 /// 2.2.
 const GAIN: f64 = 4.4;
 
-/// Greatest magnitude of the push [m/s].
+/// Greatest magnitude of the push (m/s).
 const MAX_SPEED: f64 = 6.0;
 
 /// Parameters of the obstacle field.
@@ -51,7 +51,7 @@ impl ObstacleParams {
     }
 }
 
-/// The push of the obstacles at a point [m/s]; zero outside the map.
+/// The push of the obstacles at a point (m/s); zero outside the map.
 pub fn obstacle(map: &PlannerMap, at: Point2<f64>, fidelity: Fidelity) -> Vector2<f64> {
     match fidelity {
         Fidelity::Ours => capped(map.blurred().gradient(at) * GAIN, MAX_SPEED),
@@ -59,10 +59,10 @@ pub fn obstacle(map: &PlannerMap, at: Point2<f64>, fidelity: Fidelity) -> Vector
     }
 }
 
-/// The field without the part that would drive a robot of this radius [m] at `at` into a wall it is
+/// The field without the part that would drive a robot of this radius (m) at `at` into a wall it is
 /// already close to.
 ///
-/// Where the clearance beyond the radius is `guard` [m] or more nothing changes; at contact the
+/// Where the clearance beyond the radius is `guard` (m) or more nothing changes; at contact the
 /// whole inward part is gone; linear in between.
 pub fn slide_along_obstacles(
     map: &PlannerMap,
@@ -87,7 +87,7 @@ pub fn slide_along_obstacles(
     field - away * (inward * share)
 }
 
-/// Central difference of the masked blur around the cell at a point [1/m].
+/// Central difference of the masked blur around the cell at a point (1/m).
 fn masked_cell_gradient(map: &PlannerMap, at: Point2<f64>) -> Vector2<f64> {
     let blurred = map.blurred();
     let frame = blurred.grid().frame;

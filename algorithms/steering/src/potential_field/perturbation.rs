@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sim_backend::math;
 
-/// Time of one turn [s].
+/// Time of one turn (s).
 const PERIOD: f64 = 7.0;
 
 /// Parameters of the time-variant perturbation (chasing-game paper, §I-C: fields are made
@@ -56,7 +56,7 @@ impl Perturbation {
         }
     }
 
-    /// The push at a time [s]: `amplitude` in a direction that turns slowly. Zero at a
+    /// The push at a time (s): `amplitude` in a direction that turns slowly. Zero at a
     /// time that is not finite.
     pub fn at(&self, time_s: f64) -> Vector2<f64> {
         if self.params.amplitude == 0.0 || !time_s.is_finite() {

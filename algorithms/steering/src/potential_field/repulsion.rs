@@ -18,7 +18,7 @@ const SWIRL: f64 = 0.1;
 /// A point that repels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Repulsor {
-    /// Where it is [m].
+    /// Where it is (m).
     pub at: Point2<f64>,
     /// How strongly it repels, ≥ 0.
     pub weight: f64,
@@ -77,7 +77,7 @@ impl RepulsionParams {
         }
     }
 
-    /// The fall-off's factor at a distance [m] ≥ 0.
+    /// The fall-off's factor at a distance (m) ≥ 0.
     pub fn strength(&self, distance: f64) -> f64 {
         match self.falloff {
             Falloff::InverseSquare => {
@@ -89,7 +89,7 @@ impl RepulsionParams {
     }
 }
 
-/// The repulsion of several points at a point [m/s].
+/// The repulsion of several points at a point (m/s).
 ///
 /// Every repulsor pushes away along its bearing, turned a little to the side, with its weight and the
 /// strength of its distance; the sum saturates at `speed` with a tanh. Repulsors closer than 1 mm

@@ -7,7 +7,7 @@ use super::surroundings::{DIRECTIONS, Surroundings};
 use super::trail::Trail;
 use super::{JUMP, LEAVE_MARGIN, Sight};
 
-/// A robot that moved less than this since it decided on a direction [m] turns on the spot.
+/// A robot that moved less than this since it decided on a direction (m) turns on the spot.
 const STILL: f64 = 5e-3;
 /// Cosine of the bearing at which it has turned enough.
 const ALIGNED: f64 = 0.95;
@@ -29,9 +29,9 @@ pub(super) fn is_turning(
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Follow {
     side: Side,
-    /// `d_followed` [m].
+    /// `d_followed` (m).
     least: f64,
-    /// The point of the obstacle that was nearest at the last look [m].
+    /// The point of the obstacle that was nearest at the last look (m).
     wall: Point2<f64>,
     trail: Trail,
     /// Where the last decision was made, and for which direction.
@@ -53,7 +53,7 @@ pub(super) enum Following {
 }
 
 impl Follow {
-    /// Begins at a distance from the goal [m], at the obstacle with a point `wall` [m].
+    /// Begins at a distance from the goal (m), at the obstacle with a point `wall` (m).
     pub(super) fn begin(side: Side, distance: f64, wall: Point2<f64>) -> Self {
         Self {
             side,
@@ -69,12 +69,12 @@ impl Follow {
         self.side
     }
 
-    /// `d_followed`: the least distance of this boundary from the goal so far [m].
+    /// `d_followed`: the least distance of this boundary from the goal so far (m).
     pub(super) fn least(&self) -> f64 {
         self.least
     }
 
-    /// Takes in what is seen. `grown` is the radius obstacles are grown by [m]; `may_trust` says whether
+    /// Takes in what is seen. `grown` is the radius obstacles are grown by (m); `may_trust` says whether
     /// a goal in sight is reason enough to leave.
     pub(super) fn step(
         &mut self,
@@ -159,7 +159,7 @@ impl Follow {
     }
 
     /// `d_reach` and its point: of the free points in sight beside the followed boundary, the one
-    /// nearest to the goal [m].
+    /// nearest to the goal (m).
     fn reach(view: &Surroundings, sight: &Sight, run: &Run) -> (f64, Point2<f64>) {
         let mut best = (f64::INFINITY, view.here);
         let mut consider = |unit: Vector2<f64>, free: f64| {

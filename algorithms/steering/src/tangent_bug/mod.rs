@@ -42,14 +42,14 @@ const SIDE_HOLD: f64 = 1.5;
 /// Changes of mode within one look: towards the goal, to the boundary, away from it, once each.
 const MOST_CHANGES: usize = 4;
 
-/// Kept free between the robot's edge and obstacles [m]. It covers what the drive strays from the advice
+/// Kept free between the robot's edge and obstacles (m). It covers what the drive strays from the advice
 /// and what the sensor errs; passages narrower than the robot and twice this count as closed.
 pub const MARGIN: f64 = 0.05;
-/// Jump of the free distance between neighbouring directions at which a piece of boundary ends [m]. Gaps
+/// Jump of the free distance between neighbouring directions at which a piece of boundary ends (m). Gaps
 /// between obstacles that are hidden behind less are not looked into.
 const JUMP: f64 = 0.06;
 /// How much nearer to the goal than all boundary seen a free point must be before the boundary is left
-/// for it [m].
+/// for it (m).
 const LEAVE_MARGIN: f64 = 0.03;
 
 /// What the robot is doing.
@@ -70,7 +70,7 @@ pub enum Mode {
 pub enum Advice {
     /// Drive straight towards a point.
     Head {
-        /// The point [m]; where the robot stands if it shall wait and look again.
+        /// The point (m); where the robot stands if it shall wait and look again.
         towards: Point2<f64>,
         /// What for.
         mode: Mode,
@@ -88,7 +88,7 @@ enum State {
     Leaving {
         point: Point2<f64>,
         follow: Follow,
-        /// Where that was decided [m].
+        /// Where that was decided (m).
         from: Point2<f64>,
     },
     Unreachable,
@@ -105,7 +105,7 @@ enum Change {
 /// Leads a disc robot to one goal after the other.
 #[derive(Debug, Clone)]
 pub struct TangentBug {
-    /// Radius that obstacles are grown by [m].
+    /// Radius that obstacles are grown by (m).
     grown: f64,
     goal: Option<Point2<f64>>,
     state: State,
@@ -117,7 +117,7 @@ pub struct TangentBug {
 }
 
 impl TangentBug {
-    /// For a robot of this radius [m], > 0.
+    /// For a robot of this radius (m), > 0.
     ///
     /// # Errors
     /// [`ParamsError`] for a radius that is out of range.
@@ -133,7 +133,7 @@ impl TangentBug {
         })
     }
 
-    /// The radius that obstacles are grown by: the robot's and the margin [m].
+    /// The radius that obstacles are grown by: the robot's and the margin (m).
     pub fn grown_radius(&self) -> f64 {
         self.grown
     }
@@ -146,7 +146,7 @@ impl TangentBug {
         self.sightings = 0;
     }
 
-    /// What to do at a pose, with the scan made there, to come within `tolerance` [m] of a goal; a
+    /// What to do at a pose, with the scan made there, to come within `tolerance` (m) of a goal; a
     /// goal other than the last one is begun anew.
     ///
     /// The scan has to go all around (directions without a beam count as free) and see farther than
@@ -327,13 +327,13 @@ impl TangentBug {
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Sight {
     goal: Point2<f64>,
-    /// d(x, goal) [m].
+    /// d(x, goal) (m).
     distance: f64,
     /// Unit vector towards it.
     towards: Vector2<f64>,
     /// Unit vector along the robot's heading.
     forward: Vector2<f64>,
-    /// How far the straight way there is free [m].
+    /// How far the straight way there is free (m).
     free: f64,
     /// Whether it is free as far as can be seen, or to the goal.
     is_open: bool,

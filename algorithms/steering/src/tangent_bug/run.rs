@@ -30,15 +30,15 @@ pub(super) struct Run {
 pub(super) struct RunEnd {
     /// Direction just beside the boundary.
     pub(super) unit: Vector2<f64>,
-    /// How far it is free [m].
+    /// How far it is free (m).
     pub(super) free: f64,
-    /// How far away the boundary ends [m].
+    /// How far away the boundary ends (m).
     pub(super) edge: f64,
 }
 
 impl Run {
     /// The piece of boundary seen in a direction; a change of the free distance from one direction
-    /// to the next by more than `jump` [m] ends it. `None` where nothing is in reach.
+    /// to the next by more than `jump` (m) ends it. `None` where nothing is in reach.
     pub(super) fn around(view: &Surroundings, k: usize, jump: f64) -> Option<Self> {
         if !view.is_blocked(k) {
             return None;

@@ -31,9 +31,9 @@ static UNITS: LazyLock<Vec<Vector2<f64>>> = LazyLock::new(|| {
         .collect()
 });
 
-/// Appends the echoes of a scan, relative to the robot's centre in world axes [m].
+/// Appends the echoes of a scan, relative to the robot's centre in world axes (m).
 ///
-/// Where two neighbouring echoes are so near to each other that the robot (of this radius [m]) could
+/// Where two neighbouring echoes are so near to each other that the robot (of this radius (m)) could
 /// not pass between them, points are put in between. Ranges below the shortest one count as the
 /// shortest one (REP-117: −∞); NaN counts as no echo.
 pub(crate) fn echoes(pose: &Pose2, scan: &ScanView<'_>, radius: f64, into: &mut Vec<Vector2<f64>>) {
@@ -83,24 +83,24 @@ fn fill(a: Vector2<f64>, b: Vector2<f64>, radius: f64, into: &mut Vec<Vector2<f6
 #[derive(Debug, Clone, Default)]
 pub(super) struct Surroundings {
     pub(super) here: Point2<f64>,
-    /// How far can be seen in the grown space [m].
+    /// How far can be seen in the grown space (m).
     pub(super) reach: f64,
-    /// Radius that echoes are grown by [m].
+    /// Radius that echoes are grown by (m).
     radius: f64,
-    /// Nearer than this [m] a robot leans away.
+    /// Nearer than this (m) a robot leans away.
     lean_below: f64,
     echoes: Vec<Vector2<f64>>,
-    /// Free distance per direction [m], at most `reach`.
+    /// Free distance per direction (m), at most `reach`.
     free: Vec<f64>,
     /// The echo that ends it.
     owner: Vec<usize>,
 }
 
 impl Surroundings {
-    /// Takes in a scan made by a robot of this radius [m].
+    /// Takes in a scan made by a robot of this radius (m).
     ///
     /// Between walls that are too near on both sides (it has strayed into its margin there) the
-    /// margin [m] is cut until there is a way out.
+    /// margin (m) is cut until there is a way out.
     pub(super) fn look(&mut self, pose: &Pose2, scan: &ScanView<'_>, radius: f64, margin: f64) {
         self.here = pose.position();
         echoes(pose, scan, radius + margin, &mut self.echoes);
@@ -119,7 +119,7 @@ impl Surroundings {
         }
     }
 
-    /// Finds how far each direction is free with echoes grown to this radius [m].
+    /// Finds how far each direction is free with echoes grown to this radius (m).
     fn grow(&mut self, range: f64, radius: f64, margin: f64) {
         self.radius = radius;
         self.lean_below = radius - 0.25 * margin;
@@ -150,7 +150,7 @@ impl Surroundings {
         }
     }
 
-    /// How far the centre can go along `unit` before it enters the grown echo [m].
+    /// How far the centre can go along `unit` before it enters the grown echo (m).
     fn entry(&self, echo: Vector2<f64>, distance: f64, unit: Vector2<f64>) -> f64 {
         let along = echo.dot(&unit);
         if distance <= self.radius {
@@ -170,7 +170,7 @@ impl Surroundings {
         (along - inside.sqrt()).max(0.0)
     }
 
-    /// How far the centre can go along a direction (a unit vector) [m], at most the reach.
+    /// How far the centre can go along a direction (a unit vector) (m), at most the reach.
     pub(super) fn free_towards(&self, unit: Vector2<f64>) -> f64 {
         let entry = |echo: &Vector2<f64>| self.entry(*echo, echo.norm(), unit);
         self.echoes.iter().map(entry).fold(self.reach, f64::min)
@@ -181,7 +181,7 @@ impl Surroundings {
         UNITS[k % DIRECTIONS]
     }
 
-    /// Free distance in a direction [m].
+    /// Free distance in a direction (m).
     pub(super) fn free(&self, k: usize) -> f64 {
         self.free.get(k % DIRECTIONS).copied().unwrap_or(self.reach)
     }
@@ -191,12 +191,12 @@ impl Surroundings {
         self.free(k) < self.reach
     }
 
-    /// Where a direction ends [m], world frame.
+    /// Where a direction ends (m), world frame.
     pub(super) fn end(&self, k: usize) -> Point2<f64> {
         self.here + Self::unit(k) * self.free(k)
     }
 
-    /// The echo that ends a direction [m], world frame.
+    /// The echo that ends a direction (m), world frame.
     pub(super) fn obstacle(&self, k: usize) -> Option<Point2<f64>> {
         let owner = *self.owner.get(k % DIRECTIONS)?;
         Some(self.here + self.echoes.get(owner)?)

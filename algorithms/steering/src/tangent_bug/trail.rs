@@ -9,7 +9,7 @@ const MOST_MARKS: usize = 1 << 16;
 struct Mark {
     at: Point2<f64>,
     heading: Vector2<f64>,
-    /// Way driven up to here [m].
+    /// Way driven up to here (m).
     along: f64,
 }
 
@@ -21,16 +21,16 @@ struct Mark {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Trail {
     marks: Vec<Mark>,
-    /// Way driven [m].
+    /// Way driven (m).
     along: f64,
     last: Option<Point2<f64>>,
-    /// Where on the way the robot began to drive along its trail [m].
+    /// Where on the way the robot began to drive along its trail (m).
     since: Option<f64>,
 }
 
 impl Trail {
     /// Takes in the next position and direction of travel (a unit vector); whether the loop is
-    /// closed. `radius` is the robot's with its margin [m].
+    /// closed. `radius` is the robot's with its margin (m).
     pub(super) fn closes(&mut self, at: Point2<f64>, heading: Vector2<f64>, radius: f64) -> bool {
         let pitch = 0.05_f64.min(0.4 * radius);
         if let Some(last) = self.last {

@@ -16,24 +16,24 @@ use crate::tangent_bug;
 const SPEEDS: [f64; 9] = [1.0, 0.75, 0.55, 0.4, 0.28, 0.2, 0.14, 0.09, 0.05];
 /// Most steps in which a way ahead is looked at; with shorter ticks a step is several of them.
 const STEPS: f64 = 48.0;
-/// How much nearer than now the robot may come to what is too near already [fraction].
+/// How much nearer than now the robot may come to what is too near already (fraction).
 const CREEP: f64 = 0.003;
-/// A robot slower than this [m/s] stands.
+/// A robot slower than this (m/s) stands.
 const STANDING: f64 = 1e-6;
 
 /// What a robot knows when its command is checked.
 pub(super) struct Guard<'a> {
-    /// Its direction [rad].
+    /// Its direction (rad).
     pub(super) theta: f64,
     /// How it moves.
     pub(super) twist: Twist2,
-    /// What it sees, relative to its centre in world axes [m].
+    /// What it sees, relative to its centre in world axes (m).
     pub(super) echoes: &'a [Vector2<f64>],
-    /// How far it sees [m].
+    /// How far it sees (m).
     pub(super) range: f64,
-    /// Its radius [m].
+    /// Its radius (m).
     pub(super) radius: f64,
-    /// Length of a tick [s].
+    /// Length of a tick (s).
     pub(super) dt: f64,
     /// How it drives.
     pub(super) params: &'a DriverParams,
@@ -62,7 +62,7 @@ impl Stop {
 /// A step of a way looked at.
 #[derive(Debug, Clone, Copy)]
 struct Step {
-    /// Its length [s].
+    /// Its length (s).
     length: f64,
     /// Share of a change of speed that counts for the whole step: the drive changes its speed at
     /// the beginning of each tick.
@@ -153,7 +153,7 @@ impl Guard<'_> {
             .any(|stop| self.room_to_stop(stop, (pose, twist), step, near) >= 0.0)
     }
 
-    /// Least room beyond what has to be kept while the robot stops [m]; negative if it comes too
+    /// Least room beyond what has to be kept while the robot stops (m); negative if it comes too
     /// near.
     fn room_to_stop(
         &self,
@@ -206,7 +206,7 @@ impl Guard<'_> {
         self.room(&halfway, near).min(self.room(pose, near))
     }
 
-    /// Room at a place beyond what has to be kept [m].
+    /// Room at a place beyond what has to be kept (m).
     fn room(&self, at: &Pose2, near: &[Near]) -> f64 {
         let at = at.position().coords;
         // What lies beyond the range may be a wall.

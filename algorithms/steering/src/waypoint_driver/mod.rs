@@ -41,9 +41,9 @@ pub struct Situation<'a> {
     pub scan: Option<ScanView<'a>>,
     /// The obstacles it knows.
     pub known: Option<&'a FreeSpace>,
-    /// Simulated time [s].
+    /// Simulated time (s).
     pub time_s: f64,
-    /// Length of a tick [s].
+    /// Length of a tick (s).
     pub dt: f64,
 }
 
@@ -52,7 +52,7 @@ pub struct Situation<'a> {
 pub struct Driving {
     /// The command; finite and within the limits. A stop if there is no waypoint.
     pub command: Twist2,
-    /// The point it drives to at the moment [m]: the waypoint or one on the way around an obstacle.
+    /// The point it drives to at the moment (m): the waypoint or one on the way around an obstacle.
     pub towards: Option<Point2<f64>>,
     /// What for; `None` without a waypoint or a scan.
     pub mode: Option<Mode>,
@@ -71,11 +71,11 @@ impl Driving {
 struct Leg {
     waypoint: Waypoint,
     started_s: f64,
-    /// When it is due [s], if it is.
+    /// When it is due (s), if it is.
     due_s: Option<f64>,
-    /// For how long it is tried after that [s].
+    /// For how long it is tried after that (s).
     spare_s: f64,
-    /// When it is given up [s]; infinite for a waypoint of the route.
+    /// When it is given up (s); infinite for a waypoint of the route.
     until_s: f64,
     closest: f64,
     /// Where and when the robot last had moved away from a place.
@@ -98,7 +98,7 @@ pub struct WaypointDriver {
 }
 
 impl WaypointDriver {
-    /// A driver for a robot of this radius [m], > 0.
+    /// A driver for a robot of this radius (m), > 0.
     ///
     /// # Errors
     /// [`ParamsError`] naming the parameter that is out of range.
@@ -122,7 +122,7 @@ impl WaypointDriver {
         self.leg.as_ref().map(|leg| &leg.waypoint)
     }
 
-    /// When the present waypoint is given up, simulated time [s]; `None` if it never is.
+    /// When the present waypoint is given up, simulated time (s); `None` if it never is.
     pub fn time_limit_s(&self) -> Option<f64> {
         self.leg
             .map(|leg| leg.until_s)
@@ -144,7 +144,7 @@ impl WaypointDriver {
         self.drive_on_time(next, &mut |_| None, situation, reports)
     }
 
-    /// As [`Self::drive`], with waypoints that are due at a time [s]: `due` tells when, each tick
+    /// As [`Self::drive`], with waypoints that are due at a time (s): `due` tells when, each tick
     /// for the waypoint on the way; `None` is as soon as possible.
     ///
     /// The robot drives no faster than that it arrives when it is due, and does not stand still to
@@ -306,7 +306,7 @@ impl WaypointDriver {
 }
 
 impl Leg {
-    /// Takes note of when the waypoint is due [s]; it is given up the later for it.
+    /// Takes note of when the waypoint is due (s); it is given up the later for it.
     fn take_due(&mut self, due_s: Option<f64>) {
         self.due_s = due_s;
         if let Some(due_s) = due_s {

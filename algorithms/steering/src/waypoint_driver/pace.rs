@@ -4,7 +4,7 @@
 /// wait.
 const LEAST: f64 = 0.02;
 
-/// Part of its highest speed `v_max` [m/s] at which a robot covers `distance` [m] in `time_s`; all of
+/// Part of its highest speed `v_max` (m/s) at which a robot covers `distance` (m) in `time_s`; all of
 /// it if that is not enough, or if it is late.
 pub(super) fn part(distance: f64, time_s: f64, v_max: f64) -> f64 {
     let needed = distance / (time_s * v_max);

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::go_to::GoToParams;
 use planner_view::limits::Limits;
 
-/// Least time allowed for a waypoint [s].
+/// Least time allowed for a waypoint (s).
 pub const LEAST_TIME_S: f64 = 1.0;
 
 /// Parameters of a [`WaypointDriver`](super::WaypointDriver).
@@ -55,7 +55,7 @@ impl Default for DriverParams {
 impl Parameters for DriverParams {}
 
 impl DriverParams {
-    /// These parameters for a robot whose drive has these accelerations [m/s², rad/s²]; where a
+    /// These parameters for a robot whose drive has these accelerations (m/s², rad/s²); where a
     /// parameter says something else, the parameter holds.
     #[must_use]
     pub fn for_drive(self, acceleration: Option<f64>, angular_acceleration: Option<f64>) -> Self {
@@ -67,7 +67,7 @@ impl DriverParams {
     }
 
     /// What ramps add to a way at most, beyond [`time_without_obstacles`](super::time_without_obstacles)
-    /// [s].
+    /// (s).
     pub(super) fn ramps_s(&self, limits: &Limits) -> f64 {
         let time = |speed: f64, rate: Option<f64>| rate.map_or(0.0, |rate| speed / rate);
         time(limits.v_max() * self.go_to.speed_fraction, self.braking)

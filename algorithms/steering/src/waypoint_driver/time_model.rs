@@ -7,10 +7,10 @@ use sim_backend::pose::Pose2;
 use crate::go_to::{GoToParams, bearing, coast, distance_to_segment, go_to};
 use planner_view::limits::Limits;
 
-/// Longest lap that is simulated [ticks].
+/// Longest lap that is simulated (ticks).
 const MOST_TICKS: f64 = 1e7;
 
-/// The time a robot needs to a point without obstacles [s]: it turns to it on the spot at its
+/// The time a robot needs to a point without obstacles (s): it turns to it on the spot at its
 /// highest rate, then drives straight at the highest speed it is allowed.
 ///
 /// The real way is a little shorter in time, as the robot begins to drive before it has turned.
@@ -25,8 +25,8 @@ pub fn time_without_obstacles(
         + distance / (limits.v_max() * params.speed_fraction)
 }
 
-/// The time that driving through `points` [m] in this order takes [s], without obstacles: an ideal
-/// unicycle with these limits is driven through them by [`go_to`] in ticks of `dt` [s]; a point is
+/// The time that driving through `points` (m) in this order takes (s), without obstacles: an ideal
+/// unicycle with these limits is driven through them by [`go_to`] in ticks of `dt` (s); a point is
 /// done when the way passes within `params.arrived` of it. Close a lap by ending it with its first
 /// point.
 ///

@@ -6,7 +6,7 @@ use sim_backend::pose::{Pose2, Twist2};
 
 use crate::go_to::bearing;
 
-/// The command of a robot with this angular acceleration [rad/s²] on its way to a point, turning no
+/// The command of a robot with this angular acceleration (rad/s²) on its way to a point, turning no
 /// faster than that it can come to rest in the direction of the point, and no faster forward than
 /// that it still comes about on that arc.
 ///

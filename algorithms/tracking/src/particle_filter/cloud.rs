@@ -5,15 +5,15 @@ use core::ops::Range;
 /// Hypotheses of one opponent's state. All arrays have the same length.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Cloud {
-    /// Position [m].
+    /// Position (m).
     pub x: Vec<f32>,
-    /// Position [m].
+    /// Position (m).
     pub y: Vec<f32>,
-    /// Heading [rad], in [−π, π].
+    /// Heading (rad), in [−π, π].
     pub heading: Vec<f32>,
-    /// Forward speed [m/s]; beyond the limit it stands for the limit.
+    /// Forward speed (m/s); beyond the limit it stands for the limit.
     pub v: Vec<f32>,
-    /// Turning rate [rad/s]; beyond a limit it stands for the limit.
+    /// Turning rate (rad/s); beyond a limit it stands for the limit.
     pub omega: Vec<f32>,
 }
 

@@ -6,14 +6,14 @@ use super::ParticleFilter;
 use super::predict::Motion;
 use crate::space::Space;
 
-/// Longest step of the motion [s]: short against the time in which hypotheses straighten.
+/// Longest step of the motion (s): short against the time in which hypotheses straighten.
 const STEP: f64 = 0.1;
 
 /// Most steps; longer times ahead take longer steps.
 const MOST_STEPS: f64 = 1000.0;
 
 impl ParticleFilter {
-    /// Mean of the particles `horizon` [s] from now, if none is seen until then: each moves on as
+    /// Mean of the particles `horizon` (s) from now, if none is seen until then: each moves on as
     /// its motion model expects, without noise, and stays in front of an obstacle that it comes to.
     ///
     /// A horizon that is not positive and finite gives the present mean.

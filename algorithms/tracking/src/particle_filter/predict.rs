@@ -14,11 +14,11 @@ use crate::space::Space;
 /// What an opponent can do.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotionLimits {
-    /// Largest speed forwards [m/s], ≥ 0.
+    /// Largest speed forwards (m/s), ≥ 0.
     pub v_max: f64,
-    /// Largest speed backwards [m/s], ≥ 0.
+    /// Largest speed backwards (m/s), ≥ 0.
     pub v_reverse_max: f64,
-    /// Largest turning rate either way [rad/s], ≥ 0.
+    /// Largest turning rate either way (rad/s), ≥ 0.
     pub omega_max: f64,
 }
 
@@ -87,7 +87,7 @@ impl Motion {
         }
     }
 
-    /// Ends of the walks: lowest and highest v [m/s], highest |ω| [rad/s].
+    /// Ends of the walks: lowest and highest v (m/s), highest |ω| (rad/s).
     pub fn ends(&self) -> (f32, f32, f32) {
         (self.v_low, self.v_top, self.omega_top)
     }
@@ -140,7 +140,7 @@ impl Motion {
     }
 }
 
-/// Largest change of the heading of a hypothesis that turns away from an obstacle [rad]: it may turn
+/// Largest change of the heading of a hypothesis that turns away from an obstacle (rad): it may turn
 /// back, but rarely.
 const TURN_AWAY: f64 = 2.2;
 
@@ -171,13 +171,13 @@ impl Motion {
     }
 }
 
-/// Rate at which a particle jumps to a nearby pose [1/s].
+/// Rate at which a particle jumps to a nearby pose (1/s).
 const JUMP_RATE: f64 = 0.25;
 
-/// Largest jump in x and in y [m].
+/// Largest jump in x and in y (m).
 const JUMP_DISTANCE: f64 = 1.0;
 
-/// Largest jump of the heading [rad].
+/// Largest jump of the heading (rad).
 const JUMP_TURN: f64 = 0.5;
 
 /// Rare jumps to nearby poses, which let a collapsed belief recover (chasing-game paper, section

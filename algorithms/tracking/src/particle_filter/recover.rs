@@ -13,7 +13,7 @@ use crate::watch::Watch;
 /// Attempts per particle to find a place that fits before the last one is taken.
 const ATTEMPTS: usize = 16;
 
-/// Ranges from which velocities are drawn: lowest and highest v [m/s], highest |ω| [rad/s].
+/// Ranges from which velocities are drawn: lowest and highest v (m/s), highest |ω| (rad/s).
 pub(crate) type Velocities = (f32, f32, f32);
 
 /// Draws all headings and velocities uniformly.
@@ -58,7 +58,7 @@ pub(crate) fn around_measurement(
 }
 
 /// Redraws the belief uniformly over free space that no observer sees well (a place is accepted
-/// with probability 1 − V), within `reach` = (centre, radius [m]) if any of that is free, else over
+/// with probability 1 − V), within `reach` = (centre, radius (m)) if any of that is free, else over
 /// the whole map. Headings and velocities are uniform.
 ///
 /// A map without free cells leaves the positions as they are. `candidates` is working memory.

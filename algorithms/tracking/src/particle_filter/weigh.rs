@@ -14,15 +14,15 @@ use crate::watch::Watch;
 pub(crate) struct Seen {
     x: f32,
     y: f32,
-    /// 1/(2σ²) of the position [1/m²].
+    /// 1/(2σ²) of the position (1/m²).
     precision: f32,
     heading: f32,
-    /// 1/(2σ²) of the heading [1/rad²]; 0 if it is not measured.
+    /// 1/(2σ²) of the heading (1/rad²); 0 if it is not measured.
     heading_precision: f32,
 }
 
 impl Seen {
-    /// From a measurement and the extra widths [m, rad] of the likelihood before snapping. A width
+    /// From a measurement and the extra widths (m, rad) of the likelihood before snapping. A width
     /// of zero in all means that the quantity does not weigh.
     pub fn new(m: &Measurement, extra: f64, extra_heading: f64) -> Self {
         let precision = |variance: f64| {

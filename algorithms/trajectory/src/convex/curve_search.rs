@@ -22,23 +22,23 @@ const UNITS: f64 = 8.0;
 const SLACK_COST: f64 = 10.0;
 /// Most cost.
 const MOST_SLACK_COST: f64 = 1e5;
-/// What is kept beside the sag [m].
+/// What is kept beside the sag (m).
 const HAIR: f64 = 3e-5;
-/// Most sag [m] between samples: at first, and once it is known about where the curve goes.
+/// Most sag (m) between samples: at first, and once it is known about where the curve goes.
 const SAG: [f64; 2] = [5e-4, 1e-4];
-/// Samples are not nearer to each other [m].
+/// Samples are not nearer to each other (m).
 const FINEST: [f64; 2] = [0.01, 0.006];
-/// Nor farther apart [m].
+/// Nor farther apart (m).
 const COARSEST: f64 = 0.04;
 /// Depth in a grown obstacle, as a part of its size, from which on the nearest side may be the wrong
 /// one.
 const DEEP: f64 = 0.15;
 /// Margin per way from an end of the path.
 const GROWTH: f64 = 0.05;
-/// Distance [m] from a grown obstacle within which the curve is held by it: at first, and once it
+/// Distance (m) from a grown obstacle within which the curve is held by it: at first, and once it
 /// is known about where it goes.
 const REACH: [f64; 2] = [0.15, 0.01];
-/// Distance [m] from the edge within which the curve is held by it.
+/// Distance (m) from the edge within which the curve is held by it.
 const EDGE_REACH: f64 = 0.2;
 /// Relative change of the cost that ends the iteration.
 const CONVERGED: f64 = 1e-4;
@@ -56,13 +56,13 @@ pub struct Scaling {
 }
 
 impl Scaling {
-    /// The world's own coordinates [m].
+    /// The world's own coordinates (m).
     pub const WORLD: Self = Self {
         origin: Point2::new(0.0, 0.0),
         unit: 1.0,
     };
 
-    /// For a path of this length [m] from here.
+    /// For a path of this length (m) from here.
     pub fn new(origin: Point2<f64>, length: f64) -> Self {
         Self {
             origin,
@@ -75,7 +75,7 @@ impl Scaling {
         (p - self.origin) / self.unit
     }
 
-    /// Out of them [m].
+    /// Out of them (m).
     pub fn outward(&self, v: Vector2<f64>) -> Point2<f64> {
         self.origin + v * self.unit
     }
@@ -96,9 +96,9 @@ pub struct CurveSearch<'a> {
     pub frame: Scaling,
     /// The curves.
     pub curve: &'a dyn Curve,
-    /// By obstacle: what the path stays away in addition [m].
+    /// By obstacle: what the path stays away in addition (m).
     pub margins: Vec<f64>,
-    /// Length [m] that no curve can be shorter than.
+    /// Length (m) that no curve can be shorter than.
     pub shortest: f64,
     /// A path that is known to be near the curve, if there is one.
     pub near: Option<&'a Guide>,
@@ -192,7 +192,7 @@ impl<'a> CurveSearch<'a> {
         z
     }
 
-    /// ½∫|r'|² [units].
+    /// ½∫|r'|² (units).
     fn energy(&self, z: &[f64]) -> f64 {
         let mut row = Row::default();
         let mut sum = 0.0;
@@ -287,7 +287,7 @@ impl<'a> CurveSearch<'a> {
         holds
     }
 
-    /// The half-plane that keeps the place `p` of the curve from an obstacle and a margin [m].
+    /// The half-plane that keeps the place `p` of the curve from an obstacle and a margin (m).
     fn hold(&self, index: usize, at: f64, p: Point2<f64>, margin: f64) -> Hold {
         let obstacle = &self.ground.obstacles[index];
         let clearance = self.ground.clearance;

@@ -5,10 +5,10 @@ use sim_backend::shape::Contact;
 
 use crate::convex::curve_search::Scaling;
 
-/// Depth [m] that is none.
+/// Depth (m) that is none.
 pub const NO_DEPTH: f64 = 2e-5;
 
-/// Growth of an obstacle beside the depth at which a path is in it [m].
+/// Growth of an obstacle beside the depth at which a path is in it (m).
 const REPAIR: f64 = 1e-4;
 
 /// A half-plane: the places with `normal` · place ≥ `line`.
@@ -21,7 +21,7 @@ pub struct HalfPlane {
 }
 
 impl HalfPlane {
-    /// The half-plane, in a frame's units, whose border is `keep` [m] ahead of a point of an
+    /// The half-plane, in a frame's units, whose border is `keep` (m) ahead of a point of an
     /// obstacle's surface with this normal.
     pub fn ahead_of(
         surface: Point2<f64>,
@@ -36,13 +36,13 @@ impl HalfPlane {
     }
 }
 
-/// The point of the surface to which a contact of the place `p` belongs [m].
+/// The point of the surface to which a contact of the place `p` belongs (m).
 pub fn surface(p: Point2<f64>, contact: &Contact) -> Point2<f64> {
     p - contact.normal * contact.distance
 }
 
-/// Grows the margins [m] of the obstacles that a path is in, so that it stays out of them next
-/// time; returns the largest depth [m] that is one, or 0.
+/// Grows the margins (m) of the obstacles that a path is in, so that it stays out of them next
+/// time; returns the largest depth (m) that is one, or 0.
 pub fn grow_margins(depths: &[(usize, f64)], margins: &mut [f64]) -> f64 {
     let mut deepest: f64 = 0.0;
     for &(index, depth) in depths {

@@ -8,22 +8,22 @@ use crate::guide::Guide;
 /// Distances of the breaks after the start (and before the goal), in turning radii: how a robot
 /// that must begin in another heading than the guide's turns into it.
 const TURN_IN: [f64; 3] = [3.0, 8.0, 20.0];
-/// Shortest distance [m] that these are counted in.
+/// Shortest distance (m) that these are counted in.
 const SHORTEST_TURN: f64 = 5e-3;
-/// Headings that differ by less [rad] need no breaks.
+/// Headings that differ by less (rad) need no breaks.
 const SAME_HEADING: f64 = 2e-3;
 /// Part of an arc's radius by which breaks lie before and behind its ends.
 const AROUND: f64 = 0.4;
 /// Part of the path's length that an arc's end may cost.
 const LOSS: f64 = 2e-5;
-/// Most turn [rad] of a long arc between two breaks.
+/// Most turn (rad) of a long arc between two breaks.
 const TURN: f64 = 1.0;
 /// Parts of the path in which there is at least one break.
 const PARTS: f64 = 6.0;
-/// Kinks [rad] of the guide that count as arcs.
+/// Kinks (rad) of the guide that count as arcs.
 const KINK: f64 = 1e-3;
 
-/// Headings [rad] that the path must begin and end with, if they are prescribed.
+/// Headings (rad) that the path must begin and end with, if they are prescribed.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Headings {
     /// At the start.
@@ -33,7 +33,7 @@ pub struct Headings {
 }
 
 /// The breaks of a spline along a guide, in parts of its length; at each `level` twice as many.
-/// `turning` is the smallest radius [m] that the robot can drive at full speed.
+/// `turning` is the smallest radius (m) that the robot can drive at full speed.
 pub fn breaks(guide: &Guide, headings: Headings, turning: f64, level: u32) -> Vec<f64> {
     let length = guide.length();
     let mut at: Vec<f64> = Vec::new();

@@ -31,7 +31,7 @@ pub struct Camouflage {
 
 /// Cost of μ: it regularises what would else be determined twice, by the prey and by ν.
 const COST: f64 = 1e-2;
-/// Largest step of μ [length]: the linearisation is good for so much.
+/// Largest step of μ (length): the linearisation is good for so much.
 const STEP: f64 = 0.5;
 
 impl Camouflage {

@@ -18,7 +18,7 @@ const MOST_HALVES: usize = 16;
 /// Most points of a path before that: a curve that needs more writhes.
 const MOST_POINTS: usize = 20_000;
 
-/// The points of a curve, its first heading the representative nearest to `theta` [rad]; `None` if
+/// The points of a curve, its first heading the representative nearest to `theta` (rad); `None` if
 /// the curve has a cusp.
 pub fn path(
     curve: &dyn Curve,

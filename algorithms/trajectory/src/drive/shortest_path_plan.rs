@@ -21,10 +21,10 @@ use crate::path_points::{self, PathPoint};
 use crate::plan::PlanError;
 use crate::problem::{Problem, RobotLimits};
 
-/// Most that a robot may turn while it sheds its turning rate [rad]: what spins on for longer is
+/// Most that a robot may turn while it sheds its turning rate (rad): what spins on for longer is
 /// not waited for.
 const MOST_SPIN: f64 = 100.0;
-/// Speeds [m/s, rad/s] that count as standing.
+/// Speeds (m/s, rad/s) that count as standing.
 const STANDING: f64 = 1e-9;
 
 /// The trajectory along the shortest path; `guide` is that path, if the robot need not brake first
@@ -118,7 +118,7 @@ fn brake(
     Ok(Some(Pose2::new(end.x, end.y, start.theta + kappa * length)))
 }
 
-/// The way ahead of a pose over a length [m] with a curvature [1/m].
+/// The way ahead of a pose over a length (m) with a curvature (1/m).
 fn leg_ahead(pose: &Pose2, length: f64, kappa: f64) -> PathLeg {
     let from = pose.position();
     if (kappa * length).abs() < 1e-9 {
@@ -188,7 +188,7 @@ fn drive(
     Ok(())
 }
 
-/// The speed [m/s] at which the last leg must end.
+/// The speed (m/s) at which the last leg must end.
 fn end_speed(problem: &Problem) -> Option<f64> {
     let limits = &problem.limits;
     match problem.goal_heading {

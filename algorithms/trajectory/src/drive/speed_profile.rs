@@ -12,10 +12,10 @@ use crate::problem::RobotLimits;
 
 /// Share of the accelerations that is used: the rest is for what linearisation leaves.
 const SHARE: f64 = 0.9995;
-/// Speeds below this [m/s] count as standing: time would not pass between two such points.
+/// Speeds below this (m/s) count as standing: time would not pass between two such points.
 const STANDING: f64 = 1e-9;
 
-/// Speeds [m/s] at the points of a path for driving along it in the shortest time; `None` if the
+/// Speeds (m/s) at the points of a path for driving along it in the shortest time; `None` if the
 /// prescribed speeds at its ends cannot be had. (What a robot without inertia does before and after
 /// the path is a step and no concern of it: its speeds are those of the curvatures.)
 ///

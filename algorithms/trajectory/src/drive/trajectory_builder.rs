@@ -9,17 +9,17 @@ use crate::path_points::PathPoint;
 use crate::plan::Sample;
 use crate::problem::{Problem, RobotLimits};
 
-/// Largest turn [rad] between two samples on the spot.
+/// Largest turn (rad) between two samples on the spot.
 const TURN_SPACING: f64 = 0.1;
 
-/// Speeds [m/s, rad/s] nearer than this are the same.
+/// Speeds (m/s, rad/s) nearer than this are the same.
 const SAME: f64 = 1e-9;
 
 /// A trajectory that grows at its end.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trajectory {
     samples: Vec<Sample>,
-    /// Length of the path so far [m].
+    /// Length of the path so far (m).
     length: f64,
 }
 
@@ -60,22 +60,22 @@ impl Trajectory {
         self.samples
     }
 
-    /// Duration so far [s].
+    /// Duration so far (s).
     pub fn duration(&self) -> f64 {
         self.samples.last().map_or(0.0, |last| last.t)
     }
 
-    /// Length of the path so far [m].
+    /// Length of the path so far (m).
     pub fn length(&self) -> f64 {
         self.length
     }
 
-    /// Heading at the end [rad].
+    /// Heading at the end (rad).
     pub fn heading(&self) -> f64 {
         self.samples.last().map_or(0.0, |last| last.theta)
     }
 
-    /// Sets the speeds [m/s, rad/s] with which the robot arrives at the start: a step follows if
+    /// Sets the speeds (m/s, rad/s) with which the robot arrives at the start: a step follows if
     /// its first part begins with others.
     pub fn arrive_with(&mut self, v: f64, omega: f64) {
         if let Some(first) = self.samples.first_mut()
@@ -87,7 +87,7 @@ impl Trajectory {
         }
     }
 
-    /// Ends with these speeds [m/s, rad/s]: after a step, if the last part ends with others.
+    /// Ends with these speeds (m/s, rad/s): after a step, if the last part ends with others.
     pub fn leave_with(&mut self, v: f64, omega: f64) {
         if let Some(&last) = self.samples.last()
             && differ((last.v, last.omega), (v, omega))
@@ -96,7 +96,7 @@ impl Trajectory {
         }
     }
 
-    /// Adds a turn on the spot by an angle [rad].
+    /// Adds a turn on the spot by an angle (rad).
     pub fn turn(&mut self, limits: &RobotLimits, angle: f64) {
         self.turn_phases(&turn_in_place::phases(limits, angle));
     }
@@ -124,7 +124,7 @@ impl Trajectory {
         }
     }
 
-    /// Adds a turn on the spot whose rate fades linearly from `omega` [rad/s] to 0.
+    /// Adds a turn on the spot whose rate fades linearly from `omega` (rad/s) to 0.
     pub fn fade(&mut self, omega: f64, duration: f64) {
         self.turn_phases(&[turn_in_place::Phase {
             duration,
@@ -133,7 +133,7 @@ impl Trajectory {
         }]);
     }
 
-    /// Adds a path that begins where the trajectory ends, with the speeds [m/s] at its points.
+    /// Adds a path that begins where the trajectory ends, with the speeds (m/s) at its points.
     /// Between two points V changes linearly in time.
     pub fn drive(&mut self, points: &[PathPoint], speeds: &[f64]) {
         let (Some(first), Some(&v)) = (points.first(), speeds.first()) else {
@@ -161,7 +161,7 @@ impl Trajectory {
         }
     }
 
-    /// Puts the end exactly onto the goal [m] and, if given, to its heading [rad]: what rounding
+    /// Puts the end exactly onto the goal (m) and, if given, to its heading (rad): what rounding
     /// leaves of the way there.
     pub fn settle(&mut self, goal: Point2<f64>) {
         if let Some(last) = self.samples.last_mut() {
@@ -205,7 +205,7 @@ impl Trajectory {
     }
 }
 
-/// Whether two pairs of speeds [m/s, rad/s] differ by more than rounding.
+/// Whether two pairs of speeds (m/s, rad/s) differ by more than rounding.
 fn differ(a: (f64, f64), b: (f64, f64)) -> bool {
     (a.0 - b.0).abs() > SAME || (a.1 - b.1).abs() > SAME
 }

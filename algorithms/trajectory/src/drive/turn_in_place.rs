@@ -2,18 +2,18 @@
 
 use crate::problem::RobotLimits;
 
-/// Phases of a turn: how long [s] and towards which turning rate [rad/s], changed linearly.
+/// Phases of a turn: how long (s) and towards which turning rate (rad/s), changed linearly.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Phase {
-    /// Duration [s].
+    /// Duration (s).
     pub duration: f64,
-    /// Turning rate at the beginning [rad/s].
+    /// Turning rate at the beginning (rad/s).
     pub from: f64,
-    /// Turning rate at the end [rad/s].
+    /// Turning rate at the end (rad/s).
     pub to: f64,
 }
 
-/// The fastest turn by an angle [rad] on the spot from rest to rest: with limited angular
+/// The fastest turn by an angle (rad) on the spot from rest to rest: with limited angular
 /// acceleration a trapezoid of turning rates, else all of it at the highest.
 pub fn phases(limits: &RobotLimits, angle: f64) -> Vec<Phase> {
     let (size, sign) = (angle.abs(), angle.signum());
@@ -40,8 +40,8 @@ pub fn phases(limits: &RobotLimits, angle: f64) -> Vec<Phase> {
     all
 }
 
-/// Shortest time [s] in which a heading can change by this angle [rad] ≥ 0, beginning with a
-/// turning rate [rad/s] of at most `from` towards it and ending with any.
+/// Shortest time (s) in which a heading can change by this angle (rad) ≥ 0, beginning with a
+/// turning rate (rad/s) of at most `from` towards it and ending with any.
 pub fn least_duration(limits: &RobotLimits, angle: f64, from: f64) -> f64 {
     let top = limits.top_turn_rate();
     let Some(alpha) = limits.angular_acceleration else {

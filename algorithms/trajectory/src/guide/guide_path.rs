@@ -8,7 +8,7 @@ use sim_backend::math;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Guide {
     legs: Vec<PathLeg>,
-    /// Length of the path up to each leg [m], and of all of it.
+    /// Length of the path up to each leg (m), and of all of it.
     along: Vec<f64>,
 }
 
@@ -25,7 +25,7 @@ impl Guide {
         (sum > 0.0).then_some(Self { legs, along })
     }
 
-    /// A path through these points [m]; `None` if they are one.
+    /// A path through these points (m); `None` if they are one.
     pub fn through(points: &[Point2<f64>]) -> Option<Self> {
         let legs = points
             .windows(2)
@@ -38,17 +38,17 @@ impl Guide {
         Self::new(legs)
     }
 
-    /// Length [m], > 0.
+    /// Length (m), > 0.
     pub fn length(&self) -> f64 {
         self.along.last().copied().unwrap_or(0.0)
     }
 
-    /// The legs, each with the length of the path before it [m].
+    /// The legs, each with the length of the path before it (m).
     pub fn legs(&self) -> impl Iterator<Item = (f64, &PathLeg)> {
         self.along.iter().copied().zip(&self.legs)
     }
 
-    /// The point after a part of the length, 0 at the start and 1 at the end [m].
+    /// The point after a part of the length, 0 at the start and 1 at the end (m).
     pub fn at(&self, part: f64) -> Point2<f64> {
         let (leg, part) = self.find(part);
         leg.at(part)
@@ -60,7 +60,7 @@ impl Guide {
         leg.heading(part)
     }
 
-    /// Direction of travel at the start [rad].
+    /// Direction of travel at the start (rad).
     pub fn start_heading(&self) -> f64 {
         let u = self.heading(0.0);
         math::atan2(u.y, u.x)

@@ -8,9 +8,9 @@ use crate::path_points;
 use crate::plan::{Plan, Sample};
 use crate::problem::Problem;
 
-/// How far [m] start and goal may be from the old plan.
+/// How far (m) start and goal may be from the old plan.
 const NEAR: f64 = 0.05;
-/// How deep [m] it may lead through obstacles: deeper, it may pass on the wrong side.
+/// How deep (m) it may lead through obstacles: deeper, it may pass on the wrong side.
 const DEEP: f64 = 0.03;
 
 /// What is left of a plan, from where it passes the start.

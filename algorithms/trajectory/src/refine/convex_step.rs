@@ -20,7 +20,7 @@ const EACH: usize = 5;
 /// What a program yields.
 pub(super) struct Next {
     pub nodes: Vec<Node>,
-    /// Duration [s].
+    /// Duration (s).
     pub time: f64,
     /// The merit, if everything were as linear as in the program.
     pub promised: f64,

@@ -20,26 +20,26 @@ use crate::plan::Sample;
 use crate::problem::Problem;
 use step_dynamics::Node;
 
-/// Least and most steps, and how long [s] one should be.
+/// Least and most steps, and how long (s) one should be.
 const STEPS: [f64; 2] = [24.0, 120.0];
 const STEP_TIME: f64 = 0.15;
 /// Most programs of a search.
 const MOST: u32 = 40;
-/// Largest change of a heading [rad] and (relative) of the duration in one program at first.
+/// Largest change of a heading (rad) and (relative) of the duration in one program at first.
 const TRUST: f64 = 0.4;
 /// It never gets smaller.
 const LEAST_TRUST: f64 = 1e-3;
 /// Relative change of the duration that ends the search.
 const CONVERGED: f64 = 1e-4;
-/// Difference [m] of poses from node to node that is none.
+/// Difference (m) of poses from node to node that is none.
 const CLOSED: f64 = 2e-8;
-/// Cost [s] of a metre by which an obstacle is entered, or poses do not meet, in units of the time
+/// Cost (s) of a metre by which an obstacle is entered, or poses do not meet, in units of the time
 /// in which the robot covers it.
 const PENALTY: f64 = 20.0;
 /// Cost of a step's square, at first and at least: keeps programs with many solutions (a robot on
 /// open ground can wiggle for nothing) from jumping between them.
 const PROXIMAL: [f64; 2] = [1e-2, 1e-4];
-/// Distance [m] from an obstacle, besides what is driven in a step, within which it is looked at.
+/// Distance (m) from an obstacle, besides what is driven in a step, within which it is looked at.
 const REACH: f64 = 0.15;
 /// Cost of the turning rate's square, relative to its limit's, per second: of all fastest
 /// trajectories the calmest. It costs less than this share of the duration.
@@ -50,7 +50,7 @@ const KEPT: [f64; 2] = [0.3, 0.8];
 /// Most samples of a trajectory: with more of them its steps are too long for the search to see
 /// what lies between nodes.
 const MOST_SAMPLES: f64 = 2e5;
-/// Largest turn [rad] between two samples.
+/// Largest turn (rad) between two samples.
 const TURN_SPACING: f64 = 0.05;
 
 /// A search for a faster trajectory.
@@ -58,9 +58,9 @@ pub struct Refinement<'a> {
     problem: &'a Problem,
     ground: &'a ObstacleField,
     nodes: Vec<Node>,
-    /// Duration [s].
+    /// Duration (s).
     time: f64,
-    /// By obstacle: what the nodes stay away in addition [m].
+    /// By obstacle: what the nodes stay away in addition (m).
     margins: Vec<f64>,
     /// Programs solved.
     pub programs: u32,
@@ -152,7 +152,7 @@ impl<'a> Refinement<'a> {
         self.samples()
     }
 
-    /// What turning costs [s].
+    /// What turning costs (s).
     fn unrest(&self) -> f64 {
         let weight = CALM * self.step_time() / self.problem.limits.omega_max.powi(2);
         self.nodes
@@ -161,7 +161,7 @@ impl<'a> Refinement<'a> {
             .sum()
     }
 
-    /// Duration [s], plus what turning, gaps and depths cost.
+    /// Duration (s), plus what turning, gaps and depths cost.
     fn merit(&self) -> f64 {
         let price = PENALTY / self.problem.limits.top_speed();
         let turn_price = PENALTY / self.problem.limits.top_turn_rate();
@@ -186,7 +186,7 @@ impl<'a> Refinement<'a> {
         sum
     }
 
-    /// Largest gap [m] between where a step leads and the next node.
+    /// Largest gap (m) between where a step leads and the next node.
     fn gap(&self) -> f64 {
         let step_time = self.step_time();
         self.nodes.windows(2).fold(0.0, |most: f64, pair| {
@@ -203,7 +203,7 @@ impl<'a> Refinement<'a> {
         &self.nodes[1..self.nodes.len() - 1]
     }
 
-    /// Grows the obstacles that the way between nodes enters; how deep [m] it is at most.
+    /// Grows the obstacles that the way between nodes enters; how deep (m) it is at most.
     fn repair(&mut self) -> Option<f64> {
         let points = path_points::of_samples(&self.samples()?);
         let depths = self.ground.depths(&points);

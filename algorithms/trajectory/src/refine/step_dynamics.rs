@@ -13,20 +13,20 @@ const GAUSS: [(f64, f64); 3] = [
 /// Pose and speeds at a node.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Node {
-    /// Position [m].
+    /// Position (m).
     pub at: Point2<f64>,
-    /// Heading [rad].
+    /// Heading (rad).
     pub theta: f64,
-    /// Forward speed [m/s].
+    /// Forward speed (m/s).
     pub v: f64,
-    /// Turning rate [rad/s].
+    /// Turning rate (rad/s).
     pub omega: f64,
 }
 
 /// The way of a step, and how it changes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step {
-    /// Change of the position [m].
+    /// Change of the position (m).
     pub way: Vector2<f64>,
     /// Its derivatives by the heading at the beginning, the two speeds, the two turning rates, and
     /// the duration.
@@ -34,11 +34,11 @@ pub struct Step {
     pub by_v: [Vector2<f64>; 2],
     pub by_omega: [Vector2<f64>; 2],
     pub by_time: Vector2<f64>,
-    /// Change of the heading [rad].
+    /// Change of the heading (rad).
     pub turn: f64,
 }
 
-/// The step from one node's pose and speeds to another's speeds in a time [s].
+/// The step from one node's pose and speeds to another's speeds in a time (s).
 pub fn step(a: &Node, b: &Node, time: f64) -> Step {
     let mut step = Step {
         way: Vector2::zeros(),

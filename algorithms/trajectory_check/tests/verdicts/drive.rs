@@ -2,14 +2,14 @@
 
 use trajectory_check::{Contract, Sample, Violation, check};
 
-/// Highest speed [m/s] and turning rate [rad/s] of the robot under test.
+/// Highest speed (m/s) and turning rate (rad/s) of the robot under test.
 pub const V_MAX: f64 = 0.2;
 pub const OMEGA_MAX: f64 = 2.0;
 
-/// Time between samples [s]: 1 cm at full speed.
+/// Time between samples (s): 1 cm at full speed.
 const SAMPLING: f64 = 0.05;
 
-/// A stretch of controls that change linearly: duration [s], speeds [m/s] and turning rates [rad/s]
+/// A stretch of controls that change linearly: duration (s), speeds (m/s) and turning rates (rad/s)
 /// at its two ends. Where one stretch does not begin as the one before ended, the controls step.
 #[derive(Debug, Clone, Copy)]
 pub struct Stretch(pub f64, pub [f64; 2], pub [f64; 2]);

@@ -6,12 +6,12 @@ use orchestrator::sweep::Row;
 use super::evidence::{Cell, Study, laps};
 use crate::words::hundredths;
 
-/// Time of a lap in the paper's first case, and in the experiment [s].
+/// Time of a lap in the paper's first case, and in the experiment (s).
 const T_MAX: f64 = 120.0;
-/// The width that the paper chooses [m], and what it needs and brings: speed [m/s], MAE [m].
+/// The width that the paper chooses (m), and what it needs and brings: speed (m/s), MAE (m).
 const PUBLISHED: (f64, f64, f64) = (1.7, 0.9651, 0.9352);
 
-/// Speed that a lap takes in [`T_MAX`] [m/s].
+/// Speed that a lap takes in [`T_MAX`] (m/s).
 fn speed(row: &Row) -> Option<f64> {
     laps(row, false).map(|lap| lap.length_m / T_MAX)
 }

@@ -6,7 +6,7 @@ use orchestrator::sweep::Row;
 use super::alpha::mean;
 use super::evidence::Study;
 
-/// Ways at which the covered part is noted [m].
+/// Ways at which the covered part is noted (m).
 const WAYS: [f64; 4] = [250.0, 500.0, 1000.0, 2000.0];
 
 fn at(row: &Row, way: f64) -> Option<f64> {

@@ -39,9 +39,9 @@ pub(super) type Cell = BTreeMap<u64, Plan>;
 pub struct Plan {
     /// Whether the problem has no solution.
     pub unsolvable: bool,
-    /// Duration of the plan [s]; `None` without an honest one.
+    /// Duration of the plan (s); `None` without an honest one.
     pub time: Option<f64>,
-    /// CPU time [ms].
+    /// CPU time (ms).
     pub cpu_ms: Option<f64>,
 }
 

@@ -113,9 +113,9 @@ pub(super) const TABLE_2: [Sensitivity; 7] = [
 /// One test of Tables 3 and 4: what both methods took.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Test {
-    /// CPU times [s]: LP, VMC.
+    /// CPU times (s): LP, VMC.
     pub cpu: [f64; 2],
-    /// Performance indices, the time to drive [s]: LP, VMC.
+    /// Performance indices, the time to drive (s): LP, VMC.
     pub time: [f64; 2],
 }
 

@@ -46,7 +46,7 @@ struct Duel {
     solvable: u64,
     /// Of these, those that LP, and VMC, solved.
     solved: [u64; 2],
-    /// Times to drive [s] of problems that both solved: LP, VMC.
+    /// Times to drive (s) of problems that both solved: LP, VMC.
     times: Vec<[f64; 2]>,
     /// CPU times: LP, VMC.
     cpu: Vec<[f64; 2]>,

@@ -8,9 +8,9 @@ use crate::palette;
 
 /// Lines of the grid: fainter than everything else.
 const GRID: &str = "#e3e6ea";
-/// Font size of what stands at ticks [px].
+/// Font size of what stands at ticks (px).
 const TICK: f64 = 13.0;
-/// Font size of an axis' text [px].
+/// Font size of an axis' text (px).
 const LABEL: f64 = 14.5;
 
 /// The axes of a chart, and where they lie on the page.
@@ -19,12 +19,12 @@ pub(super) struct Axes {
     y: Ticks,
     x_scale: Scale,
     y_scale: Scale,
-    /// Left, top, right, bottom [px].
+    /// Left, top, right, bottom (px).
     area: [f64; 4],
 }
 
 impl Axes {
-    /// Axes for the points of a chart, in an area of the page: left, top, right, bottom [px].
+    /// Axes for the points of a chart, in an area of the page: left, top, right, bottom (px).
     pub(super) fn new(chart: &Chart, area: [f64; 4]) -> Self {
         Self {
             x: horizontal(chart),
@@ -35,14 +35,14 @@ impl Axes {
         }
     }
 
-    /// Room that the numbers at the vertical axis need [px].
+    /// Room that the numbers at the vertical axis need (px).
     pub(super) fn room(chart: &Chart) -> f64 {
         let widths = vertical(chart).values.into_iter();
         let widths = widths.map(|v| text_width(&tick_text(chart.unit, v), TICK));
         widths.fold(0.0, f64::max)
     }
 
-    /// Where values lie on the page [px].
+    /// Where values lie on the page (px).
     pub(super) fn place(&self, x: f64, y: f64) -> [f64; 2] {
         let [left, top, right, bottom] = self.area;
         let part = |v: f64, ticks: &Ticks| (v - ticks.low) / (ticks.high - ticks.low);
@@ -52,7 +52,7 @@ impl Axes {
         ]
     }
 
-    /// The smallest distance of two different values of the horizontal axis [px].
+    /// The smallest distance of two different values of the horizontal axis (px).
     pub(super) fn spacing(&self) -> f64 {
         let pairs = self.x.values.iter().zip(self.x.values.iter().skip(1));
         let gaps = pairs.map(|(a, b)| self.place(*b, 0.0)[0] - self.place(*a, 0.0)[0]);

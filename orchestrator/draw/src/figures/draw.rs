@@ -8,17 +8,17 @@ use super::series;
 use crate::canvas::{Style, wrap};
 use crate::palette;
 
-/// Width of the page [px].
+/// Width of the page (px).
 const WIDTH: f64 = 860.0;
-/// Height of the frame [px].
+/// Height of the frame (px).
 const FRAME: f64 = 380.0;
-/// Room at the edges of the page [px].
+/// Room at the edges of the page (px).
 const MARGIN: f64 = 22.0;
-/// Width of the legend [px].
+/// Width of the legend (px).
 const LEGEND: f64 = 200.0;
-/// Font size of the heading [px].
+/// Font size of the heading (px).
 const TITLE: f64 = 19.0;
-/// Font size of the line below [px].
+/// Font size of the line below (px).
 const SUBTITLE: f64 = 13.5;
 
 /// Arranges a chart on a page, the same for the same chart. The paper is white in every viewer.

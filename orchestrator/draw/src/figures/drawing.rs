@@ -17,9 +17,9 @@ pub(super) struct Shape {
     pub(super) outline: Vec<Step>,
     /// Colour inside, `#rrggbb`.
     pub(super) fill: Option<&'static str>,
-    /// Colour and width [px] of the line.
+    /// Colour and width (px) of the line.
     pub(super) line: Option<(&'static str, f64)>,
-    /// Lengths of dashes and gaps [px]; empty for a whole line.
+    /// Lengths of dashes and gaps (px); empty for a whole line.
     pub(super) dash: &'static [f32],
     /// 0 for invisible to 1; 0 counts as 1.
     pub(super) opacity: f64,

@@ -6,15 +6,15 @@ use super::marks::Look;
 use crate::canvas::{Style, wrap};
 use crate::palette;
 
-/// Font size [px].
+/// Font size (px).
 const SIZE: f64 = 14.0;
-/// Font size of what is said beside [px].
+/// Font size of what is said beside (px).
 const SMALL: f64 = 12.5;
-/// Distance of two lines of a row [px].
+/// Distance of two lines of a row (px).
 const LINE: f64 = 18.0;
-/// Space between two rows [px].
+/// Space between two rows (px).
 const BETWEEN: f64 = 9.0;
-/// Space for the sign at the left [px].
+/// Space for the sign at the left (px).
 const SIGN: f64 = 38.0;
 
 /// A row of the legend: a curve, or the explanation of a sign.
@@ -36,7 +36,7 @@ pub(super) struct Legend {
 }
 
 impl Legend {
-    /// The rows for what there is in a chart, in lines of at most this width [px].
+    /// The rows for what there is in a chart, in lines of at most this width (px).
     pub(super) fn of(chart: &Chart, width: f64) -> Self {
         let lines = |text: &str, size: f64| wrap(text, size, width - SIGN);
         let mut rows: Vec<Row> = chart
@@ -77,12 +77,12 @@ impl Legend {
         }
     }
 
-    /// Height of all rows [px].
+    /// Height of all rows (px).
     pub(super) fn height(&self) -> f64 {
         self.rows.iter().map(Row::height).sum()
     }
 
-    /// Draws it with its upper left corner here [px].
+    /// Draws it with its upper left corner here (px).
     pub(super) fn draw(&self, drawing: &mut Drawing, left: f64, top: f64) {
         let mut y = top;
         for row in &self.rows {

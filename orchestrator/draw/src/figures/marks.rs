@@ -18,7 +18,7 @@ pub(super) struct Look {
     mark: usize,
 }
 
-/// Half the width of a mark [px].
+/// Half the width of a mark (px).
 pub(super) const MARK: f64 = 5.0;
 
 impl Look {

@@ -5,7 +5,7 @@ use super::chart::{Chart, Point, Series, Unit, number};
 use super::drawing::{Drawing, Shape, Step};
 use super::marks::{Look, MARK};
 
-/// Distance between the marks of two curves at the same place [px].
+/// Distance between the marks of two curves at the same place (px).
 const APART: f64 = 5.0;
 
 /// Draws all curves: first what lies below, last the marks.
@@ -57,7 +57,7 @@ struct Curve<'a> {
     series: &'a Series,
     axes: &'a Axes,
     look: Look,
-    /// How far it is moved aside [px].
+    /// How far it is moved aside (px).
     shift: f64,
     points: Vec<Point>,
 }

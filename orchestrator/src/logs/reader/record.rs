@@ -11,7 +11,7 @@ use super::Reader;
 use super::item::{Channel, Found, Schema};
 use super::limits::DESCRIPTIONS_LIMIT;
 
-/// Opcode and length in front of every record [bytes].
+/// Opcode and length in front of every record (bytes).
 pub(super) const PREFIX: u64 = 9;
 
 impl Reader<'_> {

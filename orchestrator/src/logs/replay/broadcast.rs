@@ -50,7 +50,7 @@ impl Broadcast {
         }
     }
 
-    /// The replay goes on at another time [ns]: what held does not any more.
+    /// The replay goes on at another time (ns): what held does not any more.
     pub(super) fn jump(&mut self, time: u64) {
         self.tap.jump(time);
     }

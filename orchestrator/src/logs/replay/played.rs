@@ -12,9 +12,9 @@ use crate::live::LiveTotals;
 pub struct ReplayOptions {
     /// Times as fast as recorded, > 0; infinite: as fast as possible.
     pub rate: f64,
-    /// From this simulated time on [s].
+    /// From this simulated time on (s).
     pub start_s: Option<f64>,
-    /// Up to and with this simulated time [s].
+    /// Up to and with this simulated time (s).
     pub end_s: Option<f64>,
     /// Whether it begins again at its end, until somebody ends it.
     pub again: bool,
@@ -57,11 +57,11 @@ pub struct Replayed {
     pub ticks: u64,
     /// How often it was played to its end.
     pub times: u64,
-    /// Real time from the opening of the log to the first message [s].
+    /// Real time from the opening of the log to the first message (s).
     pub start_up_s: f64,
-    /// The part of it that the way to the start took [s].
+    /// The part of it that the way to the start took (s).
     pub seek_s: f64,
-    /// Real time from the first message to the last [s].
+    /// Real time from the first message to the last (s).
     pub wall_time_s: f64,
     /// What live viewers got, if they were served.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -7,7 +7,7 @@ use std::sync::Arc;
 const DEEPEST: usize = 16;
 /// Most fields of a definition with everything that is nested in it.
 const MOST_FIELDS: usize = 4096;
-/// Longest definition [bytes].
+/// Longest definition (bytes).
 const LONGEST: usize = 4 << 20;
 
 /// Why a schema cannot be used.
@@ -32,7 +32,7 @@ pub(in crate::logs) enum Number {
 }
 
 impl Number {
-    /// Size and alignment [bytes].
+    /// Size and alignment (bytes).
     pub(in crate::logs) fn size(self) -> usize {
         match self {
             Self::Bool | Self::U8 | Self::I8 => 1,

@@ -66,11 +66,11 @@ struct Tick {
 #[derive(Debug)]
 struct Output {
     source: u32,
-    /// Longest time from the input to one of its messages [ns]; `None` if clocks are missing.
+    /// Longest time from the input to one of its messages (ns); `None` if clocks are missing.
     step_ns: Option<u64>,
     /// Its first state, sighting, belief or command.
     first: Option<Stamp>,
-    /// When the last of these was sent [ns].
+    /// When the last of these was sent (ns).
     last_sent_ns: u64,
     /// Its last command.
     command: Option<Stamp>,
@@ -164,7 +164,7 @@ impl Chain {
         self.hops.iter().chain(whole)
     }
 
-    /// What [`Chain::latencies`] amount to [µs], at the end of the run.
+    /// What [`Chain::latencies`] amount to (µs), at the end of the run.
     pub(crate) fn percentiles(&mut self) -> BTreeMap<String, Percentiles> {
         self.settle();
         self.latencies()

@@ -64,11 +64,11 @@ pub const REACTION: &str = "sense to command";
 pub struct Passage {
     /// The tick.
     pub tick: u64,
-    /// Times of the stages, in the order of [`Stage::ALL`] [ns]; 0 for those that it had not.
+    /// Times of the stages, in the order of [`Stage::ALL`] (ns); 0 for those that it had not.
     pub stages: [u64; 7],
-    /// From the state's beginning to the last command's being taken up [ns].
+    /// From the state's beginning to the last command's being taken up (ns).
     pub whole_ns: u64,
-    /// From the state's beginning to the last command's being sent [ns].
+    /// From the state's beginning to the last command's being sent (ns).
     pub reaction_ns: u64,
     /// Ticks after the one that it was for at which the command was taken up: 0 if in time.
     pub late_ticks: u64,
@@ -98,7 +98,7 @@ const MOST_PASSAGES: usize = 200_000;
 /// What is told of a log beside its hops and steps.
 #[derive(Debug, Default)]
 pub(crate) struct Detail {
-    /// Time between two ticks by the clock on the wall [ns]; none in lock-step.
+    /// Time between two ticks by the clock on the wall (ns); none in lock-step.
     period_ns: Option<u64>,
     last_state: Option<Stamp>,
     /// How ticks were answered.

@@ -392,7 +392,7 @@ fn options(path: &Path) -> RecorderOptions {
     }
 }
 
-/// Records a run of so many ticks, in chunks of this size [bytes]; `change` may change what is said.
+/// Records a run of so many ticks, in chunks of this size (bytes); `change` may change what is said.
 pub(crate) fn record_run(
     path: &Path,
     ticks: u64,

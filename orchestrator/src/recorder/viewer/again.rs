@@ -4,17 +4,17 @@
 //! are slow to come (100 ms), or are asked for again at the same time, it clears the scene once more
 //! when playing begins, without asking again: what is drawn only once would be gone from then on.
 
-/// Least time between two drawings of the same picture [ns].
+/// Least time between two drawings of the same picture (ns).
 const PERIOD_NS: u64 = 2_000_000_000;
 
-/// How much of a log, uncompressed, the same picture may take [bytes per simulated second]: large
+/// How much of a log, uncompressed, the same picture may take (bytes per simulated second): large
 /// ones come less often, because viewers keep every message that they have read.
 const BYTES_PER_SECOND: u64 = 300_000;
 
 /// Knows when a picture is due again.
 #[derive(Debug, Default)]
 pub(super) struct Again {
-    /// Nothing has been drawn yet if `None` [ns].
+    /// Nothing has been drawn yet if `None` (ns).
     due_ns: Option<u64>,
 }
 

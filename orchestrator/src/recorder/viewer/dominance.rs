@@ -8,7 +8,7 @@ use ipc_types::topics::{Dominance, TopicId};
 use super::channel::ViewerChannel;
 use super::{Picture, grid, palette};
 
-/// Margin beyond which a cell is coloured no stronger [s].
+/// Margin beyond which a cell is coloured no stronger (s).
 const STRONG: f32 = 10.0;
 /// Weakest and strongest opacity.
 const ALPHA: (f32, f32) = (30.0, 120.0);

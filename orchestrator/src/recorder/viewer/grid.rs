@@ -95,9 +95,9 @@ fn draw(
 
 /// Where coloured cells lie.
 pub(super) struct Frame {
-    /// Outer corner of the first cell [m].
+    /// Outer corner of the first cell (m).
     pub(super) origin: [f64; 2],
-    /// Side of a cell [m].
+    /// Side of a cell (m).
     pub(super) resolution: f64,
     /// Columns.
     pub(super) width: u32,

@@ -40,7 +40,7 @@ const CENTRE_FRAME: &str = "map/centre";
 pub struct ViewerOptions {
     /// Pictures per simulated second; 0 for no viewer topics at all.
     pub rate_hz: f64,
-    /// How long a robot's trail stays visible [simulated s]; 0 for none.
+    /// How long a robot's trail stays visible (simulated s); 0 for none.
     pub trail_s: f64,
 }
 

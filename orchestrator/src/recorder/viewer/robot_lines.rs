@@ -22,11 +22,11 @@ struct Style {
     /// First word of what viewers list, before the robot's name.
     what: &'static str,
     kind: line_primitive::Type,
-    /// Width [pixels].
+    /// Width (pixels).
     pixels: f64,
     /// Opacity, 0 to 1.
     opacity: f64,
-    /// Height [m]: above map and obstacles; plans above trees.
+    /// Height (m): above map and obstacles; plans above trees.
     height: f64,
 }
 

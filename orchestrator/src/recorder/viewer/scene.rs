@@ -18,16 +18,16 @@ use super::{CENTRE_FRAME, MAP_FRAME, Picture, grid, palette, timestamp};
 /// Code of a robot that still plays.
 const ACTIVE: u8 = 0;
 
-/// Height of names above the ground [m]: above obstacles.
+/// Height of names above the ground (m): above obstacles.
 const NAME_HEIGHT: f64 = 0.5;
 
-/// How far behind a robot's edge its name stands [m].
+/// How far behind a robot's edge its name stands (m).
 const NAME_GAP: f64 = 0.45;
 
-/// Height of the text of names [pixels].
+/// Height of the text of names (pixels).
 const FONT_PIXELS: f64 = 14.0;
 
-/// Width of trails [pixels].
+/// Width of trails (pixels).
 const TRAIL_PIXELS: f64 = 2.0;
 
 /// `/viewer/scene`, `/viewer/tf` and `/viewer/poses`.
@@ -37,7 +37,7 @@ pub(super) struct RobotsTopic {
     poses: ViewerChannel<PosesInFrame>,
     trail: Trail,
     trail_s: f64,
-    /// Middle of the map [m].
+    /// Middle of the map (m).
     centre: Option<[f64; 2]>,
 }
 

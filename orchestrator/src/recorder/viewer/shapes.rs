@@ -21,10 +21,10 @@ use super::{Picture, palette, timestamp};
 /// Codes of `ObstacleEvent::action`.
 const DISAPPEAR: u8 = 1;
 
-/// How high obstacles are drawn [m]: below plans, so that ways across them are seen.
+/// How high obstacles are drawn (m): below plans, so that ways across them are seen.
 const HEIGHT: f64 = 0.05;
 
-/// Width of a polygon's outline [pixels].
+/// Width of a polygon's outline (pixels).
 const OUTLINE_PIXELS: f64 = 3.0;
 
 /// `/viewer/obstacles`, whenever one of them changes, and again now and then.

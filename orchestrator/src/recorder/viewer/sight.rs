@@ -15,9 +15,9 @@ use super::{Picture, palette, timestamp};
 
 /// What viewers list.
 const ID: &str = "sight";
-/// Width of a line [pixels].
+/// Width of a line (pixels).
 const PIXELS: f64 = 1.5;
-/// Height of the lines [m]: above plans.
+/// Height of the lines (m): above plans.
 const HEIGHT: f64 = 0.08;
 /// Opacity of a view that is hardly one.
 const FAINT: f64 = 0.2;

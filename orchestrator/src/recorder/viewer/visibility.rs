@@ -22,11 +22,11 @@ use super::scene::{entity, pose};
 use super::{Picture, grid, palette, timestamp};
 use crate::eyes::{EyeInfo, EyePlace};
 
-/// Least time between two pictures [simulated ns]: polygons are large, and robots slow.
+/// Least time between two pictures (simulated ns): polygons are large, and robots slow.
 const PERIOD_NS: u64 = 200_000_000;
-/// Height of the polygons [m]: above the map and trails, below obstacles.
+/// Height of the polygons (m): above the map and trails, below obstacles.
 const HEIGHT: f64 = 0.02;
-/// Width of the border [pixels].
+/// Width of the border (pixels).
 const PIXELS: f64 = 1.0;
 /// Corners are rounded to this part of a metre: a power of two, so that most bits of a coordinate
 /// are 0 and cost nothing in a log.

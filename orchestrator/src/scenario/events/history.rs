@@ -20,7 +20,7 @@ struct Known {
     name: String,
     id: u32,
     stands: bool,
-    /// Latest time of its events so far that happen in turn [s].
+    /// Latest time of its events so far that happen in turn (s).
     latest_s: f64,
 }
 

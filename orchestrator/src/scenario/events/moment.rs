@@ -9,7 +9,7 @@ use sim_backend::spec::Condition;
 use crate::scenario::context::Context;
 use crate::scenario::robots::Robot;
 
-/// Latest time and longest delay [s].
+/// Latest time and longest delay (s).
 const MAX_TIME_S: f64 = 1e9;
 
 /// When an event happens.
@@ -18,14 +18,14 @@ const MAX_TIME_S: f64 = 1e9;
 pub enum Moment {
     /// At a time.
     At {
-        /// Simulated time [s], ≥ 0.
+        /// Simulated time (s), ≥ 0.
         time_s: f64,
     },
     /// When something has become true of a robot.
     When {
         /// Of which robot, and what.
         when: Trigger,
-        /// Simulated time between that and the event [s], ≥ 0.
+        /// Simulated time between that and the event (s), ≥ 0.
         #[serde(default)]
         after_s: f64,
     },
@@ -178,7 +178,7 @@ impl Say<'_, '_> {
         None
     }
 
-    /// Checks a time [s].
+    /// Checks a time (s).
     fn duration(&mut self, field: &str, value: f64, what: &str) -> Option<()> {
         if (0.0..=MAX_TIME_S).contains(&value) {
             return Some(());
@@ -257,7 +257,7 @@ impl Say<'_, '_> {
     }
 }
 
-/// Smallest and largest x and y of a map [m], if it is written out.
+/// Smallest and largest x and y of a map (m), if it is written out.
 fn bounds(map: &MapSpec) -> Option<[[f64; 2]; 2]> {
     match map {
         MapSpec::Vector(map) => Some([map.bounds.min, map.bounds.max]),

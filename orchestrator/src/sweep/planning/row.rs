@@ -17,15 +17,15 @@ pub struct PlanRow {
     pub honest: Option<bool>,
     /// Obstacles of the problem.
     pub obstacles: u32,
-    /// Duration of the plan [s].
+    /// Duration of the plan (s).
     pub t_s: Option<f64>,
-    /// No plan can be shorter than this [s].
+    /// No plan can be shorter than this (s).
     pub lower_bound_s: Option<f64>,
     /// How much longer than that it is, relative to it.
     pub gap: Option<f64>,
-    /// Length of its path [px].
+    /// Length of its path (px).
     pub length_px: Option<f64>,
-    /// Smallest distance of the path from a grown obstacle [px].
+    /// Smallest distance of the path from a grown obstacle (px).
     pub min_clearance_px: Option<f64>,
     /// Convex programs solved.
     pub iterations: Option<u32>,

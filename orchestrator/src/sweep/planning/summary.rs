@@ -21,11 +21,11 @@ pub struct CellSummary {
     pub failed: u64,
     /// Honest plans.
     pub honest: u64,
-    /// Durations of the honest plans [s], ascending.
+    /// Durations of the honest plans (s), ascending.
     pub t_s: Vec<f64>,
     /// Their gaps, ascending.
     pub gap: Vec<f64>,
-    /// Their CPU times [ms], ascending.
+    /// Their CPU times (ms), ascending.
     pub cpu_ms: Vec<f64>,
 }
 

@@ -8,9 +8,9 @@ use planner_view::free_space::FreeSpace;
 use sim_backend::pose::Pose2;
 use sim_backend::shape::{Aabb, Convex};
 
-/// Radius of the TurtleBot3 Burger's body as a disc [m].
+/// Radius of the TurtleBot3 Burger's body as a disc (m).
 pub const RADIUS: f64 = 0.105;
-/// The city's exit [m].
+/// The city's exit (m).
 pub const EXIT: Point2<f64> = Point2::new(9.0, 0.0);
 /// Where the first evader starts.
 pub const START: Pose2 = Pose2 {
@@ -18,7 +18,7 @@ pub const START: Pose2 = Pose2 {
     y: 7.5,
     theta: 0.0,
 };
-/// Where the Police start [m].
+/// Where the Police start (m).
 pub const POLICE: [(f64, f64); 4] = [(7.5, 4.5), (7.5, 1.5), (7.5, -1.5), (7.5, -4.5)];
 
 /// 25 blocks, a wall with a gap at +x, cut corners.
@@ -48,7 +48,7 @@ pub fn city() -> FreeSpace {
     space(parts, 9.5)
 }
 
-/// A square world of this half side [m] among some pieces.
+/// A square world of this half side (m) among some pieces.
 pub fn space(parts: Vec<Convex>, half: f64) -> FreeSpace {
     let bounds = Aabb {
         min: Point2::new(-half, -half),

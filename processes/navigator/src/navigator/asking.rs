@@ -11,9 +11,9 @@ use crate::ask::Ask;
 use crate::follow::{self, Motion, STANDING, Stops};
 use crate::trajectory::SAGITTA;
 
-/// How deep in contact a robot may be and still get a plan [m], beyond its margin.
+/// How deep in contact a robot may be and still get a plan (m), beyond its margin.
 const CONTACT: f64 = 2e-3;
-/// By how much less than asked for a trajectory may keep away from obstacles [m]: what the check of
+/// By how much less than asked for a trajectory may keep away from obstacles (m): what the check of
 /// plans allows, and that it is looked at in straight pieces here.
 const ROUNDING: f64 = 1e-3 + SAGITTA;
 

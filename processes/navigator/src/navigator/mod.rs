@@ -15,11 +15,11 @@ use crate::params::{AtPopup, NavigatorParams};
 use crate::traffic::Traffic;
 use crate::trajectory::Trajectory;
 
-/// Distance from a goal at which it is reached [m].
+/// Distance from a goal at which it is reached (m).
 const GOAL_TOLERANCE: f64 = 0.03;
-/// Time between two tries while there is no way [s].
+/// Time between two tries while there is no way (s).
 const RETRY_S: f64 = 1.0;
-/// What a plan that is not needed must gain to be taken [s].
+/// What a plan that is not needed must gain to be taken (s).
 const GAIN: f64 = 1e-3;
 /// Ticks that are computed ahead at most: a start in the far future is the end of the plan.
 const MAX_AHEAD: f64 = 10_000.0;
@@ -37,11 +37,11 @@ enum Want {
 #[derive(Debug, Clone)]
 struct Asked {
     want: Want,
-    /// When the answer takes effect [s].
+    /// When the answer takes effect (s).
     due: f64,
     /// Index of the goal.
     goal: usize,
-    /// Distance that the answer keeps from obstacles [m].
+    /// Distance that the answer keeps from obstacles (m).
     clearance: f64,
     /// Whether it begins nearer to one than it should.
     is_tight: bool,
@@ -70,14 +70,14 @@ pub struct Navigator {
     /// Index of the goal that is driven to; beyond the last when all are reached.
     goal: usize,
     follow: Option<Follow>,
-    /// The reference's rate in the last tick, and when that was [s].
+    /// The reference's rate in the last tick, and when that was (s).
     pace: (f64, f64),
     traffic: Traffic,
-    /// Since when another robot is in the way [s], and which.
+    /// Since when another robot is in the way (s), and which.
     held_up: Option<(f64, usize)>,
     asked: Option<Asked>,
     want: Option<Want>,
-    /// Not asked again before this time [s].
+    /// Not asked again before this time (s).
     not_before: f64,
     /// Whether it stops before it asks.
     halt: bool,
@@ -88,7 +88,7 @@ pub struct Navigator {
 }
 
 impl Navigator {
-    /// A navigator for a robot with these goals [m].
+    /// A navigator for a robot with these goals (m).
     ///
     /// # Errors
     /// A text that says why this cannot be done.
@@ -133,7 +133,7 @@ impl Navigator {
         self.follow.as_ref()
     }
 
-    /// The goal that is driven to [m]; `None` when all are reached.
+    /// The goal that is driven to (m); `None` when all are reached.
     pub fn goal(&self) -> Option<Point2<f64>> {
         self.goals.get(self.goal).copied()
     }
@@ -344,7 +344,7 @@ impl Navigator {
         stops
     }
 
-    /// Time from asking to the tick at which the answer takes effect [s].
+    /// Time from asking to the tick at which the answer takes effect (s).
     fn ahead(&self, dt: f64) -> f64 {
         (self.params.planning_time_s / dt - 1e-9)
             .ceil()

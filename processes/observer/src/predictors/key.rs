@@ -37,7 +37,7 @@ const SAME: f64 = 1e-9;
 const MOST_GUESSES: usize = 24;
 /// Guesses that agree on so many of the last goals are not told apart.
 const RECENT: usize = 3;
-/// Largest deviation of a goal from where it is known to be [standard deviations].
+/// Largest deviation of a goal from where it is known to be (standard deviations).
 const MOST_DEVIATION: f64 = 4.5;
 /// Goals that are computed ahead.
 const AHEAD: usize = 64;
@@ -97,9 +97,9 @@ pub struct KeyHunter<F> {
     layout: Layout,
     /// A search that has seen nothing.
     blank: F,
-    /// Distance from its goal at which the robot turns to the next [m].
+    /// Distance from its goal at which the robot turns to the next (m).
     arrival: f64,
-    /// Greatest error of a goal that is made out [m].
+    /// Greatest error of a goal that is made out (m).
     goal_error: f64,
     pace: Pace,
     goals: u32,
@@ -107,7 +107,7 @@ pub struct KeyHunter<F> {
     /// What it costs that none of the goals so far belongs to the route.
     strange: f64,
     begun: bool,
-    /// Where the robot was seen last [m].
+    /// Where the robot was seen last (m).
     last: Option<Point2<f64>>,
     /// The goals to come, once the key is known, and the generator that makes more.
     upcoming: VecDeque<(u64, Point2<f64>)>,
@@ -117,8 +117,8 @@ pub struct KeyHunter<F> {
 }
 
 impl<F: Finder> KeyHunter<F> {
-    /// For goals of this layout: the robot turns to the next within `arrival` [m], ≥ 0, of one, and
-    /// they are made out with errors up to `goal_error` [m], > 0, for the most part.
+    /// For goals of this layout: the robot turns to the next within `arrival` (m), ≥ 0, of one, and
+    /// they are made out with errors up to `goal_error` (m), > 0, for the most part.
     pub fn new(layout: Layout, finder: F, arrival: f64, goal_error: f64) -> Self {
         Self {
             layout,

@@ -12,20 +12,20 @@ pub const MOST_SAMPLES: usize = 50_000;
 /// one, point by point, and the displacement that followed it.
 #[derive(Debug, Clone)]
 pub struct SimilarStretch {
-    /// Time between two samples [s].
+    /// Time between two samples (s).
     step: f64,
     /// Samples of a stretch.
     length: usize,
     /// One position per step, `None` out of sight.
     samples: Vec<Option<Point2<f64>>>,
-    /// When the next sample is due [s].
+    /// When the next sample is due (s).
     due: Option<f64>,
-    /// Time since the last sample [s].
+    /// Time since the last sample (s).
     since: f64,
 }
 
 impl SimilarStretch {
-    /// Compares stretches of `stretch` [s], sampled every `step` [s]; both > 0.
+    /// Compares stretches of `stretch` (s), sampled every `step` (s); both > 0.
     pub fn new(stretch: f64, step: f64) -> Self {
         Self {
             step,
@@ -37,7 +37,7 @@ impl SimilarStretch {
         }
     }
 
-    /// Where the robot was this many samples after a sample, linear between samples [m].
+    /// Where the robot was this many samples after a sample, linear between samples (m).
     fn after(&self, sample: usize, steps: f64) -> Option<Point2<f64>> {
         let at = |index: usize| self.samples.get(index).copied().flatten();
         let before = at(sample + steps.floor() as usize)?;

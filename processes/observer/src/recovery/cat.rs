@@ -33,10 +33,10 @@ const MAX_WINDOW: usize = 118;
 /// Steps over which an orbit can be followed without a point.
 const MAX_STEPS: u32 = 9;
 
-/// Standard deviations of the noise that can be reckoned with [side of the square].
+/// Standard deviations of the noise that can be reckoned with (side of the square).
 const NOISE: RangeInclusive<f64> = 0.002..=0.04;
 
-/// Noise that is reckoned with unless another one is given [side of the square].
+/// Noise that is reckoned with unless another one is given (side of the square).
 const USUAL_NOISE: f64 = 0.02;
 
 /// Observations of a window that may lie off the claimed orbit: one in so many.
@@ -72,7 +72,7 @@ impl CatRecovery {
         Self::with_noise(modulus, USUAL_NOISE)
     }
 
-    /// As [`CatRecovery::new`], for noise of another standard deviation [side of the square].
+    /// As [`CatRecovery::new`], for noise of another standard deviation (side of the square).
     ///
     /// Values outside 0.002 to 0.04 count as the closer of these, as does NaN as 0.04.
     pub fn with_noise(modulus: CatModulus, sd: f64) -> Self {

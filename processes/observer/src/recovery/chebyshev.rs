@@ -30,20 +30,20 @@ const MAX_WINDOW: usize = 34;
 /// Steps over which an orbit can be followed without an observation.
 const MAX_STEPS: u32 = 4;
 
-/// Largest square of a deviation from what was foretold [variances].
+/// Largest square of a deviation from what was foretold (variances).
 const GATE: f64 = 18.0;
 
-/// By how much [variances of the fit, or tenths of those reckoned with] the sum of squares of every
+/// By how much (variances of the fit, or tenths of those reckoned with) the sum of squares of every
 /// other orbit must exceed that of the one claimed: odds of e⁻¹⁰.
 const MARGIN: f64 = 20.0;
 
 /// Histories followed at a time.
 const MAX_HISTORIES: usize = 2048;
 
-/// Largest deviation [standard deviations] of an observation from a claimed orbit.
+/// Largest deviation (standard deviations) of an observation from a claimed orbit.
 const MAX_DEVIATION: f64 = 5.0;
 
-/// Largest sum of squares [variances] of `count` deviations: mean + 4 standard deviations of its
+/// Largest sum of squares (variances) of `count` deviations: mean + 4 standard deviations of its
 /// law.
 fn max_squares(count: usize) -> f64 {
     let count = count as f64;

@@ -7,7 +7,7 @@ use chaotic_maps::chebyshev::Emission;
 use chaotic_maps::key::{Key, KeyKind};
 use chaotic_maps::{AnySource, Source as _};
 
-/// Noise of the observer [side of the square].
+/// Noise of the observer (side of the square).
 const NOISES: [f64; 3] = [0.0, 0.002, 0.02];
 const KEYS: u64 = 20;
 

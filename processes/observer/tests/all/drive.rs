@@ -31,21 +31,21 @@ use tracking::sighting::gaussian_pair;
 use tracking::space::Space;
 use tracking::watch::Watch;
 
-/// Tick [s].
+/// Tick (s).
 pub const DT: f64 = 0.05;
 
 /// A world with one robot in it.
 #[derive(Debug, Clone)]
 pub struct Place {
-    /// Corners of the ground [m].
+    /// Corners of the ground (m).
     pub bounds: [[f64; 2]; 2],
     pub obstacles: Vec<Shape>,
     pub start: Pose2,
-    /// Radius [m], speed [m/s] and turning rate [rad/s] of the robot.
+    /// Radius (m), speed (m/s) and turning rate (rad/s) of the robot.
     pub radius: f64,
     pub v_max: f64,
     pub omega_max: f64,
-    /// Range of its sensor [m], if it has one.
+    /// Range of its sensor (m), if it has one.
     pub range: Option<f64>,
 }
 
@@ -165,7 +165,7 @@ fn planner_map(world: &World) -> PlannerMap {
         .with_space(Arc::new(space))
 }
 
-/// Distance from its goal at which a robot turns to the next [m]: that of the drivers.
+/// Distance from its goal at which a robot turns to the next (m): that of the drivers.
 const ARRIVAL: f64 = 0.05;
 
 /// Goals that are compared with those driven to once a key is claimed, and how many of them the robot
@@ -173,7 +173,7 @@ const ARRIVAL: f64 = 0.05;
 const COMPARED: usize = 35;
 const BEHIND: usize = 2;
 
-/// An octagon of 48 m (cat-map patrol paper, case 1) [m].
+/// An octagon of 48 m (cat-map patrol paper, case 1) (m).
 pub const OCTAGON: [[f64; 2]; 8] = [
     [5.0, 0.0],
     [0.0, 5.0],
@@ -206,7 +206,7 @@ pub fn patrol(
     Drive::new(&place, &mission)
 }
 
-/// Where the sub-goals of [`coverage`] lie [m].
+/// Where the sub-goals of [`coverage`] lie (m).
 pub const COVERED: [f64; 4] = [0.15, 0.15, 9.85, 9.85];
 
 /// A coverage of 10 m by 10 m.
@@ -234,7 +234,7 @@ pub struct Found {
 }
 
 /// Watches a robot until its key is claimed or it has reached so many goals; `unseen` says when it is
-/// out of sight [s].
+/// out of sight (s).
 pub fn watch<P: Planner, F: Finder>(
     mut drive: Drive<P>,
     layout: &Layout,

@@ -43,7 +43,7 @@ fn goals(layout: Layout, mut source: AnySource) -> impl Iterator<Item = Point2<f
 struct Hunt {
     /// Goals that the robot had reached when the key was known.
     recovered_after: Option<usize>,
-    /// Errors of the predictions 5 s ahead from then on [m].
+    /// Errors of the predictions 5 s ahead from then on (m).
     errors: Vec<f64>,
     made_out: u32,
 }

@@ -15,9 +15,9 @@ use tracking::sighting::gaussian_pair;
 use tracking::space::Space;
 use tracking::watch::Watch;
 
-/// Length of a tick [s].
+/// Length of a tick (s).
 pub const DT: f64 = 0.05;
-/// Distance at which the robot turns to its next goal [m].
+/// Distance at which the robot turns to its next goal (m).
 pub const ARRIVAL: f64 = 0.05;
 const SPEED: f64 = 1.0;
 const TURN: f64 = 3.0;

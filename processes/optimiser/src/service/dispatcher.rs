@@ -275,7 +275,7 @@ impl Desk {
     }
 }
 
-/// Monotonic clock when the time for a request is over [ns]: it runs from its sending, as far as
+/// Monotonic clock when the time for a request is over (ns): it runs from its sending, as far as
 /// that can be true.
 fn deadline_ns(header: &PlanRequest, now_ns: u64) -> Option<u64> {
     let sent_ns = header.stamp.sent_ns;

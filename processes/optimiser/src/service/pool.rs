@@ -25,7 +25,7 @@ pub(super) struct Job {
     pub options: Options,
     /// The plan that the robot follows.
     pub last: Option<Arc<Plan>>,
-    /// Monotonic clock when the time for it is over [ns], if that counts.
+    /// Monotonic clock when the time for it is over (ns), if that counts.
     pub deadline_ns: Option<u64>,
     /// Set when the answer is not wanted any more.
     pub cancelled: Arc<AtomicBool>,
@@ -37,7 +37,7 @@ pub(super) struct Done {
     pub id: u64,
     /// The plan, or why there is none.
     pub result: Result<Plan, Refusal>,
-    /// Time that it took [ns].
+    /// Time that it took (ns).
     pub solve_ns: u64,
 }
 

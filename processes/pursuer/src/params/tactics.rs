@@ -4,7 +4,7 @@ use parameters::{Parameters, above, at_least};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Furthest that a post may lie from its exit [m]; the work per tick grows with its square.
+/// Furthest that a post may lie from its exit (m); the work per tick grows with its square.
 pub const MAX_POST_RADIUS: f64 = 5.0;
 
 /// Where the goal for a hypothesis of a target lies.

@@ -8,9 +8,9 @@ use sim_backend::team::Team;
 
 use crate::support::{self, EXIT};
 
-/// Distance at which an evader is caught [m].
+/// Distance at which an evader is caught (m).
 pub const CATCH: f64 = 0.3;
-/// Largest speed of the Police [m/s].
+/// Largest speed of the Police (m/s).
 pub const V_POLICE: f64 = 0.3;
 
 /// A robot of the Police that stands still.

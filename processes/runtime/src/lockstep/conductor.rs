@@ -7,7 +7,7 @@ use std::time::Duration;
 use super::LOOK_UP;
 use super::page::{Phase, SlotState, TurnPage, sleep_while, wake_all};
 
-/// How often the recorder is woken at the least [ticks]: waking it costs a context switch, so it
+/// How often the recorder is woken at the least (ticks): waking it costs a context switch, so it
 /// works in batches.
 const RECORD_BATCH: u32 = 32;
 

@@ -36,7 +36,7 @@ impl Schedule {
 }
 
 impl Simulator {
-    /// Ticks that come when everybody has done the last one, and with a pace [simulated s/s] not before
+    /// Ticks that come when everybody has done the last one, and with a pace (simulated s/s) not before
     /// they are due.
     pub(super) fn lock_step(
         &mut self,

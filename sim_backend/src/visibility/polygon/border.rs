@@ -7,9 +7,9 @@ use nalgebra::{Point2, Vector2};
 use super::sweep::Span;
 use crate::math;
 
-/// Largest angle between two corners where the range is what ends the view [rad].
+/// Largest angle between two corners where the range is what ends the view (rad).
 const ARC_STEP: f64 = 5.0 * PI / 180.0;
-/// Points closer to each other than the root of this are one [m²].
+/// Points closer to each other than the root of this are one (m²).
 const SAME_PLACE: f64 = 1e-18;
 /// Corners of a border to expect.
 const CORNERS: usize = 128;
@@ -23,7 +23,7 @@ pub(super) struct View {
 }
 
 impl View {
-    /// Nothing yet, from a place, with angles told from `begin` [rad] on, as far as `range` [m].
+    /// Nothing yet, from a place, with angles told from `begin` (rad) on, as far as `range` (m).
     pub(super) fn new(place: Point2<f64>, begin: f64, range: f64) -> Self {
         Self {
             place,
@@ -124,7 +124,7 @@ pub(super) fn from_begin(angle: f64) -> f64 {
     }
 }
 
-/// The unit vector at an angle [rad].
+/// The unit vector at an angle (rad).
 pub(super) fn direction(angle: f64) -> Vector2<f64> {
     let (sin, cos) = math::sincos(angle);
     Vector2::new(cos, sin)

@@ -4,7 +4,7 @@ use nalgebra::Vector2;
 
 use super::border::direction;
 
-/// A wall begins behind another if it does by more than this [m²], the area between them; otherwise
+/// A wall begins behind another if it does by more than this (m²), the area between them; otherwise
 /// their distances decide.
 const CLEARLY: f64 = 1e-9;
 
@@ -40,7 +40,7 @@ pub(super) struct Sweep {
 }
 
 impl Sweep {
-    /// Begins at an angle [rad], from which on the spans' directions are told.
+    /// Begins at an angle (rad), from which on the spans' directions are told.
     pub(super) fn new(begin: f64, spans: Vec<Span>) -> Self {
         // Those over which it begins are open already.
         let open = (0..spans.len()).filter(|&span| spans[span].begins == 0.0);

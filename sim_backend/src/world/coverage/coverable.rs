@@ -8,11 +8,11 @@ use crate::grid::GridFrame;
 pub(super) struct Ground<'a> {
     /// Where the cells lie.
     pub frame: &'a GridFrame,
-    /// Distance [m] from each cell's centre to the nearest obstacle.
+    /// Distance (m) from each cell's centre to the nearest obstacle.
     pub clearance: &'a [f64],
 }
 
-/// Marks the cells whose centres come within `reach` [m] of a robot of radius `body` [m] that can
+/// Marks the cells whose centres come within `reach` (m) of a robot of radius `body` (m) that can
 /// drive anywhere from `starts`.
 ///
 /// The robot drives from cell to cell, centre to centre: a passage that is wider than the robot by

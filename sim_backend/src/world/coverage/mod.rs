@@ -30,7 +30,7 @@ const MAX_CELLS: f64 = 16_000_000.0;
 /// What is known of a cell.
 #[derive(Debug, Clone, Copy, Default)]
 struct Cell {
-    /// When it was last visited [ns].
+    /// When it was last visited (ns).
     last_ns: u64,
     /// At which tick.
     last_tick: u64,
@@ -43,7 +43,7 @@ struct Cell {
 #[derive(Debug, Clone, Copy)]
 struct Sweeper {
     robot: usize,
-    /// Radius of its footprint [m].
+    /// Radius of its footprint (m).
     reach: f64,
     /// Where the step found it, if it was in the game then.
     before: Option<Pose2>,
@@ -65,14 +65,14 @@ pub struct CoverageFigures {
     /// How evenly the coverable cells are visited: standard deviation of their visits, divided by
     /// the mean; 0 before any visit.
     pub unevenness: f64,
-    /// Way driven by the counted robots together [m].
+    /// Way driven by the counted robots together (m).
     pub way: f64,
-    /// Mean time since the last visit over the coverable cells [s]; since the start for those not
+    /// Mean time since the last visit over the coverable cells (s); since the start for those not
     /// visited yet.
     pub mean_idleness: f64,
-    /// Largest of these times [s].
+    /// Largest of these times (s).
     pub max_idleness: f64,
-    /// Longest that any coverable cell has waited for a visit so far [s].
+    /// Longest that any coverable cell has waited for a visit so far (s).
     pub worst_idleness: f64,
 }
 
@@ -108,9 +108,9 @@ pub struct Coverage {
     coverable: usize,
     covered: usize,
     visits: u64,
-    /// Way driven by the counted robots together [m].
+    /// Way driven by the counted robots together (m).
     way: f64,
-    /// Longest gap between two visits of a coverable cell [ns].
+    /// Longest gap between two visits of a coverable cell (ns).
     worst_gap_ns: u64,
 }
 
@@ -224,7 +224,7 @@ impl Coverage {
         }
     }
 
-    /// Accounts for a step of `dt` [s] to `tick` and `time`.
+    /// Accounts for a step of `dt` (s) to `tick` and `time`.
     pub(super) fn end(
         &mut self,
         robots: &[Robot],
@@ -317,7 +317,7 @@ impl Coverage {
         self.cells.iter().map(|cell| cell.visits)
     }
 
-    /// How long ago each cell was last visited [s], row by row, at the time `now`; since the start
+    /// How long ago each cell was last visited (s), row by row, at the time `now`; since the start
     /// for those not visited yet.
     pub fn idleness(&self, now: Duration) -> impl ExactSizeIterator<Item = f64> + '_ {
         let now = now.as_nanos() as u64;

@@ -6,7 +6,7 @@ use crate::math;
 use crate::pose::{Pose2, Twist2};
 use crate::shape::Aabb;
 
-/// Distance [m] between an arc and its chord below which the chord is taken for it: far below any
+/// Distance (m) between an arc and its chord below which the chord is taken for it: far below any
 /// cell, far above rounding.
 const FLAT: f64 = 1e-7;
 
@@ -22,13 +22,13 @@ pub(super) enum Way {
         /// From the centre to both ends.
         start: Vector2<f64>,
         end: Vector2<f64>,
-        /// Angle turned [rad], counter-clockwise positive.
+        /// Angle turned (rad), counter-clockwise positive.
         sweep: f64,
     },
 }
 
 impl Way {
-    /// The way of a robot that keeps a twist for `dt` [s].
+    /// The way of a robot that keeps a twist for `dt` (s).
     pub fn of(pose: Pose2, twist: Twist2, dt: f64, end: Point2<f64>) -> Self {
         let (from, sweep) = (pose.position(), twist.omega * dt);
         if (twist.v * dt * sweep).abs() <= 8.0 * FLAT {
@@ -69,7 +69,7 @@ impl Way {
         }
     }
 
-    /// Whether some point of the way is at most `reach` [m] from `p`.
+    /// Whether some point of the way is at most `reach` (m) from `p`.
     pub fn passes(&self, p: Point2<f64>, reach: f64) -> bool {
         match *self {
             Self::Straight { from, to } => {

@@ -60,7 +60,7 @@ fn visits_at(world: &World, x: f64, y: f64) -> u32 {
     coverage.visits().nth(cell).unwrap()
 }
 
-/// Per cell, how near a point of the way comes to its centre [m], found one by one.
+/// Per cell, how near a point of the way comes to its centre (m), found one by one.
 fn nearest(frame: &GridFrame, way: &[Point2<f64>]) -> Vec<f64> {
     (0..frame.height)
         .flat_map(|row| (0..frame.width).map(move |col| frame.center(col, row)))

@@ -206,7 +206,7 @@ fn any_shape() -> impl Strategy<Value = Shape> {
     ]
 }
 
-/// The gaps [m] of every active robot to obstacles and to every other robot with a body.
+/// The gaps (m) of every active robot to obstacles and to every other robot with a body.
 fn smallest_gap(world: &World) -> f64 {
     let mut smallest = f64::INFINITY;
     for (i, a) in world

@@ -12,10 +12,10 @@ use sim_backend::shape::{Aabb, Convex};
 
 use coverage::workplace::Workplace;
 
-/// Side of the workplaces [m].
+/// Side of the workplaces (m).
 pub const SIDE: f64 = 10.0;
 
-/// Radius of the robot [m].
+/// Radius of the robot (m).
 pub const RADIUS: f64 = 0.1;
 
 /// A sequence of random workplaces; the same for the same seed.
@@ -56,7 +56,7 @@ impl RandomMaps {
     }
 }
 
-/// Free area [m²] and components of the free space, counted over the cells between all borders.
+/// Free area (m²) and components of the free space, counted over the cells between all borders.
 pub fn free_components(workplace: &Workplace) -> (f64, usize) {
     let inner = workplace.inner();
     let lines = |axis: usize| {

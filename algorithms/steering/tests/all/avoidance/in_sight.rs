@@ -7,7 +7,7 @@ use steering::tangent_bug::{Advice, Mode, TangentBug};
 
 const BEAMS: usize = 180;
 
-/// A scan with a wall 0.3 m away in those directions [rad].
+/// A scan with a wall 0.3 m away in those directions (rad).
 fn walls(is_there: impl Fn(f64) -> bool) -> Vec<f32> {
     let angle = |beam| beam as f64 * (core::f64::consts::TAU / BEAMS as f64);
     let range = |there| if there { 0.3 } else { f32::INFINITY };

@@ -27,9 +27,9 @@ pub struct Machine {
     pub omega_max: f64,
     pub range: f64,
     pub beams: usize,
-    /// Standard deviation of a measured distance [m].
+    /// Standard deviation of a measured distance (m).
     pub noise: f64,
-    /// Changes of speed and turning rate [m/s², rad/s²].
+    /// Changes of speed and turning rate (m/s², rad/s²).
     pub accelerations: Option<(f64, f64)>,
 }
 
@@ -61,7 +61,7 @@ pub struct Run {
     pub twist: Twist2,
     pub tick: u32,
     pub travelled: f64,
-    /// Least distance of the robot's edge from an obstacle so far [m].
+    /// Least distance of the robot's edge from an obstacle so far (m).
     pub least_clearance: f64,
     pub reports: Vec<WaypointReport>,
     pub known: Option<FreeSpace>,
@@ -170,7 +170,7 @@ pub fn route(number: u64, point: Point2<f64>) -> Waypoint {
     }
 }
 
-/// A square of this half width [m] about the origin with obstacles in it.
+/// A square of this half width (m) about the origin with obstacles in it.
 pub fn square(half: f64, parts: Vec<Convex>) -> FreeSpace {
     let bounds = Aabb {
         min: Point2::new(-half, -half),
@@ -179,7 +179,7 @@ pub fn square(half: f64, parts: Vec<Convex>) -> FreeSpace {
     FreeSpace::new(parts, bounds, 0.05).unwrap()
 }
 
-/// A wall of this thickness [m] along a line.
+/// A wall of this thickness (m) along a line.
 pub fn wall(from: (f64, f64), to: (f64, f64), thickness: f64) -> Convex {
     let (a, b) = (Point2::new(from.0, from.1), Point2::new(to.0, to.1));
     let along = (b - a).normalize() * (0.5 * thickness);

@@ -9,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 use sim_backend::pose::Pose2;
 use sim_backend::shape::Convex;
 
-/// Half the width of the worlds [m].
+/// Half the width of the worlds (m).
 const HALF: f64 = 3.0;
 /// Worlds driven through.
 const WORLDS: u64 = 110;

@@ -8,7 +8,7 @@ use crate::words::{hundredths, share, shares};
 
 /// Iterations after which the paper gave up on arcs.
 const GIVEN_UP: u32 = 5000;
-/// Distance by which a way must keep farther from the Police to be seen to do so [m]: a quarter of
+/// Distance by which a way must keep farther from the Police to be seen to do so (m): a quarter of
 /// a street.
 const VISIBLE: f64 = 0.25;
 

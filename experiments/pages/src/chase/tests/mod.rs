@@ -23,7 +23,7 @@ fn sample(escaped: u32, games: u32) -> Sample {
         .collect()
 }
 
-/// A study of 200 games per cell: methods with their chances [%] at each speed.
+/// A study of 200 games per cell: methods with their chances (%) at each speed.
 fn study(ratios: &[f64], methods: &[(&str, &[u32])]) -> Study {
     let cells = methods.iter().flat_map(|(name, percents)| {
         ratios.iter().zip(*percents).map(|(&ratio, percent)| Cell {

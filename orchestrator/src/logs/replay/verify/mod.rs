@@ -40,7 +40,7 @@ pub struct VerifyOptions {
     pub processes: Vec<String>,
     /// Changes to the scenario in the log, as `--set` takes them.
     pub changes: Vec<String>,
-    /// Up to and with this simulated time [s].
+    /// Up to and with this simulated time (s).
     pub end_s: Option<f64>,
     /// Whether in this process.
     pub in_process: bool,
@@ -78,7 +78,7 @@ pub struct Verified {
     /// What they said, then and now.
     #[serde(flatten)]
     pub comparison: Comparison,
-    /// Real time from the first tick to the last [s].
+    /// Real time from the first tick to the last (s).
     pub wall_time_s: f64,
     /// What was wrong with the file.
     #[serde(skip_serializing_if = "Vec::is_empty")]

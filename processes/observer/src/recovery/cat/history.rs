@@ -5,10 +5,10 @@ use std::collections::VecDeque;
 
 use super::{MAX_STEPS, MAX_WINDOW};
 
-/// Largest square of a deviation from what was foretold [variances]: one in eight thousand is larger.
+/// Largest square of a deviation from what was foretold (variances): one in eight thousand is larger.
 const GATE: f64 = 18.0;
 
-/// Largest deviation of an observed coordinate from a claimed orbit [standard deviations].
+/// Largest deviation of an observed coordinate from a claimed orbit (standard deviations).
 const TOLERANCE: f64 = 6.0;
 
 /// Wraps beyond these are none; those of [`MAX_STEPS`] are far fewer.
