@@ -20,10 +20,8 @@ use ipc_types::stamp::{PlainHeader, Stamp};
 use ipc_types::topics::{Belief, Commands, Plan, Sightings, Topic, WorldState};
 use mcap::WriteOptions;
 use mcap::records::MessageHeader;
-use orchestrator::recorder::{
-    ChannelSpec, Compression, LogOptions, LogWriter, Manifest, ProcessInfo, RecorderOptions,
-    Recording, RobotInfo, ViewerOptions,
-};
+use mcap_log::{ChannelSpec, Compression, LogOptions, LogWriter, Manifest};
+use orchestrator::recorder::{ProcessInfo, RecorderOptions, Recording, RobotInfo, ViewerOptions};
 
 const ROBOTS: u32 = 6;
 const PARTICLES: usize = 300;

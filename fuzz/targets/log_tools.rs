@@ -4,9 +4,9 @@
 mod support;
 
 use libfuzzer_sys::fuzz_target;
-use orchestrator::logs::{
-    ExportOptions, FilterOptions, Format, LogInfo, Topics, export, filter, recover,
-};
+use orchestrator::logs::{ExportOptions, FilterOptions, LogInfo, export, filter, recover};
+use tables::{Format};
+use mcap_log::{Topics};
 
 fuzz_target!(|bytes: &[u8]| {
     let Some((how, bytes)) = bytes.split_first() else {

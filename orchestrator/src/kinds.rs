@@ -1,5 +1,6 @@
 //! The kinds of processes of this program.
 
+use config::Diagnostics;
 use coverage_planners::{
     BoustrophedonPlanner, ChebyshevPlanner, KeyedCoveragePlanner, RandomBouncePlanner,
     UniformPlanner,
@@ -16,8 +17,6 @@ use perception::process::PerceptionProcess;
 use planner::{Planner, PlannerProcess};
 use pursuer::process::PursuerPlanner;
 use referee::process::RefereeProcess;
-
-use config::Diagnostics;
 
 use crate::scenario::kind::Kind;
 use crate::scenario::{Loader, ResolvedScenario};

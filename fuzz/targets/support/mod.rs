@@ -6,7 +6,7 @@ use std::os::fd::AsRawFd as _;
 use std::os::unix::fs::FileExt as _;
 use std::path::{Path, PathBuf};
 
-use orchestrator::logs::Watch;
+use mcap_log::Watch;
 use rustix::fs::{MemfdFlags, memfd_create};
 
 thread_local! {

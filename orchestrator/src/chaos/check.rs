@@ -3,11 +3,12 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use mcap_log::Watch;
 use serde_json::Value as Json;
 
 use super::mission::{self, Baseline, Ended, Mission};
 use super::{ChaosError, FaultKind, Outcome};
-use crate::logs::{self, Watch};
+use crate::logs::{self};
 use crate::mission::child_process::exit_words;
 use crate::scenario::ResolvedScenario;
 use crate::scenario::spec::Mode;
@@ -142,7 +143,7 @@ impl Check<'_> {
             let read = match killed {
                 None => logs::LogInfo::read(&log, &mut watch()),
                 Some(_) => logs::recover(&log, &recovered, true, &mut watch())
-                    .and_then(|_| logs::newest_state(&recovered, &mut watch()))
+                    .and_then(|_| mcap_log::newest_state(&recovered, &mut watch()))
                     .and_then(|newest| {
                         kept = newest.map_or(0, |tick| tick + 1);
                         logs::LogInfo::read(&recovered, &mut watch())

@@ -4,10 +4,11 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use platform::eprintln;
+use tables::Format;
 
 use super::logs::{self, TopicArgs};
 use super::{EXIT_PARTIAL, print, print_json};
-use crate::logs::{ExportOptions, Format, export};
+use crate::logs::{ExportOptions, export};
 
 /// What stands below the options.
 pub(super) const HELP: &str = "\

@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use mcap_log::{LogsError, Watch, derived};
 use platform::atomic_file::Readers;
 use platform::eprintln;
 
@@ -14,7 +15,6 @@ use super::{DEFAULT_SCENARIO, EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, OverrideA
 use super::{print, print_json};
 use crate::latency::baselines::Repetitions;
 use crate::latency::{LatencyError, Report, Run, baselines, mission, of_log, text};
-use crate::logs::{LogsError, Watch, derived};
 use crate::scenario::kind::Kind;
 use crate::scenario::{Loader, ResolvedScenario};
 

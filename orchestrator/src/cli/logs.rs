@@ -5,11 +5,12 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use mcap_log::{Condition, LogsError, Topics, Watch};
 use platform::eprintln;
 
 use super::run::handle_signals;
 use super::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL};
-use crate::logs::{Condition, Difference, LogsError, Topics, Watch};
+use crate::logs::{Difference, ReplayError};
 
 /// Which topics.
 #[derive(Debug, clap::Args)]
@@ -47,7 +48,7 @@ pub(super) struct PartArgs {
 /// Does something with a log that can be interrupted, and says how it ended.
 pub(super) fn command(
     quiet: bool,
-    work: impl FnOnce(&mut Watch) -> Result<ExitCode, LogsError>,
+    work: impl FnOnce(&mut Watch) -> Result<ExitCode, ReplayError>,
 ) -> ExitCode {
     let interrupted = Arc::new(AtomicBool::new(false));
     if let Err(error) = handle_signals(&interrupted) {
@@ -58,8 +59,8 @@ pub(super) fn command(
     work(&mut watch).unwrap_or_else(|error| {
         eprintln!("error: {error}");
         ExitCode::from(match error {
-            LogsError::Write { .. } | LogsError::Mission(_) => EXIT_FAILED,
-            LogsError::Interrupted => EXIT_PARTIAL,
+            ReplayError::Log(LogsError::Write { .. }) | ReplayError::Mission(_) => EXIT_FAILED,
+            ReplayError::Log(LogsError::Interrupted) => EXIT_PARTIAL,
             _ => EXIT_INVALID,
         })
     })

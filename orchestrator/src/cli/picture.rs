@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use mcap_log::derived;
 use platform::atomic_file::Readers;
 
 use super::{logs, print};
-use crate::logs::derived;
 use crate::picture::{RunTrace, draw};
 
 /// What stands below the options.

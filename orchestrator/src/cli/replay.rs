@@ -3,14 +3,15 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use mcap_log::Watch;
 use platform::eprintln;
 
 use super::logs::{self, PartArgs};
 use super::run::tell_of_viewers;
 use super::{DEFAULT_PORT, EXIT_PARTIAL, print, print_json};
+use crate::logs::ReplayError;
 use crate::logs::{
-    LogsError, ReplayOptions, Replayed, TopicComparison, Verified, VerifyOptions, Watch, replay,
-    verify,
+    ReplayOptions, Replayed, TopicComparison, Verified, VerifyOptions, replay, verify,
 };
 use crate::scenario::kind::Kind;
 
@@ -94,7 +95,7 @@ pub fn run(kinds: &[Kind], args: ReplayArgs) -> ExitCode {
     })
 }
 
-fn play(kinds: &[Kind], args: ReplayArgs, watch: &mut Watch) -> Result<ExitCode, LogsError> {
+fn play(kinds: &[Kind], args: ReplayArgs, watch: &mut Watch) -> Result<ExitCode, ReplayError> {
     let options = ReplayOptions {
         rate: if args.as_fast_as_possible {
             f64::INFINITY
@@ -126,7 +127,7 @@ fn play(kinds: &[Kind], args: ReplayArgs, watch: &mut Watch) -> Result<ExitCode,
     })
 }
 
-fn test(kinds: &[Kind], args: ReplayArgs, watch: &mut Watch) -> Result<ExitCode, LogsError> {
+fn test(kinds: &[Kind], args: ReplayArgs, watch: &mut Watch) -> Result<ExitCode, ReplayError> {
     let options = VerifyOptions {
         processes: args.test,
         changes: args.set,

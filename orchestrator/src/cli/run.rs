@@ -5,9 +5,9 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use platform::eprintln;
+use viewer::LiveTotals;
 
 use super::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, RunArgs, print, print_json};
-use crate::live::LiveTotals;
 use crate::mission::in_process::{self, InProcessOptions};
 use crate::mission::{self, MissionError, MissionOptions, MissionReport, report};
 use crate::scenario::kind::Kind;

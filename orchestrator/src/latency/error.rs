@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 
+use mcap_log::LogsError;
+
 use super::link::LinkError;
-use crate::logs::LogsError;
 use crate::mission::MissionError;
 
 /// Why latencies could not be measured.
@@ -41,10 +42,9 @@ impl LatencyError {
     pub fn is_invalid_input(&self) -> bool {
         match self {
             Self::Lacks { .. } => true,
-            Self::Logs(error) => !matches!(
-                **error,
-                LogsError::Write { .. } | LogsError::Mission(_) | LogsError::Interrupted
-            ),
+            Self::Logs(error) => {
+                !matches!(**error, LogsError::Write { .. } | LogsError::Interrupted)
+            }
             Self::Mission(_) | Self::Link(_) | Self::System { .. } => false,
         }
     }

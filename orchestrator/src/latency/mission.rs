@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use mcap_log::Watch;
+
 use super::error::LatencyError;
 use super::of_log::{Measured, of_log};
-use crate::logs::Watch;
 use crate::mission::{self, MissionOptions};
 use crate::scenario::ResolvedScenario;
 use crate::scenario::kind::Kind;

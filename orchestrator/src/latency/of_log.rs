@@ -6,13 +6,13 @@ use std::rc::Rc;
 
 use ipc_types::consumer::{Consumer as _, LoggedMessage};
 use ipc_types::topics::{Commands, Status, Topic as _, TopicId, WorldState};
+use mcap_log::Origin;
+use mcap_log::output::MANIFEST;
+use mcap_log::reader::{Channel, Item, Reader};
+use mcap_log::{Condition, LogsError, Watch, known};
 use statistics::{Distribution, Distributions};
 
 use super::error::LatencyError;
-use crate::logs::origin::Origin;
-use crate::logs::output::MANIFEST;
-use crate::logs::reader::{Channel, Item, Reader};
-use crate::logs::{Condition, LogsError, Watch, known};
 use crate::mission::MissionError;
 use crate::mission::plan::Plan;
 use crate::mission::recording;
@@ -122,7 +122,7 @@ struct Known {
 }
 
 impl Reading {
-    fn item(&mut self, log: &Path, kinds: &[Kind], item: Item<'_>) -> Result<(), LogsError> {
+    fn item(&mut self, log: &Path, kinds: &[Kind], item: Item<'_>) -> Result<(), LatencyError> {
         match item {
             Item::Metadata(record) if record.name == MANIFEST => {
                 self.origin.manifest = record.metadata;
@@ -156,8 +156,8 @@ impl Reading {
     }
 
     /// The processes, from the scenario in the log.
-    fn processes(&self, log: &Path, kinds: &[Kind]) -> Result<Known, LogsError> {
-        let scenario = self.origin.scenario(log, &[], "", kinds)?;
+    fn processes(&self, log: &Path, kinds: &[Kind]) -> Result<Known, LatencyError> {
+        let scenario = crate::logs::origin::scenario_of(&self.origin, log, &[], "", kinds)?;
         let plan = Plan::new(&scenario, Path::new(""), "", "").map_err(MissionError::from)?;
         let processes = recording::processes(&plan);
         let period_ns = (scenario.run.mode == Mode::RealTime).then(|| {

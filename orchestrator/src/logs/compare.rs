@@ -7,15 +7,15 @@ use std::path::Path;
 
 use ipc_types::stamp::Stamp;
 use ipc_types::topics::TopicId;
+use mcap_log::LogsError;
+use mcap_log::Topics;
+use mcap_log::Watch;
+use mcap_log::known::{self, ENCAPSULATION};
+use mcap_log::ros2::field_at;
+use mcap_log::source::{Logged, Source};
 use serde::Serialize;
 
 use super::deviation::{Deviation, add_deviations};
-use super::error::LogsError;
-use super::known::{self, ENCAPSULATION};
-use super::pattern::Topics;
-use super::ros2::field_at;
-use super::source::{Logged, Source};
-use super::watch::Watch;
 
 /// The clocks of the stamp, in the bytes of a message.
 pub(super) const CLOCKS: Range<usize> =
@@ -207,7 +207,7 @@ impl TopicComparison {
             |value: Option<(String, String)>| value.map_or_else(String::new, |(_, text)| text);
         self.first = Some(Difference {
             tick: stamp.tick,
-            time_s: super::seconds(time),
+            time_s: mcap_log::seconds(time),
             source: stamp.source,
             field,
             logged: text(logged),

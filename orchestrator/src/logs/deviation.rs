@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use mcap_log::ros2::{Cdr, Count, DecodeError, Field, Kind, Schema};
 use serde::Serialize;
+use tables::Cell;
 
 use super::compare::CLOCKS;
-use super::ros2::{Cdr, Cell, Count, DecodeError, Field, Kind, Schema};
 
 /// By how much a field differs, in all messages of a topic.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]

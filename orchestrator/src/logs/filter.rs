@@ -3,17 +3,16 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use mcap::records::MessageHeader;
+use mcap_log::Condition;
+use mcap_log::LogsError;
+use mcap_log::MessageHeader;
+use mcap_log::Topics;
+use mcap_log::Watch;
+use mcap_log::known;
+use mcap_log::output::{FILTERED, MANIFEST, Output, no_longer_whole};
+use mcap_log::reader::{Item, Reader};
+use mcap_log::states::{States, is_latched};
 use serde::Serialize;
-
-use super::condition::Condition;
-use super::error::LogsError;
-use super::known;
-use super::output::{FILTERED, MANIFEST, Output, no_longer_whole};
-use super::pattern::Topics;
-use super::reader::{Item, Reader};
-use super::states::{States, is_latched};
-use super::watch::Watch;
 
 /// What is kept of a log.
 #[derive(Debug, Clone, Default)]

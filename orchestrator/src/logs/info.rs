@@ -3,15 +3,15 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use mcap::records::MessageHeader;
+use mcap_log::Condition;
+use mcap_log::LogsError;
+use mcap_log::MessageHeader;
+use mcap_log::Watch;
+use mcap_log::known;
+use mcap_log::output::{FILTERED, MANIFEST, RECOVERED, RESULT, RUN_DIGEST};
+use mcap_log::reader::{Channel, Item, Reader};
 use serde::Serialize;
 
-use super::condition::Condition;
-use super::error::LogsError;
-use super::known;
-use super::output::{FILTERED, MANIFEST, RECOVERED, RESULT, RUN_DIGEST};
-use super::reader::{Channel, Item, Reader};
-use super::watch::Watch;
 use crate::recorder::RobotOutcome;
 
 /// Most senders of one topic whose numbers are followed.
@@ -177,11 +177,11 @@ impl Tally {
                 *of_source = of_source.saturating_add(missing);
             }
         }
-        let span = super::seconds(self.last - self.first);
+        let span = mcap_log::seconds(self.last - self.first);
         if info.messages > 0 {
-            info.first_s = Some(super::seconds(self.first));
-            info.last_s = Some(super::seconds(self.last));
-            info.longest_pause_s = Some(super::seconds(self.pause));
+            info.first_s = Some(mcap_log::seconds(self.first));
+            info.last_s = Some(mcap_log::seconds(self.last));
+            info.longest_pause_s = Some(mcap_log::seconds(self.pause));
         }
         if span > 0.0 {
             info.rate_hz = Some((info.messages - 1) as f64 / span);
@@ -281,9 +281,9 @@ impl LogInfo {
                 .unwrap_or_default(),
             filtered: record(FILTERED),
             recovered: record(RECOVERED),
-            start_s: super::seconds(first),
-            end_s: super::seconds(last),
-            duration_s: super::seconds(last - first),
+            start_s: mcap_log::seconds(first),
+            end_s: mcap_log::seconds(last),
+            duration_s: mcap_log::seconds(last - first),
             messages,
             unsorted,
             topics,

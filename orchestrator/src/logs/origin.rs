@@ -1,103 +1,63 @@
-//! The run that a log comes from, as its head says.
+//! The scenario in a log, as a run can be made of it once more.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::error::LogsError;
-use super::known;
-use super::reader::Channel;
+use mcap_log::{LogsError, Origin};
+
 use crate::scenario::files::Base;
 use crate::scenario::kind::Kind;
 use crate::scenario::spec::Mode;
 use crate::scenario::{Loader, ResolvedScenario};
 
-/// Manifest and scenario of a log.
-#[derive(Debug, Default)]
-pub(crate) struct Origin {
-    pub(crate) manifest: BTreeMap<String, String>,
-    pub(crate) scenario: Option<Vec<u8>>,
-}
-
-impl Origin {
-    /// Both must be there.
-    pub(crate) fn check(&self, log: &Path) -> Result<(), LogsError> {
-        let missing = match (self.manifest.is_empty(), self.scenario.is_none()) {
-            (true, _) => "manifest",
-            (_, true) => "scenario",
-            _ => return Ok(()),
-        };
-        let path = log.to_owned();
-        Err(LogsError::Foreign { path, missing })
+/// The scenario as it was run, with these changes; one in real time only if `so` is empty,
+/// which else says what follows from that. `kinds` are those of this program.
+pub(crate) fn scenario_of(
+    origin: &Origin,
+    log: &Path,
+    changes: &[String],
+    so: &str,
+    kinds: &[Kind],
+) -> Result<ResolvedScenario, LogsError> {
+    let refuse = |reason: String| {
+        Err(LogsError::NotRepeatable {
+            path: log.to_owned(),
+            reason,
+        })
+    };
+    let text = origin.scenario.as_deref().unwrap_or_default();
+    if let Some(expected) = origin.manifest.get("scenario_blake3")
+        && *expected != blake3::hash(text).to_hex().as_str()
+    {
+        return refuse("the scenario in it is not the one that was run".to_owned());
     }
-
-    /// Whether a channel of ours is that of this version.
-    pub(crate) fn check_layout(&self, log: &Path, channel: &Channel) -> Result<(), LogsError> {
-        let Some(found) = channel.metadata.get("schema_hash") else {
-            return Ok(());
-        };
-        match known::topic_of(channel) {
-            Some(_) => Ok(()),
-            None => Err(self.layout(log, &channel.topic, found)),
-        }
-    }
-
-    /// A topic looks different in this version.
-    pub(crate) fn layout(&self, log: &Path, topic: &str, found: &str) -> LogsError {
-        let version = self.manifest.get("version");
-        known::other_layout(log, topic, found, version.map_or("", String::as_str))
-    }
-
-    /// The scenario as it was run, with these changes; one in real time only if `so` is empty,
-    /// which else says what follows from that. `kinds` are those of this program.
-    pub(crate) fn scenario(
-        &self,
-        log: &Path,
-        changes: &[String],
-        so: &str,
-        kinds: &[Kind],
-    ) -> Result<ResolvedScenario, LogsError> {
-        let refuse = |reason: String| {
-            Err(LogsError::NotRepeatable {
-                path: log.to_owned(),
-                reason,
-            })
-        };
-        let text = self.scenario.as_deref().unwrap_or_default();
-        if let Some(expected) = self.manifest.get("scenario_blake3")
-            && *expected != blake3::hash(text).to_hex().as_str()
-        {
-            return refuse("the scenario in it is not the one that was run".to_owned());
-        }
-        let Ok(text) = str::from_utf8(text) else {
-            return refuse("the scenario in it is not text".to_owned());
-        };
-        let loader = Loader::new(kinds);
-        let load = |changes: &[String]| {
-            loader.load_text("scenario.toml", text, &Base::Nothing, changes, None)
-        };
-        let scenario = match load(&[]) {
-            Ok(scenario) => scenario,
-            Err(problems) => {
-                return refuse(format!(
-                    "the scenario in it is not one for this version of protean{}:\n{problems}",
-                    match self.manifest.get("version") {
-                        Some(version) => format!(" (it is of {version})"),
-                        None => String::new(),
-                    }
-                ));
-            }
-        };
-        if scenario.run.mode == Mode::RealTime && !so.is_empty() {
+    let Ok(text) = str::from_utf8(text) else {
+        return refuse("the scenario in it is not text".to_owned());
+    };
+    let loader = Loader::new(kinds);
+    let load =
+        |changes: &[String]| loader.load_text("scenario.toml", text, &Base::Nothing, changes, None);
+    let scenario = match load(&[]) {
+        Ok(scenario) => scenario,
+        Err(problems) => {
             return refuse(format!(
-                "it was recorded in real time: what the processes heard depended on the clock, so \
-                 that {so}"
+                "the scenario in it is not one for this version of protean{}:\n{problems}",
+                match origin.manifest.get("version") {
+                    Some(version) => format!(" (it is of {version})"),
+                    None => String::new(),
+                }
             ));
         }
-        if changes.is_empty() {
-            return Ok(scenario);
-        }
-        load(changes).map_err(|problems| LogsError::Argument(format!("--set:\n{problems}")))
+    };
+    if scenario.run.mode == Mode::RealTime && !so.is_empty() {
+        return refuse(format!(
+            "it was recorded in real time: what the processes heard depended on the clock, so \
+             that {so}"
+        ));
     }
+    if changes.is_empty() {
+        return Ok(scenario);
+    }
+    load(changes).map_err(|problems| LogsError::Argument(format!("--set:\n{problems}")))
 }
 
 /// Programs that are not ours are started only if somebody has looked at them.

@@ -7,15 +7,14 @@ use ipc_types::messages::process::ProcessEvent;
 use ipc_types::messages::world::WorldHeader;
 use ipc_types::stamp::PlainHeader;
 use ipc_types::topics::TopicId;
+use mcap_log::LogsError;
+use mcap_log::Origin;
+use mcap_log::Watch;
+use mcap_log::known::ENCAPSULATION;
+use mcap_log::output::{FILTERED, MANIFEST, RESULT};
+use mcap_log::reader::{Item, Reader};
 use serde::Serialize;
 use zerocopy::FromBytes as _;
-
-use super::error::LogsError;
-use super::known::ENCAPSULATION;
-use super::origin::Origin;
-use super::output::{FILTERED, MANIFEST, RESULT};
-use super::reader::{Item, Reader};
-use super::watch::Watch;
 
 /// A process that left its run.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]

@@ -2,13 +2,12 @@
 
 use std::path::Path;
 
+use mcap_log::Condition;
+use mcap_log::LogsError;
+use mcap_log::Watch;
+use mcap_log::output::{Output, RECOVERED, no_longer_whole};
+use mcap_log::reader::{Item, Reader};
 use serde::Serialize;
-
-use super::condition::Condition;
-use super::error::LogsError;
-use super::output::{Output, RECOVERED, no_longer_whole};
-use super::reader::{Item, Reader};
-use super::watch::Watch;
 
 /// What was saved of a log, and what was not.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -70,7 +69,7 @@ pub fn recover(
             }
             Item::Metadata(record) => {
                 metadata += 1;
-                if record.name == super::output::RESULT {
+                if record.name == mcap_log::output::RESULT {
                     results.push(record);
                 } else {
                     output.metadata(&record)?;
@@ -111,7 +110,7 @@ pub fn recover(
         lost,
         attachments,
         metadata,
-        end_s: super::seconds(end_ns),
+        end_s: mcap_log::seconds(end_ns),
         bytes: output.finish()?,
         source,
     })

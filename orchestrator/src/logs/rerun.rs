@@ -4,14 +4,16 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
+use mcap_log::LogsError;
+use mcap_log::Watch;
+use mcap_log::output::RUN_DIGEST;
 use serde::{Serialize, Serializer};
 
 use super::compare::{Comparison, Difference, compare};
-use super::error::LogsError;
 use super::origin::refuse_external;
-use super::output::RUN_DIGEST;
 use super::recorded::{Left, Recorded};
-use super::watch::Watch;
+use crate::logs::origin::scenario_of;
+use crate::logs::replay::ReplayError;
 use crate::mission::in_process::{self, InProcessOptions};
 use crate::mission::{self, MissionError, MissionOptions};
 use crate::scenario::kind::Kind;
@@ -82,15 +84,16 @@ fn differences_only<S: Serializer>(
 /// Does the run in a log again, from the scenario in it and with these kinds of processes, and compares.
 ///
 /// # Errors
-/// [`LogsError`]: the log cannot be read, or its run cannot be done again.
+/// [`ReplayError`]: the log cannot be read, or its run cannot be done again.
 pub fn rerun(
     log: &Path,
     kinds: &[Kind],
     options: RerunOptions,
     watch: &mut Watch,
-) -> Result<Rerun, LogsError> {
+) -> Result<Rerun, ReplayError> {
     let recorded = Recorded::read(log, |_| true, watch)?;
-    let mut scenario = recorded.origin.scenario(
+    let mut scenario = scenario_of(
+        &recorded.origin,
         log,
         &[],
         "it cannot be done again the same; runs in lock-step can",
@@ -127,7 +130,7 @@ pub fn rerun(
         )?
     };
     if report.interrupted {
-        return Err(LogsError::Interrupted);
+        return Err(LogsError::Interrupted.into());
     }
     let digest = report.summary.digest;
     let has_lost = recorded.left.is_some();

@@ -3,15 +3,16 @@
 use std::time::Duration;
 
 use ipc_types::bus::{BusError, ReceiveError, SendError};
+use mcap_log::LogError;
 use runtime::ProcessError;
 use runtime::lockstep::PageError;
+use viewer::LiveError;
 
 use super::child_process::ChildError;
 use super::plan::PlanError;
 use super::run_directory::RunDirectoryError;
 use super::shm_usage::ShmFull;
-use crate::live::LiveError;
-use crate::recorder::{LogError, RecorderError};
+use crate::recorder::RecorderError;
 
 /// Why a run failed.
 #[derive(Debug, thiserror::Error)]

@@ -4,13 +4,14 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use mcap_log::{Compression, LogError, LogOptions, Manifest, ManifestFile, Mirror};
+
 use super::error::MissionError;
 use super::plan::Plan;
 use super::report;
 use crate::eyes;
 use crate::recorder::{
-    Beginnings, Compression, LogError, LogOptions, Manifest, ManifestFile, Mirror, ProcessInfo,
-    RecorderOptions, Recording, RobotInfo, ViewerOptions,
+    Beginnings, ProcessInfo, RecorderOptions, Recording, RobotInfo, ViewerOptions,
 };
 use crate::scenario::ResolvedScenario;
 use crate::scenario::spec;

@@ -3,8 +3,8 @@
 use comfy_table::Table;
 use serde_json::{Value as Json, json};
 use tables::for_terminal;
+use viewer::LiveTotals;
 
-use crate::live::LiveTotals;
 use crate::recorder::{
     LapFigures, PredictionOutcome, ProcessOutcome, RobotOutcome, Summary, WaypointOutcome,
 };

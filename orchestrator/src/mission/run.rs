@@ -12,6 +12,7 @@ use ipc_types::stamp::PlainHeader;
 use ipc_types::topics::{Control, ObstacleEvents};
 use platform::eprintln;
 use runtime::config::Clock;
+use viewer::LiveServer;
 
 use super::error::MissionError;
 use super::process_log::ProcessEventLog;
@@ -22,7 +23,6 @@ use super::report::MissionReport;
 use super::resources::RunResources;
 use super::shm_usage;
 use super::supervisor::Supervisor;
-use crate::live::LiveServer;
 use crate::scenario::ResolvedScenario;
 
 /// How a run is done.

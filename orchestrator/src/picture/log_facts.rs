@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use ipc_types::messages::world::{MapCell, MapHeader};
-use mcap::records::{AttachmentHeader, Metadata};
+use mcap_log::LogsError;
+use mcap_log::output::{FILTERED, MANIFEST, RECOVERED, RESULT};
+use mcap_log::{AttachmentHeader, Metadata};
 
 use super::ground::Ground;
 use super::logged::LoggedScenario;
-use crate::logs::LogsError;
-use crate::logs::output::{FILTERED, MANIFEST, RECOVERED, RESULT};
 
 /// Facts of a run, as far as the log has been read.
 #[derive(Debug, Default)]

@@ -7,13 +7,13 @@ use ipc_types::cdr::DecodeError;
 use ipc_types::consumer::{Consumer, Consumers, LoggedMessage};
 use ipc_types::messages::world::{RobotState, WorldHeader};
 use ipc_types::topics::{ObstacleEvents, Topic, TopicId, WorldMap, WorldState};
-use mcap::records::MessageHeader;
+use mcap_log::MessageHeader;
+use mcap_log::known;
+use mcap_log::reader::{Channel, Item, Reader};
+use mcap_log::{Condition, LogsError, Watch};
 use sim_backend::map::ObstacleChange;
 
 use super::log_facts::LogFacts;
-use crate::logs::known;
-use crate::logs::reader::{Channel, Item, Reader};
-use crate::logs::{Condition, LogsError, Watch};
 use crate::scenario::spec::{MAX_EVENTS, MAX_ROBOTS};
 
 /// Maximum number of notes on what cannot be read.

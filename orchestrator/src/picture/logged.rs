@@ -1,5 +1,6 @@
 //! What a log says about its run besides the messages.
 
+use config::{Node, Origin};
 use serde::Deserialize;
 use serde_json::Value as Json;
 use sim_backend::map::MapSpec;
@@ -7,7 +8,6 @@ use sim_backend::spec::{RobotSpec, RulesSpec};
 
 use crate::eyes::{EyeInfo, eyes};
 use crate::scenario::kind::{Kind, find};
-use config::{Node, Origin};
 
 /// The parts of the scenario in a log that a picture needs; the rest is passed over, so that a
 /// picture does not depend on it.

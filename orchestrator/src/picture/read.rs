@@ -7,13 +7,13 @@ use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::perception::{BeliefHeader, Particle};
 use ipc_types::messages::world::{RobotState, WorldEvent};
 use ipc_types::topics::{Belief, Dominance, Plan, TopicId, Tree, WorldEvents};
+use mcap_log::{Condition, LogsError, Watch};
 use sim_backend::pose::Pose2;
 
 use super::layers::Layers;
 use super::log_run::{LoggedRun, Purpose, is_near};
 use super::trace::{BeliefTrace, Mark, MarkKind, RobotTrace, RunTrace};
 use super::trail::{Trail, TrailPoint};
-use crate::logs::{Condition, LogsError, Watch};
 use crate::scenario::spec::MAX_ROBOTS;
 
 /// Maximum number of events that are marked.

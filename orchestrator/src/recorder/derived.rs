@@ -5,9 +5,8 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use ipc_types::consumer::Consumer;
-
-use super::error::LogError;
-use super::log_writer::{ChannelId, ChannelSpec, LogWriter};
+use mcap_log::LogError;
+use mcap_log::{ChannelId, ChannelSpec, LogWriter};
 
 /// Makes messages of derived channels from those of the run.
 pub(super) trait Derived: Consumer + Send {

@@ -5,11 +5,11 @@ use std::collections::BTreeMap;
 use ipc_types::consumer::LoggedMessage;
 use ipc_types::schema;
 use ipc_types::topics::TopicId;
+use mcap_log::LogError;
+use mcap_log::Mirror;
+use mcap_log::{ChannelId, ChannelSpec, LogWriter};
 
 use super::derived::DerivedLog;
-use super::error::LogError;
-use super::log_writer::{ChannelId, ChannelSpec, LogWriter};
-use super::mirror::Mirror;
 use super::options::RecorderOptions;
 use super::summary::{Summary, TopicCount};
 use super::viewer::Viewer;

@@ -24,9 +24,6 @@ mod intake;
 mod judged;
 mod ledger;
 mod log;
-mod log_file;
-mod log_writer;
-mod mirror;
 mod options;
 mod outages;
 mod outcome;
@@ -44,13 +41,8 @@ pub(crate) mod tests;
 
 pub use beginnings::Beginnings;
 pub use bus::Recorder;
-pub use error::{LogError, RecorderError};
+pub use error::RecorderError;
 pub use gate::Gate;
-pub use log_writer::{
-    ChannelId, ChannelSpec, ChannelTotals, Compression, LogOptions, LogTotals, LogWriter, Manifest,
-    ManifestFile,
-};
-pub use mirror::Mirror;
 pub use options::{ProcessInfo, RecorderOptions, RobotInfo};
 pub use outages::{Outage, ProcessOutcome};
 pub use predicted::PredictionOutcome;

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use ipc_types::messages::world::ObstacleEvent;
+use mcap_log::{LogOptions, Manifest};
 
-use super::log_writer::{LogOptions, Manifest};
 use super::viewer::ViewerOptions;
 use crate::eyes::EyeInfo;
 

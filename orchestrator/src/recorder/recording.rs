@@ -9,16 +9,16 @@ use ipc_types::cdr::SequenceHead;
 use ipc_types::consumer::{Consumer, Consumers, LoggedMessage};
 use ipc_types::stamp::Header as _;
 use ipc_types::topics::{Topic, TopicId};
+use mcap_log::LogError;
+use mcap_log::Mirror;
 use zerocopy::IntoBytes as _;
 
 use super::beginnings::Beginnings;
 use super::chain::Chain;
 use super::checks::is_decodable;
-use super::error::LogError;
 use super::intake::{Entry, Intake};
 use super::ledger::Ledger;
 use super::log::Log;
-use super::mirror::Mirror;
 use super::options::{ProcessInfo, RecorderOptions, RobotInfo};
 use super::outcome::{self, OutcomePart};
 use super::parts::Parts;

@@ -4,6 +4,7 @@ use draw::palette;
 use ipc_types::messages::observer::Prediction;
 use ipc_types::messages::robot::WaypointEnd;
 use ipc_types::messages::world::WorldEvent;
+use mcap_log::output::RUN_DIGEST;
 use serde_json::{Value as Json, json};
 use sim_backend::map::ObstacleChange;
 use sim_backend::shape::Shape;
@@ -12,7 +13,6 @@ use statistics::Percentiles;
 
 use super::gather::Gathered;
 use super::timing::PER_DECADE;
-use crate::logs::output::RUN_DIGEST;
 use crate::picture::ground::corners;
 use crate::recorder::{RobotOutcome, status_name};
 use crate::scenario::kind::Kind;

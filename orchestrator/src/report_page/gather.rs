@@ -6,6 +6,7 @@ use std::path::Path;
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::world::RobotState;
 use ipc_types::topics::TopicId;
+use mcap_log::{Condition, LogsError, Watch};
 use sim_backend::map::ObstacleChange;
 
 use super::happened::Happened;
@@ -13,7 +14,6 @@ use super::layers::Layers;
 use super::measured::Measured;
 use super::sampled::{Sample, Sampled};
 use super::timing::Timing;
-use crate::logs::{Condition, LogsError, Watch};
 use crate::picture::Ground;
 use crate::picture::log_facts::LogFacts;
 use crate::picture::log_run::{LoggedRun, Purpose};

@@ -24,13 +24,13 @@ mod tests;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
+use mcap_log::derived;
+use mcap_log::{Condition, LogsError, Watch};
 use platform::atomic_file::Readers;
 use serde::Serialize;
 
 use self::gather::Gathered;
 use self::pack::{Lists, Raster};
-use crate::logs::derived;
-use crate::logs::{Condition, LogsError, Watch};
 use crate::recorder::RobotOutcome;
 use crate::scenario::kind::Kind;
 

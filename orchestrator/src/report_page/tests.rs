@@ -2,11 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
+use mcap_log::{LogsError, Topics, Watch};
 use serde_json::Value as Json;
 
 use super::{Report, report};
 use crate::kinds::{KINDS, load};
-use crate::logs::{FilterOptions, LogsError, Topics, Watch, filter};
+use crate::logs::{FilterOptions, filter};
 use crate::mission::in_process::{self, InProcessOptions};
 use crate::recorder::Summary;
 

@@ -2,13 +2,13 @@
 
 use core::any::Any;
 use core::fmt;
-use parameters::ParamsError;
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 
 use config::{Node, ReadError, read_once};
 use ipc_types::bus::Bus;
+use parameters::ParamsError;
 use runtime::kind::{Lookout, Need, Process, ProcessKind, Product, Task, TaskFault};
 use runtime::{ProcessConfig, ProcessError};
 use serde_json::Value as Json;

@@ -1,13 +1,13 @@
 //! Whether processes can do what they are told, with these robots on this map: what neither of the
 //! three shows by itself, and what would otherwise only be seen when the run starts.
 
+use config::{Code, FieldPath, Step};
 use runtime::kind::{Task, TaskFault};
 use sim_backend::map::{MapSpec, WorldMap};
 
 use super::context::Context;
 use super::processes::Read;
 use super::robots::Robot;
-use config::{Code, FieldPath, Step};
 
 /// Reports what does not fit, the first thing of every process.
 pub fn check(ctx: &mut Context<'_>, map: &MapSpec, robots: &[Robot], read: &[Read], seed: u64) {

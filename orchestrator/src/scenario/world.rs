@@ -1,9 +1,9 @@
 //! `[world]`: the map, read from wherever it is and written out.
 
-use parameters::ParamsError;
 use std::path::Path;
 
 use config::{Code, FieldPath, Node, SourceKind, nearest, parse_document};
+use parameters::ParamsError;
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 use sim_backend::map::{MapSpec, RosMap, UnknownCells, VectorMap, VectorMapError};

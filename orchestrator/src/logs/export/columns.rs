@@ -3,9 +3,8 @@
 use std::fmt::Write as _;
 use std::io;
 
+use mcap_log::ros2::{Cdr, Count, DecodeError, Field, Kind, Number, Schema, SchemaError};
 use tables::{Cell, Column, Type};
-
-use crate::logs::ros2::{Cdr, Count, DecodeError, Field, Kind, Number, Schema, SchemaError};
 
 /// Most columns of a table.
 const MOST_COLUMNS: usize = 2048;

@@ -6,18 +6,18 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use mcap_log::Condition;
+use mcap_log::LogsError;
+use mcap_log::Topics;
+use mcap_log::Watch;
+use mcap_log::derived;
+use mcap_log::reader::{Channel, Item, Reader};
+use mcap_log::ros2::Schema;
 use platform::atomic_file::{AtomicFile, Readers};
 use serde::Serialize;
 use tables::{self, Cell, Format, Rows};
 
 use self::columns::Layout;
-use super::condition::Condition;
-use super::derived;
-use super::error::LogsError;
-use super::pattern::Topics;
-use super::reader::{Channel, Item, Reader};
-use super::ros2::Schema;
-use super::watch::Watch;
 
 /// Most tables that are written at once: each is an open file.
 const MOST_TABLES: usize = 500;
@@ -195,11 +195,7 @@ pub fn export(
 }
 
 impl Open {
-    fn take(
-        &mut self,
-        header: &mcap::records::MessageHeader,
-        data: &[u8],
-    ) -> Result<(), LogsError> {
+    fn take(&mut self, header: &mcap_log::MessageHeader, data: &[u8]) -> Result<(), LogsError> {
         let Some(rows) = &mut self.sink else {
             return Ok(());
         };
@@ -229,7 +225,7 @@ impl Open {
 }
 
 /// How the messages of a channel become rows, or why they do not.
-fn layout(channel: &Channel, schema: Option<&super::reader::Schema>) -> Result<Layout, String> {
+fn layout(channel: &Channel, schema: Option<&mcap_log::reader::Schema>) -> Result<Layout, String> {
     let Some(schema) = schema else {
         return Err("it has no schema".to_owned());
     };

@@ -2,11 +2,10 @@
 
 use std::collections::BTreeMap;
 
+use mcap_log::source::{Logged, Source};
+use mcap_log::{ChannelSpec, Mirror as _};
 use platform::eprintln;
-
-use super::super::source::{Logged, Source};
-use crate::live::{HubTap, LiveError, LiveServer, LiveTotals};
-use crate::recorder::{ChannelSpec, Mirror as _};
+use viewer::{HubTap, LiveError, LiveServer, LiveTotals};
 
 /// Serves what is played: the topics of the log under their schemas, byte for byte.
 pub(super) struct Broadcast {

@@ -1,11 +1,13 @@
 //! Replay of a log: its messages are sent once more, to any subscriber or to processes under test.
 
 mod broadcast;
+mod error;
 mod played;
 mod player;
 mod publishers;
 mod verify;
 
+pub use error::ReplayError;
 pub use played::{ReplayOptions, Replayed};
 pub use player::replay;
 pub use verify::{Verified, VerifyOptions, verify};

@@ -2,10 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use mcap_log::Topics;
 use serde::Serialize;
-
-use super::super::pattern::Topics;
-use crate::live::LiveTotals;
+use viewer::LiveTotals;
 
 /// How a log is played.
 #[derive(Debug, Clone)]

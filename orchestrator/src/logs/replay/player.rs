@@ -9,19 +9,21 @@ use ipc_types::bus::{Publisher, PublisherOptions};
 use ipc_types::messages::process::RunControl;
 use ipc_types::stamp::PlainHeader;
 use ipc_types::topics::{Control, NAMES, Topic as _};
+use mcap_log::LogsError;
+use mcap_log::Watch;
+use mcap_log::known;
+use mcap_log::source::{Logged, Source};
 use platform::eprintln;
 use runtime::config::Clock;
 use runtime::lockstep::{Conductor, Overseer, Phase};
 
-use super::super::error::LogsError;
 use super::super::filter::nanoseconds;
-use super::super::known;
-use super::super::source::{Logged, Source};
-use super::super::watch::Watch;
 use super::broadcast::Broadcast;
 use super::create_resources;
 use super::played::{ReplayOptions, Replayed};
 use super::publishers::TopicPublishers;
+use crate::logs::origin::scenario_of;
+use crate::logs::replay::ReplayError;
 use crate::mission::MissionError;
 use crate::mission::plan::Launch;
 use crate::mission::process_group::write_config;
@@ -44,14 +46,14 @@ const STOP: u32 = 4;
 /// Sends the messages of a log once more, as a run of its own that others can join.
 ///
 /// # Errors
-/// [`LogsError`]: the log cannot be read or is none of ours, or a reader holds the replay back for
+/// [`ReplayError`]: the log cannot be read or is none of ours, or a reader holds the replay back for
 /// too long.
 pub fn replay(
     log: &Path,
     kinds: &[Kind],
     options: &ReplayOptions,
     watch: &mut Watch,
-) -> Result<Replayed, LogsError> {
+) -> Result<Replayed, ReplayError> {
     let start = Instant::now();
     let (from, to) = (
         nanoseconds("--start", options.start_s)?.unwrap_or(0),
@@ -59,15 +61,15 @@ pub fn replay(
     );
     if from > to {
         let text = "--start: expected a time that is not after --end";
-        return Err(LogsError::Argument(text.to_owned()));
+        return Err(LogsError::Argument(text.to_owned()).into());
     }
     if options.rate.is_nan() || options.rate <= 0.0 {
         let text = format!("--rate {}: expected a factor above 0", options.rate);
-        return Err(LogsError::Argument(text));
+        return Err(LogsError::Argument(text).into());
     }
     let before = to.saturating_add(1);
     let mut source = Source::open(log, &options.topics, before, options.live.is_some())?;
-    let scenario = source.origin().scenario(log, &[], "", kinds)?;
+    let scenario = scenario_of(source.origin(), log, &[], "", kinds)?;
     if !source.has_index() && !options.quiet {
         eprintln!(
             "note: {} has no index: it is read from its beginning; `protean recover` makes one",
@@ -111,7 +113,7 @@ impl<'a> Player<'a> {
         scenario: &ResolvedScenario,
         options: &'a ReplayOptions,
         watch: &mut Watch,
-    ) -> Result<Self, LogsError> {
+    ) -> Result<Self, ReplayError> {
         let broadcast = options
             .live
             .map(|port| Broadcast::start(port, source))
@@ -136,7 +138,7 @@ impl<'a> Player<'a> {
             if NAMES.get(rank) != Some(&Control::NAME) {
                 publishers.open(&resources.bus, rank, speaker)?;
             }
-            Ok(())
+            Ok::<(), ReplayError>(())
         })?;
         overseer.set_phase(Phase::Run);
         if !options.quiet {
@@ -166,7 +168,7 @@ impl<'a> Player<'a> {
     }
 
     /// Plays from log time `from` on, once or again and again; `start` is when the replay was asked for.
-    fn play(&mut self, from: u64, start: Instant, watch: &mut Watch) -> Result<(), LogsError> {
+    fn play(&mut self, from: u64, start: Instant, watch: &mut Watch) -> Result<(), ReplayError> {
         loop {
             let before = Instant::now();
             let lasting = self.source.seek(from, watch)?;
@@ -199,7 +201,7 @@ impl<'a> Player<'a> {
     }
 
     /// Plays from where the source stands to its end; false if interrupted.
-    fn play_on(&mut self, watch: &Watch) -> Result<bool, LogsError> {
+    fn play_on(&mut self, watch: &Watch) -> Result<bool, ReplayError> {
         // Read whole before it is due: what is in a chunk takes its time.
         let mut tick = Vec::new();
         while self.source.tick(&mut tick)? {
@@ -225,7 +227,7 @@ impl<'a> Player<'a> {
 
     /// Waits until the messages of a time are due, and looks after the listeners meanwhile; false if
     /// interrupted.
-    fn wait(&mut self, time: u64, watch: &Watch) -> Result<bool, LogsError> {
+    fn wait(&mut self, time: u64, watch: &Watch) -> Result<bool, ReplayError> {
         let after = time.saturating_sub(self.anchor.0) as f64 * 1e-9 / self.options.rate;
         // A log may claim to last longer than clocks go.
         let after = Duration::try_from_secs_f64(after.min(1e9)).unwrap_or_default();
@@ -249,7 +251,7 @@ impl<'a> Player<'a> {
 
     /// Connects those who came late, who get what lasts, and removes those who died: a sender with a
     /// full buffer towards one of them would wait.
-    fn look_after_listeners(&self) -> Result<(), LogsError> {
+    fn look_after_listeners(&self) -> Result<(), ReplayError> {
         self.resources.bus.clean_up_dead();
         self.publishers.connect().map_err(MissionError::from)?;
         let connected = self.control.update_connections();
@@ -258,7 +260,7 @@ impl<'a> Player<'a> {
     }
 
     /// Says what the replay does, in `run/control`.
-    fn tell(&mut self, command: u32) -> Result<(), LogsError> {
+    fn tell(&mut self, command: u32) -> Result<(), ReplayError> {
         let mut header = PlainHeader::default();
         (header.stamp.tick, header.stamp.time_ns) = self.now;
         let rate = self.options.rate;
@@ -275,7 +277,7 @@ impl<'a> Player<'a> {
 
     /// Shows a message to viewers, and sends it; false if it is for viewers only, is none, or is what
     /// the replay says itself.
-    fn say(&mut self, message: &Logged) -> Result<bool, LogsError> {
+    fn say(&mut self, message: &Logged) -> Result<bool, ReplayError> {
         if let Some(broadcast) = &mut self.broadcast {
             broadcast.show(self.source, message);
         }

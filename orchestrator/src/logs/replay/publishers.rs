@@ -6,8 +6,8 @@ use ipc_types::bus::{Bus, BusError, Publisher, PublisherOptions, SendError};
 use ipc_types::cdr;
 use ipc_types::stamp::Header as _;
 use ipc_types::topics::{Topic, TopicVisitor, for_each_topic};
+use mcap_log::source::Logged;
 
-use super::super::source::Logged;
 use crate::mission::MissionError;
 
 /// The publishers of a topic.

@@ -3,10 +3,11 @@
 use std::io::Read as _;
 
 use mcap::{Compression, WriteOptions};
+use mcap_log::LogsError;
 use proptest::prelude::*;
 
 use super::{file, ours, small, theirs, watch};
-use crate::logs::{LogInfo, LogsError, recover};
+use crate::logs::{LogInfo, recover};
 use crate::recorder::tests::record_run;
 
 fn zstd() -> WriteOptions {

@@ -4,9 +4,12 @@ use std::collections::BTreeMap;
 
 use mcap::WriteOptions;
 use mcap::records::MessageHeader;
+use mcap_log::{LogsError, Topics};
+use tables::Format;
 
 use super::{file, watch};
-use crate::logs::{ExportOptions, Format, LogInfo, LogsError, RerunOptions, Topics, export, rerun};
+use crate::logs::ReplayError;
+use crate::logs::{ExportOptions, LogInfo, RerunOptions, export, rerun};
 
 const POSE_ARRAY: &str = "\
 # An array of poses.
@@ -122,7 +125,10 @@ fn what_cannot_be_known_of_them_is_said() {
         &mut watch(),
     )
     .unwrap_err();
-    assert!(matches!(error, LogsError::Foreign { .. }), "{error}");
+    assert!(
+        matches!(error, ReplayError::Log(LogsError::Foreign { .. })),
+        "{error}"
+    );
 }
 
 #[test]

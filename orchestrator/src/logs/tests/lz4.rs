@@ -5,9 +5,9 @@ use std::io::Write as _;
 use lz4_flex::frame::FrameEncoder;
 use mcap::WriteOptions;
 use mcap::records::op;
+use mcap_log::fields::Fields;
 
 use super::{file, ours, small};
-use crate::logs::fields::Fields;
 
 fn record(opcode: u8, body: &[u8]) -> Vec<u8> {
     [&[opcode], &(body.len() as u64).to_le_bytes()[..], body].concat()

@@ -13,11 +13,10 @@ use std::path::{Path, PathBuf};
 use mcap::records::{MessageHeader, Metadata};
 use mcap::sans_io::LinearReaderOptions;
 use mcap::{Attachment, WriteOptions};
+use mcap_log::output::Output;
+use mcap_log::reader::{Channel, Item, Reader, Schema};
+use mcap_log::{Condition, Watch};
 use tempfile::TempDir;
-
-use super::output::Output;
-use super::reader::{Channel, Item, Reader, Schema};
-use super::{Condition, Watch};
 
 /// A message: topic, sequence, log time, bytes.
 type Read = (String, u32, u64, Vec<u8>);

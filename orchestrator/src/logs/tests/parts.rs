@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 
 use mcap::WriteOptions;
+use mcap_log::{LogsError, Topics};
 
 use super::{file, ours, small, theirs, watch};
-use crate::logs::{FilterOptions, LogInfo, LogsError, Topics, filter};
+use crate::logs::{FilterOptions, LogInfo, filter};
 use crate::recorder::tests::record_run;
 
 #[test]

@@ -2,8 +2,11 @@
 
 use std::path::Path;
 
+use mcap_log::{LogsError, Topics};
+use tables::Format;
+
 use super::{theirs, watch};
-use crate::logs::{ExportOptions, Exported, Format, LogsError, Topics, export};
+use crate::logs::{ExportOptions, Exported, export};
 use crate::recorder::tests::record_run;
 
 fn options(format: Format, only: &[&str]) -> ExportOptions {

@@ -2,10 +2,13 @@
 
 use std::path::Path;
 
+use mcap_log::LogsError;
+
 use super::{rewrite, watch};
 use crate::kinds::load;
+use crate::logs::ReplayError;
 use crate::logs::compare::{Comparison, compare};
-use crate::logs::{LogsError, RerunOptions, recover, rerun};
+use crate::logs::{RerunOptions, recover, rerun};
 use crate::mission::in_process::{self, InProcessOptions};
 use crate::recorder::tests::record_run;
 
@@ -203,7 +206,10 @@ fn runs_that_cannot_be_done_again_are_refused_with_the_reason() {
     );
     refused("unknown key");
     rewrite(&log, &other, |_, _| true, |_| {}, |_| false);
-    assert!(matches!(refused("no scenario"), LogsError::Foreign { .. }));
+    assert!(matches!(
+        refused("no scenario"),
+        ReplayError::Log(LogsError::Foreign { .. })
+    ));
     std::fs::remove_file(&other).unwrap();
     record_run(&other, 2, 4_000, |_, _| {});
     refused("the scenario in it is not one for this version");
@@ -213,8 +219,8 @@ fn runs_that_cannot_be_done_again_are_refused_with_the_reason() {
 fn logs_of_another_version_are_refused() {
     use std::rc::Rc;
 
-    use crate::logs::output::Output;
-    use crate::logs::reader::{Item, Reader};
+    use mcap_log::output::Output;
+    use mcap_log::reader::{Item, Reader};
     let folder = tempfile::tempdir().unwrap();
     let (log, other) = (folder.path().join("a.mcap"), folder.path().join("b.mcap"));
     play(&log);
@@ -244,7 +250,10 @@ fn logs_of_another_version_are_refused() {
         }
         output.finish().unwrap();
         let error = rerun(&other, crate::kinds::KINDS, IN_PROCESS, &mut watch()).unwrap_err();
-        assert!(matches!(error, LogsError::Layout { .. }), "{error}");
+        assert!(
+            matches!(error, ReplayError::Log(LogsError::Layout { .. })),
+            "{error}"
+        );
         assert!(error.to_string().contains(words), "{error}");
     }
 }

@@ -12,11 +12,11 @@ use ipc_types::messages::world::{
 use ipc_types::stamp::PlainHeader;
 use ipc_types::topics::{Belief, ObstacleEvents, Plan, Topic, WorldEvents, WorldMap, WorldState};
 use ipc_types::{cdr, schema};
+use mcap_log::{ChannelId, ChannelSpec, LogOptions, LogWriter, Manifest, ManifestFile};
+use mcap_log::{Condition, LogsError, Watch};
 use tempfile::TempDir;
 
-use crate::logs::{Condition, LogsError, Watch};
 use crate::picture::{MarkKind, RunTrace};
-use crate::recorder::{ChannelId, ChannelSpec, LogOptions, LogWriter, Manifest, ManifestFile};
 
 const VECTORS: &str = r#"
 title = "A test"

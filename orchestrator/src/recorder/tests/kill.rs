@@ -4,7 +4,9 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use super::super::{LogOptions, Recording};
+use mcap_log::LogOptions;
+
+use super::super::Recording;
 use super::{options, run};
 
 /// Names the log for the process that dies.

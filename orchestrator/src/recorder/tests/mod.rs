@@ -1,7 +1,6 @@
 //! The recorder as a whole, with made-up runs.
 
 mod bus;
-mod files;
 mod kill;
 mod python;
 mod round_trip;
@@ -26,11 +25,9 @@ use ipc_types::topics::{
     Belief, Commands, Control, Coverage, Dominance, ObstacleEvents, Plan, Predictions, Scan,
     Sightings, Status, Tree, Verdicts, Waypoints, WorldEvents, WorldMap, WorldShapes, WorldState,
 };
+use mcap_log::{LogOptions, Manifest, ManifestFile};
 
-use super::{
-    LogOptions, Manifest, ManifestFile, ProcessInfo, RecorderOptions, Recording, RobotInfo,
-    ViewerOptions,
-};
+use super::{ProcessInfo, RecorderOptions, Recording, RobotInfo, ViewerOptions};
 use crate::eyes::{EyeInfo, EyePlace};
 
 const PERIOD_NS: u64 = 50_000_000;

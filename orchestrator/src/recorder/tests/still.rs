@@ -4,10 +4,12 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use mcap_log::Watch;
+
 use super::super::Recording;
 use super::round_trip::{Read, read};
 use super::{PERIOD_NS, Sent, options, run};
-use crate::logs::{LogInfo, Watch, recover};
+use crate::logs::{LogInfo, recover};
 
 const TICKS: u64 = 9;
 /// The tick in which the world stands still.

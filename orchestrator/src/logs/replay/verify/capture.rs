@@ -6,8 +6,7 @@ use ipc_types::bus::{Bus, BusError, ReceiveError, Subscriber};
 use ipc_types::cdr;
 use ipc_types::stamp::Header as _;
 use ipc_types::topics::{Topic, TopicVisitor, for_each_topic};
-
-use super::super::super::source::Logged;
+use mcap_log::source::Logged;
 
 /// The subscriber of a topic.
 trait Take {

@@ -14,19 +14,20 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use ipc_types::bus::Bus;
+use mcap_log::Topics;
+use mcap_log::Watch;
+use mcap_log::source::Source;
 use serde::Serialize;
 
 use self::processes::Processes;
 use self::tested::Tested;
 use self::trial::Trial;
 use super::super::compare::{Comparison, Difference};
-use super::super::error::LogsError;
 use super::super::filter::nanoseconds;
-use super::super::pattern::Topics;
 use super::super::recorded::{Left, Recorded};
-use super::super::source::Source;
-use super::super::watch::Watch;
 use super::create_resources;
+use crate::logs::origin::scenario_of;
+use crate::logs::replay::ReplayError;
 use crate::mission::MissionError;
 use crate::mission::in_process::LocalProcesses;
 use crate::mission::plan::Plan;
@@ -95,17 +96,18 @@ impl Verified {
 /// Runs processes of the run in a log against what they heard, and compares what they say.
 ///
 /// # Errors
-/// [`LogsError`]: the log cannot be read, the processes cannot be tested against it, or one fails.
+/// [`ReplayError`]: the log cannot be read, the processes cannot be tested against it, or one fails.
 pub fn verify(
     log: &Path,
     kinds: &[Kind],
     options: &VerifyOptions,
     watch: &mut Watch,
-) -> Result<Verified, LogsError> {
+) -> Result<Verified, ReplayError> {
     let to = nanoseconds("--end", options.end_s)?.unwrap_or(u64::MAX);
     let is_tested = |name: &str| options.processes.iter().any(|tested| tested == name);
     let recorded = Recorded::read(log, is_tested, watch)?;
-    let scenario = recorded.origin.scenario(
+    let scenario = scenario_of(
+        &recorded.origin,
         log,
         &options.changes,
         "a process cannot be given the same once more; `protean replay` without --test plays it",

@@ -3,9 +3,10 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use mcap_log::LogsError;
 use runtime::lockstep::{Conductor, TurnEnd};
 
-use super::super::super::error::LogsError;
+use crate::logs::replay::ReplayError;
 use crate::mission::MissionError;
 use crate::mission::in_process::LocalProcesses;
 use crate::mission::resources::RunResources;
@@ -14,23 +15,23 @@ use crate::mission::supervisor::Supervisor;
 /// Processes that are given turns.
 pub(super) trait ProcessesUnderTest {
     /// Connects their ports.
-    fn connect(&mut self) -> Result<(), LogsError>;
+    fn connect(&mut self) -> Result<(), ReplayError>;
     /// Lets them build what they need of the map, which has been sent.
-    fn prepare(&mut self) -> Result<(), LogsError>;
+    fn prepare(&mut self) -> Result<(), ReplayError>;
     /// Gives them the turn of a tick and waits until it is done.
-    fn turn(&mut self, tick: u64) -> Result<(), LogsError>;
+    fn turn(&mut self, tick: u64) -> Result<(), ReplayError>;
 }
 
 impl ProcessesUnderTest for LocalProcesses {
-    fn connect(&mut self) -> Result<(), LogsError> {
+    fn connect(&mut self) -> Result<(), ReplayError> {
         Ok(LocalProcesses::connect(self).map_err(MissionError::from)?)
     }
 
-    fn prepare(&mut self) -> Result<(), LogsError> {
+    fn prepare(&mut self) -> Result<(), ReplayError> {
         Ok(LocalProcesses::prepare(self).map_err(MissionError::from)?)
     }
 
-    fn turn(&mut self, tick: u64) -> Result<(), LogsError> {
+    fn turn(&mut self, tick: u64) -> Result<(), ReplayError> {
         Ok(self.step(tick).map_err(MissionError::from)?)
     }
 }
@@ -48,7 +49,7 @@ impl<'a> Processes<'a> {
         resources: &RunResources,
         supervisor: Supervisor<'a>,
         interrupted: &'a AtomicBool,
-    ) -> Result<Self, LogsError> {
+    ) -> Result<Self, ReplayError> {
         let mut processes = Self {
             supervisor,
             conductor: Conductor::new(Arc::clone(&resources.page), 0, 1 << 20),
@@ -60,36 +61,36 @@ impl<'a> Processes<'a> {
 }
 
 impl ProcessesUnderTest for Processes<'_> {
-    fn connect(&mut self) -> Result<(), LogsError> {
+    fn connect(&mut self) -> Result<(), ReplayError> {
         or_interrupted(self.supervisor.connect(self.interrupted))
     }
 
-    fn prepare(&mut self) -> Result<(), LogsError> {
+    fn prepare(&mut self) -> Result<(), ReplayError> {
         or_interrupted(self.supervisor.prepare(self.interrupted))?;
         self.supervisor.begin();
         Ok(())
     }
 
-    fn turn(&mut self, tick: u64) -> Result<(), LogsError> {
+    fn turn(&mut self, tick: u64) -> Result<(), ReplayError> {
         self.conductor.post(tick);
         loop {
             match self.conductor.wait(tick) {
                 TurnEnd::Complete => return Ok(()),
-                TurnEnd::Stop => return Err(LogsError::Interrupted),
+                TurnEnd::Stop => return Err(LogsError::Interrupted.into()),
                 TurnEnd::Idle => self.supervisor.attend()?,
             }
             if self.interrupted.load(Ordering::SeqCst) {
-                return Err(LogsError::Interrupted);
+                return Err(LogsError::Interrupted.into());
             }
         }
     }
 }
 
 /// The error of a step that was interrupted.
-fn or_interrupted(done: Result<bool, MissionError>) -> Result<(), LogsError> {
+fn or_interrupted(done: Result<bool, MissionError>) -> Result<(), ReplayError> {
     if done? {
         Ok(())
     } else {
-        Err(LogsError::Interrupted)
+        Err(LogsError::Interrupted.into())
     }
 }

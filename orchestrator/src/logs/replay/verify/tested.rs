@@ -2,11 +2,12 @@
 
 use std::collections::BTreeSet;
 
-use super::super::super::error::LogsError;
-use super::super::super::origin::Origin;
-use super::VerifyOptions;
+use mcap_log::LogsError;
+use mcap_log::Origin;
 use runtime::kind::{Need, Product};
 
+use super::VerifyOptions;
+use crate::logs::replay::ReplayError;
 use crate::mission::plan::{Launch, Plan, Role};
 use crate::scenario::{OnFailure, Program};
 
@@ -25,8 +26,9 @@ impl Tested {
         plan: &Plan,
         origin: &Origin,
         options: &VerifyOptions,
-    ) -> Result<Self, LogsError> {
-        let refuse = |reason: String| LogsError::Argument(format!("--test {reason}"));
+    ) -> Result<Self, ReplayError> {
+        let refuse =
+            |reason: String| ReplayError::from(LogsError::Argument(format!("--test {reason}")));
         let manifest = &origin.manifest;
         let names = |names: Vec<&str>| names.join(",");
         let mut now = names(
@@ -50,7 +52,8 @@ impl Tested {
                 return Err(LogsError::Argument(format!(
                     "--set: the {key} of the log are {then}, with the changes they are {now}: what \
                      is in the log is not for them"
-                )));
+                ))
+                .into());
             }
         }
         let mut launches = Vec::new();
@@ -66,12 +69,14 @@ impl Tested {
                 return Err(refuse(format!(
                     "{name}: the log's scenario has no process with this name; it has {}",
                     known.join(", ")
-                )));
+                ))
+                .into());
             };
             if launch.config.index == 0 {
                 return Err(refuse(format!(
                     "{name}: it leads the others; `protean rerun` does the whole run again"
-                )));
+                ))
+                .into());
             }
             if let Role::Process(program @ Program::Command { .. }) = &launch.role
                 && !options.allow_external

@@ -5,18 +5,19 @@ use std::time::Instant;
 use ipc_types::bus::Bus;
 use ipc_types::messages::world::WorldHeader;
 use ipc_types::topics::{Control, NAMES, Topic as _, WorldMap, WorldShapes, WorldState};
+use mcap_log::LogsError;
+use mcap_log::Watch;
+use mcap_log::known::ENCAPSULATION;
+use mcap_log::source::{Logged, Source};
 use zerocopy::FromBytes as _;
 
 use super::super::super::compare::Comparison;
-use super::super::super::error::LogsError;
-use super::super::super::known::ENCAPSULATION;
-use super::super::super::source::{Logged, Source};
-use super::super::super::watch::Watch;
 use super::super::publishers::TopicPublishers;
 use super::Verified;
 use super::capture::OutputCapture;
 use super::processes::ProcessesUnderTest;
 use super::tested::Tested;
+use crate::logs::replay::ReplayError;
 use crate::mission::MissionError;
 use crate::mission::plan::Plan;
 
@@ -56,7 +57,7 @@ impl<'a> Trial<'a> {
         tested: &'a Tested,
         source: &mut Source,
         watch: &mut Watch,
-    ) -> Result<Self, LogsError> {
+    ) -> Result<Self, ReplayError> {
         let mut trial = Self {
             bus,
             tested,
@@ -72,7 +73,7 @@ impl<'a> Trial<'a> {
     }
 
     /// Opens the port that a speaker needs; false if it is not played.
-    fn open_port(&mut self, rank: usize, speaker: u32) -> Result<bool, LogsError> {
+    fn open_port(&mut self, rank: usize, speaker: u32) -> Result<bool, ReplayError> {
         if self.tested.is_silent(speaker) || NAMES.get(rank) == Some(&Control::NAME) {
             return Ok(false);
         }
@@ -80,7 +81,7 @@ impl<'a> Trial<'a> {
         Ok(true)
     }
 
-    fn say(&mut self, message: &Logged) -> Result<(), LogsError> {
+    fn say(&mut self, message: &Logged) -> Result<(), ReplayError> {
         if !self.open_port(message.rank, message.speaker())? {
             return Ok(());
         }
@@ -90,7 +91,7 @@ impl<'a> Trial<'a> {
     }
 
     /// Everything of the next tick.
-    fn next(&self, source: &mut Source) -> Result<Option<Moment>, LogsError> {
+    fn next(&self, source: &mut Source) -> Result<Option<Moment>, ReplayError> {
         let mut said = Vec::new();
         source.tick(&mut said)?;
         Ok(said.first().map(|first| first.time).map(|time| Moment {
@@ -106,7 +107,7 @@ impl<'a> Trial<'a> {
         source: &mut Source,
         watch: &Watch,
         done: &mut Verified,
-    ) -> Result<(), LogsError> {
+    ) -> Result<(), ReplayError> {
         self.publishers.connect().map_err(MissionError::from)?;
         processes.connect()?;
         self.publishers.connect().map_err(MissionError::from)?;
@@ -128,7 +129,7 @@ impl<'a> Trial<'a> {
         let mut over = false;
         while let Some(now) = moment {
             if watch.interrupted.load(std::sync::atomic::Ordering::Relaxed) {
-                return Err(LogsError::Interrupted);
+                return Err(LogsError::Interrupted.into());
             }
             let state = now.state().filter(|state| state.stamp.tick == done.ticks);
             let Some(state) = state.filter(|_| now.tick == done.ticks) else {
@@ -139,7 +140,8 @@ impl<'a> Trial<'a> {
                          damaged cannot be a test's",
                         done.ticks
                     ),
-                });
+                }
+                .into());
             };
             over = state.phase == WorldHeader::OVER;
             moment = self.next(source)?;

@@ -1,0 +1,101 @@
+//! Files that are made from a log, which they never replace.
+
+use std::io::{self, Write as _};
+use std::path::Path;
+
+use platform::atomic_file::{AtomicFile, Existing, Readers};
+
+use crate::LogsError;
+
+/// An empty file that is to stand at `path` and is made from `log`.
+///
+/// # Errors
+/// [`LogsError::IsTheLog`]; [`LogsError::Exists`] without `force` if there is a file already;
+/// [`LogsError::Write`].
+pub fn create(
+    path: &Path,
+    log: &Path,
+    force: bool,
+    readers: Readers,
+) -> Result<AtomicFile, LogsError> {
+    if let (Ok(a), Ok(b)) = (path.canonicalize(), log.canonicalize())
+        && a == b
+    {
+        return Err(LogsError::IsTheLog { path: a });
+    }
+    AtomicFile::create(path, Existing::of_force(force), readers).map_err(failed(path))
+}
+
+/// Writes a file that is made from `log`, whole or not at all.
+///
+/// # Errors
+/// As [`create`].
+pub fn write(
+    bytes: &[u8],
+    path: &Path,
+    log: &Path,
+    force: bool,
+    readers: Readers,
+) -> Result<(), LogsError> {
+    let mut file = create(path, log, force, readers)?;
+    file.write_all(bytes).map_err(failed(path))?;
+    file.commit().map_err(failed(path))
+}
+
+/// The error of a file that cannot be written.
+pub fn failed(path: &Path) -> impl Fn(io::Error) -> LogsError {
+    let path = path.to_owned();
+    move |source| {
+        let path = path.clone();
+        if source.kind() == io::ErrorKind::AlreadyExists {
+            LogsError::Exists { path }
+        } else {
+            LogsError::Write { path, source }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::*;
+
+    fn save(text: &str, path: &Path, log: &Path, force: bool) -> Result<(), LogsError> {
+        write(text.as_bytes(), path, log, force, Readers::Anybody)
+    }
+
+    #[test]
+    fn an_existing_file_is_replaced_only_by_force_and_the_log_never() {
+        let folder = tempfile::tempdir().unwrap();
+        let (log, path) = (folder.path().join("a.mcap"), folder.path().join("a.svg"));
+        fs::write(&log, "log").unwrap();
+        save("one", &path, &log, false).unwrap();
+        let error = save("two", &path, &log, false).unwrap_err();
+        assert!(error.to_string().contains("exists already"), "{error}");
+        assert_eq!(fs::read_to_string(&path).unwrap(), "one");
+        save("two", &path, &log, true).unwrap();
+        assert_eq!(fs::read_to_string(&path).unwrap(), "two");
+        let error = save("svg", &log, &log, true).unwrap_err();
+        assert!(error.to_string().contains("is the log itself"), "{error}");
+        assert_eq!(fs::read_to_string(&log).unwrap(), "log");
+    }
+
+    #[test]
+    fn nothing_is_left_when_the_file_cannot_be_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let log = folder.path().join("a.mcap");
+        let missing = folder.path().join("no/such/a.svg");
+        let error = save("svg", &missing, &log, false).unwrap_err();
+        assert!(matches!(error, LogsError::Write { .. }), "{error}");
+        // A folder stands where the file should go.
+        let taken = folder.path().join("taken");
+        fs::create_dir(&taken).unwrap();
+        assert!(save("svg", &taken, &log, true).is_err());
+        let names: Vec<_> = fs::read_dir(folder.path())
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name())
+            .collect();
+        assert_eq!(names, ["taken"]);
+    }
+}

@@ -1,0 +1,109 @@
+//! What can go wrong with reading, cutting and copying logs.
+
+use std::io;
+use std::path::PathBuf;
+
+/// Why a command on a log could not be carried out.
+#[derive(Debug, thiserror::Error)]
+pub enum LogsError {
+    /// The log is missing or may not be read.
+    #[error("cannot read {}: {source}", path.display())]
+    Open {
+        /// The log.
+        path: PathBuf,
+        /// What the operating system said.
+        source: io::Error,
+    },
+    /// The file does not begin like an MCAP file.
+    #[error("{} is not an MCAP file{}", path.display(), if *empty { ": it is empty" } else { "" })]
+    NotMcap {
+        /// The file.
+        path: PathBuf,
+        /// Whether there is nothing in it.
+        empty: bool,
+    },
+    /// An MCAP file of somebody else.
+    #[error(
+        "{} holds no {missing}: it is not a log of protean, or its beginning is lost",
+        path.display()
+    )]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+        /// What every log of ours has.
+        missing: &'static str,
+    },
+    /// The log was recorded by a version whose messages look different.
+    #[error(
+        "{}: messages of {topic} have the layout {found}, expected {expected}: the log was \
+         recorded by another version of protean{}; use that version",
+        path.display(),
+        if version.is_empty() { String::new() } else { format!(" ({version})") }
+    )]
+    Layout {
+        /// The log.
+        path: PathBuf,
+        /// The version that the log names, or nothing.
+        version: String,
+        /// The topic.
+        topic: String,
+        /// Fingerprint in the log.
+        found: String,
+        /// Fingerprint of this version.
+        expected: String,
+    },
+    /// The log cannot be executed again.
+    #[error("{}: {reason}", path.display())]
+    NotRepeatable {
+        /// The log.
+        path: PathBuf,
+        /// Why not, and what to do.
+        reason: String,
+    },
+    /// A file would have to hold more than memory allows.
+    #[error("{}: {what}: more than {limit} bytes", path.display())]
+    TooLarge {
+        /// The log.
+        path: PathBuf,
+        /// What is so large.
+        what: &'static str,
+        /// The limit (bytes).
+        limit: usize,
+    },
+    /// A name on the command line fits no topic.
+    #[error("{option} {wanted}: no topic of the log has this name; it has {known}")]
+    Topic {
+        /// The option.
+        option: &'static str,
+        /// What was asked for.
+        wanted: String,
+        /// What there is.
+        known: String,
+    },
+    /// An argument makes no sense.
+    #[error("{0}")]
+    Argument(String),
+    /// The result's file is there already.
+    #[error("{} exists already; choose another name with --out or overwrite it with --force", path.display())]
+    Exists {
+        /// The file or directory.
+        path: PathBuf,
+    },
+    /// The result would replace the log.
+    #[error("{} is the log itself; choose another name with --out", path.display())]
+    IsTheLog {
+        /// The log.
+        path: PathBuf,
+    },
+    /// The result could not be written; what was at its place before is untouched.
+    #[error("cannot write {}: {source}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system or the writer said.
+        source: io::Error,
+    },
+    /// Ctrl-C.
+    #[error("interrupted; nothing was written")]
+    Interrupted,
+}

@@ -1,0 +1,80 @@
+//! What is known of our own topics.
+
+use std::path::Path;
+use std::sync::LazyLock;
+
+use ipc_types::schema;
+use ipc_types::stamp::Stamp;
+use ipc_types::topics::TopicId;
+use zerocopy::FromBytes as _;
+
+use super::reader::Channel;
+use super::ros2::Schema;
+use crate::LogsError;
+
+/// Bytes in front of a message's first field: the encapsulation of CDR.
+pub const ENCAPSULATION: usize = 4;
+
+/// The layout of a topic's messages in this version.
+#[derive(Debug)]
+pub struct Layout {
+    /// Its fingerprint.
+    pub(crate) hash: String,
+    /// The fields of its messages.
+    pub schema: Option<Schema>,
+}
+
+/// The layout of a topic.
+pub fn layout(topic: TopicId) -> &'static Layout {
+    static ALL: LazyLock<Vec<Layout>> = LazyLock::new(|| {
+        let layout = |topic: &TopicId| Layout {
+            hash: schema::hash_of(*topic),
+            schema: Schema::parse(schema::ros2msg(*topic).as_bytes()).ok(),
+        };
+        TopicId::ALL.iter().map(layout).collect()
+    });
+    &ALL[topic.rank()]
+}
+
+/// The topic of a channel whose messages have the layout of this version; they begin with a [`Stamp`].
+pub fn topic_of(channel: &Channel) -> Option<TopicId> {
+    let hash = channel.metadata.get("schema_hash")?;
+    TopicId::from_name(&channel.topic).filter(|topic| layout(*topic).hash == *hash)
+}
+
+/// Checks that the messages of a channel, of one of our topics, have the layout of this version.
+/// `version` is the one that the log names, or empty.
+///
+/// # Errors
+/// [`LogsError::Layout`] if the log names another layout, [`LogsError::Foreign`] if it names none.
+pub fn check_layout(log: &Path, channel: &Channel, version: &str) -> Result<(), LogsError> {
+    if topic_of(channel).is_some() {
+        return Ok(());
+    }
+    let Some(found) = channel.metadata.get("schema_hash") else {
+        return Err(LogsError::Foreign {
+            path: log.to_owned(),
+            missing: "schema_hash on its channels",
+        });
+    };
+    Err(other_layout(log, &channel.topic, found, version))
+}
+
+/// The error of a topic that looks different in this version: its layout in the log is `found`. `version`
+/// is the one that the log names, or empty.
+pub(crate) fn other_layout(log: &Path, topic: &str, found: &str, version: &str) -> LogsError {
+    let expected = TopicId::from_name(topic).map_or("no such topic", |known| &layout(known).hash);
+    LogsError::Layout {
+        path: log.to_owned(),
+        version: version.to_owned(),
+        topic: topic.to_owned(),
+        found: found.to_owned(),
+        expected: expected.to_owned(),
+    }
+}
+
+/// The stamp of a message of such a channel.
+pub fn stamp(data: &[u8]) -> Option<Stamp> {
+    let (stamp, _) = Stamp::read_from_prefix(data.get(ENCAPSULATION..)?).ok()?;
+    Some(stamp)
+}

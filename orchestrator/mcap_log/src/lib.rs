@@ -1,0 +1,43 @@
+//! Logs as MCAP files: the writer of a run's log ([`LogWriter`]), the reader of any log ([`reader`]), and
+//! parts of logs in new files ([`output`]).
+//!
+//! The reader goes from the beginning of a log to its end, believes no length in it, keeps no more in memory
+//! than a chunk, and goes as far as a damaged or foreign file allows; what could not be read is in the
+//! [`Condition`].
+
+#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
+mod condition;
+pub mod derived;
+mod error;
+pub mod fields;
+pub mod known;
+mod newest_state;
+mod origin;
+pub mod output;
+mod pattern;
+pub mod reader;
+pub mod ros2;
+pub mod source;
+pub mod states;
+mod watch;
+mod writer;
+
+pub use condition::{Chunks, Condition, Fault};
+pub use error::LogsError;
+/// Records of MCAP, as the reader hands them out.
+pub use mcap::records::{AttachmentHeader, MessageHeader, Metadata};
+pub use newest_state::newest_state;
+pub use origin::Origin;
+pub use pattern::Topics;
+pub use watch::Watch;
+pub use writer::{
+    ChannelId, ChannelSpec, ChannelTotals, Compression, LogError, LogOptions, LogTotals, LogWriter,
+    Manifest, ManifestFile, Mirror,
+};
+
+/// Nanoseconds in seconds.
+pub fn seconds(nanoseconds: u64) -> f64 {
+    nanoseconds as f64 * 1e-9
+}

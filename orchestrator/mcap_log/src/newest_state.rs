@@ -1,0 +1,33 @@
+//! How far the world of a log went.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use ipc_types::topics::TopicId;
+
+use super::known;
+use super::reader::{Item, Reader};
+use crate::LogsError;
+use crate::Watch;
+
+/// Tick of the newest world state in a log; `None` if there is none.
+///
+/// # Errors
+/// [`LogsError`] if the log cannot be read at all; damaged ones are read as far as they go.
+pub fn newest_state(log: &Path, watch: &mut Watch) -> Result<Option<u64>, LogsError> {
+    let mut reader = Reader::open(log, Some(watch))?;
+    let mut states: BTreeSet<u16> = BTreeSet::new();
+    let mut newest = None;
+    while let Some(item) = reader.next()? {
+        match item {
+            Item::Channel(channel) if known::topic_of(&channel) == Some(TopicId::WorldState) => {
+                states.insert(channel.id);
+            }
+            Item::Message(header, data) if states.contains(&header.channel_id) => {
+                newest = newest.max(known::stamp(data).map(|stamp| stamp.tick));
+            }
+            _ => {}
+        }
+    }
+    Ok(newest)
+}

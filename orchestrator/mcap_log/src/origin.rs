@@ -1,0 +1,47 @@
+//! The run that a log comes from, as its head says.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use super::LogsError;
+use super::known;
+use super::reader::Channel;
+
+/// Manifest and scenario of a log.
+#[derive(Debug, Default)]
+pub struct Origin {
+    /// What the log says of its run, by name.
+    pub manifest: BTreeMap<String, String>,
+    /// The scenario as it was run, as TOML.
+    pub scenario: Option<Vec<u8>>,
+}
+
+impl Origin {
+    /// Both must be there.
+    pub fn check(&self, log: &Path) -> Result<(), LogsError> {
+        let missing = match (self.manifest.is_empty(), self.scenario.is_none()) {
+            (true, _) => "manifest",
+            (_, true) => "scenario",
+            _ => return Ok(()),
+        };
+        let path = log.to_owned();
+        Err(LogsError::Foreign { path, missing })
+    }
+
+    /// Whether a channel of ours is that of this version.
+    pub fn check_layout(&self, log: &Path, channel: &Channel) -> Result<(), LogsError> {
+        let Some(found) = channel.metadata.get("schema_hash") else {
+            return Ok(());
+        };
+        match known::topic_of(channel) {
+            Some(_) => Ok(()),
+            None => Err(self.layout(log, &channel.topic, found)),
+        }
+    }
+
+    /// A topic looks different in this version.
+    pub fn layout(&self, log: &Path, topic: &str, found: &str) -> LogsError {
+        let version = self.manifest.get("version");
+        known::other_layout(log, topic, found, version.map_or("", String::as_str))
+    }
+}

@@ -1,0 +1,172 @@
+//! A new log made of parts of another.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::io::{self, BufWriter};
+use std::path::{Path, PathBuf};
+
+use mcap::records::{AttachmentHeader, MessageHeader, Metadata};
+use mcap::{Attachment, McapError, WriteOptions};
+use platform::atomic_file::{AtomicFile, Readers};
+
+use super::derived;
+use super::reader::{Channel, Schema};
+use crate::LogsError;
+use crate::{Compression, LogOptions};
+
+/// Writes the same records as the log that they come from, with the same numbers, in new chunks
+/// with checksums and an index.
+pub struct Output {
+    writer: mcap::Writer<BufWriter<AtomicFile>>,
+    path: PathBuf,
+}
+
+impl Output {
+    /// See [`derived::create`]; `profile` is that of the log.
+    pub fn create(path: &Path, log: &Path, force: bool, profile: &str) -> Result<Self, LogsError> {
+        let file = derived::create(path, log, force, Readers::Owner)?;
+        let options = LogOptions::default();
+        let (compression, level) = match options.compression {
+            Compression::None => (None, 0),
+            Compression::Zstd(level) => (Some(mcap::Compression::Zstd), level),
+        };
+        let writer = WriteOptions::new()
+            .compression(compression)
+            // See `recorder::LogWriter`.
+            .compression_level(level.cast_unsigned())
+            .compression_threads(0)
+            .disable_seeking(true)
+            .chunk_size(Some(options.chunk_bytes))
+            .profile(profile)
+            .library(concat!("protean/", env!("CARGO_PKG_VERSION")))
+            .create(BufWriter::new(file))
+            .map_err(|e| failed(path, e))?;
+        Ok(Self {
+            writer,
+            path: path.to_owned(),
+        })
+    }
+
+    /// Writes a schema under its number.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn schema(&mut self, id: u16, schema: &Schema) -> Result<(), LogsError> {
+        let Schema {
+            name,
+            encoding,
+            data,
+        } = schema;
+        let added = self.writer.add_schema_with_id(id, name, encoding, data);
+        self.check(added.map(drop))
+    }
+
+    /// Writes a channel under its number.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn channel(&mut self, channel: &Channel) -> Result<(), LogsError> {
+        let added = self.writer.add_channel_with_id(
+            channel.id,
+            channel.schema_id,
+            &channel.topic,
+            &channel.message_encoding,
+            &channel.metadata,
+        );
+        self.check(added.map(drop))
+    }
+
+    /// Writes a message.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn message(&mut self, header: &MessageHeader, data: &[u8]) -> Result<(), LogsError> {
+        let written = self.writer.write_to_known_channel(header, data);
+        self.check(written)
+    }
+
+    /// Writes an attachment.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn attachment(&mut self, header: &AttachmentHeader, data: &[u8]) -> Result<(), LogsError> {
+        let written = self.writer.attach(&Attachment {
+            log_time: header.log_time,
+            create_time: header.create_time,
+            name: header.name.clone(),
+            media_type: header.media_type.clone(),
+            data: Cow::Borrowed(data),
+        });
+        self.check(written)
+    }
+
+    /// Writes a metadata record.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn metadata(&mut self, metadata: &Metadata) -> Result<(), LogsError> {
+        let written = self.writer.write_metadata(metadata);
+        self.check(written)
+    }
+
+    /// Names and values under a name.
+    pub fn note<'a>(
+        &mut self,
+        name: &str,
+        entries: impl IntoIterator<Item = (&'a str, String)>,
+    ) -> Result<(), LogsError> {
+        let metadata: BTreeMap<String, String> = entries
+            .into_iter()
+            .map(|(key, value)| (key.to_owned(), value))
+            .collect();
+        let name = name.to_owned();
+        self.metadata(&Metadata { name, metadata })
+    }
+
+    /// Ends the log, puts it in its place and says how large it is (bytes).
+    pub fn finish(mut self) -> Result<u64, LogsError> {
+        let finished = self.writer.finish().map(drop);
+        self.check(finished)?;
+        let Self { writer, path } = self;
+        let commit = || {
+            let file = writer.into_inner().into_inner();
+            let file = file.map_err(io::IntoInnerError::into_error)?;
+            let bytes = file.size()?;
+            file.commit().map(|()| bytes)
+        };
+        commit().map_err(derived::failed(&path))
+    }
+
+    fn check<T>(&self, result: Result<T, McapError>) -> Result<T, LogsError> {
+        result.map_err(|e| failed(&self.path, e))
+    }
+}
+
+fn failed(path: &Path, error: McapError) -> LogsError {
+    derived::failed(path)(match error {
+        McapError::Io(e) => e,
+        other => io::Error::other(other),
+    })
+}
+
+/// The result of a run in a log that no longer holds all of it: the digest is that of the run, not
+/// of these messages, and is called so.
+pub fn no_longer_whole(mut metadata: Metadata) -> Metadata {
+    if metadata.name == RESULT
+        && let Some(digest) = metadata.metadata.remove("digest")
+    {
+        metadata.metadata.insert(RUN_DIGEST.to_owned(), digest);
+    }
+    metadata
+}
+
+/// Name of the metadata with the manifest.
+pub const MANIFEST: &str = "protean";
+/// Name of the metadata with the result of a run.
+pub const RESULT: &str = "protean.result";
+/// What the digest is called in a log that does not hold the whole run.
+pub const RUN_DIGEST: &str = "run_digest";
+/// Name of the metadata with which a cut log says so.
+pub const FILTERED: &str = "protean.filter";
+/// Name of the metadata with which a repaired log says so.
+pub const RECOVERED: &str = "protean.recovered";

@@ -1,0 +1,159 @@
+//! Chunks: taken into memory, checked, decompressed, and read record by record.
+
+use std::fs::File;
+use std::io::{self, BufReader, Read};
+use std::os::unix::fs::FileExt as _;
+
+use lz4_flex::frame::FrameDecoder;
+
+use super::super::fields::Fields;
+use super::Reader;
+use super::item::Found;
+use super::limits::LIMIT;
+use super::record::PREFIX;
+use crate::LogsError;
+
+/// Bytes of a chunk record before the name of its compression.
+const CHUNK_FIXED: usize = 32;
+/// Longest name of a compression.
+const COMPRESSION_NAME: usize = 64;
+
+/// The chunk that is being read.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct OpenChunk {
+    /// How far its contents have been read.
+    next: usize,
+    /// Where it stands in the file.
+    pub(super) at: u64,
+}
+
+impl Reader<'_> {
+    /// The next record of the open chunk; `None` behind its last.
+    pub(super) fn next_in_chunk(&mut self) -> Result<Option<Found>, LogsError> {
+        let Some(mut chunk) = self.chunk else {
+            return Ok(None);
+        };
+        let rest = self.buffer.get(chunk.next..).unwrap_or_default();
+        let mut fields = Fields(rest);
+        let prefix = fields.bytes(1).and_then(|opcode| {
+            let length = usize::try_from(fields.u64()?).ok()?;
+            Some((*opcode.first()?, length))
+        });
+        let Some((opcode, length)) = prefix.filter(|(_, length)| *length <= fields.0.len()) else {
+            if !rest.is_empty() {
+                self.condition
+                    .fault(chunk.at, "a record in this chunk runs past its end");
+            }
+            self.chunk = None;
+            self.buffer.clear();
+            return Ok(None);
+        };
+        let body = chunk.next + PREFIX as usize;
+        chunk.next = body + length;
+        self.chunk = Some(chunk);
+        self.record(opcode, body..body + length, chunk.at)
+    }
+
+    /// Reads a chunk into the buffer, if it holds.
+    pub(super) fn chunk(&mut self, at: u64, record: u64) -> Result<(), LogsError> {
+        self.chunks += 1;
+        let mut head = vec![0; (CHUNK_FIXED + COMPRESSION_NAME + 8).min(record as usize)];
+        self.file
+            .read_exact_at(&mut head, at + PREFIX)
+            .map_err(|e| self.failed(e))?;
+        let mut fields = Fields(&head);
+        let mut read = || {
+            fields.bytes(16)?;
+            let uncompressed = fields.u64()?;
+            let crc = fields.u32()?;
+            let compression = fields.text()?;
+            let compressed = fields.u64()?;
+            Some((uncompressed, crc, compression, compressed))
+        };
+        let header = read();
+        let start = at + PREFIX + (head.len() - fields.0.len()) as u64;
+        let Some((uncompressed, crc, compression, compressed)) = header else {
+            self.lose_chunk(at, "the header of this chunk makes no sense");
+            return Ok(());
+        };
+        let there = (at + PREFIX + record).saturating_sub(start);
+        if compressed > there {
+            self.lose_chunk(at, "the lengths of this chunk contradict each other");
+            return Ok(());
+        }
+        if uncompressed > LIMIT as u64 {
+            let what = format!(
+                "this chunk claims {uncompressed} bytes: more than {LIMIT} are not read at once"
+            );
+            self.lose_chunk(at, &what);
+            return Ok(());
+        }
+        let data = Part {
+            file: &self.file,
+            next: start,
+            end: start + compressed,
+        };
+        self.buffer.clear();
+        // One byte more than there should be tells that there is more.
+        let read = match compression.as_str() {
+            "" => data.take(uncompressed + 1).read_to_end(&mut self.buffer),
+            "zstd" => zstd::Decoder::with_buffer(BufReader::new(data))
+                .and_then(|decoder| decoder.take(uncompressed + 1).read_to_end(&mut self.buffer)),
+            "lz4" => FrameDecoder::new(data)
+                .take(uncompressed + 1)
+                .read_to_end(&mut self.buffer),
+            other => {
+                let shown: String = other.chars().take(20).collect();
+                let what = format!(
+                    "this chunk is compressed with `{shown}`, which is not known here (zstd, lz4 \
+                     and none are); `mcap compress --compression zstd` converts it"
+                );
+                self.lose_chunk(at, &what);
+                return Ok(());
+            }
+        };
+        if let Err(error) = read {
+            self.lose_chunk(at, &format!("this chunk does not decompress: {error}"));
+            return Ok(());
+        } else if self.buffer.len() as u64 != uncompressed {
+            self.lose_chunk(at, "this chunk holds less or more than it says");
+            return Ok(());
+        } else if crc == 0 {
+            self.condition.chunks_unchecked += 1;
+        } else if crc32fast::hash(&self.buffer) != crc {
+            self.lose_chunk(at, "the checksum of this chunk does not fit");
+            return Ok(());
+        }
+        let of_kind = self.condition.chunks.entry(compression).or_default();
+        of_kind.count += 1;
+        of_kind.compressed_bytes += compressed;
+        of_kind.uncompressed_bytes += self.buffer.len() as u64;
+        self.chunk = Some(OpenChunk { next: 0, at });
+        Ok(())
+    }
+
+    fn lose_chunk(&mut self, at: u64, why: &str) {
+        self.condition.chunks_lost += 1;
+        self.condition
+            .fault(at, format!("{why}; its messages are lost"));
+        self.buffer.clear();
+    }
+}
+
+/// A part of a file, read from front to back.
+struct Part<'a> {
+    file: &'a File,
+    next: u64,
+    end: u64,
+}
+
+impl Read for Part<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let wanted = (self.end - self.next).min(buffer.len() as u64) as usize;
+        let read = self
+            .file
+            .read_at(buffer.get_mut(..wanted).unwrap_or_default(), self.next)?;
+        self.next += read as u64;
+        Ok(read)
+    }
+}

@@ -1,0 +1,145 @@
+//! The file from its first record to its end mark, or to where it ends instead.
+
+use std::os::unix::fs::FileExt as _;
+
+use mcap::records::op;
+
+use super::Reader;
+use super::item::Found;
+use super::limits::LIMIT;
+use super::record::{PREFIX, name_of};
+use crate::LogsError;
+
+impl Reader<'_> {
+    /// The next record of the file; `None` if it is nothing to hand out.
+    pub(super) fn next_in_file(&mut self) -> Result<Option<Found>, LogsError> {
+        let at = self.next;
+        if let Some(watch) = &mut self.watch {
+            watch.at(at)?;
+        }
+        let mut prefix = [0; PREFIX as usize];
+        if self.length.saturating_sub(at) < PREFIX {
+            let what = if at >= self.length {
+                "the data: there is no end mark"
+            } else {
+                "a record"
+            };
+            self.cut(at, what);
+            return Ok(None);
+        }
+        self.file
+            .read_exact_at(&mut prefix, at)
+            .map_err(|e| self.failed(e))?;
+        let [opcode, length @ ..] = prefix;
+        let length = u64::from_le_bytes(length);
+        let body = at + PREFIX;
+        let available = self.length - body;
+        if opcode == 0 {
+            self.condition.fault(
+                at,
+                format!(
+                    "no record begins here: {} bytes are lost",
+                    available + PREFIX
+                ),
+            );
+            self.condition.cut_at = Some(at);
+            self.done = true;
+            return Ok(None);
+        }
+        if length > available {
+            self.cut(at, name_of(opcode));
+            return Ok(None);
+        }
+        self.next = body + length;
+        if opcode == op::CHUNK {
+            self.chunk(at, length)?;
+            return Ok(None);
+        }
+        // Indexes are made anew or counted only.
+        if matches!(
+            opcode,
+            op::MESSAGE_INDEX | op::ATTACHMENT_INDEX | op::METADATA_INDEX
+        ) {
+            return Ok(None);
+        }
+        if length > LIMIT as u64 {
+            let what = format!(
+                "{} of {length} bytes is passed over: more than {LIMIT} are not read at once",
+                name_of(opcode)
+            );
+            self.condition.fault(at, what);
+            return Ok(None);
+        }
+        self.buffer.resize(length as usize, 0);
+        let mut buffer = core::mem::take(&mut self.buffer);
+        let read = self.file.read_exact_at(&mut buffer, body);
+        self.buffer = buffer;
+        read.map_err(|e| self.failed(e))?;
+        self.record(opcode, 0..length as usize, at)
+    }
+
+    /// Behind the footer stands the end mark, and nothing else.
+    pub(super) fn footer(&mut self, summary_start: u64) {
+        let mut magic = [0; 8];
+        let ends = self.length.saturating_sub(self.next) == 8
+            && self.file.read_exact_at(&mut magic, self.next).is_ok()
+            && magic.as_slice() == mcap::MAGIC;
+        self.condition.summary = summary_start != 0;
+        self.condition.index = summary_start != 0 && self.indexed_chunks == self.chunks;
+        self.done = true;
+        if ends {
+            self.condition.complete = true;
+        } else if self.length.saturating_sub(self.next) < 8 {
+            self.cut(self.next, "the end mark");
+        } else {
+            let what = "what stands behind the footer is not the end mark of an MCAP file";
+            self.condition.fault(self.next, what);
+        }
+    }
+
+    /// The file ends in the middle of something that begins here.
+    pub(super) fn cut(&mut self, at: u64, what: &str) {
+        self.condition.cut_at = Some(at);
+        self.condition.fault(
+            at,
+            format!(
+                "the file ends in the middle of {what} ({} bytes of it are there): the run was \
+                 killed or is not over yet, or the copy is incomplete",
+                self.length.saturating_sub(at)
+            ),
+        );
+        self.done = true;
+    }
+
+    /// Checks the checksum over the whole data section, if there is one: call it at the end.
+    pub fn check_all(&mut self) -> Result<(), LogsError> {
+        let Some((end, expected)) = self.data_end.filter(|(_, crc)| *crc != 0) else {
+            return Ok(());
+        };
+        let mut hasher = crc32fast::Hasher::new();
+        let mut block = vec![0; 1 << 20];
+        let mut at = 0;
+        while at < end {
+            let wanted = block.len().min((end - at) as usize);
+            let Some(part) = block.get_mut(..wanted) else {
+                break;
+            };
+            self.file
+                .read_exact_at(part, at)
+                .map_err(|e| self.failed(e))?;
+            hasher.update(part);
+            at += wanted as u64;
+            if let Some(watch) = &mut self.watch {
+                watch.at(0)?;
+            }
+        }
+        if hasher.finalize() != expected {
+            self.condition.data = false;
+            self.condition.fault(
+                end,
+                "the checksum of the data section does not fit: something in it has changed",
+            );
+        }
+        Ok(())
+    }
+}

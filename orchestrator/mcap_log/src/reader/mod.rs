@@ -1,0 +1,185 @@
+//! Reads a log record by record, as far as it goes.
+//!
+//! No length in the file is believed: memory follows from what is really there and is bounded by
+//! [`limits`]. Checksums of chunks are checked before their messages are handed out. What cannot be
+//! read is noted in the [`Condition`] and passed over; a file that ends in the middle is read to
+//! its last whole record. A chunk that the file ends in is not read: no checksum covers its part.
+//!
+//! [`mod@file`] goes from record to record and to the end, [`chunk`] through what is compressed, [`record`]
+//! tells what a record means, [`index`] finds chunks without reading what is before them.
+
+mod chunk;
+mod file;
+mod index;
+mod item;
+mod limits;
+mod record;
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io;
+use std::ops::Range;
+use std::os::unix::fs::FileExt as _;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+
+use mcap::records::MessageHeader;
+
+use self::chunk::OpenChunk;
+pub(super) use self::index::ChunkPlace;
+use self::item::Found;
+pub use self::item::{Channel, Item, Schema};
+use crate::Condition;
+use crate::LogsError;
+use crate::Watch;
+
+/// See the module's text.
+pub struct Reader<'w> {
+    path: PathBuf,
+    file: File,
+    length: u64,
+    next: u64,
+    /// A record, or the contents of the chunk.
+    buffer: Vec<u8>,
+    chunk: Option<OpenChunk>,
+    /// The message that was handed out last.
+    last: Option<(MessageHeader, Range<usize>)>,
+    schemas: BTreeMap<u16, Rc<Schema>>,
+    channels: BTreeMap<u16, Rc<Channel>>,
+    descriptions: usize,
+    /// Where the data section ends and its checksum.
+    data_end: Option<(u64, u32)>,
+    indexed_chunks: u64,
+    chunks: u64,
+    done: bool,
+    condition: Condition,
+    watch: Option<&'w mut Watch>,
+}
+
+impl<'w> Reader<'w> {
+    /// Opens a log.
+    pub fn open(path: &Path, mut watch: Option<&'w mut Watch>) -> Result<Self, LogsError> {
+        let failed = |source| LogsError::Open {
+            path: path.to_owned(),
+            source,
+        };
+        // Look before opening: opening a FIFO would block.
+        if !path.metadata().map_err(failed)?.is_file() {
+            return Err(failed(io::Error::other("not a regular file")));
+        }
+        let file = File::open(path).map_err(failed)?;
+        let length = file.metadata().map_err(failed)?.len();
+        let mut magic = [0; 8];
+        if length < 8
+            || file.read_exact_at(&mut magic, 0).is_err()
+            || magic.as_slice() != mcap::MAGIC
+        {
+            return Err(LogsError::NotMcap {
+                path: path.to_owned(),
+                empty: length == 0,
+            });
+        }
+        if let Some(watch) = &mut watch {
+            watch.begin(length);
+        }
+        Ok(Self {
+            path: path.to_owned(),
+            file,
+            length,
+            next: 8,
+            buffer: Vec::new(),
+            chunk: None,
+            last: None,
+            schemas: BTreeMap::new(),
+            channels: BTreeMap::new(),
+            descriptions: 0,
+            data_end: None,
+            indexed_chunks: 0,
+            chunks: 0,
+            done: false,
+            condition: Condition {
+                file_bytes: length,
+                ..Condition::default()
+            },
+            watch,
+        })
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The channels that were met so far.
+    pub fn channels(&self) -> impl Iterator<Item = &Rc<Channel>> + Clone {
+        self.channels.values()
+    }
+
+    /// The schema of that number, if it was met already.
+    pub fn schema(&self, id: u16) -> Option<Rc<Schema>> {
+        self.schemas.get(&id).cloned()
+    }
+
+    /// In what condition the log is, as far as it has been read.
+    pub fn condition(&self) -> &Condition {
+        &self.condition
+    }
+
+    /// The next item; `None` at the end.
+    pub fn next(&mut self) -> Result<Option<Item<'_>>, LogsError> {
+        let found = loop {
+            if self.chunk.is_some() {
+                if let Some(found) = self.next_in_chunk()? {
+                    break found;
+                }
+            } else if self.done {
+                if let Some(watch) = &mut self.watch {
+                    watch.end();
+                }
+                return Ok(None);
+            } else if let Some(found) = self.next_in_file()? {
+                break found;
+            }
+        };
+        self.last = match &found {
+            Found::Message(header, range) => Some((*header, range.clone())),
+            _ => None,
+        };
+        let bytes = |range| self.buffer.get::<Range<usize>>(range).unwrap_or_default();
+        Ok(Some(match found {
+            Found::Header(profile, library) => Item::Header { profile, library },
+            Found::Schema(id, schema) => Item::Schema(id, schema),
+            Found::Channel(channel) => Item::Channel(channel),
+            Found::Message(header, range) => Item::Message(header, bytes(range)),
+            Found::Attachment(header, range) => Item::Attachment(header, bytes(range)),
+            Found::Metadata(metadata) => Item::Metadata(metadata),
+        }))
+    }
+
+    /// The item that came last, if it was a message.
+    pub fn last_message(&self) -> Option<(MessageHeader, &[u8])> {
+        let (header, range) = self.last.clone()?;
+        Some((header, self.buffer.get(range)?))
+    }
+
+    /// Where the record stands, or the chunk, that is read next or is being read.
+    pub fn at(&self) -> u64 {
+        self.chunk.map_or(self.next, |chunk| chunk.at)
+    }
+
+    /// Goes on with the record that begins at this byte of the file.
+    pub fn jump(&mut self, at: u64) {
+        self.next = at;
+        self.chunk = None;
+        self.last = None;
+        self.buffer.clear();
+        self.done = false;
+    }
+
+    fn failed(&self, source: io::Error) -> LogsError {
+        LogsError::Open {
+            path: self.path.clone(),
+            source,
+        }
+    }
+}

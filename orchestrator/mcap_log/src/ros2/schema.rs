@@ -1,0 +1,287 @@
+//! The message definitions of ROS 2 (`ros2msg`).
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Deepest nesting of messages.
+const DEEPEST: usize = 16;
+/// Most fields of a definition with everything that is nested in it.
+const MOST_FIELDS: usize = 4096;
+/// Longest definition (bytes).
+const LONGEST: usize = 4 << 20;
+
+/// Why a schema cannot be used.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("its schema: {0}")]
+pub struct SchemaError(pub String);
+
+/// A number, or what travels like one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Number {
+    /// `bool`
+    Bool,
+    /// `uint8`, `byte`, `char`
+    U8,
+    /// `int8`
+    I8,
+    /// `uint16`
+    U16,
+    /// `int16`
+    I16,
+    /// `uint32`
+    U32,
+    /// `int32`
+    I32,
+    /// `uint64`
+    U64,
+    /// `int64`
+    I64,
+    /// `float32`
+    F32,
+    /// `float64`
+    F64,
+}
+
+impl Number {
+    /// Size and alignment (bytes).
+    pub fn size(self) -> usize {
+        match self {
+            Self::Bool | Self::U8 | Self::I8 => 1,
+            Self::U16 | Self::I16 => 2,
+            Self::U32 | Self::I32 | Self::F32 => 4,
+            Self::U64 | Self::I64 | Self::F64 => 8,
+        }
+    }
+
+    fn named(name: &str) -> Option<Self> {
+        Some(match name {
+            "bool" => Self::Bool,
+            "uint8" | "byte" | "char" => Self::U8,
+            "int8" => Self::I8,
+            "uint16" => Self::U16,
+            "int16" => Self::I16,
+            "uint32" => Self::U32,
+            "int32" => Self::I32,
+            "uint64" => Self::U64,
+            "int64" => Self::I64,
+            "float32" => Self::F32,
+            "float64" => Self::F64,
+            _ => return None,
+        })
+    }
+}
+
+/// What a field is.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Kind {
+    /// A number.
+    Number(Number),
+    /// A string.
+    Text,
+    /// A message with these fields.
+    Message(Arc<[Field]>),
+}
+
+/// How many of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Count {
+    /// One.
+    One,
+    /// An array of this length.
+    Fixed(usize),
+    /// A sequence, which says its length.
+    Many,
+}
+
+/// A field.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Field {
+    /// Its name.
+    pub name: String,
+    /// The type of an element.
+    pub kind: Kind,
+    /// The number of elements.
+    pub count: Count,
+}
+
+/// A message definition with everything nested in it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Schema {
+    /// The fields of the message, in their order.
+    pub fields: Arc<[Field]>,
+}
+
+impl Schema {
+    /// Reads a definition: the fields of the message, then behind lines of `=` those of the
+    /// messages in it.
+    ///
+    /// # Errors
+    /// [`SchemaError`] says what is not understood.
+    pub fn parse(text: &[u8]) -> Result<Self, SchemaError> {
+        if text.len() > LONGEST {
+            return Err(SchemaError(format!("longer than {LONGEST} bytes")));
+        }
+        let text = str::from_utf8(text).map_err(|e| SchemaError(e.to_string()))?;
+        let mut sections: Vec<(String, Vec<&str>)> = vec![(String::new(), Vec::new())];
+        let mut named = true;
+        for line in text.lines() {
+            if line.len() >= 3 && line.bytes().all(|b| b == b'=') {
+                named = false;
+            } else if !named && let Some(name) = line.strip_prefix("MSG:") {
+                sections.push((name.trim().to_owned(), Vec::new()));
+                named = true;
+            } else if let Some((_, lines)) = sections.last_mut() {
+                lines.push(line);
+            }
+        }
+        let mut parser = Parser {
+            sections: sections
+                .iter()
+                .map(|(n, l)| (short(n), l.as_slice()))
+                .collect(),
+            done: BTreeMap::new(),
+            fields: 0,
+        };
+        let root = sections.first().map_or(&[][..], |(_, lines)| lines);
+        Ok(Self {
+            fields: parser.fields(root, 0)?,
+        })
+    }
+}
+
+struct Parser<'a> {
+    sections: BTreeMap<String, &'a [&'a str]>,
+    done: BTreeMap<String, (Arc<[Field]>, usize)>,
+    /// Fields so far, every use of a nested message counted.
+    fields: usize,
+}
+
+impl Parser<'_> {
+    fn fields(&mut self, lines: &[&str], depth: usize) -> Result<Arc<[Field]>, SchemaError> {
+        if depth > DEEPEST {
+            return Err(SchemaError(format!("nested deeper than {DEEPEST}")));
+        }
+        let mut fields = Vec::new();
+        for line in lines {
+            // A constant's text may contain a `#`, but then it is a constant.
+            let line = line.split('#').next().unwrap_or_default().trim();
+            let mut words = line.split_whitespace();
+            let (Some(kind), Some(name)) = (words.next(), words.next()) else {
+                if line.is_empty() {
+                    continue;
+                }
+                return Err(SchemaError(format!("`{line}` is not a field")));
+            };
+            if name.contains('=') || words.next().is_some_and(|word| word.starts_with('=')) {
+                continue;
+            }
+            self.fields += 1;
+            if self.fields > MOST_FIELDS {
+                return Err(SchemaError(format!("more than {MOST_FIELDS} fields")));
+            }
+            let (kind, count) = match kind.strip_suffix(']').and_then(|k| k.split_once('[')) {
+                None => (kind, Count::One),
+                Some((kind, "")) => (kind, Count::Many),
+                Some((kind, bound)) if bound.starts_with("<=") => (kind, Count::Many),
+                Some((kind, count)) => {
+                    let count = count
+                        .parse()
+                        .map_err(|_| SchemaError(format!("`{line}`: not a length")))?;
+                    (kind, Count::Fixed(count))
+                }
+            };
+            let kind = self.kind(kind, depth)?;
+            // As many elements as there are bytes are believed, in every list in a list: each must
+            // take some.
+            if count != Count::One && is_nothing(&kind) {
+                let what = format!("`{line}`: a list of messages without fields");
+                return Err(SchemaError(what));
+            }
+            fields.push(Field {
+                name: name.to_owned(),
+                kind,
+                count,
+            });
+        }
+        Ok(fields.into())
+    }
+
+    fn kind(&mut self, name: &str, depth: usize) -> Result<Kind, SchemaError> {
+        if let Some(number) = Number::named(name) {
+            return Ok(Kind::Number(number));
+        }
+        if name == "string" || name.starts_with("string<=") {
+            return Ok(Kind::Text);
+        }
+        let name = short(name);
+        let key = if self.sections.contains_key(&name) || name.contains('/') {
+            name.clone()
+        } else {
+            // A name without its package.
+            let end = format!("/{name}");
+            let found = self.sections.keys().find(|key| key.ends_with(&end));
+            found.cloned().unwrap_or_else(|| name.clone())
+        };
+        if let Some((fields, count)) = self.done.get(&key) {
+            self.fields += count;
+            return Ok(Kind::Message(Arc::clone(fields)));
+        }
+        let lines = match self.sections.get(&key) {
+            Some(lines) => *lines,
+            None if key == "builtin_interfaces/Time" => &["int32 sec", "uint32 nanosec"],
+            None if key == "builtin_interfaces/Duration" => &["int32 sec", "uint32 nanosec"],
+            None => return Err(SchemaError(format!("the type `{name}` is not defined"))),
+        };
+        let before = self.fields;
+        let fields = self.fields(lines, depth + 1)?;
+        self.done
+            .insert(key, (Arc::clone(&fields), self.fields - before));
+        Ok(Kind::Message(fields))
+    }
+}
+
+/// Whether a value takes no bytes at all.
+fn is_nothing(kind: &Kind) -> bool {
+    match kind {
+        Kind::Number(_) | Kind::Text => false,
+        Kind::Message(fields) => fields
+            .iter()
+            .all(|field| field.count == Count::Fixed(0) || is_nothing_once(field)),
+    }
+}
+
+/// A list has a length, at least.
+fn is_nothing_once(field: &Field) -> bool {
+    field.count != Count::Many && is_nothing(&field.kind)
+}
+
+/// `pkg/msg/Name` is also called `pkg/Name`.
+fn short(name: &str) -> String {
+    name.replacen("/msg/", "/", 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lists_of_messages_that_take_no_bytes_are_refused() {
+        let nothing = "Nothing[1000] many\n===\nMSG: a/Nothing\n";
+        let nested = "A[9] a\n===\nMSG: p/A\nB b\n===\nMSG: p/B\nuint8[0] none\n";
+        for text in [nothing, nested] {
+            let error = Schema::parse(text.as_bytes()).unwrap_err();
+            assert!(
+                error.0.contains("a list of messages without fields"),
+                "{error}"
+            );
+        }
+        // A length and a single empty message are something else.
+        for text in [
+            "A[9] a\n===\nMSG: p/A\nuint8[] bytes\n",
+            "Nothing one\n===\nMSG: a/Nothing\n",
+            "uint8[0] none\n",
+        ] {
+            assert!(Schema::parse(text.as_bytes()).is_ok(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,169 @@
+//! The file below the MCAP writer: exclusive, locked, buffered, and cut back to whole records when
+//! a write fails.
+
+use std::fs::{File, OpenOptions, Permissions};
+use std::io::{self, Seek, SeekFrom, Write};
+use std::os::unix::fs::{OpenOptionsExt as _, PermissionsExt as _};
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use rustix::fs::{FlockOperation, flock};
+
+use crate::LogError;
+use crate::writer::storage::Storage;
+
+/// Small records (message indexes, headers) are gathered up to this size before they are written.
+const BUFFER_BYTES: usize = 64 * 1024;
+
+/// Permissions of a log: the scenario in it holds the keys of its patrols.
+const PRIVATE: u32 = 0o600;
+
+/// Creates the file of a log and locks it for as long as it is open.
+///
+/// Without `force` the file must not exist. With `force` an existing regular file that no other
+/// run has locked is emptied.
+pub(super) fn create(path: &Path, force: bool) -> Result<File, LogError> {
+    let failed = |source| LogError::Create {
+        path: path.to_owned(),
+        source,
+    };
+    let mut options = OpenOptions::new();
+    let options = options.write(true).mode(PRIVATE);
+    match options.clone().create_new(true).open(path) {
+        Ok(file) => lock(path, file),
+        Err(e) if e.kind() == io::ErrorKind::AlreadyExists => {
+            // Look before opening: opening a FIFO would block.
+            if !path.metadata().map_err(failed)?.is_file() {
+                return Err(LogError::NotAFile {
+                    path: path.to_owned(),
+                });
+            }
+            if !force {
+                return Err(LogError::Exists {
+                    path: path.to_owned(),
+                });
+            }
+            let file = lock(path, options.open(path).map_err(failed)?)?;
+            file.set_permissions(Permissions::from_mode(PRIVATE))
+                .and_then(|()| file.set_len(0))
+                .map_err(failed)?;
+            Ok(file)
+        }
+        Err(e) => Err(failed(e)),
+    }
+}
+
+fn lock(path: &Path, file: File) -> Result<File, LogError> {
+    match flock(&file, FlockOperation::NonBlockingLockExclusive) {
+        Ok(()) => Ok(file),
+        Err(_) => Err(LogError::InUse {
+            path: path.to_owned(),
+        }),
+    }
+}
+
+/// The byte stream that the MCAP writer writes to.
+///
+/// `flush` marks a boundary between records. When a write fails (disk full), the file is cut back
+/// to the last boundary, so that readers find whole records only; every later write fails too.
+pub(super) struct LogFile {
+    storage: Box<dyn Storage>,
+    buffer: Vec<u8>,
+    /// Bytes handed in so far; the MCAP writer asks for it to fill its indexes.
+    position: u64,
+    /// Length of the file up to the last boundary, shared with [`Readable`].
+    boundary: Arc<AtomicU64>,
+    failed: bool,
+}
+
+/// How much of the file consists of whole records, for those who do not own the stream.
+#[derive(Debug, Clone)]
+pub(super) struct Readable(Arc<AtomicU64>);
+
+impl Readable {
+    /// Bytes of whole records.
+    pub(super) fn bytes(&self) -> u64 {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
+impl LogFile {
+    pub(super) fn new(storage: Box<dyn Storage>) -> Self {
+        Self {
+            storage,
+            buffer: Vec::with_capacity(BUFFER_BYTES),
+            position: 0,
+            boundary: Arc::default(),
+            failed: false,
+        }
+    }
+
+    /// A view on how much of the file is readable.
+    pub(super) fn readable(&self) -> Readable {
+        Readable(Arc::clone(&self.boundary))
+    }
+
+    /// Waits until everything that was flushed is on the disk.
+    pub(super) fn sync(&mut self) -> io::Result<()> {
+        self.storage.sync()
+    }
+
+    fn empty_buffer(&mut self) -> io::Result<()> {
+        let result = self.storage.append(&self.buffer);
+        self.buffer.clear();
+        self.keep(result)
+    }
+
+    fn keep(&mut self, result: io::Result<()>) -> io::Result<()> {
+        if result.is_err() {
+            self.failed = true;
+            self.buffer.clear();
+            // The first error is the one to report; a file that cannot be cut keeps a partial
+            // record, which readers report after the last whole one.
+            let _ = self.storage.cut(self.boundary.load(Ordering::Relaxed));
+        }
+        result
+    }
+}
+
+impl Write for LogFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if self.failed {
+            return Err(io::Error::other("an earlier write failed"));
+        }
+        if self.buffer.len() + bytes.len() > BUFFER_BYTES {
+            self.empty_buffer()?;
+        }
+        if bytes.len() >= BUFFER_BYTES {
+            let result = self.storage.append(bytes);
+            self.keep(result)?;
+        } else {
+            self.buffer.extend_from_slice(bytes);
+        }
+        self.position += bytes.len() as u64;
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        if self.failed {
+            return Err(io::Error::other("an earlier write failed"));
+        }
+        self.empty_buffer()?;
+        self.boundary.store(self.position, Ordering::Relaxed);
+        Ok(())
+    }
+}
+
+impl Seek for LogFile {
+    /// Tells the position; the MCAP writer is told not to seek.
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        match to {
+            SeekFrom::Current(0) => Ok(self.position),
+            _ => Err(io::Error::new(
+                io::ErrorKind::Unsupported,
+                "a log is only appended to",
+            )),
+        }
+    }
+}

@@ -1,0 +1,467 @@
+//! Between the recorder, which must never wait, and the viewers, which may be slow.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::os::fd::OwnedFd;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use mcap_log::states::is_latched;
+use mcap_log::{ChannelSpec, Mirror};
+use serde::Serialize;
+use serde_json::Value as Json;
+
+use super::wire::{self, Subscription};
+
+/// Bytes that may wait for a viewer; beyond them the oldest messages are left out.
+const QUEUE_BYTES: usize = 32 << 20;
+
+/// What viewers got.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+pub struct LiveTotals {
+    /// Viewers that connected.
+    pub viewers: u64,
+    /// Messages that were handed to their connections.
+    pub messages: u64,
+    /// Messages that were left out because a viewer did not keep up.
+    pub left_out: u64,
+    /// Viewers that were cut off because they took nothing any more.
+    pub cut_off: u64,
+}
+
+/// Everything that is there to see, and everybody who looks.
+#[derive(Debug, Default)]
+pub struct Hub {
+    state: Mutex<State>,
+}
+
+#[derive(Debug, Default)]
+struct State {
+    channels: Vec<Channel>,
+    viewers: BTreeMap<u64, Viewer>,
+    time_ns: u64,
+    totals: LiveTotals,
+    closed: bool,
+}
+
+#[derive(Debug)]
+struct Channel {
+    /// As it is announced.
+    announced: Json,
+    /// Whether its last message holds until the next, so that late viewers get it.
+    latched: bool,
+    last: Option<(u64, Arc<[u8]>)>,
+}
+
+#[derive(Debug)]
+struct Viewer {
+    /// What it calls its subscription to a channel.
+    subscriptions: BTreeMap<usize, u32>,
+    queue: VecDeque<Frame>,
+    queued_bytes: usize,
+    /// Written when something is queued.
+    wake: Arc<OwnedFd>,
+}
+
+/// What is to be sent to a viewer.
+#[derive(Debug)]
+pub(super) enum Frame {
+    /// A text.
+    Text(String),
+    /// How late it is (simulated ns).
+    Time(u64),
+    /// A message.
+    Message {
+        /// As the viewer calls it.
+        subscription: u32,
+        /// Its channel.
+        channel: usize,
+        /// Its time (simulated ns).
+        time_ns: u64,
+        /// Its bytes, shared by all viewers.
+        data: Arc<[u8]>,
+    },
+}
+
+impl Frame {
+    /// About what it takes on the way.
+    fn bytes(&self) -> usize {
+        16 + match self {
+            Self::Text(text) => text.len(),
+            Self::Time(_) => 0,
+            Self::Message { data, .. } => data.len(),
+        }
+    }
+}
+
+impl Hub {
+    fn lock(&self) -> MutexGuard<'_, State> {
+        // Nothing in here can be left half done by a panic that would matter to viewers.
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The end that takes what goes into the log.
+    pub fn tap(self: &Arc<Self>) -> HubTap {
+        HubTap(Arc::clone(self))
+    }
+
+    /// Adds a viewer, to whom everything is announced; `wake` is written when there is something to
+    /// send. `None` once all is over.
+    pub(super) fn join(&self, session: &str, wake: Arc<OwnedFd>) -> Option<u64> {
+        let mut state = self.lock();
+        if state.closed {
+            return None;
+        }
+        state.totals.viewers += 1;
+        let id = state.totals.viewers;
+        let announced: Vec<Json> = state.channels.iter().map(|c| c.announced.clone()).collect();
+        let mut viewer = Viewer {
+            subscriptions: BTreeMap::new(),
+            queue: VecDeque::new(),
+            queued_bytes: 0,
+            wake,
+        };
+        viewer.push(Frame::Text(wire::server_info(session)));
+        viewer.push(Frame::Time(state.time_ns));
+        viewer.push(Frame::Text(wire::advertise(&announced)));
+        state.viewers.insert(id, viewer);
+        Some(id)
+    }
+
+    /// A viewer has gone, or was cut off.
+    pub(super) fn leave(&self, viewer: u64, cut_off: bool) {
+        let mut state = self.lock();
+        state.totals.cut_off += u64::from(cut_off);
+        state.viewers.remove(&viewer);
+    }
+
+    /// Gives a viewer the messages of these channels from now on, and what holds on them now.
+    pub(super) fn subscribe(&self, viewer: u64, subscriptions: &[Subscription]) {
+        let mut state = self.lock();
+        let State {
+            channels, viewers, ..
+        } = &mut *state;
+        let Some(viewer) = viewers.get_mut(&viewer) else {
+            return;
+        };
+        for subscription in subscriptions {
+            let index = subscription.channel_id as usize;
+            let Some(channel) = channels.get(index) else {
+                continue;
+            };
+            viewer.subscriptions.insert(index, subscription.id);
+            if let Some((time_ns, data)) = &channel.last {
+                viewer.push(Frame::Message {
+                    subscription: subscription.id,
+                    channel: index,
+                    time_ns: *time_ns,
+                    data: Arc::clone(data),
+                });
+            }
+        }
+    }
+
+    /// Ends subscriptions of a viewer.
+    pub(super) fn unsubscribe(&self, viewer: u64, subscriptions: &[u32]) {
+        let mut state = self.lock();
+        if let Some(viewer) = state.viewers.get_mut(&viewer) {
+            viewer
+                .subscriptions
+                .retain(|_, id| !subscriptions.contains(id));
+        }
+    }
+
+    /// Takes what waits for a viewer, up to about this many bytes.
+    pub(super) fn take(&self, viewer: u64, bytes: usize) -> Vec<Frame> {
+        let mut state = self.lock();
+        let Some(viewer) = state.viewers.get_mut(&viewer) else {
+            return Vec::new();
+        };
+        let (mut taken, mut sum) = (Vec::new(), 0);
+        while sum < bytes
+            && let Some(frame) = viewer.queue.pop_front()
+        {
+            sum += frame.bytes();
+            taken.push(frame);
+        }
+        viewer.queued_bytes -= sum;
+        let messages = taken.iter().filter(|f| matches!(f, Frame::Message { .. }));
+        state.totals.messages += messages.count() as u64;
+        taken
+    }
+
+    /// Whether all is over: what waits is still to be sent, and nothing comes any more.
+    pub(super) fn is_closed(&self) -> bool {
+        self.lock().closed
+    }
+
+    /// Says that all is over.
+    pub(super) fn close(&self) {
+        let mut state = self.lock();
+        state.closed = true;
+        state.viewers.values().for_each(Viewer::wake);
+    }
+
+    /// What viewers got so far.
+    pub fn totals(&self) -> LiveTotals {
+        self.lock().totals
+    }
+}
+
+impl State {
+    /// Goes on at another time: what held does not any more.
+    fn jump(&mut self, time_ns: u64) {
+        self.time_ns = time_ns;
+        self.channels
+            .iter_mut()
+            .for_each(|channel| channel.last = None);
+        for viewer in self.viewers.values_mut() {
+            viewer.push(Frame::Time(time_ns));
+        }
+    }
+
+    fn message(&mut self, channel: usize, time_ns: u64, data: &[u8]) {
+        let Self {
+            channels, viewers, ..
+        } = self;
+        if time_ns > self.time_ns {
+            self.time_ns = time_ns;
+            for viewer in viewers.values_mut() {
+                viewer.push(Frame::Time(time_ns));
+            }
+        }
+        let Some(here) = channels.get_mut(channel) else {
+            return;
+        };
+        let wanted = |viewer: &Viewer| viewer.subscriptions.contains_key(&channel);
+        if !here.latched && !viewers.values().any(wanted) {
+            return;
+        }
+        let data: Arc<[u8]> = data.into();
+        if here.latched {
+            here.last = Some((time_ns, Arc::clone(&data)));
+        }
+        for viewer in viewers.values_mut() {
+            if let Some(&subscription) = viewer.subscriptions.get(&channel) {
+                viewer.push(Frame::Message {
+                    subscription,
+                    channel,
+                    time_ns,
+                    data: Arc::clone(&data),
+                });
+                self.totals.left_out += viewer.shorten(channels);
+            }
+        }
+    }
+}
+
+impl Viewer {
+    fn push(&mut self, frame: Frame) {
+        self.queued_bytes += frame.bytes();
+        if self.queue.is_empty() {
+            self.wake();
+        }
+        self.queue.push_back(frame);
+    }
+
+    fn wake(&self) {
+        // A counter that is full already wakes as well.
+        let _ = rustix::io::write(&*self.wake, &1_u64.to_ne_bytes());
+    }
+
+    /// Leaves out the oldest messages while too much waits, but never what still holds; says how
+    /// many.
+    fn shorten(&mut self, channels: &[Channel]) -> u64 {
+        let mut left_out = 0;
+        if self.queued_bytes <= QUEUE_BYTES {
+            return left_out;
+        }
+        let (wanted, mut waiting) = (QUEUE_BYTES / 2, self.queued_bytes);
+        self.queue.retain(|frame| {
+            let Frame::Message { channel, data, .. } = frame else {
+                return true;
+            };
+            let last = channels.get(*channel).and_then(|c| c.last.as_ref());
+            let holds = last.is_some_and(|(_, last)| Arc::ptr_eq(last, data));
+            let stays = waiting <= wanted || holds;
+            if !stays {
+                waiting -= frame.bytes();
+                left_out += 1;
+            }
+            stays
+        });
+        self.queued_bytes = waiting;
+        left_out
+    }
+}
+
+/// Takes what goes into the log.
+#[derive(Debug)]
+pub struct HubTap(Arc<Hub>);
+
+impl HubTap {
+    /// What is shown goes on at another time (simulated ns), which may be an earlier one. What held
+    /// until now does so no longer: what holds there is to be said next.
+    pub fn jump(&mut self, time_ns: u64) {
+        self.0.lock().jump(time_ns);
+    }
+}
+
+impl Mirror for HubTap {
+    fn channel(&mut self, spec: &ChannelSpec<'_>) {
+        let mut state = self.0.lock();
+        // A log holds no more than 65 535 channels.
+        let announced = wire::channel(state.channels.len() as u32, spec);
+        let text = wire::advertise(std::slice::from_ref(&announced));
+        state.channels.push(Channel {
+            announced,
+            latched: is_latched(spec.topic, spec.metadata),
+            last: None,
+        });
+        for viewer in state.viewers.values_mut() {
+            viewer.push(Frame::Text(text.clone()));
+        }
+    }
+
+    fn message(&mut self, channel: usize, log_time: u64, data: &[u8]) {
+        self.0.lock().message(channel, log_time, data);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn spec(topic: &str) -> ChannelSpec<'_> {
+        static NOTHING: BTreeMap<String, String> = BTreeMap::new();
+        ChannelSpec {
+            topic,
+            schema_name: "Thing",
+            schema_encoding: "ros2msg",
+            schema: b"uint8 x",
+            message_encoding: "cdr",
+            metadata: &NOTHING,
+        }
+    }
+
+    fn hub() -> (Arc<Hub>, HubTap) {
+        let hub = Arc::new(Hub::default());
+        let mut tap = hub.tap();
+        tap.channel(&spec("/viewer/map"));
+        tap.channel(&spec("/viewer/log"));
+        (hub, tap)
+    }
+
+    fn join(hub: &Hub) -> u64 {
+        let wake = rustix::event::eventfd(0, rustix::event::EventfdFlags::NONBLOCK).unwrap();
+        hub.join("session", Arc::new(wake)).unwrap()
+    }
+
+    fn subscribe(hub: &Hub, viewer: u64) {
+        let both = [0, 1, 99].map(|channel_id| Subscription {
+            id: 10 + channel_id,
+            channel_id,
+        });
+        hub.subscribe(viewer, &both);
+    }
+
+    fn messages(hub: &Hub, viewer: u64) -> Vec<(u32, u64, Vec<u8>)> {
+        let frames = hub.take(viewer, usize::MAX);
+        let message = |frame| match frame {
+            Frame::Message {
+                subscription,
+                time_ns,
+                data,
+                ..
+            } => Some((subscription, time_ns, data.to_vec())),
+            _ => None,
+        };
+        frames.into_iter().filter_map(message).collect()
+    }
+
+    #[test]
+    fn late_viewers_get_what_holds_and_no_old_news() {
+        let (hub, mut tap) = hub();
+        tap.message(0, 5, b"old map");
+        tap.message(0, 6, b"map");
+        tap.message(1, 7, b"news");
+        let viewer = join(&hub);
+        let hello = hub.take(viewer, usize::MAX);
+        assert!(matches!(
+            &hello[..],
+            [Frame::Text(_), Frame::Time(7), Frame::Text(_)]
+        ));
+        subscribe(&hub, viewer);
+        assert_eq!(messages(&hub, viewer), [(10, 6, b"map".to_vec())]);
+        tap.message(1, 8, b"more news");
+        assert_eq!(messages(&hub, viewer), [(11, 8, b"more news".to_vec())]);
+        hub.unsubscribe(viewer, &[11]);
+        tap.message(1, 9, b"nobody hears");
+        assert_eq!(messages(&hub, viewer), []);
+    }
+
+    #[test]
+    fn a_jump_sets_the_clock_back_and_late_viewers_get_what_holds_there() {
+        let (hub, mut tap) = hub();
+        let early = join(&hub);
+        subscribe(&hub, early);
+        tap.message(0, 5, b"map");
+        tap.message(1, 7, b"news");
+        hub.take(early, usize::MAX);
+        tap.jump(3);
+        let late = join(&hub);
+        subscribe(&hub, late);
+        let told = hub.take(late, usize::MAX);
+        assert!(
+            matches!(&told[..], [Frame::Text(_), Frame::Time(3), Frame::Text(_)]),
+            "{told:?}"
+        );
+        tap.message(0, 2, b"older map");
+        tap.message(1, 4, b"old news");
+        let frames = hub.take(early, usize::MAX);
+        let times = frames.iter().map(|frame| match frame {
+            Frame::Time(time_ns) | Frame::Message { time_ns, .. } => *time_ns,
+            Frame::Text(_) => u64::MAX,
+        });
+        // The clock, what holds there, the clock, what comes.
+        assert_eq!(times.collect::<Vec<_>>(), [3, 2, 4, 4]);
+        assert_eq!(
+            messages(&hub, late),
+            [
+                (10, 2, b"older map".to_vec()),
+                (11, 4, b"old news".to_vec())
+            ]
+        );
+    }
+
+    #[test]
+    fn a_slow_viewer_misses_old_messages_that_are_counted_but_not_what_holds() {
+        let (hub, mut tap) = hub();
+        let [slow, fast] = [join(&hub), join(&hub)];
+        subscribe(&hub, slow);
+        subscribe(&hub, fast);
+        tap.message(0, 1, b"map");
+        let large = vec![0; 1 << 20];
+        let mut heard = 0;
+        for time_ns in 2..102 {
+            tap.message(1, time_ns, &large);
+            heard += messages(&hub, fast).len() as u64;
+        }
+        assert_eq!(heard, 101, "the fast one misses nothing");
+        let got = messages(&hub, slow);
+        assert_eq!(got[0], (10, 1, b"map".to_vec()));
+        let last = got.last().unwrap();
+        assert_eq!((last.0, last.1), (11, 101), "the newest are kept");
+        let totals = hub.totals();
+        assert_eq!(totals.left_out, 101 - got.len() as u64);
+        assert!(totals.left_out >= 100 - 32, "{totals:?}");
+        assert_eq!(totals.messages, heard + got.len() as u64);
+        assert_eq!(hub.lock().viewers[&slow].queued_bytes, 0);
+    }
+
+    #[test]
+    fn nobody_comes_in_after_the_end() {
+        let (hub, _tap) = hub();
+        hub.close();
+        let wake = rustix::event::eventfd(0, rustix::event::EventfdFlags::NONBLOCK).unwrap();
+        assert_eq!(hub.join("session", Arc::new(wake)), None);
+    }
+}
