@@ -94,7 +94,7 @@ impl ParticleFilter {
     /// A filter with all particles at the opponent's known pose and velocities drawn from its
     /// limits, or, without a pose, uniformly over the free space.
     ///
-    /// `params` must be valid ([`crate::params::PerceptionParams::validate`]).
+    /// `params` must be valid ([`parameters::check`](fn@parameters::check)).
     pub fn new(
         params: &FilterParams,
         limits: MotionLimits,
