@@ -32,6 +32,42 @@ pub struct PlannerInputs {
 
 /// A steering algorithm for one robot. With [`PlannerProcess`](crate::PlannerProcess) around it, it
 /// is a kind of process.
+///
+/// ```
+/// use planner::{Planner, PlannerInputs, PlannerProcess};
+/// use planner_view::map::PlannerMap;
+/// use planner_view::steering::Steering;
+/// use planner_view::view::View;
+/// use runtime::ProcessKind;
+/// use runtime::config::RobotInfo;
+/// use sim_backend::pose::Twist2;
+///
+/// /// Drives ahead at half of its robot's speed.
+/// struct Ahead(f64);
+///
+/// impl Planner for Ahead {
+///     const NAME: &'static str = "ahead";
+///     const SUMMARY: &'static str = "drives ahead";
+///     type Params = ();
+///
+///     fn inputs((): &()) -> PlannerInputs {
+///         PlannerInputs::default()
+///     }
+///
+///     fn new((): &(), robot: &RobotInfo, _seed: u64) -> Result<Self, String> {
+///         Ok(Self(0.5 * robot.model.v_max))
+///     }
+///
+///     fn steer(&mut self, _: &PlannerMap, _: &View<'_>) -> Steering {
+///         Steering {
+///             command: Twist2::new(self.0, 0.0),
+///             ..Steering::stop()
+///         }
+///     }
+/// }
+///
+/// assert_eq!(<PlannerProcess<Ahead> as ProcessKind>::NAME, "ahead");
+/// ```
 pub trait Planner: Sized + 'static {
     /// The name of its kind, which scenarios use (`kind = "…"`).
     const NAME: &'static str;

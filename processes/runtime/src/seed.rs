@@ -8,6 +8,18 @@ use rand_chacha::ChaCha8Rng;
 ///
 /// `process` and `robot` are names of the scenario, not indices, so that adding a robot does not
 /// change what the others draw.
+///
+/// ```
+/// use rand::Rng as _;
+/// use runtime::seed::stream;
+///
+/// let mut noise = stream(1, "perception", "walle", "noise");
+/// let mut same = stream(1, "perception", "walle", "noise");
+/// let mut other = stream(1, "perception", "walle", "motion");
+/// let first = noise.next_u64();
+/// assert_eq!(first, same.next_u64());
+/// assert_ne!(first, other.next_u64());
+/// ```
 pub fn stream(run_seed: u64, process: &str, robot: &str, purpose: &str) -> ChaCha8Rng {
     let mut hasher = blake3::Hasher::new_derive_key("protean 2026 random streams");
     hasher.update(&run_seed.to_le_bytes());
