@@ -5,6 +5,7 @@
 
 pub mod atomic_file;
 pub mod descriptors;
+pub mod machine;
 pub mod proc;
 pub mod program;
 pub mod progress;

@@ -21,6 +21,7 @@ mod replay;
 mod report;
 mod rerun;
 mod run;
+mod run_summary;
 mod sweep;
 mod sweep_kind;
 mod sweep_output;

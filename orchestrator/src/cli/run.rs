@@ -7,9 +7,9 @@ use std::sync::atomic::AtomicBool;
 use platform::eprintln;
 use viewer::LiveTotals;
 
-use super::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, RunArgs, print, print_json};
+use super::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, RunArgs, print, print_json, run_summary};
 use crate::mission::in_process::{self, InProcessOptions};
-use crate::mission::{self, MissionError, MissionOptions, MissionReport, report};
+use crate::mission::{self, MissionError, MissionOptions, MissionReport};
 use crate::scenario::kind::Kind;
 use crate::scenario::spec::Mode;
 use crate::scenario::{Loader, ResolvedScenario};
@@ -39,9 +39,9 @@ pub fn run(kinds: &[Kind], target: &str, args: &RunArgs) -> ExitCode {
                 tell_of_viewers(live, args.quiet);
             }
             if args.json {
-                print_json(&report::json(&scenario, &report));
+                print_json(&run_summary::json(&scenario, &report));
             } else {
-                print(&report::text(&scenario, &report));
+                print(&run_summary::text(&scenario, &report));
             }
             let lost = report.summary.topics.values().any(|topic| topic.gaps > 0);
             if report.interrupted || report.has_lost || lost {

@@ -2,13 +2,13 @@
 
 use std::path::PathBuf;
 
+use platform::machine::machine;
 use serde_json::{Map, Value as Json, json};
 use statistics::{Distribution, Percentiles};
 
 use super::baselines::Baseline;
 use super::of_log::Measured;
 use super::{REACTION, Stage, TICK_JITTER, WHOLE};
-use crate::mission::report::machine;
 
 /// Parts of a histogram per power of ten.
 pub(super) const PER_DECADE: u32 = 8;

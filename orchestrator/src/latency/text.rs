@@ -3,13 +3,13 @@
 use std::fmt::Write as _;
 
 use comfy_table::Table;
+use platform::machine::machine;
 use statistics::Percentiles;
 use tables::for_terminal;
 
 use super::TICK_JITTER;
 use super::baselines::Baseline;
 use super::report::{Report, Run};
-use crate::mission::report::machine;
 
 /// The tables.
 pub fn text(report: &Report) -> String {

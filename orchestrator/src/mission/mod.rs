@@ -1,7 +1,7 @@
 //! One run, from the resolved scenario to the summary: processes are started, supervised, recorded and ended, and
 //! nothing is left behind.
 //!
-//! * [`plan`], `obstacle_schedule`: what every process is told;
+//! * [`plan`], `launch`, `obstacle_schedule`: what every process is told;
 //! * [`run_directory`], `resources`, `shm_usage`, `orphans`: what a run uses, and what is found of others;
 //! * [`child_process`], `stderr_lines`, [`process_group`], `external_bridge`: processes and their turns;
 //! * `supervisor`, `decide`, `executor`, `process_log`: what happens to them, and what is done about it;
@@ -14,6 +14,7 @@ mod error;
 mod executor;
 mod external_bridge;
 pub mod in_process;
+mod launch;
 mod obstacle_schedule;
 mod orphans;
 pub mod plan;

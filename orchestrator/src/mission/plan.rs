@@ -1,26 +1,25 @@
 //! From a resolved scenario to what every process of the run is told.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use ipc_types::bus::{Publisher, SendError};
 use ipc_types::messages::world::ObstacleEvent;
 use ipc_types::stamp::PlainHeader;
 use ipc_types::topics::ObstacleEvents;
-use runtime::config::{Clock, ProcessConfig, RobotInfo, RunConfig, document};
-use runtime::kind::{Need, Product};
+use runtime::config::{Clock, RobotInfo, RunConfig};
+use runtime::kind::Product;
 use runtime::obstacle::{self, ObstacleMessageError};
-use serde::{Serialize, Serializer};
 use serde_json::Value as Json;
 use sim_backend::map::{ObstacleChange, WorldMap};
+use sim_backend::spec::RobotSpec;
 use simulator::SimulatorParams;
 
+pub use super::launch::{Launch, Role};
 pub use super::obstacle_schedule::ScheduledChange;
 
-use super::child_process::Executable;
-use super::obstacle_schedule;
-use crate::scenario::kind::ConfiguredKind;
+use super::{launch, obstacle_schedule};
 use crate::scenario::spec::{self, Mode};
-use crate::scenario::{Program, ResolvedScenario, Supervision};
+use crate::scenario::{Program, ResolvedScenario};
 
 /// Most bytes that the beliefs waiting for the recorder may take in shared memory.
 const RECORDER_MEMORY: usize = 256 << 20;
@@ -38,65 +37,6 @@ pub enum PlanError {
     /// An obstacle event does not fit its message.
     #[error(transparent)]
     Obstacle(#[from] ObstacleMessageError),
-}
-
-/// What a process is in its run, with its parameters.
-#[derive(Debug, Clone)]
-pub enum Role {
-    /// The world, which leads the loop of the others.
-    Simulator(Box<SimulatorParams>),
-    /// A process of the scenario.
-    Process(Program),
-}
-
-/// One process to be started.
-#[derive(Debug, Clone)]
-pub struct Launch {
-    /// What it is.
-    pub role: Role,
-    /// What it is told beside its parameters.
-    pub config: ProcessConfig,
-    /// Whether other processes wait for it.
-    pub watched: bool,
-    /// How it is looked after.
-    pub supervision: Supervision,
-}
-
-impl Launch {
-    /// Its kind, if it is one that scenarios name.
-    pub fn kind(&self) -> Option<&ConfiguredKind> {
-        match &self.role {
-            Role::Simulator(_) => None,
-            Role::Process(program) => program.kind(),
-        }
-    }
-
-    /// Whether it makes something for others; of a program of the user's that is not known.
-    pub fn makes(&self, product: Product) -> bool {
-        self.kind().is_some_and(|kind| kind.kind().makes(product))
-    }
-
-    /// What is executed.
-    pub fn executable(&self) -> Executable {
-        match &self.role {
-            Role::Process(Program::Command { words, .. }) => Executable::Command(words.clone()),
-            Role::Simulator(_) | Role::Process(Program::Kind(_)) => {
-                Executable::Kind(self.config.kind.clone())
-            }
-        }
-    }
-}
-
-/// As the process reads it from its configuration.
-impl Serialize for Launch {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match &self.role {
-            Role::Simulator(params) => document(&self.config, params).serialize(serializer),
-            Role::Process(program) => {
-                document(&self.config, program.params()).serialize(serializer)
-            }
-        }
-    }
 }
 
 /// Everything that a run needs to start.
@@ -133,56 +73,13 @@ impl Plan {
         log_level: &str,
     ) -> Result<Self, PlanError> {
         let map = WorldMap::recent(&scenario.world.map)?;
-        let tick_period_ns = (scenario.run.dt * 1e9).round() as u64;
-        let particles = scenario.processes.iter().map(|p| match &p.program {
-            Program::Kind(kind) => kind.belief_particles(),
-            Program::Command { params, .. } => particles(params),
-        });
-        let particles = particles.max().unwrap_or(0);
-        let clock = match scenario.run.mode {
-            Mode::LockStep => Clock::LockStep,
-            Mode::RealTime => Clock::RealTime {
-                factor: scenario.run.real_time_factor,
-                deadline_ns: (scenario.run.command_deadline_s * 1e9) as u64,
-            },
-        };
         let run = RunConfig {
             root: root.to_owned(),
             prefix: prefix.to_owned(),
-            seed: scenario.run.seed,
-            tick_period_ns,
-            clock,
-            pace: None,
-            hang_timeout_s: scenario.run.hang_timeout_s,
-            processor: (scenario.run.pin == spec::Pin::OneCore).then(first_processor),
-            processes: scenario.processes.len() as u32 + 1,
-            events: scenario.events.len() as u32,
-            recorder_ticks: recorder_ticks(clock, scenario, particles) as u32,
-            map_cells: map.frame().len() as u32,
-            particles: particles as u32,
-            robots: scenario
-                .world
-                .robots
-                .iter()
-                .map(|robot| RobotInfo {
-                    name: robot.name.clone(),
-                    team: robot.team,
-                    model: robot.model(),
-                    beams: robot.scan.as_ref().map_or(0, |scan| scan.beams as u32),
-                    start: robot.start,
-                    goal: robot.goal,
-                })
-                .collect(),
-            exits: map
-                .exits()
-                .iter()
-                .chain(&scenario.world.rules.exits)
-                .copied()
-                .collect(),
-            capture_radius: scenario.world.rules.capture.map_or(0.0, |c| c.radius),
             log_level: log_level.to_owned(),
+            ..run_config(scenario, &map)
         };
-        let obstacle_changes = obstacle_schedule::scheduled(&scenario.events, tick_period_ns)?;
+        let obstacle_changes = obstacle_schedule::scheduled(&scenario.events, run.tick_period_ns)?;
         // A standing polygon with more corners than a message holds is drawn by the map alone.
         let standing = map
             .obstacles()
@@ -195,7 +92,7 @@ impl Plan {
                 obstacle::to_message(&appear).ok()
             })
             .collect();
-        let launches = launches(scenario, &run)?;
+        let launches = launch::launches(scenario, &run)?;
         Ok(Self {
             run,
             launches,
@@ -258,6 +155,50 @@ impl Plan {
     }
 }
 
+/// What all processes of a run of this scenario share, but for its place.
+fn run_config(scenario: &ResolvedScenario, map: &WorldMap) -> RunConfig {
+    let particles = scenario.processes.iter().map(|p| match &p.program {
+        Program::Kind(kind) => kind.belief_particles(),
+        Program::Command { params, .. } => particles(params),
+    });
+    let particles = particles.max().unwrap_or(0);
+    let clock = match scenario.run.mode {
+        Mode::LockStep => Clock::LockStep,
+        Mode::RealTime => Clock::RealTime {
+            factor: scenario.run.real_time_factor,
+            deadline_ns: (scenario.run.command_deadline_s * 1e9) as u64,
+        },
+    };
+    let (world, rules) = (&scenario.world, &scenario.world.rules);
+    let robot = |robot: &RobotSpec| RobotInfo {
+        name: robot.name.clone(),
+        team: robot.team,
+        model: robot.model(),
+        beams: robot.scan.as_ref().map_or(0, |scan| scan.beams as u32),
+        start: robot.start,
+        goal: robot.goal,
+    };
+    RunConfig {
+        root: PathBuf::new(),
+        prefix: String::new(),
+        seed: scenario.run.seed,
+        tick_period_ns: (scenario.run.dt * 1e9).round() as u64,
+        clock,
+        pace: None,
+        hang_timeout_s: scenario.run.hang_timeout_s,
+        processor: (scenario.run.pin == spec::Pin::OneCore).then(first_processor),
+        processes: scenario.processes.len() as u32 + 1,
+        events: scenario.events.len() as u32,
+        recorder_ticks: recorder_ticks(clock, scenario, particles) as u32,
+        map_cells: map.frame().len() as u32,
+        particles: particles as u32,
+        robots: world.robots.iter().map(robot).collect(),
+        exits: map.exits().iter().chain(&rules.exits).copied().collect(),
+        capture_radius: rules.capture.map_or(0.0, |c| c.radius),
+        log_level: String::new(),
+    }
+}
+
 /// Particles per belief that the parameters of a program of the user's ask for.
 fn particles(params: &Json) -> usize {
     params
@@ -288,73 +229,6 @@ fn first_processor() -> u32 {
             .find(|&cpu| set.is_set(cpu))
             .unwrap_or(0) as u32
     })
-}
-
-fn launches(scenario: &ResolvedScenario, run: &RunConfig) -> Result<Vec<Launch>, PlanError> {
-    let index = |position: usize| position as u32 + 1;
-    let providers: Vec<u32> = scenario
-        .processes
-        .iter()
-        .enumerate()
-        .filter(|(_, p)| p.makes(Product::Beliefs))
-        .map(|(position, _)| index(position))
-        .collect();
-    let mut drivers: Vec<Option<u32>> = vec![None; scenario.world.robots.len()];
-    for (position, process) in scenario.processes.iter().enumerate() {
-        let kind = process.program.kind();
-        let drives = kind.is_none_or(|kind| kind.kind().drives_robots);
-        for &robot in process.robots.iter().filter(|_| drives) {
-            if let Some(driver) = drivers.get_mut(robot) {
-                *driver = Some(index(position));
-            }
-        }
-    }
-    let simulator = SimulatorParams {
-        world: scenario.world.clone(),
-        blur_sigma: scenario.blur_sigma,
-        drivers,
-        agenda: obstacle_schedule::agenda(&scenario.events, run.tick_period_ns)?,
-    };
-    let mut launches = vec![Launch {
-        role: Role::Simulator(Box::new(simulator)),
-        config: ProcessConfig {
-            run: run.clone(),
-            name: simulator::NAME.into(),
-            kind: simulator::NAME.into(),
-            index: 0,
-            robots: Vec::new(),
-            upstream: Vec::new(),
-        },
-        watched: false,
-        // Without the world there is no run.
-        supervision: Supervision {
-            ready_timeout_s: scenario.run.ready_timeout_s,
-            ..Supervision::default()
-        },
-    }];
-    for (position, process) in scenario.processes.iter().enumerate() {
-        let kind = process.program.kind();
-        // What a program of the user's reads is not known: it gets its turn when everything is there.
-        let needs_belief = kind.is_none_or(|kind| kind.needs(Need::Belief));
-        launches.push(Launch {
-            role: Role::Process(process.program.clone()),
-            config: ProcessConfig {
-                run: run.clone(),
-                name: process.name.clone(),
-                kind: kind.map_or("external", |kind| kind.kind().name).into(),
-                index: index(position),
-                robots: process.robots.iter().map(|&r| r as u32).collect(),
-                upstream: if needs_belief {
-                    providers.clone()
-                } else {
-                    Vec::new()
-                },
-            },
-            watched: providers.contains(&index(position)),
-            supervision: process.supervision,
-        });
-    }
-    Ok(launches)
 }
 
 #[cfg(test)]

@@ -123,7 +123,7 @@ fn recorder_options(scenario: &ResolvedScenario, plan: &Plan, force: bool) -> Re
             "processes".to_owned(),
             names(processes.iter().map(|p| p.name.as_str())),
         ),
-        ("machine".to_owned(), report::machine()),
+        ("machine".to_owned(), platform::machine::machine()),
     ]);
     RecorderOptions {
         path: PathBuf::new(),

@@ -1,0 +1,20 @@
+//! The machine that this program runs on.
+
+/// The machine in a line: system, processors, their model.
+pub fn machine() -> String {
+    let uname = rustix::system::uname();
+    let processors = std::thread::available_parallelism().map_or(0, usize::from);
+    let model = std::fs::read_to_string("/proc/cpuinfo")
+        .ok()
+        .and_then(|text| {
+            let line = text.lines().find(|line| line.starts_with("model name"))?;
+            Some(line.split(':').nth(1)?.trim().to_owned())
+        })
+        .unwrap_or_else(|| "unknown processor".into());
+    format!(
+        "{} {} {}, {processors} x {model}",
+        uname.sysname().to_string_lossy(),
+        uname.release().to_string_lossy(),
+        uname.machine().to_string_lossy(),
+    )
+}
