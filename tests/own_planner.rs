@@ -82,7 +82,7 @@ fn a_program_of_somebody_else_has_all_commands_for_its_own_planner() {
     };
     let alone = run(&["--out", "hall.mcap"]);
     let together = run(&["--in-process"]);
-    assert_eq!(alone["robots"][0]["outcome"], "arrived", "{alone}");
+    assert_eq!(alone["robots"][0]["outcome"], "goal_reached", "{alone}");
     assert_eq!(alone["digest"], together["digest"]);
 
     let again = call(&["rerun", "hall.mcap"]).json();

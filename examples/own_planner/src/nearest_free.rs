@@ -5,14 +5,14 @@
 use core::f64::consts::PI;
 
 use nalgebra::{Point2, Vector2};
-use parameters::{Parameters, above, at_least, check};
+use parameters::{Parameters, above, at_least};
 use planner::{Planner, PlannerInputs, limits};
 use planner_view::limits::Limits;
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
 use runtime::config::RobotInfo;
-use runtime::kind::{Need, ParamsFault};
+use runtime::kind::Need;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sim_backend::math;
@@ -62,10 +62,6 @@ impl Planner for NearestFree {
     const SUMMARY: &'static str = "drives to its goal in the nearest free direction";
 
     type Params = NearestFreeParams;
-
-    fn check_params(params: &NearestFreeParams) -> Result<(), ParamsFault> {
-        Ok(check(params)?)
-    }
 
     fn inputs(_: &NearestFreeParams) -> PlannerInputs {
         PlannerInputs::default()

@@ -149,11 +149,6 @@ impl ConfiguredKind {
         self.0.check_task(task)
     }
 
-    /// As [`ProcessKind::extension`].
-    pub fn extension(&self) -> Option<Box<dyn Any>> {
-        self.0.extension()
-    }
-
     /// Opens a process in this thread.
     ///
     /// # Errors
@@ -183,7 +178,6 @@ trait Configured: fmt::Debug + Send + Sync {
     fn belief_particles(&self) -> usize;
     fn lookout(&self, given: &[usize], robots: &[RobotSpec]) -> Option<Lookout>;
     fn check_task(&self, task: &Task<'_>) -> Result<(), TaskFault>;
-    fn extension(&self) -> Option<Box<dyn Any>>;
     fn open(&self, config: &ProcessConfig, bus: &Bus) -> Result<Box<dyn Process>, ProcessError>;
 }
 
@@ -230,10 +224,6 @@ impl<K: ProcessKind> Configured for Typed<K> {
 
     fn check_task(&self, task: &Task<'_>) -> Result<(), TaskFault> {
         K::check_task(&self.params, task)
-    }
-
-    fn extension(&self) -> Option<Box<dyn Any>> {
-        K::extension(&self.params)
     }
 
     fn open(&self, config: &ProcessConfig, bus: &Bus) -> Result<Box<dyn Process>, ProcessError> {

@@ -1,6 +1,5 @@
 //! The interface of a steering algorithm, and what a robot gives it.
 
-use core::any::Any;
 use core::fmt;
 use parameters::Parameters;
 
@@ -110,12 +109,6 @@ pub trait Planner: Sized + 'static {
     fn check_task(params: &Self::Params, task: &Task<'_>, seed: u64) -> Result<(), TaskFault> {
         let _ = (params, task, seed);
         Ok(())
-    }
-
-    /// As [`ProcessKind::extension`](runtime::ProcessKind::extension).
-    fn extension(params: &Self::Params) -> Option<Box<dyn Any>> {
-        let _ = params;
-        None
     }
 
     /// A planner for a robot; `seed` is its own.

@@ -1,7 +1,6 @@
 //! The process of all steering planners: state, map, beliefs and scans in; a command and a plan per
 //! robot out.
 
-use core::any::Any;
 use std::sync::Arc;
 
 use ipc_types::bus::{Bus, Publisher, PublisherOptions};
@@ -71,10 +70,6 @@ impl<P: Planner> ProcessKind for PlannerProcess<P> {
     fn check_task(params: &P::Params, task: &Task<'_>) -> Result<(), TaskFault> {
         let seed = planner_seed(task.run_seed, P::NAME, &task.robot.name);
         P::check_task(params, task, seed)
-    }
-
-    fn extension(params: &P::Params) -> Option<Box<dyn Any>> {
-        P::extension(params)
     }
 
     fn open(config: &ProcessConfig, params: &P::Params, bus: &Bus) -> Result<Self, ProcessError> {

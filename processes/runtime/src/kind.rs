@@ -1,6 +1,5 @@
 //! Kinds of processes: what a scenario, a run and a command must know of a process.
 
-use core::any::Any;
 use core::fmt;
 use parameters::Parameters;
 
@@ -92,13 +91,6 @@ pub trait ProcessKind: Process + Sized + 'static {
     fn check_task(params: &Self::Params, task: &Task<'_>) -> Result<(), TaskFault> {
         let _ = (params, task);
         Ok(())
-    }
-
-    /// An interface for commands that ask a kind for more than to run: one that lists the sub-goals
-    /// of a coverage, say. Its type is part of the agreement with the command.
-    fn extension(params: &Self::Params) -> Option<Box<dyn Any>> {
-        let _ = params;
-        None
     }
 
     /// Opens the ports and sets up the algorithm.
