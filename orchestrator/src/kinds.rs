@@ -60,6 +60,9 @@ pub fn load(
 }
 
 #[cfg(test)]
+mod reference;
+
+#[cfg(test)]
 mod tests {
     use config::Node;
     use runtime::kind::Need;

@@ -1,12 +1,13 @@
 //! Where a robot is and how it moves (REP-103: x forward, y left, angles counter-clockwise).
 
 use nalgebra::{Point2, Vector2};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::math;
 
 /// Pose of a robot in the world frame.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Pose2 {
     /// Position along the world's x axis (m).
@@ -45,7 +46,7 @@ impl Pose2 {
 }
 
 /// Velocity of a differential-drive robot in its own frame; also what a planner commands.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Twist2 {
     /// Forward speed (m/s).

@@ -1,9 +1,12 @@
 //! Which side a robot is on.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The side a robot plays for; decides who catches whom and who shares what.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema,
+)]
 #[serde(rename_all = "lowercase")]
 #[repr(u8)]
 pub enum Team {

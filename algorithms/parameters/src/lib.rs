@@ -37,7 +37,8 @@
 //! ```
 //!
 //! [`fn@check`] compares every value with its range, in the order of declaration; what is left to
-//! write by hand are relations between fields ([`Parameters::check_relations`]).
+//! write by hand are relations between fields ([`Parameters::check_relations`]). [`markdown_table`]
+//! writes the same declaration for the reference, [`schema_generator`] for editors.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
@@ -46,10 +47,14 @@ mod bounds;
 mod check;
 mod error;
 mod fidelity;
+mod publish;
 mod range;
+mod reference;
 mod schema;
 
 pub use bounds::{Bounds, above, at_least, between, each, unit};
 pub use check::{Parameters, check};
 pub use error::{Fault, ParamsError, finite, fraction, not_negative, positive, require, within};
 pub use fidelity::Fidelity;
+pub use publish::{for_people, schema_generator};
+pub use reference::markdown_table;

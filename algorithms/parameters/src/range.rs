@@ -10,7 +10,7 @@ use crate::bounds::UNIT;
 /// The range of one schema.
 pub(crate) struct Range<'a>(pub &'a Map<String, Value>);
 
-impl Range<'_> {
+impl<'a> Range<'a> {
     /// Whether a number is inside.
     pub fn contains(&self, number: &Data) -> bool {
         let holds =
@@ -49,7 +49,7 @@ impl Range<'_> {
     }
 
     /// The unit, if it has one.
-    pub fn unit(&self) -> Option<&str> {
+    pub fn unit(&self) -> Option<&'a str> {
         self.0.get(UNIT).and_then(Value::as_str)
     }
 
@@ -85,6 +85,25 @@ impl Range<'_> {
         format!("{noun}{range}{unit}")
     }
 
+    /// The numbers accepted, in signs, without their unit.
+    pub fn short(&self) -> String {
+        let get = |keyword: &str, sign: &str| {
+            let bound = self.0.get(keyword)?;
+            Some(format!("{sign} {}", plain(bound)))
+        };
+        if let (true, Some(min), Some(max)) = (
+            self.is_closed(),
+            self.0.get("minimum"),
+            self.0.get("maximum"),
+        ) {
+            return format!("{} to {}", plain(min), plain(max));
+        }
+        let lower = get("exclusiveMinimum", ">").or_else(|| get("minimum", "≥"));
+        let upper = get("exclusiveMaximum", "<").or_else(|| get("maximum", "≤"));
+        let bounds: Vec<String> = lower.into_iter().chain(upper).collect();
+        bounds.join(", ")
+    }
+
     /// The numbers of elements accepted, in words.
     pub fn lengths(&self) -> String {
         let bound = |keyword: &str| self.0.get(keyword).and_then(Value::as_u64);
@@ -95,6 +114,11 @@ impl Range<'_> {
             (None, Some(max)) => format!("at most {max} values"),
             (None, None) => "a list".to_owned(),
         }
+    }
+
+    /// Whether not every number of elements is accepted.
+    pub fn has_lengths(&self) -> bool {
+        self.0.contains_key("minItems") || self.0.contains_key("maxItems")
     }
 
     fn is_closed(&self) -> bool {

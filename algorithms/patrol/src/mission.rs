@@ -45,7 +45,7 @@ pub struct MissionParams {
     #[schemars(transform = above(0).unit("m"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub alpha: Option<f64>,
-    /// Share of the time that is kept in reserve where the width is chosen, 0 to 1: what a robot that
+    /// Share of the time that is kept in reserve where the width is chosen: what a robot that
     /// is late catches up with. The less, the wider the zig-zag and the later the robot.
     #[schemars(transform = at_least(0).below(1))]
     pub margin: f64,

@@ -24,7 +24,7 @@ const HERE: f64 = 1e-9;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct GoToParams {
-    /// Bearing beyond which the robot turns on the spot, in (0, π]. The larger, the faster a
+    /// Bearing beyond which the robot turns on the spot. The larger, the faster a
     /// lap and the farther the way bulges out behind a corner (by the speed over the turning rate
     /// at most).
     #[schemars(transform = above(0).at_most(PI).unit("rad"))]
@@ -32,7 +32,7 @@ pub struct GoToParams {
     /// Turning rate per bearing; at most one tick's bearing is turned in a tick.
     #[schemars(transform = above(0).unit("1/s"))]
     pub turn_gain: f64,
-    /// Speed allowed, as a fraction of the highest forward speed, in [0, 1].
+    /// Speed allowed, as a fraction of the highest forward speed.
     #[schemars(transform = above(0).at_most(1))]
     pub speed_fraction: f64,
     /// Distance at which the point has been reached.
@@ -42,7 +42,7 @@ pub struct GoToParams {
     #[schemars(transform = above(0).unit("m/s²"))]
     pub deceleration: Option<f64>,
     /// With a deceleration: change of direction up to which the point is passed at speed all the
-    /// same, when it is known where to go on to, in [0, π].
+    /// same, when it is known where to go on to.
     #[schemars(transform = between(0, PI).unit("rad"))]
     pub pass_angle: f64,
 }

@@ -38,13 +38,13 @@ pub struct TrackingParams {
     /// most `look_ahead`.
     #[schemars(transform = above(0).unit("m"))]
     pub least_look_ahead: f64,
-    /// Bearing of the point looked at beyond which the robot turns on the spot, in (0, π].
+    /// Bearing of the point looked at beyond which the robot turns on the spot.
     #[schemars(transform = above(0).at_most(PI).unit("rad"))]
     pub turn_on_spot: f64,
     /// Turning rate per bearing while it does.
     #[schemars(transform = above(0).unit("1/s"))]
     pub turn_gain: f64,
-    /// Speed allowed, as a fraction of the highest forward speed, in [0, 1].
+    /// Speed allowed, as a fraction of the highest forward speed.
     #[schemars(transform = between(0, 1))]
     pub speed_fraction: f64,
     /// Deceleration before the end of the path; absent: it is passed at full speed.

@@ -27,10 +27,10 @@ pub enum HeadingModel {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct SensorParams {
-    /// Visibility below which an opponent is unseen, 0…1.
+    /// Visibility below which an opponent is unseen.
     #[schemars(transform = between(0, 1))]
     pub unseen_below: f64,
-    /// Visibility above which the position is measured exactly, `unseen_below`…1.
+    /// Visibility above which the position is measured exactly, at least `unseen_below`.
     #[schemars(transform = between(0, 1))]
     pub exact_above: f64,
     /// Factor g of the noise σ = g·(1/V − 1) of x and of y.
@@ -41,7 +41,7 @@ pub struct SensorParams {
     /// Largest distance at which an observer sees; unlimited if absent.
     #[schemars(transform = above(0).unit("m"))]
     pub range: Option<f64>,
-    /// Full opening angle of an observer's field of view, centred on its heading, in (0, 2π];
+    /// Full opening angle of an observer's field of view, centred on its heading;
     /// all round if absent.
     #[schemars(transform = above(0).at_most(TAU).unit("rad"))]
     pub field_of_view: Option<f64>,
@@ -66,13 +66,13 @@ impl Default for SensorParams {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct FilterParams {
-    /// Number of particles, 1…1 000 000.
+    /// Number of particles.
     #[schemars(transform = between(1, MOST_PARTICLES))]
     pub particles: usize,
-    /// Random walk of the speed hypothesis (largest speed per √s).
+    /// Random walk of the speed hypothesis.
     #[schemars(transform = at_least(0).unit("largest speed per √s"))]
     pub speed_walk: f64,
-    /// Random walk of the turning-rate hypothesis (largest turning rate per √s).
+    /// Random walk of the turning-rate hypothesis.
     #[schemars(transform = at_least(0).unit("largest turning rate per √s"))]
     pub turn_walk: f64,
     /// Rate at which the speed hypothesis returns to the largest speed; 0 for a pure

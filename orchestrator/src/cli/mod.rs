@@ -22,6 +22,7 @@ mod report;
 mod rerun;
 mod run;
 mod run_summary;
+mod schema;
 mod sweep;
 mod sweep_kind;
 mod sweep_output;
@@ -79,6 +80,12 @@ enum Command {
         /// Print one JSON object
         #[arg(long)]
         json: bool,
+    },
+    /// Print the JSON Schema of a kind of file, for editors
+    Schema {
+        /// The kind of file
+        #[arg(value_enum)]
+        file: schema::File,
     },
     /// List the built-in scenarios and the kinds of processes
     List {
@@ -309,6 +316,7 @@ fn command(kinds: &'static [Kind], cli: Cli) -> ExitCode {
             print,
             json,
         }) => check::check(kinds, &scenario, &overrides, print, json),
+        Some(Command::Schema { file }) => schema::schema(kinds, file),
         Some(Command::List { json, show }) => list::list(kinds, json, show.as_deref()),
         Some(Command::Picture {
             log,

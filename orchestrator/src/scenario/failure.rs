@@ -1,13 +1,14 @@
 //! Reaction of a run to the failure of one of its processes: keys of `[[processes]]`.
 
 use config::{Code, FieldPath, Node};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::context::Context;
 use super::spec::{Mode, ProcessBlock, RunSpec};
 
 /// Reaction to a process that exits, is killed, breaks the protocol or no longer answers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum OnFailure {
     /// The run ends, and fails.
@@ -20,7 +21,7 @@ pub enum OnFailure {
 }
 
 /// Supervision of a process.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Supervision {
     /// Reaction to its failure.
     pub on_failure: OnFailure,

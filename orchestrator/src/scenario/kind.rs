@@ -11,6 +11,7 @@ use ipc_types::bus::Bus;
 use parameters::ParamsError;
 use runtime::kind::{Lookout, Need, Process, ProcessKind, Product, Task, TaskFault};
 use runtime::{ProcessConfig, ProcessError};
+use schemars::{Schema, SchemaGenerator};
 use serde_json::Value as Json;
 use sim_backend::spec::RobotSpec;
 
@@ -27,6 +28,8 @@ pub struct Kind {
     read: fn(&Node) -> Result<ConfiguredKind, ParamsProblem>,
     presets: fn() -> Vec<(&'static str, ConfiguredKind)>,
     run: fn(&Path) -> ExitCode,
+    schema: fn(&mut SchemaGenerator) -> Schema,
+    parameter_table: fn() -> String,
 }
 
 impl Kind {
@@ -40,12 +43,24 @@ impl Kind {
             read: read::<K>,
             presets: presets::<K>,
             run: runtime::run::<K>,
+            schema: SchemaGenerator::subschema_for::<K::Params>,
+            parameter_table: parameters::markdown_table::<K::Params>,
         }
     }
 
     /// Whether it makes something for others.
     pub fn makes(&self, product: Product) -> bool {
         self.makes.contains(&product)
+    }
+
+    /// The schema of its parameters.
+    pub fn schema(&self, generator: &mut SchemaGenerator) -> Schema {
+        (self.schema)(generator)
+    }
+
+    /// Its parameters as a table in Markdown.
+    pub fn parameter_table(&self) -> String {
+        (self.parameter_table)()
     }
 
     /// Reads and checks parameters; those that are not given have their defaults.

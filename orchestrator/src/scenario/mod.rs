@@ -25,6 +25,7 @@ mod process_checks;
 mod processes;
 mod resolved;
 mod robots;
+pub mod schema;
 pub mod spec;
 mod tasks;
 mod template;

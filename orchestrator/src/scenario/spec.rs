@@ -1,12 +1,17 @@
 //! What a scenario file may contain, beside the world's own tables (`sim_backend::spec`).
 
+use schemars::JsonSchema;
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 use sim_backend::pose::Pose2;
-use sim_backend::spec::{ActuatorSpec, LimitsSpec, OdometrySpec, Preset, Region, ScanSpec};
+use sim_backend::spec::{
+    ActuatorSpec, LimitsSpec, OdometrySpec, Preset, Region, RulesSpec, ScanSpec,
+};
 use sim_backend::team::Team;
 
+use super::events::EventBlock;
 use super::failure::OnFailure;
+use super::world::WorldBlock;
 
 /// Most robots in one scenario.
 pub const MAX_ROBOTS: usize = 64;
@@ -22,7 +27,7 @@ pub const MAX_TICKS: f64 = 1e8;
 pub const MAX_EVENTS: usize = 10_000;
 
 /// `[run]`: time, chance, and how the processes wait for each other.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct RunSpec {
     /// Simulated length of one tick (s), 0.0001 to 1.
@@ -61,7 +66,7 @@ impl Default for RunSpec {
 }
 
 /// Who sets the pace of a run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Mode {
     /// Every process answers every tick; the run is as fast as they are, and reproducible.
@@ -72,7 +77,7 @@ pub enum Mode {
 }
 
 /// On which cores the processes of a run may be.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Pin {
     /// Wherever the system puts them.
@@ -83,7 +88,7 @@ pub enum Pin {
 }
 
 /// `[log]`: what is recorded and how.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct LogSpec {
     /// Compression of the chunks.
@@ -102,7 +107,7 @@ impl Default for LogSpec {
 }
 
 /// Compression of a log's chunks.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Compression {
     /// Zstandard.
@@ -113,7 +118,7 @@ pub enum Compression {
 }
 
 /// Random displacement of a robot's start, drawn from the run's seed.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct StartJitter {
     /// Along x: half the range, or the standard deviation (m), 0 to 100.
@@ -138,7 +143,7 @@ impl Default for StartJitter {
 }
 
 /// Distribution of a [`StartJitter`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Distribution {
     /// Anything from −value to +value is as likely.
@@ -149,7 +154,7 @@ pub enum Distribution {
 }
 
 /// How the robots of one `[[processes]]` block are shared out.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Grouping {
     /// A process of its own for each robot.
@@ -161,7 +166,7 @@ pub(super) enum Grouping {
 
 /// `[[robots]]`, `[teams.…]` and `[defaults.robot]`: all keys optional, since any of the three may
 /// give them.
-#[derive(Debug, Clone, Default, Deserialize)]
+#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct RobotBlock {
     pub name: Option<String>,
@@ -179,7 +184,7 @@ pub(super) struct RobotBlock {
 }
 
 /// `[[processes]]`.
-#[derive(Debug, Clone, Default, Deserialize)]
+#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct ProcessBlock {
     pub name: Option<String>,
@@ -192,36 +197,44 @@ pub(super) struct ProcessBlock {
     pub ready_timeout_s: Option<f64>,
     /// Read by the kind.
     #[serde(rename = "params")]
+    #[schemars(with = "Option<serde_json::Map<String, serde_json::Value>>")]
     pub _params: Option<IgnoredAny>,
 }
 
 /// The top level of a scenario file.
-#[derive(Debug, Clone, Default, Deserialize)]
+#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct TopLevel {
     pub name: Option<String>,
     pub title: Option<String>,
     pub description: Option<String>,
+    #[schemars(with = "Option<RunSpec>")]
     pub run: Option<IgnoredAny>,
+    #[schemars(with = "Option<WorldBlock>")]
     pub world: Option<IgnoredAny>,
+    #[schemars(with = "Option<RulesSpec>")]
     pub rules: Option<IgnoredAny>,
     pub defaults: Option<Defaults>,
     pub teams: Option<Teams>,
+    #[schemars(with = "Option<Vec<RobotBlock>>")]
     pub robots: Option<Vec<IgnoredAny>>,
+    #[schemars(with = "Option<Vec<ProcessBlock>>")]
     pub processes: Option<Vec<IgnoredAny>>,
+    #[schemars(with = "Option<Vec<EventBlock>>")]
     pub events: Option<Vec<IgnoredAny>>,
+    #[schemars(with = "Option<LogSpec>")]
     pub log: Option<IgnoredAny>,
 }
 
 /// `[defaults]`.
-#[derive(Debug, Clone, Default, Deserialize)]
+#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct Defaults {
     pub robot: Option<RobotBlock>,
 }
 
 /// `[teams]`.
-#[derive(Debug, Clone, Default, Deserialize)]
+#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct Teams {
     pub neutral: Option<RobotBlock>,

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use config::{Code, FieldPath, Node, SourceKind, nearest, parse_document};
 use parameters::ParamsError;
+use schemars::JsonSchema;
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 use sim_backend::map::{MapSpec, RosMap, UnknownCells, VectorMap, VectorMapError};
@@ -20,11 +21,12 @@ const MAX_MAP_FILE: u64 = 64 << 20;
 const BUILTIN: &str = "builtin:";
 
 /// `[world]` but for the map.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
-struct WorldBlock {
+pub(super) struct WorldBlock {
     /// Read by [`MapSpec`].
     #[serde(rename = "map", skip_serializing)]
+    #[schemars(with = "Option<serde_json::Value>")]
     _map: Option<IgnoredAny>,
     /// Side of the grid's cells (m), instead of what a vector map says.
     resolution: Option<f64>,

@@ -25,7 +25,7 @@ pub struct BraitenbergParams {
     /// Turning rate at full asymmetry.
     #[schemars(transform = above(0).unit("rad/s"))]
     pub turn_gain: f64,
-    /// Backward speed allowed, as a fraction of the highest forward speed, in [0, 1].
+    /// Backward speed allowed, as a fraction of the highest forward speed.
     #[schemars(transform = between(0, 1))]
     pub reverse_fraction: f64,
     /// [`Fidelity::Ours`]: the vehicle turns on the spot when it is blocked ahead. With the bare

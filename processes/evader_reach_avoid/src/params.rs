@@ -14,7 +14,7 @@ pub struct ReachAvoidParams {
     /// Time between two plans.
     #[schemars(transform = above(0).unit("s"))]
     pub period_s: f64,
-    /// Its own speed in its plans, as a fraction of its top speed, in (0, 1]: below 1, since plans
+    /// Its own speed in its plans, as a fraction of its top speed: below 1, since plans
     /// know nothing of the time that turning takes.
     #[schemars(transform = above(0).at_most(1))]
     pub speed_fraction: f64,

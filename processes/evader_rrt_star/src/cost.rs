@@ -51,8 +51,7 @@ pub struct CostParams {
     /// Extra metres per metre of way where the danger is 1 (`time_aware` only).
     #[schemars(transform = at_least(0))]
     pub weight: f64,
-    /// Share of a pursuer's speed with which it is taken to come nearer (`time_aware` only), in
-    /// [0, 1]: 1 for a pursuer that drives straight for the place at once, 0 for one that stays.
+    /// Share of a pursuer's speed with which it is taken to come nearer (`time_aware` only): 1 for a pursuer that drives straight for the place at once, 0 for one that stays.
     #[schemars(transform = between(0, 1))]
     pub reach: f64,
 }

@@ -49,10 +49,10 @@ impl Algorithm {
 pub struct SearchParams {
     /// The variant of the search.
     pub algorithm: Algorithm,
-    /// Iterations of one plan, 1 … 1 000 000.
+    /// Iterations of one plan.
     #[schemars(transform = between(1, MAX_ITERATIONS))]
     pub iterations: u32,
-    /// Share of iterations that try to reach a goal, in [0, 0.7).
+    /// Share of iterations that try to reach a goal.
     #[schemars(transform = at_least(0).below(1.0 - REFINE_SHARE))]
     pub goal_bias: f64,
     /// Longest edge that is tried, and with the published search.

@@ -49,13 +49,13 @@ pub struct PlanningParams {
     pub method: Method,
     /// The path that it starts from.
     pub guess: Guess,
-    /// Degree of the B-spline, 2…8.
+    /// Degree of the B-spline.
     #[schemars(transform = between(2, 8))]
     pub degree: Option<u32>,
-    /// Control points of the B-spline, degree + 1…64.
+    /// Control points of the B-spline, more than `degree`.
     #[schemars(transform = between(3, 64))]
     pub control_points: Option<u32>,
-    /// N of the N + 1 nodes of `vmc`, 2…64.
+    /// N of the N + 1 nodes of `vmc`.
     #[schemars(transform = between(2, 64))]
     pub nodes: Option<u32>,
     /// Reference point of `vmc`.
@@ -88,7 +88,7 @@ pub struct NavigatorParams {
     /// most `margin`.
     #[schemars(transform = above(0).unit("m"))]
     pub max_error: f64,
-    /// Share of the robot's speed limits that plans use, in (0, 1]: the rest is for corrections.
+    /// Share of the robot's speed limits that plans use: the rest is for corrections.
     #[schemars(transform = above(0).at_most(1))]
     pub speed_fraction: f64,
     /// Time for which another robot is let stand in the way before it is planned around.

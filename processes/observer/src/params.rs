@@ -83,7 +83,7 @@ pub struct ObserverParams {
     /// Time between two messages, rounded to whole ticks.
     #[schemars(transform = above(0).unit("s"))]
     pub period_s: f64,
-    /// How far ahead it predicts, each, rounded to whole ticks.
+    /// How far ahead it predicts, rounded to whole ticks.
     #[schemars(length(min = 1, max = MOST_HORIZONS), transform = each(above(0).at_most(LONGEST_HORIZON).unit("s")))]
     pub horizons_s: Vec<f64>,
     /// By which methods, besides those that the knowledge below allows.
@@ -91,7 +91,7 @@ pub struct ObserverParams {
     /// Distance from its goal at which a watched robot turns to the next one.
     #[schemars(transform = at_least(0).unit("m"))]
     pub arrival: f64,
-    /// Spectral density of the acceleration in the Kalman filter (m²/s³).
+    /// Spectral density of the acceleration in the Kalman filter.
     #[schemars(transform = at_least(0).unit("m²/s³"))]
     pub acceleration: f64,
     /// The particle filters.

@@ -11,7 +11,7 @@ const MAX_WORKERS: u32 = 16;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct OptimiserParams {
-    /// Threads that plan: requests that are worked on at the same time, 1…16. (A run in one process
+    /// Threads that plan: requests that are worked on at the same time. (A run in one process
     /// answers one after the other.)
     #[schemars(transform = between(1, MAX_WORKERS))]
     pub workers: u32,

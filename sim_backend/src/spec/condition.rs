@@ -1,6 +1,7 @@
 //! How far a robot must have come for something to happen.
 
 use nalgebra::Point2;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{Region, coordinate, non_negative, positive};
@@ -12,7 +13,7 @@ use crate::robot::Robot;
 ///
 /// In TOML the keys of one variant: `{ travelled = 1.5 }`, `{ progress = 0.36 }` or
 /// `{ within = 0.8, of = [2.0, 3.0] }`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged, deny_unknown_fields)]
 pub enum Condition {
     /// Its centre has covered a way.

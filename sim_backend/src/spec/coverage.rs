@@ -1,5 +1,6 @@
 //! Which area counts as visited.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::positive;
@@ -13,7 +14,7 @@ use crate::team::Team;
 /// radius = 0.2
 /// teams = ["neutral"]
 /// ```
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct CoverageSpec {
     /// Radius of the disc about a robot's centre that it visits (m), > 0: of its tool, or of what

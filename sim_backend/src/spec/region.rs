@@ -1,6 +1,7 @@
 //! Places that matter to the rules: exits and goals.
 
 use nalgebra::Point2;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{coordinate, positive};
@@ -11,7 +12,7 @@ use crate::params::ParamsError;
 ///
 /// In TOML: `{ circle = { center = [9.0, 0.0], radius = 0.5 } }` or
 /// `{ rectangle = { center = [9.0, 0.0], half_extents = [0.5, 1.25] } }`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Region {
     /// The points strictly nearer to `center` than `radius`.

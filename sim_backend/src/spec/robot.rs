@@ -1,5 +1,6 @@
 //! One robot: body, limits, imperfections, sensors.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{OdometrySpec, Region, ScanSpec, coordinate, non_negative, positive};
@@ -17,7 +18,7 @@ use crate::team::Team;
 /// preset = "turtlebot3_burger"
 /// limits = { v_max = 0.3 }
 /// ```
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RobotSpec {
     /// Unique name, used in messages, logs and the summary.
@@ -139,7 +140,7 @@ impl RobotSpec {
 }
 
 /// Robots that exist.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Preset {
     /// ROBOTIS `TurtleBot3` Burger.
@@ -160,7 +161,7 @@ impl Preset {
 }
 
 /// Limits that differ from the preset's; absent values are the preset's.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct LimitsSpec {
     /// Largest forward speed (m/s), > 0.
@@ -179,7 +180,7 @@ pub struct LimitsSpec {
 }
 
 /// Body and limits of a robot, presets and overrides resolved.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RobotModel {
     /// Radius of the disc that the robot occupies (m).
@@ -240,7 +241,7 @@ impl RobotModel {
 /// Executed speed = commanded · (1 − slip) · (1 + noise·N), with N standard normal, clipped at
 /// ±3 and drawn once per step from the robot's own stream; the result is clamped to the robot's
 /// limits, so that noise never makes a robot faster than it can be.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ActuatorSpec {
     /// Part of the forward speed lost to slipping wheels, in [0, 1).

@@ -1,5 +1,6 @@
 //! The rules of the game.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{CoverageSpec, Region, non_negative, positive};
@@ -7,7 +8,7 @@ use crate::map::MAX_EXITS;
 use crate::params::ParamsError;
 
 /// Rules of a mission; the defaults are a world without a game: no capture, no exits, no end.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct RulesSpec {
     /// When Police catch evaders; never if absent.
@@ -43,7 +44,7 @@ impl Default for RulesSpec {
 }
 
 /// When Police catch an evader.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct CaptureSpec {
     /// A Police centre strictly nearer than this to the evader's centre catches it (m), > 0.
@@ -64,7 +65,7 @@ impl Default for CaptureSpec {
 }
 
 /// What a robot does that runs into something.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Blocked {
     /// It keeps the part of its motion along the obstacle.
@@ -75,7 +76,7 @@ pub enum Blocked {
 }
 
 /// What becomes of the body of a robot that is out of the game.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum OutOfPlay {
     /// It stands where it is, as an obstacle to the others and to their scans.

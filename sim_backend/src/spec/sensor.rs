@@ -2,6 +2,7 @@
 
 use core::f64::consts::TAU;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{non_negative, positive};
@@ -15,7 +16,7 @@ const MAX_BEAMS: usize = 65_536;
 /// Beam `i` points at `angle_min + i·angle_increment` from the robot's heading. A beam reports the
 /// distance (m) to the first obstacle or robot; `+∞` if there is none within `range_max`, and `−∞`
 /// if it is nearer than `range_min` (REP-117).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ScanSpec {
     /// Number of beams, in [1, 65536].
@@ -85,7 +86,7 @@ impl ScanSpec {
 
 /// Noise of odometry: the standard deviation of each increment grows with the square root of the
 /// way driven and turned, as independent wheel errors do.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct OdometrySpec {
     /// Standard deviation of the distance per √distance (m/√m), ≥ 0.

@@ -15,15 +15,14 @@ pub struct KeyedParams {
     /// the robot covers.
     #[schemars(transform = above(0).unit("m"))]
     pub cell: f64,
-    /// Orders drawn per sub-goal, of which the best is followed, in [1, 4]; 1.4 draws one or two by
+    /// Orders drawn per sub-goal, of which the best is followed; 1.4 draws one or two by
     /// turns of the key. The trade-off: more cover faster and are easier to foretell.
     #[schemars(transform = between(1, 4))]
     pub choices: f64,
-    /// Points looked at per order, from 1 to 4096.
+    /// Points looked at per order.
     #[schemars(transform = between(1, MAX_CANDIDATES))]
     pub candidates: usize,
-    /// Share of the reachable cells at which a round ends and everything counts as fresh again, in
-    /// (0, 1].
+    /// Share of the reachable cells at which a round ends and everything counts as fresh again.
     #[schemars(transform = above(0).at_most(1))]
     pub round_at: f64,
 }

@@ -25,7 +25,7 @@ pub enum Interpolation {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct FollowParams {
-    /// How far rectangles may stick out of the obstacles that they stand for, ≥ 10⁻⁶.
+    /// How far rectangles may stick out of the obstacles that they stand for.
     #[schemars(transform = at_least(LEAST_TOLERANCE).unit("m"))]
     pub tolerance: f64,
     /// Distance that the robot's body keeps from obstacles and walls where it is planned to be,

@@ -5,11 +5,13 @@ mod moment;
 mod read;
 
 pub use moment::{Moment, Trigger};
+pub(super) use read::EventBlock;
 
 use std::collections::BTreeSet;
 
 use config::{Code, Diagnostic, FieldPath, Node};
 use history::History;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sim_backend::map::{MapSpec, ObstacleChange, ObstacleId};
 use sim_backend::shape::Shape;
@@ -22,7 +24,7 @@ use super::spec::MAX_EVENTS;
 pub const MAX_EVENT_VERTICES: usize = 16;
 
 /// What happens to the obstacle of an event.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Action {
     /// It comes to be.

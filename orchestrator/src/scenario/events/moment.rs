@@ -1,6 +1,7 @@
 //! When an event happens: at a time, or when a robot has come so far.
 
 use config::{Code, FieldPath, Node, list_choices, nearest};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sim_backend::map::MapSpec;
 use sim_backend::math;
@@ -45,7 +46,7 @@ pub struct Trigger {
 }
 
 /// `when = { … }` as written.
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct WhenBlock {
     robot: String,

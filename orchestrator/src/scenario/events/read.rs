@@ -1,6 +1,7 @@
 //! One `[[events]]` block by itself.
 
 use config::{Code, FieldPath, Node};
+use schemars::JsonSchema;
 use serde::Deserialize;
 use sim_backend::map::MapSpec;
 use sim_backend::shape::Shape;
@@ -11,9 +12,9 @@ use crate::scenario::context::Context;
 use crate::scenario::robots::Robot;
 use crate::scenario::world::shape_problem;
 
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-struct EventBlock {
+pub(in crate::scenario) struct EventBlock {
     #[serde(default)]
     time_s: Option<f64>,
     #[serde(default)]
