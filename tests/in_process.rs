@@ -3,7 +3,7 @@
 use crate::support::Sandbox;
 use crate::support::history::History;
 use crate::support::programs::driven_by;
-use orchestrator::scenario::builtin::SCENARIOS;
+use scenario::builtin::SCENARIOS;
 use serde_json::Value as Json;
 
 /// A scenario, what is changed in it, and the seeds it is run with.

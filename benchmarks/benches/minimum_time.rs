@@ -6,8 +6,8 @@
 
 use std::hint::black_box;
 
+use ::plan::Recipe;
 use criterion::{Criterion, criterion_group, criterion_main};
-use orchestrator::planning::Recipe;
 use trajectory::{Method, Options, Problem, plan};
 
 /// Seeds of the problems of a recipe.

@@ -21,7 +21,7 @@ use ipc_types::topics::{Belief, Commands, Plan, Sightings, Topic, WorldState};
 use mcap::WriteOptions;
 use mcap::records::MessageHeader;
 use mcap_log::{ChannelSpec, Compression, LogOptions, LogWriter, Manifest};
-use orchestrator::recorder::{ProcessInfo, RecorderOptions, Recording, RobotInfo, ViewerOptions};
+use recorder::{ProcessInfo, RecorderOptions, Recording, RobotInfo, ViewerOptions};
 
 const ROBOTS: u32 = 6;
 const PARTICLES: usize = 300;

@@ -4,10 +4,10 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use orchestrator::kinds::load;
-use orchestrator::mission::in_process::{self, Cache, InProcessOptions};
-use orchestrator::scenario::ResolvedScenario;
+use kinds::load;
+use mission::in_process::{self, Cache, InProcessOptions};
 use rustix::time::{ClockId, clock_gettime};
+use scenario::ResolvedScenario;
 use statistics::{Spread, paired_ratio};
 
 use super::report::{Figure, Goal};

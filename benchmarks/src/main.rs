@@ -113,9 +113,7 @@ fn main() -> ExitCode {
         (Some("process"), Some(ticks::RAW_PLANNER), Some(config)) => {
             ticks::raw_planner(Path::new(config))
         }
-        (Some("process" | "run"), ..) => {
-            orchestrator::cli::main_with(orchestrator::kinds::KINDS.to_vec())
-        }
+        (Some("process" | "run"), ..) => protean::main_with(kinds::KINDS.to_vec()),
         _ => measure(&Cli::parse()),
     }
 }

@@ -2,7 +2,7 @@
 
 use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
 use comfy_table::{CellAlignment, Table};
-use orchestrator::latency::load;
+use latency::load;
 use platform::machine::machine;
 use serde_json::{Value as Json, json};
 use statistics::Spread;

@@ -2,7 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use orchestrator::planning;
+use plan;
 
 fuzz_target!(|bytes: &[u8]| {
     let _ = planning::file::parse(bytes);

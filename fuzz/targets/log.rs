@@ -5,13 +5,13 @@
 mod support;
 
 use libfuzzer_sys::fuzz_target;
-use orchestrator::logs::LogInfo;
+use log_tools::LogInfo;
 
 fuzz_target!(|bytes: &[u8]| {
     support::with_log(bytes, |path| {
         if let Ok(info) = LogInfo::read(path, &mut support::watch()) {
             assert!(info.condition.file_bytes == bytes.len() as u64);
-            assert!(!orchestrator::logs::info_text(&info).is_empty());
+            assert!(!log_tools::info_text(&info).is_empty());
         }
     });
 });

@@ -4,7 +4,7 @@
 mod support;
 
 use libfuzzer_sys::fuzz_target;
-use orchestrator::logs::{ExportOptions, FilterOptions, LogInfo, export, filter, recover};
+use log_tools::{ExportOptions, FilterOptions, LogInfo, export, filter, recover};
 use tables::{Format};
 use mcap_log::{Topics};
 

@@ -9,7 +9,8 @@ mod sampled;
 mod support;
 
 use libfuzzer_sys::fuzz_target;
-use orchestrator::scenario::{Loader, files::Base};
+use scenario::{Loader};
+use scenario::files::{Base};
 
 /// Maps of more cells only make it slow; so do the built-in ones at their own resolution.
 const SMALL: [(&str, &str); 2] = [
@@ -22,7 +23,7 @@ fuzz_target!(|text: &str| {
     let (mut overrides, text) = support::split(text);
     let small = SMALL.iter().find(|(map, _)| text.contains(map));
     overrides.extend(small.map(|(_, limit)| (*limit).to_owned()));
-    let loader = Loader::new(orchestrator::kinds::KINDS);
+    let loader = Loader::new(kinds::KINDS);
     let load = |text: &str, overrides: &[String]| {
         loader.load_text("fuzz.toml", text, &Base::Nothing, overrides, None)
     };

@@ -6,12 +6,13 @@
 mod support;
 
 use libfuzzer_sys::fuzz_target;
-use orchestrator::scenario::{Loader, files::Base};
+use scenario::{Loader};
+use scenario::files::{Base};
 
 fuzz_target!(|text: &str| {
     let (mut overrides, text) = support::split(text);
     overrides.push("world.map=nowhere.toml".to_owned());
-    let problems = Loader::new(orchestrator::kinds::KINDS)
+    let problems = Loader::new(kinds::KINDS)
         .load_text("fuzz.toml", &text, &Base::Nothing, &overrides, None)
         .expect_err("a scenario without a map");
     assert!(!problems.is_empty() && !problems.to_string().is_empty());

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use crate::support::Sandbox;
 use crate::support::call::PATIENCE;
-use orchestrator::scenario::builtin::SCENARIOS;
+use scenario::builtin::SCENARIOS;
 
 const FILE: &str = "digests.txt";
 const SEEDS: [&str; 2] = ["1", "2"];

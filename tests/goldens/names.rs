@@ -9,7 +9,7 @@ use crate::support::call::PATIENCE;
 use ipc_types::message::Message as _;
 use ipc_types::schema;
 use ipc_types::topics::{Topic, TopicVisitor, for_each_topic};
-use orchestrator::scenario::builtin::SCENARIOS;
+use scenario::builtin::SCENARIOS;
 use serde_json::Value as Json;
 
 /// Adds the paths of all keys of a JSON value: `robots[].outcome`.

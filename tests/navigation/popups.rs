@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::support::geometry::between;
 use crate::support::history::History;
-use orchestrator::mission::in_process::{InProcessOptions, run};
+use mission::in_process::{InProcessOptions, run};
 use proptest::prelude::*;
 
 /// Radius of the robot (m), and its speed (m/s).
@@ -96,7 +96,7 @@ fn could_stop(history: &History, popups: &[Popup], acceleration: f64) -> bool {
 fn fly(directory: &Path, text: &str) -> (History, u32, String) {
     let file = directory.join("popups.toml");
     std::fs::write(&file, text).unwrap();
-    let scenario = orchestrator::kinds::load(file.to_str().unwrap(), &[], None)
+    let scenario = kinds::load(file.to_str().unwrap(), &[], None)
         .unwrap_or_else(|problems| panic!("{problems}\n{text}"));
     let log = directory.join("popups.mcap");
     let options = InProcessOptions {

@@ -18,10 +18,10 @@ use ipc_types::topics::{
     OptimiserPlan, PLAN_ANSWERED_EVENT, PLAN_ASKED_EVENT, Status, Topic, TopicVisitor, WorldMap,
     WorldShapes, WorldState, for_each_topic,
 };
-use orchestrator::mission::plan::Plan;
-use orchestrator::scenario::ResolvedScenario;
+use mission::plan::Plan;
 use runtime::lockstep::{Conductor, Overseer, Phase, SlotState, TurnEnd, TurnPage};
 use rustix::process::{Pid, PidfdFlags, Signal};
+use scenario::ResolvedScenario;
 
 use super::call::wait;
 use super::{PROTEAN, SOON, until};
@@ -81,7 +81,7 @@ impl Rig {
             .unwrap();
         let file = directory.path().join("scenario.toml");
         std::fs::write(&file, text).unwrap();
-        let scenario = match orchestrator::kinds::load(file.to_str().unwrap(), &[], None) {
+        let scenario = match kinds::load(file.to_str().unwrap(), &[], None) {
             Ok(scenario) => scenario,
             Err(problems) => panic!("{problems}"),
         };

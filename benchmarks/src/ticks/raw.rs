@@ -14,7 +14,7 @@ use ipc_types::bus::RunSpace;
 use ipc_types::messages::robot::Command;
 use ipc_types::messages::world::{RobotState, WorldHeader};
 use ipc_types::stamp::PlainHeader;
-use orchestrator::latency::link::{LINE, SharedWords, raw_node, sleep_while, store_and_wake, wake};
+use latency::link::{LINE, SharedWords, raw_node, sleep_while, store_and_wake, wake};
 use serde::{Deserialize, Serialize};
 
 use crate::{Failure, Result};

@@ -4,10 +4,10 @@ mod nearest_free;
 
 use std::process::ExitCode;
 
-use orchestrator::{cli, kinds};
+use protean::kinds;
 
 fn main() -> ExitCode {
     let mut all = kinds::KINDS.to_vec();
     all.push(kinds::planner::<nearest_free::NearestFree>());
-    cli::main_with(all)
+    protean::main_with(all)
 }

@@ -22,9 +22,9 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
-use orchestrator::sweep::planning::PlanResults;
-use orchestrator::sweep::{Record, Results};
 use platform::atomic_file::save;
+use sweep::planning::PlanResults;
+use sweep::{Record, Results};
 
 use self::page::Page;
 use self::plans::Plans;

@@ -87,7 +87,7 @@ struct Setting {
 impl Setting {
     fn new() -> Result<Self, MeasureError> {
         // Seed 1: the starts have the same jitter each time.
-        let scenario = orchestrator::kinds::load(SCENARIO, &[], Some(1)).map_err(failed)?;
+        let scenario = kinds::load(SCENARIO, &[], Some(1)).map_err(failed)?;
         let map = WorldMap::new(&scenario.world.map).map_err(failed)?;
         let space = FreeSpace::new(map.parts().to_vec(), *map.bounds(), map.frame().resolution)
             .map_err(failed)?;

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use orchestrator::sweep::{Results, SweepError, Value};
 use serde::Deserialize;
+use sweep::{Results, SweepError, Value};
 
 use super::evidence::{Cell, Evidence, Method, Study};
 use crate::place::{PlaceError, empty_place};

@@ -1,7 +1,7 @@
 //! How wide the zig-zag is: speed and error by α (cat-map patrol paper, Fig. 6 and 10).
 
 use draw::figures::{Chart, Point, Series, Unit};
-use orchestrator::sweep::Row;
+use sweep::Row;
 
 use super::evidence::{Cell, Study, laps};
 use crate::words::hundredths;

@@ -1,7 +1,7 @@
 //! Ways to choose sub-goals beside each other, at equal ways driven.
 
 use draw::figures::{Chart, Point, Series, Unit};
-use orchestrator::sweep::Row;
+use sweep::Row;
 
 use super::alpha::mean;
 use super::evidence::Study;

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use orchestrator::recorder::LapFigures;
-use orchestrator::sweep::{Results, Row};
+use recorder::LapFigures;
 use statistics::Mean;
+use sweep::{Results, Row};
 
 use crate::place::{PlaceError, empty_place};
 

@@ -1,7 +1,7 @@
 //! Zig-zag, fictive obstacles and both mixed, among obstacles (cat-map patrol paper, case 2).
 
-use orchestrator::recorder::LapFigures;
-use orchestrator::sweep::Row;
+use recorder::LapFigures;
+use sweep::Row;
 
 use super::alpha::mean;
 use super::evidence::{Study, laps};

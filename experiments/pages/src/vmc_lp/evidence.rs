@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use orchestrator::sweep::planning::{PlanResults, PlanRow};
+use sweep::planning::{PlanResults, PlanRow};
 
 use crate::place::{PlaceError, empty_place};
 

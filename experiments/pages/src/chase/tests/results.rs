@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use orchestrator::sweep::{Experiment, LoadOptions, Manifest, MissionId, Outcome, Results, Row};
+use sweep::{Experiment, LoadOptions, Manifest, MissionId, Outcome, Results, Row};
 
 use super::super::read::StudyError;
 use super::*;
@@ -27,8 +27,7 @@ fn results(directory: &Path, name: &str) -> Results {
     let text = EXPERIMENT.replace("NAME", name);
     let file = directory.join("file.toml");
     std::fs::write(&file, &text).unwrap();
-    let experiment =
-        Experiment::load(&file, &LoadOptions::new(orchestrator::kinds::KINDS)).unwrap();
+    let experiment = Experiment::load(&file, &LoadOptions::new(kinds::KINDS)).unwrap();
     let manifest = Manifest::of(&experiment);
     let mut results = Results::open(&directory.join("out"), &manifest, &text).unwrap();
     for (cell, escaped) in [(0, 1), (1, 2)] {

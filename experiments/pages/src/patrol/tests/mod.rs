@@ -1,7 +1,5 @@
-use orchestrator::recorder::{
-    CoverageByWay, CoverageOutcome, LapFigures, RobotOutcome, WaypointOutcome,
-};
-use orchestrator::sweep::{Outcome, Row};
+use recorder::{CoverageByWay, CoverageOutcome, LapFigures, RobotOutcome, WaypointOutcome};
+use sweep::{Outcome, Row};
 
 use super::evidence::{Cell, Study};
 use super::*;

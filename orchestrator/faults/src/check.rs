@@ -1,0 +1,171 @@
+//! The promises of a run, checked after a fault.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use mcap_log::Watch;
+use serde_json::Value as Json;
+
+use super::disturbed::{self, Baseline, Ended, Mission};
+use super::{ChaosError, FaultKind, Outcome};
+use log_tools::{LogInfo, recover};
+use mission::child_process::exit_words;
+use scenario::ResolvedScenario;
+use scenario::spec::Mode;
+
+/// Multiples of the time of an undisturbed mission that one with a fault may take, and the time (s) on
+/// top of that and of what it takes to notice the failure: the machine may be busy.
+const PATIENCE: (f64, f64) = (5.0, 40.0);
+/// Time after which no process of a run may live whose orchestrator is gone: the grace of its
+/// processes, and what a busy machine adds.
+const GONE_WITHIN: Duration = Duration::from_secs(8);
+/// Real time that a log may lack before the death of the orchestrator (s).
+const LOST_S: f64 = 1.0;
+
+/// Runs a mission, injects the fault, and checks every promise.
+pub(super) fn inject(
+    scenario: &ResolvedScenario,
+    outcome: &mut Outcome,
+    baseline: &Baseline,
+) -> Result<(), ChaosError> {
+    let (times, more) = PATIENCE;
+    let noticed = scenario.run.hang_timeout_s + scenario.run.ready_timeout_s;
+    let patience = Duration::from_secs_f64(times * baseline.lasted_s + more + noticed);
+    let mut mission = Mission::start(scenario)?;
+    let moment = Duration::from_secs_f64(outcome.moment * baseline.lasted_s);
+    let injected = mission.inject(outcome, moment);
+    let runs = mission.runs();
+    let ended = mission.end(patience);
+    if let Some(at) = injected {
+        outcome.injected = true;
+        outcome.over_after_s = at.elapsed().as_secs_f64();
+    }
+    let killed = injected.filter(|_| outcome.kind == FaultKind::KillOrchestrator);
+    let mut check = Check {
+        outcome,
+        baseline,
+        is_real_time: scenario.run.mode == Mode::RealTime,
+    };
+    check.end(&ended);
+    check.nothing_is_left(&mission, &runs, killed.is_some());
+    check.log(&mission, killed);
+    if let Some(last) = outcome.broken.last_mut() {
+        mission.keep();
+        *last += &format!("; log and output are in {}", mission.path().display());
+    }
+    Ok(())
+}
+
+struct Check<'a> {
+    outcome: &'a mut Outcome,
+    baseline: &'a Baseline,
+    is_real_time: bool,
+}
+
+impl Check<'_> {
+    fn broke(&mut self, what: impl Into<String>) {
+        self.outcome.broken.push(what.into());
+    }
+
+    /// It ended; the culprit is named; an undisturbed history is the same.
+    fn end(&mut self, ended: &Ended) {
+        let Some(status) = ended.status else {
+            return self.broke("the run did not end");
+        };
+        let Outcome {
+            kind,
+            target,
+            injected,
+            ..
+        } = &*self.outcome;
+        let is_failure = *injected && matches!(kind, FaultKind::Kill | FaultKind::Hang);
+        let is_killed = *injected && *kind == FaultKind::KillOrchestrator;
+        let processes = ended.summary["processes"].as_array();
+        let is_listed = processes.is_some_and(|all| all.iter().any(|p| p["name"] == *target));
+        match status.code() {
+            // Also a run whose game was over when the process failed.
+            Some(0) if !is_listed => self.same_history(&ended.summary),
+            Some(1) if is_failure && ended.stderr.contains(target) => {}
+            Some(3) if is_failure && is_listed => {}
+            // In real time messages may be lost, and are counted.
+            Some(3) if self.is_real_time => {}
+            None if is_killed => {}
+            _ => {
+                let (how, words) = (exit_words(status), ended.stderr.trim());
+                self.broke(format!("the orchestrator {how}: {words}"));
+            }
+        }
+    }
+
+    fn same_history(&mut self, summary: &Json) {
+        let digest = &summary["digest"];
+        if let Some(expected) = &self.baseline.digest
+            && digest != expected
+        {
+            self.broke(format!("digest {digest}, but {expected} undisturbed"));
+        }
+    }
+
+    /// No process, shared memory or file is left; after a killed orchestrator once `clean` has run.
+    fn nothing_is_left(&mut self, mission: &Mission, runs: &[String], is_killed: bool) {
+        let deadline = Instant::now() + GONE_WITHIN;
+        let mut living = mission.living();
+        while !living.is_empty() && Instant::now() < deadline {
+            std::thread::sleep(Duration::from_millis(10));
+            living = mission.living();
+        }
+        for config in living {
+            self.broke(format!("the process of {} still runs", config.display()));
+        }
+        if is_killed {
+            mission.clean();
+        }
+        for run in mission.runs() {
+            self.broke(format!("the directory of run {run} is left"));
+        }
+        for run in runs {
+            let segments = disturbed::names(Path::new("/dev/shm"), &disturbed::prefix(run));
+            if let Some(first) = segments.first() {
+                let count = segments.len();
+                self.broke(format!(
+                    "{count} x shared memory is left, as /dev/shm/{first}"
+                ));
+            }
+        }
+    }
+
+    /// The log is whole, or can be recovered and lacks no more than the last second.
+    fn log(&mut self, mission: &Mission, killed: Option<Instant>) {
+        let log = mission.path().join(disturbed::LOG);
+        let mut kept = 0;
+        if log.exists() {
+            let recovered = mission.path().join("recovered.mcap");
+            let read = match killed {
+                None => LogInfo::read(&log, &mut watch()),
+                Some(_) => recover(&log, &recovered, true, &mut watch())
+                    .and_then(|_| mcap_log::newest_state(&recovered, &mut watch()))
+                    .and_then(|newest| {
+                        kept = newest.map_or(0, |tick| tick + 1);
+                        LogInfo::read(&recovered, &mut watch())
+                    }),
+            };
+            match read {
+                Ok(info) if info.condition.is_whole() => {}
+                Ok(info) => {
+                    let faults = info.condition.lines().join("; ");
+                    self.broke(format!("the log is not whole: {faults}"));
+                }
+                Err(error) => self.broke(format!("the log cannot be read: {error}")),
+            }
+        }
+        let lost_s = killed.map(|at| mission.age_beyond(kept, at));
+        if let Some(lost_s) = lost_s.filter(|&lost_s| lost_s > LOST_S) {
+            self.broke(format!("the log lacks the last {lost_s:.3} s"));
+        }
+        self.outcome.lost_s = lost_s;
+    }
+}
+
+fn watch() -> Watch {
+    Watch::new(std::sync::Arc::default(), true)
+}

@@ -1,0 +1,288 @@
+//! A mission as a program of its own, with a runtime directory of its own: everything that it leaves
+//! can be found.
+
+use std::fs::File;
+use std::os::unix::process::CommandExt as _;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use platform::{descriptors, proc, program};
+use runtime::lockstep::TurnPage;
+use rustix::process::{Pid, Signal, kill_process};
+use serde_json::Value as Json;
+use tempfile::TempDir;
+
+use super::{ChaosError, FaultKind, Outcome};
+use mission::CONFIG_VARIABLE;
+use mission::child_process::exit_words;
+use scenario::ResolvedScenario;
+use scenario::spec::Mode;
+
+/// Name of its log.
+pub(super) const LOG: &str = "mission.mcap";
+/// Time for which a process is paused: far less than what counts as hung.
+const PAUSE: Duration = Duration::from_millis(200);
+/// Time between two looks at the machine.
+const LOOK: Duration = Duration::from_millis(5);
+
+/// An undisturbed mission.
+#[derive(Debug)]
+pub(super) struct Baseline {
+    /// Real time that it takes (s).
+    pub(super) lasted_s: f64,
+    /// Its digest, in lock-step.
+    pub(super) digest: Option<Json>,
+}
+
+impl Baseline {
+    /// Runs a mission that nothing is done to.
+    pub(super) fn measure(scenario: &ResolvedScenario) -> Result<Self, ChaosError> {
+        let mut mission = Mission::start(scenario)?;
+        let ended = mission.end(Duration::from_secs(600));
+        let lasted_s = mission.start.elapsed().as_secs_f64();
+        let code = ended.status.and_then(|status| status.code());
+        let is_real_time = scenario.run.mode == Mode::RealTime;
+        // In real time a busy machine may lose messages.
+        if code == Some(0) || (code == Some(3) && is_real_time) {
+            let digest = ended.summary["digest"].clone();
+            let digest = (!is_real_time).then_some(digest);
+            return Ok(Self { lasted_s, digest });
+        }
+        let how = ended.status.map_or("did not end".to_owned(), exit_words);
+        let words = ended.stderr;
+        Err(ChaosError::Baseline(format!("{how}: {words}")))
+    }
+}
+
+/// A mission that runs.
+#[derive(Debug)]
+pub(super) struct Mission {
+    child: Child,
+    start: Instant,
+    folder: TempDir,
+    /// Ticks posted, and when that was seen, as often as it had changed.
+    posts: Vec<(u64, Instant)>,
+}
+
+/// A mission that is over.
+#[derive(Debug)]
+pub(super) struct Ended {
+    /// How the orchestrator ended; `None` if it did not and was killed.
+    pub(super) status: Option<ExitStatus>,
+    /// The JSON that it printed; null without.
+    pub(super) summary: Json,
+    /// What it wrote to stderr.
+    pub(super) stderr: String,
+}
+
+fn system(what: impl Into<String>) -> impl FnOnce(std::io::Error) -> ChaosError {
+    let what = what.into();
+    move |source| ChaosError::System { what, source }
+}
+
+impl Mission {
+    /// Starts the orchestrator of a mission.
+    pub(super) fn start(scenario: &ResolvedScenario) -> Result<Self, ChaosError> {
+        // Short: names of sockets below it are limited.
+        let folder = tempfile::Builder::new()
+            .prefix("pc")
+            .tempdir_in("/tmp")
+            .map_err(system("cannot make a temporary folder"))?;
+        let file = |name: &str| {
+            let path = folder.path().join(name);
+            File::create(&path).map_err(system(path.display().to_string()))
+        };
+        let runtime_dir = folder.path().join("rt");
+        std::fs::create_dir(&runtime_dir).map_err(system(runtime_dir.display().to_string()))?;
+        let path = folder.path().join("mission.toml");
+        std::fs::write(&path, scenario.to_toml()).map_err(system(path.display().to_string()))?;
+        let mut command = command(folder.path(), "run");
+        command.arg(&path).args(["--json", "--quiet", "--out"]);
+        command.arg(folder.path().join(LOG));
+        if scenario.uses_external_commands() {
+            command.arg("--allow-external");
+        }
+        // In a group of its own: Ctrl-C is for chaos, which then ends in order.
+        let child = command
+            .process_group(0)
+            .stdout(file("stdout")?)
+            .stderr(file("stderr")?)
+            .spawn()
+            .map_err(system("this program cannot be started"))?;
+        Ok(Self {
+            child,
+            start: Instant::now(),
+            folder,
+            posts: Vec::new(),
+        })
+    }
+
+    /// Leaves its directory behind when it is dropped.
+    pub(super) fn keep(&mut self) {
+        self.folder.disable_cleanup(true);
+    }
+
+    /// Its directory.
+    pub(super) fn path(&self) -> &Path {
+        self.folder.path()
+    }
+
+    fn is_over(&mut self) -> bool {
+        !matches!(self.child.try_wait(), Ok(None))
+    }
+
+    /// Injects a fault when the mission is so old; when that was, or `None` if the mission was over
+    /// before.
+    pub(super) fn inject(&mut self, fault: &Outcome, moment: Duration) -> Option<Instant> {
+        while self.start.elapsed() < moment {
+            if self.is_over() {
+                return None;
+            }
+            self.look_at_ticks();
+            sleep(LOOK.min(moment.saturating_sub(self.start.elapsed())));
+        }
+        let pid = loop {
+            match self.find(fault) {
+                Some(pid) => break Pid::from_raw(pid)?,
+                None if self.is_over() => return None,
+                None => sleep(LOOK),
+            }
+        };
+        let at = Instant::now();
+        let send = |signal| kill_process(pid, signal).is_ok();
+        let is_done = match fault.kind {
+            FaultKind::Kill | FaultKind::KillOrchestrator => send(Signal::KILL),
+            FaultKind::Hang => send(Signal::STOP),
+            FaultKind::Pause => {
+                let is_stopped = send(Signal::STOP);
+                sleep(PAUSE);
+                is_stopped && send(Signal::CONT)
+            }
+        };
+        is_done.then_some(at)
+    }
+
+    /// The process that a fault is for, by the file of its configuration; `None` if it is not there.
+    fn find(&self, fault: &Outcome) -> Option<i32> {
+        let orchestrator = i32::try_from(self.child.id()).ok()?;
+        if fault.kind == FaultKind::KillOrchestrator {
+            return Some(orchestrator);
+        }
+        let file = format!("process-{}.json", fault.index);
+        let is_target = |pid| {
+            let config = proc::variable(pid, CONFIG_VARIABLE);
+            config.is_some_and(|config| Path::new(&config).ends_with(&file))
+        };
+        proc::all()
+            .filter(|stat| stat.parent == orchestrator && stat.state != 'Z')
+            .map(|stat| stat.pid)
+            .find(|&pid| is_target(pid))
+    }
+
+    /// The living processes of the mission, whatever their parents, by their configurations.
+    pub(super) fn living(&self) -> Vec<PathBuf> {
+        let config = |pid| proc::variable(pid, CONFIG_VARIABLE).map(PathBuf::from);
+        proc::all()
+            .filter(|stat| stat.state != 'Z')
+            .filter_map(|stat| config(stat.pid))
+            .filter(|config| config.starts_with(self.path()))
+            .collect()
+    }
+
+    fn look_at_ticks(&mut self) {
+        let mut prefixes = self.runs().into_iter().map(|run| prefix(&run));
+        // The page goes with the run.
+        let page = prefixes.find_map(|prefix| TurnPage::open(&prefix).ok());
+        let ticks = page.map_or(0, |page| page.ticks_posted());
+        let known = self.posts.last().map_or(0, |&(ticks, _)| ticks);
+        if ticks > known {
+            self.posts.push((ticks, Instant::now()));
+        }
+    }
+
+    /// The age, at this moment, of the first tick beyond so many (s); 0 if there was none.
+    pub(super) fn age_beyond(&self, ticks: u64, now: Instant) -> f64 {
+        let beyond = self.posts.iter().find(|&&(seen, _)| seen > ticks);
+        beyond.map_or(0.0, |&(_, at)| {
+            now.saturating_duration_since(at).as_secs_f64()
+        })
+    }
+
+    /// Waits until it is over; kills it if it is not by then.
+    pub(super) fn end(&mut self, patience: Duration) -> Ended {
+        let deadline = Instant::now() + patience;
+        let status = loop {
+            match self.child.try_wait() {
+                Ok(Some(status)) => break Some(status),
+                Ok(None) if Instant::now() < deadline => sleep(LOOK),
+                _ => {
+                    let _ = self.child.kill();
+                    let _ = self.child.wait();
+                    break None;
+                }
+            }
+        };
+        Ended {
+            status,
+            summary: serde_json::from_str(&self.text("stdout")).unwrap_or_default(),
+            stderr: self.text("stderr"),
+        }
+    }
+
+    /// Removes what a killed orchestrator left, as its user would.
+    pub(super) fn clean(&self) {
+        let clean = command(self.path(), "clean")
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .status();
+        if let Err(error) = clean {
+            tracing::warn!("this program cannot be started: {error}");
+        }
+    }
+
+    /// Names of its run directories: one while it runs.
+    pub(super) fn runs(&self) -> Vec<String> {
+        names(&self.path().join("rt/protean"), "r")
+    }
+
+    fn text(&self, name: &str) -> String {
+        let bytes = std::fs::read(self.path().join(name)).unwrap_or_default();
+        String::from_utf8_lossy(&bytes).into_owned()
+    }
+}
+
+impl Drop for Mission {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+        self.clean();
+    }
+}
+
+/// Names in a directory that begin so; none if it cannot be read.
+pub(super) fn names(directory: &Path, beginning: &str) -> Vec<String> {
+    let entries = std::fs::read_dir(directory).into_iter().flatten().flatten();
+    entries
+        .map(|entry| entry.file_name().to_string_lossy().into_owned())
+        .filter(|name| name.starts_with(beginning))
+        .collect()
+}
+
+/// Beginning of the names of a run's shared memory.
+pub(super) fn prefix(run: &str) -> String {
+    format!("protean_{run}_")
+}
+
+/// This program, with the mission's runtime directory. (The working directory stays, from which the
+/// programs of scenarios have their paths.)
+fn command(folder: &Path, verb: &str) -> Command {
+    let mut command = Command::new(program::THIS);
+    command
+        .arg(verb)
+        .env("XDG_RUNTIME_DIR", folder.join("rt"))
+        .stdin(Stdio::null());
+    descriptors::leave_behind(&mut command);
+    command
+}

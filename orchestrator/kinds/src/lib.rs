@@ -1,0 +1,66 @@
+//! The kinds of processes of this program.
+
+#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
+use config::Diagnostics;
+use coverage_planners::{
+    BoustrophedonPlanner, ChebyshevPlanner, KeyedCoveragePlanner, RandomBouncePlanner,
+    UniformPlanner,
+};
+use evader_braitenberg::process::BraitenbergPlanner;
+use evader_potential::process::PotentialPlanner;
+use evader_reach_avoid::process::ReachAvoidPlanner;
+use evader_rrt_star::process::RrtStarPlanner;
+use navigator::process::NavigatorPlanner;
+use observer::process::ObserverProcess;
+use optimiser::process::OptimiserProcess;
+use patrol_planners::process::{PatrolAwgPlanner, PatrolFtoPlanner};
+use perception::process::PerceptionProcess;
+use planner::{Planner, PlannerProcess};
+use pursuer::process::PursuerPlanner;
+use referee::process::RefereeProcess;
+
+use scenario::kind::Kind;
+use scenario::{Loader, ResolvedScenario};
+
+/// The kinds of this program, in the order in which they are listed.
+pub static KINDS: &[Kind] = &[
+    Kind::of::<PerceptionProcess>(),
+    Kind::of::<RefereeProcess>(),
+    Kind::of::<ObserverProcess>(),
+    planner::<PursuerPlanner>(),
+    planner::<BraitenbergPlanner>(),
+    planner::<PotentialPlanner>(),
+    planner::<ReachAvoidPlanner>(),
+    planner::<RrtStarPlanner>(),
+    Kind::of::<OptimiserProcess>(),
+    planner::<NavigatorPlanner>(),
+    planner::<PatrolAwgPlanner>(),
+    planner::<PatrolFtoPlanner>(),
+    planner::<ChebyshevPlanner>(),
+    planner::<KeyedCoveragePlanner>(),
+    planner::<BoustrophedonPlanner>(),
+    planner::<RandomBouncePlanner>(),
+    planner::<UniformPlanner>(),
+];
+
+/// The kind of the processes that steer robots by a planner.
+pub const fn planner<P: Planner>() -> Kind {
+    Kind::of::<PlannerProcess<P>>()
+}
+
+/// Loads a scenario with the kinds of this program; its files must lie in its folder.
+///
+/// # Errors
+/// As [`Loader::load`].
+pub fn load(
+    target: &str,
+    overrides: &[String],
+    seed: Option<u64>,
+) -> Result<ResolvedScenario, Diagnostics> {
+    Loader::new(KINDS).load(target, overrides, seed)
+}
+
+#[cfg(test)]
+mod tests;

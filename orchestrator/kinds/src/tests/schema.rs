@@ -1,0 +1,169 @@
+//! The JSON Schema of scenario files against the scenarios that there are.
+
+use std::fs;
+use std::path::Path;
+
+use scenario::schema::schema;
+use serde_json::Value as Json;
+
+use crate::KINDS;
+
+/// What of a document a schema refuses; the keywords that ours use.
+fn refusals(root: &Json, schema: &Json, value: &Json, path: &str, found: &mut Vec<String>) {
+    let Some(object) = schema.as_object() else {
+        if schema == &Json::Bool(false) {
+            found.push(format!("{path}: nothing is allowed here"));
+        }
+        return;
+    };
+    let accepts = |schema: &Json| {
+        let mut found = Vec::new();
+        refusals(root, schema, value, path, &mut found);
+        found.is_empty()
+    };
+    for (keyword, rule) in object {
+        let rules = || rule.as_array().unwrap();
+        let ok = match keyword.as_str() {
+            "$ref" => {
+                let at = rule.as_str().unwrap().trim_start_matches('#');
+                refusals(root, root.pointer(at).unwrap(), value, path, found);
+                true
+            }
+            "type" => match rule {
+                Json::Array(names) => names.iter().any(|name| has_type(name, value)),
+                name => has_type(name, value),
+            },
+            "enum" => rules().contains(value),
+            "const" => rule == value,
+            "minimum" => value.as_f64().is_none_or(|x| x >= rule.as_f64().unwrap()),
+            "maximum" => value.as_f64().is_none_or(|x| x <= rule.as_f64().unwrap()),
+            "exclusiveMinimum" => value.as_f64().is_none_or(|x| x > rule.as_f64().unwrap()),
+            "exclusiveMaximum" => value.as_f64().is_none_or(|x| x < rule.as_f64().unwrap()),
+            "minItems" => value
+                .as_array()
+                .is_none_or(|list| list.len() as u64 >= rule.as_u64().unwrap()),
+            "maxItems" => value
+                .as_array()
+                .is_none_or(|list| list.len() as u64 <= rule.as_u64().unwrap()),
+            "items" => {
+                for (i, element) in value.as_array().into_iter().flatten().enumerate() {
+                    refusals(root, rule, element, &format!("{path}[{i}]"), found);
+                }
+                true
+            }
+            "required" => value.as_object().is_none_or(|table| {
+                rules()
+                    .iter()
+                    .all(|key| table.contains_key(key.as_str().unwrap()))
+            }),
+            "properties" => {
+                for (key, value) in value.as_object().into_iter().flatten() {
+                    if let Some(schema) = rule.get(key) {
+                        refusals(root, schema, value, &format!("{path}.{key}"), found);
+                    }
+                }
+                true
+            }
+            "additionalProperties" => {
+                let known = object.get("properties");
+                for (key, value) in value.as_object().into_iter().flatten() {
+                    if known.and_then(|known| known.get(key)).is_none() {
+                        refusals(root, rule, value, &format!("{path}.{key}"), found);
+                    }
+                }
+                true
+            }
+            "allOf" => {
+                for rule in rules() {
+                    refusals(root, rule, value, path, found);
+                }
+                true
+            }
+            "anyOf" => rules().iter().any(accepts),
+            "oneOf" => rules().iter().filter(|rule| accepts(rule)).count() == 1,
+            "if" => {
+                if accepts(rule) {
+                    refusals(root, &object["then"], value, path, found);
+                }
+                true
+            }
+            "then" | "writeOnly" | "definitions" | "$schema" | "title" | "description"
+            | "default" | "format" | "x-unit" => true,
+            other => panic!("the schema uses {other}, which this test does not know"),
+        };
+        if !ok {
+            found.push(format!("{path}: {value} breaks {keyword} {rule}"));
+        }
+    }
+}
+
+fn has_type(name: &Json, value: &Json) -> bool {
+    match name.as_str().unwrap() {
+        "object" => value.is_object(),
+        "array" => value.is_array(),
+        "string" => value.is_string(),
+        "boolean" => value.is_boolean(),
+        "null" => value.is_null(),
+        "number" => value.is_number(),
+        "integer" => value.is_i64() || value.is_u64(),
+        other => panic!("{other}"),
+    }
+}
+
+fn refused(text: &str) -> Vec<String> {
+    let schema = schema(KINDS).to_value();
+    let document = serde_json::to_value(toml::from_str::<toml::Table>(text).unwrap()).unwrap();
+    let mut found = Vec::new();
+    refusals(&schema, &schema, &document, "", &mut found);
+    found
+}
+
+#[test]
+fn every_scenario_of_the_repository_fits_the_schema() {
+    let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios");
+    let mut count = 0;
+    for entry in fs::read_dir(directory).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|e| e == "toml") {
+            let text = fs::read_to_string(&path).unwrap();
+            assert_eq!(refused(&text), Vec::<String>::new(), "{}", path.display());
+            count += 1;
+        }
+    }
+    assert!(count > 10);
+}
+
+#[test]
+fn params_are_those_of_the_kind() {
+    let process = |kind: &str, params: &str| {
+        refused(&format!(
+            "[[processes]]\nkind = \"{kind}\"\n[processes.params]\n{params}\n"
+        ))
+    };
+    assert_eq!(
+        process("pursuer", "assignment = { period_s = 0.5 }"),
+        [""; 0]
+    );
+    assert_eq!(process("pursuer", "preset = 'paper'"), [""; 0]);
+    for (kind, params, field) in [
+        ("pursuer", "assignment = { period_s = 0 }", "period_s"),
+        ("pursuer", "preset = 'papyrus'", "preset"),
+        ("pursuer", "particles = 3", "particles"),
+        ("referee", "preset = 'paper'", "preset"),
+        ("chaser", "", "kind"),
+    ] {
+        let found = process(kind, params);
+        assert!(
+            found.iter().any(|text| text.contains(field)),
+            "{kind} {params}: {found:?}"
+        );
+    }
+}
+
+#[test]
+fn descriptions_end_with_range_and_unit() {
+    let schema = serde_json::to_string(&schema(KINDS)).unwrap();
+    assert!(schema.contains(
+        "Time between two assignments of the cut-off method.\\n\\nA finite number above 0 (s)."
+    ));
+}

@@ -1,0 +1,63 @@
+//! Why latencies could not be measured.
+
+use std::path::PathBuf;
+
+use mcap_log::LogsError;
+
+use super::link::LinkError;
+use mission::MissionError;
+
+/// Why latencies could not be measured.
+#[derive(Debug, thiserror::Error)]
+pub enum LatencyError {
+    /// The log cannot be used, or a result cannot be written.
+    #[error(transparent)]
+    Logs(Box<LogsError>),
+    /// There is nothing to measure in the log.
+    #[error("{}: the log holds no {what}", path.display())]
+    Lacks {
+        /// The log.
+        path: PathBuf,
+        /// What is missing.
+        what: &'static str,
+    },
+    /// The mission failed.
+    #[error(transparent)]
+    Mission(Box<MissionError>),
+    /// A baseline could not be measured.
+    #[error(transparent)]
+    Link(#[from] LinkError),
+    /// The system refused something.
+    #[error("{what}: {source}")]
+    System {
+        /// What was attempted.
+        what: String,
+        /// What the system said.
+        source: std::io::Error,
+    },
+}
+
+impl LatencyError {
+    /// Whether somebody's input is to blame, and not the measuring.
+    pub fn is_invalid_input(&self) -> bool {
+        match self {
+            Self::Lacks { .. } => true,
+            Self::Logs(error) => {
+                !matches!(**error, LogsError::Write { .. } | LogsError::Interrupted)
+            }
+            Self::Mission(_) | Self::Link(_) | Self::System { .. } => false,
+        }
+    }
+}
+
+impl From<LogsError> for LatencyError {
+    fn from(error: LogsError) -> Self {
+        Self::Logs(Box::new(error))
+    }
+}
+
+impl From<MissionError> for LatencyError {
+    fn from(error: MissionError) -> Self {
+        Self::Mission(Box::new(error))
+    }
+}

@@ -1,0 +1,25 @@
+//! `protean latency`: how long it takes from the state of the world to the commands for it, hop by
+//! hop, beside what other ways of passing messages take on the same machine at the same time.
+//!
+//! * [`of_log()`] reads the stamps in a log: hops, steps, turns, and the stages of every tick;
+//! * [`run`](mission::run) does a mission in real time to have such a log;
+//! * [`baselines`] passes messages of the same sizes over bare iceoryx2, sockets and pipes;
+//! * [`Report`] is all of it as a table and as JSON.
+
+#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
+pub mod baselines;
+mod error;
+pub mod link;
+pub mod mission;
+mod of_log;
+mod report;
+mod text;
+
+pub use error::LatencyError;
+pub use of_log::{Measured, Sizes, of_log};
+pub use report::{Report, Run, load};
+pub use text::text;
+
+pub use recorder::chain::{Answers, Passage, REACTION, Stage, TICK_JITTER, WHOLE};

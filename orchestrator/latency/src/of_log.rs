@@ -1,0 +1,261 @@
+//! What the stamps in a log say.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::rc::Rc;
+
+use ipc_types::consumer::{Consumer as _, LoggedMessage};
+use ipc_types::topics::{Commands, Status, Topic as _, TopicId, WorldState};
+use mcap_log::Origin;
+use mcap_log::output::MANIFEST;
+use mcap_log::reader::{Channel, Item, Reader};
+use mcap_log::{Condition, LogsError, Watch, known};
+use statistics::{Distribution, Distributions};
+
+use super::error::LatencyError;
+use mission::MissionError;
+use mission::plan::Plan;
+use mission::recording;
+use mission::report::mode_name;
+use recorder::ProcessInfo;
+use recorder::chain::{Answers, Chain, Passage};
+use scenario::ResolvedScenario;
+use scenario::kind::Kind;
+use scenario::spec::Mode;
+
+/// Messages of one topic, for baselines of the same size.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Sizes {
+    /// Messages.
+    pub messages: u64,
+    /// Bytes of all of them together, headers included.
+    pub bytes: u64,
+}
+
+impl Sizes {
+    /// The mean size (bytes).
+    pub fn mean(self) -> u64 {
+        self.bytes / self.messages.max(1)
+    }
+}
+
+/// What the stamps of one run say.
+#[derive(Debug, Clone)]
+pub struct Measured {
+    /// Name of the scenario.
+    pub scenario: String,
+    /// Seed of the run.
+    pub seed: u64,
+    /// Version that recorded it.
+    pub version: String,
+    /// Machine that it ran on.
+    pub machine: String,
+    /// `real_time` or `lock_step`.
+    pub mode: &'static str,
+    /// Ticks per second of the scenario (Hz).
+    pub rate_hz: f64,
+    /// Time between two ticks by the clock on the wall (ns); none in lock-step.
+    pub period_ns: Option<u64>,
+    /// Hops and steps by name.
+    pub hops: Distributions,
+    /// Parts of the turns of every kind of process, by name.
+    pub turns: Distributions,
+    /// Stages from sense to act by name, with the whole.
+    pub stages: Distributions,
+    /// How far ticks were off their time.
+    pub period: Distributions,
+    /// How ticks were answered.
+    pub answers: Answers,
+    /// Every tick that could be followed.
+    pub passages: Vec<Passage>,
+    /// Overruns of every process that says how it is, by name.
+    pub overruns: BTreeMap<String, u64>,
+    /// Sizes of messages by topic.
+    pub sizes: BTreeMap<String, Sizes>,
+    /// In what condition the log is.
+    pub condition: Condition,
+}
+
+impl Measured {
+    /// The distribution with this name among hops, stages and ticks.
+    pub fn distribution(&self, name: &str) -> Option<&Distribution> {
+        [&self.stages, &self.hops, &self.period]
+            .into_iter()
+            .find_map(|group| group.get(name))
+    }
+}
+
+/// Reads a log.
+///
+/// # Errors
+/// [`LatencyError`]: the log cannot be read, is not ours or of another version, or nothing in it
+/// was stamped or answered.
+pub fn of_log(log: &Path, kinds: &[Kind], watch: &mut Watch) -> Result<Measured, LatencyError> {
+    let mut reader = Reader::open(log, Some(watch))?;
+    let mut reading = Reading::default();
+    while let Some(item) = reader.next()? {
+        reading.item(log, kinds, item)?;
+    }
+    reader.check_all()?;
+    let condition = reader.condition().clone();
+    reading.finish(log, condition)
+}
+
+/// A log while it is read.
+#[derive(Default)]
+struct Reading {
+    origin: Origin,
+    known: Option<Known>,
+    channels: BTreeMap<u16, TopicId>,
+    topics: BTreeMap<u16, String>,
+    sizes: BTreeMap<u16, Sizes>,
+    overruns: BTreeMap<u32, u64>,
+    stamped: u64,
+}
+
+/// What is collected once the processes are known.
+struct Known {
+    scenario: ResolvedScenario,
+    processes: Vec<ProcessInfo>,
+    period_ns: Option<u64>,
+    chain: Chain,
+}
+
+impl Reading {
+    fn item(&mut self, log: &Path, kinds: &[Kind], item: Item<'_>) -> Result<(), LatencyError> {
+        match item {
+            Item::Metadata(record) if record.name == MANIFEST => {
+                self.origin.manifest = record.metadata;
+            }
+            Item::Attachment(header, data) if header.name == "scenario.toml" => {
+                self.origin.scenario = Some(data.to_vec());
+            }
+            Item::Channel(channel) => self.channel(log, &channel)?,
+            Item::Message(header, data) => {
+                if self.known.is_none() {
+                    self.origin.check(log)?;
+                    self.known = Some(self.processes(log, kinds)?);
+                }
+                self.message(header.channel_id, header.log_time, data);
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn channel(&mut self, log: &Path, channel: &Rc<Channel>) -> Result<(), LogsError> {
+        if TopicId::from_name(&channel.topic).is_none() {
+            return Ok(());
+        }
+        self.origin.check_layout(log, channel)?;
+        if let Some(topic) = known::topic_of(channel) {
+            self.channels.insert(channel.id, topic);
+        }
+        self.topics.insert(channel.id, channel.topic.clone());
+        Ok(())
+    }
+
+    /// The processes, from the scenario in the log.
+    fn processes(&self, log: &Path, kinds: &[Kind]) -> Result<Known, LatencyError> {
+        let scenario = replay::origin::scenario_of(&self.origin, log, &[], "", kinds)?;
+        let plan = Plan::new(&scenario, Path::new(""), "", "").map_err(MissionError::from)?;
+        let processes = recording::processes(&plan);
+        let period_ns = (scenario.run.mode == Mode::RealTime).then(|| {
+            let factor = scenario.run.real_time_factor.max(1e-3);
+            (plan.run.tick_period_ns as f64 / factor) as u64
+        });
+        Ok(Known {
+            chain: Chain::new(&processes).with_detail(period_ns),
+            scenario,
+            processes,
+            period_ns,
+        })
+    }
+
+    fn message(&mut self, channel: u16, time_ns: u64, data: &[u8]) {
+        let Some(&topic) = self.channels.get(&channel) else {
+            return;
+        };
+        let sizes = self.sizes.entry(channel).or_default();
+        sizes.messages += 1;
+        sizes.bytes += data.len().saturating_sub(known::ENCAPSULATION) as u64;
+        let message = LoggedMessage::new(topic, time_ns, data);
+        let (Some(known), Some(message)) = (&mut self.known, message) else {
+            return;
+        };
+        if let Ok(Some((_, status))) = message.decode::<Status>()
+            && let Some(status) = status.first()
+        {
+            let overruns = self.overruns.entry(status.process).or_default();
+            *overruns = status.overruns.max(*overruns);
+        }
+        if message.stamp.sent_ns != 0 {
+            self.stamped += u64::from(matches!(topic, TopicId::WorldState | TopicId::Commands));
+        }
+        if topic.facts().timed {
+            known.chain.message(&message, &mut ());
+        }
+    }
+
+    fn finish(mut self, log: &Path, condition: Condition) -> Result<Measured, LatencyError> {
+        self.origin.check(log)?;
+        let of_topic = |name: &str| {
+            let channels = self.topics.iter().filter(|(_, topic)| *topic == name);
+            channels
+                .filter_map(|(id, _)| self.sizes.get(id))
+                .map(|sizes| sizes.messages)
+                .sum::<u64>()
+        };
+        let lacks = |what: &'static str| LatencyError::Lacks {
+            path: log.to_owned(),
+            what,
+        };
+        if of_topic(WorldState::NAME) == 0 {
+            return Err(lacks("states of the world (world/state)"));
+        }
+        if of_topic(Commands::NAME) == 0 {
+            return Err(lacks("commands (robot/command)"));
+        }
+        let Some(mut known) = self.known.take() else {
+            return Err(lacks("scenario before its messages"));
+        };
+        if self.stamped == 0 {
+            return Err(lacks(
+                "clocks in its stamps: it was run in one process, where nothing takes time to arrive",
+            ));
+        }
+        known.chain.settle();
+        let detail = known.chain.detail.take().unwrap_or_default();
+        let name = |index: u32| {
+            let process = known.processes.iter().find(|p| p.index == index);
+            process.map_or_else(|| format!("process {index}"), |p| p.name.clone())
+        };
+        let text = |key: &str| self.origin.manifest.get(key).cloned().unwrap_or_default();
+        Ok(Measured {
+            scenario: text("scenario"),
+            seed: known.scenario.run.seed,
+            version: text("version"),
+            machine: text("machine"),
+            mode: mode_name(known.scenario.run.mode),
+            rate_hz: 1.0 / known.scenario.run.dt,
+            period_ns: known.period_ns,
+            overruns: self
+                .overruns
+                .iter()
+                .map(|(index, overruns)| (name(*index), *overruns))
+                .collect(),
+            sizes: self
+                .topics
+                .iter()
+                .filter_map(|(id, topic)| Some((topic.clone(), *self.sizes.get(id)?)))
+                .collect(),
+            hops: known.chain.hops,
+            stages: known.chain.stages,
+            turns: detail.turns,
+            period: detail.period,
+            answers: detail.answers,
+            passages: detail.passages,
+            condition,
+        })
+    }
+}

@@ -1,0 +1,213 @@
+//! A log with a part of another's time and topics.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use mcap_log::Condition;
+use mcap_log::LogsError;
+use mcap_log::MessageHeader;
+use mcap_log::Topics;
+use mcap_log::Watch;
+use mcap_log::known;
+use mcap_log::output::{FILTERED, MANIFEST, Output, no_longer_whole};
+use mcap_log::reader::{Item, Reader};
+use mcap_log::states::{States, is_latched};
+use serde::Serialize;
+
+/// What is kept of a log.
+#[derive(Debug, Clone, Default)]
+pub struct FilterOptions {
+    /// From this time on (s): simulated time in logs of ours, else since the first message.
+    pub start_s: Option<f64>,
+    /// Up to and with this time (s).
+    pub end_s: Option<f64>,
+    /// Which topics.
+    pub topics: Topics,
+    /// Whether an existing file may be overwritten.
+    pub force: bool,
+}
+
+/// What was kept.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Filtered {
+    /// Messages in the new log, those from before its start included.
+    pub messages: u64,
+    /// Messages from before the start, written at the start: the state of the world then.
+    pub restored: u64,
+    /// States that stand in the log behind the first message that was kept, although they are
+    /// older: they are left out.
+    pub late_states: u64,
+    /// Topics with messages in the new log.
+    pub topics: usize,
+    /// Size of the new log (bytes).
+    pub bytes: u64,
+    /// In what condition the old one is.
+    pub source: Condition,
+}
+
+/// Writes the messages of some topics and some time into a new log, with everything else that
+/// the log holds, and with the last message of every topic that describes a lasting state from
+/// before the start.
+///
+/// # Errors
+/// [`LogsError`]; then there is no new log.
+#[expect(clippy::too_many_lines, reason = "one kind of item after the other")]
+pub fn filter(
+    log: &Path,
+    out: &Path,
+    options: &FilterOptions,
+    watch: &mut Watch,
+) -> Result<Filtered, LogsError> {
+    let (start, end) = (
+        nanoseconds("--start", options.start_s)?,
+        nanoseconds("--end", options.end_s)?,
+    );
+    if let (Some(start), Some(end)) = (start, end)
+        && start > end
+    {
+        let text = "--start: expected a time that is not after --end";
+        return Err(LogsError::Argument(text.to_owned()));
+    }
+    let zero = match (start, end) {
+        (None, None) => 0,
+        _ => zero(log, watch)?,
+    };
+    let from = start.map_or(0, |start| zero.saturating_add(start));
+    let to = end.map_or(u64::MAX, |end| zero.saturating_add(end));
+
+    let mut reader = Reader::open(log, Some(watch))?;
+    let mut output: Option<Output> = None;
+    let mut states = States::default();
+    let mut begun = false;
+    let mut count = Filtered {
+        messages: 0,
+        restored: 0,
+        late_states: 0,
+        topics: 0,
+        bytes: 0,
+        source: Condition::default(),
+    };
+    let mut with_messages = BTreeSet::new();
+    // By channel: nothing if it is left out, else whether it describes a state, and is stamped.
+    let mut latched: BTreeMap<u16, (bool, bool)> = BTreeMap::new();
+    while let Some(item) = reader.next()? {
+        let output = match (&mut output, &item) {
+            (Some(output), _) => output,
+            (none, Item::Header { profile, .. }) => {
+                *none = Some(Output::create(out, log, options.force, profile)?);
+                continue;
+            }
+            (none, _) => none.insert(Output::create(out, log, options.force, "")?),
+        };
+        match item {
+            Item::Header { .. } => {}
+            Item::Schema(id, schema) => output.schema(id, &schema)?,
+            Item::Channel(channel) => {
+                if options.topics.take(&channel.topic) {
+                    let stamped = known::topic_of(&channel).is_some();
+                    latched.insert(
+                        channel.id,
+                        (is_latched(&channel.topic, &channel.metadata), stamped),
+                    );
+                    output.channel(&channel)?;
+                }
+            }
+            Item::Message(header, data) => {
+                let Some(&(is_state, stamped)) = latched.get(&header.channel_id) else {
+                    continue;
+                };
+                if header.log_time > to {
+                    continue;
+                }
+                if header.log_time < from {
+                    if is_state && begun {
+                        count.late_states += 1;
+                    } else if is_state {
+                        let stamp = known::stamp(data).filter(|_| stamped);
+                        let source = stamp.map_or(0, |stamp| stamp.source);
+                        states.keep(log, source, header, data)?;
+                    }
+                    continue;
+                }
+                if !begun {
+                    begun = true;
+                    count.restored = restore(&mut states, from, output)?;
+                }
+                with_messages.insert(header.channel_id);
+                count.messages += 1;
+                output.message(&header, data)?;
+            }
+            Item::Attachment(header, data) => output.attachment(&header, data)?,
+            Item::Metadata(record) => output.metadata(&no_longer_whole(record))?,
+        }
+    }
+    options
+        .topics
+        .check(&reader.channels().map(|channel| channel.topic.as_str()))?;
+    with_messages.extend(states.channels());
+    let mut output = match output {
+        Some(output) => output,
+        None => Output::create(out, log, options.force, "")?,
+    };
+    if !begun {
+        count.restored = restore(&mut states, from, &mut output)?;
+    }
+    count.messages += count.restored;
+    count.topics = with_messages.len();
+    count.source = reader.condition().clone();
+    let time = |time: Option<f64>| time.map_or_else(String::new, |time| time.to_string());
+    let name = log.file_name().unwrap_or_default().to_string_lossy();
+    output.note(
+        FILTERED,
+        [
+            ("from", name.into_owned()),
+            ("start_s", time(options.start_s)),
+            ("end_s", time(options.end_s)),
+            ("topics", options.topics.only.join(",")),
+            ("exclude", options.topics.without.join(",")),
+            ("restored", count.restored.to_string()),
+        ],
+    )?;
+    count.bytes = output.finish()?;
+    Ok(count)
+}
+
+/// Writes the states at the start, in the order in which they were.
+fn restore(states: &mut States, from: u64, output: &mut Output) -> Result<u64, LogsError> {
+    let last = states.take();
+    for (header, data) in &last {
+        let header = MessageHeader {
+            log_time: from,
+            ..*header
+        };
+        output.message(&header, data)?;
+    }
+    Ok(last.len() as u64)
+}
+
+/// A time on the command line (s) in nanoseconds.
+pub fn nanoseconds(option: &str, time: Option<f64>) -> Result<Option<u64>, LogsError> {
+    match time {
+        None => Ok(None),
+        Some(t) if (0.0..=1e10).contains(&t) => Ok(Some((t * 1e9).round() as u64)),
+        Some(t) => Err(LogsError::Argument(format!(
+            "{option} {t}: expected a time from 0 to 1e10 [s]"
+        ))),
+    }
+}
+
+/// The log time that counts as 0: that of the start of the run in logs of ours, else that of the
+/// first message.
+fn zero(log: &Path, watch: &mut Watch) -> Result<u64, LogsError> {
+    let mut reader = Reader::open(log, Some(watch))?;
+    let mut first = u64::MAX;
+    while let Some(item) = reader.next()? {
+        match item {
+            // It stands before the first message.
+            Item::Metadata(record) if record.name == MANIFEST => return Ok(0),
+            Item::Message(header, _) => first = first.min(header.log_time),
+            _ => {}
+        }
+    }
+    Ok(if first == u64::MAX { 0 } else { first })
+}

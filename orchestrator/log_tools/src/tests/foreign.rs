@@ -1,0 +1,149 @@
+//! Files of other programs.
+
+use std::collections::BTreeMap;
+
+use mcap::WriteOptions;
+use mcap::records::MessageHeader;
+use mcap_log::Topics;
+use tables::Format;
+
+use super::support::{file, watch};
+use crate::{ExportOptions, LogInfo, export};
+
+const POSE_ARRAY: &str = "\
+# An array of poses.
+std_msgs/Header header
+geometry_msgs/Point[] points  # where
+string[] names
+bool last
+uint8 KIND=3
+string FRAME = \"a # b\"
+================================================================================
+MSG: std_msgs/Header
+builtin_interfaces/Time stamp
+string frame_id
+================================================================================
+MSG: geometry_msgs/Point
+float64 x
+float32[2] size
+";
+
+/// The message that the schema says: (x, size) for every point.
+fn encode(points: &[(f64, [f32; 2])]) -> Vec<u8> {
+    let mut body = Vec::new();
+    let align = |body: &mut Vec<u8>, to: usize| {
+        while !body.len().is_multiple_of(to) {
+            body.push(0);
+        }
+    };
+    body.extend(5_i32.to_le_bytes());
+    body.extend(6_u32.to_le_bytes());
+    body.extend(4_u32.to_le_bytes());
+    body.extend(b"map\0");
+    body.extend((points.len() as u32).to_le_bytes());
+    for (x, size) in points {
+        align(&mut body, 8);
+        body.extend(x.to_le_bytes());
+        for s in size {
+            body.extend(s.to_le_bytes());
+        }
+    }
+    align(&mut body, 4);
+    body.extend(2_u32.to_le_bytes());
+    for name in ["é,\"\0", "b\0"] {
+        align(&mut body, 4);
+        body.extend((name.len() as u32).to_le_bytes());
+        body.extend(name.as_bytes());
+    }
+    body.push(1);
+    [&[0, 1, 0, 0], body.as_slice()].concat()
+}
+
+/// A file with messages of ROS 2, not in the order of their times, one of them broken.
+fn foreign() -> Vec<u8> {
+    let mut disk = std::io::Cursor::new(Vec::new());
+    let mut writer = WriteOptions::new()
+        .profile("ros2")
+        .create(&mut disk)
+        .unwrap();
+    let schema = writer
+        .add_schema("pkg/msg/Poses", "ros2msg", POSE_ARRAY.as_bytes())
+        .unwrap();
+    let none = BTreeMap::new();
+    let poses = writer.add_channel(schema, "/poses", "cdr", &none).unwrap();
+    let again = writer.add_channel(schema, "/poses", "cdr", &[("a".into(), "b".into())].into());
+    let again = again.unwrap();
+    let broken = writer
+        .add_schema("pkg/msg/Broken", "ros2msg", b"nope x")
+        .unwrap();
+    let broken = writer.add_channel(broken, "/broken", "cdr", &none).unwrap();
+    let two = encode(&[(1.5, [0.25, 2.0]), (-0.1, [f32::NAN, 3.0])]);
+    for (channel_id, log_time, data) in [
+        (poses, 3_000_000_000, &two),
+        (poses, 1_000_000_000, &encode(&[])),
+        (poses, 2_000_000_000, &two[..30].to_vec()),
+        (again, 2_000_000_000, &two),
+        (broken, 2_000_000_000, &two),
+    ] {
+        let header = MessageHeader {
+            channel_id,
+            sequence: 0,
+            log_time,
+            publish_time: log_time,
+        };
+        writer.write_to_known_channel(&header, data).unwrap();
+    }
+    writer.finish().unwrap();
+    drop(writer);
+    disk.into_inner()
+}
+
+#[test]
+fn what_cannot_be_known_of_them_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let log = file(&folder, "ros.mcap", &foreign());
+    let info = LogInfo::read(&log, &mut watch()).unwrap();
+    assert!(!info.ours && info.condition.is_whole());
+    assert_eq!((info.profile.as_str(), info.messages), ("ros2", 5));
+    assert_eq!((info.start_s, info.end_s, info.unsorted), (1.0, 3.0, 2));
+    assert_eq!(info.topics["/poses"].gaps, None, "they are not numbered");
+    assert!(
+        info.topics.contains_key("/poses (channel 2)"),
+        "{:?}",
+        info.topics.keys()
+    );
+    let text = crate::info_text(&info);
+    assert!(
+        text.contains("another program") && text.contains("are not known"),
+        "{text}"
+    );
+}
+
+#[test]
+fn their_messages_become_tables_by_their_own_schemas() {
+    let folder = tempfile::tempdir().unwrap();
+    let log = file(&folder, "ros.mcap", &foreign());
+    let out = folder.path().join("tables");
+    let options = ExportOptions {
+        format: Format::Csv,
+        topics: Topics::default(),
+        force: false,
+    };
+    let done = export(&log, &out, &options, &mut watch()).unwrap();
+    let table = &done.tables["/poses"];
+    assert_eq!((table.messages, table.rows, table.undecodable), (2, 3, 1));
+    assert!(
+        done.skipped["/broken"].contains("`nope` is not defined"),
+        "{done:?}"
+    );
+    let text = std::fs::read_to_string(out.join("poses.csv")).unwrap();
+    assert_eq!(
+        text,
+        "log_time_ns,publish_time_ns,sequence,header.stamp.sec,header.stamp.nanosec,\
+         header.frame_id,names,last,points.index,points.x,points.size.0,points.size.1\n\
+         3000000000,3000000000,0,5,6,map,\"[\"\"é,\\\"\"\"\",\"\"b\"\"]\",true,0,1.5,0.25,2\n\
+         3000000000,3000000000,0,5,6,map,\"[\"\"é,\\\"\"\"\",\"\"b\"\"]\",true,1,-0.1,NaN,3\n\
+         1000000000,1000000000,0,5,6,map,\"[\"\"é,\\\"\"\"\",\"\"b\"\"]\",true,,,,\n"
+    );
+    assert!(out.join("poses-2.csv").exists());
+}

@@ -1,0 +1,159 @@
+//! A world that stands still within a tick, and one that goes by the clock: what has been sent is
+//! written a quarter of a second after its tick began, once.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use mcap_log::Watch;
+use recorder::Recording;
+
+use super::made_up::{PERIOD_NS, Sent, options, record_run, run};
+use super::support::{Read, theirs};
+use crate::{LogInfo, recover};
+
+const TICKS: u64 = 9;
+/// The tick in which the world stands still.
+const STILL: u64 = 6;
+
+fn is_command(sent: &Sent) -> bool {
+    matches!(sent, Sent::Command(..))
+}
+
+/// The messages of a log in which chunks are closed at every look, but for those of viewers.
+fn lossless(path: &Path) -> Vec<Read> {
+    let out = path.with_extension("saved");
+    let mut watch = Watch::new(std::sync::Arc::default(), true);
+    recover(path, &out, true, &mut watch).unwrap();
+    let info = LogInfo::read(&out, &mut watch).unwrap();
+    assert!(info.condition.is_whole(), "{:?}", info.condition);
+    let mut read = theirs(&out);
+    read.retain(|m| !m.0.starts_with("/viewer/"));
+    read
+}
+
+fn create(path: &Path) -> Recording {
+    let mut options = options(path);
+    options.log.flush_every = Duration::ZERO;
+    Recording::create(&options).unwrap()
+}
+
+/// Writes what is ready and hands it to the operating system.
+fn look(recording: &mut Recording, completed: Option<u64>, now: Instant) {
+    recording.write_ready(completed, now, &mut ()).unwrap();
+    recording.flush_if_due().unwrap();
+}
+
+#[test]
+fn a_tick_that_does_not_end_is_written_after_a_quarter_of_a_second_and_every_message_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let start = Instant::now();
+    let ms = |ms| start + Duration::from_millis(ms);
+    let untouched = record_run(&folder.path().join("whole.mcap"), TICKS, 4000, |_, _| {});
+    for still in [0, STILL] {
+        let path = folder.path().join(format!("{still}.mcap"));
+        let mut recording = create(&path);
+        let mut rest = Vec::new();
+        for sent in run(TICKS, 1) {
+            let tick = sent.stamp().tick;
+            if tick < still || (tick == still && !is_command(&sent)) {
+                sent.push(&mut recording);
+            } else {
+                rest.push(sent);
+            }
+        }
+        let completed = still.checked_sub(1);
+        for now in [ms(0), ms(249)] {
+            look(&mut recording, completed, now);
+            let there = lossless(&path);
+            assert!(there.iter().all(|m| m.2 < still * PERIOD_NS), "{still}");
+        }
+        look(&mut recording, completed, ms(250));
+        let sent = run(TICKS, 1);
+        let said = |s: &&Sent| {
+            let tick = s.stamp().tick;
+            tick < still || (tick == still && !is_command(s))
+        };
+        let said = sent.iter().filter(said).count();
+        assert_eq!(lossless(&path).len(), said, "{still}");
+        // What comes later is there at the next look.
+        let (command, rest) = rest.split_first().unwrap();
+        command.push(&mut recording);
+        look(&mut recording, completed, ms(251));
+        assert_eq!(lossless(&path).len(), said + 1, "{still}");
+
+        for sent in rest {
+            sent.push(&mut recording);
+        }
+        for tick in still..TICKS {
+            look(&mut recording, Some(tick), ms(300 + tick));
+        }
+        let summary = recording.finish(&mut ()).unwrap();
+        assert_eq!(summary.digest, untouched.digest);
+        assert_eq!(summary.topics, untouched.topics);
+        let all = lossless(&path);
+        assert_eq!(all.len(), sent.len());
+        assert!(all.is_sorted_by_key(|m| m.2), "time does not go back");
+    }
+}
+
+#[test]
+fn before_the_first_state_nothing_is_written_and_then_the_state_comes_first() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    let mut recording = create(&path);
+    let (states, others): (Vec<_>, Vec<_>) = run(1, 1)
+        .into_iter()
+        .partition(|sent| matches!(sent, Sent::State(..)));
+    for sent in &others {
+        sent.push(&mut recording);
+    }
+    let start = Instant::now();
+    let late = start + Duration::from_secs(60);
+    look(&mut recording, None, start);
+    look(&mut recording, None, late);
+    assert_eq!(lossless(&path), []);
+    states[0].push(&mut recording);
+    look(&mut recording, None, late);
+    assert_eq!(lossless(&path), [], "its tick has just begun");
+    look(&mut recording, Some(0), late);
+    let topics: Vec<String> = lossless(&path).into_iter().map(|m| m.0).collect();
+    assert_eq!(topics.len(), others.len() + 1);
+    assert_eq!(topics[0], "world/state");
+}
+
+#[test]
+fn in_real_time_ticks_are_written_when_they_are_old_however_many_follow() {
+    let folder = tempfile::tempdir().unwrap();
+    for period_ms in [2_u64, 50, 400] {
+        let path = folder.path().join(format!("{period_ms}.mcap"));
+        let mut recording = create(&path);
+        let start = Instant::now();
+        for sent in run(TICKS, 1) {
+            let tick = sent.stamp().tick;
+            if let Sent::State(..) = &sent {
+                let ms = |ms| start + Duration::from_millis(ms);
+                let now = ms(tick * period_ms);
+                // The tick before is over: no more comes of it.
+                look(
+                    &mut recording,
+                    None,
+                    ms((tick * period_ms).saturating_sub(1)),
+                );
+                let old = |tick: u64| (tick + 1) * period_ms > 250;
+                let written = lossless(&path).into_iter().map(|m| m.2 / PERIOD_NS);
+                let written: std::collections::BTreeSet<u64> = written.collect();
+                let expected = (0..tick).filter(|of| old(tick - 1 - of));
+                assert!(
+                    written.iter().copied().eq(expected),
+                    "{period_ms}: {written:?}"
+                );
+                sent.push(&mut recording);
+                look(&mut recording, None, now);
+            } else {
+                sent.push(&mut recording);
+            }
+        }
+        recording.finish(&mut ()).unwrap();
+        assert_eq!(lossless(&path).len(), run(TICKS, 1).len());
+    }
+}

@@ -1,0 +1,151 @@
+//! Tables of messages.
+
+use std::path::Path;
+
+use mcap_log::{LogsError, Topics};
+use tables::Format;
+
+use super::made_up::record_run;
+use super::support::{theirs, watch};
+use crate::{ExportOptions, Exported, export};
+
+fn options(format: Format, only: &[&str]) -> ExportOptions {
+    ExportOptions {
+        format,
+        topics: Topics {
+            only: only.iter().map(|&topic| topic.to_owned()).collect(),
+            without: Vec::new(),
+        },
+        force: false,
+    }
+}
+
+fn csv(path: &Path) -> (Vec<String>, Vec<csv::StringRecord>) {
+    let mut reader = csv::Reader::from_path(path).unwrap();
+    let header = reader
+        .headers()
+        .unwrap()
+        .iter()
+        .map(str::to_owned)
+        .collect();
+    (header, reader.records().map(Result::unwrap).collect())
+}
+
+fn exported(folder: &Path) -> Exported {
+    let log = folder.join("run.mcap");
+    record_run(&log, 6, 4_000, |_, _| {});
+    export(
+        &log,
+        &folder.join("tables"),
+        &options(Format::Csv, &[]),
+        &mut watch(),
+    )
+    .unwrap()
+}
+
+#[test]
+fn every_topic_of_ours_is_a_table_with_a_row_for_every_element() {
+    let folder = tempfile::tempdir().unwrap();
+    let done = exported(folder.path());
+    let messages = theirs(&folder.path().join("run.mcap"));
+    for (topic, table) in &done.tables {
+        let expected = messages.iter().filter(|m| m.0 == *topic).count() as u64;
+        assert_eq!(
+            (table.messages, table.undecodable),
+            (expected, 0),
+            "{topic}"
+        );
+        assert_eq!(csv(&table.file).1.len() as u64, table.rows, "{topic}");
+    }
+    let with: std::collections::BTreeSet<&str> = messages.iter().map(|m| m.0.as_str()).collect();
+    assert_eq!(done.tables.len() + done.skipped.len(), with.len());
+    assert!(
+        done.skipped
+            .keys()
+            .all(|topic| topic.starts_with("/viewer/"))
+    );
+
+    let tables = folder.path().join("tables");
+    let (header, rows) = csv(&tables.join("world.state.csv"));
+    let column = |name: &str| header.iter().position(|n| n == name).expect(name);
+    assert_eq!(rows.len(), 6 * 3);
+    let row = &rows[3 * 4 + 2];
+    for (name, value) in [
+        ("log_time_ns", "200000000"),
+        ("stamp.tick", "4"),
+        ("robots.index", "2"),
+        ("robots.robot", "2"),
+        ("robots.y", "2"),
+        ("robots.x", "0.4"),
+    ] {
+        assert_eq!(&row[column(name)], value, "{name}");
+    }
+    let (header, rows) = csv(&tables.join("robot.scan.csv"));
+    let ranges = header.iter().position(|n| n == "ranges").unwrap();
+    let values: Vec<&str> = rows[..3].iter().map(|row| &row[ranges]).collect();
+    assert_eq!(values, ["1", "inf", "2.5"]);
+    let (header, rows) = csv(&tables.join("process.status.csv"));
+    let error = header.iter().position(|n| n == "error").unwrap();
+    assert_eq!(&rows[0][error], "fine");
+}
+
+#[test]
+fn tables_are_written_where_nothing_is_lost() {
+    let folder = tempfile::tempdir().unwrap();
+    exported(folder.path());
+    let (log, out) = (folder.path().join("run.mcap"), folder.path().join("tables"));
+    let error = export(&log, &out, &options(Format::Csv, &[]), &mut watch()).unwrap_err();
+    assert!(matches!(error, LogsError::Exists { .. }), "{error}");
+    let other = folder.path().join("other");
+    for only in ["nope", "/viewer/map"] {
+        assert!(export(&log, &other, &options(Format::Csv, &[only]), &mut watch()).is_err());
+        assert!(!other.exists(), "{only}");
+    }
+    let done = export(
+        &log,
+        &other,
+        &options(Format::Csv, &["robot/*"]),
+        &mut watch(),
+    )
+    .unwrap();
+    assert!(done.tables.keys().all(|topic| topic.starts_with("robot/")));
+    assert_eq!(
+        std::fs::read_dir(&other).unwrap().count(),
+        done.tables.len()
+    );
+}
+
+#[test]
+fn parquet_holds_what_the_text_says() {
+    use parquet::file::reader::{FileReader as _, SerializedFileReader};
+    use parquet::record::Field;
+    let folder = tempfile::tempdir().unwrap();
+    let text = exported(folder.path());
+    let log = folder.path().join("run.mcap");
+    let out = folder.path().join("parquet");
+    let done = export(&log, &out, &options(Format::Parquet, &[]), &mut watch()).unwrap();
+    for (topic, table) in &done.tables {
+        let (header, records) = csv(&text.tables[topic].file);
+        let file = std::fs::File::open(&table.file).unwrap();
+        let reader = SerializedFileReader::new(file).unwrap();
+        let mut rows = 0;
+        for (row, record) in reader.get_row_iter(None).unwrap().zip(&records) {
+            rows += 1;
+            for (index, (name, field)) in row.unwrap().get_column_iter().enumerate() {
+                assert_eq!(*name, header[index]);
+                let cell = match field {
+                    Field::Null => String::new(),
+                    Field::Bool(v) => v.to_string(),
+                    Field::Long(v) => v.to_string(),
+                    Field::ULong(v) => v.to_string(),
+                    Field::Float(v) => v.to_string(),
+                    Field::Double(v) => v.to_string(),
+                    Field::Str(v) => v.clone(),
+                    other => panic!("{topic} {name}: {other:?}"),
+                };
+                assert_eq!(cell, record[index], "{topic} {name}");
+            }
+        }
+        assert_eq!(rows as u64, table.rows, "{topic}");
+    }
+}

@@ -1,0 +1,148 @@
+//! Events that come with time: silence, restarts that are due or done, timeouts.
+
+use std::time::{Duration, Instant};
+
+use runtime::lockstep::SlotState;
+
+use super::{Event, Process, Standing, State};
+
+/// A process as it is seen from outside.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Seen {
+    /// What the page says of it.
+    pub(crate) state: SlotState,
+    /// Ticks that it has done.
+    pub(crate) done: u64,
+    /// Whether nothing of its predecessor keeps it from being started.
+    pub(crate) is_vacant: bool,
+}
+
+/// Progress of the processes in a step of their start.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum StartStep {
+    /// All have done it.
+    Done,
+    /// At least one has not, and still has time.
+    Waiting,
+    /// This one has not, and its time is over.
+    Late(usize),
+}
+
+impl State {
+    /// Progress of the step of the start that leads to `wanted` and has taken this long; the first process that has
+    /// not done it counts.
+    pub(crate) fn start_step(
+        &self,
+        wanted: SlotState,
+        taken: Duration,
+        seen: &[Seen],
+    ) -> StartStep {
+        let is_behind = |seen: &Seen| match wanted {
+            SlotState::Ready => seen.state == SlotState::Starting,
+            SlotState::Connected => {
+                matches!(seen.state, SlotState::Starting | SlotState::Ready)
+            }
+            _ => seen.state.is_alive() && seen.state != SlotState::Prepared,
+        };
+        match seen.iter().position(is_behind) {
+            None => StartStep::Done,
+            Some(index) if taken >= self.ready_timeout(index) => StartStep::Late(index),
+            Some(_) => StartStep::Waiting,
+        }
+    }
+
+    /// What has happened by `now`, with `posted` ticks, besides the ends of processes; `is_stopped` tells whether a
+    /// process stands still by a signal.
+    pub(crate) fn look(
+        &mut self,
+        now: Instant,
+        posted: u64,
+        seen: &[Seen],
+        is_stopped: impl Fn(usize) -> bool,
+    ) -> Vec<(usize, Event)> {
+        let mut events = Vec::new();
+        for (index, (process, seen)) in self.processes.iter().zip(seen).enumerate() {
+            match process.standing {
+                Standing::Starting { .. } if seen.state == SlotState::Prepared => {
+                    events.push((index, Event::Back))
+                }
+                Standing::Starting { until } if now >= until => {
+                    events.push((index, Event::NotReady));
+                }
+                Standing::Away { due } if now >= due && seen.is_vacant => {
+                    events.push((index, Event::Due));
+                }
+                _ => {}
+            }
+        }
+        let silent = self.silent(now, posted, seen, is_stopped);
+        events.extend(silent.into_iter().map(|index| (index, Event::Silent)));
+        events
+    }
+
+    /// The processes that do nothing, each once per hang timeout.
+    fn silent(
+        &mut self,
+        now: Instant,
+        posted: u64,
+        seen: &[Seen],
+        is_stopped: impl Fn(usize) -> bool,
+    ) -> Vec<usize> {
+        if posted != self.last_posted {
+            (self.last_posted, self.last_progress) = (posted, now);
+        } else if now - self.last_progress >= self.hang_timeout {
+            self.last_progress = now;
+            let owing = self.in_lock_step.then(|| {
+                let tick = posted.saturating_sub(1);
+                self.culprit(tick, seen, is_stopped)
+            });
+            let simulator = || self.processes.iter().position(|p| p.is_simulator);
+            return owing.flatten().or_else(simulator).into_iter().collect();
+        }
+        if self.in_lock_step {
+            return Vec::new();
+        }
+        // In real time the world goes on without those that do not answer.
+        let mut silent = Vec::new();
+        for (index, (process, seen)) in self.processes.iter_mut().zip(seen).enumerate() {
+            let is_present = process.standing == Standing::Present && seen.state.takes_part();
+            if process.is_simulator || !is_present {
+                continue;
+            }
+            if seen.done != process.done || seen.done >= posted {
+                (process.done, process.since) = (seen.done, now);
+            } else if now - process.since >= self.hang_timeout {
+                process.since = now;
+                silent.push(index);
+            }
+        }
+        silent
+    }
+
+    /// The process that owes the tick for which all others wait: rather one that stands still or that others
+    /// wait for than one that may be waiting itself.
+    fn culprit(
+        &self,
+        tick: u64,
+        seen: &[Seen],
+        is_stopped: impl Fn(usize) -> bool,
+    ) -> Option<usize> {
+        let owes = |index: usize| {
+            let seen = seen.get(index);
+            seen.is_some_and(|seen| seen.state.takes_part() && seen.done <= tick)
+        };
+        let processes = self.processes.iter().enumerate();
+        let owing: Vec<(usize, &Process)> = processes
+            .filter(|(index, process)| !process.is_simulator && owes(*index))
+            .collect();
+        let first = |is_it: &dyn Fn(usize, &Process) -> bool| {
+            let mut owing = owing.iter();
+            owing
+                .find(|(index, process)| is_it(*index, process))
+                .map(|(index, _)| *index)
+        };
+        first(&|index, _| is_stopped(index))
+            .or_else(|| first(&|_, process| process.makes_plans))
+            .or_else(|| first(&|_, process| !process.upstream.iter().any(|&up| owes(up))))
+    }
+}

@@ -1,0 +1,240 @@
+//! A run in one thread of this process: for sweeps of very many runs.
+//!
+//! The same code as in processes of their own, over a bus in memory, takes its turns in the order
+//! of lock-step: the simulator publishes the state of a tick, everybody steps after those it waits
+//! for, the simulator takes the commands and steps the world. What is said is the same to the bit:
+//! digest, outcome and metrics are those of the run with processes. There are no clocks, so there
+//! are no latencies; a crash is not contained; and there are no programs of the user's own.
+//!
+//! Runs do not share anything but what [`InProcessOptions::cache`] keeps of their maps, so that
+//! each may have a thread of its own.
+
+mod processes;
+
+pub use processes::LocalProcesses;
+
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+use ipc_types::bus::{Bus, Publisher, PublisherOptions};
+use ipc_types::topics::ObstacleEvents;
+use runtime::maps::Maps;
+
+use self::processes::LocalRun;
+use super::error::{InProcessError, MissionError};
+use super::plan::Plan;
+use super::progress::{EventPrinter, Progress};
+use super::recording::{self, LogFile};
+use super::report::MissionReport;
+use recorder::{Beginnings, Recorder};
+use scenario::ResolvedScenario;
+use scenario::spec::Mode;
+
+/// Ticks between two looks at the progress.
+const SHOW_EVERY: u64 = 256;
+
+/// How a run in one process is done.
+#[derive(Debug, Clone, Default)]
+pub struct InProcessOptions {
+    /// Where the log goes; no log is written if not said.
+    pub out: Option<PathBuf>,
+    /// Whether an existing log may be overwritten.
+    pub force: bool,
+    /// Whether to show how far the run is and what happens.
+    pub show: bool,
+    /// Set from outside (Ctrl-C) to end the run in order.
+    pub interrupted: Arc<AtomicBool>,
+    /// What runs keep for each other; give the same one to all runs of a sweep, whatever their
+    /// scenarios and threads.
+    pub cache: Arc<Cache>,
+}
+
+/// Data that runs in one process share, because it depends on their maps alone and costs more than a run: share
+/// one between all runs of a sweep. Results do not depend on it.
+#[derive(Debug, Default)]
+pub struct Cache {
+    maps: Arc<Maps>,
+    beginnings: Arc<Beginnings>,
+}
+
+impl Cache {
+    /// Messages of the maps, as the recorder knows them.
+    fn beginnings(&self) -> Arc<Beginnings> {
+        Arc::clone(&self.beginnings)
+    }
+
+    /// The maps, as the processes of a run find them on their bus.
+    fn commons(&self) -> Arc<dyn Any + Send + Sync> {
+        Arc::clone(&self.maps) as Arc<dyn Any + Send + Sync>
+    }
+}
+
+/// Runs a scenario to its end in this thread.
+///
+/// # Errors
+/// [`MissionError::InProcess`] if time passes by the clock, a process is a program of the user's
+/// own, or a process fails; others as of [`mission::run`](fn@crate::run).
+pub fn run(
+    scenario: &ResolvedScenario,
+    options: &InProcessOptions,
+) -> Result<MissionReport, MissionError> {
+    if scenario.run.mode == Mode::RealTime {
+        return Err(InProcessError::RealTime.into());
+    }
+    if let Some(process) = scenario.external_commands().next() {
+        let name = process.name.clone();
+        return Err(InProcessError::External { name }.into());
+    }
+    // With processes a panic ends one of them, and the run says which; here it must not end a
+    // whole sweep. Nothing of the run outlives it but the cache, which holds finished things only.
+    catch_unwind(AssertUnwindSafe(|| execute(scenario, options))).unwrap_or_else(|panic| {
+        let text = panic
+            .downcast_ref::<String>()
+            .map(String::as_str)
+            .or_else(|| panic.downcast_ref::<&str>().copied());
+        let message = text.unwrap_or("without words").to_owned();
+        Err(InProcessError::Panicked { message }.into())
+    })
+}
+
+fn execute(
+    scenario: &ResolvedScenario,
+    options: &InProcessOptions,
+) -> Result<MissionReport, MissionError> {
+    let start = Instant::now();
+    let plan = Plan::new(scenario, Path::new(""), "", "warn")?;
+    let bus = Bus::local(plan.run.bus_options(), Some(options.cache.commons()));
+    // The recorder's subscriptions must stand before anybody sends.
+    let log = options.out.as_deref().map(|path| LogFile {
+        path: Some(path),
+        force: options.force,
+    });
+    let beginnings = options.cache.beginnings();
+    let recording = recording::create(scenario, &plan, log, beginnings, None)?;
+    let mut recorder = Recorder::open(&bus, recording)?;
+    let obstacles: Publisher<ObstacleEvents> =
+        bus.publisher(PublisherOptions::new(plan.orchestrator_index(), 1))?;
+    let mut processes = LocalRun::open(&plan, &bus)?;
+    processes.connect()?;
+    plan.send_obstacle_changes(&obstacles)?;
+    processes.prepare()?;
+
+    let mut show = options.show.then(|| Show::new(scenario, &plan));
+    let first_tick = Instant::now();
+    let interrupted = loop {
+        let over = processes.turn()?;
+        let tick = processes.tick();
+        match &mut show {
+            Some(show) => {
+                recorder.take(tick, &mut show.events)?;
+                if tick.is_multiple_of(SHOW_EVERY) {
+                    show.progress.at(tick as f64 * plan.run.tick_period());
+                }
+            }
+            None => recorder.take(tick, &mut ())?,
+        }
+        let interrupted = options.interrupted.load(Ordering::Relaxed);
+        if over || interrupted {
+            break !over;
+        }
+        processes.advance();
+    };
+    let wall_time_s = first_tick.elapsed().as_secs_f64();
+    let summary = match &mut show {
+        Some(show) => {
+            let summary = recorder.finish(&mut show.events);
+            show.progress.finish();
+            summary?
+        }
+        None => recorder.finish(&mut ())?,
+    };
+    Ok(MissionReport {
+        summary,
+        wall_time_s,
+        start_up_s: (first_tick - start).as_secs_f64(),
+        interrupted,
+        has_lost: false,
+        live: None,
+    })
+}
+
+/// What a person sees meanwhile.
+struct Show {
+    progress: Progress,
+    events: EventPrinter,
+}
+
+impl Show {
+    fn new(scenario: &ResolvedScenario, plan: &Plan) -> Self {
+        let progress = Progress::new(scenario.world.rules.time_limit, false);
+        let robots = plan.run.robots.iter().map(|r| r.name.clone()).collect();
+        let events = progress.events(robots, false);
+        Self { progress, events }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use kinds::load;
+
+    fn game(seed: u64) -> ResolvedScenario {
+        let set = ["rules.time_limit=8".to_owned()];
+        load("chase_exact", &set, Some(seed)).unwrap()
+    }
+
+    #[test]
+    fn runs_in_several_threads_share_a_cache_and_are_the_runs_that_have_their_own() {
+        let alone: Vec<String> = (1..=4)
+            .map(|seed| {
+                let report = run(&game(seed), &InProcessOptions::default()).unwrap();
+                assert_eq!(report.summary.ticks, 160);
+                report.summary.digest
+            })
+            .collect();
+        let options = InProcessOptions::default();
+        // Twice: the second time everything is in the cache.
+        for _ in 0..2 {
+            let together: Vec<String> = std::thread::scope(|scope| {
+                let threads: Vec<_> = (1..=4)
+                    .map(|seed| {
+                        let options = &options;
+                        scope.spawn(move || run(&game(seed), options).unwrap().summary.digest)
+                    })
+                    .collect();
+                threads.into_iter().map(|t| t.join().unwrap()).collect()
+            });
+            assert_eq!(together, alone);
+        }
+    }
+
+    #[test]
+    fn an_interrupted_run_ends_in_order_and_says_so() {
+        let options = InProcessOptions::default();
+        options.interrupted.store(true, Ordering::SeqCst);
+        let report = run(&game(1), &options).unwrap();
+        assert!(report.interrupted);
+        assert_eq!(report.summary.ticks, 0);
+        assert_eq!(report.summary.robots.len(), 6);
+    }
+
+    #[test]
+    fn real_time_and_programs_of_the_users_own_are_refused_with_their_field() {
+        let mut scenario = game(1);
+        scenario.run.mode = Mode::RealTime;
+        let error = run(&scenario, &InProcessOptions::default()).unwrap_err();
+        assert!(error.to_string().contains("run.mode"), "{error}");
+        let mut scenario = game(1);
+        scenario.processes[0].program = scenario::Program::Command {
+            words: vec!["./mine".into()],
+            params: serde_json::Value::Null,
+        };
+        let error = run(&scenario, &InProcessOptions::default()).unwrap_err();
+        let field = format!("processes.{}.command", scenario.processes[0].name);
+        assert!(error.to_string().contains(&field), "{error}");
+    }
+}

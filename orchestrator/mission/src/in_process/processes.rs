@@ -1,0 +1,201 @@
+//! The processes of a run in one thread.
+
+use ipc_types::bus::Bus;
+use runtime::{Process, ProcessError};
+use simulator::process::Simulator;
+
+use super::super::error::InProcessError;
+use super::super::plan::{Launch, Plan};
+
+/// One process.
+struct LocalProcess {
+    name: String,
+    process: Box<dyn Process>,
+}
+
+/// Processes that follow the simulator, in the order in which they take their turns.
+pub struct LocalProcesses {
+    processes: Vec<LocalProcess>,
+}
+
+impl LocalProcesses {
+    /// Opens the ports of these processes.
+    ///
+    /// # Errors
+    /// [`InProcessError`] names the process that cannot be opened.
+    pub fn open(followers: &[Launch], bus: &Bus) -> Result<Self, InProcessError> {
+        let processes = order(followers)?
+            .into_iter()
+            .map(|launch| open_process(launch, bus))
+            .collect::<Result<_, _>>()?;
+        Ok(Self { processes })
+    }
+
+    /// Connects all of them.
+    ///
+    /// # Errors
+    /// [`InProcessError`] names the process that fails.
+    pub fn connect(&mut self) -> Result<(), InProcessError> {
+        self.each(None, |process| process.connect())
+    }
+
+    /// Lets all of them build what they need of the map.
+    ///
+    /// # Errors
+    /// [`InProcessError`] names the process that fails.
+    pub fn prepare(&mut self) -> Result<(), InProcessError> {
+        self.each(None, |process| process.prepare())
+    }
+
+    /// Gives all of them the turn of a tick.
+    ///
+    /// # Errors
+    /// [`InProcessError`] names the process that fails.
+    pub fn step(&mut self, tick: u64) -> Result<(), InProcessError> {
+        self.each(Some(tick), |process| process.step(tick))
+    }
+
+    fn each(
+        &mut self,
+        tick: Option<u64>,
+        act: impl Fn(&mut dyn Process) -> Result<(), ProcessError>,
+    ) -> Result<(), InProcessError> {
+        self.processes.iter_mut().try_for_each(|it| {
+            act(it.process.as_mut()).map_err(|source| failed(&it.name, tick, source))
+        })
+    }
+}
+
+/// The simulator and the processes that follow it.
+pub(super) struct LocalRun {
+    leader: String,
+    simulator: Simulator,
+    followers: LocalProcesses,
+}
+
+impl LocalRun {
+    /// Opens the ports of all processes.
+    pub(super) fn open(plan: &Plan, bus: &Bus) -> Result<Self, InProcessError> {
+        let Some((leader, params, followers)) = plan.split_simulator() else {
+            return Err(InProcessError::NoSimulator);
+        };
+        let simulator = Simulator::open(&leader.config, params, bus)
+            .map_err(|source| failed(&leader.config.name, None, source))?;
+        Ok(Self {
+            leader: leader.config.name.clone(),
+            simulator,
+            followers: LocalProcesses::open(followers, bus)?,
+        })
+    }
+
+    /// Connects all processes and sends the map.
+    pub(super) fn connect(&mut self) -> Result<(), InProcessError> {
+        self.followers.connect()?;
+        let connected = self.simulator.connect();
+        connected.map_err(|source| failed(&self.leader, None, source))
+    }
+
+    /// Lets all processes build what they need of the map.
+    pub(super) fn prepare(&mut self) -> Result<(), InProcessError> {
+        self.followers.prepare()
+    }
+
+    /// The present tick.
+    pub(super) fn tick(&self) -> u64 {
+        self.simulator.tick()
+    }
+
+    /// Does the present tick, but for the world's step: state out, the turns of the others, commands
+    /// in. True if the game is over; then the tick is the last, without turns.
+    pub(super) fn turn(&mut self) -> Result<bool, InProcessError> {
+        let tick = self.simulator.tick();
+        let lead = |source| failed(&self.leader, Some(tick), source);
+        if self.simulator.publish().map_err(lead)? {
+            return Ok(true);
+        }
+        self.followers.step(tick)?;
+        self.simulator.take_commands().map_err(lead)?;
+        Ok(false)
+    }
+
+    /// Steps the world to the next tick.
+    pub(super) fn advance(&mut self) {
+        self.simulator.advance(0);
+    }
+}
+
+fn failed(name: &str, tick: Option<u64>, source: ProcessError) -> InProcessError {
+    let name = name.to_owned();
+    let when = tick.map_or_else(
+        || "before the first tick".to_owned(),
+        |tick| format!("at tick {tick}"),
+    );
+    InProcessError::Process { name, when, source }
+}
+
+fn open_process(launch: &Launch, bus: &Bus) -> Result<LocalProcess, InProcessError> {
+    let config = &launch.config;
+    let name = config.name.clone();
+    let Some(kind) = launch.kind() else {
+        return Err(InProcessError::External { name });
+    };
+    let opened = kind.open(config, bus);
+    let process = opened.map_err(|source| failed(&name, None, source))?;
+    Ok(LocalProcess { name, process })
+}
+
+/// The followers in an order in which every process comes after those whose output of the same tick it needs;
+/// otherwise as they stand in the plan.
+fn order(followers: &[Launch]) -> Result<Vec<&Launch>, InProcessError> {
+    let mut waiting: Vec<&Launch> = followers.iter().collect();
+    let mut ordered: Vec<&Launch> = Vec::with_capacity(waiting.len());
+    while !waiting.is_empty() {
+        let is_waited_for = |index: &u32| waiting.iter().any(|w| w.config.index == *index);
+        let ready = waiting
+            .iter()
+            .position(|launch| !launch.config.upstream.iter().any(is_waited_for));
+        let Some(at) = ready else {
+            let names = waiting.iter().map(|w| w.config.name.clone()).collect();
+            return Err(InProcessError::Circular { names });
+        };
+        ordered.push(waiting.remove(at));
+    }
+    Ok(ordered)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use kinds::load;
+
+    fn followers(name: &str) -> Vec<Launch> {
+        let scenario = load(name, &[], None).unwrap();
+        let plan = Plan::new(&scenario, Path::new(""), "", "warn").unwrap();
+        plan.launches.into_iter().skip(1).collect()
+    }
+
+    #[test]
+    fn everybody_comes_after_those_it_waits_for() {
+        let mut launches = followers("chase");
+        // The worst order: who provides comes last.
+        launches.sort_by_key(|launch| launch.watched);
+        let ordered = order(&launches).unwrap();
+        assert_eq!(ordered.len(), launches.len());
+        for (at, launch) in ordered.iter().enumerate() {
+            for upstream in &launch.config.upstream {
+                assert!(ordered[..at].iter().any(|l| l.config.index == *upstream));
+            }
+        }
+    }
+
+    #[test]
+    fn who_waits_for_itself_is_named() {
+        let mut launches = followers("chase");
+        let index = launches[0].config.index;
+        launches[0].config.upstream = vec![index];
+        let error = order(&launches).unwrap_err().to_string();
+        assert!(error.contains(&launches[0].config.name), "{error}");
+    }
+}

@@ -1,0 +1,42 @@
+//! One run, from the resolved scenario to the summary: processes are started, supervised, recorded and ended, and
+//! nothing is left behind.
+//!
+//! * [`plan`], `launch`, `obstacle_schedule`: what every process is told;
+//! * [`run_directory`], `resources`, `shm_usage`, `orphans`: what a run uses, and what is found of others;
+//! * [`child_process`], `stderr_lines`, [`process_group`], `external_bridge`: processes and their turns;
+//! * `supervisor`, `decide`, `executor`, `process_log`: what happens to them, and what is done about it;
+//! * `recording`, `recorder_thread`, `progress`, [`report`]: log, display and summary;
+//! * `run`: a run whose processes are processes of the system; [`in_process`]: one in a thread of this process.
+
+#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
+pub mod child_process;
+mod decide;
+mod error;
+mod executor;
+mod external_bridge;
+pub mod eyes;
+pub mod in_process;
+mod launch;
+mod obstacle_schedule;
+mod orphans;
+pub mod plan;
+pub mod process_group;
+mod process_log;
+mod progress;
+mod recorder_thread;
+pub mod recording;
+pub mod report;
+pub mod resources;
+mod run;
+pub mod run_directory;
+mod shm_usage;
+mod stderr_lines;
+pub mod supervisor;
+
+pub use error::{InProcessError, MissionError};
+pub use orphans::CONFIG_VARIABLE;
+pub use report::MissionReport;
+pub use run::{MissionOptions, run};
+pub use shm_usage::ShmFull;

@@ -1,0 +1,302 @@
+//! From a resolved scenario to what every process of the run is told.
+
+use std::path::{Path, PathBuf};
+
+use ipc_types::bus::{Publisher, SendError};
+use ipc_types::messages::world::ObstacleEvent;
+use ipc_types::stamp::PlainHeader;
+use ipc_types::topics::ObstacleEvents;
+use runtime::config::{Clock, RobotInfo, RunConfig};
+use runtime::kind::Product;
+use runtime::obstacle::{self, ObstacleMessageError};
+use serde_json::Value as Json;
+use sim_backend::map::{ObstacleChange, WorldMap};
+use sim_backend::spec::RobotSpec;
+use simulator::SimulatorParams;
+
+pub use super::launch::{Launch, Role};
+pub use super::obstacle_schedule::ScheduledChange;
+
+use super::{launch, obstacle_schedule};
+use scenario::spec::{self, Mode};
+use scenario::{Program, ResolvedScenario};
+
+/// Most bytes that the beliefs waiting for the recorder may take in shared memory.
+const RECORDER_MEMORY: usize = 256 << 20;
+/// Ticks that the recorder may lag behind when messages are small.
+const RECORDER_TICKS: usize = 256;
+/// Real seconds that the recorder may lag behind in real time.
+const RECORDER_SECONDS: f64 = 2.0;
+
+/// Why a scenario cannot be launched.
+#[derive(Debug, thiserror::Error)]
+pub enum PlanError {
+    /// The map cannot be built. The scenario was checked: only a changed file can cause it.
+    #[error(transparent)]
+    Map(#[from] sim_backend::map::MapError),
+    /// An obstacle event does not fit its message.
+    #[error(transparent)]
+    Obstacle(#[from] ObstacleMessageError),
+}
+
+/// Everything that a run needs to start.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// What all processes share.
+    pub run: RunConfig,
+    /// The processes; the index in this list is the process's index in the run. The simulator is
+    /// the first.
+    pub launches: Vec<Launch>,
+    /// The obstacle changes whose ticks are known, by tick; the others are on the simulator's
+    /// agenda.
+    pub obstacle_changes: Vec<ScheduledChange>,
+    /// The obstacles that stand from the beginning, for viewers.
+    pub standing: Vec<ObstacleEvent>,
+}
+
+impl Plan {
+    /// Has the world keep to a pace in lock-step (simulated s/s).
+    pub fn keep_pace(&mut self, pace: f64) {
+        if let Some(simulator) = self.launches.first_mut() {
+            simulator.config.run.pace = Some(pace);
+        }
+    }
+
+    /// Plans a run of the scenario in a directory.
+    ///
+    /// # Errors
+    /// [`PlanError`] if map or events cannot be told to the processes.
+    pub fn new(
+        scenario: &ResolvedScenario,
+        root: &Path,
+        prefix: &str,
+        log_level: &str,
+    ) -> Result<Self, PlanError> {
+        let map = WorldMap::recent(&scenario.world.map)?;
+        let run = RunConfig {
+            root: root.to_owned(),
+            prefix: prefix.to_owned(),
+            log_level: log_level.to_owned(),
+            ..run_config(scenario, &map)
+        };
+        let obstacle_changes = obstacle_schedule::scheduled(&scenario.events, run.tick_period_ns)?;
+        // A standing polygon with more corners than a message holds is drawn by the map alone.
+        let standing = map
+            .obstacles()
+            .iter()
+            .filter_map(|o| {
+                let appear = ObstacleChange::Appear {
+                    id: o.id,
+                    shape: o.shape.clone(),
+                };
+                obstacle::to_message(&appear).ok()
+            })
+            .collect();
+        let launches = launch::launches(scenario, &run)?;
+        Ok(Self {
+            run,
+            launches,
+            obstacle_changes,
+            standing,
+        })
+    }
+
+    /// Sends the obstacle changes whose ticks are known beforehand.
+    ///
+    /// # Errors
+    /// [`SendError`] if the bus refuses.
+    pub(crate) fn send_obstacle_changes(
+        &self,
+        obstacles: &Publisher<ObstacleEvents>,
+    ) -> Result<(), SendError> {
+        for change in &self.obstacle_changes {
+            let mut header = PlainHeader::default();
+            header.stamp.tick = change.tick;
+            header.stamp.time_ns = change.tick * self.run.tick_period_ns;
+            obstacles.send(header, &[change.event])?;
+        }
+        Ok(())
+    }
+
+    /// The simulator with its parameters, and the processes that follow it.
+    pub fn split_simulator(&self) -> Option<(&Launch, &SimulatorParams, &[Launch])> {
+        let (leader, followers) = self.launches.split_first()?;
+        match &leader.role {
+            Role::Simulator(params) => Some((leader, params, followers)),
+            Role::Process(_) => None,
+        }
+    }
+
+    /// Index under which the orchestrator itself sends.
+    pub fn orchestrator_index(&self) -> u32 {
+        self.launches.len() as u32
+    }
+
+    /// Whether the run has somebody who makes plans on request.
+    pub fn serves_plans(&self) -> bool {
+        self.launches.iter().any(|l| l.makes(Product::Plans))
+    }
+
+    /// Whether the robot with this index may visit waypoints: by the kind of its process; a program
+    /// of the user's own may.
+    pub fn visits_waypoints(&self, robot: u32) -> bool {
+        let mut drivers = self
+            .launches
+            .iter()
+            .filter(|launch| launch.config.robots.contains(&robot));
+        drivers.any(|launch| launch.kind().is_none() || launch.makes(Product::Waypoints))
+    }
+
+    /// Whether the beliefs of a tick are input of a process.
+    pub fn reads_beliefs(&self, index: usize) -> bool {
+        self.launches
+            .get(index)
+            .is_some_and(|l| !l.config.upstream.is_empty())
+    }
+}
+
+/// What all processes of a run of this scenario share, but for its place.
+fn run_config(scenario: &ResolvedScenario, map: &WorldMap) -> RunConfig {
+    let particles = scenario.processes.iter().map(|p| match &p.program {
+        Program::Kind(kind) => kind.belief_particles(),
+        Program::Command { params, .. } => particles(params),
+    });
+    let particles = particles.max().unwrap_or(0);
+    let clock = match scenario.run.mode {
+        Mode::LockStep => Clock::LockStep,
+        Mode::RealTime => Clock::RealTime {
+            factor: scenario.run.real_time_factor,
+            deadline_ns: (scenario.run.command_deadline_s * 1e9) as u64,
+        },
+    };
+    let (world, rules) = (&scenario.world, &scenario.world.rules);
+    let robot = |robot: &RobotSpec| RobotInfo {
+        name: robot.name.clone(),
+        team: robot.team,
+        model: robot.model(),
+        beams: robot.scan.as_ref().map_or(0, |scan| scan.beams as u32),
+        start: robot.start,
+        goal: robot.goal,
+    };
+    RunConfig {
+        root: PathBuf::new(),
+        prefix: String::new(),
+        seed: scenario.run.seed,
+        tick_period_ns: (scenario.run.dt * 1e9).round() as u64,
+        clock,
+        pace: None,
+        hang_timeout_s: scenario.run.hang_timeout_s,
+        processor: (scenario.run.pin == spec::Pin::OneCore).then(first_processor),
+        processes: scenario.processes.len() as u32 + 1,
+        events: scenario.events.len() as u32,
+        recorder_ticks: recorder_ticks(clock, scenario, particles) as u32,
+        map_cells: map.frame().len() as u32,
+        particles: particles as u32,
+        robots: world.robots.iter().map(robot).collect(),
+        exits: map.exits().iter().chain(&rules.exits).copied().collect(),
+        capture_radius: rules.capture.map_or(0.0, |c| c.radius),
+        log_level: String::new(),
+    }
+}
+
+/// Particles per belief that the parameters of a program of the user's ask for.
+fn particles(params: &Json) -> usize {
+    params
+        .pointer("/filter/particles")
+        .or_else(|| params.get("particles"))
+        .and_then(Json::as_u64)
+        .map_or(0, |n| n as usize)
+}
+
+fn recorder_ticks(clock: Clock, scenario: &ResolvedScenario, particles: usize) -> usize {
+    let per_tick = scenario.world.robots.len().max(1) * particles * 16;
+    let fitting = RECORDER_MEMORY
+        .checked_div(per_tick)
+        .unwrap_or(RECORDER_TICKS);
+    match clock {
+        Clock::LockStep => fitting.clamp(8, RECORDER_TICKS),
+        Clock::RealTime { factor, .. } => {
+            let ticks = RECORDER_SECONDS * factor / scenario.run.dt;
+            fitting.clamp(8, (ticks as usize).clamp(64, 4096))
+        }
+    }
+}
+
+/// The first processor that this process may use.
+fn first_processor() -> u32 {
+    rustix::thread::sched_getaffinity(None).map_or(0, |set| {
+        (0..rustix::thread::CpuSet::MAX_CPU)
+            .find(|&cpu| set.is_set(cpu))
+            .unwrap_or(0) as u32
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use kinds::load;
+
+    fn plan(name: &str, overrides: &[&str]) -> Plan {
+        let overrides: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();
+        let scenario = load(name, &overrides, None).unwrap();
+        Plan::new(&scenario, Path::new("/tmp/x"), "p_", "warn").unwrap()
+    }
+
+    #[test]
+    fn the_simulator_comes_first_and_knows_who_drives_whom() {
+        let plan = plan("chase", &[]);
+        assert_eq!(plan.launches[0].config.kind, "simulator");
+        let Role::Simulator(params) = &plan.launches[0].role else {
+            panic!("{:?}", plan.launches[0]);
+        };
+        assert_eq!(params.drivers.len(), 6);
+        for (robot, driver) in params.drivers.iter().enumerate() {
+            let launch = &plan.launches[driver.unwrap() as usize];
+            assert_eq!(launch.config.robots, [robot as u32]);
+        }
+        for (index, launch) in plan.launches.iter().enumerate() {
+            assert_eq!(launch.config.index as usize, index);
+        }
+    }
+
+    #[test]
+    fn everybody_that_a_scenario_may_have_finds_a_seat() {
+        use runtime::lockstep::TurnPage;
+        let prefix = format!("protean_seats{}_", std::process::id());
+        let page = TurnPage::create(&prefix, spec::MAX_PROCESSES + 1);
+        let path = TurnPage::path_for(&prefix);
+        let found = page.map(|page| page.processes());
+        let _ = std::fs::remove_file(path);
+        assert_eq!(found.unwrap(), spec::MAX_PROCESSES + 1);
+    }
+
+    #[test]
+    fn pursuers_that_go_by_beliefs_wait_for_perception_and_others_do_not() {
+        let by_belief = plan("chase", &[]);
+        for launch in &by_belief.launches {
+            let waits = launch.config.kind == "pursuer";
+            assert_eq!(
+                !launch.config.upstream.is_empty(),
+                waits,
+                "{}",
+                launch.config.name
+            );
+            assert_eq!(launch.watched, launch.config.kind == "perception");
+            for &up in &launch.config.upstream {
+                assert_eq!(by_belief.launches[up as usize].config.kind, "perception");
+            }
+        }
+        let exact = plan("chase_exact", &[]);
+        assert!(exact.launches.iter().all(|l| l.config.upstream.is_empty()));
+    }
+
+    #[test]
+    fn many_particles_shorten_the_recorders_lag_instead_of_filling_memory() {
+        let ticks = |n: u32| {
+            let set = format!("processes.perception.params.filter.particles={n}");
+            plan("chase", &[&set]).run.recorder_ticks
+        };
+        assert_eq!(ticks(400), RECORDER_TICKS as u32);
+        assert_eq!(ticks(1_000_000), 8);
+    }
+}

@@ -1,0 +1,244 @@
+//! The recorder of a run in a thread of its own, which sleeps at the turn page until there is something to record.
+
+use std::os::fd::OwnedFd;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, mpsc};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use ipc_types::bus::Bus;
+use runtime::config::Clock;
+use runtime::lockstep::Overseer;
+
+use super::error::MissionError;
+use super::progress::EventPrinter;
+use super::resources::RunResources;
+use recorder::{Gate, Recorder, RecorderError, Recording, Summary};
+
+/// Requests to the recorder to take what has been sent, out of its turn. It sleeps for many ticks, and what a dead
+/// process has sent goes when the process is cleaned up, unless the recorder has connected to it before.
+#[derive(Debug, Default)]
+pub(super) struct DrainRequests {
+    asked: AtomicU64,
+    answered: AtomicU64,
+    /// Whether the recorder is at work.
+    open: AtomicBool,
+}
+
+impl DrainRequests {
+    /// Longest wait for the recorder, which may be writing to a slow disk.
+    const PATIENCE: Duration = Duration::from_secs(5);
+    /// Time between two looks for its answer.
+    const LOOK: Duration = Duration::from_micros(200);
+
+    /// Returns when the recorder has taken everything that had been sent before, or when it is not at work.
+    pub(super) fn drain(&self) {
+        let call = self.asked.fetch_add(1, Ordering::SeqCst) + 1;
+        let deadline = Instant::now() + Self::PATIENCE;
+        while self.answered.load(Ordering::SeqCst) < call && self.open.load(Ordering::SeqCst) {
+            if Instant::now() >= deadline {
+                tracing::warn!("the recorder does not answer: last words of a process may be lost");
+                return;
+            }
+            std::thread::park_timeout(Self::LOOK);
+        }
+    }
+
+    /// The recorder begins, or ends, to take what is sent.
+    fn open(&self, open: bool) {
+        self.open.store(open, Ordering::SeqCst);
+    }
+}
+
+/// Lets the recorder sleep until there is something to record, and hold the simulator back.
+#[derive(Debug, Clone)]
+struct PageGate {
+    overseer: Overseer,
+    clock: Clock,
+    ended: Arc<AtomicBool>,
+    requests: Arc<DrainRequests>,
+}
+
+impl PageGate {
+    /// A gate over the page; `ended` is set once no process of the run sends any more.
+    fn new(
+        overseer: Overseer,
+        clock: Clock,
+        ended: Arc<AtomicBool>,
+        requests: Arc<DrainRequests>,
+    ) -> Self {
+        Self {
+            overseer,
+            clock,
+            ended,
+            requests,
+        }
+    }
+}
+
+impl Gate for PageGate {
+    fn wait(&self, timeout: Duration) {
+        if self.ended() {
+            return;
+        }
+        if self.clock != Clock::LockStep
+            && let Some(tick) = self.overseer.completed_tick()
+        {
+            // In real time nothing waits for the log: the recorder is woken for what it has not
+            // taken, not for what is not written.
+            self.overseer.recorded(tick);
+        }
+        self.overseer.wait_for_records(timeout);
+    }
+
+    fn completed_tick(&self) -> Option<u64> {
+        if self.clock != Clock::LockStep {
+            return None;
+        }
+        self.overseer.completed_tick()
+    }
+
+    fn recorded(&self, tick: u64) {
+        self.overseer.recorded(tick);
+    }
+
+    fn calls(&self) -> u64 {
+        self.requests.asked.load(Ordering::SeqCst)
+    }
+
+    fn answer(&self, calls: u64) {
+        self.requests.answered.store(calls, Ordering::SeqCst);
+    }
+
+    fn ended(&self) -> bool {
+        self.ended.load(Ordering::SeqCst)
+    }
+}
+
+/// The recorder and its thread.
+pub(super) struct RecorderThread {
+    thread: JoinHandle<Result<Summary, RecorderError>>,
+    connect: mpsc::Sender<()>,
+    connected: mpsc::Receiver<()>,
+    /// Set once nobody sends any more.
+    ended: Arc<AtomicBool>,
+    /// Readable when the thread has ended.
+    pub(super) wake: OwnedFd,
+}
+
+impl RecorderThread {
+    /// Starts the thread, which answers `requests`; returns once its subscriptions stand.
+    ///
+    /// # Errors
+    /// [`MissionError`] if the system refuses.
+    pub(super) fn start(
+        resources: &RunResources,
+        requests: Arc<DrainRequests>,
+        recording: Recording,
+        mut printer: EventPrinter,
+    ) -> Result<Self, MissionError> {
+        let run = &resources.plan.run;
+        let system = |what: &str| {
+            let what = what.to_owned();
+            move |source: std::io::Error| MissionError::System { what, source }
+        };
+        let (wake, ended_end) = rustix::pipe::pipe_with(rustix::pipe::PipeFlags::CLOEXEC)
+            .map_err(|e| system("cannot make a pipe")(e.into()))?;
+        let (connect, do_connect) = mpsc::channel();
+        let (tell, connected) = mpsc::channel();
+        let ended = Arc::new(AtomicBool::new(false));
+        let gate = PageGate::new(
+            Overseer::new(Arc::clone(&resources.page)),
+            run.clock,
+            Arc::clone(&ended),
+            Arc::clone(&requests),
+        );
+        let (space, bus_options) = (run.space()?, run.bus_options());
+        let thread = std::thread::Builder::new()
+            .name("recorder".into())
+            .spawn(move || {
+                // Closed when the thread ends, however it ends: that wakes the supervisor.
+                let _wake = ended_end;
+                // The ports of the bus belong to the thread that opened them.
+                let bus =
+                    Bus::join(&space, bus_options, "recorder").map_err(RecorderError::Subscribe)?;
+                let recorder = Recorder::open(&bus, recording)?;
+                let _ = tell.send(());
+                // Both channels end when the run ends before it began.
+                if do_connect.recv().is_ok() {
+                    recorder.update_connections()?;
+                }
+                let _ = tell.send(());
+                requests.open(true);
+                let recorded = recorder.run(&gate, &mut printer);
+                requests.open(false);
+                recorded
+            })
+            .map_err(system("cannot start the recorder's thread"))?;
+        let recorder = Self {
+            thread,
+            connect,
+            connected,
+            ended,
+            wake,
+        };
+        // Its subscriptions must stand before anybody sends.
+        let _ = recorder.connected.recv();
+        Ok(recorder)
+    }
+
+    /// Whether the thread has ended; why is in its result.
+    pub(super) fn is_finished(&self) -> bool {
+        self.thread.is_finished()
+    }
+
+    /// Connects to all publishers, which exist by now.
+    pub(super) fn connect(&self) {
+        let _ = self.connect.send(());
+        let _ = self.connected.recv();
+    }
+
+    /// Says that nobody sends any more, and waits for the summary.
+    ///
+    /// # Errors
+    /// What the recorder failed with.
+    pub(super) fn finish(self) -> Result<Summary, MissionError> {
+        self.ended.store(true, Ordering::SeqCst);
+        drop(self.connect);
+        match self.thread.join() {
+            Ok(result) => Ok(result?),
+            Err(_) => Err(MissionError::RecorderLost),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn whoever_requests_waits_for_a_look_that_began_after_the_call() {
+        let requests = DrainRequests::default();
+        requests.drain();
+        requests.open(true);
+        let (seen, called) = (AtomicU64::new(0), AtomicBool::new(false));
+        std::thread::scope(|scope| {
+            scope.spawn(|| {
+                while requests.open.load(Ordering::SeqCst) {
+                    let asked = requests.asked.load(Ordering::SeqCst);
+                    // The look.
+                    if called.load(Ordering::SeqCst) {
+                        seen.fetch_add(1, Ordering::SeqCst);
+                    }
+                    requests.answered.store(asked, Ordering::SeqCst);
+                }
+            });
+            called.store(true, Ordering::SeqCst);
+            requests.drain();
+            assert!(seen.load(Ordering::SeqCst) > 0, "answered without a look");
+            requests.open(false);
+        });
+        // A recorder that has ended is not waited for.
+        requests.drain();
+    }
+}

@@ -1,0 +1,192 @@
+//! The recording of a run: its log, and what stands at its head.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use mcap_log::{Compression, LogError, LogOptions, Manifest, ManifestFile, Mirror};
+
+use super::error::MissionError;
+use super::plan::Plan;
+use super::report;
+use crate::eyes;
+use recorder::{Beginnings, ProcessInfo, RecorderOptions, Recording, RobotInfo, ViewerOptions};
+use scenario::ResolvedScenario;
+use scenario::spec;
+
+/// Directory of logs without a name of their own.
+const DIRECTORY: &str = "logs";
+
+/// The file that a log is written to.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct LogFile<'a> {
+    /// Its path; a free one in `logs/` if not said.
+    pub(super) path: Option<&'a Path>,
+    /// Whether it may be overwritten.
+    pub(super) force: bool,
+}
+
+/// Begins to record a run, into a log if one is wanted.
+///
+/// # Errors
+/// [`MissionError`] if the log cannot be created.
+pub(super) fn create(
+    scenario: &ResolvedScenario,
+    plan: &Plan,
+    log: Option<LogFile<'_>>,
+    beginnings: Arc<Beginnings>,
+    mirror: Option<Box<dyn Mirror>>,
+) -> Result<Recording, MissionError> {
+    if let Some(log) = log {
+        return create_log(scenario, plan, log, mirror);
+    }
+    let period = plan.run.tick_period_ns;
+    let (processes, robots) = (processes(plan), robots(plan));
+    Ok(Recording::without_log(
+        &processes, &robots, period, beginnings,
+    ))
+}
+
+/// Creates the log. Without a name of its own it takes the first free one, also when another run
+/// takes names at the same time.
+fn create_log(
+    scenario: &ResolvedScenario,
+    plan: &Plan,
+    log: LogFile<'_>,
+    mut mirror: Option<Box<dyn Mirror>>,
+) -> Result<Recording, MissionError> {
+    let mut recorder = recorder_options(scenario, plan, log.force);
+    loop {
+        recorder.path = match log.path {
+            Some(path) => path.to_owned(),
+            None => free_path(&scenario.name, scenario.run.seed).map_err(|source| {
+                MissionError::System {
+                    what: "cannot make the directory logs".into(),
+                    source,
+                }
+            })?,
+        };
+        match Recording::create_mirrored(&recorder, &mut mirror) {
+            // Another run took the name at the same moment: take the next.
+            Err(LogError::Exists { .. } | LogError::InUse { .. }) if log.path.is_none() => {}
+            result => return Ok(result?),
+        }
+    }
+}
+
+/// A path in `logs/` that nothing has yet: `<scenario>-<seed>.mcap`, or with a number behind.
+///
+/// Two runs may choose the same name at the same moment; the recorder creates the file exclusively
+/// and the loser asks again.
+fn free_path(scenario: &str, seed: u64) -> std::io::Result<PathBuf> {
+    std::fs::create_dir_all(DIRECTORY)?;
+    let stem = format!("{scenario}-{seed}");
+    (1..1_000_000_u32)
+        .map(|n| {
+            let name = if n == 1 {
+                format!("{stem}.mcap")
+            } else {
+                format!("{stem}-{n}.mcap")
+            };
+            Path::new(DIRECTORY).join(name)
+        })
+        .find(|path| !path.exists())
+        .ok_or_else(|| std::io::ErrorKind::AlreadyExists.into())
+}
+
+fn recorder_options(scenario: &ResolvedScenario, plan: &Plan, force: bool) -> RecorderOptions {
+    let toml = scenario.to_toml();
+    let processes = processes(plan);
+    let entries = BTreeMap::from([
+        ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
+        ("scenario".to_owned(), scenario.name.clone()),
+        (
+            "scenario_blake3".to_owned(),
+            blake3::hash(toml.as_bytes()).to_hex().to_string(),
+        ),
+        ("seed".to_owned(), scenario.run.seed.to_string()),
+        (
+            "tick_period_ns".to_owned(),
+            plan.run.tick_period_ns.to_string(),
+        ),
+        (
+            "mode".to_owned(),
+            report::mode_name(scenario.run.mode).to_owned(),
+        ),
+        (
+            "robots".to_owned(),
+            names(plan.run.robots.iter().map(|r| r.name.as_str())),
+        ),
+        (
+            "processes".to_owned(),
+            names(processes.iter().map(|p| p.name.as_str())),
+        ),
+        ("machine".to_owned(), platform::machine::machine()),
+    ]);
+    RecorderOptions {
+        path: PathBuf::new(),
+        log: LogOptions {
+            compression: match scenario.log.compression {
+                spec::Compression::Zstd => LogOptions::default().compression,
+                spec::Compression::None => Compression::None,
+            },
+            force,
+            ..LogOptions::default()
+        },
+        manifest: Manifest {
+            entries,
+            attachments: vec![ManifestFile {
+                name: "scenario.toml".into(),
+                media_type: "application/toml".into(),
+                data: toml.into_bytes(),
+            }],
+        },
+        processes,
+        robots: robots(plan),
+        tick_period_ns: plan.run.tick_period_ns,
+        viewer: ViewerOptions {
+            rate_hz: scenario.log.viewer_rate_hz,
+            ..ViewerOptions::default()
+        },
+        obstacles: plan.standing.clone(),
+        eyes: eyes::of_scenario(scenario),
+    }
+}
+
+/// Everybody who sends: the processes and the orchestrator.
+pub fn processes(plan: &Plan) -> Vec<ProcessInfo> {
+    let mut processes: Vec<ProcessInfo> = plan
+        .launches
+        .iter()
+        .enumerate()
+        .map(|(index, launch)| ProcessInfo {
+            index: index as u32,
+            name: launch.config.name.clone(),
+            kind: launch.config.kind.clone(),
+            reads_beliefs: plan.reads_beliefs(index),
+        })
+        .collect();
+    processes.push(ProcessInfo {
+        index: plan.orchestrator_index(),
+        name: "orchestrator".into(),
+        kind: "orchestrator".into(),
+        reads_beliefs: false,
+    });
+    processes
+}
+
+/// The robots as the recorder knows them.
+pub fn robots(plan: &Plan) -> Vec<RobotInfo> {
+    let robots = plan.run.robots.iter().zip(0..);
+    robots
+        .map(|(r, index)| RobotInfo {
+            name: r.name.clone(),
+            radius: r.model.radius,
+            visits_waypoints: plan.visits_waypoints(index),
+        })
+        .collect()
+}
+
+fn names<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    names.collect::<Vec<_>>().join(",")
+}

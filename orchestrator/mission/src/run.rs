@@ -1,0 +1,211 @@
+//! Starting, supervising and ending the processes of a run.
+
+use std::os::fd::AsFd as _;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use ipc_types::bus::{Publisher, PublisherOptions};
+use ipc_types::messages::process::RunControl;
+use ipc_types::stamp::PlainHeader;
+use ipc_types::topics::{Control, ObstacleEvents};
+use platform::eprintln;
+use runtime::config::Clock;
+use viewer::LiveServer;
+
+use super::error::MissionError;
+use super::process_log::ProcessEventLog;
+use super::progress::Progress;
+use super::recorder_thread::{DrainRequests, RecorderThread};
+use super::recording::{self, LogFile};
+use super::report::MissionReport;
+use super::resources::RunResources;
+use super::shm_usage;
+use super::supervisor::Supervisor;
+use scenario::ResolvedScenario;
+
+/// How a run is done.
+#[derive(Debug, Clone, Default)]
+pub struct MissionOptions {
+    /// Where the log goes; `logs/<scenario>-<seed>.mcap` if not said.
+    pub out: Option<PathBuf>,
+    /// Whether an existing log may be overwritten.
+    pub force: bool,
+    /// Whether no log is kept: the summary is the same, but for its log.
+    pub without_log: bool,
+    /// Whether nothing but errors is shown.
+    pub quiet: bool,
+    /// Least severe level that the processes log.
+    pub log_level: String,
+    /// Port on which live viewers are served, if they are; 0 is any that is free. There must be a
+    /// log: viewers see what goes into it.
+    pub live: Option<u16>,
+    /// Simulated seconds per second that a run in lock-step keeps to; as fast as it can without.
+    /// Its history stays the same.
+    pub pace: Option<f64>,
+    /// Set from outside (Ctrl-C) to end the run in order.
+    pub interrupted: Arc<AtomicBool>,
+}
+
+/// Runs a scenario to its end.
+///
+/// # Errors
+/// [`MissionError`]; the log holds everything up to then, and no process, shared memory or
+/// directory of the run remains.
+pub fn run(
+    scenario: &ResolvedScenario,
+    options: &MissionOptions,
+) -> Result<MissionReport, MissionError> {
+    let start = Instant::now();
+    let log_level = if options.log_level.is_empty() {
+        "warn"
+    } else {
+        options.log_level.as_str()
+    };
+    let live = options.live.map(LiveServer::start).transpose()?;
+    if let Some(live) = &live {
+        // Shown however quiet the run is: without it nobody can look.
+        eprintln!("live: {}", live.url());
+    }
+    let mut resources = RunResources::create(scenario, log_level, |bus| bus)?;
+    if let Some(pace) = options.pace {
+        resources.plan.keep_pace(pace);
+    }
+    let mirror = live.as_ref().map(|live| Box::new(live.tap()) as _);
+    // Maps in shared memory are never known from another run.
+    let log = (!options.without_log).then_some(LogFile {
+        path: options.out.as_deref(),
+        force: options.force,
+    });
+    let recording = recording::create(scenario, &resources.plan, log, Arc::default(), mirror)?;
+    let progress = Progress::new(scenario.world.rules.time_limit, options.quiet);
+    let robots = scenario.world.robots.iter().map(|r| r.name.clone());
+    let printer = progress.events(robots.collect(), options.quiet);
+
+    let requests = Arc::<DrainRequests>::default();
+    let hang_timeout = hang_timeout(scenario, options.pace);
+    let launches = &resources.plan.launches;
+    let event_log = ProcessEventLog::open(&resources, Arc::clone(&requests))?;
+    let mut supervisor =
+        Supervisor::new(&resources, launches, hang_timeout, !options.quiet)?.with_log(event_log);
+    let recorder = RecorderThread::start(&resources, requests, recording, printer)?;
+    let mut active = ActiveRun {
+        resources: &resources,
+        interrupted: &options.interrupted,
+        recorder: &recorder,
+        progress,
+        start,
+        first_tick: None,
+    };
+    let ended = active.execute(&mut supervisor);
+    let first_tick = active.first_tick;
+    let wall_time_s = first_tick.map_or(0.0, |first| first.elapsed().as_secs_f64());
+    let start_up_s = first_tick.map_or(0.0, |first| (first - start).as_secs_f64());
+    supervisor.stop();
+    active.progress.finish();
+    let recorded = recorder.finish();
+    let has_lost = supervisor.has_lost();
+    // Kept until the recorder has taken what it said last.
+    drop(supervisor);
+    drop(resources);
+    let live = live.map(LiveServer::finish);
+    // A failed recorder is the cause rather than the consequence of anything else.
+    let mut summary = recorded?;
+    if first_tick.is_none() && !options.without_log {
+        // Nothing happened: a log without a tick would only look like a run.
+        let _ = std::fs::remove_file(&summary.log);
+        summary.log = PathBuf::new();
+    }
+    Ok(MissionReport {
+        summary,
+        wall_time_s,
+        start_up_s,
+        interrupted: ended? == Ended::Interrupted,
+        has_lost,
+        live,
+    })
+}
+
+/// Time without progress after which a process counts as hung: a tick that is not due is no silence.
+fn hang_timeout(scenario: &ResolvedScenario, pace: Option<f64>) -> Duration {
+    let ticks_s = pace.map_or(0.0, |pace| 2.0 * scenario.run.dt / pace);
+    Duration::from_secs_f64(scenario.run.hang_timeout_s + ticks_s)
+}
+
+/// Why a run ends, if nothing fails.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Ended {
+    /// The game is over, or the recorder has ended: why is in its result.
+    Over,
+    /// From outside.
+    Interrupted,
+}
+
+/// A run that goes on.
+struct ActiveRun<'a> {
+    resources: &'a RunResources,
+    interrupted: &'a AtomicBool,
+    recorder: &'a RecorderThread,
+    progress: Progress,
+    start: Instant,
+    first_tick: Option<Instant>,
+}
+
+impl ActiveRun<'_> {
+    /// From the first process to the end of the game.
+    fn execute(&mut self, supervisor: &mut Supervisor<'_>) -> Result<Ended, MissionError> {
+        let (bus, plan) = (&self.resources.bus, &self.resources.plan);
+        let options = PublisherOptions::new(plan.orchestrator_index(), 1);
+        let control: Publisher<Control> = bus.publisher(options)?;
+        let obstacles: Publisher<ObstacleEvents> = bus.publisher(options)?;
+        if !supervisor.start(self.interrupted)? || !supervisor.connect(self.interrupted)? {
+            return Ok(Ended::Interrupted);
+        }
+        control.update_connections()?;
+        obstacles.update_connections()?;
+        self.recorder.connect();
+        plan.send_obstacle_changes(&obstacles)?;
+        if !supervisor.prepare(self.interrupted)? {
+            return Ok(Ended::Interrupted);
+        }
+        let rate = match plan.run.clock {
+            Clock::LockStep => 0.0,
+            Clock::RealTime { factor, .. } => factor,
+        };
+        let order = RunControl {
+            rate,
+            command: RunControl::START,
+            ..RunControl::default()
+        };
+        control.send(PlainHeader::default(), &[order])?;
+        tracing::info!(
+            "first tick {:.3} s after the start",
+            self.start.elapsed().as_secs_f64()
+        );
+        self.first_tick = Some(Instant::now());
+        supervisor.begin();
+        self.supervise(supervisor)
+    }
+
+    /// Watches the run until the game is over, the run is interrupted, or something fails.
+    fn supervise(&mut self, supervisor: &mut Supervisor<'_>) -> Result<Ended, MissionError> {
+        let page = &self.resources.page;
+        loop {
+            let ticks = page.ticks_posted();
+            let over = page.is_over();
+            let tick_period = self.resources.plan.run.tick_period();
+            self.progress.at(ticks as f64 * tick_period);
+            if over || self.recorder.is_finished() {
+                return Ok(Ended::Over);
+            }
+            // First: a process that has died of it is not to blame.
+            shm_usage::check()?;
+            supervisor.attend()?;
+            if self.interrupted.load(Ordering::SeqCst) {
+                return Ok(Ended::Interrupted);
+            }
+            supervisor.sleep(self.recorder.wake.as_fd());
+        }
+    }
+}

@@ -1,0 +1,349 @@
+//! The sub-goals of a coverage, and what they would cover.
+
+use ::coverage::goal::{Goal, GoalSource};
+use ::coverage::tour::Tour;
+use ::metrics::coverage::{CELL_SIDES, Figures, Meter, Rate};
+use coverage::sub_goals::FollowParams;
+use coverage::sub_goals::site::Site;
+use coverage_planners::design::Design;
+use coverage_planners::{Boustrophedon, Chebyshev, ChebyshevParams, Keyed, RandomBounce, Uniform};
+use nalgebra::Point2;
+use serde_json::{Value as Json, json};
+use sim_backend::map::WorldMap;
+use sim_backend::shape::Aabb;
+
+use super::patrol::kind_name;
+use super::{RouteError, Router};
+use scenario::ResolvedScenario;
+
+/// Distance between two points of the path that are looked at for coverage (m): the robot's step in
+/// the Chebyshev coverage paper.
+const STEP: f64 = 0.125;
+
+/// How much of a coverage is planned.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Extent {
+    /// This many large loops.
+    Loops(u32),
+    /// This many sub-goals.
+    Goals(u64),
+    /// A way of this length (m).
+    Way(f64),
+}
+
+/// Most sub-goals that are planned.
+const MOST_GOALS: u64 = 10_000_000;
+
+/// A planned coverage.
+#[derive(Debug)]
+pub struct Planned {
+    /// Name of its process.
+    pub process: String,
+    /// Name of its robot.
+    pub robot: String,
+    /// The workplace and its free rectangles.
+    pub site: Site,
+    /// The order in which a large loop visits them; `None` for planners without large loops.
+    pub tour: Option<Tour>,
+    /// The sub-goals.
+    pub goals: Vec<Goal>,
+    /// What driving to them straight covers; `None` if nothing can be covered.
+    pub figures: Option<Figures>,
+}
+
+/// A kind of coverage planner: its name, and how it plans.
+type Kind = (&'static str, fn(&Order<'_>) -> Result<Planned, RouteError>);
+
+/// The kinds, as scenarios name them.
+const KINDS: [Kind; 5] = [
+    ("coverage_chebyshev", chebyshev),
+    ("keyed_coverage", any::<Keyed>),
+    ("coverage_boustrophedon", any::<Boustrophedon>),
+    ("coverage_random_bounce", any::<RandomBounce>),
+    ("coverage_uniform", any::<Uniform>),
+];
+
+/// What is to be planned.
+struct Order<'s> {
+    scenario: &'s ResolvedScenario,
+    router: Router<'s>,
+    extent: Extent,
+}
+
+/// Plans the coverage of a scenario.
+///
+/// # Errors
+/// [`RouteError`].
+pub fn plan(
+    scenario: &ResolvedScenario,
+    process: Option<&str>,
+    extent: Extent,
+) -> Result<Planned, RouteError> {
+    let names = KINDS.map(|(name, _)| name);
+    let router = Router::find(scenario, &names, process)?;
+    let order = Order {
+        scenario,
+        router,
+        extent,
+    };
+    match KINDS.iter().find(|(name, _)| *name == router.kind) {
+        Some((_, plan)) => plan(&order),
+        None => Err(router.refused(&"this kind plans no coverage")),
+    }
+}
+
+fn chebyshev(order: &Order<'_>) -> Result<Planned, RouteError> {
+    let params: &ChebyshevParams = order.router.params()?;
+    let mut planned = order.plan::<Chebyshev>(params)?;
+    let decomposition = &planned.site.decomposition;
+    if let Some(first) = decomposition.rectangle_at(planned.site.start) {
+        let tour = Chebyshev::lay_out(params, &planned.site)
+            .and_then(|decomposition| {
+                Tour::new(&decomposition, first, &params.route, &params.iterations)
+                    .map_err(|e| e.to_string())
+            })
+            .map_err(|reason| order.router.refused(&reason))?;
+        planned.tour = Some(tour);
+    }
+    Ok(planned)
+}
+
+fn any<D: Design>(order: &Order<'_>) -> Result<Planned, RouteError> {
+    order.plan::<D>(order.router.params()?)
+}
+
+impl Order<'_> {
+    fn site(&self, follow: &FollowParams) -> Result<Site, RouteError> {
+        let refused = |reason: &dyn std::fmt::Display| self.router.refused(reason);
+        let map = WorldMap::recent(&self.scenario.world.map).map_err(|e| refused(&e))?;
+        let robot = self.router.robot;
+        let here = robot.start.position();
+        Site::new(
+            *map.bounds(),
+            map.parts(),
+            robot.model().radius,
+            follow,
+            here,
+        )
+        .map_err(|e| refused(&e))
+    }
+
+    fn plan<D: Design>(&self, params: &D::Params) -> Result<Planned, RouteError> {
+        let refused = |reason: &dyn std::fmt::Display| self.router.refused(reason);
+        parameters::check(params).map_err(|e| refused(&e))?;
+        let follow = D::follow(params);
+        let site = self.site(&follow)?;
+        // What the robot's body covers; the margin is for its drive only.
+        let bare = FollowParams {
+            margin: 0.0,
+            ..follow
+        };
+        let ground = self.site(&bare)?.workplace.ground();
+        let meter = ground.and_then(|ground| Meter::new(&ground, STEP)).ok();
+        let seed = self.router.seed(self.scenario);
+        let mut source = D::goals(params, &site, seed, None).map_err(|e| refused(&e))?;
+        let (goals, figures) = self.take(site.start, &mut source, meter);
+        Ok(Planned {
+            process: self.router.process.name.clone(),
+            robot: self.router.robot.name.clone(),
+            tour: None,
+            goals,
+            figures,
+            site,
+        })
+    }
+
+    /// The sub-goals up to the extent asked for.
+    fn take(
+        &self,
+        start: Point2<f64>,
+        source: &mut impl GoalSource,
+        mut meter: Option<Meter>,
+    ) -> (Vec<Goal>, Option<Figures>) {
+        let (mut here, mut way) = (start, 0.0);
+        if let Some(meter) = &mut meter {
+            meter.goal(here);
+        }
+        let mut goals = Vec::new();
+        while (goals.len() as u64) < MOST_GOALS {
+            let Some(goal) = source.next_goal(here) else {
+                break;
+            };
+            let there = goal.waypoint.point;
+            let length = (there - here).norm();
+            let done = match self.extent {
+                Extent::Loops(loops) => goal.waypoint.lap >= loops,
+                Extent::Goals(most) => goals.len() as u64 >= most,
+                Extent::Way(most) => way + length > most,
+            };
+            if done {
+                break;
+            }
+            way += length;
+            source.driven(here, there);
+            here = there;
+            if let Some(meter) = &mut meter {
+                meter.goal(there);
+            }
+            goals.push(goal);
+        }
+        (goals, meter.map(|meter| meter.figures()))
+    }
+}
+
+impl Planned {
+    /// All of it, as JSON.
+    pub fn json(&self) -> Json {
+        let decomposition = &self.site.decomposition;
+        let loss = self.site.workplace.loss();
+        let start = decomposition.rectangle_at(self.site.start);
+        let unreachable = start.map(|start| decomposition.unreachable_from(start));
+        json!({
+            "process": self.process,
+            "robot": self.robot,
+            "start": point_json(self.site.start),
+            "area": decomposition.area(),
+            "conversion_loss": { "area": loss.area, "share": loss.share },
+            "components": decomposition.components(),
+            "unreachable_area": unreachable.map(|u| u.area),
+            "rectangles": decomposition.rectangles().iter().map(box_json).collect::<Json>(),
+            "bridges": decomposition
+                .bridges()
+                .iter()
+                .map(|b| json!({ "between": b.between, "rectangle": box_json(&b.rectangle) }))
+                .collect::<Json>(),
+            "tour": self.tour.as_ref().map(|tour| {
+                let stops = tour.stops().iter();
+                stops
+                    .map(|s| json!({ "rectangle": s.rectangle, "iterations": s.iterations }))
+                    .collect::<Json>()
+            }),
+            "sub_goals": self
+                .goals
+                .iter()
+                .map(|goal| {
+                    let w = &goal.waypoint;
+                    json!({
+                        "number": w.number,
+                        "loop": w.lap,
+                        "kind": kind_name(w.kind),
+                        "x": w.point.x,
+                        "y": w.point.y,
+                    })
+                })
+                .collect::<Json>(),
+            "coverage": self.figures.as_ref().map(figures_json),
+        })
+    }
+
+    /// A summary for people.
+    pub fn text(&self) -> String {
+        let decomposition = &self.site.decomposition;
+        let mut text = format!(
+            "{}: {} starts at ({:.3}, {:.3}) m\n\n",
+            self.process, self.robot, self.site.start.x, self.site.start.y
+        );
+        text += "  free rectangle   x [m]            y [m]            area [m2]\n";
+        for (number, r) in decomposition.rectangles().iter().enumerate() {
+            text += &format!(
+                "  {number:14}   {:6.3} … {:6.3}   {:6.3} … {:6.3}   {:8.3}\n",
+                r.min.x,
+                r.max.x,
+                r.min.y,
+                r.max.y,
+                decomposition.area_of(number),
+            );
+        }
+        let bridges: Vec<String> = decomposition
+            .bridges()
+            .iter()
+            .map(|b| format!("{}–{}", b.between[0], b.between[1]))
+            .collect();
+        if !bridges.is_empty() {
+            text += &format!("\nbridges  {}\n", bridges.join(", "));
+        }
+        if let Some(tour) = &self.tour {
+            let stops: Vec<String> = tour
+                .stops()
+                .iter()
+                .map(|s| format!("{} ({})", s.rectangle, s.iterations))
+                .collect();
+            text += &format!("tour     {}  (sub-goals in brackets)\n", stops.join(" → "));
+        }
+        let loss = self.site.workplace.loss();
+        if loss.area > 0.0 {
+            text += &format!(
+                "given up {:.3} m2 of free space ({:.2} %) for obstacles as rectangles\n",
+                loss.area,
+                100.0 * loss.share
+            );
+        }
+        if let Some(start) = decomposition.rectangle_at(self.site.start) {
+            let unreachable = decomposition.unreachable_from(start);
+            if unreachable.components > 0 {
+                text += &format!(
+                    "out of reach: {:.3} m2 in {} parts\n",
+                    unreachable.area, unreachable.components
+                );
+            }
+        }
+        text += &format!("sub-goals {}\n", self.goals.len());
+        if let Some(f) = &self.figures {
+            text += &format!(
+                "covered  {:.4} by the robot's disc, {:.1} m of way\n",
+                f.disc.share(),
+                f.length
+            );
+            for (i, side) in CELL_SIDES.iter().enumerate() {
+                let part = |rates: &[Rate; 3]| rates.get(i).map_or(0.0, |rate| rate.share());
+                text += &format!(
+                    "         cells of {side} m: {:.4} by sub-goals, {:.4} by the path, unevenness {:.2}\n",
+                    part(&f.goals),
+                    part(&f.path),
+                    f.variation.get(i).copied().unwrap_or_default(),
+                );
+            }
+        }
+        text.trim_end().to_owned()
+    }
+}
+
+fn point_json(p: Point2<f64>) -> Json {
+    json!([p.x, p.y])
+}
+
+fn box_json(r: &Aabb) -> Json {
+    json!({ "min": point_json(r.min), "max": point_json(r.max) })
+}
+
+fn figures_json(f: &Figures) -> Json {
+    let by_side = |rates: &[Rate; 3]| -> Json {
+        let pairs = CELL_SIDES.iter().zip(rates);
+        pairs
+            .map(|(side, rate)| {
+                let value = json!({
+                    "covered": rate.covered,
+                    "coverable": rate.coverable,
+                    "rate": rate.share(),
+                });
+                (side.to_string(), value)
+            })
+            .collect::<serde_json::Map<_, _>>()
+            .into()
+    };
+    json!({
+        "length": f.length,
+        "goals": by_side(&f.goals),
+        "path": by_side(&f.path),
+        "disc": {
+            "covered": f.disc.covered,
+            "coverable": f.disc.coverable,
+            "rate": f.disc.share(),
+        },
+        "unevenness": CELL_SIDES
+            .iter()
+            .zip(f.variation)
+            .map(|(side, cv)| (side.to_string(), json!(cv)))
+            .collect::<serde_json::Map<_, _>>(),
+    })
+}

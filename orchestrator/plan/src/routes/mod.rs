@@ -1,0 +1,159 @@
+//! What planners of waypoints would do, without a robot that does it: the laps of a patrol, where it
+//! will be, the sub-goals of a coverage.
+
+pub mod coverage;
+pub mod patrol;
+
+use sim_backend::spec::RobotSpec;
+use thiserror::Error;
+
+use scenario::{ProcessSpec, ResolvedScenario};
+
+/// Why there is nothing to say of a scenario's routes.
+#[derive(Debug, Error)]
+pub enum RouteError {
+    /// No process of the kinds wanted.
+    #[error("{scenario}: no process of kind {wanted}; it has {found}")]
+    NoProcess {
+        /// Name of the scenario.
+        scenario: String,
+        /// The kinds that would do.
+        wanted: String,
+        /// The kinds that there are.
+        found: String,
+    },
+    /// No process of this name among those that would do.
+    #[error("{scenario}: `{name}` is none of its processes of kind {wanted}: {found}")]
+    NotNamed {
+        /// Name of the scenario.
+        scenario: String,
+        /// The name asked for.
+        name: String,
+        /// The kinds that would do.
+        wanted: String,
+        /// The names that there are.
+        found: String,
+    },
+    /// Several would do.
+    #[error(
+        "{scenario} has several processes of kind {wanted}: name one of {found} with --process"
+    )]
+    Several {
+        /// Name of the scenario.
+        scenario: String,
+        /// The kinds that would do.
+        wanted: String,
+        /// Their names.
+        found: String,
+    },
+    /// The process cannot do what its parameters say.
+    #[error("{process}: {reason}")]
+    Refused {
+        /// Name of the process.
+        process: String,
+        /// What does not do, and what would.
+        reason: String,
+    },
+}
+
+/// A process that plans a route, and the first robot that it drives.
+#[derive(Debug, Clone, Copy)]
+pub struct Router<'s> {
+    /// The process.
+    pub process: &'s ProcessSpec,
+    /// Its kind.
+    pub kind: &'s str,
+    /// The robot.
+    pub robot: &'s RobotSpec,
+}
+
+impl<'s> Router<'s> {
+    /// The scenario's only process of one of these kinds, or the one of this name.
+    ///
+    /// # Errors
+    /// [`RouteError`] if there is none, or no telling which.
+    pub fn find(
+        scenario: &'s ResolvedScenario,
+        kinds: &[&str],
+        name: Option<&str>,
+    ) -> Result<Self, RouteError> {
+        let kind_of = |process: &'s ProcessSpec| process.program.kind_name();
+        let fitting: Vec<(&ProcessSpec, &str)> = scenario
+            .processes
+            .iter()
+            .filter_map(|process| Some((process, kind_of(process)?)))
+            .filter(|(_, kind)| kinds.contains(kind))
+            .collect();
+        let names = |of: &[(&ProcessSpec, &str)]| {
+            let names: Vec<&str> = of
+                .iter()
+                .map(|(process, _)| process.name.as_str())
+                .collect();
+            names.join(", ")
+        };
+        let (scenario_name, wanted) = (scenario.name.clone(), kinds.join(" or "));
+        let chosen = match (name, &fitting[..]) {
+            (_, []) => {
+                let kinds: Vec<&str> = scenario.processes.iter().filter_map(kind_of).collect();
+                return Err(RouteError::NoProcess {
+                    scenario: scenario_name,
+                    wanted,
+                    found: kinds.join(", "),
+                });
+            }
+            (Some(name), all) => {
+                let found = all.iter().find(|(process, _)| process.name == name);
+                *found.ok_or_else(|| RouteError::NotNamed {
+                    scenario: scenario_name,
+                    name: name.to_owned(),
+                    wanted,
+                    found: names(all),
+                })?
+            }
+            (None, [only]) => *only,
+            (None, all) => {
+                return Err(RouteError::Several {
+                    scenario: scenario_name,
+                    wanted,
+                    found: names(all),
+                });
+            }
+        };
+        let (process, kind) = chosen;
+        let robot = process
+            .robots
+            .first()
+            .and_then(|&robot| scenario.world.robots.get(robot))
+            .ok_or_else(|| RouteError::Refused {
+                process: process.name.clone(),
+                reason: "it drives no robot".into(),
+            })?;
+        Ok(Self {
+            process,
+            kind,
+            robot,
+        })
+    }
+
+    /// The seed that the process gives the planner of this robot.
+    fn seed(&self, scenario: &ResolvedScenario) -> u64 {
+        planner::planner_seed(scenario.run.seed, self.kind, &self.robot.name)
+    }
+
+    /// The parameters of the process.
+    fn params<P: 'static>(&self) -> Result<&'s P, RouteError> {
+        let kind = self.process.program.kind();
+        let params = kind.and_then(|kind| kind.params());
+        params.ok_or_else(|| self.refused(&"its parameters are of another kind"))
+    }
+
+    fn refused(&self, reason: &dyn std::fmt::Display) -> RouteError {
+        RouteError::Refused {
+            process: self.process.name.clone(),
+            reason: reason.to_string(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,191 @@
+//! The laps of a patrol, and where an ally with the key knows it to be.
+
+use ::patrol::forecast::{Forecast, Predicted};
+use ::patrol::mission::{Drive, Mission};
+use chaotic_maps::Key;
+use metrics::path::PathMetrics;
+use nalgebra::Point2;
+use patrol_planners::PatrolAwgParams;
+use planner_view::waypoint::{Waypoint, WaypointKind};
+use serde_json::{Value as Json, json};
+
+use super::{RouteError, Router};
+use scenario::ResolvedScenario;
+
+/// Kinds that patrol along a zig-zag.
+const KINDS: [&str; 1] = ["patrol_awg"];
+
+/// A patrol, everything chosen.
+#[derive(Debug)]
+pub struct Patrol {
+    /// Name of its process.
+    pub process: String,
+    /// Name of its robot.
+    pub robot: String,
+    mission: Mission,
+    forecast: Forecast,
+}
+
+impl Patrol {
+    /// The patrol of a scenario; `key` takes the place of its own.
+    ///
+    /// # Errors
+    /// [`RouteError`].
+    pub fn of(
+        scenario: &ResolvedScenario,
+        process: Option<&str>,
+        key: Option<Key>,
+    ) -> Result<Self, RouteError> {
+        let router = Router::find(scenario, &KINDS, process)?;
+        let refused = |reason: &dyn std::fmt::Display| router.refused(reason);
+        let mut params: PatrolAwgParams = router.params::<PatrolAwgParams>()?.clone();
+        if key.is_some() {
+            params.mission.key = key;
+        }
+        let drive = Drive::of(&router.robot.model()).map_err(|e| refused(&e))?;
+        let mission = params
+            .mission
+            .prepare(&drive, &params.driver.go_to, router.seed(scenario))
+            .map_err(|e| refused(&e))?;
+        let source = mission.key.source().map_err(|e| refused(&e))?;
+        Ok(Self {
+            process: router.process.name.clone(),
+            robot: router.robot.name.clone(),
+            forecast: Forecast::new(mission.awg.clone(), source),
+            mission,
+        })
+    }
+
+    /// Width of its zig-zag (m).
+    pub fn alpha(&self) -> f64 {
+        self.mission.awg.params().alpha
+    }
+
+    /// Time ordered for a lap (s).
+    pub fn t_max(&self) -> f64 {
+        self.mission.awg.params().t_max
+    }
+
+    /// Its key.
+    pub fn key(&self) -> &Key {
+        &self.mission.key
+    }
+
+    /// Where it is at a time after it set out (s), by the clock of its waypoints.
+    ///
+    /// # Errors
+    /// [`RouteError::Refused`] for a time that is none or too far ahead.
+    pub fn at(&self, time_s: f64) -> Result<Predicted, RouteError> {
+        self.forecast.at_time(time_s).map_err(|e| self.refused(&e))
+    }
+
+    /// A waypoint by its number.
+    ///
+    /// # Errors
+    /// [`RouteError::Refused`] for one too far ahead.
+    pub fn waypoint(&self, number: u64) -> Result<Waypoint, RouteError> {
+        self.forecast.waypoint(number).map_err(|e| self.refused(&e))
+    }
+
+    /// The first laps, and what they measure.
+    ///
+    /// # Errors
+    /// [`RouteError::Refused`] if the generator has no such laps.
+    pub fn laps(&self, count: u32) -> Result<Laps, RouteError> {
+        let start = self.waypoint(0)?;
+        let mut waypoints = vec![start];
+        let mut paths: Vec<Vec<Point2<f64>>> = Vec::new();
+        for lap in 0..count {
+            let first = waypoints.last().map_or(start.point, |last| last.point);
+            let lap = self.forecast.lap(lap).map_err(|e| self.refused(&e))?;
+            let mut path = vec![first];
+            path.extend(lap.iter().map(|waypoint| waypoint.point));
+            // Laps back along an open contour are measured the way the contour runs.
+            if self.mission.contour.is_reversed_in(paths.len() as u32) {
+                path.reverse();
+            }
+            paths.push(path);
+            waypoints.extend(lap);
+        }
+        let metrics = PathMetrics::of(self.mission.contour.points(), &paths, self.t_max());
+        Ok(Laps { waypoints, metrics })
+    }
+
+    fn refused(&self, reason: &dyn std::fmt::Display) -> RouteError {
+        RouteError::Refused {
+            process: self.process.clone(),
+            reason: reason.to_string(),
+        }
+    }
+
+    /// What it is, as JSON.
+    pub fn json(&self) -> Json {
+        let awg = &self.mission.awg;
+        json!({
+            "process": self.process,
+            "robot": self.robot,
+            "key": self.key().to_string(),
+            "alpha": self.alpha(),
+            "t_max": self.t_max(),
+            "v": awg.v(),
+            "contour_m": awg.contour_length(),
+            "waypoints_per_lap": awg.waypoints_per_lap(),
+            "lap_time_s": self.forecast.lap_time(),
+        })
+    }
+}
+
+/// Laps of a patrol.
+#[derive(Debug)]
+pub struct Laps {
+    /// Their waypoints, the start first.
+    pub waypoints: Vec<Waypoint>,
+    /// What they measure; `None` without laps.
+    pub metrics: Option<PathMetrics>,
+}
+
+impl Laps {
+    /// The metrics by the names that the papers have for them.
+    pub fn metrics_json(&self) -> Json {
+        let Some(m) = &self.metrics else {
+            return Json::Null;
+        };
+        json!({
+            "laps": m.laps,
+            "length_lap1": m.length_first,
+            "length_mean": m.length_mean,
+            "speed_lap1": m.speed_first,
+            "speed": m.speed_mean,
+            "mae_time": m.mae_time,
+            "mae_lap": m.mae_lap,
+            "mae_joint": m.mae_joint,
+            "andc": m.andc,
+            "maa_lap1": m.turns_first.maa,
+            "maa": m.turns.maa,
+            "maa_fold_lap1": m.turns_first.maa_fold,
+            "maa_fold": m.turns.maa_fold,
+            "ra": m.turns.range,
+        })
+    }
+}
+
+/// A waypoint as JSON.
+pub fn waypoint_json(waypoint: &Waypoint) -> Json {
+    json!({
+        "number": waypoint.number,
+        "lap": waypoint.lap,
+        "kind": kind_name(waypoint.kind),
+        "x": waypoint.point.x,
+        "y": waypoint.point.y,
+    })
+}
+
+/// Name of a kind of waypoints, as in messages.
+pub fn kind_name(kind: WaypointKind) -> &'static str {
+    match kind {
+        WaypointKind::Route => "route",
+        WaypointKind::Inserted => "inserted",
+        WaypointKind::SubGoal => "sub_goal",
+        WaypointKind::Transit => "transit",
+    }
+}

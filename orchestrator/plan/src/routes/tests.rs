@@ -1,0 +1,115 @@
+//! Routes of the built-in scenarios.
+
+use planner_view::waypoint::WaypointKind;
+
+use super::coverage::{Extent, plan};
+use super::patrol::Patrol;
+use super::*;
+use kinds::load;
+
+fn scenario(name: &str, set: &[&str]) -> ResolvedScenario {
+    let set: Vec<String> = set.iter().map(|&s| s.to_owned()).collect();
+    load(name, &set, None).unwrap()
+}
+
+#[test]
+fn laps_of_the_octagon_are_those_of_the_papers_formulas() {
+    // Public reference values of the preset `default`, with the key of the paper in exact arithmetic.
+    let octagon = scenario(
+        "patrol_octagon",
+        &[
+            "processes.patrol.params.mission.key=catp:0.4,0.644",
+            "processes.patrol.params.mission.alpha=1.7",
+        ],
+    );
+    let patrol = Patrol::of(&octagon, None, None).unwrap();
+    let laps = patrol.laps(12).unwrap();
+    let first = laps.waypoints[1];
+    assert_eq!((first.number, first.kind), (1, WaypointKind::Inserted));
+    assert!((first.point.x - 4.436_599_289).abs() < 1e-9);
+    assert!((first.point.y - 0.111_418_057).abs() < 1e-9);
+    let metrics = laps.metrics.as_ref().unwrap();
+    for (found, expected) in [
+        (metrics.length_first, 121.922_384),
+        (metrics.speed_mean, 0.992_718),
+        (metrics.mae_time, 0.896_488),
+        (metrics.turns.maa, 1.946_739),
+    ] {
+        assert!((found / expected - 1.0).abs() < 1e-6, "{found} {expected}");
+    }
+    assert_eq!(laps.metrics_json()["laps"], 12);
+}
+
+#[test]
+fn an_ally_with_the_key_knows_what_one_without_it_does_not() {
+    let octagon = scenario(
+        "patrol_octagon",
+        &["processes.patrol.params.mission.alpha=1.0"],
+    );
+    let patrol = Patrol::of(&octagon, None, None).unwrap();
+    let ally = Patrol::of(&octagon, None, Some(*patrol.key())).unwrap();
+    let other = "catp:0.1,0.2".parse().unwrap();
+    let stranger = Patrol::of(&octagon, None, Some(other)).unwrap();
+    let far = patrol.waypoint(1_000_001).unwrap();
+    assert_eq!(ally.waypoint(1_000_001).unwrap(), far);
+    assert_ne!(stranger.waypoint(1_000_001).unwrap().point, far.point);
+    let place = ally.at(1234.5).unwrap();
+    assert_eq!(place.point, patrol.at(1234.5).unwrap().point);
+    assert!(patrol.at(-1.0).is_err() && patrol.at(f64::NAN).is_err());
+}
+
+#[test]
+fn the_first_case_of_coverage_has_its_four_rectangles_and_covers_what_the_reference_does() {
+    let case = scenario(
+        "coverage_case1",
+        &[
+            "processes.cover.params.follow.margin=0",
+            "processes.cover.params.key=chebp:123456789012345678,987654321098765432",
+            "processes.cover.params.route={ cycle = [0, 3, 1, 2] }",
+            "processes.cover.params.iterations={ each = 50 }",
+            "processes.cover.params.transit={ wait = { cap = 100000 } }",
+        ],
+    );
+    let planned = plan(&case, None, Extent::Loops(1)).unwrap();
+    let areas: Vec<f64> = (0..4)
+        .map(|r| planned.site.decomposition.area_of(r))
+        .collect();
+    assert_eq!(areas.len(), 4);
+    assert_eq!(planned.tour.as_ref().unwrap().stops().len(), 4);
+    let figures = planned.figures.unwrap();
+    assert!((figures.length - 623.8).abs() < 0.06, "{}", figures.length);
+    assert_eq!(figures.disc.coverable, 6900);
+    let expected = 0.7020 * 6900.0;
+    assert!(
+        (figures.disc.covered as f64 - expected).abs() <= 2.5,
+        "{:?}",
+        figures.disc
+    );
+}
+
+#[test]
+fn a_coverage_is_planned_as_far_as_asked() {
+    let open = scenario("coverage_open", &[]);
+    let goals = plan(&open, Some("cover"), Extent::Goals(17)).unwrap().goals;
+    assert_eq!(goals.len(), 17);
+    let way = plan(&open, None, Extent::Way(100.0)).unwrap();
+    let length = way.figures.unwrap().length;
+    assert!(length <= 100.0 && length > 85.0, "{length}");
+}
+
+#[test]
+fn refusals_say_which_processes_there_are() {
+    let chase = scenario("chase", &[]);
+    let error = Patrol::of(&chase, None, None).unwrap_err().to_string();
+    assert!(
+        error.contains("patrol_awg") && error.contains("pursuer"),
+        "{error}"
+    );
+    let octagon = scenario("patrol_octagon", &[]);
+    let error = Patrol::of(&octagon, Some("observer"), None).unwrap_err();
+    assert!(error.to_string().contains("patrol"), "{error}");
+    let error = plan(&octagon, None, Extent::Loops(1))
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("coverage_chebyshev"), "{error}");
+}

@@ -1,0 +1,60 @@
+//! `protean clean`.
+
+use std::process::ExitCode;
+
+use platform::eprintln;
+use serde_json::json;
+
+use super::{EXIT_FAILED, print, print_json};
+use mission::run_directory::{self, Found};
+
+/// Removes what dead runs have left and says what that was.
+pub fn clean(as_json: bool) -> ExitCode {
+    let found = match run_directory::clean() {
+        Ok(found) => found,
+        Err(error) => {
+            eprintln!("error: {error}");
+            return ExitCode::from(EXIT_FAILED);
+        }
+    };
+    let failed = found.iter().any(|f| matches!(f, Found::Failed(..)));
+    if as_json {
+        let runs: Vec<_> = found
+            .iter()
+            .map(|f| match f {
+                Found::Alive(root) => json!({ "run": root, "state": "alive" }),
+                Found::Removed { root, killed } => {
+                    json!({ "run": root, "state": "removed", "killed": killed })
+                }
+                Found::Failed(root, reason) => {
+                    json!({ "run": root, "state": "failed", "reason": reason })
+                }
+            })
+            .collect();
+        print_json(&json!({ "runs": runs }));
+    } else if found.is_empty() {
+        print("nothing to clean");
+    } else {
+        for f in &found {
+            print(&match f {
+                Found::Alive(root) => format!("{}: alive, left alone", root.display()),
+                Found::Removed { root, killed } if killed.is_empty() => {
+                    format!("{}: removed", root.display())
+                }
+                Found::Removed { root, killed } => {
+                    format!(
+                        "{}: removed, {} processes killed",
+                        root.display(),
+                        killed.len()
+                    )
+                }
+                Found::Failed(root, reason) => format!("{}: {reason}", root.display()),
+            });
+        }
+    }
+    if failed {
+        ExitCode::from(EXIT_FAILED)
+    } else {
+        ExitCode::SUCCESS
+    }
+}

@@ -1,0 +1,84 @@
+//! `protean instances`.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::builder::PossibleValuesParser;
+use platform::atomic_file::save;
+use platform::eprintln;
+
+use super::{EXIT_FAILED, EXIT_INVALID, print};
+use plan::Recipe;
+use plan::generate::{NAMES, with_reference};
+
+/// What stands below the options.
+pub(super) const HELP: &str = "\
+Recipes, on a board of 640 x 480 px at 0.75 cm/px, robot 15 cm/s and 16 rad/s, clearance 10 px:
+  base       corner to corner, 10 to 20 discs of 5 to 15 px anywhere, heading 40 to 45 degrees
+  ang0_90    the same with a heading of 0 to 90 degrees
+  obs1_10    the same with 1 to 10 discs
+  obs30_40   the same with 30 to 40 discs
+  rad20_30   the same with radii of 20 to 30 px
+  dense      the same with 30 to 40 discs of 20 to 30 px; some have no path
+  t3         between places at least 560 px apart, 5 discs of one radius of 20 to 35 px
+  t4a        the same with 3 discs
+  t4b        on from 36 % of the shortest path of the t4a of the same seed, where 2 discs pop up
+
+An instance follows from the recipe and its seed alone: the seeds of --count N --seed S are S to
+S + N - 1. `reference` in the file holds the length of the exact shortest path and the lower bound of
+the time that follows from it.";
+
+/// What `protean instances` takes.
+#[derive(Debug, clap::Args)]
+pub(super) struct InstancesArgs {
+    /// The recipe (see the end of --help)
+    #[arg(value_parser = PossibleValuesParser::new(NAMES))]
+    recipe: String,
+    /// Number of instances
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    count: u32,
+    /// Seed of the first
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    seed: u64,
+    /// Write the file here instead of printing it
+    #[arg(long, short, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+/// Makes a file of instances.
+pub(super) fn instances(args: &InstancesArgs) -> ExitCode {
+    let invalid = |text: &str| {
+        eprintln!("error: {text}");
+        ExitCode::from(EXIT_INVALID)
+    };
+    let Some(recipe) = Recipe::by_name(&args.recipe) else {
+        return invalid("no such recipe, see --help");
+    };
+    let Some(last) = args.seed.checked_add(u64::from(args.count) - 1) else {
+        return invalid("--seed: the last seed would be larger than 2^64 - 1");
+    };
+    let mut without = 0;
+    let lines: Vec<String> = (args.seed..=last)
+        .map(|seed| {
+            let id = format!("{}-{seed}", args.recipe);
+            let json = with_reference(&recipe.instance(id, seed));
+            without += usize::from(json["reference"]["feasible"] == false);
+            json.to_string()
+        })
+        .collect();
+    let text = format!("[\n{}\n]", lines.join(",\n"));
+    if without > 0 {
+        eprintln!("{without} of {} instances have no path", args.count);
+    }
+    match &args.out {
+        None => print(&text),
+        Some(out) => {
+            if let Err(error) = save(format!("{text}\n").as_bytes(), out) {
+                eprintln!("error: {error}");
+                return ExitCode::from(EXIT_FAILED);
+            }
+            print(&out.display().to_string());
+        }
+    }
+    ExitCode::SUCCESS
+}

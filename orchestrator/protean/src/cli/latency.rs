@@ -1,0 +1,301 @@
+//! `protean latency`.
+
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use mcap_log::{LogsError, Watch, derived};
+use platform::atomic_file::Readers;
+use platform::eprintln;
+
+use super::run::{handle_signals, refuse_external};
+use super::{DEFAULT_SCENARIO, EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, OverrideArgs};
+use super::{print, print_json};
+use latency::baselines::Repetitions;
+use latency::{LatencyError, Report, Run, baselines, mission, of_log, text};
+use scenario::kind::Kind;
+use scenario::{Loader, ResolvedScenario};
+
+/// What stands below the options.
+pub(super) const HELP: &str = "\
+Without --of it runs the scenario in real time (once per --rate), and passes messages of the same sizes over
+bare iceoryx2 (busy polling, and woken by an event), over our bus with the wake-up of a run, over a Unix
+domain socket and over a pipe, each between two processes: unpinned, on one core, on two.
+
+It prints, for the stages from sense to act, for every hop and step, and for the parts of every process's
+turn: count, p50, p90, p99, p99.9, max, jitter (mean of |difference to the one before|) in us; how many ticks
+were answered in time; the baselines. The stages of a tick add up to the whole.
+
+Examples:
+  protean latency --rate 20 --rate 200
+  protean latency hello --duration 5 --json -
+  protean latency --of logs/chase-1.mcap        a recorded log (or just: protean latency logs/chase-1.mcap)
+
+The fields of the JSON object, and what every row means: docs/latency.md. Progress goes to stderr; Ctrl-C keeps
+what was measured. Exit codes: 0 measured, 1 something failed, 2 wrong arguments, or a log that says nothing,
+3 interrupted, or the log is not whole.";
+
+/// Range of `--rate` (Hz): that of a tick's length.
+const RATES: core::ops::RangeInclusive<f64> = 1.0..=10_000.0;
+
+/// What `protean latency` takes.
+#[derive(Debug, clap::Args)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "one per switch of the command line"
+)]
+pub(super) struct LatencyArgs {
+    /// A scenario file, the name of a built-in scenario [default: chase], or a log (.mcap)
+    target: Option<String>,
+    #[command(flatten)]
+    overrides: OverrideArgs,
+    /// End the mission after this time (s)
+    #[arg(long, value_name = "S", conflicts_with = "of")]
+    duration: Option<f64>,
+    /// Ticks per second (Hz), in place of the scenario's; several times: a mission each
+    #[arg(long, value_name = "HZ", conflicts_with = "of")]
+    rate: Vec<f64>,
+    /// Measure from the stamps in this log, and run nothing
+    #[arg(long, value_name = "LOG", conflicts_with_all = ["target", "seed", "set"])]
+    of: Option<PathBuf>,
+    /// Run the mission only
+    #[arg(long)]
+    no_baselines: bool,
+    /// Fewer repetitions of baselines: a first impression
+    #[arg(long)]
+    quick: bool,
+    /// Write one JSON object to this file; `-`: to stdout, instead of the tables
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Keep the mission's log in this file
+    #[arg(long, value_name = "FILE", conflicts_with = "of")]
+    log: Option<PathBuf>,
+    /// Overwrite files that exist
+    #[arg(long)]
+    force: bool,
+    /// Let the scenario start programs that are not Protean's own
+    #[arg(long)]
+    allow_external: bool,
+    /// Show nothing but errors and the result
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+/// Why nothing was measured: what to say, and the exit code.
+type Refusal = (String, u8);
+
+/// Measures, and writes what was asked for.
+pub fn run(kinds: &[Kind], args: &LatencyArgs) -> ExitCode {
+    let interrupted = Arc::new(AtomicBool::new(false));
+    if let Err(error) = handle_signals(&interrupted) {
+        eprintln!("error: cannot handle signals: {error}");
+        return ExitCode::from(EXIT_FAILED);
+    }
+    match measure(kinds, args, &interrupted) {
+        Ok(code) => ExitCode::from(code),
+        Err((text, code)) => {
+            eprintln!("{text}");
+            ExitCode::from(code)
+        }
+    }
+}
+
+fn measure(
+    kinds: &[Kind],
+    args: &LatencyArgs,
+    interrupted: &Arc<AtomicBool>,
+) -> Result<u8, Refusal> {
+    runtime::logging::start("warn");
+    ipc_types::bus::quiet_transport();
+    // Whether the results may stand there is known before anything is measured.
+    let log = log_of(args);
+    let to_file = args.json.as_deref().filter(|out| *out != Path::new("-"));
+    let beside = log.clone().or_else(|| args.log.clone()).unwrap_or_default();
+    let json = to_file
+        .map(|out| {
+            let file = derived::create(out, &beside, args.force, Readers::Anybody)?;
+            Ok((out, file))
+        })
+        .transpose()
+        .map_err(|error: LogsError| refusal(&error.into()))?;
+    let mut report = Report::new();
+    let mut code = 0;
+    if let Some(log) = &log {
+        let mut watch = Watch::new(Arc::clone(interrupted), args.quiet);
+        let measured = of_log(log, kinds, &mut watch).map_err(|error| refusal(&error))?;
+        if !measured.condition.data {
+            eprintln!("warning: {} is not whole", log.display());
+            code = EXIT_PARTIAL;
+        }
+        report.runs.push(Run {
+            measured,
+            log: Some(log.clone()),
+            interrupted: false,
+            baselines: Vec::new(),
+        });
+    } else {
+        missions(kinds, args, interrupted, &mut report)?;
+    }
+    if let Some((out, mut file)) = json {
+        writeln!(file, "{:#}", report.json())
+            .and_then(|()| file.commit())
+            .map_err(|error| refusal(&derived::failed(out)(error).into()))?;
+    }
+    if args.json.as_deref() == Some(Path::new("-")) {
+        print_json(&report.json());
+    } else {
+        print(&text(&report));
+    }
+    Ok(if !report.errors.is_empty() {
+        EXIT_FAILED
+    } else if report.interrupted {
+        EXIT_PARTIAL
+    } else {
+        code
+    })
+}
+
+fn refusal(error: &LatencyError) -> Refusal {
+    let code = match error {
+        LatencyError::Logs(error) if matches!(**error, LogsError::Interrupted) => EXIT_PARTIAL,
+        error if error.is_invalid_input() => EXIT_INVALID,
+        _ => EXIT_FAILED,
+    };
+    (format!("error: {error}"), code)
+}
+
+/// The log to read, if it is one: named by --of, or by its ending.
+fn log_of(args: &LatencyArgs) -> Option<PathBuf> {
+    let target = args.target.as_ref().map(PathBuf::from);
+    let target = target.filter(|path| path.extension().is_some_and(|end| end == "mcap"));
+    args.of.clone().or(target)
+}
+
+fn say(args: &LatencyArgs) -> impl FnMut(&str) + Send + use<> {
+    let quiet = args.quiet;
+    move |what: &str| {
+        if !quiet {
+            eprintln!("measuring {what}");
+        }
+    }
+}
+
+/// A mission per rate, each with its baselines.
+fn missions(
+    kinds: &[Kind],
+    args: &LatencyArgs,
+    interrupted: &Arc<AtomicBool>,
+    report: &mut Report,
+) -> Result<(), Refusal> {
+    let wrong = |text: String| (text, EXIT_INVALID);
+    let target = args.target.as_deref().unwrap_or(DEFAULT_SCENARIO);
+    if args.log.is_some() && args.rate.len() > 1 {
+        return Err(wrong(
+            "error: --log keeps the log of one mission: give one --rate".to_owned(),
+        ));
+    }
+    let rates: Vec<Option<f64>> = if args.rate.is_empty() {
+        vec![None]
+    } else {
+        args.rate.iter().copied().map(Some).collect()
+    };
+    // All are checked before the first one runs.
+    let scenarios = rates
+        .iter()
+        .map(|rate| load(kinds, target, args, *rate))
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(wrong)?;
+    for scenario in &scenarios {
+        if interrupted.load(Ordering::SeqCst) {
+            report.interrupted = true;
+            break;
+        }
+        say(args)(&format!(
+            "{} in real time at {:.0} Hz",
+            scenario.name,
+            1.0 / scenario.run.dt
+        ));
+        let options = mission::RunOptions {
+            log: args.log.clone(),
+            force: args.force,
+            quiet: args.quiet,
+            interrupted: Arc::clone(interrupted),
+        };
+        let (measured, ended) = match mission::run(scenario, kinds, &options) {
+            Ok(done) => done,
+            // What the missions before it have given is worth something.
+            Err(error) if !report.runs.is_empty() => {
+                report.errors.push(error.to_string());
+                break;
+            }
+            Err(error) => {
+                // A mission that was ended before it could say anything is no wrong argument.
+                let (text, _) = refusal(&error);
+                let ended = interrupted.load(Ordering::SeqCst);
+                return Err((text, if ended { EXIT_PARTIAL } else { EXIT_FAILED }));
+            }
+        };
+        let mut run = Run {
+            measured,
+            log: args.log.clone(),
+            interrupted: ended,
+            baselines: Vec::new(),
+        };
+        if !args.no_baselines && !ended {
+            let payloads = baselines::payloads(&run.measured);
+            let repetitions = Repetitions::new(args.quick);
+            match baselines::measure(&payloads, repetitions, interrupted, &mut say(args)) {
+                Ok(baselines) => run.baselines = baselines,
+                Err(error) => report.errors.push(format!("baselines: {error}")),
+            }
+        }
+        report.runs.push(run);
+        report.interrupted |= ended || interrupted.load(Ordering::SeqCst);
+    }
+    Ok(())
+}
+
+/// The scenario as it is to be run.
+fn load(
+    kinds: &[Kind],
+    target: &str,
+    args: &LatencyArgs,
+    rate: Option<f64>,
+) -> Result<ResolvedScenario, String> {
+    let mut set = args.overrides.set.clone();
+    set.push("run.mode=real_time".to_owned());
+    if let Some(rate) = rate {
+        if !RATES.contains(&rate) {
+            return Err(format!(
+                "error: --rate {rate}: expected ticks per second from {} to {}",
+                RATES.start(),
+                RATES.end()
+            ));
+        }
+        set.push(format!("run.dt={:?}", 1.0 / rate));
+    }
+    let load = |set: &[String]| {
+        Loader::new(kinds)
+            .allow_outside(args.overrides.allow_outside)
+            .load(target, set, args.overrides.seed)
+            .map_err(|problems| problems.to_string())
+    };
+    let mut scenario = load(&set)?;
+    if let Some(duration) = args.duration {
+        if !(duration.is_finite() && duration > 0.0) {
+            return Err(format!(
+                "error: --duration {duration}: expected a number of seconds above 0"
+            ));
+        }
+        let simulated = duration * scenario.run.real_time_factor;
+        let limit = scenario.world.rules.time_limit;
+        if limit.is_none_or(|limit| simulated < limit) {
+            set.push(format!("rules.time_limit={simulated:?}"));
+            scenario = load(&set)?;
+        }
+    }
+    refuse_external(target, &scenario, args.allow_external)?;
+    Ok(scenario)
+}

@@ -1,0 +1,172 @@
+//! `protean run`.
+
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use platform::eprintln;
+use viewer::LiveTotals;
+
+use super::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, RunArgs, print, print_json, run_summary};
+use mission::in_process::{self, InProcessOptions};
+use mission::{self, MissionError, MissionOptions, MissionReport};
+pub(super) use platform::signals::interrupt as handle_signals;
+use scenario::kind::Kind;
+use scenario::spec::Mode;
+use scenario::{Loader, ResolvedScenario};
+
+/// Levels that `--log-level` takes.
+const LEVELS: [&str; 5] = ["error", "warn", "info", "debug", "trace"];
+
+/// Loads, checks and runs a scenario.
+pub fn run(kinds: &[Kind], target: &str, args: &RunArgs) -> ExitCode {
+    runtime::logging::start(&args.log_level);
+    let scenario = match load(kinds, target, args) {
+        Ok(scenario) => scenario,
+        Err(text) => {
+            eprintln!("{text}");
+            return ExitCode::from(EXIT_INVALID);
+        }
+    };
+    let interrupted = Arc::new(AtomicBool::new(false));
+    if let Err(error) = handle_signals(&interrupted) {
+        eprintln!("error: cannot handle signals: {error}");
+        return ExitCode::from(EXIT_FAILED);
+    }
+    match fly(&scenario, args, interrupted) {
+        Ok(report) => {
+            if let Some(live) = report.live {
+                tell_of_viewers(live, args.quiet);
+            }
+            if args.json {
+                print_json(&run_summary::json(&scenario, &report));
+            } else {
+                print(&run_summary::text(&scenario, &report));
+            }
+            let lost = report.summary.topics.values().any(|topic| topic.gaps > 0);
+            if report.interrupted || report.has_lost || lost {
+                ExitCode::from(EXIT_PARTIAL)
+            } else {
+                ExitCode::SUCCESS
+            }
+        }
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(EXIT_FAILED)
+        }
+    }
+}
+
+fn fly(
+    scenario: &ResolvedScenario,
+    args: &RunArgs,
+    interrupted: Arc<AtomicBool>,
+) -> Result<MissionReport, MissionError> {
+    if args.in_process {
+        let options = InProcessOptions {
+            out: args.out.clone(),
+            force: args.force,
+            show: !args.quiet,
+            interrupted,
+            ..InProcessOptions::default()
+        };
+        return in_process::run(scenario, &options);
+    }
+    let lock_step = scenario.run.mode == Mode::LockStep;
+    let options = MissionOptions {
+        out: args.out.clone(),
+        force: args.force,
+        without_log: false,
+        quiet: args.quiet,
+        log_level: args.log_level.clone(),
+        live: args.live,
+        // Who looks on wants to see something.
+        pace: args.pace.or(args.live.map(|_| 1.0)).filter(|_| lock_step),
+        interrupted,
+    };
+    mission::run(scenario, &options)
+}
+
+/// Says what live viewers got.
+pub(super) fn tell_of_viewers(live: LiveTotals, quiet: bool) {
+    if !quiet || live.left_out + live.cut_off > 0 {
+        eprintln!(
+            "live: {} viewers, {} messages, {} left out for those who did not keep up, {} cut off",
+            live.viewers, live.messages, live.left_out, live.cut_off
+        );
+    }
+}
+
+fn load(kinds: &[Kind], target: &str, args: &RunArgs) -> Result<ResolvedScenario, String> {
+    if !LEVELS.contains(&args.log_level.as_str()) {
+        return Err(format!(
+            "error: --log-level {:?}: expected one of {}",
+            args.log_level,
+            LEVELS.join(", ")
+        ));
+    }
+    check_factor("--pace", args.pace)?;
+    let set = with_real_time(&args.overrides.set, args.real_time)?;
+    let scenario = Loader::new(kinds)
+        .allow_outside(args.overrides.allow_outside)
+        .load(target, &set, args.overrides.seed)
+        .map_err(|problems| problems.to_string())?;
+    refuse_external(target, &scenario, args.allow_external)?;
+    Ok(scenario)
+}
+
+/// The overrides of a scenario that `--real-time` adds to those of `--set`.
+pub(super) fn with_real_time(set: &[String], factor: Option<f64>) -> Result<Vec<String>, String> {
+    check_factor("--real-time", factor)?;
+    let mut set = set.to_vec();
+    if let Some(factor) = factor {
+        set.push("run.mode=real_time".to_owned());
+        set.push(format!("run.real_time_factor={factor:?}"));
+    }
+    Ok(set)
+}
+
+fn check_factor(name: &str, factor: Option<f64>) -> Result<(), String> {
+    match factor {
+        Some(factor) if !(0.001..=1000.0).contains(&factor) => Err(format!(
+            "error: {name} {factor}: expected a factor from 0.001 to 1000"
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// Programs that are not ours are started only if somebody has looked at them: now, at a terminal, or
+/// before.
+pub(super) fn refuse_external(
+    target: &str,
+    scenario: &ResolvedScenario,
+    allowed: bool,
+) -> Result<(), String> {
+    if scenario.uses_external_commands() && !allowed {
+        let mut programs = String::new();
+        for process in scenario.external_commands() {
+            let line = process.program.command_line().unwrap_or_default();
+            programs.push_str(&format!("\n    {}: {line}", process.name));
+        }
+        let what = format!("{target} starts programs that are not Protean's own");
+        if !agreed(&format!("{what}:{programs}\nStart them? [y/N]")) {
+            return Err(format!(
+                "error: {what}; look at them and add --allow-external:{programs}"
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// Whether a person at a terminal says yes; where there is none, nobody does.
+fn agreed(question: &str) -> bool {
+    use std::io::IsTerminal as _;
+    let mut answer = String::new();
+    if !std::io::stdin().is_terminal() || !std::io::stderr().is_terminal() {
+        return false;
+    }
+    eprintln!("{question}");
+    // Without an answer that can be read there is none.
+    let _ = std::io::stdin().read_line(&mut answer);
+    matches!(answer.trim(), "y" | "Y" | "yes" | "Yes")
+}

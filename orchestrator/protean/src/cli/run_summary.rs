@@ -1,0 +1,281 @@
+//! The summary of a run for people (tables) and for programs (JSON).
+
+use comfy_table::Table;
+use serde_json::{Value as Json, json};
+
+use mission::MissionReport;
+use recorder::{
+    LapFigures, PredictionOutcome, ProcessOutcome, RobotOutcome, Summary, WaypointOutcome,
+};
+use scenario::ResolvedScenario;
+use tables::for_terminal;
+
+/// The one JSON object of `protean run --json`.
+pub(super) fn json(scenario: &ResolvedScenario, report: &MissionReport) -> Json {
+    let s = &report.summary;
+    let mut json = json!({
+        "scenario": scenario.name,
+        "seed": scenario.run.seed,
+        "digest": s.digest,
+        "ticks": s.ticks,
+        "sim_time_s": s.sim_time_s,
+        "wall_time_s": report.wall_time_s,
+        "start_up_s": report.start_up_s,
+        "real_time_factor": factor(report),
+        "interrupted": report.interrupted,
+        "robots": s.robots,
+        "events": s.events,
+        "events_omitted": s.events_omitted,
+        "topics": s.topics,
+        "log": s.log,
+        "log_bytes": s.log_bytes,
+    });
+    if let Some(coverage) = &s.coverage {
+        json["coverage"] = json!(coverage);
+    }
+    if !s.processes.is_empty() {
+        json["processes"] = json!(s.processes);
+    }
+    if let Some(predictions) = &s.predictions {
+        json["predictions"] = json!(predictions);
+    }
+    for (key, value) in [
+        ("escape_possible_fraction", s.escape_possible_fraction),
+        ("escape_impossible_from_s", s.escape_impossible_from_s),
+    ] {
+        if let Some(value) = value {
+            json[key] = value.into();
+        }
+    }
+    // A run in one process has none.
+    if !s.latency_us.is_empty() {
+        json["latency_us"] = json!(s.latency_us);
+    }
+    json
+}
+
+fn factor(report: &MissionReport) -> f64 {
+    report.summary.sim_time_s / report.wall_time_s.max(1e-9)
+}
+
+fn table(header: &[&str]) -> Table {
+    for_terminal(header.iter().copied(), 1)
+}
+
+/// What became of the robots; with what a referee said of them, if one ran.
+fn robots_table(s: &Summary) -> Table {
+    let mut header = vec![
+        "robot",
+        "team",
+        "outcome",
+        "time [s]",
+        "distance [m]",
+        "contacts",
+    ];
+    let judged = s.escape_possible_fraction.is_some();
+    if judged {
+        header.extend(["escape possible", "impossible from [s]"]);
+    }
+    let mut robots = table(&header);
+    for r in &s.robots {
+        let mut row = vec![
+            r.name.clone(),
+            r.team.clone(),
+            r.outcome.replace('_', " "),
+            format!("{:.2}", r.time_s),
+            format!("{:.2}", r.distance_m),
+            r.contacts.to_string(),
+        ];
+        if judged {
+            let cell =
+                |value: Option<f64>, text: fn(f64) -> String| value.map_or_else(String::new, text);
+            row.push(cell(r.escape_possible_fraction, |f| {
+                format!("{:.0} %", 100.0 * f)
+            }));
+            row.push(cell(r.escape_impossible_from_s, |t| format!("{t:.2}")));
+        }
+        robots.add_row(row);
+    }
+    robots
+}
+
+/// What became of a robot's waypoints, for people.
+fn waypoints_text(robot: &RobotOutcome, w: &WaypointOutcome) -> String {
+    let left_out = [
+        (w.inside_obstacle, "inside obstacles"),
+        (w.timed_out, "too late"),
+        (w.unreachable, "out of reach"),
+    ];
+    let reasons: Vec<String> = left_out
+        .iter()
+        .filter(|(count, _)| *count > 0)
+        .map(|(count, why)| format!("{count} {why}"))
+        .collect();
+    let mut text = format!(
+        "waypoints {}: {} reached within {:.2} m, {} left out{}",
+        robot.name,
+        w.reached,
+        w.farthest_m,
+        left_out.iter().map(|(count, _)| count).sum::<u64>(),
+        if reasons.is_empty() {
+            String::new()
+        } else {
+            format!(" ({})", reasons.join(", "))
+        },
+    );
+    if let Some(longest) = w.longest_lap_s {
+        text += &format!("; {} laps, the longest {longest:.1} s", w.laps);
+    }
+    text.push('\n');
+    let lap = |what: &str, f: &LapFigures| {
+        format!(
+            "          a lap {what}: {:.1} m, MAE {:.2} m, {:.0} turns of {:.2} rad\n",
+            f.length_m, f.mae_m, f.turns, f.maa,
+        )
+    };
+    for (what, figures) in [("as planned", &w.planned), ("as driven", &w.driven)] {
+        if let Some(figures) = figures {
+            text += &lap(what, figures);
+        }
+    }
+    text
+}
+
+/// What became of a process that failed, for people.
+fn failures_text(process: &ProcessOutcome) -> String {
+    let mut text = format!(
+        "failed    {}: {} times, away for {} ticks{}\n",
+        process.name,
+        process.outages.len(),
+        process.ticks_absent,
+        if process.given_up { ", given up" } else { "" },
+    );
+    for outage in &process.outages {
+        let back = match outage.back_tick {
+            Some(tick) => format!("back at tick {tick}"),
+            None => "not back".to_owned(),
+        };
+        text += &format!(
+            "          {:.2} s, tick {}: {}; {back}\n",
+            outage.left_time_s, outage.left_tick, outage.reason,
+        );
+    }
+    text
+}
+
+/// How well observers foretold robots: a row per robot and method, the mean errors side by side.
+fn predictions_table(predictions: &[PredictionOutcome]) -> Table {
+    let mut ahead: Vec<f64> = predictions.iter().map(|p| p.horizon_s).collect();
+    ahead.sort_by(f64::total_cmp);
+    ahead.dedup();
+    let columns: Vec<String> = ahead.iter().map(|s| format!("{s} s ahead [m]")).collect();
+    let mut header = vec!["foretold", "by"];
+    header.extend(columns.iter().map(String::as_str));
+    let keys = predictions.iter().any(|p| p.key_recovered_s.is_some());
+    if keys {
+        header.push("key known");
+    }
+    let mut found = table(&header);
+    let same = |a: &PredictionOutcome, b: &PredictionOutcome| {
+        (a.observer, &a.robot, &a.method) == (b.observer, &b.robot, &b.method)
+    };
+    for of_a_method in predictions.chunk_by(same) {
+        let Some(first) = of_a_method.first() else {
+            continue;
+        };
+        let mut row = vec![first.robot.clone(), first.method.replace('_', " ")];
+        row.extend(ahead.iter().map(|horizon| {
+            let outcome = of_a_method.iter().find(|p| p.horizon_s == *horizon);
+            let mean = outcome.and_then(|p| p.mean_m);
+            mean.map_or_else(String::new, |mean| format!("{mean:.2}"))
+        }));
+        if keys {
+            row.push(match (first.key_recovered_s, first.key_recovered_after) {
+                (Some(time_s), Some(goals)) => format!("after {goals} goals, {time_s:.0} s"),
+                _ => String::new(),
+            });
+        }
+        found.add_row(row);
+    }
+    found
+}
+
+/// The summary for people.
+pub(super) fn text(scenario: &ResolvedScenario, report: &MissionReport) -> String {
+    let s = &report.summary;
+    let robots = robots_table(s);
+    let mut latency = table(&["hop", "p50 [us]", "p90 [us]", "p99 [us]", "max [us]"]);
+    for (hop, p) in &s.latency_us {
+        let cell = |value: f64| format!("{value:.1}");
+        latency.add_row([
+            hop.clone(),
+            cell(p.p50),
+            cell(p.p90),
+            cell(p.p99),
+            cell(p.max),
+        ]);
+    }
+    let messages: u64 = s.topics.values().map(|t| t.messages).sum();
+    let gaps: u64 = s.topics.values().map(|t| t.gaps).sum();
+    let rejected: u64 = s.topics.values().map(|t| t.rejected).sum();
+    let mut text = format!(
+        "{} (seed {}): {:.2} s simulated in {:.2} s, {:.0}x real time{}\n\n{robots}\n\n",
+        scenario.name,
+        scenario.run.seed,
+        s.sim_time_s,
+        report.wall_time_s,
+        factor(report),
+        if report.interrupted {
+            ", interrupted"
+        } else {
+            ""
+        },
+    );
+    if let Some(predictions) = &s.predictions {
+        text += &format!("{}\n\n", predictions_table(predictions));
+    }
+    if !s.latency_us.is_empty() {
+        text += &format!("{latency}\n\n");
+    }
+    let stops: u32 = s.robots.iter().map(|r| r.fail_safe_stops).sum();
+    if stops > 0 {
+        text += &format!("stopped   {stops} times for want of a command\n");
+    }
+    for process in &s.processes {
+        text += &failures_text(process);
+    }
+    if let Some(coverage) = &s.coverage {
+        text += &format!(
+            "coverage  {:.1} % of {:.1} m2 free, {:.1} % of what can be reached, by {:.0} m of way\n",
+            100.0 * coverage.fraction,
+            coverage.free_m2,
+            100.0 * coverage.coverable_fraction,
+            coverage.way_m,
+        );
+    }
+    for robot in &s.robots {
+        if let Some(waypoints) = &robot.waypoints {
+            text += &waypoints_text(robot, waypoints);
+        }
+    }
+    text += &format!("ticks     {}\n", s.ticks);
+    text += &format!(
+        "messages  {messages} on {} topics, {gaps} lost",
+        s.topics.len()
+    );
+    if rejected > 0 {
+        text += &format!(", {rejected} rejected");
+    }
+    text += &format!("\ndigest    {}\n", s.digest);
+    if s.log.as_os_str().is_empty() {
+        text += if s.ticks == 0 {
+            "log       none: it ended before the first tick"
+        } else {
+            "log       none"
+        };
+    } else {
+        let megabytes = s.log_bytes as f64 * 1e-6;
+        text += &format!("log       {} ({megabytes:.1} MB)", s.log.display());
+    }
+    text
+}

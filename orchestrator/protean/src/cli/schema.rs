@@ -1,0 +1,25 @@
+//! `protean schema`.
+
+use std::process::ExitCode;
+
+use clap::ValueEnum;
+
+use super::print_json;
+use scenario::kind::Kind;
+use scenario::schema;
+
+/// A kind of file that has a schema.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub(super) enum File {
+    /// A scenario
+    Scenario,
+}
+
+/// Prints the schema of a kind of file.
+pub fn schema(kinds: &[Kind], file: File) -> ExitCode {
+    let schema = match file {
+        File::Scenario => schema::schema(kinds),
+    };
+    print_json(&schema.to_value());
+    ExitCode::SUCCESS
+}

@@ -1,0 +1,345 @@
+//! `protean sweep`.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+use clap::Subcommand;
+use platform::eprintln;
+use serde_json::Value as Json;
+
+use super::run::handle_signals;
+use super::sweep_kind::SweepKind;
+use super::sweep_output::{Listing, conclude, known, list};
+use super::{EXIT_FAILED, EXIT_INVALID, print, processors};
+use scenario::kind;
+use sweep::merge::merge;
+use sweep::planning::{Task, is_planning};
+use sweep::runner::{self, RunOptions};
+use sweep::shard::Shard;
+use sweep::spec::LogPolicy;
+use sweep::{
+    ExperimentOf, Kind, LoadOptions, Manifest, Mission, Record, Results, Seeds, SweepError,
+    figures, kind_of,
+};
+
+/// What stands below the options.
+pub(super) const HELP: &str = "\
+A sweep may be interrupted and killed at any time: the same command goes on where it stopped, and a
+mission that is done is never carried out again. What it results in (results.csv, byte for byte)
+depends on the experiment alone. docs/sweep.md describes the experiment file and the results.
+
+Exit codes: 0 everything is done, 1 the results cannot be kept, 2 wrong usage or experiment,
+3 some missions failed or are missing.";
+
+/// Which missions keep their log.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub(super) enum LogPolicyArg {
+    /// None, and none is written: the fastest.
+    None,
+    /// Those that failed. All are written, and removed when the mission went well.
+    Failed,
+    /// All of them.
+    All,
+}
+
+impl From<LogPolicyArg> for LogPolicy {
+    fn from(policy: LogPolicyArg) -> Self {
+        match policy {
+            LogPolicyArg::None => Self::None,
+            LogPolicyArg::Failed => Self::Failed,
+            LogPolicyArg::All => Self::All,
+        }
+    }
+}
+
+/// What `protean sweep` takes.
+#[derive(Debug, clap::Args)]
+pub(super) struct SweepArgs {
+    #[command(subcommand)]
+    command: Option<SweepCommand>,
+    #[command(flatten)]
+    run: SweepRunArgs,
+}
+
+#[derive(Debug, Subcommand)]
+enum SweepCommand {
+    /// Draw the figures of results again
+    Figures {
+        /// The directory of the results
+        #[arg(value_name = "DIR")]
+        results: PathBuf,
+    },
+    /// Put the results of an experiment's parts together
+    Merge {
+        /// The directories of the parts
+        #[arg(required = true, value_name = "DIR")]
+        parts: Vec<PathBuf>,
+        /// Where the results go; it may hold some of them already
+        #[arg(long, short, value_name = "DIR")]
+        out: PathBuf,
+        /// Print one JSON object
+        #[arg(long)]
+        json: bool,
+    },
+}
+
+#[derive(Debug, clap::Args)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "one per switch of the command line"
+)]
+pub(super) struct SweepRunArgs {
+    /// The experiment's file
+    pub(super) experiment: Option<PathBuf>,
+    /// Where the results go [default: results/EXPERIMENT, and shard-I-of-N below it for a shard]
+    #[arg(long, short, value_name = "DIR")]
+    pub(super) out: Option<PathBuf>,
+    /// Missions at once [default: as many as there are processors]
+    #[arg(long, short, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=4096))]
+    pub(super) jobs: Option<u16>,
+    /// Seeds in place of the experiment's: A..B, both included
+    #[arg(long, value_name = "A..B")]
+    pub(super) seeds: Option<String>,
+    /// Override a value of every scenario
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub(super) set: Vec<String>,
+    /// Run every mission inside this program instead of as processes: the same results, many times faster
+    #[arg(long)]
+    pub(super) in_process: bool,
+    /// Only part I of N: every N-th mission
+    #[arg(long, value_name = "I/N")]
+    pub(super) shard: Option<String>,
+    /// List the missions that would be carried out, and do nothing
+    #[arg(long)]
+    pub(super) dry_run: bool,
+    /// Carry out missions again that failed before
+    #[arg(long)]
+    pub(super) retry_failed: bool,
+    /// Take over missions of other results whose scenario and seed are the same
+    #[arg(long, value_name = "DIR")]
+    pub(super) reuse: Vec<PathBuf>,
+    /// Which missions keep their log, in the results' folder logs
+    #[arg(long, value_name = "WHICH")]
+    pub(super) log: Option<LogPolicyArg>,
+    /// Let scenarios start programs that are not Protean's own
+    #[arg(long)]
+    pub(super) allow_external: bool,
+    /// Let the experiment and its scenarios use files outside their folders
+    #[arg(long)]
+    pub(super) allow_outside: bool,
+    /// Show nothing but errors and the result
+    #[arg(long, short)]
+    pub(super) quiet: bool,
+    /// Print the result as one JSON object
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+/// Runs experiments, merges their results, and shows them.
+pub(super) fn sweep(kinds: &'static [kind::Kind], args: &SweepArgs) -> ExitCode {
+    match (&args.command, &args.run.experiment) {
+        (Some(SweepCommand::Merge { parts, out, json }), _) => merged(parts, out, *json),
+        (Some(SweepCommand::Figures { results }), _) => redrawn(results),
+        (None, Some(experiment)) => run(kinds, experiment, &args.run),
+        (None, None) => {
+            eprintln!("error: which experiment? `protean sweep EXPERIMENT.toml`, see --help");
+            ExitCode::from(EXIT_INVALID)
+        }
+    }
+}
+
+/// Says what is wrong; the code of a failure.
+fn failed(error: &SweepError) -> ExitCode {
+    eprintln!("error: {error}");
+    ExitCode::from(match error {
+        SweepError::Io { .. } | SweepError::Resource { .. } => EXIT_FAILED,
+        _ => EXIT_INVALID,
+    })
+}
+
+fn invalid(text: impl std::fmt::Display) -> ExitCode {
+    eprintln!("{text}");
+    ExitCode::from(EXIT_INVALID)
+}
+
+fn merged(parts: &[PathBuf], out: &Path, as_json: bool) -> ExitCode {
+    match parts.first().map(|part| kind_of(part)).transpose() {
+        Ok(Some(Kind::Planning)) => merged_of::<Task>(parts, out, as_json),
+        Ok(_) => merged_of::<Mission>(parts, out, as_json),
+        Err(error) => failed(&error),
+    }
+}
+
+fn merged_of<S: SweepKind>(parts: &[PathBuf], out: &Path, as_json: bool) -> ExitCode {
+    let drawn = || {
+        let results = merge::<S::Row>(parts, out)?;
+        // Every part has the published points of the figures.
+        if let Some(part) = parts.first() {
+            S::keep_published(part, &results)?;
+        }
+        S::draw(&results)?;
+        Ok(results)
+    };
+    match drawn() {
+        Ok(results) => conclude::<S>(&results, None, as_json),
+        Err(error) => failed(&error),
+    }
+}
+
+/// Draws the figures of results again and prints their files.
+fn redrawn(directory: &Path) -> ExitCode {
+    if matches!(kind_of(directory), Ok(Kind::Planning)) {
+        return invalid(
+            "error: results of plans have no figures of their own: experiments/pages draws them",
+        );
+    }
+    match Results::read(directory).and_then(|results| figures::write(&results)) {
+        Ok(files) => {
+            for file in files {
+                print(&file.display().to_string());
+            }
+            ExitCode::SUCCESS
+        }
+        Err(error) => failed(&error),
+    }
+}
+
+fn run(kinds: &'static [kind::Kind], path: &Path, args: &SweepRunArgs) -> ExitCode {
+    runtime::logging::start("warn");
+    let parsed = (
+        args.seeds.as_deref().map(Seeds::parse).transpose(),
+        args.shard.as_deref().map(Shard::parse).transpose(),
+    );
+    let (seeds, shard) = match parsed {
+        (Ok(seeds), Ok(shard)) => (seeds, shard.unwrap_or(Shard::WHOLE)),
+        (Err(error), _) => return invalid(format!("error: --seeds: {error}")),
+        (_, Err(error)) => return invalid(format!("error: --shard: {error}")),
+    };
+    let options = LoadOptions {
+        kinds,
+        set: args.set.clone(),
+        seeds,
+        allow_outside: args.allow_outside,
+        allow_external: args.allow_external,
+    };
+    if is_planning(path) {
+        run_of::<Task>(path, args, &options, shard)
+    } else {
+        run_of::<Mission>(path, args, &options, shard)
+    }
+}
+
+fn run_of<S: SweepKind>(
+    path: &Path,
+    args: &SweepRunArgs,
+    options: &LoadOptions,
+    shard: Shard,
+) -> ExitCode {
+    let experiment = match ExperimentOf::<S>::load(path, options) {
+        Ok(experiment) => experiment,
+        Err(problems) => return invalid(problems),
+    };
+    if let Err(message) = S::check(&experiment, args) {
+        return invalid(format!("error: {message}"));
+    }
+    let out = place(args, &experiment.name, shard);
+    let ended = if args.dry_run {
+        dry_run(&experiment, args, shard, &out)
+    } else {
+        carry_out(&experiment, path, args, shard, &out)
+    };
+    ended.unwrap_or_else(|error| failed(&error))
+}
+
+/// Where results go.
+fn place(args: &SweepRunArgs, name: &str, shard: Shard) -> PathBuf {
+    args.out.clone().unwrap_or_else(|| {
+        let out = Path::new("results").join(name);
+        shard
+            .directory()
+            .map_or(out.clone(), |shard| out.join(shard))
+    })
+}
+
+/// Lists the missions that are still to be carried out.
+fn dry_run<S: SweepKind>(
+    experiment: &ExperimentOf<S>,
+    args: &SweepRunArgs,
+    shard: Shard,
+    out: &Path,
+) -> Result<ExitCode, SweepError> {
+    let manifest = Manifest::of(experiment);
+    let results = known::<S::Row>(out, &manifest)?;
+    let (open, known) = runner::to_do(experiment, results.as_ref(), shard, args.retry_failed);
+    let listing = Listing {
+        manifest: &manifest,
+        open: &open,
+        known,
+        what: S::TO_DO,
+    };
+    list(&listing, args.json, |cell| {
+        experiment.cells.get(cell).map_or(Json::Null, S::details)
+    });
+    Ok(ExitCode::SUCCESS)
+}
+
+/// What Ctrl-C sets.
+fn interruptible() -> Result<Arc<AtomicBool>, SweepError> {
+    let interrupted = Arc::new(AtomicBool::new(false));
+    handle_signals(&interrupted).map_err(|source| SweepError::Resource {
+        what: format!("cannot handle signals: {source}"),
+        help: "",
+    })?;
+    Ok(interrupted)
+}
+
+/// Takes what need not be done again from the results that `--reuse` names.
+fn take_over<R: Record>(
+    results: &mut Results<R>,
+    args: &SweepRunArgs,
+    what: &str,
+) -> Result<(), SweepError> {
+    for directory in &args.reuse {
+        let taken = results.reuse(&Results::read(directory)?)?;
+        if !args.quiet {
+            eprintln!("{taken} {what} taken over from {}", directory.display());
+        }
+    }
+    Ok(())
+}
+
+fn carry_out<S: SweepKind>(
+    experiment: &ExperimentOf<S>,
+    path: &Path,
+    args: &SweepRunArgs,
+    shard: Shard,
+    out: &Path,
+) -> Result<ExitCode, SweepError> {
+    let interrupted = interruptible()?;
+    let mut results = Results::open(out, &Manifest::of(experiment), &experiment.text)?;
+    let folder = path
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty());
+    S::keep_published(folder.unwrap_or(Path::new(".")), &results)?;
+    take_over(&mut results, args, S::UNIT)?;
+    let jobs = args.jobs.map_or_else(processors, usize::from);
+    let options = RunOptions {
+        jobs,
+        shard,
+        retry_failed: args.retry_failed,
+        log: args.log.map_or_else(LogPolicy::default, LogPolicy::from),
+        timeout: Duration::from_secs_f64(experiment.run.timeout_s),
+        quiet: args.quiet,
+        interrupted,
+    };
+    let ran = runner::run(experiment, &mut results, S::engine(args).as_ref(), &options);
+    // What is done is worth a table also when something went wrong.
+    let written = results.write_tables();
+    let report = ran?;
+    written?;
+    S::draw(&results)?;
+    Ok(conclude::<S>(&results, Some(&report), args.json))
+}

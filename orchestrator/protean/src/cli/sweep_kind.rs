@@ -1,0 +1,127 @@
+//! What `protean sweep` does differently for missions of robots and for plans.
+
+use std::path::Path;
+
+use platform::eprintln;
+use serde_json::{Value as Json, json};
+
+use super::sweep::SweepRunArgs;
+use sweep::engine::{Engine, InProcess, Processes};
+use sweep::planning::{self, Task};
+use sweep::runner::RunReport;
+use sweep::{Cell, ExperimentOf, Mission, Results, Subject, SweepError, figures, summary};
+
+/// A kind of missions on the command line.
+pub(super) trait SweepKind: Subject {
+    /// The words for missions that are still to be carried out.
+    const TO_DO: &'static str;
+
+    /// Checks that the arguments fit the experiment.
+    ///
+    /// # Errors
+    /// The message.
+    fn check(experiment: &ExperimentOf<Self>, args: &SweepRunArgs) -> Result<(), String>;
+
+    /// What carries missions out.
+    fn engine(args: &SweepRunArgs) -> Box<Self::Engine>;
+
+    /// The fields of a cell in the list of a dry run, beside case and parameters.
+    fn details(cell: &Cell<Self>) -> Json;
+
+    /// Copies what figures need from the folder of the experiment to its results.
+    ///
+    /// # Errors
+    /// [`SweepError`] if it cannot be copied.
+    fn keep_published(_folder: &Path, _results: &Results<Self::Row>) -> Result<(), SweepError> {
+        Ok(())
+    }
+
+    /// Draws the figures.
+    ///
+    /// # Errors
+    /// [`SweepError`] if one cannot be drawn.
+    fn draw(_results: &Results<Self::Row>) -> Result<(), SweepError> {
+        Ok(())
+    }
+
+    /// The summary for programs.
+    fn json(results: &Results<Self::Row>, report: Option<&RunReport>) -> Json;
+
+    /// The summary for people.
+    fn text(results: &Results<Self::Row>, report: Option<&RunReport>) -> String;
+}
+
+impl SweepKind for Mission {
+    const TO_DO: &'static str = "missions to carry out";
+
+    fn check(experiment: &ExperimentOf<Self>, args: &SweepRunArgs) -> Result<(), String> {
+        let mut cells = experiment.cells.iter();
+        if let Some(cell) = cells.find(|cell| args.in_process && cell.external) {
+            return Err(format!(
+                "--in-process: the scenario of case `{}` starts a program that is not Protean's own, which can only be a process",
+                cell.case
+            ));
+        }
+        for note in experiment.notes() {
+            eprintln!("note: {note}");
+        }
+        Ok(())
+    }
+
+    fn engine(args: &SweepRunArgs) -> Box<dyn Engine> {
+        if args.in_process {
+            Box::new(InProcess::default())
+        } else {
+            Box::new(Processes)
+        }
+    }
+
+    fn details(cell: &Cell<Self>) -> Json {
+        json!({ "scenario": cell.target, "set": cell.overrides })
+    }
+
+    fn keep_published(folder: &Path, results: &Results) -> Result<(), SweepError> {
+        figures::keep_published(folder, results)
+    }
+
+    fn draw(results: &Results) -> Result<(), SweepError> {
+        figures::write(results).map(drop)
+    }
+
+    fn json(results: &Results, report: Option<&RunReport>) -> Json {
+        summary::json(results, report)
+    }
+
+    fn text(results: &Results, report: Option<&RunReport>) -> String {
+        summary::text(results, report)
+    }
+}
+
+impl SweepKind for Task {
+    const TO_DO: &'static str = "plans to make";
+
+    fn check(_: &ExperimentOf<Self>, args: &SweepRunArgs) -> Result<(), String> {
+        match args.log {
+            Some(_) => Err("--log: plans have no logs; leave it away".to_owned()),
+            None => Ok(()),
+        }
+    }
+
+    fn engine(_: &SweepRunArgs) -> Box<()> {
+        // A planner that breaks down is a row that says so.
+        std::panic::set_hook(Box::new(|_| ()));
+        Box::new(())
+    }
+
+    fn details(cell: &Cell<Self>) -> Json {
+        json!({ "task": cell.subject })
+    }
+
+    fn json(results: &Results<Self::Row>, report: Option<&RunReport>) -> Json {
+        planning::summary::json(results, report)
+    }
+
+    fn text(results: &Results<Self::Row>, report: Option<&RunReport>) -> String {
+        planning::summary::text(results, report)
+    }
+}

@@ -1,0 +1,288 @@
+//! From the state of the world to the commands for it, tick by tick: how long messages were on their
+//! way, how long processes took, and which of them were waited for.
+//!
+//! A *step* is the time between taking up the last input and sending (`sent − received` of one
+//! stamp, the longest of a process's messages for one tick). A *hop* is the time between the
+//! sending of the last input and its being taken up (`received` of the output minus `sent` of the
+//! input, both for the same tick). *Sense to act* is the time from the beginning of a state until the
+//! simulator has taken up the last command for it; [`stages`] divides it.
+
+mod stages;
+#[cfg(test)]
+mod tests;
+
+use std::collections::BTreeMap;
+use std::sync::LazyLock;
+
+use ipc_types::consumer::{Consumer, LoggedMessage};
+use ipc_types::stamp::Stamp;
+use ipc_types::topics::TopicId;
+
+use self::stages::Detail;
+pub use self::stages::{Answers, Passage, REACTION, Stage, TICK_JITTER, WHOLE};
+use statistics::{Distribution, Distributions, Percentiles};
+
+use super::options::ProcessInfo;
+
+/// Ticks that are kept while what belongs to them comes in: more than the recorder lags behind.
+const WINDOW: u64 = 512;
+
+/// Measures the ticks of a run from the stamps of its messages, which come in about their order.
+#[derive(Debug)]
+pub struct Chain {
+    /// By their index.
+    processes: BTreeMap<u32, Process>,
+    ticks: BTreeMap<u64, Tick>,
+    /// Emptied, to be used again.
+    spare: Vec<Vec<Output>>,
+    /// Hops and steps by name.
+    pub hops: Distributions,
+    /// Times of stages by name, if details are wanted, and of the whole.
+    pub stages: Distributions,
+    /// What the command `latency` tells besides.
+    pub detail: Option<Detail>,
+}
+
+/// A process, and what its measurements are called.
+#[derive(Debug)]
+struct Process {
+    kind: String,
+    reads_beliefs: bool,
+    step: String,
+    /// By the process that the input came from.
+    hops: BTreeMap<u32, String>,
+}
+
+/// What was sent for one tick.
+#[derive(Debug, Default)]
+struct Tick {
+    state: Option<Stamp>,
+    /// The last.
+    belief: Option<Stamp>,
+    outputs: Vec<Output>,
+}
+
+/// What one process sent for a tick.
+#[derive(Debug)]
+struct Output {
+    source: u32,
+    /// Longest time from the input to one of its messages (ns); `None` if clocks are missing.
+    step_ns: Option<u64>,
+    /// Its first state, sighting, belief or command.
+    first: Option<Stamp>,
+    /// When the last of these was sent (ns).
+    last_sent_ns: u64,
+    /// Its last command.
+    command: Option<Stamp>,
+}
+
+impl Consumer for Chain {
+    fn topics(&self) -> &[TopicId] {
+        Self::timed()
+    }
+
+    fn message(&mut self, message: &LoggedMessage<'_>, (): &mut ()) {
+        self.take(message.topic, &message.stamp);
+    }
+}
+
+impl Chain {
+    /// The topics whose messages are sent in answer to the input of their tick.
+    pub fn timed() -> &'static [TopicId] {
+        static TIMED: LazyLock<Vec<TopicId>> = LazyLock::new(|| {
+            let topics = TopicId::ALL.iter().copied();
+            topics.filter(|topic| topic.facts().timed).collect()
+        });
+        &TIMED
+    }
+
+    /// Of a run with these processes.
+    pub fn new(processes: &[ProcessInfo]) -> Self {
+        let processes = processes.iter().map(|p| {
+            let process = Process {
+                kind: p.kind.clone(),
+                reads_beliefs: p.reads_beliefs,
+                step: format!("{} step", p.kind),
+                hops: BTreeMap::new(),
+            };
+            (p.index, process)
+        });
+        Self {
+            processes: processes.collect(),
+            ticks: BTreeMap::new(),
+            spare: Vec::new(),
+            hops: Distributions::default(),
+            stages: Distributions::default(),
+            detail: None,
+        }
+    }
+
+    /// Measures turns, stages and answers too; `period_ns`: wall-clock time between two ticks in real
+    /// time, `None` in lock-step.
+    pub fn with_detail(mut self, period_ns: Option<u64>) -> Self {
+        self.detail = Some(Detail::new(period_ns));
+        self
+    }
+
+    /// Takes up the stamp of a message of a timed topic.
+    fn take(&mut self, topic: TopicId, stamp: &Stamp) {
+        // No clock runs in a run in one thread.
+        if stamp.sent_ns == 0 || !self.processes.contains_key(&stamp.source) {
+            return;
+        }
+        let newest = self.ticks.last_key_value().map_or(0, |(tick, _)| *tick);
+        if stamp.tick.saturating_add(WINDOW) <= newest {
+            return;
+        }
+        let spare = &mut self.spare;
+        let tick = self.ticks.entry(stamp.tick).or_insert_with(|| Tick {
+            outputs: spare.pop().unwrap_or_default(),
+            ..Tick::default()
+        });
+        tick.take(topic, stamp);
+        if topic == TopicId::WorldState
+            && let Some(detail) = &mut self.detail
+        {
+            detail.ticked(stamp);
+        }
+        while self.ticks.len() as u64 > WINDOW {
+            self.settle_first();
+        }
+    }
+
+    /// Measures the ticks that are still kept. The last was not answered any more: of it there are
+    /// hops and steps only.
+    pub fn settle(&mut self) {
+        while !self.ticks.is_empty() {
+            self.settle_first();
+        }
+    }
+
+    /// Hops, steps and the whole, by name; complete after [`Chain::settle`].
+    pub fn latencies(&self) -> impl Iterator<Item = (&String, &Distribution)> {
+        let whole = self.stages.iter().filter(|(name, _)| *name == WHOLE);
+        self.hops.iter().chain(whole)
+    }
+
+    /// What [`Chain::latencies`] amount to (µs), at the end of the run.
+    pub(crate) fn percentiles(&mut self) -> BTreeMap<String, Percentiles> {
+        self.settle();
+        self.latencies()
+            .map(|(name, distribution)| (name.clone(), distribution.percentiles()))
+            .collect()
+    }
+
+    fn settle_first(&mut self) {
+        let Some((number, mut tick)) = self.ticks.pop_first() else {
+            return;
+        };
+        self.measure_hops(number, &tick);
+        if let Some(state) = tick.state
+            && !self.ticks.is_empty()
+        {
+            self.measure_stages(number, &tick, &state);
+        }
+        tick.outputs.clear();
+        self.spare.push(tick.outputs);
+    }
+
+    fn measure_hops(&mut self, number: u64, tick: &Tick) {
+        for output in &tick.outputs {
+            let Some(process) = self.processes.get(&output.source) else {
+                continue;
+            };
+            if let Some(step_ns) = output.step_ns {
+                self.hops.record(&process.step, step_ns);
+            }
+            if let Some(first) = output.first
+                && let Some(input) = tick.input(process, output.source)
+            {
+                self.hop(&input, &first);
+            }
+        }
+        let next = number.checked_add(1).and_then(|next| self.ticks.get(&next));
+        if let Some(next) = next.and_then(|tick| tick.state) {
+            let commands = tick.outputs.iter().filter_map(|output| output.command);
+            let taken = commands.filter(|command| command.sent_ns <= next.received_ns);
+            if let Some(last) = taken.max_by_key(|command| (command.sent_ns, command.source)) {
+                self.hop(&last, &next);
+            }
+        }
+    }
+
+    /// A message was taken up, and answered by another one.
+    fn hop(&mut self, sent: &Stamp, answer: &Stamp) {
+        let Some(duration) = since(sent.sent_ns, answer.received_ns) else {
+            return;
+        };
+        let known = self.processes.get(&answer.source);
+        let known = known.and_then(|to| to.hops.get(&sent.source));
+        if let Some(name) = known {
+            self.hops.record(name, duration);
+            return;
+        }
+        let kind = |index: u32| self.processes.get(&index).map(|p| p.kind.clone());
+        let (Some(from), Some(to)) = (kind(sent.source), kind(answer.source)) else {
+            return;
+        };
+        let name = format!("{from} to {to}");
+        self.hops.record(&name, duration);
+        if let Some(to) = self.processes.get_mut(&answer.source) {
+            to.hops.insert(sent.source, name);
+        }
+    }
+}
+
+impl Tick {
+    fn take(&mut self, topic: TopicId, stamp: &Stamp) {
+        let known = self
+            .outputs
+            .iter()
+            .position(|output| output.source == stamp.source);
+        let at = known.unwrap_or_else(|| {
+            self.outputs.push(Output {
+                source: stamp.source,
+                step_ns: None,
+                first: None,
+                last_sent_ns: 0,
+                command: None,
+            });
+            self.outputs.len() - 1
+        });
+        let Some(output) = self.outputs.get_mut(at) else {
+            return;
+        };
+        output.step_ns = output.step_ns.max(since(stamp.received_ns, stamp.sent_ns));
+        let later = |than: Option<Stamp>| than.is_none_or(|than| than.sent_ns < stamp.sent_ns);
+        match topic {
+            TopicId::WorldState => self.state = Some(*stamp),
+            TopicId::Belief if later(self.belief) => self.belief = Some(*stamp),
+            TopicId::Commands if later(output.command) => output.command = Some(*stamp),
+            TopicId::Sightings | TopicId::Belief | TopicId::Commands => {}
+            // Steps only.
+            _ => return,
+        }
+        let earlier = |than: Stamp| stamp.sent_ns < than.sent_ns;
+        if output.first.is_none_or(earlier) {
+            output.first = Some(*stamp);
+        }
+        output.last_sent_ns = output.last_sent_ns.max(stamp.sent_ns);
+    }
+
+    /// What a process goes by in this tick; nothing for the simulator, which makes the state.
+    fn input(&self, process: &Process, source: u32) -> Option<Stamp> {
+        let state = self.state.filter(|state| state.source != source)?;
+        let belief = self.belief.filter(|_| process.reads_beliefs);
+        Some(belief.unwrap_or(state))
+    }
+}
+
+/// Nanoseconds between two readings of the clock; `None` if one is missing or they are swapped
+/// (the input was not what the process waited for).
+fn since(earlier: u64, later: u64) -> Option<u64> {
+    if earlier == 0 {
+        None
+    } else {
+        later.checked_sub(earlier)
+    }
+}

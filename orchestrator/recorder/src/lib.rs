@@ -1,0 +1,64 @@
+//! The recorder: every message of a run, losslessly, in one MCAP file that the tools people have
+//! can open, and what the run amounted to.
+//!
+//! * [`Recorder`] drains the bus on a thread of its own and drives a [`Recording`];
+//! * [`Recording`] checks, counts and fingerprints messages, and hands them on in their order: to the
+//!   outcome of the run, to the log with what viewers see, to an observer. A run without a log has
+//!   the same, but for the log;
+//! * [`LogWriter`] is the MCAP file; [`Gate`] is the seam to the run.
+//!
+//! Lossless topics are ROS 2 CDR whose body is the message's bytes (`ipc_types::cdr`); beside them
+//! stand `/viewer/…` topics in the viewers' own schemas. Log time is simulated time.
+
+#![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
+#![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
+
+mod beginnings;
+mod bus;
+pub mod chain;
+mod checks;
+mod covered;
+mod derived;
+mod digest;
+mod error;
+mod eyes;
+mod gate;
+mod happened;
+mod intake;
+mod judged;
+mod ledger;
+mod log;
+mod options;
+mod outages;
+mod outcome;
+mod parts;
+mod predicted;
+mod recording;
+mod robots;
+mod sequence;
+mod summary;
+mod viewer;
+mod visits;
+
+#[cfg(test)]
+mod tests;
+
+// Tests of other crates include the made-up run of these.
+#[cfg(test)]
+extern crate self as recorder;
+
+pub use beginnings::Beginnings;
+pub use bus::Recorder;
+pub use error::RecorderError;
+pub use eyes::{EyeInfo, EyePlace};
+pub use gate::Gate;
+pub use options::{ProcessInfo, RecorderOptions, RobotInfo};
+pub use outages::{Outage, ProcessOutcome};
+pub use predicted::PredictionOutcome;
+pub use recording::Recording;
+pub use summary::{
+    CoverageByWay, CoverageOutcome, EventEntry, RobotOutcome, Summary, TopicCount, status_name,
+    team_name,
+};
+pub use viewer::ViewerOptions;
+pub use visits::{LapFigures, WaypointOutcome};

@@ -1,0 +1,187 @@
+//! From real shared memory into the log.
+
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::Duration;
+
+use ipc_types::bus::{Bus, BusOptions, PublisherOptions, RunSpace};
+use ipc_types::topics::{
+    Belief, Commands, RunSize, Topic, TopicVisitor, WorldState, for_each_topic,
+};
+
+use super::made_up::{FIRST_ROBOT, PERCEPTION, ROBOTS, SIMULATOR, Sent, options, run};
+use crate::{Gate, Recorder, Recording};
+
+/// A run space that is wiped when the test ends, also by a panic.
+struct Space(RunSpace, tempfile::TempDir);
+
+impl Drop for Space {
+    fn drop(&mut self) {
+        let _ = self.0.wipe();
+    }
+}
+
+struct Create<'a>(&'a Bus, Vec<ipc_types::bus::TopicHolder>);
+
+impl TopicVisitor for Create<'_> {
+    type Error = ipc_types::bus::BusError;
+    fn visit<T: Topic>(&mut self) -> Result<(), Self::Error> {
+        self.1.push(self.0.create::<T>()?);
+        Ok(())
+    }
+}
+
+/// The clock of a run.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Clock {
+    LockStep,
+    RealTime,
+}
+
+/// A gate between two threads; 0 stands for "no tick yet".
+struct Turns {
+    clock: Clock,
+    completed: AtomicU64,
+    recorded: AtomicU64,
+    ended: AtomicBool,
+}
+
+impl Gate for Turns {
+    fn wait(&self, timeout: Duration) {
+        if self.clock == Clock::RealTime {
+            let completed = self.completed.load(Ordering::Acquire);
+            self.recorded.store(completed, Ordering::Release);
+        }
+        std::thread::sleep(timeout.min(Duration::from_millis(1)));
+    }
+    fn completed_tick(&self) -> Option<u64> {
+        let completed = self.completed.load(Ordering::Acquire).checked_sub(1);
+        completed.filter(|_| self.clock == Clock::LockStep)
+    }
+    fn recorded(&self, tick: u64) {
+        self.recorded.store(tick + 1, Ordering::Release);
+    }
+    fn ended(&self) -> bool {
+        self.ended.load(Ordering::Acquire)
+    }
+}
+
+const TICKS: u64 = 60;
+const RECORDER_TICKS: u64 = 8;
+
+fn record(clock: Clock, name: &str) -> crate::Summary {
+    let directory = tempfile::Builder::new()
+        .prefix("pt")
+        .tempdir_in("/tmp")
+        .unwrap();
+    let prefix = format!("ptr_{}_{name}_", std::process::id());
+    let root = directory.path().join("r");
+    let space = Space(RunSpace::new(root, prefix).unwrap(), directory);
+    space.0.create_root().unwrap();
+    let bus_options = BusOptions {
+        size: RunSize {
+            robots: ROBOTS as usize,
+            processes: 6,
+            events: 1,
+        },
+        recorder_ticks: RECORDER_TICKS as usize,
+        overflow: clock == Clock::RealTime,
+    };
+    let holder = Bus::join(&space.0, bus_options, "holder").unwrap();
+    let mut services = Create(&holder, Vec::new());
+    for_each_topic(&mut services).unwrap();
+    let turns = Turns {
+        clock,
+        completed: AtomicU64::new(0),
+        recorded: AtomicU64::new(0),
+        ended: AtomicBool::new(false),
+    };
+    let recording = Recording::create(&options(&space.1.path().join("run.mcap"))).unwrap();
+    let (ready, opened) = std::sync::mpsc::channel();
+    let (connected, go) = std::sync::mpsc::channel();
+    std::thread::scope(|scope| {
+        let (space, turns) = (&space.0, &turns);
+        let thread = scope.spawn(move || {
+            let bus = Bus::join(space, bus_options, "recorder").unwrap();
+            let recorder = Recorder::open(&bus, recording).unwrap();
+            ready.send(()).unwrap();
+            go.recv().unwrap();
+            recorder.update_connections().unwrap();
+            recorder.run(turns, &mut ()).unwrap()
+        });
+        opened.recv().unwrap();
+        let bus = Bus::join(space, bus_options, "processes").unwrap();
+        let publisher = |source, capacity| PublisherOptions::new(source, capacity);
+        let states = bus
+            .publisher::<WorldState>(publisher(SIMULATOR, 3))
+            .unwrap();
+        let beliefs = bus.publisher::<Belief>(publisher(PERCEPTION, 40)).unwrap();
+        let commands: Vec<_> = (0..ROBOTS)
+            .map(|robot| {
+                bus.publisher::<Commands>(publisher(FIRST_ROBOT + robot, 1))
+                    .unwrap()
+            })
+            .collect();
+        states.update_connections().unwrap();
+        beliefs.update_connections().unwrap();
+        for publisher in &commands {
+            publisher.update_connections().unwrap();
+        }
+        connected.send(()).unwrap();
+        for sent in run(TICKS, 1) {
+            let tick = sent.stamp().tick;
+            match &sent {
+                Sent::State(header, robots) => {
+                    // All of the tick before was sent; wait while the recorder is too far behind.
+                    turns.completed.store(tick, Ordering::Release);
+                    let behind =
+                        || tick > turns.recorded.load(Ordering::Acquire) + RECORDER_TICKS / 2;
+                    while behind() {
+                        std::thread::sleep(Duration::from_micros(100));
+                    }
+                    states.send(*header, robots).unwrap();
+                }
+                Sent::Belief(header, particles) => {
+                    beliefs.send(*header, particles).unwrap();
+                }
+                Sent::Command(header, command) => {
+                    let robot = command[0].robot as usize;
+                    commands[robot].send(*header, command).unwrap();
+                }
+                _ => {}
+            }
+        }
+        turns.completed.store(TICKS, Ordering::Release);
+        turns.ended.store(true, Ordering::Release);
+        thread.join().unwrap()
+    })
+}
+
+fn check(summary: &crate::Summary) {
+    assert_eq!(summary.ticks, TICKS - 1);
+    for (topic, messages) in [
+        (WorldState::NAME, TICKS),
+        (Belief::NAME, TICKS),
+        (Commands::NAME, TICKS * u64::from(ROBOTS)),
+    ] {
+        let count = summary.topics[topic];
+        assert_eq!(
+            (count.messages, count.gaps, count.rejected),
+            (messages, 0, 0),
+            "{topic}"
+        );
+    }
+}
+
+#[test]
+fn nothing_is_lost_between_shared_memory_and_the_log_and_two_runs_are_one() {
+    let first = record(Clock::LockStep, "a");
+    let second = record(Clock::LockStep, "b");
+    check(&first);
+    check(&second);
+    assert_eq!(first.digest, second.digest);
+}
+
+#[test]
+fn in_real_time_nothing_waits_for_the_log_and_it_is_complete_at_the_end() {
+    check(&record(Clock::RealTime, "c"));
+}

@@ -1,0 +1,11 @@
+//! The recorder as a whole, with made-up runs.
+
+mod bus;
+mod kill;
+mod python;
+mod round_trip;
+mod strangers;
+
+// Each crate that includes it uses parts of it.
+#[allow(dead_code)]
+mod made_up;

@@ -1,0 +1,340 @@
+//! What is seen from the eyes of the run, as polygons.
+//!
+//! They follow from the map and the robots' poses, so that they are drawn here and no process has
+//! to send them: the run is the same with and without.
+
+use foxglove::messages::{
+    Color, LinePrimitive, Point3, SceneEntity, SceneEntityDeletion, SceneUpdate,
+    TriangleListPrimitive, line_primitive, scene_entity_deletion,
+};
+use ipc_types::consumer::{Consumer, LoggedMessage};
+use ipc_types::messages::world::{MapCell, MapHeader, RobotState};
+use ipc_types::topics::{TopicId, WorldMap};
+use nalgebra::Point2;
+use sim_backend::grid::{Grid, GridFrame};
+use sim_backend::pose::Pose2;
+use sim_backend::team::Team;
+use sim_backend::visibility::polygon::{Eye, Walls};
+
+use super::super::options::RecorderOptions;
+use super::channel::ViewerChannel;
+use super::scene::{entity, pose};
+use super::{Picture, grid, palette, timestamp};
+use crate::{EyeInfo, EyePlace};
+
+/// Least time between two pictures (simulated ns): polygons are large, and robots slow.
+const PERIOD_NS: u64 = 200_000_000;
+/// Height of the polygons (m): above the map and trails, below obstacles.
+const HEIGHT: f64 = 0.02;
+/// Width of the border (pixels).
+const PIXELS: f64 = 1.0;
+/// Corners are rounded to this part of a metre: a power of two, so that most bits of a coordinate
+/// are 0 and cost nothing in a log.
+const PARTS_OF_A_METRE: f64 = 1024.0;
+
+/// `/viewer/visibility`.
+pub(super) struct VisibilityTopic {
+    channel: ViewerChannel<SceneUpdate>,
+    visibility: Visibility,
+}
+
+impl VisibilityTopic {
+    pub(super) fn new(run: &RecorderOptions, picture: &mut Picture) -> Self {
+        Self {
+            channel: picture.add_channel("/viewer/visibility"),
+            visibility: Visibility::new(run.eyes.clone()),
+        }
+    }
+}
+
+impl Consumer<Picture> for VisibilityTopic {
+    fn topics(&self) -> &[TopicId] {
+        &[TopicId::WorldMap]
+    }
+
+    fn message(&mut self, message: &LoggedMessage<'_>, _: &mut Picture) {
+        if let Some((header, cells)) = message.view::<WorldMap>()
+            && grid::fits(header.width, header.height, cells.len())
+        {
+            self.visibility.map(&header, cells);
+        }
+    }
+
+    fn end_of_tick(&mut self, picture: &mut Picture) {
+        let (time_ns, states) = (picture.now_ns(), &picture.states);
+        if let Some(update) = self.visibility.draw(states, time_ns, picture.wanted) {
+            self.channel.write(&mut picture.ready, time_ns, &update);
+        }
+    }
+}
+
+/// The eyes and what is in their way.
+#[derive(Debug)]
+struct Visibility {
+    eyes: Vec<Viewpoint>,
+    walls: Option<Walls>,
+    due_ns: u64,
+}
+
+#[derive(Debug)]
+struct Viewpoint {
+    eye: EyeInfo,
+    /// Whether viewers show a polygon of it.
+    shown: bool,
+    /// What it saw last and from where: most eyes on fixed places, and robots that wait, see the same.
+    last: Option<(Eye, Vec<Point2<f64>>)>,
+}
+
+impl Viewpoint {
+    fn new(eye: EyeInfo) -> Self {
+        Self {
+            eye,
+            shown: false,
+            last: None,
+        }
+    }
+
+    /// The border of what it sees from a pose.
+    fn seen(&mut self, at: Pose2, walls: &Walls) -> &[Point2<f64>] {
+        let eye = Eye {
+            position: at.position(),
+            heading: at.theta,
+            limits: self.eye.limits(),
+        };
+        let last = self.last.take().filter(|(from, _)| *from == eye);
+        let seen = last.map_or_else(|| walls.seen_from(&eye), |(_, seen)| seen);
+        &self.last.insert((eye, seen)).1
+    }
+}
+
+impl Visibility {
+    fn new(eyes: Vec<EyeInfo>) -> Self {
+        Self {
+            eyes: eyes.into_iter().map(Viewpoint::new).collect(),
+            walls: None,
+            due_ns: 0,
+        }
+    }
+
+    /// Takes up a map, whose number of cells is that of the header.
+    fn map(&mut self, header: &MapHeader, cells: impl Iterator<Item = MapCell>) {
+        if self.eyes.is_empty() {
+            return;
+        }
+        let frame = GridFrame {
+            width: header.width as usize,
+            height: header.height as usize,
+            resolution: header.resolution,
+            origin: Point2::new(header.origin_x, header.origin_y),
+        };
+        let cells: Vec<bool> = cells.map(|cell| cell.occupied != 0).collect();
+        if cells.len() == frame.len() {
+            self.walls = Some(Walls::new(Grid { frame, cells }));
+            for eye in &mut self.eyes {
+                eye.last = None;
+            }
+        }
+    }
+
+    /// What is seen now, if it is time for a picture or one is wanted; nothing if there is nothing to
+    /// show or to take away.
+    fn draw(&mut self, states: &[RobotState], time_ns: u64, wanted: bool) -> Option<SceneUpdate> {
+        let walls = self.walls.as_ref()?;
+        if time_ns < self.due_ns && !wanted {
+            return None;
+        }
+        if time_ns >= self.due_ns {
+            self.due_ns = (time_ns / PERIOD_NS + 1).saturating_mul(PERIOD_NS);
+        }
+        let mut update = SceneUpdate::default();
+        for shown in &mut self.eyes {
+            let all_round = shown.eye.limits().is_all_round();
+            let drawn = stand(&shown.eye, states).and_then(|(at, team)| {
+                let seen = shown.seen(at, walls);
+                (seen.len() > 1).then(|| polygon(at.position(), seen, all_round, team))
+            });
+            let name = &shown.eye.name;
+            if let Some((triangles, lines)) = drawn {
+                update.entities.push(SceneEntity {
+                    triangles: vec![triangles],
+                    lines: vec![lines],
+                    ..entity(name.clone(), time_ns)
+                });
+                shown.shown = true;
+            } else if core::mem::take(&mut shown.shown) {
+                update.deletions.push(SceneEntityDeletion {
+                    timestamp: Some(timestamp(time_ns)),
+                    r#type: scene_entity_deletion::Type::MatchingId as i32,
+                    id: name.clone(),
+                });
+            }
+        }
+        (!update.entities.is_empty() || !update.deletions.is_empty()).then_some(update)
+    }
+}
+
+/// Where an eye is, and the team by whose colour it is drawn; nowhere once its robot is out.
+fn stand(eye: &EyeInfo, states: &[RobotState]) -> Option<(Pose2, u8)> {
+    match eye.place {
+        EyePlace::Point([x, y]) => Some((Pose2::new(x, y, 0.0), Team::Neutral as u8)),
+        EyePlace::Robot(robot) => {
+            let state = states.iter().find(|state| state.robot == robot)?;
+            let looks = state.status == 0 && state.present != 0;
+            looks.then(|| (Pose2::new(state.x, state.y, state.theta), state.team))
+        }
+    }
+}
+
+/// The area as a fan of triangles around the eye, and its border.
+fn polygon(
+    eye: Point2<f64>,
+    seen: &[Point2<f64>],
+    all_round: bool,
+    team: u8,
+) -> (TriangleListPrimitive, LinePrimitive) {
+    let round = |value: f64| (value * PARTS_OF_A_METRE).round() / PARTS_OF_A_METRE;
+    let point = |p: &Point2<f64>| Point3 {
+        x: round(p.x),
+        y: round(p.y),
+        z: HEIGHT,
+    };
+    // Border first, then the eye: the border is written twice with the same bytes, which compress.
+    let mut points: Vec<Point3> = seen.iter().map(point).collect();
+    let eye_at = points.len() as u32;
+    points.push(point(&eye));
+    let mut border = points.clone();
+    if all_round {
+        border.pop();
+    }
+    let last = if all_round { eye_at } else { eye_at - 1 };
+    let indices = (0..last)
+        .flat_map(|corner| [eye_at, corner, (corner + 1) % eye_at])
+        .collect();
+    let color = |opacity| {
+        Some(Color {
+            a: opacity,
+            ..palette::team(team, true)
+        })
+    };
+    let (inside, outline) = palette::SEEN;
+    let at = Some(pose(0.0, 0.0, 0.0, 0.0));
+    let triangles = TriangleListPrimitive {
+        pose: at,
+        points,
+        color: color(inside),
+        indices,
+        ..TriangleListPrimitive::default()
+    };
+    let lines = LinePrimitive {
+        r#type: line_primitive::Type::LineLoop as i32,
+        pose: at,
+        thickness: PIXELS,
+        scale_invariant: true,
+        points: border,
+        color: color(outline),
+        ..LinePrimitive::default()
+    };
+    (triangles, lines)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two rooms of 2 m by 2 m with a wall of a cell between them.
+    fn rooms() -> (MapHeader, Vec<MapCell>) {
+        let header = MapHeader {
+            width: 9,
+            height: 4,
+            resolution: 0.5,
+            ..MapHeader::default()
+        };
+        let cell = |index: usize| MapCell {
+            occupied: u8::from(index % 9 == 4),
+            ..MapCell::default()
+        };
+        (header, (0..36).map(cell).collect())
+    }
+
+    fn eye(place: EyePlace, field_of_view: Option<f64>) -> EyeInfo {
+        EyeInfo {
+            name: "eye".to_owned(),
+            place,
+            range: None,
+            field_of_view,
+        }
+    }
+
+    fn area(triangles: &TriangleListPrimitive) -> f64 {
+        let corner = |index: &u32| &triangles.points[*index as usize];
+        let area = triangles.indices.chunks_exact(3).map(|three| {
+            let [a, b, c] = [corner(&three[0]), corner(&three[1]), corner(&three[2])];
+            0.5 * ((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x))
+        });
+        area.sum()
+    }
+
+    #[test]
+    fn the_own_room_is_seen_and_the_other_is_not_until_the_robot_is_out() {
+        let (header, cells) = rooms();
+        let mut visibility = Visibility::new(vec![eye(EyePlace::Robot(3), None)]);
+        let mut state = RobotState {
+            robot: 3,
+            x: 0.7,
+            y: 1.3,
+            present: 1,
+            ..RobotState::default()
+        };
+        assert!(visibility.draw(&[state], 0, true).is_none(), "no map yet");
+        visibility.map(&header, cells.iter().copied());
+        let update = visibility.draw(&[state], 0, false).unwrap();
+        let triangles = &update.entities[0].triangles[0];
+        assert!((area(triangles) - 4.0).abs() < 0.01, "{triangles:?}");
+        // The corners, and where the border begins.
+        assert_eq!(update.entities[0].lines[0].points.len(), 5);
+        // Not more often than it is due, but when something happens.
+        assert!(visibility.draw(&[state], 1, false).is_none());
+        assert!(visibility.draw(&[state], 2, true).is_some());
+        state.status = 1;
+        let update = visibility.draw(&[state], PERIOD_NS, false).unwrap();
+        assert_eq!(update.deletions[0].id, "eye");
+        assert!(visibility.draw(&[state], 2 * PERIOD_NS, false).is_none());
+    }
+
+    #[test]
+    fn a_pop_up_in_the_room_hides_what_is_behind_it() {
+        let (header, mut cells) = rooms();
+        let place = EyePlace::Point([0.25, 0.25]);
+        let mut visibility = Visibility::new(vec![eye(place, None)]);
+        visibility.map(&header, cells.iter().copied());
+        let before = visibility.draw(&[], 0, true).unwrap();
+        cells[9 + 1].occupied = 1;
+        visibility.map(&header, cells.into_iter());
+        let after = visibility.draw(&[], 1, true).unwrap();
+        let [before, after] =
+            [&before, &after].map(|update| area(&update.entities[0].triangles[0]));
+        assert!(
+            (before - 4.0).abs() < 0.01 && after < 2.5,
+            "{before} {after}"
+        );
+    }
+
+    #[test]
+    fn a_field_of_view_closes_over_the_eye() {
+        let (header, cells) = rooms();
+        let mut ahead = eye(
+            EyePlace::Point([1.0, 1.0]),
+            Some(core::f64::consts::FRAC_PI_2),
+        );
+        ahead.range = Some(0.5);
+        let mut visibility = Visibility::new(vec![ahead]);
+        visibility.map(&header, cells.into_iter());
+        let update = visibility.draw(&[], 0, false).unwrap();
+        let triangles = &update.entities[0].triangles[0];
+        let quarter = core::f64::consts::PI * 0.25 / 4.0;
+        assert!((area(triangles) - quarter).abs() < 0.01, "{triangles:?}");
+        let border = &update.entities[0].lines[0].points;
+        let last = border.last().unwrap();
+        assert_eq!((last.x, last.y), (1.0, 1.0));
+    }
+}

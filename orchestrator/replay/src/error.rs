@@ -1,0 +1,16 @@
+//! Errors of doing a run once more.
+
+use mcap_log::LogsError;
+
+use mission::MissionError;
+
+/// Why a run could not be done once more from its log.
+#[derive(Debug, thiserror::Error)]
+pub enum ReplayError {
+    /// The log cannot be read, or cannot be done once more.
+    #[error(transparent)]
+    Log(#[from] LogsError),
+    /// The run failed.
+    #[error(transparent)]
+    Mission(#[from] MissionError),
+}

@@ -1,0 +1,340 @@
+//! Plays a log.
+
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::time::{Duration, Instant};
+
+use ipc_types::bus::{Publisher, PublisherOptions};
+use ipc_types::messages::process::RunControl;
+use ipc_types::stamp::PlainHeader;
+use ipc_types::topics::{Control, NAMES, Topic as _};
+use mcap_log::LogsError;
+use mcap_log::Watch;
+use mcap_log::known;
+use mcap_log::source::{Logged, Source};
+use platform::eprintln;
+use runtime::config::Clock;
+use runtime::lockstep::{Conductor, Overseer, Phase};
+
+use super::broadcast::Broadcast;
+use super::create_resources;
+use super::played::{ReplayOptions, Replayed};
+use super::publishers::TopicPublishers;
+use crate::ReplayError;
+use crate::origin::scenario_of;
+use log_tools::nanoseconds;
+use mission::MissionError;
+use mission::plan::Launch;
+use mission::process_group::write_config;
+use mission::resources::RunResources;
+use scenario::ResolvedScenario;
+use scenario::kind::Kind;
+
+/// How long those who listen get to connect to somebody who speaks up late.
+const INTRODUCTION: Duration = Duration::from_millis(10);
+/// How long the ports stay open behind the last message for those who listen, so that they can take
+/// it.
+const LINGER: Duration = Duration::from_millis(250);
+/// Time between two looks whether there is still a subscriber.
+const LINGER_LOOK: Duration = Duration::from_millis(1);
+/// How often those who came late are connected, and those who died are removed.
+const BEAT: Duration = Duration::from_millis(50);
+/// The command of `run/control` with which a replay ends.
+const STOP: u32 = 4;
+
+/// Sends the messages of a log once more, as a run of its own that others can join.
+///
+/// # Errors
+/// [`ReplayError`]: the log cannot be read or is none of ours, or a reader holds the replay back for
+/// too long.
+pub fn replay(
+    log: &Path,
+    kinds: &[Kind],
+    options: &ReplayOptions,
+    watch: &mut Watch,
+) -> Result<Replayed, ReplayError> {
+    let start = Instant::now();
+    let (from, to) = (
+        nanoseconds("--start", options.start_s)?.unwrap_or(0),
+        nanoseconds("--end", options.end_s)?.unwrap_or(u64::MAX),
+    );
+    if from > to {
+        let text = "--start: expected a time that is not after --end";
+        return Err(LogsError::Argument(text.to_owned()).into());
+    }
+    if options.rate.is_nan() || options.rate <= 0.0 {
+        let text = format!("--rate {}: expected a factor above 0", options.rate);
+        return Err(LogsError::Argument(text).into());
+    }
+    let before = to.saturating_add(1);
+    let mut source = Source::open(log, &options.topics, before, options.live.is_some())?;
+    let scenario = scenario_of(source.origin(), log, &[], "", kinds)?;
+    if !source.has_index() && !options.quiet {
+        eprintln!(
+            "note: {} has no index: it is read from its beginning; `protean recover` makes one",
+            log.display()
+        );
+    }
+    // A sleep ends when it should, not up to 50 µs later.
+    let _ = rustix::thread::set_current_timer_slack(std::num::NonZeroU64::new(1));
+    let mut player = Player::open(&mut source, &scenario, options, watch)?;
+    let played = player.play(from, start, watch);
+    let mut report = player.end();
+    played?;
+    report.scenario.clone_from(&scenario.name);
+    report.faults = source.faults();
+    Ok(report)
+}
+
+struct Player<'a> {
+    source: &'a mut Source,
+    options: &'a ReplayOptions,
+    publishers: TopicPublishers,
+    control: Publisher<Control>,
+    overseer: Overseer,
+    conductor: Conductor,
+    broadcast: Option<Broadcast>,
+    /// A log time, and when it is or was due.
+    anchor: (u64, Instant),
+    /// Tick and log time of now.
+    now: (u64, u64),
+    beat: Instant,
+    report: Replayed,
+    by_rank: Vec<u64>,
+    first: Option<Instant>,
+    // Last: it is wiped when everything else is gone.
+    resources: RunResources,
+}
+
+impl<'a> Player<'a> {
+    fn open(
+        source: &'a mut Source,
+        scenario: &ResolvedScenario,
+        options: &'a ReplayOptions,
+        watch: &mut Watch,
+    ) -> Result<Self, ReplayError> {
+        let broadcast = options
+            .live
+            .map(|port| Broadcast::start(port, source))
+            .transpose()
+            .map_err(MissionError::from)?;
+        let resources = create_resources(scenario)?;
+        let overseer = Overseer::new(Arc::clone(&resources.page));
+        for launch in &resources.plan.launches {
+            let launch = joining(launch, options.rate);
+            let slot = launch.config.index as usize;
+            write_config(resources.root(), &launch.config.name, slot, &launch)
+                .map_err(MissionError::from)?;
+        }
+        let orchestrator = resources.plan.orchestrator_index();
+        let control = resources
+            .bus
+            .publisher(PublisherOptions::new(orchestrator, 1))
+            .map_err(MissionError::from)?;
+        let mut publishers = TopicPublishers::new();
+        // Whoever speaks at the beginning has a port before anybody comes to listen.
+        source.audition(watch, &mut |rank, speaker| {
+            if NAMES.get(rank) != Some(&Control::NAME) {
+                publishers.open(&resources.bus, rank, speaker)?;
+            }
+            Ok::<(), ReplayError>(())
+        })?;
+        overseer.set_phase(Phase::Run);
+        if !options.quiet {
+            eprintln!(
+                "playing {}: root {}, prefix {}",
+                source.path().display(),
+                resources.root().display(),
+                resources.plan.run.prefix,
+            );
+        }
+        Ok(Self {
+            source,
+            options,
+            publishers,
+            control,
+            conductor: Conductor::new(Arc::clone(&resources.page), 0, 1 << 20),
+            overseer,
+            broadcast,
+            anchor: (0, Instant::now()),
+            now: (0, 0),
+            beat: Instant::now(),
+            report: Replayed::default(),
+            by_rank: vec![0; NAMES.len()],
+            first: None,
+            resources,
+        })
+    }
+
+    /// Plays from log time `from` on, once or again and again; `start` is when the replay was asked for.
+    fn play(&mut self, from: u64, start: Instant, watch: &mut Watch) -> Result<(), ReplayError> {
+        loop {
+            let before = Instant::now();
+            let lasting = self.source.seek(from, watch)?;
+            if self.report.messages == 0 {
+                self.report.seek_s = before.elapsed().as_secs_f64();
+                self.report.start_up_s = start.elapsed().as_secs_f64();
+            }
+            self.now = (from / self.resources.plan.run.tick_period_ns.max(1), from);
+            if let Some(broadcast) = &mut self.broadcast {
+                broadcast.jump(from);
+            }
+            for message in &lasting {
+                self.report.restored += u64::from(self.say(message)?);
+            }
+            self.anchor = (from, Instant::now());
+            self.tell(RunControl::START)?;
+            if !self.play_on(watch)? {
+                self.report.interrupted = true;
+                break;
+            }
+            self.report.times += 1;
+            if !self.options.again || self.report.ticks == 0 {
+                break;
+            }
+        }
+        self.report.wall_time_s = self
+            .first
+            .map_or(0.0, |first| first.elapsed().as_secs_f64());
+        self.tell(STOP)
+    }
+
+    /// Plays from where the source stands to its end; false if interrupted.
+    fn play_on(&mut self, watch: &Watch) -> Result<bool, ReplayError> {
+        // Read whole before it is due: what is in a chunk takes its time.
+        let mut tick = Vec::new();
+        while self.source.tick(&mut tick)? {
+            let Some(first) = tick.first() else { break };
+            let time = first.time;
+            if !self.wait(time, watch)? {
+                return Ok(false);
+            }
+            self.report.ticks += 1;
+            // Where only viewers get something, no tick passes.
+            let ours = tick.iter().find(|message| message.is_ours());
+            let stamp = ours.and_then(|message| known::stamp(&message.data));
+            self.now = (stamp.map_or(self.now.0, |stamp| stamp.tick), time);
+            for message in &tick {
+                self.say(message)?;
+            }
+            if let Some(stamp) = stamp {
+                self.conductor.post_without_waiting(stamp.tick);
+            }
+        }
+        Ok(true)
+    }
+
+    /// Waits until the messages of a time are due, and looks after the listeners meanwhile; false if
+    /// interrupted.
+    fn wait(&mut self, time: u64, watch: &Watch) -> Result<bool, ReplayError> {
+        let after = time.saturating_sub(self.anchor.0) as f64 * 1e-9 / self.options.rate;
+        // A log may claim to last longer than clocks go.
+        let after = Duration::try_from_secs_f64(after.min(1e9)).unwrap_or_default();
+        let due = self.anchor.1 + after;
+        loop {
+            if watch.interrupted.load(Ordering::Relaxed) {
+                return Ok(false);
+            }
+            let now = Instant::now();
+            if now.saturating_duration_since(self.beat) >= BEAT {
+                self.beat = now;
+                self.look_after_listeners()?;
+            }
+            let left = due.saturating_duration_since(now);
+            if left.is_zero() {
+                return Ok(true);
+            }
+            std::thread::sleep(left.min(BEAT));
+        }
+    }
+
+    /// Connects those who came late, who get what lasts, and removes those who died: a sender with a
+    /// full buffer towards one of them would wait.
+    fn look_after_listeners(&self) -> Result<(), ReplayError> {
+        self.resources.bus.clean_up_dead();
+        self.publishers.connect().map_err(MissionError::from)?;
+        let connected = self.control.update_connections();
+        connected.map_err(MissionError::from)?;
+        Ok(())
+    }
+
+    /// Says what the replay does, in `run/control`.
+    fn tell(&mut self, command: u32) -> Result<(), ReplayError> {
+        let mut header = PlainHeader::default();
+        (header.stamp.tick, header.stamp.time_ns) = self.now;
+        let rate = self.options.rate;
+        let order = RunControl {
+            rate: if rate.is_infinite() { 0.0 } else { rate },
+            command,
+            reserved: 0,
+        };
+        self.control
+            .send(header, &[order])
+            .map_err(MissionError::from)?;
+        Ok(())
+    }
+
+    /// Shows a message to viewers, and sends it; false if it is for viewers only, is none, or is what
+    /// the replay says itself.
+    fn say(&mut self, message: &Logged) -> Result<bool, ReplayError> {
+        if let Some(broadcast) = &mut self.broadcast {
+            broadcast.show(self.source, message);
+        }
+        if !message.is_ours() || NAMES.get(message.rank) == Some(&Control::NAME) {
+            return Ok(false);
+        }
+        let speaker = message.speaker();
+        if self
+            .publishers
+            .open(&self.resources.bus, message.rank, speaker)?
+        {
+            self.linger(INTRODUCTION);
+        }
+        if !self.publishers.publish(message)? {
+            self.report.malformed += 1;
+            return Ok(false);
+        }
+        self.first.get_or_insert_with(Instant::now);
+        self.report.messages += 1;
+        self.report.bytes += message.data.len() as u64;
+        if let Some(count) = self.by_rank.get_mut(message.rank) {
+            *count += 1;
+        }
+        Ok(true)
+    }
+
+    /// Gives subscribers this long, if there are any: whether they have taken what was sent, or are connected to
+    /// its publisher, only they know.
+    fn linger(&self, limit: Duration) {
+        let deadline = Instant::now() + limit;
+        while self.resources.has_listeners() && Instant::now() < deadline {
+            std::thread::park_timeout(LINGER_LOOK);
+        }
+    }
+
+    /// Ends the run; what was played.
+    fn end(mut self) -> Replayed {
+        self.linger(LINGER);
+        self.overseer.set_phase(Phase::Stop);
+        self.report.live = self.broadcast.take().map(Broadcast::finish);
+        let counts = NAMES
+            .iter()
+            .zip(&self.by_rank)
+            .filter(|(_, count)| **count > 0);
+        self.report.topics = counts
+            .map(|(name, count)| ((*name).to_owned(), *count))
+            .collect();
+        self.report
+    }
+}
+
+/// What a process is told that joins the replay: time passes without waiting for it.
+fn joining(launch: &Launch, rate: f64) -> Launch {
+    let mut launch = launch.clone();
+    launch.config.run.clock = Clock::RealTime {
+        factor: if rate.is_finite() { rate } else { 1000.0 },
+        deadline_ns: 500_000_000,
+    };
+    launch
+}

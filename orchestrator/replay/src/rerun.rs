@@ -1,0 +1,163 @@
+//! The run in a log, done again.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::Arc;
+
+use mcap_log::LogsError;
+use mcap_log::Watch;
+use mcap_log::output::RUN_DIGEST;
+use serde::{Serialize, Serializer};
+
+use super::origin::refuse_external;
+use super::recorded::{Left, Recorded};
+use crate::ReplayError;
+use crate::origin::scenario_of;
+use log_tools::{Comparison, Difference, compare};
+use mission::in_process::{self, InProcessOptions};
+use mission::{self, MissionError, MissionOptions};
+use scenario::kind::Kind;
+
+/// How a run is done again.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct RerunOptions {
+    /// Whether all in one process.
+    pub in_process: bool,
+    /// Whether programs that are not ours may be started.
+    pub allow_external: bool,
+}
+
+/// What came of doing a run again.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Rerun {
+    /// The scenario.
+    pub scenario: String,
+    /// The seed.
+    pub seed: u64,
+    /// The version that recorded the log, if it is another.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub recorded_by: Option<String>,
+    /// Fingerprint of the run in the log; absent if the run did not come to its end.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub digest_logged: Option<String>,
+    /// Fingerprint of the new run.
+    pub digest: String,
+    /// The first process that failed in the run of the log: from its tick on nothing is compared.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub left: Option<Left>,
+    /// Whether the log holds the whole run, without a failure.
+    pub whole: bool,
+    /// Whether the two runs are the same, as far as the log goes.
+    pub same: bool,
+    /// Last tick of the new run.
+    pub ticks: u64,
+    /// Real time that it took (s).
+    pub wall_time_s: f64,
+    /// Their messages; absent for a log that was cut from another.
+    #[serde(
+        skip_serializing_if = "Option::is_none",
+        serialize_with = "differences_only"
+    )]
+    pub comparison: Option<Comparison>,
+}
+
+/// Of a whole run, how many messages are equal and where topics differ first.
+#[expect(clippy::ref_option, reason = "serde hands out the field")]
+fn differences_only<S: Serializer>(
+    comparison: &Option<Comparison>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    #[derive(Serialize)]
+    struct Summary<'a> {
+        equal: u64,
+        differences: BTreeMap<&'static str, &'a Difference>,
+        last_tick: u64,
+    }
+    let summary = comparison.as_ref().map(|comparison| Summary {
+        equal: comparison.equal(),
+        differences: comparison.differences().collect(),
+        last_tick: comparison.last_tick,
+    });
+    summary.serialize(serializer)
+}
+
+/// Does the run in a log again, from the scenario in it and with these kinds of processes, and compares.
+///
+/// # Errors
+/// [`ReplayError`]: the log cannot be read, or its run cannot be done again.
+pub fn rerun(
+    log: &Path,
+    kinds: &[Kind],
+    options: RerunOptions,
+    watch: &mut Watch,
+) -> Result<Rerun, ReplayError> {
+    let recorded = Recorded::read(log, |_| true, watch)?;
+    let mut scenario = scenario_of(
+        &recorded.origin,
+        log,
+        &[],
+        "it cannot be done again the same; runs in lock-step can",
+        kinds,
+    )?;
+    refuse_external(log, &scenario, options.allow_external)?;
+    // Nobody looks at it.
+    scenario.log.viewer_rate_hz = 0.0;
+    let folder = tempfile::tempdir().map_err(|source| MissionError::System {
+        what: "cannot make a temporary directory".into(),
+        source,
+    })?;
+    let again = folder.path().join("again.mcap");
+    let interrupted = Arc::clone(&watch.interrupted);
+    let report = if options.in_process {
+        in_process::run(
+            &scenario,
+            &InProcessOptions {
+                out: Some(again.clone()),
+                show: !watch.quiet,
+                interrupted,
+                ..InProcessOptions::default()
+            },
+        )?
+    } else {
+        mission::run(
+            &scenario,
+            &MissionOptions {
+                out: Some(again.clone()),
+                quiet: watch.quiet,
+                interrupted,
+                ..MissionOptions::default()
+            },
+        )?
+    };
+    if report.interrupted {
+        return Err(LogsError::Interrupted.into());
+    }
+    let digest = report.summary.digest;
+    let has_lost = recorded.left.is_some();
+    let ended =
+        recorded.over && recorded.result.contains_key("digest") && recorded.whole && !has_lost;
+    let (digest_logged, comparison) = if recorded.filtered {
+        let digest = recorded.result.get(RUN_DIGEST);
+        (digest.filter(|_| !has_lost), None)
+    } else {
+        let before = recorded.compared_before();
+        let comparison = compare(log, &again, before, !ended, watch)?;
+        let digest = recorded.result.get("digest");
+        (digest.filter(|_| ended), Some(comparison))
+    };
+    let digests_agree = digest_logged.is_none_or(|logged| *logged == digest);
+    let same = digests_agree && comparison.as_ref().is_none_or(|c| c.first().is_none());
+    Ok(Rerun {
+        scenario: scenario.name,
+        seed: scenario.run.seed,
+        recorded_by: recorded.other_version(),
+        whole: ended || recorded.filtered && digest_logged.is_some(),
+        digest_logged: digest_logged.cloned(),
+        digest,
+        left: recorded.left,
+        same,
+        ticks: report.summary.ticks,
+        wall_time_s: report.wall_time_s,
+        comparison,
+    })
+}

@@ -1,0 +1,281 @@
+//! The same run twice.
+
+use std::path::Path;
+
+use mcap_log::LogsError;
+
+use crate::ReplayError;
+use crate::{RerunOptions, rerun};
+use kinds::load;
+use log_tools::recover;
+use log_tools::{Comparison, compare};
+use mission::in_process::{self, InProcessOptions};
+
+use self::made_up::record_run;
+use self::support::{rewrite, small, watch};
+
+// Each crate that includes them uses parts of them.
+#[allow(dead_code)]
+#[path = "../../recorder/src/tests/made_up.rs"]
+mod made_up;
+#[allow(dead_code)]
+#[path = "../../log_tools/src/tests/support.rs"]
+mod support;
+
+const IN_PROCESS: RerunOptions = RerunOptions {
+    in_process: true,
+    allow_external: false,
+};
+
+#[test]
+fn the_first_difference_of_every_topic_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    record_run(&path("a"), 8, 4_000, |_, _| {});
+    record_run(&path("b"), 8, 900, |_, _| {});
+    record_run(&path("c"), 8, 4_000, |command, tick| {
+        if tick >= 3 && command.robot == 1 {
+            command.omega = -0.5;
+        }
+    });
+    record_run(&path("d"), 6, 4_000, |_, _| {});
+    let twice = |a: &str, b: &str, before| {
+        compare(&path(a), &path(b), before, false, &mut watch()).unwrap()
+    };
+    let same = twice("a", "b", u64::MAX);
+    assert!(same.first().is_none() && same.equal() > 90, "{same:?}");
+    let differs = twice("a", "c", u64::MAX);
+    assert_eq!(differs.differences().count(), 1);
+    let (topic, first) = differs.first().unwrap();
+    assert_eq!((topic, first.tick, first.source), ("robot/command", 3, 4));
+    assert_eq!((first.field.as_str(), first.messages), ("omega", 5));
+    assert_eq!(
+        (first.logged.as_str(), first.again.as_str()),
+        ("0.2", "-0.5")
+    );
+    assert_eq!(differs.equal() + 5, same.equal());
+    // Up to the tick in which they part they are the same.
+    let time = |tick| (first.time_s * 1e9 / 3.0).round() as u64 * tick;
+    let before = twice("a", "c", time(3));
+    assert!(
+        before.first().is_none() && before.equal() > 30,
+        "{before:?}"
+    );
+    assert_eq!(before.last_tick, 2);
+    assert_eq!(twice("a", "c", 0), Comparison::default());
+    // Messages that only one of them has. The last state of a short run says that it is over.
+    for (a, b) in [("a", "d"), ("d", "a")] {
+        let differs = twice(a, b, u64::MAX);
+        let topic = |name: &str| differs.topics[name].first.clone().unwrap();
+        let command = topic("robot/command");
+        assert_eq!((command.tick, command.messages), (6, 6));
+        assert_eq!(
+            (command.logged.is_empty(), command.again.is_empty()),
+            (a == "d", a == "a")
+        );
+        assert_eq!(topic("world/state").field, "phase");
+    }
+}
+
+/// A short chase.
+fn play(path: &Path) -> String {
+    let set = ["rules.time_limit=1".to_owned()];
+    let scenario = load("chase_exact", &set, Some(3)).unwrap();
+    let options = InProcessOptions {
+        out: Some(path.to_owned()),
+        ..InProcessOptions::default()
+    };
+    in_process::run(&scenario, &options).unwrap().summary.digest
+}
+
+#[test]
+fn a_run_done_again_is_proved_the_same_and_a_changed_log_is_found_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let (log, other) = (folder.path().join("a.mcap"), folder.path().join("b.mcap"));
+    let digest = play(&log);
+    let done = rerun(&log, kinds::KINDS, IN_PROCESS, &mut watch()).unwrap();
+    assert!(done.same && done.whole);
+    assert_eq!(
+        (Some(&digest), &digest),
+        (done.digest_logged.as_ref(), &done.digest)
+    );
+    let equal = done.comparison.unwrap().equal();
+    assert!(equal > 100);
+
+    // One bit of one message.
+    let mut seen = 0;
+    rewrite(
+        &log,
+        &other,
+        |channel, data| {
+            seen += usize::from(channel.topic == "robot/command");
+            if seen == 20 && channel.topic == "robot/command" {
+                data[4 + size_of::<ipc_types::stamp::Stamp>()] ^= 1;
+            }
+            true
+        },
+        |_| {},
+        |_| true,
+    );
+    let done = rerun(&other, kinds::KINDS, IN_PROCESS, &mut watch()).unwrap();
+    assert!(!done.same);
+    let comparison = done.comparison.unwrap();
+    assert_eq!(comparison.equal() + 1, equal);
+    let (topic, first) = comparison.first().unwrap();
+    assert_eq!((topic, first.field.as_str()), ("robot/command", "v"));
+
+    // A digest that is not that of the messages.
+    let wrong = |record: &mut mcap::records::Metadata| {
+        if let Some(digest) = record.metadata.get_mut("digest") {
+            *digest = "0".repeat(64);
+        }
+    };
+    rewrite(&log, &other, |_, _| true, wrong, |_| true);
+    let done = rerun(&other, kinds::KINDS, IN_PROCESS, &mut watch()).unwrap();
+    assert!(!done.same && done.comparison.unwrap().first().is_none());
+}
+
+#[test]
+fn a_log_that_was_cut_short_is_compared_as_far_as_it_goes() {
+    let folder = tempfile::tempdir().unwrap();
+    let (log, cut) = (folder.path().join("a.mcap"), folder.path().join("cut.mcap"));
+    play(&log);
+    // Killed in the middle of a tick: no more messages, no result, no summary.
+    let total = support::theirs(&log).len();
+    let (mut seen, short) = (0, folder.path().join("short.mcap"));
+    let keep = |_: &_, _: &mut Vec<u8>| {
+        seen += 1;
+        seen < total * 2 / 3
+    };
+    let lose = |record: &mut mcap::records::Metadata| {
+        record.metadata.remove("digest");
+    };
+    rewrite(&log, &short, keep, lose, |_| true);
+    let bytes = std::fs::read(&short).unwrap();
+    std::fs::write(&cut, &bytes[..bytes.len() - 1_000]).unwrap();
+    let recovered = folder.path().join("recovered.mcap");
+    recover(&cut, &recovered, false, &mut watch()).unwrap();
+    for log in [&cut, &recovered] {
+        let done = rerun(log, kinds::KINDS, IN_PROCESS, &mut watch()).unwrap();
+        assert!(done.same && !done.whole, "{done:?}");
+        assert_eq!(done.digest_logged, None);
+        let comparison = done.comparison.unwrap();
+        assert!(comparison.equal() > 20, "{comparison:?}");
+    }
+}
+
+#[test]
+fn runs_that_cannot_be_done_again_are_refused_with_the_reason() {
+    let folder = tempfile::tempdir().unwrap();
+    let (log, other) = (folder.path().join("a.mcap"), folder.path().join("b.mcap"));
+    play(&log);
+    let refused = |words: &str| {
+        let error = rerun(&other, kinds::KINDS, IN_PROCESS, &mut watch()).unwrap_err();
+        assert!(error.to_string().contains(words), "{words}: {error}");
+        error
+    };
+    let replaced = |text: &mut Vec<u8>, from: &str, to: &str| {
+        let old = String::from_utf8(text.clone()).unwrap();
+        assert!(old.contains(from), "{old}");
+        *text = old.replace(from, to).into_bytes();
+        true
+    };
+    let forget = |record: &mut mcap::records::Metadata| {
+        record.metadata.remove("scenario_blake3");
+    };
+    rewrite(
+        &log,
+        &other,
+        |_, _| true,
+        |_| {},
+        |t| replaced(t, "seed = 3", "seed = 4"),
+    );
+    refused("not the one that was run");
+    rewrite(
+        &log,
+        &other,
+        |_, _| true,
+        forget,
+        |t| replaced(t, "lock_step", "real_time"),
+    );
+    refused("in real time");
+    rewrite(
+        &log,
+        &other,
+        |_, _| true,
+        forget,
+        |t| replaced(t, "kind = \"pursuer\"", "command = [\"./mine\"]"),
+    );
+    refused("--allow-external");
+    rewrite(
+        &log,
+        &other,
+        |_, _| true,
+        forget,
+        |t| replaced(t, "seed = 3", "sead = 3"),
+    );
+    refused("unknown key");
+    rewrite(&log, &other, |_, _| true, |_| {}, |_| false);
+    assert!(matches!(
+        refused("no scenario"),
+        ReplayError::Log(LogsError::Foreign { .. })
+    ));
+    std::fs::remove_file(&other).unwrap();
+    record_run(&other, 2, 4_000, |_, _| {});
+    refused("the scenario in it is not one for this version");
+}
+
+#[test]
+fn logs_of_another_version_are_refused() {
+    use std::rc::Rc;
+
+    use mcap_log::output::Output;
+    use mcap_log::reader::{Item, Reader};
+    let folder = tempfile::tempdir().unwrap();
+    let (log, other) = (folder.path().join("a.mcap"), folder.path().join("b.mcap"));
+    play(&log);
+    for (change, words) in [
+        ("other", "have the layout other"),
+        ("none", "have the layout none"),
+    ] {
+        let mut reader = Reader::open(&log, None).unwrap();
+        let mut output = Output::create(&other, &log, true, "").unwrap();
+        while let Some(item) = reader.next().unwrap() {
+            match item {
+                Item::Schema(id, schema) => output.schema(id, &schema).unwrap(),
+                Item::Channel(channel) if channel.topic == "robot/plan" => {
+                    if change == "other" {
+                        let mut channel = Rc::unwrap_or_clone(channel);
+                        channel
+                            .metadata
+                            .insert("schema_hash".into(), "other".into());
+                        output.channel(&channel).unwrap();
+                    }
+                }
+                Item::Channel(channel) => output.channel(&channel).unwrap(),
+                Item::Attachment(header, data) => output.attachment(&header, data).unwrap(),
+                Item::Metadata(record) => output.metadata(&record).unwrap(),
+                Item::Message(..) | Item::Header { .. } => {}
+            }
+        }
+        output.finish().unwrap();
+        let error = rerun(&other, kinds::KINDS, IN_PROCESS, &mut watch()).unwrap_err();
+        assert!(
+            matches!(error, ReplayError::Log(LogsError::Layout { .. })),
+            "{error}"
+        );
+        assert!(error.to_string().contains(words), "{error}");
+    }
+}
+
+#[test]
+fn a_log_of_another_program_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let log = folder.path().join("other.mcap");
+    std::fs::write(&log, small(mcap::WriteOptions::new(), 2, 3)).unwrap();
+    let error = rerun(&log, kinds::KINDS, RerunOptions::default(), &mut watch()).unwrap_err();
+    assert!(
+        matches!(error, ReplayError::Log(LogsError::Foreign { .. })),
+        "{error}"
+    );
+}

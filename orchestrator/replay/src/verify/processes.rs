@@ -1,0 +1,96 @@
+//! The processes under test: real ones, or members of this process.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use mcap_log::LogsError;
+use runtime::lockstep::{Conductor, TurnEnd};
+
+use crate::ReplayError;
+use mission::MissionError;
+use mission::in_process::LocalProcesses;
+use mission::resources::RunResources;
+use mission::supervisor::Supervisor;
+
+/// Processes that are given turns.
+pub(super) trait ProcessesUnderTest {
+    /// Connects their ports.
+    fn connect(&mut self) -> Result<(), ReplayError>;
+    /// Lets them build what they need of the map, which has been sent.
+    fn prepare(&mut self) -> Result<(), ReplayError>;
+    /// Gives them the turn of a tick and waits until it is done.
+    fn turn(&mut self, tick: u64) -> Result<(), ReplayError>;
+}
+
+impl ProcessesUnderTest for LocalProcesses {
+    fn connect(&mut self) -> Result<(), ReplayError> {
+        Ok(LocalProcesses::connect(self).map_err(MissionError::from)?)
+    }
+
+    fn prepare(&mut self) -> Result<(), ReplayError> {
+        Ok(LocalProcesses::prepare(self).map_err(MissionError::from)?)
+    }
+
+    fn turn(&mut self, tick: u64) -> Result<(), ReplayError> {
+        Ok(self.step(tick).map_err(MissionError::from)?)
+    }
+}
+
+/// Processes of their own, whose turns this process posts in place of the simulator.
+pub(super) struct Processes<'a> {
+    supervisor: Supervisor<'a>,
+    conductor: Conductor,
+    interrupted: &'a AtomicBool,
+}
+
+impl<'a> Processes<'a> {
+    /// Starts the processes of a supervisor and waits until their ports are open.
+    pub(super) fn start(
+        resources: &RunResources,
+        supervisor: Supervisor<'a>,
+        interrupted: &'a AtomicBool,
+    ) -> Result<Self, ReplayError> {
+        let mut processes = Self {
+            supervisor,
+            conductor: Conductor::new(Arc::clone(&resources.page), 0, 1 << 20),
+            interrupted,
+        };
+        or_interrupted(processes.supervisor.start(interrupted))?;
+        Ok(processes)
+    }
+}
+
+impl ProcessesUnderTest for Processes<'_> {
+    fn connect(&mut self) -> Result<(), ReplayError> {
+        or_interrupted(self.supervisor.connect(self.interrupted))
+    }
+
+    fn prepare(&mut self) -> Result<(), ReplayError> {
+        or_interrupted(self.supervisor.prepare(self.interrupted))?;
+        self.supervisor.begin();
+        Ok(())
+    }
+
+    fn turn(&mut self, tick: u64) -> Result<(), ReplayError> {
+        self.conductor.post(tick);
+        loop {
+            match self.conductor.wait(tick) {
+                TurnEnd::Complete => return Ok(()),
+                TurnEnd::Stop => return Err(LogsError::Interrupted.into()),
+                TurnEnd::Idle => self.supervisor.attend()?,
+            }
+            if self.interrupted.load(Ordering::SeqCst) {
+                return Err(LogsError::Interrupted.into());
+            }
+        }
+    }
+}
+
+/// The error of a step that was interrupted.
+fn or_interrupted(done: Result<bool, MissionError>) -> Result<(), ReplayError> {
+    if done? {
+        Ok(())
+    } else {
+        Err(LogsError::Interrupted.into())
+    }
+}

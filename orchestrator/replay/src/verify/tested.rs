@@ -1,0 +1,131 @@
+//! Who is under test, whom they need, and who speaks before them.
+
+use std::collections::BTreeSet;
+
+use mcap_log::LogsError;
+use mcap_log::Origin;
+use runtime::kind::{Need, Product};
+
+use super::VerifyOptions;
+use crate::ReplayError;
+use mission::plan::{Launch, Plan, Role};
+use scenario::{OnFailure, Program};
+
+/// Who is under test.
+pub(super) struct Tested {
+    pub(super) launches: Vec<Launch>,
+    pub(super) helpers: Vec<String>,
+    /// Whose words are compared.
+    pub(super) speakers: BTreeSet<u32>,
+    /// Who speaks before the turn: the world, and whom they wait for.
+    pub(super) before: BTreeSet<u32>,
+}
+
+impl Tested {
+    pub(super) fn new(
+        plan: &Plan,
+        origin: &Origin,
+        options: &VerifyOptions,
+    ) -> Result<Self, ReplayError> {
+        let refuse =
+            |reason: String| ReplayError::from(LogsError::Argument(format!("--test {reason}")));
+        let manifest = &origin.manifest;
+        let names = |names: Vec<&str>| names.join(",");
+        let mut now = names(
+            plan.launches
+                .iter()
+                .map(|l| l.config.name.as_str())
+                .collect(),
+        );
+        now += ",orchestrator";
+        for (key, now) in [
+            ("processes", now),
+            (
+                "robots",
+                names(plan.run.robots.iter().map(|r| r.name.as_str()).collect()),
+            ),
+            ("tick_period_ns", plan.run.tick_period_ns.to_string()),
+        ] {
+            if let Some(then) = manifest.get(key)
+                && *then != now
+            {
+                return Err(LogsError::Argument(format!(
+                    "--set: the {key} of the log are {then}, with the changes they are {now}: what \
+                     is in the log is not for them"
+                ))
+                .into());
+            }
+        }
+        let mut launches = Vec::new();
+        for name in &options.processes {
+            let mut known = plan.launches.iter();
+            let Some(launch) = known.find(|launch| launch.config.name == *name) else {
+                let known: Vec<&str> = plan
+                    .launches
+                    .iter()
+                    .skip(1)
+                    .map(|l| &*l.config.name)
+                    .collect();
+                return Err(refuse(format!(
+                    "{name}: the log's scenario has no process with this name; it has {}",
+                    known.join(", ")
+                ))
+                .into());
+            };
+            if launch.config.index == 0 {
+                return Err(refuse(format!(
+                    "{name}: it leads the others; `protean rerun` does the whole run again"
+                ))
+                .into());
+            }
+            if let Role::Process(program @ Program::Command { .. }) = &launch.role
+                && !options.allow_external
+            {
+                let line = program.command_line();
+                return Err(refuse(format!(
+                    "{name}: it is a program that is not Protean's own; look at it and add \
+                     --allow-external: {}",
+                    line.unwrap_or_default()
+                )));
+            }
+            launches.push(launch.clone());
+        }
+        let speakers: BTreeSet<u32> = launches.iter().map(|l| l.config.index).collect();
+        let needs_plans =
+            |launch: &Launch| launch.kind().is_some_and(|kind| kind.needs(Need::Plans));
+        let mut helpers = Vec::new();
+        if launches.iter().any(needs_plans) {
+            // Requests and answers are in no log.
+            for launch in &plan.launches {
+                if launch.makes(Product::Plans) && !speakers.contains(&launch.config.index) {
+                    helpers.push(launch.config.name.clone());
+                    launches.push(launch.clone());
+                }
+            }
+        }
+        let mut before: BTreeSet<u32> = launches
+            .iter()
+            .flat_map(|launch| launch.config.upstream.iter().copied())
+            .collect();
+        before.extend([0, plan.orchestrator_index()]);
+        // In the order of the run, each once.
+        launches.sort_by_key(|launch| launch.config.index);
+        launches.dedup_by_key(|launch| launch.config.index);
+        for launch in &mut launches {
+            // What the others say without it is in no log.
+            launch.supervision.on_failure = OnFailure::Abort;
+        }
+        Ok(Self {
+            launches,
+            helpers,
+            speakers,
+            before,
+        })
+    }
+
+    /// Whose words of the log are not said: theirs, and those of whoever else was started.
+    pub(super) fn is_silent(&self, source: u32) -> bool {
+        let mut launches = self.launches.iter();
+        launches.any(|launch| launch.config.index == source)
+    }
+}

@@ -1,0 +1,174 @@
+//! The turns of the processes under test, tick by tick, and what they say in them.
+
+use std::time::Instant;
+
+use ipc_types::bus::Bus;
+use ipc_types::messages::world::WorldHeader;
+use ipc_types::topics::{Control, NAMES, Topic as _, WorldMap, WorldShapes, WorldState};
+use mcap_log::LogsError;
+use mcap_log::Watch;
+use mcap_log::known::ENCAPSULATION;
+use mcap_log::source::{Logged, Source};
+use zerocopy::FromBytes as _;
+
+use super::super::publishers::TopicPublishers;
+use super::Verified;
+use super::capture::OutputCapture;
+use super::processes::ProcessesUnderTest;
+use super::tested::Tested;
+use crate::ReplayError;
+use log_tools::Comparison;
+use mission::MissionError;
+use mission::plan::Plan;
+
+/// The messages of one tick.
+struct Moment {
+    tick: u64,
+    time: u64,
+    said: Vec<Logged>,
+}
+
+impl Moment {
+    /// The state of the world, if it is there.
+    fn state(&self) -> Option<WorldHeader> {
+        let state = self
+            .said
+            .iter()
+            .find(|m| NAMES.get(m.rank) == Some(&WorldState::NAME))?;
+        let (header, _) = WorldHeader::read_from_prefix(state.data.get(ENCAPSULATION..)?).ok()?;
+        Some(header)
+    }
+}
+
+/// The bus of a test, with publishers for every process that is not under test.
+pub(super) struct Trial<'a> {
+    bus: &'a Bus,
+    tested: &'a Tested,
+    publishers: TopicPublishers,
+    capture: OutputCapture,
+    period_ns: u64,
+}
+
+impl<'a> Trial<'a> {
+    /// Opens the ports of everybody who is not under test, and of who listens to those who are.
+    pub(super) fn open(
+        bus: &'a Bus,
+        plan: &Plan,
+        tested: &'a Tested,
+        source: &mut Source,
+        watch: &mut Watch,
+    ) -> Result<Self, ReplayError> {
+        let mut trial = Self {
+            bus,
+            tested,
+            publishers: TopicPublishers::new(),
+            capture: OutputCapture::open(bus).map_err(MissionError::from)?,
+            period_ns: plan.run.tick_period_ns.max(1),
+        };
+        source.audition(watch, &mut |rank, speaker| {
+            trial.open_port(rank, speaker).map(drop)
+        })?;
+        source.seek(0, watch)?;
+        Ok(trial)
+    }
+
+    /// Opens the port that a speaker needs; false if it is not played.
+    fn open_port(&mut self, rank: usize, speaker: u32) -> Result<bool, ReplayError> {
+        if self.tested.is_silent(speaker) || NAMES.get(rank) == Some(&Control::NAME) {
+            return Ok(false);
+        }
+        self.publishers.open(self.bus, rank, speaker)?;
+        Ok(true)
+    }
+
+    fn say(&mut self, message: &Logged) -> Result<(), ReplayError> {
+        if !self.open_port(message.rank, message.speaker())? {
+            return Ok(());
+        }
+        // What is no message of its topic nobody could take up then.
+        self.publishers.publish(message)?;
+        Ok(())
+    }
+
+    /// Everything of the next tick.
+    fn next(&self, source: &mut Source) -> Result<Option<Moment>, ReplayError> {
+        let mut said = Vec::new();
+        source.tick(&mut said)?;
+        Ok(said.first().map(|first| first.time).map(|time| Moment {
+            tick: time / self.period_ns,
+            time,
+            said,
+        }))
+    }
+
+    pub(super) fn run(
+        &mut self,
+        processes: &mut dyn ProcessesUnderTest,
+        source: &mut Source,
+        watch: &Watch,
+        done: &mut Verified,
+    ) -> Result<(), ReplayError> {
+        self.publishers.connect().map_err(MissionError::from)?;
+        processes.connect()?;
+        self.publishers.connect().map_err(MissionError::from)?;
+        self.capture.connect().map_err(MissionError::from)?;
+        let mut comparison = Comparison::of(self.tested.speakers.clone());
+        let mut moment = self.next(source)?;
+        // Everybody builds what it needs of the map before time starts.
+        if let Some(first) = &mut moment {
+            for name in [WorldMap::NAME, WorldShapes::NAME] {
+                let mut said = first.said.iter();
+                if let Some(at) = said.position(|m| NAMES.get(m.rank) == Some(&name)) {
+                    let message = first.said.remove(at);
+                    self.say(&message)?;
+                }
+            }
+        }
+        processes.prepare()?;
+        let start = Instant::now();
+        let mut over = false;
+        while let Some(now) = moment {
+            if watch.interrupted.load(std::sync::atomic::Ordering::Relaxed) {
+                return Err(LogsError::Interrupted.into());
+            }
+            let state = now.state().filter(|state| state.stamp.tick == done.ticks);
+            let Some(state) = state.filter(|_| now.tick == done.ticks) else {
+                return Err(LogsError::NotRepeatable {
+                    path: source.path().to_owned(),
+                    reason: format!(
+                        "the state of the world at tick {} is not in it: a log that was cut or \
+                         damaged cannot be a test's",
+                        done.ticks
+                    ),
+                }
+                .into());
+            };
+            over = state.phase == WorldHeader::OVER;
+            moment = self.next(source)?;
+            for message in &now.said {
+                let speaker = message.speaker();
+                if self.tested.before.contains(&speaker) {
+                    self.say(message)?;
+                }
+            }
+            if !over {
+                processes.turn(now.tick)?;
+            }
+            done.ticks += 1;
+            // The last tick of a log that was cut may lack something.
+            let captured = self.capture.take(&self.tested.speakers, now.time);
+            let captured = captured.map_err(MissionError::from)?;
+            comparison.add(&now.said, &captured, moment.is_none() && !over);
+            for message in &now.said {
+                let speaker = message.speaker();
+                if !self.tested.before.contains(&speaker) {
+                    self.say(message)?;
+                }
+            }
+        }
+        done.comparison = comparison;
+        done.whole = over || source.has_index();
+        done.wall_time_s = start.elapsed().as_secs_f64();
+        Ok(())
+    }
+}

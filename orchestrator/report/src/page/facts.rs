@@ -1,0 +1,276 @@
+//! What the page says in words and single numbers.
+
+use draw::palette;
+use ipc_types::messages::observer::Prediction;
+use ipc_types::messages::robot::WaypointEnd;
+use ipc_types::messages::world::WorldEvent;
+use mcap_log::output::RUN_DIGEST;
+use serde_json::{Value as Json, json};
+use sim_backend::map::ObstacleChange;
+use sim_backend::shape::Shape;
+use sim_backend::spec::Region;
+use statistics::Percentiles;
+
+use super::gather::Gathered;
+use super::timing::PER_DECADE;
+use crate::picture::ground::corners;
+use recorder::{RobotOutcome, status_name};
+use scenario::kind::Kind;
+
+/// What became of the robots: as the run said at its end, else as the last state in the log has it.
+pub(super) fn outcome(gathered: &Gathered) -> Vec<RobotOutcome> {
+    let said = gathered.facts.result.get("robots");
+    if let Some(robots) = said.and_then(|text| serde_json::from_str(text).ok()) {
+        return robots;
+    }
+    let Some(last) = gathered.frames.last() else {
+        return Vec::new();
+    };
+    let states = last.item.robots.iter();
+    states
+        .map(|state| {
+            // Until when it had the same status.
+            let robot = state.robot;
+            let same = gathered.frames.iter().rev().take_while(|frame| {
+                let then = frame.item.robots.iter().find(|s| s.robot == robot);
+                then.is_some_and(|s| s.status == state.status)
+            });
+            let since = same.last().map_or(last.time_ns, |frame| frame.time_ns);
+            let time_ns = if state.status == 0 {
+                last.time_ns
+            } else {
+                since
+            };
+            RobotOutcome {
+                name: gathered.name(robot),
+                team: recorder::team_name(state.team).to_owned(),
+                outcome: status_name(state.status).to_owned(),
+                time_s: time_ns as f64 / 1e9,
+                distance_m: state.distance,
+                contacts: state.contacts,
+                fail_safe_stops: 0,
+                fail_safe_ticks: 0,
+                escape_possible_fraction: None,
+                escape_impossible_from_s: None,
+                waypoints: None,
+            }
+        })
+        .collect()
+}
+
+/// What is missing of the run or of the log, a sentence each.
+pub(super) fn missing(gathered: &Gathered) -> Vec<String> {
+    let mut missing = Vec::new();
+    let count = |topic: &str| gathered.counts.get(topic).copied().unwrap_or(0);
+    if !gathered.condition.is_whole() {
+        missing.extend(gathered.condition.lines());
+    }
+    if gathered.facts.is_filtered {
+        missing.push("the log is a part of another: it was cut by time or topic".to_owned());
+    }
+    if gathered.facts.is_recovered {
+        missing.push("the log was saved from one that was not whole".to_owned());
+    }
+    if count("world/state") == 0 {
+        missing.push("no world/state: robots stand where they started".to_owned());
+    } else if !gathered.over {
+        missing.push(
+            "the log ends before the run did: outcomes are those of its last state".to_owned(),
+        );
+    }
+    if !gathered.facts.result.contains_key("robots") {
+        missing
+            .push("no result of the run: it was killed, or its end is not in the log".to_owned());
+    }
+    for topic in ["world/event", "world/map"] {
+        if !gathered.counts.contains_key(topic) {
+            missing.push(format!("no {topic}"));
+        }
+    }
+    let happened = &gathered.happened;
+    for (omitted, what) in [
+        (happened.events_omitted, "events"),
+        (happened.waypoints_omitted, "waypoints"),
+    ] {
+        if omitted > 0 {
+            missing.push(format!("{omitted} {what} more than the page has room for"));
+        }
+    }
+    missing.extend(gathered.notes.iter().cloned());
+    missing
+}
+
+fn shape(shape: &Shape) -> Json {
+    match shape {
+        Shape::Circle { center, radius } => json!({ "circle": [center[0], center[1], radius] }),
+        other => json!({ "corners": corners(other) }),
+    }
+}
+
+fn region(region: &Region) -> Json {
+    match *region {
+        Region::Circle { center, radius } => json!({ "circle": [center[0], center[1], radius] }),
+        Region::Rectangle {
+            center,
+            half_extents,
+            angle,
+        } => shape(&Shape::Rectangle {
+            center,
+            half_extents,
+            angle,
+        }),
+    }
+}
+
+fn with(mut object: Json, key: &str, value: Json) -> Json {
+    if let Some(map) = object.as_object_mut() {
+        map.insert(key.to_owned(), value);
+    }
+    object
+}
+
+fn seconds(time_ns: u64) -> f64 {
+    time_ns as f64 / 1e9
+}
+
+/// What stands, and how it changes.
+fn ground(gathered: &Gathered) -> Json {
+    let ground = &gathered.ground;
+    let obstacles: Vec<Json> = ground
+        .obstacles
+        .iter()
+        .map(|(id, standing)| with(shape(&standing.shape), "id", json!(id)))
+        .collect();
+    let changes: Vec<Json> = gathered
+        .changes
+        .iter()
+        .map(|(time_ns, change)| {
+            let object = match change {
+                ObstacleChange::Appear { shape: s, .. } | ObstacleChange::Move { shape: s, .. } => {
+                    shape(s)
+                }
+                ObstacleChange::Disappear { .. } => json!({}),
+            };
+            with(
+                with(object, "id", json!(change.id().0)),
+                "time",
+                json!(seconds(*time_ns)),
+            )
+        })
+        .collect();
+    json!({
+        "min": ground.min,
+        "max": ground.max,
+        "exits": ground.exits.iter().map(region).collect::<Vec<_>>(),
+        "obstacles": obstacles,
+        "changes": changes,
+    })
+}
+
+fn events(gathered: &Gathered) -> Json {
+    let name = |robot: u32| (robot != WorldEvent::NONE).then_some(robot);
+    gathered
+        .happened
+        .events
+        .iter()
+        .map(|(time_ns, e)| {
+            json!([
+                seconds(*time_ns),
+                e.kind,
+                name(e.robot),
+                name(e.other),
+                e.x,
+                e.y,
+                e.value
+            ])
+        })
+        .collect()
+}
+
+/// Latencies; of a log whose processes are not known, the percentiles that it has itself.
+fn latency(gathered: &mut Gathered) -> Json {
+    let measured = gathered.timing.finish();
+    if !measured.is_empty() {
+        return measured
+            .into_iter()
+            .map(|(name, (percentiles, histogram))| {
+                json!({ "name": name, "us": percentiles, "histogram": histogram })
+            })
+            .collect();
+    }
+    let said = gathered.facts.result.get("latency_us");
+    let said: Option<std::collections::BTreeMap<String, Percentiles>> =
+        said.and_then(|text| serde_json::from_str(text).ok());
+    said.unwrap_or_default()
+        .into_iter()
+        .map(|(name, percentiles)| json!({ "name": name, "us": percentiles }))
+        .collect()
+}
+
+/// Everything but the lists and plots.
+pub(super) fn facts(gathered: &mut Gathered, kinds: &[Kind]) -> Json {
+    let latency = latency(gathered);
+    let manifest = |key: &str| gathered.facts.manifest.get(key).cloned();
+    let result = |key: &str| gathered.facts.result.get(key).cloned();
+    let parsed = |key: &str| -> Option<Json> {
+        let text = gathered.facts.result.get(key)?;
+        serde_json::from_str(text).ok()
+    };
+    let robots: Vec<Json> = gathered
+        .scenario
+        .robots
+        .iter()
+        .map(|r| json!({ "name": r.name, "team": r.team, "radius": r.model().radius }))
+        .collect();
+    json!({
+        "title": gathered.scenario.title,
+        "description": gathered.scenario.description,
+        "scenario": manifest("scenario"),
+        "seed": manifest("seed"),
+        "mode": manifest("mode"),
+        "version": manifest("version"),
+        "machine": manifest("machine"),
+        "digest": result("digest").filter(|_| gathered.over && gathered.condition.data),
+        "run_digest": result(RUN_DIGEST),
+        "over": gathered.over,
+        "end_s": seconds(gathered.end_ns),
+        "tick_period_s": seconds(gathered.tick_period_ns),
+        "robots": robots,
+        "eyes": gathered.scenario.eyes(kinds),
+        "outcome": outcome(gathered),
+        "coverage": parsed("coverage"),
+        "predictions": parsed("predictions"),
+        "missing": missing(gathered),
+        "topics": gathered.counts,
+        "ground": ground(gathered),
+        "events": events(gathered),
+        "event_kinds": WorldEvent::NAMES,
+        "methods": Prediction::METHODS,
+        "horizons_s": gathered.layers.horizons_s,
+        "waypoint_outcomes": WaypointEnd::OUTCOMES,
+        "waypoint_kinds": WaypointEnd::KINDS,
+        "latency": latency,
+        "per_decade": PER_DECADE,
+        "text": gathered.facts.scenario_text,
+    })
+}
+
+/// The colours of `protean picture`, as variables of a style sheet.
+pub(super) fn colours() -> String {
+    [
+        ("paper", palette::PAPER),
+        ("wall", palette::WALL),
+        ("edge", palette::EDGE),
+        ("ink", palette::INK),
+        ("faint", palette::FAINT_INK),
+        ("obstacle", palette::OBSTACLE),
+        ("exit", palette::EXIT),
+        ("police", palette::POLICE),
+        ("evader", palette::EVADER),
+        ("neutral", palette::team(sim_backend::team::Team::Neutral)),
+        ("belief", palette::BELIEF),
+        ("belief-ink", palette::BELIEF_INK),
+    ]
+    .map(|(name, colour)| format!("--{name}:{colour};"))
+    .concat()
+}

@@ -1,0 +1,135 @@
+//! From a log to what a page shows of it, in memory that does not grow with the log.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use ipc_types::consumer::{Consumer, LoggedMessage};
+use ipc_types::messages::world::RobotState;
+use ipc_types::topics::TopicId;
+use mcap_log::{Condition, LogsError, Watch};
+use sim_backend::map::ObstacleChange;
+
+use super::happened::Happened;
+use super::layers::Layers;
+use super::measured::Measured;
+use super::sampled::{Sample, Sampled};
+use super::timing::Timing;
+use crate::picture::Ground;
+use crate::picture::log_facts::LogFacts;
+use crate::picture::log_run::{LoggedRun, Purpose};
+use crate::picture::logged::LoggedScenario;
+use scenario::kind::Kind;
+
+/// Most states of robots that are kept.
+const MOST_STATES: usize = 400_000;
+
+/// The state of the world at a tick.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Frame {
+    pub(super) tick: u64,
+    pub(super) robots: Vec<RobotState>,
+}
+
+/// What a page shows of a run.
+#[derive(Debug)]
+pub(super) struct Gathered {
+    pub(super) facts: LogFacts,
+    pub(super) scenario: LoggedScenario,
+    pub(super) frames: Vec<Sample<Frame>>,
+    /// Whether the log reaches the end of the game.
+    pub(super) over: bool,
+    pub(super) tick_period_ns: u64,
+    /// Time of the last state, or of the last message if there is none (ns).
+    pub(super) end_ns: u64,
+    /// What stands from the beginning.
+    pub(super) ground: Ground,
+    /// How it changed, by time (ns).
+    pub(super) changes: Vec<(u64, ObstacleChange)>,
+    pub(super) layers: Layers,
+    pub(super) happened: Happened,
+    pub(super) measured: Measured,
+    pub(super) timing: Timing,
+    /// Messages by topic, of the lossless topics.
+    pub(super) counts: BTreeMap<String, u64>,
+    pub(super) notes: Vec<String>,
+    pub(super) condition: Condition,
+}
+
+/// The states of the world, thinned out.
+struct Frames(Sampled<Frame>);
+
+impl Consumer<LoggedRun> for Frames {
+    fn topics(&self) -> &[TopicId] {
+        &[TopicId::WorldState]
+    }
+
+    fn message(&mut self, message: &LoggedMessage<'_>, run: &mut LoggedRun) {
+        let frame = Frame {
+            tick: message.stamp.tick,
+            robots: run.states.clone(),
+        };
+        self.0.push(message.time_ns, 0, frame);
+    }
+}
+
+impl Gathered {
+    /// Reads a log as far as it goes.
+    pub(super) fn read(
+        log: &Path,
+        kinds: &'static [Kind],
+        watch: &mut Watch,
+    ) -> Result<Self, LogsError> {
+        let weigh = |frame: &Frame| frame.robots.len();
+        let mut frames = Frames(Sampled::new(0, MOST_STATES, weigh));
+        let (mut layers, mut happened) = (Layers::default(), Happened::default());
+        let (mut measured, mut timing) = (Measured::default(), Timing::new(kinds));
+        let mut run = LoggedRun::read(
+            log,
+            Purpose::Page,
+            vec![
+                Box::new(&mut frames),
+                Box::new(&mut layers),
+                Box::new(&mut happened),
+                Box::new(&mut measured),
+                Box::new(&mut timing),
+            ],
+            watch,
+        )?;
+        let scenario = run.facts.take_scenario(log)?;
+        let ground = run.facts.take_ground(&scenario);
+        let tick_period_ns = if run.tick_period_ns == 0 {
+            let period = run.facts.manifest.get("tick_period_ns");
+            period.and_then(|p| p.parse().ok()).unwrap_or(0)
+        } else {
+            run.tick_period_ns
+        };
+        Ok(Self {
+            facts: run.facts,
+            scenario,
+            frames: frames.0.finish(),
+            over: run.over,
+            tick_period_ns,
+            end_ns: if run.end_ns == 0 {
+                run.last_ns
+            } else {
+                run.end_ns
+            },
+            ground,
+            changes: run.changes,
+            layers,
+            happened,
+            measured,
+            timing,
+            counts: run.counts,
+            notes: run.notes,
+            condition: run.condition,
+        })
+    }
+
+    /// Name of a robot.
+    pub(super) fn name(&self, robot: u32) -> String {
+        let robots = &self.scenario.robots;
+        let name = robots.get(robot as usize).map(|r| r.name.clone());
+        name.unwrap_or_else(|| format!("robot {robot}"))
+    }
+}

@@ -1,0 +1,97 @@
+//! What happened in a run: events, and waypoints that ended.
+
+use ipc_types::consumer::{Consumer, LoggedMessage};
+use ipc_types::messages::robot::WaypointEnd;
+use ipc_types::messages::world::WorldEvent;
+use ipc_types::topics::{TopicId, Waypoints, WorldEvents};
+
+use crate::picture::log_run::LoggedRun;
+use scenario::spec::MAX_ROBOTS;
+
+/// Most events that a page shows of those that matter, and of the others.
+const EVENTS: usize = 5000;
+/// Most waypoints that a page shows.
+const WAYPOINTS: usize = 20_000;
+/// Kinds of events of which there may be very many.
+const FREQUENT: [&str; 4] = [
+    "contact_begin",
+    "contact_end",
+    "invalid_command",
+    "missing_command",
+];
+
+/// Events and waypoints in their order, as many as there is room for.
+#[derive(Debug, Default)]
+pub(super) struct Happened {
+    /// Events, by time (ns).
+    pub(super) events: Vec<(u64, WorldEvent)>,
+    frequent: usize,
+    /// Events that did not fit.
+    pub(super) events_omitted: u64,
+    /// Waypoints that ended, by time (ns).
+    pub(super) waypoints: Vec<(u64, WaypointEnd)>,
+    /// Waypoints that did not fit.
+    pub(super) waypoints_omitted: u64,
+}
+
+impl Consumer<LoggedRun> for Happened {
+    fn topics(&self) -> &[TopicId] {
+        &[TopicId::WorldEvents, TopicId::Waypoints]
+    }
+
+    fn message(&mut self, message: &LoggedMessage<'_>, run: &mut LoggedRun) {
+        if let Some((_, events)) = run.decode::<WorldEvents>(message) {
+            for event in &events {
+                self.event(message.time_ns, event);
+            }
+        }
+        if let Some((_, ends)) = run.decode::<Waypoints>(message) {
+            let known = ends
+                .into_iter()
+                .filter(|end| (end.robot as usize) < MAX_ROBOTS);
+            known.for_each(|end| self.waypoint(message.time_ns, end));
+        }
+    }
+}
+
+impl Happened {
+    fn event(&mut self, time_ns: u64, event: &WorldEvent) {
+        let is_frequent = FREQUENT.contains(&WorldEvent::name_of(event.kind));
+        let others = self.events.len() - self.frequent;
+        if is_frequent && self.frequent >= EVENTS || !is_frequent && others >= EVENTS {
+            self.events_omitted += 1;
+            return;
+        }
+        self.frequent += usize::from(is_frequent);
+        self.events.push((time_ns, *event));
+    }
+
+    fn waypoint(&mut self, time_ns: u64, end: WaypointEnd) {
+        if self.waypoints.len() < WAYPOINTS {
+            self.waypoints.push((time_ns, end));
+        } else {
+            self.waypoints_omitted += 1;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thousands_of_contacts_leave_room_for_what_matters() {
+        let mut happened = Happened::default();
+        let event = |kind| WorldEvent {
+            kind,
+            ..WorldEvent::default()
+        };
+        for i in 0..6000 {
+            happened.event(i, &event(4));
+        }
+        happened.event(6000, &event(0));
+        assert_eq!(happened.events.len(), EVENTS + 1);
+        assert_eq!(happened.events_omitted, 1000);
+        assert_eq!(happened.events.last().unwrap().1.kind, 0);
+    }
+}

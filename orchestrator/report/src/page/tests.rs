@@ -1,0 +1,156 @@
+//! Pages of short runs.
+
+use std::path::{Path, PathBuf};
+
+use mcap_log::{LogsError, Topics, Watch};
+use serde_json::Value as Json;
+
+use super::{Report, report};
+use kinds::{KINDS, load};
+use log_tools::{FilterOptions, filter};
+use mission::in_process::{self, InProcessOptions};
+use recorder::Summary;
+
+fn watch() -> Watch {
+    Watch::new(std::sync::Arc::default(), true)
+}
+
+/// A short chase with a log.
+fn play(folder: &Path) -> (PathBuf, Summary) {
+    let log = folder.join("run.mcap");
+    let set = ["rules.time_limit=1".to_owned()];
+    let scenario = load("chase", &set, Some(3)).unwrap();
+    let options = InProcessOptions {
+        out: Some(log.clone()),
+        ..InProcessOptions::default()
+    };
+    let done = in_process::run(&scenario, &options).unwrap();
+    (log, done.summary)
+}
+
+/// The page of a log, and the facts in it.
+fn facts(log: &Path) -> (Report, Json) {
+    let out = log.with_extension("html");
+    let report = report(log, KINDS, &out, true, &mut watch()).unwrap();
+    let page = std::fs::read_to_string(&out).unwrap();
+    assert_eq!(page.len() as u64, report.bytes);
+    let start = "<script id=\"facts\" type=\"application/json\">";
+    let (_, rest) = page.split_once(start).unwrap();
+    let (json, _) = rest.split_once("</script>").unwrap();
+    (report, serde_json::from_str(json).unwrap())
+}
+
+#[test]
+fn the_page_says_what_the_run_amounted_to() {
+    let folder = tempfile::tempdir().unwrap();
+    let (log, summary) = play(folder.path());
+    let (report, facts) = facts(&log);
+    assert_eq!(report.robots, summary.robots);
+    assert_eq!(facts["outcome"], serde_json::json!(summary.robots));
+    assert_eq!(facts["digest"], summary.digest.as_str());
+    assert_eq!(report.digest.as_ref(), Some(&summary.digest));
+    assert_eq!(facts["missing"], serde_json::json!([]));
+    assert_eq!(report.frames as u64, summary.ticks + 1);
+    assert_eq!(facts["end_s"], summary.sim_time_s);
+    assert_eq!(
+        facts["events"].as_array().unwrap().len(),
+        summary.events.len()
+    );
+    let lists = facts["lists"].as_array().unwrap();
+    let length = |name: &str| {
+        let list = lists.iter().find(|list| list["name"] == name).unwrap();
+        list["length"].as_u64().unwrap()
+    };
+    assert_eq!(
+        length("x"),
+        (summary.ticks + 1) * summary.robots.len() as u64
+    );
+    assert!(
+        length("beliefs.x") > 0 && length("plans.x") > 0,
+        "{lists:?}"
+    );
+    let plots = facts["plots"].as_array().unwrap();
+    for title in ["Evaders", "Distance driven", "Forward speed"] {
+        assert!(plots.iter().any(|plot| plot["title"] == title), "{title}");
+    }
+    // Another page is not replaced unasked, nor is the log.
+    let again = super::report(
+        &log,
+        KINDS,
+        &log.with_extension("html"),
+        false,
+        &mut watch(),
+    );
+    assert!(matches!(again, Err(LogsError::Exists { .. })), "{again:?}");
+    let itself = super::report(&log, KINDS, &log, true, &mut watch());
+    assert!(
+        matches!(itself, Err(LogsError::IsTheLog { .. })),
+        "{itself:?}"
+    );
+}
+
+#[test]
+fn a_truncated_log_is_shown_as_far_as_it_goes() {
+    let folder = tempfile::tempdir().unwrap();
+    let (log, summary) = play(folder.path());
+    let bytes = std::fs::read(&log).unwrap();
+    let index = mcap::Summary::read(&bytes).unwrap().unwrap();
+    let last = index
+        .chunk_indexes
+        .iter()
+        .map(|i| i.chunk_start_offset)
+        .max();
+    let cut = folder.path().join("cut.mcap");
+    std::fs::write(&cut, &bytes[..last.unwrap() as usize + 40]).unwrap();
+    let (report, facts) = facts(&cut);
+    let missing = facts["missing"].to_string();
+    assert!(missing.contains("ends in the middle"), "{missing}");
+    assert!(missing.contains("no result of the run"), "{missing}");
+    assert_eq!(
+        (&facts["digest"], &facts["over"]),
+        (&Json::Null, &false.into())
+    );
+    assert!(!report.condition.is_whole());
+    let names = |robots: &[recorder::RobotOutcome]| -> Vec<String> {
+        robots.iter().map(|r| r.name.clone()).collect()
+    };
+    if report.frames > 0 {
+        assert_eq!(names(&report.robots), names(&summary.robots));
+        assert!(report.robots.iter().all(|r| r.time_s <= report.sim_time_s));
+    }
+    // Wherever it ends, there is a page or a reason.
+    let out = folder.path().join("any.html");
+    for part in 0..40 {
+        std::fs::write(&cut, &bytes[..bytes.len() * part / 40]).unwrap();
+        match super::report(&cut, KINDS, &out, true, &mut watch()) {
+            Ok(report) => assert!(!report.missing.is_empty()),
+            Err(LogsError::NotMcap { .. } | LogsError::Foreign { .. }) => {}
+            Err(other) => panic!("{other}"),
+        }
+    }
+}
+
+#[test]
+fn topics_that_are_not_there_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let (log, summary) = play(folder.path());
+    let without = folder.path().join("without.mcap");
+    let options = FilterOptions {
+        topics: Topics {
+            only: Vec::new(),
+            without: vec!["world/state".to_owned(), "perception/*".to_owned()],
+        },
+        ..FilterOptions::default()
+    };
+    filter(&log, &without, &options, &mut watch()).unwrap();
+    let (report, facts) = facts(&without);
+    let missing = report.missing.join("\n");
+    assert!(
+        missing.contains("no world/state: robots stand where they started"),
+        "{missing}"
+    );
+    assert!(missing.contains("part of another"), "{missing}");
+    assert_eq!(facts["outcome"], serde_json::json!(summary.robots));
+    assert_eq!(facts["run_digest"], summary.digest.as_str());
+    assert_eq!(facts["digest"], Json::Null);
+}

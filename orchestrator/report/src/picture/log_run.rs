@@ -1,0 +1,268 @@
+//! A run as its log tells it, read in one pass for everything that shows it.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use ipc_types::cdr::DecodeError;
+use ipc_types::consumer::{Consumer, Consumers, LoggedMessage};
+use ipc_types::messages::world::{RobotState, WorldHeader};
+use ipc_types::topics::{ObstacleEvents, Topic, TopicId, WorldMap, WorldState};
+use mcap_log::MessageHeader;
+use mcap_log::known;
+use mcap_log::reader::{Channel, Item, Reader};
+use mcap_log::{Condition, LogsError, Watch};
+use sim_backend::map::ObstacleChange;
+
+use super::log_facts::LogFacts;
+use scenario::spec::{MAX_EVENTS, MAX_ROBOTS};
+
+/// Maximum number of notes on what cannot be read.
+const MAX_NOTES: usize = 50;
+/// Largest coordinate of a world (m); what lies beyond is not shown.
+const MAX_COORDINATE: f64 = 1e6;
+
+/// What a log is read for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Purpose {
+    /// A picture of a moment (ns): with the newest map, and an error if a message cannot be read.
+    Picture {
+        /// The moment; later messages only tell when the run ended.
+        until_ns: u64,
+    },
+    /// A page of the whole run: with the first map, and a note on what cannot be read.
+    Page,
+}
+
+/// The run, as far as the log has been read: what all consumers of its messages share.
+#[derive(Debug)]
+pub(crate) struct LoggedRun {
+    purpose: Purpose,
+    /// What the log holds besides messages.
+    pub(crate) facts: LogFacts,
+    /// The newest states of the robots.
+    pub(crate) states: Vec<RobotState>,
+    /// Their time (ns); `None` before the first.
+    pub(crate) now_ns: Option<u64>,
+    /// Simulated time between two ticks (ns); 0 before the first state.
+    pub(crate) tick_period_ns: u64,
+    /// Whether the newest state is that of the end of the game.
+    pub(crate) over: bool,
+    /// Time of the last state in the log (ns).
+    pub(crate) end_ns: u64,
+    /// Time of the last message in the log (ns).
+    pub(crate) last_ns: u64,
+    /// Changes of the obstacles, and when they were due (ns).
+    pub(crate) changes: Vec<(u64, ObstacleChange)>,
+    /// Messages by topic.
+    pub(crate) counts: BTreeMap<String, u64>,
+    /// What cannot be read.
+    pub(crate) notes: Vec<String>,
+    failure: Option<DecodeError>,
+    /// In what condition the log is.
+    pub(crate) condition: Condition,
+}
+
+impl LoggedRun {
+    /// Reads a log as far as it goes, and hands its messages to consumers.
+    ///
+    /// # Errors
+    /// [`LogsError`]: the log cannot be read, is not one of Protean, or its states, or for a picture
+    /// anything that is shown, are those of another version or damaged.
+    pub(crate) fn read(
+        log: &Path,
+        purpose: Purpose,
+        consumers: Vec<Box<dyn Consumer<Self> + '_>>,
+        watch: &mut Watch,
+    ) -> Result<Self, LogsError> {
+        let mut reader = Reader::open(log, Some(watch))?;
+        let mut run = Self {
+            purpose,
+            facts: LogFacts::default(),
+            states: Vec::new(),
+            now_ns: None,
+            tick_period_ns: 0,
+            over: false,
+            end_ns: 0,
+            last_ns: 0,
+            changes: Vec::new(),
+            counts: BTreeMap::new(),
+            notes: Vec::new(),
+            failure: None,
+            condition: reader.condition().clone(),
+        };
+        let mut consumers = Consumers::new(consumers);
+        let mut channels: BTreeMap<u16, (TopicId, u64)> = BTreeMap::new();
+        while let Some(item) = reader.next()? {
+            match item {
+                Item::Metadata(record) => run.facts.metadata(record),
+                Item::Attachment(header, data) => run.facts.attachment(log, &header, data)?,
+                Item::Channel(channel) => {
+                    run.check_layout(log, &channel, &consumers)?;
+                    if let Some(topic) = known::topic_of(&channel) {
+                        channels.entry(channel.id).or_insert((topic, 0));
+                    }
+                }
+                Item::Message(header, data) => {
+                    if let Some((topic, count)) = channels.get_mut(&header.channel_id) {
+                        *count += 1;
+                        run.message(*topic, &header, data, &mut consumers);
+                        run.check_failure(log)?;
+                    }
+                }
+                Item::Header { .. } | Item::Schema(..) => {}
+            }
+        }
+        reader.check_all()?;
+        run.condition = reader.condition().clone();
+        for (topic, count) in channels.into_values() {
+            *run.counts.entry(topic.name().to_owned()).or_insert(0) += count;
+        }
+        // What was announced for a time that the run did not reach.
+        let shown_ns = run.now_ns.filter(|now| *now > 0).unwrap_or(run.last_ns);
+        run.changes.retain(|(time_ns, _)| *time_ns <= shown_ns);
+        run.changes.sort_by_key(|(time_ns, _)| *time_ns);
+        Ok(run)
+    }
+
+    /// Header and elements of a message; `None`, with a note, if it is damaged.
+    pub(crate) fn decode<T: Topic>(
+        &mut self,
+        message: &LoggedMessage<'_>,
+    ) -> Option<(T::Header, Vec<T::Element>)> {
+        match message.decode::<T>() {
+            Ok(found) => found,
+            Err(error) => {
+                self.damaged(error);
+                None
+            }
+        }
+    }
+
+    fn damaged(&mut self, error: DecodeError) {
+        self.note(format!("a message is damaged and left out: {error}"));
+        self.failure.get_or_insert(error);
+    }
+
+    /// Notes what cannot be read.
+    pub(crate) fn note(&mut self, note: String) {
+        if self.notes.len() < MAX_NOTES && !self.notes.contains(&note) {
+            self.notes.push(note);
+        }
+    }
+
+    fn check_layout(
+        &mut self,
+        log: &Path,
+        channel: &Channel,
+        consumers: &Consumers<dyn Consumer<Self> + '_>,
+    ) -> Result<(), LogsError> {
+        let Some(topic) = TopicId::from_name(&channel.topic) else {
+            return Ok(());
+        };
+        let is_shown = matches!(
+            topic,
+            TopicId::WorldState | TopicId::WorldMap | TopicId::ObstacleEvents
+        );
+        if !is_shown && !consumers.take(topic) {
+            return Ok(());
+        }
+        match known::check_layout(log, channel, self.facts.version()) {
+            Err(_) if self.purpose == Purpose::Page && topic != TopicId::WorldState => {
+                self.note(format!(
+                    "{}: its messages are not those of this version and are left out",
+                    channel.topic
+                ));
+                Ok(())
+            }
+            result => result,
+        }
+    }
+
+    fn check_failure(&mut self, log: &Path) -> Result<(), LogsError> {
+        match self.failure.take() {
+            Some(error) if self.purpose != Purpose::Page => Err(LogsError::NotRepeatable {
+                path: log.to_owned(),
+                reason: format!("a message is damaged: {error}"),
+            }),
+            _ => Ok(()),
+        }
+    }
+
+    fn message(
+        &mut self,
+        topic: TopicId,
+        header: &MessageHeader,
+        data: &[u8],
+        consumers: &mut Consumers<dyn Consumer<Self> + '_>,
+    ) {
+        let time_ns = header.log_time;
+        self.last_ns = self.last_ns.max(time_ns);
+        if let Purpose::Picture { until_ns } = self.purpose
+            && time_ns > until_ns
+        {
+            if topic == TopicId::WorldState {
+                self.end_ns = self.end_ns.max(time_ns);
+            }
+            return;
+        }
+        let Some(message) = LoggedMessage::new(topic, time_ns, data) else {
+            self.damaged(DecodeError::Length {
+                topic: topic.name(),
+                elements: 0,
+                expected: known::ENCAPSULATION + topic.facts().header.size,
+                found: data.len(),
+            });
+            return;
+        };
+        match topic {
+            TopicId::WorldState => {
+                let Some((header, states)) = self.decode::<WorldState>(&message) else {
+                    return;
+                };
+                self.state(time_ns, &header, states);
+            }
+            TopicId::WorldMap => self.map(&message),
+            TopicId::ObstacleEvents => self.obstacle(&message),
+            _ => {}
+        }
+        consumers.message(&message, self);
+    }
+
+    fn state(&mut self, time_ns: u64, header: &WorldHeader, mut states: Vec<RobotState>) {
+        states.retain(|s| {
+            (s.robot as usize) < MAX_ROBOTS && is_near([s.x, s.y]) && s.theta.is_finite()
+        });
+        self.states = states;
+        self.now_ns = Some(time_ns);
+        self.end_ns = self.end_ns.max(time_ns);
+        self.tick_period_ns = header.tick_period_ns;
+        self.over = header.phase == WorldHeader::OVER;
+    }
+
+    fn map(&mut self, message: &LoggedMessage<'_>) {
+        let is_wanted = self.purpose != Purpose::Page || !self.facts.has_map();
+        if is_wanted && let Some((header, cells)) = self.decode::<WorldMap>(message) {
+            self.facts.map(&header, &cells);
+        }
+    }
+
+    fn obstacle(&mut self, message: &LoggedMessage<'_>) {
+        let Some((header, events)) = self.decode::<ObstacleEvents>(message) else {
+            return;
+        };
+        // A message that makes no change was refused by the world as well.
+        let changes = events
+            .iter()
+            .filter_map(|event| runtime::obstacle::from_message(event).ok());
+        for change in changes {
+            if self.changes.len() < MAX_EVENTS {
+                self.changes.push((header.stamp.time_ns, change));
+            }
+        }
+    }
+}
+
+/// Whether a place may be one of a world of ours (m).
+pub(crate) fn is_near(place: [f64; 2]) -> bool {
+    place.iter().all(|c| c.abs() <= MAX_COORDINATE)
+}

@@ -1,0 +1,73 @@
+//! What a log says about its run besides the messages.
+
+use config::{Node, Origin};
+use serde::Deserialize;
+use serde_json::Value as Json;
+use sim_backend::map::MapSpec;
+use sim_backend::spec::{RobotSpec, RulesSpec};
+
+use mission::eyes::eyes;
+use recorder::EyeInfo;
+use scenario::kind::{Kind, find};
+
+/// The parts of the scenario in a log that a picture needs; the rest is passed over, so that a
+/// picture does not depend on it.
+#[derive(Debug, Deserialize)]
+pub(crate) struct LoggedScenario {
+    #[serde(default)]
+    pub(crate) title: String,
+    #[serde(default)]
+    pub(crate) description: String,
+    pub(crate) world: LoggedWorld,
+    #[serde(default)]
+    pub(crate) rules: RulesSpec,
+    pub(crate) robots: Vec<RobotSpec>,
+    /// As they are written: what cannot be understood of them is not drawn.
+    #[serde(default)]
+    processes: Vec<Json>,
+}
+
+/// `[world]` of it.
+#[derive(Debug, Deserialize)]
+pub(crate) struct LoggedWorld {
+    pub(crate) map: MapSpec,
+}
+
+impl LoggedScenario {
+    /// Reads the attachment and checks what will be drawn.
+    pub(crate) fn parse(bytes: &[u8]) -> Result<Self, String> {
+        let text = str::from_utf8(bytes).map_err(|e| e.to_string())?;
+        let scenario: Self = toml::from_str(text).map_err(|e| e.to_string())?;
+        if let MapSpec::Vector(map) = &scenario.world.map {
+            map.validate().map_err(|e| e.to_string())?;
+        }
+        scenario.rules.validate().map_err(|e| e.to_string())?;
+        for robot in &scenario.robots {
+            robot
+                .validate()
+                .map_err(|e| format!("{}: {e}", robot.name))?;
+        }
+        Ok(scenario)
+    }
+
+    /// Who looks, as far as it can be understood.
+    pub(crate) fn eyes(&self, kinds: &[Kind]) -> Vec<EyeInfo> {
+        let index = |name: &Json| {
+            self.robots
+                .iter()
+                .position(|r| Some(&*r.name) == name.as_str())
+        };
+        let lookouts = self.processes.iter().filter_map(|process| {
+            let name = process.get("name")?.as_str()?;
+            let kind = find(kinds, process.get("kind")?.as_str()?)?;
+            let given = process.get("robots").and_then(Json::as_array);
+            let given: Vec<usize> = given.into_iter().flatten().filter_map(index).collect();
+            let params = process.get("params").and_then(Node::from_json);
+            // Parameters that cannot be read, of another version say, have the defaults.
+            let read = params.and_then(|params| kind.read(&params).ok());
+            let read = read.or_else(|| kind.read(&Node::empty_table(Origin::Implied)).ok());
+            Some((name, read?.lookout(&given, &self.robots)?))
+        });
+        eyes(&self.robots, lookouts)
+    }
+}

@@ -1,0 +1,277 @@
+//! Reads what a picture shows from a log.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use ipc_types::consumer::{Consumer, LoggedMessage};
+use ipc_types::messages::perception::{BeliefHeader, Particle};
+use ipc_types::messages::world::{RobotState, WorldEvent};
+use ipc_types::topics::{Belief, Dominance, Plan, TopicId, Tree, WorldEvents};
+use mcap_log::{Condition, LogsError, Watch};
+use sim_backend::pose::Pose2;
+
+use super::layers::Layers;
+use super::log_run::{LoggedRun, Purpose, is_near};
+use super::trace::{BeliefTrace, Mark, MarkKind, RobotTrace, RunTrace};
+use super::trail::{Trail, TrailPoint};
+use scenario::spec::MAX_ROBOTS;
+
+/// Maximum number of events that are marked.
+const MOST_MARKS: usize = 64;
+/// Maximum number of particles that are kept of a belief.
+const MOST_PARTICLES: usize = 1000;
+
+impl RunTrace {
+    /// Reads what a picture of the run at simulated time `at` (s) needs, or of its end if `at` is `None`.
+    ///
+    /// The log is read as far as it goes, in memory that does not grow with its length.
+    ///
+    /// # Errors
+    /// [`LogsError`]: the file is missing, not a log of Protean or of another version, or does not
+    /// reach to `at`.
+    pub fn read(
+        log: &Path,
+        at: Option<f64>,
+        watch: &mut Watch,
+    ) -> Result<(Self, Condition), LogsError> {
+        // A tick's time is rounded to a nanosecond: half a microsecond more reaches it.
+        let until_ns = at.map_or(u64::MAX, |at| (at * 1e9 + 500.0) as u64);
+        let (mut trails, mut marks) = (Trails::default(), Marks::default());
+        let mut moment = Moment {
+            is_shown: at.is_some(),
+            ..Moment::default()
+        };
+        let run = LoggedRun::read(
+            log,
+            Purpose::Picture { until_ns },
+            vec![
+                Box::new(&mut trails),
+                Box::new(&mut marks),
+                Box::new(&mut moment),
+            ],
+            watch,
+        )?;
+        finish(log, at, run, trails, marks, moment)
+    }
+}
+
+/// Where the robots were.
+#[derive(Default)]
+struct Trails(Vec<Seen>);
+
+/// What happened at a place.
+#[derive(Default)]
+struct Marks(Vec<Mark>);
+
+/// What was believed, planned and judged at a moment.
+#[derive(Default)]
+struct Moment {
+    /// Only a picture of a moment shows it, not that of the end.
+    is_shown: bool,
+    /// With their times (ns).
+    beliefs: BTreeMap<usize, (u64, BeliefTrace)>,
+    layers: Layers,
+}
+
+/// What is known of a robot.
+#[derive(Debug, Clone, Default)]
+struct Seen {
+    trail: Trail,
+    pose: Pose2,
+    active: bool,
+    present: bool,
+}
+
+impl Consumer<LoggedRun> for Trails {
+    fn topics(&self) -> &[TopicId] {
+        &[TopicId::WorldState]
+    }
+
+    fn message(&mut self, message: &LoggedMessage<'_>, run: &mut LoggedRun) {
+        for state in &run.states {
+            self.state(message.time_s(), state);
+        }
+    }
+}
+
+impl Trails {
+    fn state(&mut self, time_s: f64, state: &RobotState) {
+        let robot = state.robot as usize;
+        if robot >= self.0.len() {
+            self.0.resize_with(robot + 1, Seen::default);
+        }
+        let Some(seen) = self.0.get_mut(robot) else {
+            return;
+        };
+        seen.present = true;
+        seen.active = state.status == 0;
+        seen.pose = Pose2::new(state.x, state.y, state.theta);
+        seen.trail.push(TrailPoint {
+            x: state.x,
+            y: state.y,
+            time_s,
+        });
+    }
+}
+
+impl Consumer<LoggedRun> for Marks {
+    fn topics(&self) -> &[TopicId] {
+        &[TopicId::WorldEvents]
+    }
+
+    fn message(&mut self, message: &LoggedMessage<'_>, run: &mut LoggedRun) {
+        if let Some((_, events)) = run.decode::<WorldEvents>(message) {
+            for event in &events {
+                self.event(message.time_s(), event);
+            }
+        }
+    }
+}
+
+impl Marks {
+    fn event(&mut self, time_s: f64, event: &WorldEvent) {
+        let kind = match WorldEvent::name_of(event.kind) {
+            "captured" => MarkKind::Captured,
+            "escaped" => MarkKind::Escaped,
+            "goal_reached" => MarkKind::GoalReached,
+            _ => return,
+        };
+        if self.0.len() < MOST_MARKS && is_near([event.x, event.y]) {
+            self.0.push(Mark {
+                kind,
+                robot: event.robot as usize,
+                at: [event.x, event.y],
+                time_s,
+            });
+        }
+    }
+}
+
+impl Consumer<LoggedRun> for Moment {
+    fn topics(&self) -> &[TopicId] {
+        if self.is_shown {
+            &[
+                TopicId::Belief,
+                TopicId::Plan,
+                TopicId::Tree,
+                TopicId::Dominance,
+            ]
+        } else {
+            &[]
+        }
+    }
+
+    fn message(&mut self, message: &LoggedMessage<'_>, run: &mut LoggedRun) {
+        if let Some((header, particles)) = run.decode::<Belief>(message) {
+            self.belief(message.time_ns, &header, &particles);
+        }
+        if let Some((header, points)) = run.decode::<Plan>(message)
+            && (header.robot as usize) < MAX_ROBOTS
+        {
+            self.layers.plan(header.robot as usize, &points);
+        }
+        if let Some((header, edges)) = run.decode::<Tree>(message)
+            && (header.robot as usize) < MAX_ROBOTS
+        {
+            self.layers.tree(header.robot as usize, &edges);
+        }
+        if let Some((header, cells)) = run.decode::<Dominance>(message) {
+            self.layers.dominance(&header, &cells);
+        }
+    }
+}
+
+impl Moment {
+    fn belief(&mut self, time_ns: u64, header: &BeliefHeader, particles: &[Particle]) {
+        let robot = header.robot as usize;
+        if robot >= MAX_ROBOTS || !is_near([header.mean_x, header.mean_y]) {
+            return;
+        }
+        let step = particles.len().div_ceil(MOST_PARTICLES).max(1);
+        let belief = BeliefTrace {
+            robot,
+            mean: [header.mean_x, header.mean_y],
+            particles: particles
+                .iter()
+                .step_by(step)
+                .map(|p| [p.x, p.y])
+                .filter(|p| is_near(p.map(f64::from)))
+                .collect(),
+        };
+        self.beliefs.insert(robot, (time_ns, belief));
+    }
+}
+
+fn finish(
+    log: &Path,
+    at: Option<f64>,
+    mut run: LoggedRun,
+    trails: Trails,
+    marks: Marks,
+    moment: Moment,
+) -> Result<(RunTrace, Condition), LogsError> {
+    let scenario = run.facts.take_scenario(log)?;
+    let end_s = seconds(run.end_ns);
+    if let Some(at) = at
+        && !(0.0..=end_s + 1e-6).contains(&at)
+    {
+        return Err(LogsError::Argument(format!(
+            "--at {at}: expected a time from 0 to the end of the run, {end_s} s"
+        )));
+    }
+    let now_ns = run.now_ns.ok_or_else(|| LogsError::Foreign {
+        path: log.to_owned(),
+        missing: "message of world/state",
+    })?;
+    let mut ground = run.facts.take_ground(&scenario);
+    let changes = run.changes.into_iter();
+    changes.for_each(|(_, change)| ground.apply(change));
+
+    let robots: Vec<RobotTrace> = scenario
+        .robots
+        .into_iter()
+        .zip(
+            trails
+                .0
+                .into_iter()
+                .chain(std::iter::repeat_with(Seen::default)),
+        )
+        .map(|(spec, seen)| RobotTrace {
+            radius: spec.model().radius,
+            name: spec.name,
+            team: spec.team,
+            pose: if seen.present { seen.pose } else { spec.start },
+            active: seen.active || !seen.present,
+            trail: seen.trail,
+        })
+        .collect();
+    let plays = |robot: usize| robots.get(robot).is_some_and(|r| r.active);
+    let (plans, trees, dominance) = moment.layers.finish(plays);
+    let entry = |key| run.facts.manifest.get(key).cloned().unwrap_or_default();
+    let trace = RunTrace {
+        title: scenario.title,
+        description: scenario.description,
+        scenario: entry("scenario"),
+        seed: entry("seed"),
+        time_s: at.unwrap_or_else(|| seconds(now_ns)),
+        end_s,
+        ground,
+        robots,
+        // Of a robot that is out of the game the last belief is an old one.
+        beliefs: moment
+            .beliefs
+            .into_values()
+            .filter(|(time, _)| time + 2 * run.tick_period_ns >= now_ns)
+            .map(|(_, belief)| belief)
+            .collect(),
+        plans,
+        trees,
+        dominance,
+        marks: marks.0,
+    };
+    Ok((trace, run.condition))
+}
+
+fn seconds(ns: u64) -> f64 {
+    ns as f64 / 1e9
+}

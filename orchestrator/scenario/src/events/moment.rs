@@ -1,0 +1,272 @@
+//! When an event happens: at a time, or when a robot has come so far.
+
+use config::{Code, FieldPath, Node, list_choices, nearest};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sim_backend::map::MapSpec;
+use sim_backend::math;
+use sim_backend::spec::Condition;
+
+use crate::context::Context;
+use crate::robots::Robot;
+
+/// Latest time and longest delay (s).
+const MAX_TIME_S: f64 = 1e9;
+
+/// When an event happens.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Moment {
+    /// At a time.
+    At {
+        /// Simulated time (s), ≥ 0.
+        time_s: f64,
+    },
+    /// When something has become true of a robot.
+    When {
+        /// Of which robot, and what.
+        when: Trigger,
+        /// Simulated time between that and the event (s), ≥ 0.
+        #[serde(default)]
+        after_s: f64,
+    },
+}
+
+/// What an event waits for.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Trigger {
+    /// Name of the robot.
+    pub robot: String,
+    /// Its index among the robots.
+    #[serde(skip)]
+    pub index: usize,
+    /// What must become true of it.
+    #[serde(flatten)]
+    pub condition: Condition,
+}
+
+/// `when = { … }` as written.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct WhenBlock {
+    robot: String,
+    #[serde(default)]
+    travelled: Option<f64>,
+    #[serde(default)]
+    progress: Option<f64>,
+    #[serde(default)]
+    within: Option<f64>,
+    #[serde(default)]
+    of: Option<[f64; 2]>,
+}
+
+/// The moment that an event's keys name; everything wrong is reported.
+pub(super) fn resolve(
+    ctx: &mut Context<'_>,
+    node: &Node,
+    path: &FieldPath,
+    (time_s, when, after_s): (Option<f64>, Option<WhenBlock>, Option<f64>),
+    map: Option<&MapSpec>,
+    robots: Option<&[Robot]>,
+) -> Option<Moment> {
+    let mut say = Say { ctx, node, path };
+    match (time_s, when) {
+        (Some(time_s), None) => {
+            if after_s.is_some() {
+                let message = "`after_s` delays an event with `when`, not one with `time_s`";
+                return say.no("after_s", Code::Requirement, message, "a later `time_s`");
+            }
+            say.duration("time_s", time_s, "a simulated time")?;
+            Some(Moment::At { time_s })
+        }
+        (None, Some(block)) => {
+            let after_s = after_s.unwrap_or(0.0);
+            let delay = say.duration("after_s", after_s, "a delay");
+            let condition = block.condition(&mut say);
+            let index = say.robot(&block.robot, robots);
+            let condition = condition?;
+            let robot = robots?.get(index?)?;
+            say.possible(&condition, robot, map)?;
+            delay?;
+            let when = Trigger {
+                robot: block.robot,
+                index: index?,
+                condition,
+            };
+            Some(Moment::When { when, after_s })
+        }
+        (Some(_), Some(_)) => {
+            let message = "an event with both `time_s` and `when`";
+            say.no("when", Code::Requirement, message, "one of them")
+        }
+        (None, None) => {
+            let message = "neither `time_s` nor `when` says when the event happens";
+            let expected = "time_s = 10.0 [s], or when = { robot = \"…\", travelled = 1.5 } [m]";
+            say.no("time_s", Code::MissingKey, message, expected)
+        }
+    }
+}
+
+impl WhenBlock {
+    /// The one condition that is written.
+    fn condition(&self, say: &mut Say<'_, '_>) -> Option<Condition> {
+        const ONE: &str =
+            "`travelled` [m], `progress` (0 to 1), or `within` [m] together with `of`";
+        let Self {
+            travelled,
+            progress,
+            within,
+            of,
+            ..
+        } = *self;
+        let written = [
+            ("travelled", travelled.is_some()),
+            ("progress", progress.is_some()),
+            ("within", within.is_some()),
+        ];
+        let mut written = written.iter().filter(|w| w.1).map(|w| w.0);
+        let (first, second) = (written.next(), written.next());
+        if let (Some(first), Some(second)) = (first, second) {
+            let message = format!("`when` has two conditions, `{first}` and `{second}`");
+            let field = format!("when.{second}");
+            let expected = format!("one of {ONE}");
+            return say.no(&field, Code::Requirement, &message, &expected);
+        }
+        if of.is_some() && within.is_none() {
+            let expected = "within = 0.8 [m] beside it";
+            let message = "`of` is the point that a robot comes `within` a distance of";
+            return say.no("when.of", Code::Requirement, message, expected);
+        }
+        let condition = if let Some(travelled) = travelled {
+            Condition::Travelled { travelled }
+        } else if let Some(progress) = progress {
+            Condition::Progress { progress }
+        } else if let Some(within) = within {
+            let Some(of) = of else {
+                let message = "missing key `of`";
+                let expected = "of = [x, y], the point that the robot comes near [m]";
+                return say.no("when.of", Code::MissingKey, message, expected);
+            };
+            Condition::Within { within, of }
+        } else {
+            return say.no("when", Code::MissingKey, "`when` has no condition", ONE);
+        };
+        match condition.validate() {
+            Ok(()) => Some(condition),
+            Err(e) => {
+                say.ctx.refuse(say.node, say.path, e.within("when"));
+                None
+            }
+        }
+    }
+}
+
+/// Where to say what is wrong with one event.
+struct Say<'a, 'c> {
+    ctx: &'a mut Context<'c>,
+    node: &'a Node,
+    path: &'a FieldPath,
+}
+
+impl Say<'_, '_> {
+    /// Reports a problem; there is no result then.
+    fn no<T>(&mut self, field: &str, code: Code, message: &str, expected: &str) -> Option<T> {
+        let problem = self
+            .ctx
+            .problem(self.node, self.path, field, code, message)
+            .expected(expected);
+        self.ctx.problems.push(problem);
+        None
+    }
+
+    /// Checks a time (s).
+    fn duration(&mut self, field: &str, value: f64, what: &str) -> Option<()> {
+        if (0.0..=MAX_TIME_S).contains(&value) {
+            return Some(());
+        }
+        let message = format!("`{field}` is out of range");
+        let expected = format!("{what} from 0 to 1e9 [s]");
+        self.no(field, Code::OutOfRange, &message, &expected)
+    }
+
+    /// The index of a robot; nothing is reported of robots that are wrong themselves.
+    fn robot(&mut self, name: &str, robots: Option<&[Robot]>) -> Option<usize> {
+        let robots = robots?;
+        let found = robots.iter().position(|r| r.spec.name == name);
+        if found.is_none() {
+            let names: Vec<&str> = robots.iter().map(|r| r.spec.name.as_str()).collect();
+            let message = format!("no robot is called `{name}`");
+            let mut problem = self
+                .ctx
+                .problem(
+                    self.node,
+                    self.path,
+                    "when.robot",
+                    Code::UnknownName,
+                    message,
+                )
+                .expected(list_choices(&names));
+            problem.help =
+                nearest(name, names.iter().copied()).map(|near| format!("did you mean `{near}`?"));
+            self.ctx.problems.push(problem);
+        }
+        found
+    }
+
+    /// Checks that the condition can become true of the robot at all.
+    fn possible(
+        &mut self,
+        condition: &Condition,
+        robot: &Robot,
+        map: Option<&MapSpec>,
+    ) -> Option<()> {
+        let name = &robot.spec.name;
+        match *condition {
+            Condition::Travelled { .. } => Some(()),
+            Condition::Progress { .. } => {
+                let Some(goal) = &robot.spec.goal else {
+                    let message = format!("robot `{name}` has no goal to make progress to");
+                    let expected = "a robot with a `goal`, or `travelled` or `within` instead";
+                    return self.no("when.progress", Code::Requirement, &message, expected);
+                };
+                if goal.center() == robot.spec.start.position() {
+                    let message = format!("robot `{name}` starts at the centre of its goal");
+                    let expected = "a robot with some way to go";
+                    return self.no("when.progress", Code::Geometry, &message, expected);
+                }
+                Some(())
+            }
+            Condition::Within { within, of } => match map.and_then(bounds) {
+                Some([min, max]) => {
+                    let outside = |i: usize| (min[i] - of[i]).max(of[i] - max[i]).max(0.0);
+                    let far = math::hypot(outside(0), outside(1));
+                    if far <= within {
+                        return Some(());
+                    }
+                    let message = format!(
+                        "no place of the map is within {within} m of {of:?}: it ends {far:.3} m from there"
+                    );
+                    let expected = format!(
+                        "a point in or near x = {} to {}, y = {} to {} [m]",
+                        min[0], max[0], min[1], max[1]
+                    );
+                    self.no("when.of", Code::Geometry, &message, &expected)
+                }
+                None => Some(()),
+            },
+        }
+    }
+}
+
+/// Smallest and largest x and y of a map (m), if it is written out.
+fn bounds(map: &MapSpec) -> Option<[[f64; 2]; 2]> {
+    match map {
+        MapSpec::Vector(map) => Some([map.bounds.min, map.bounds.max]),
+        MapSpec::Cells(map) => {
+            let [x, y] = map.origin;
+            let side = |cells: usize| cells as f64 * map.resolution;
+            Some([[x, y], [x + side(map.width), y + side(map.height)]])
+        }
+        MapSpec::File { .. } => None,
+    }
+}

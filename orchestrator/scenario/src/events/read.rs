@@ -1,0 +1,108 @@
+//! One `[[events]]` block by itself.
+
+use config::{Code, FieldPath, Node};
+use schemars::JsonSchema;
+use serde::Deserialize;
+use sim_backend::map::MapSpec;
+use sim_backend::shape::Shape;
+
+use super::moment::{self, WhenBlock};
+use super::{Action, EventSpec, MAX_EVENT_VERTICES};
+use crate::context::Context;
+use crate::robots::Robot;
+use crate::world::shape_problem;
+
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct EventBlock {
+    #[serde(default)]
+    time_s: Option<f64>,
+    #[serde(default)]
+    when: Option<WhenBlock>,
+    #[serde(default)]
+    after_s: Option<f64>,
+    action: Action,
+    obstacle: String,
+    #[serde(default)]
+    shape: Option<Shape>,
+}
+
+/// Reads one event; everything wrong with it is reported.
+pub(super) fn event(
+    ctx: &mut Context<'_>,
+    node: &Node,
+    path: &FieldPath,
+    map: Option<&MapSpec>,
+    robots: Option<&[Robot]>,
+) -> Option<EventSpec> {
+    let EventBlock {
+        time_s,
+        when,
+        after_s,
+        action,
+        obstacle,
+        shape,
+    } = ctx.read(node, path)?;
+    let moment = moment::resolve(ctx, node, path, (time_s, when, after_s), map, robots);
+    let mut fine = true;
+    let mut complain = |ctx: &mut Context<'_>, field: &str, code, message: &str, expected: &str| {
+        let problem = ctx
+            .problem(node, path, field, code, message)
+            .expected(expected);
+        ctx.problems.push(problem);
+        fine = false;
+    };
+    if obstacle.is_empty() {
+        complain(
+            ctx,
+            "obstacle",
+            Code::OutOfRange,
+            "the obstacle has no name",
+            "a name",
+        );
+    }
+    match (action, &shape) {
+        (Action::Disappear, Some(_)) => {
+            let message = "an obstacle that disappears has no shape";
+            complain(ctx, "shape", Code::Requirement, message, "no `shape`");
+        }
+        (Action::Appear | Action::Move, None) => {
+            let expected =
+                "shape = { circle = { … } }, { rectangle = { … } } or { polygon = { … } }";
+            complain(
+                ctx,
+                "shape",
+                Code::MissingKey,
+                "missing key `shape`",
+                expected,
+            );
+        }
+        (_, Some(Shape::Polygon { vertices })) if vertices.len() > MAX_EVENT_VERTICES => {
+            let expected = format!("at most {MAX_EVENT_VERTICES} vertices");
+            let message = "too many vertices for an obstacle of an event";
+            complain(
+                ctx,
+                "shape.polygon.vertices",
+                Code::Limit,
+                message,
+                &expected,
+            );
+        }
+        _ => {}
+    }
+    if let Some(Err(e)) = shape.as_ref().map(Shape::parts) {
+        let mut found = shape_problem(e);
+        found.field = format!("shape.{}", found.field);
+        ctx.refuse(node, path, found);
+        fine = false;
+    }
+    let moment = moment.filter(|_| fine)?;
+    Some(EventSpec {
+        moment,
+        action,
+        obstacle,
+        id: 0,
+        in_turn: false,
+        shape,
+    })
+}

@@ -1,0 +1,90 @@
+//! A scenario without its seed.
+
+use std::sync::Arc;
+
+use config::{Code, Diagnostic, Diagnostics};
+use sim_backend::map::{MapSpec, WorldMap};
+
+use super::jitter::{self, MAX_DRAWS, Placement};
+use super::resolved::ResolvedScenario;
+
+/// Everything that the runs of a scenario with different seeds have in common. To give it a seed
+/// costs far less than to resolve the scenario again, and comes to the same.
+#[derive(Debug, Clone)]
+pub struct Template {
+    scenario: ResolvedScenario,
+    placements: Vec<Placement>,
+    /// The map, if starts are drawn on it.
+    ground: Option<Arc<WorldMap>>,
+}
+
+/// Maps that templates share.
+#[derive(Debug, Default)]
+pub struct Grounds(Vec<(MapSpec, Arc<WorldMap>)>);
+
+impl Grounds {
+    /// The map, made once.
+    fn of(&mut self, spec: &MapSpec) -> Result<Arc<WorldMap>, sim_backend::map::MapError> {
+        if let Some((_, ground)) = self.0.iter().find(|(known, _)| known == spec) {
+            return Ok(Arc::clone(ground));
+        }
+        let ground = Arc::new(WorldMap::new(spec)?);
+        self.0.push((spec.clone(), Arc::clone(&ground)));
+        Ok(ground)
+    }
+}
+
+impl Template {
+    pub(super) fn new(
+        scenario: ResolvedScenario,
+        placements: Vec<Placement>,
+        grounds: &mut Grounds,
+    ) -> Result<Self, Diagnostics> {
+        let drawn = placements.iter().any(|p| p.jitter.is_some());
+        let ground = drawn.then(|| grounds.of(&scenario.world.map)).transpose();
+        Ok(Self {
+            ground: ground.map_err(|e| Diagnostic::new(Code::Geometry, e.to_string()))?,
+            scenario,
+            placements,
+        })
+    }
+
+    /// The scenario with seed 0.
+    pub fn scenario(&self) -> &ResolvedScenario {
+        &self.scenario
+    }
+
+    /// The scenario with a seed below 2^63.
+    ///
+    /// # Errors
+    /// A robot found no room among the starts that were drawn.
+    pub fn with_seed(&self, seed: u64) -> Result<ResolvedScenario, Diagnostics> {
+        let mut scenario = self.scenario.clone();
+        scenario.run.seed = seed;
+        scenario.world.seed = seed;
+        let Some(ground) = &self.ground else {
+            return Ok(scenario);
+        };
+        let starts = jitter::place(&self.placements, seed, |at, radius| {
+            ground.is_clear(at, radius)
+        });
+        let starts = starts.map_err(|index| {
+            let name = scenario
+                .world
+                .robots
+                .get(index)
+                .map_or("", |r| r.name.as_str());
+            Diagnostic::new(
+                Code::Geometry,
+                format!("robot `{name}` stood free in none of {MAX_DRAWS} drawn starts"),
+            )
+            .field(format!("robots.{name}.start_jitter"))
+            .value(format!("seed {seed}"))
+            .expected("room around the start, or less jitter")
+        })?;
+        for (robot, start) in scenario.world.robots.iter_mut().zip(starts) {
+            robot.start = start;
+        }
+        Ok(scenario)
+    }
+}

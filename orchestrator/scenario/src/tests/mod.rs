@@ -1,0 +1,208 @@
+//! Tests of the scenario system as a whole.
+
+mod event_messages;
+mod messages;
+mod messages_of_parts;
+mod properties;
+mod resolve;
+
+use ipc_types::bus::Bus;
+use parameters::{Parameters, ParamsError};
+use runtime::kind::{Need, Product};
+use runtime::{Process, ProcessConfig, ProcessError, ProcessKind};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::files::Base;
+use super::kind::Kind;
+use super::{Loader, ResolvedScenario};
+
+/// Parameters of the kinds below.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+struct Params {
+    knowledge: Knowledge,
+    particles: usize,
+    gain: f64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+enum Knowledge {
+    Belief,
+    Exact,
+}
+
+impl Default for Params {
+    fn default() -> Self {
+        Self {
+            knowledge: Knowledge::Belief,
+            particles: 100,
+            gain: 0.5,
+        }
+    }
+}
+
+impl Parameters for Params {
+    fn check_relations(&self) -> Result<(), ParamsError> {
+        if self.gain >= 0.0 {
+            return Ok(());
+        }
+        Err(ParamsError::new("gain", &self.gain, "a number ≥ 0"))
+    }
+}
+
+/// Kinds like the real ones, but with parameters of our own. They cannot run.
+macro_rules! kinds {
+    ($($type:ident $name:literal { $($of_it:tt)* })+) => {
+        $(
+            struct $type;
+
+            impl Process for $type {
+                fn connect(&mut self) -> Result<(), ProcessError> {
+                    Ok(())
+                }
+
+                fn step(&mut self, _: u64) -> Result<(), ProcessError> {
+                    Ok(())
+                }
+            }
+
+            impl ProcessKind for $type {
+                const NAME: &'static str = $name;
+                const SUMMARY: &'static str = "";
+                type Params = Params;
+
+                fn open(_: &ProcessConfig, _: &Params, _: &Bus) -> Result<Self, ProcessError> {
+                    Ok(Self)
+                }
+
+                $($of_it)*
+            }
+        )+
+
+        static KINDS: &[Kind] = &[$(Kind::of::<$type>()),+];
+    };
+}
+
+kinds! {
+    Perception "perception" {
+        const MAKES: &'static [Product] = &[Product::Beliefs];
+    }
+    Pursuer "pursuer" {
+        const DRIVES_ROBOTS: bool = true;
+
+        fn needs(params: &Params) -> Vec<Need> {
+            let needs = params.knowledge == Knowledge::Belief;
+            needs.then_some(Need::Belief).into_iter().collect()
+        }
+
+        fn presets() -> Vec<(&'static str, Params)> {
+            let paper = Params {
+                knowledge: Knowledge::Exact,
+                gain: 7.0,
+                ..Params::default()
+            };
+            vec![("paper", paper)]
+        }
+    }
+    Braitenberg "evader_braitenberg" {
+        const DRIVES_ROBOTS: bool = true;
+
+        fn needs(_: &Params) -> Vec<Need> {
+            vec![Need::Scan]
+        }
+    }
+    Potential "evader_potential" {
+        const DRIVES_ROBOTS: bool = true;
+    }
+    Optimiser "optimiser" {
+        const MAKES: &'static [Product] = &[Product::Plans];
+    }
+    Navigator "navigator" {
+        const DRIVES_ROBOTS: bool = true;
+
+        fn needs(_: &Params) -> Vec<Need> {
+            vec![Need::Plans]
+        }
+    }
+}
+
+/// A small scenario in which nothing is wrong.
+const GOOD: &str = r#"title = "Small"
+[run]
+seed = 5
+[rules]
+time_limit = 30.0
+capture = { radius = 0.3 }
+exits = [{ circle = { center = [3.0, 0.0], radius = 0.3 } }]
+[world.map.vector]
+bounds = { min = [-4.0, -2.0], max = [4.0, 2.0] }
+[[world.map.vector.obstacles]]
+name = "wall"
+shape = { rectangle = { center = [0.0, 0.5], half_extents = [0.2, 1.0] } }
+[defaults.robot]
+limits = { v_max = 0.2 }
+[teams.police]
+limits = { omega_max = 1.5 }
+[[robots]]
+name = "cop"
+team = "police"
+start = { x = -3.0, y = 0.0, theta = 0.0 }
+[[robots]]
+name = "thief"
+team = "evader"
+start = { x = 2.0, y = 0.0, theta = 0.0 }
+start_jitter = { x = 0.1, y = 0.1, theta = 0.2 }
+[[processes]]
+kind = "pursuer"
+robots = ["cop"]
+[[processes]]
+kind = "evader_potential"
+team = "evader"
+[[processes]]
+kind = "perception"
+params = { particles = 200 }
+[[events]]
+time_s = 5.0
+action = "disappear"
+obstacle = "wall"
+[[events]]
+time_s = 2.5
+action = "appear"
+obstacle = "block"
+shape = { circle = { center = [1.0, -1.0], radius = 0.2 } }
+"#;
+
+fn load_with(text: &str, overrides: &[&str]) -> Result<ResolvedScenario, String> {
+    let overrides: Vec<String> = overrides.iter().map(ToString::to_string).collect();
+    Loader::new(KINDS)
+        .load_text("small.toml", text, &Base::Nothing, &overrides, None)
+        .map_err(|e| e.to_string())
+}
+
+fn load(text: &str) -> Result<ResolvedScenario, String> {
+    load_with(text, &[])
+}
+
+/// The small scenario with one part replaced (which must be there).
+fn changed(from: &str, to: &str) -> String {
+    assert!(GOOD.contains(from), "{from:?} is not in the scenario");
+    GOOD.replacen(from, to, 1)
+}
+
+/// What loading the changed scenario says, which must contain every one of `wants`.
+#[track_caller]
+fn refused(from: &str, to: &str, wants: &[&str]) {
+    contains(
+        &load(&changed(from, to)).expect_err("must be refused"),
+        wants,
+    );
+}
+
+#[track_caller]
+fn contains(text: &str, wants: &[&str]) {
+    for want in wants {
+        assert!(text.contains(want), "missing {want:?} in:\n{text}");
+    }
+}

@@ -1,0 +1,367 @@
+//! What a scenario becomes.
+
+use sim_backend::map::{MapSpec, ObstacleChange, ObstacleId};
+use sim_backend::spec::Condition;
+
+use super::*;
+use crate::Moment;
+use crate::events::{EventSpec, Trigger};
+use crate::spec::Pin;
+
+#[test]
+fn robots_inherit_from_team_and_defaults_and_keep_their_own() {
+    let text = changed(
+        "name = \"cop\"",
+        "name = \"cop\"\nlimits.v_reverse_max = 0.1\nradius = 0.2",
+    );
+    let s = load(&text).unwrap();
+    let cop = s.world.robots[0].model();
+    assert_eq!(
+        (cop.v_max, cop.omega_max, cop.v_reverse_max, cop.radius),
+        (0.2, 1.5, 0.1, 0.2)
+    );
+    let thief = s.world.robots[1].model();
+    assert_eq!(
+        (thief.v_max, thief.omega_max, thief.radius),
+        (0.2, 2.84, 0.105)
+    );
+}
+
+#[test]
+fn processes_are_expanded_named_and_ordered() {
+    let s = load(GOOD).unwrap();
+    let names: Vec<&str> = s.processes.iter().map(|p| p.name.as_str()).collect();
+    assert_eq!(names, ["perception", "pursuer", "evader_potential"]);
+    assert_eq!(s.processes[1].robots, [0]);
+    assert_eq!(s.processes[0].program.params()["particles"], 200);
+    assert_eq!(
+        s.processes[0].program.params()["gain"],
+        0.5,
+        "defaults are filled in"
+    );
+    assert!(!s.uses_external_commands());
+
+    let both = changed(
+        "kind = \"evader_potential\"\nteam = \"evader\"\n",
+        "kind = \"evader_potential\"\nrobots = []\n",
+    );
+    assert!(load(&both).is_err());
+    let two = changed(
+        "[[processes]]\nkind = \"pursuer\"\nrobots = [\"cop\"]\n[[processes]]\nkind = \"evader_potential\"\nteam = \"evader\"",
+        "[[processes]]\nname = \"own\"\ncommand = [\"./planner\", \"-v\"]\nrobots = [\"thief\", \"cop\"]\nparams = { any = [1, \"x\"] }",
+    );
+    let s = load(&two).unwrap();
+    let names: Vec<&str> = s.processes.iter().map(|p| p.name.as_str()).collect();
+    assert_eq!(names, ["perception", "own_cop", "own_thief"]);
+    assert_eq!(
+        s.processes[1].program.command_line().as_deref(),
+        Some("./planner -v")
+    );
+    assert_eq!(
+        s.processes[1].program.params(),
+        serde_json::json!({ "any": [1, "x"] })
+    );
+    assert!(s.uses_external_commands());
+    let s =
+        load(&two.replace("name = \"own\"", "name = \"own\"\ngrouping = \"together\"")).unwrap();
+    assert_eq!(
+        (
+            s.processes[1].name.as_str(),
+            s.processes[1].robots.as_slice()
+        ),
+        ("own", &[0, 1][..])
+    );
+}
+
+#[test]
+fn presets_of_parameters_are_filled_in_under_single_values() {
+    let text = changed(
+        "robots = [\"cop\"]",
+        "robots = [\"cop\"]\nparams = { preset = \"paper\", particles = 3 }",
+    );
+    let s = load(&text).unwrap();
+    assert_eq!(
+        s.processes[1].program.params(),
+        serde_json::json!({ "knowledge": "exact", "gain": 7.0, "particles": 3 })
+    );
+}
+
+#[test]
+fn events_are_sorted_and_numbered_after_the_maps_obstacles() {
+    let s = load(GOOD).unwrap();
+    let times: Vec<&Moment> = s.events.iter().map(|e| &e.moment).collect();
+    assert_eq!(
+        times,
+        [&Moment::At { time_s: 2.5 }, &Moment::At { time_s: 5.0 }]
+    );
+    assert!(matches!(
+        s.events[0].change(),
+        Some(ObstacleChange::Appear {
+            id: ObstacleId(1),
+            ..
+        })
+    ));
+    assert_eq!(
+        s.events[1].change(),
+        Some(ObstacleChange::Disappear { id: ObstacleId(0) })
+    );
+    let again = GOOD.to_owned()
+        + "[[events]]\ntime_s = 9\naction = \"appear\"\nobstacle = \"wall\"\nshape = { circle = { center = [0, 0], radius = 0.1 } }\n";
+    assert_eq!(
+        load(&again).unwrap().events[2].id,
+        0,
+        "it is the same wall that comes back"
+    );
+}
+
+/// Events of two obstacles that wait for robots, and one at a time that waits for its turn.
+const WAITING: &str = r#"
+[[events]]
+when = { robot = "thief", travelled = 1.5 }
+action = "appear"
+obstacle = "gate"
+shape = { circle = { center = [1.0, 1.0], radius = 0.2 } }
+[[events]]
+time_s = 20.0
+action = "move"
+obstacle = "gate"
+shape = { circle = { center = [1.5, 1.0], radius = 0.2 } }
+[[events]]
+when = { robot = "cop", within = 0.8, of = [1.0, -1.0] }
+after_s = 2.0
+action = "disappear"
+obstacle = "block"
+"#;
+
+#[test]
+fn events_that_wait_for_robots_come_last_in_the_order_of_the_file() {
+    let s = load(&format!("{GOOD}{WAITING}")).unwrap();
+    let told = |e: &EventSpec| (e.obstacle.clone(), e.id, e.in_turn);
+    let told: Vec<_> = s.events.iter().map(told).collect();
+    let expected = [
+        ("wall", 0, false),
+        // At a time, but who knows when it goes.
+        ("block", 1, true),
+        ("gate", 2, true),
+        ("gate", 2, true),
+        ("block", 1, true),
+    ]
+    .map(|(name, id, in_turn)| (name.to_owned(), id, in_turn));
+    assert_eq!(told, expected);
+    assert_eq!(
+        s.events[4].moment,
+        Moment::When {
+            when: Trigger {
+                robot: "cop".into(),
+                index: 0,
+                condition: Condition::Within {
+                    within: 0.8,
+                    of: [1.0, -1.0]
+                },
+            },
+            after_s: 2.0,
+        }
+    );
+    assert!(matches!(
+        &s.events[2].moment,
+        Moment::When { when, after_s: 0.0 } if when.index == 1
+    ));
+}
+
+#[test]
+fn the_start_is_drawn_from_the_seed() {
+    let start = |seed: &str| {
+        let s = load_with(GOOD, &[&format!("run.seed={seed}")]).unwrap();
+        assert_eq!(s.world.seed, s.run.seed);
+        (s.world.robots[0].start, s.world.robots[1].start)
+    };
+    assert_eq!(start("1"), start("1"));
+    assert_eq!(start("1").0, start("2").0);
+    assert_ne!(start("1").1, start("2").1);
+    let thief = start("3").1;
+    assert!((thief.x - 2.0).abs() <= 0.1 && thief.y.abs() <= 0.1 && thief.theta.abs() <= 0.2);
+}
+
+#[test]
+fn what_is_written_out_loads_to_the_same() {
+    let commands = changed(
+        "kind = \"evader_potential\"",
+        "command = [\"a b\", \"\\\"c\\\\\"]\nname = \"x\"",
+    );
+    let waiting = format!("{GOOD}{WAITING}").replace(
+        "name = \"thief\"",
+        "name = \"thief\"\ngoal = { circle = { center = [-3.0, 1.0], radius = 0.2 } }",
+    );
+    let waiting = waiting.replace("travelled = 1.5", "progress = 0.36");
+    for text in [GOOD.to_owned(), commands, waiting] {
+        let s = load_with(
+            &text,
+            &[
+                "run.seed=77",
+                "run.pin=one_core",
+                "log.compression=none",
+                "world.resolution=0.1",
+                "robots.cop.scan={}",
+            ],
+        )
+        .unwrap();
+        assert_eq!(s.run.pin, Pin::OneCore);
+        let written = s.to_toml();
+        let again = load(&written).unwrap_or_else(|e| panic!("{e}\n{written}"));
+        assert_eq!(again, s);
+        assert_eq!(again.to_toml(), written);
+    }
+}
+
+#[test]
+fn overrides_change_what_they_name() {
+    let s = load_with(
+        GOOD,
+        &[
+            "rules.time_limit=60",
+            "robots.cop.limits.v_max=0.5",
+            "robots[1].name=bandit",
+            "processes.perception.params.particles=9",
+            "teams.evader.radius=0.15",
+        ],
+    )
+    .unwrap();
+    assert_eq!(s.rules().time_limit, Some(60.0));
+    assert_eq!(s.world.robots[0].model().v_max, 0.5);
+    assert_eq!(s.world.robots[1].name, "bandit");
+    assert_eq!(s.world.robots[1].model().radius, 0.15);
+    assert_eq!(s.processes[0].program.params()["particles"], 9);
+}
+
+#[test]
+fn a_process_that_does_not_say_how_long_its_start_may_take_has_the_time_of_the_run() {
+    let text = changed(
+        "kind = \"pursuer\"",
+        "kind = \"pursuer\"\nready_timeout_s = 3.0",
+    );
+    let s = load_with(&text, &["run.ready_timeout_s=7"]).unwrap();
+    for process in &s.processes {
+        let own = process.program.kind_name() == Some("pursuer");
+        let wanted = if own { 3.0 } else { 7.0 };
+        assert_eq!(
+            process.supervision.ready_timeout_s, wanted,
+            "{}",
+            process.name
+        );
+    }
+    assert!(s.processes.len() > 1);
+    assert_eq!(load(&s.to_toml()).unwrap(), s);
+    let error = load_with(GOOD, &["run.ready_timeout_s=0"]).unwrap_err();
+    contains(&error, &["run.ready_timeout_s"]);
+}
+
+#[test]
+fn files_are_found_beside_the_scenario_and_nowhere_else() {
+    let dir = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(dir.path().join(name), text).unwrap();
+    let with_map = |map: &str| {
+        let start = GOOD.find("[world.map.vector]").unwrap();
+        let end = GOOD.find("[defaults.robot]").unwrap();
+        let text = format!("{}[world]\nmap = {map}\n{}", &GOOD[..start], &GOOD[end..]);
+        let text = text[..text.find("[[events]]").unwrap()].to_owned();
+        write("game.toml", &text);
+        let target = dir.path().join("game.toml").display().to_string();
+        Loader::new(KINDS)
+            .load(&target, &[], Some(3))
+            .map_err(|e| e.to_string())
+    };
+    write("room.toml", "bounds = { min = [-4, -2], max = [4, 2] }\n");
+    let s = with_map("\"room.toml\"").unwrap();
+    assert!(matches!(s.world.map, MapSpec::Vector(_)));
+    assert_eq!((s.name.as_str(), s.run.seed), ("game", 3));
+    assert_eq!(load(&s.to_toml()).unwrap(), s, "no file is needed any more");
+
+    write(
+        "bad.toml",
+        "bounds = { min = [-4, -2], max = [4, 2] }\n[[obstacles]]\nshape = { circle = { center = [0, 0], radus = 1 } }\n",
+    );
+    contains(
+        &with_map("\"bad.toml\"").unwrap_err(),
+        &[
+            "unknown key `radus`",
+            "bad.toml:3:39 (obstacles[0].shape.circle.radus)",
+            "did you mean `radius`?",
+        ],
+    );
+    write("cut.toml", "bounds = { min = [-4, -2], max = [4,");
+    contains(
+        &with_map("\"cut.toml\"").unwrap_err(),
+        &["not valid TOML", "cut.toml:1:"],
+    );
+    contains(
+        &with_map("\"none.toml\"").unwrap_err(),
+        &["none.toml: No such file", "game.toml:9:7 (world.map)"],
+    );
+    contains(
+        &with_map("\"maps/city.toml\"").unwrap_err(),
+        &["a map `city` is built in: map = \"builtin:city\""],
+    );
+    contains(
+        &with_map("\"../room.toml\"").unwrap_err(),
+        &[
+            "path leads out of the scenario's folder",
+            "value: \"../room.toml\"",
+        ],
+    );
+    contains(
+        &with_map("\"/etc/passwd\"").unwrap_err(),
+        &["path leads out of the scenario's folder"],
+    );
+    contains(&with_map("\"room.png\"").unwrap_err(), &["room.png"]);
+
+    write(
+        "grid.yaml",
+        "image: grid.pgm\nresolution: 0.5\norigin: [-4, -2, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n",
+    );
+    let mut pgm = b"P5 16 8 255\n".to_vec();
+    pgm.extend([255; 16 * 8]);
+    std::fs::write(dir.path().join("grid.pgm"), &pgm).unwrap();
+    let s = with_map("\"grid.yaml\"").unwrap();
+    assert!(matches!(s.world.map, MapSpec::Cells(_)));
+    assert_eq!(load(&s.to_toml()).unwrap(), s, "the cells are written out");
+    std::fs::write(dir.path().join("grid.pgm"), &pgm[..50]).unwrap();
+    contains(
+        &with_map("\"grid.yaml\"").unwrap_err(),
+        &["grid.pgm", "truncated", "(world.map)"],
+    );
+    write("grid.pgm", "P5 100000 10000 255\n");
+    contains(
+        &with_map("\"grid.yaml\"").unwrap_err(),
+        &["100000 × 10000 pixels", "expected at most"],
+    );
+    write(
+        "out.yaml",
+        "image: ../../secret.pgm\nresolution: 0.5\norigin: [-4, -2, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n",
+    );
+    contains(
+        &with_map("\"out.yaml\"").unwrap_err(),
+        &["image of out.yaml: path leads out of the scenario's folder"],
+    );
+}
+
+#[test]
+fn scenarios_that_are_not_there_are_answered_with_those_that_are() {
+    let e = Loader::new(&[])
+        .load("chse", &[], None)
+        .unwrap_err()
+        .to_string();
+    contains(
+        &e,
+        &[
+            "cannot read chse",
+            "did you mean `chase`?",
+            "`popup`",
+            "in all)",
+        ],
+    );
+    let e = Loader::new(&[])
+        .load("/tmp", &[], None)
+        .unwrap_err()
+        .to_string();
+    contains(&e, &["cannot read /tmp"]);
+}

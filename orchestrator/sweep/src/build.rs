@@ -1,0 +1,230 @@
+//! From cases and parameters to the scenarios of the cells, each checked.
+
+use config::{Code, Diagnostic, Diagnostics, FieldPath, Step};
+
+use super::assignments::Assignment;
+use super::cases::CaseDraft;
+use super::cell::{Cell, Value};
+use super::experiment::LoadOptions;
+use super::grid::Written;
+use super::mission::Mission;
+use super::parameters::{Parameter, ScaleError};
+use super::reader::Reader;
+use scenario::{Draft, Grounds, ResolvedScenario, spec};
+
+/// A change of the scenario that has been made, and by whom.
+struct Made {
+    place: Vec<Step>,
+    by: String,
+}
+
+/// Applies overrides and keeps book of what they change.
+struct Builder<'r> {
+    reader: &'r mut Reader,
+    /// Problems that have been reported, as they were before the cell was added to them.
+    reported: Vec<Diagnostic>,
+}
+
+impl Builder<'_> {
+    /// Applies overrides; changes that undo earlier ones are contradictions, and reported.
+    fn apply(
+        &mut self,
+        draft: &mut Draft<'static>,
+        made: &mut Vec<Made>,
+        assignments: &[Assignment],
+        by: &str,
+    ) {
+        for assignment in assignments {
+            let Some(path) = draft.apply(&assignment.label, &assignment.argument) else {
+                continue;
+            };
+            let place: Vec<Step> = path.0.iter().map(by_index).collect();
+            if place == [Step::Key("run".into()), Step::Key("seed".into())] {
+                self.contradiction(
+                    assignment,
+                    &path,
+                    "sets `run.seed`, which `seeds` varies",
+                    by,
+                );
+            }
+            // The same place again, or one that holds it: what was set before would be gone.
+            if let Some(earlier) = made.iter().find(|m| m.place.starts_with(&place)) {
+                let message = format!("sets `{path}`, which {} sets too", earlier.by);
+                self.contradiction(assignment, &path, &message, by);
+            }
+            made.push(Made {
+                place,
+                by: by.to_owned(),
+            });
+        }
+    }
+
+    fn contradiction(&mut self, assignment: &Assignment, path: &FieldPath, what: &str, by: &str) {
+        let problem = Diagnostic::new(Code::Duplicate, format!("{by} {what}"))
+            .field(format!("{}: {path}", assignment.label))
+            .value(&assignment.argument)
+            .expected("every key set in one place");
+        self.reader.problems.push(problem);
+    }
+
+    /// Reports that there is nothing to scale a parameter by.
+    fn unscaled(&mut self, parameter: &str, case: &str, error: ScaleError) {
+        let message = format!("`{parameter}` cannot be scaled by `{}`", error.key);
+        let problem = Diagnostic::new(Code::Requirement, message)
+            .field(format!("{}: parameters.{parameter}.scale", error.label))
+            .value(error.found)
+            .expected(format!(
+                "a number that the scenario of case `{case}` writes down, or a number in its place"
+            ));
+        self.reader.problems.push(problem);
+    }
+
+    /// Reports what is wrong with the scenario of a cell, each problem for the first cell only.
+    fn report(&mut self, cell: &str, problems: &Diagnostics) {
+        for problem in problems.iter() {
+            if self.reported.contains(problem) {
+                continue;
+            }
+            self.reported.push(problem.clone());
+            let mut problem = problem.clone();
+            problem.message = format!("{} (in {cell})", problem.message);
+            self.reader.problems.push(problem);
+        }
+    }
+}
+
+fn by_index(step: &Step) -> Step {
+    match step {
+        Step::Named(index, _) => Step::Index(*index),
+        step => step.clone(),
+    }
+}
+
+/// `case potential, relative_speed = 1.5`.
+pub fn describe(case: &str, names: &[&str], values: &[Value]) -> String {
+    let mut text = format!("case {case}");
+    for (name, value) in names.iter().zip(values) {
+        text.push_str(&format!(", {name} = {value}"));
+    }
+    text
+}
+
+/// The cells in their order; those whose scenario is wrong are left out, and reported.
+pub(super) fn build(
+    reader: &mut Reader,
+    cases: &[CaseDraft<Draft<'static>>],
+    parameters: &[Parameter],
+    combinations: &[Vec<Written>],
+    options: &LoadOptions,
+) -> Vec<Cell<Mission>> {
+    let names: Vec<&str> = parameters.iter().map(|p| p.name.as_str()).collect();
+    let on_top: Vec<Assignment> = options
+        .set
+        .iter()
+        .map(|argument| Assignment {
+            argument: argument.clone(),
+            label: "--set".to_owned(),
+        })
+        .collect();
+    let mut builder = Builder {
+        reader,
+        reported: Vec::new(),
+    };
+    let mut grounds = Grounds::default();
+    let mut cells = Vec::new();
+    for case in cases {
+        for combination in combinations {
+            let values: Vec<Value> = combination.iter().map(|w| w.value.clone()).collect();
+            let title = describe(&case.case.name, &names, &values);
+            let mut made = Vec::new();
+            let mut draft = case.draft.clone();
+            let mut overrides = Vec::new();
+            let by = format!("case `{}`", case.case.name);
+            builder.apply(&mut draft, &mut made, &case.assignments, &by);
+            overrides.extend(case.assignments.iter().map(|a| a.argument.clone()));
+            for (parameter, written) in parameters.iter().zip(combination) {
+                let (value, node) = (&written.value, &written.node);
+                let found = match parameter.assignments(value, node, builder.reader, Some(&draft)) {
+                    Ok(found) => found,
+                    Err(error) => {
+                        builder.unscaled(&parameter.name, &case.case.name, error);
+                        continue;
+                    }
+                };
+                let by = format!("parameter `{}`", parameter.name);
+                builder.apply(&mut draft, &mut made, &found, &by);
+                overrides.extend(found.into_iter().map(|a| a.argument));
+            }
+            builder.apply(&mut draft, &mut made, &on_top, "--set");
+            overrides.extend(options.set.iter().cloned());
+            let template = match draft.template(&mut grounds) {
+                Ok(template) => template,
+                Err(problems) => {
+                    builder.report(&title, &problems);
+                    continue;
+                }
+            };
+            let scenario = template.scenario();
+            for problem in unfit(scenario, case, options) {
+                builder.report(&title, &problem.into());
+            }
+            cells.push(Cell {
+                case: case.case.name.clone(),
+                values,
+                target: case.target.clone(),
+                overrides,
+                external: scenario.uses_external_commands(),
+                blake3: fingerprint(scenario.clone()),
+                subject: Mission {
+                    one_core: scenario.run.pin == spec::Pin::OneCore,
+                    template,
+                },
+            });
+        }
+    }
+    cells
+}
+
+/// What a scenario must not have that is run many times over.
+fn unfit<D>(
+    scenario: &ResolvedScenario,
+    case: &CaseDraft<D>,
+    options: &LoadOptions,
+) -> Vec<Diagnostic> {
+    let mut found = Vec::new();
+    if scenario.run.mode != spec::Mode::LockStep {
+        found.push(
+            Diagnostic::new(Code::Requirement, "a sweep runs in lock-step")
+                .field("run.mode")
+                .value("\"real_time\"")
+                .expected("\"lock_step\": results by the clock could not be reproduced"),
+        );
+    }
+    if !options.allow_external {
+        for process in scenario.external_commands() {
+            let message = format!(
+                "the scenario of case `{}` starts a program that is not Protean's own",
+                case.case.name
+            );
+            found.push(
+                Diagnostic::new(Code::Requirement, message)
+                    .field(format!("{}: processes.{}.command", case.path, process.name))
+                    .expected("--allow-external, once you have looked at it"),
+            );
+        }
+    }
+    found
+}
+
+/// Fingerprint of what a run of the scenario depends on, but for its seed.
+fn fingerprint(mut scenario: ResolvedScenario) -> String {
+    let defaults = spec::RunSpec::default();
+    scenario.title.clear();
+    scenario.description.clear();
+    scenario.log = spec::LogSpec::default();
+    scenario.run.pin = defaults.pin;
+    scenario.run.hang_timeout_s = defaults.hang_timeout_s;
+    blake3::hash(scenario.to_toml().as_bytes())
+        .to_hex()
+        .to_string()
+}

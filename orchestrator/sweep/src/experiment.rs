@@ -1,0 +1,202 @@
+//! From an experiment file to checked cells.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use config::{Code, Diagnostic, Diagnostics, FieldPath, Node};
+
+use super::cases::read_cases;
+use super::cell::Cell;
+use super::mission::Mission;
+use super::parts::{check_name, read_figures, read_run, read_seeds};
+use super::reader::Reader;
+use super::seeds::Seeds;
+use super::spec::{FigureSpec, MAX_CELLS, MAX_MISSIONS, RunSpec, TopLevel};
+use super::subject::Subject;
+use super::{grid, parameters};
+use scenario::files::read_text;
+use scenario::kind::Kind;
+
+/// Largest experiment file that is read (bytes).
+pub(super) const MAX_FILE: u64 = 1 << 20;
+
+/// How an experiment is loaded.
+#[derive(Debug, Clone)]
+pub struct LoadOptions {
+    /// The kinds of processes that scenarios may name.
+    pub kinds: &'static [Kind],
+    /// `key=value` arguments that go over every scenario.
+    pub set: Vec<String>,
+    /// Seeds in place of the file's.
+    pub seeds: Option<Seeds>,
+    /// Whether files may lie outside the folder of the experiment.
+    pub allow_outside: bool,
+    /// Whether scenarios may start programs that are not Protean's own.
+    pub allow_external: bool,
+}
+
+impl LoadOptions {
+    /// Nothing but what the file says, with these kinds of processes.
+    pub fn new(kinds: &'static [Kind]) -> Self {
+        Self {
+            kinds,
+            set: Vec::new(),
+            seeds: None,
+            allow_outside: false,
+            allow_external: false,
+        }
+    }
+}
+
+/// A case: what is compared with the others.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Case {
+    /// Its name in the results.
+    pub name: String,
+    /// What people call it.
+    pub title: String,
+}
+
+/// A column of the results.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Column {
+    /// Its name.
+    pub name: String,
+    /// What people call it, with its unit.
+    pub title: String,
+}
+
+/// An experiment of missions of robots.
+pub type Experiment = ExperimentOf<Mission>;
+
+/// An experiment with everything checked.
+#[derive(Debug, Clone)]
+pub struct ExperimentOf<S> {
+    /// Short name: of the directory of its results.
+    pub name: String,
+    /// One line for people.
+    pub title: String,
+    /// Some lines for people.
+    pub description: String,
+    /// The file as it was read.
+    pub text: String,
+    /// The cases, in the order of the file.
+    pub cases: Vec<Case>,
+    /// The parameters, in the order of the file.
+    pub parameters: Vec<Column>,
+    /// Every combination of case and parameters: case by case, the last parameter fastest.
+    pub cells: Vec<Cell<S>>,
+    /// The seeds, the same for every cell.
+    pub seeds: Seeds,
+    /// How the missions are carried out.
+    pub run: RunSpec,
+    /// What is drawn of the results.
+    pub figures: Vec<FigureSpec>,
+}
+
+impl<S: Subject> ExperimentOf<S> {
+    /// Reads an experiment and checks every cell that comes of it.
+    ///
+    /// # Errors
+    /// Everything that is wrong, each with file, line, field, value and what was expected.
+    pub fn load(path: &Path, options: &LoadOptions) -> Result<Self, Diagnostics> {
+        let text = read_text(path, MAX_FILE).map_err(|refused| {
+            Diagnostic::new(Code::File, refused.message)
+                .value(path.display())
+                .expected(format!("the path of an experiment: {}", refused.expected))
+        })?;
+        let folder = match path.parent() {
+            Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
+            _ => PathBuf::from("."),
+        };
+        let stem = path.file_stem().and_then(|s| s.to_str());
+        let mut reader = Reader::new(&path.display().to_string(), &text)?;
+        let found = Self::read(&mut reader, &folder, stem.unwrap_or("experiment"), options);
+        match found {
+            Some(experiment) if reader.problems.is_empty() => Ok(Self { text, ..experiment }),
+            _ => {
+                let unexplained =
+                    || Diagnostic::new(Code::Requirement, "the experiment is incomplete");
+                reader.problems.push_if_empty(unexplained);
+                Err(reader.problems.sorted())
+            }
+        }
+    }
+
+    fn read(reader: &mut Reader, folder: &Path, stem: &str, options: &LoadOptions) -> Option<Self> {
+        let root = reader.root.clone();
+        let top: Option<TopLevel> = reader.read(&root, &FieldPath::default());
+        let name = root.get("name").and_then(Node::as_str).unwrap_or(stem);
+        check_name(reader, &FieldPath::key("name"), name);
+        let parameters = parameters::read(reader);
+        let combinations = grid::read(reader, &parameters);
+        let seeds = read_seeds(reader, options);
+        let run = read_run(reader);
+        let figures = read_figures(reader, &parameters);
+        for (key, expected) in S::FOREIGN_KEYS {
+            if root.get(key).is_some() {
+                let message = format!("`{key}` does not fit an experiment of {}", S::UNIT);
+                reader.refuse(&FieldPath::key(key), Code::Requirement, &message, expected);
+            }
+        }
+        let cases = read_cases::<S>(reader, folder, options);
+        let (top, combinations, seeds, run) = (top?, combinations?, seeds?, run?);
+        let (cases, figures) = (cases?, figures?);
+        if !reader.problems.is_empty() {
+            return None;
+        }
+        let count = cases.len().saturating_mul(combinations.len());
+        if count > MAX_CELLS || count.saturating_mul(seeds.len()) > MAX_MISSIONS {
+            let message = format!("{count} cells times {} seeds are too many", seeds.len());
+            let expected = format!("at most {MAX_CELLS} cells and {MAX_MISSIONS} missions");
+            reader.refuse(&FieldPath::key("seeds"), Code::Limit, &message, &expected);
+            return None;
+        }
+        let cells = S::cells(reader, &cases, &parameters, &combinations, options);
+        Some(Self {
+            name: name.to_owned(),
+            title: top.title.unwrap_or_else(|| name.to_owned()),
+            description: top.description.unwrap_or_default().trim().to_owned(),
+            text: String::new(),
+            cases: cases.into_iter().map(|c| c.case).collect(),
+            parameters: parameters
+                .into_iter()
+                .map(|p| Column {
+                    name: p.name,
+                    title: p.title,
+                })
+                .collect(),
+            cells,
+            seeds,
+            run,
+            figures,
+        })
+    }
+}
+
+impl Experiment {
+    /// Notes on what is odd but not wrong: cells that are the same.
+    pub fn notes(&self) -> Vec<String> {
+        let mut first: BTreeMap<&str, &Cell<Mission>> = BTreeMap::new();
+        let mut notes = Vec::new();
+        for cell in &self.cells {
+            let Some(earlier) = first.get(cell.blake3.as_str()) else {
+                first.insert(&cell.blake3, cell);
+                continue;
+            };
+            let values = |c: &Cell<Mission>| {
+                let values = c.values.iter().map(ToString::to_string);
+                std::iter::once(c.case.clone())
+                    .chain(values)
+                    .collect::<Vec<_>>()
+                    .join(", ")
+            };
+            notes.push(format!(
+                "the cells ({}) and ({}) are the same scenario: their results will be the same",
+                values(earlier),
+                values(cell),
+            ));
+        }
+        notes
+    }
+}

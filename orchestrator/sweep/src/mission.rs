@@ -1,0 +1,187 @@
+//! Missions of robots, as what a cell of an experiment is about.
+
+use std::path::Path;
+
+use config::{Code, Diagnostics, FieldPath, Node, list_choices, nearest};
+
+use super::build::build;
+use super::cases::CaseDraft;
+use super::cell::Cell;
+use super::engine::{Call, Engine};
+use super::experiment::LoadOptions;
+use super::grid::Written;
+use super::parameters::Parameter;
+use super::reader::Reader;
+use super::row::Row;
+use super::subject::{Ended, Pinning, Subject};
+use scenario::files::{Base, Found};
+use scenario::{Draft, Loader, ResolvedScenario, Template, builtin};
+
+/// The prefix of a built-in scenario.
+const BUILTIN: &str = "builtin:";
+
+/// The scenario of a cell.
+#[derive(Clone)]
+pub struct Mission {
+    /// Whether the processes of its missions keep to one core.
+    pub one_core: bool,
+    pub(super) template: Template,
+}
+
+impl std::fmt::Debug for Mission {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Mission")
+            .field("one_core", &self.one_core)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Cell<Mission> {
+    /// The scenario with a seed.
+    ///
+    /// # Errors
+    /// Those that depend on the seed: a start that finds no room.
+    pub fn scenario(&self, seed: u64) -> Result<ResolvedScenario, Diagnostics> {
+        self.subject.template.with_seed(seed)
+    }
+}
+
+#[expect(
+    private_interfaces,
+    reason = "the parts of an experiment file are read inside this module"
+)]
+impl Subject for Mission {
+    type Row = Row;
+    type Draft = Draft<'static>;
+    type Engine = dyn Engine;
+    const UNIT: &'static str = "missions";
+    const FOREIGN_KEYS: &'static [(&'static str, &'static str)] =
+        &[("task", "`kind = \"planning\"` with it")];
+
+    fn open(
+        reader: &mut Reader,
+        folder: &Path,
+        case: Option<(&FieldPath, &Node)>,
+        options: &LoadOptions,
+    ) -> Option<(String, Self::Draft)> {
+        let own = case.and_then(|(path, node)| {
+            let scenario = node.get("scenario")?.clone();
+            Some((path.then("scenario"), Some(scenario)))
+        });
+        let (path, node) = own.unwrap_or_else(|| {
+            let shared = reader.root.get("scenario").cloned();
+            (FieldPath::key("scenario"), shared)
+        });
+        open(reader, folder, &path, node.as_ref(), options)
+    }
+
+    fn case_name(target: &str) -> String {
+        let stem = Path::new(target).file_stem().and_then(|s| s.to_str());
+        stem.unwrap_or("scenario").to_owned()
+    }
+
+    fn cells(
+        reader: &mut Reader,
+        cases: &[CaseDraft<Self::Draft>],
+        parameters: &[Parameter],
+        combinations: &[Vec<Written>],
+        options: &LoadOptions,
+    ) -> Vec<Cell<Self>> {
+        build(reader, cases, parameters, combinations, options)
+    }
+
+    fn carry_out(
+        cell: &Cell<Self>,
+        seed: u64,
+        engine: &Self::Engine,
+        call: &Call,
+    ) -> Option<Ended<Row>> {
+        let row = match cell.scenario(seed) {
+            Ok(scenario) => match engine.fly(&scenario, call) {
+                Ok(report) if report.interrupted => return None,
+                Ok(report) => Row::of(&report),
+                Err(error) => Row::failed(error),
+            },
+            Err(problems) => Row::failed(problems.to_string()),
+        };
+        Some(Ended { row, cpu_ms: None })
+    }
+
+    fn pinning(cell: &Cell<Self>, engine: &Self::Engine) -> Pinning {
+        match (engine.wants_own_processor(), cell.subject.one_core) {
+            (false, _) => Pinning::Never,
+            (true, false) => Pinning::IfCrowded,
+            (true, true) => Pinning::Always,
+        }
+    }
+}
+
+/// Opens a scenario; the result is what `protean run` would take, and its text.
+fn open(
+    reader: &mut Reader,
+    folder: &Path,
+    path: &FieldPath,
+    node: Option<&Node>,
+    options: &LoadOptions,
+) -> Option<(String, Draft<'static>)> {
+    const EXPECTED: &str =
+        "the path of a scenario beside the experiment, or a built-in one such as \"builtin:chase\"";
+    let Some(node) = node else {
+        reader.refuse(path, Code::MissingKey, "missing key `scenario`", EXPECTED);
+        return None;
+    };
+    let Some(text) = node.as_str() else {
+        reader.wrong_type(path, node, EXPECTED);
+        return None;
+    };
+    let target = if let Some(name) = text.strip_prefix(BUILTIN) {
+        let names = builtin::SCENARIOS.map(|s| s.name);
+        if !names.contains(&name) {
+            let mut problem = reader
+                .problem(
+                    path,
+                    Code::UnknownName,
+                    format!("no scenario `{name}` is built in"),
+                )
+                .expected(list_choices(&names));
+            if let Some(near) = nearest(name, names) {
+                problem = problem.help(format!("did you mean `{BUILTIN}{near}`?"));
+            }
+            reader.problems.push(problem);
+            return None;
+        }
+        name.to_owned()
+    } else {
+        let base = Base::Folder {
+            folder: folder.to_owned(),
+            allow_outside: options.allow_outside,
+        };
+        match base.find(text) {
+            // With a slash: `protean run` takes a bare name for a built-in scenario first.
+            Ok(Found::Disk(_)) => folder.join(text).display().to_string(),
+            Ok(Found::Text(_)) => text.to_owned(),
+            Err(refused) => {
+                let mut problem = reader
+                    .problem(path, Code::File, refused.message)
+                    .expected(format!("{}: {EXPECTED}", refused.expected));
+                if builtin::scenario(text).is_some() {
+                    problem = problem.help(format!("did you mean `{BUILTIN}{text}`?"));
+                }
+                reader.problems.push(problem);
+                return None;
+            }
+        }
+    };
+    match Loader::new(options.kinds)
+        .allow_outside(options.allow_outside)
+        .draft(&target)
+    {
+        Ok(draft) => Some((target, draft)),
+        Err(problems) => {
+            problems
+                .iter()
+                .for_each(|p| reader.problems.push(p.clone()));
+            None
+        }
+    }
+}

@@ -1,0 +1,95 @@
+//! What one plan of an experiment resulted in.
+
+use serde::{Deserialize, Serialize};
+
+use crate::columns::ResultColumn;
+use crate::manifest::Kind;
+use crate::row::Record;
+use plan::{Answer, Outcome};
+
+/// What one plan resulted in. Nothing in it depends on the machine.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlanRow {
+    /// How it ended.
+    pub outcome: Outcome,
+    /// Whether the plan keeps everything that was asked for, if there is one.
+    pub honest: Option<bool>,
+    /// Obstacles of the problem.
+    pub obstacles: u32,
+    /// Duration of the plan (s).
+    pub t_s: Option<f64>,
+    /// No plan can be shorter than this (s).
+    pub lower_bound_s: Option<f64>,
+    /// How much longer than that it is, relative to it.
+    pub gap: Option<f64>,
+    /// Length of its path (px).
+    pub length_px: Option<f64>,
+    /// Smallest distance of the path from a grown obstacle (px).
+    pub min_clearance_px: Option<f64>,
+    /// Convex programs solved.
+    pub iterations: Option<u32>,
+    /// Degrees of freedom of the curve.
+    pub control_points: Option<u32>,
+    /// Why there is no plan, or what is wrong with it.
+    pub error: String,
+}
+
+impl PlanRow {
+    /// The row of an answer to a problem with so many obstacles.
+    pub fn of(answer: &Answer, obstacles: usize) -> Self {
+        Self {
+            outcome: answer.status,
+            honest: answer.honest,
+            obstacles: obstacles as u32,
+            t_s: answer.t_s,
+            lower_bound_s: answer.lower_bound_s,
+            gap: answer.gap,
+            length_px: answer.length,
+            min_clearance_px: answer.min_clearance,
+            iterations: answer.iterations,
+            control_points: answer.control_points,
+            error: answer.error.clone().unwrap_or_default(),
+        }
+    }
+
+    /// Whether the problem has no solution, so that nothing could have planned it.
+    pub fn is_unsolvable(&self) -> bool {
+        matches!(self.outcome, Outcome::NoPath | Outcome::Infeasible)
+    }
+
+    /// Whether there is a plan that keeps everything.
+    pub fn is_honest(&self) -> bool {
+        self.honest == Some(true)
+    }
+}
+
+impl Record for PlanRow {
+    const KIND: Kind = Kind::Planning;
+
+    const COLUMNS: &'static [ResultColumn<Self>] = Self::COLUMNS;
+
+    fn failed(error: String) -> Self {
+        Self {
+            outcome: Outcome::Failed,
+            honest: None,
+            obstacles: 0,
+            t_s: None,
+            lower_bound_s: None,
+            gap: None,
+            length_px: None,
+            min_clearance_px: None,
+            iterations: None,
+            control_points: None,
+            error,
+        }
+    }
+
+    fn error(&self) -> &str {
+        &self.error
+    }
+
+    fn is_failed(&self) -> bool {
+        matches!(self.outcome, Outcome::Invalid | Outcome::Failed)
+    }
+}

@@ -1,0 +1,174 @@
+//! What the cells of an experiment of plans amount to.
+
+use serde_json::{Value as Json, json};
+use statistics::quantile;
+use statistics::{Interval, wilson};
+
+use super::PlanResults;
+use super::row::PlanRow;
+use crate::row::Record as _;
+use crate::runner::RunReport;
+use crate::summary::{cell_table, missing};
+
+/// What the plans of one cell amount to.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct CellSummary {
+    /// Plans asked for that did not break down.
+    pub plans: u64,
+    /// Problems without a solution: no method could have planned these.
+    pub no_path: u64,
+    /// Solvable problems for which no honest plan was found.
+    pub failed: u64,
+    /// Honest plans.
+    pub honest: u64,
+    /// Durations of the honest plans (s), ascending.
+    pub t_s: Vec<f64>,
+    /// Their gaps, ascending.
+    pub gap: Vec<f64>,
+    /// Their CPU times (ms), ascending.
+    pub cpu_ms: Vec<f64>,
+}
+
+impl CellSummary {
+    /// Problems that have a solution.
+    pub fn solvable(&self) -> u64 {
+        self.plans - self.no_path
+    }
+
+    /// Wilson's 95 % interval of the chance to fail; `None` without problems.
+    pub fn failure(&self) -> Option<Interval> {
+        (self.solvable() > 0).then(|| wilson(self.failed, self.solvable()))
+    }
+
+    fn add(&mut self, row: &PlanRow, cpu_ms: Option<f64>) {
+        self.plans += 1;
+        self.no_path += u64::from(row.is_unsolvable());
+        self.honest += u64::from(row.is_honest());
+        self.failed += u64::from(!row.is_unsolvable() && !row.is_honest());
+        if row.is_honest() {
+            self.t_s.extend(row.t_s);
+            self.gap.extend(row.gap);
+            self.cpu_ms.extend(cpu_ms);
+        }
+    }
+}
+
+/// Summarises every cell, in the order of the experiment.
+pub fn cells(results: &PlanResults) -> Vec<CellSummary> {
+    let mut cells = vec![CellSummary::default(); results.manifest().cells.len()];
+    for (mission, row) in results.rows().filter(|(_, row)| !row.is_failed()) {
+        if let Some(cell) = cells.get_mut(mission.cell) {
+            cell.add(row, results.cpu_ms(mission));
+        }
+    }
+    for cell in &mut cells {
+        for values in [&mut cell.t_s, &mut cell.gap, &mut cell.cpu_ms] {
+            values.sort_by(f64::total_cmp);
+        }
+    }
+    cells
+}
+
+/// The summary for people.
+pub fn text(results: &PlanResults, report: Option<&RunReport>) -> String {
+    let manifest = results.manifest();
+    let columns = [
+        "plans",
+        "no path",
+        "failed",
+        "95 % interval",
+        "time [s]",
+        "gap [%] median / p95 / max",
+        "CPU [ms] median / p99",
+    ];
+    let mut table = cell_table(&manifest.parameters, &columns);
+    let number = |values: &[f64], share: f64, factor: f64, digits: usize| {
+        quantile(values, share).map_or_else(|| "-".into(), |v| format!("{:.digits$}", factor * v))
+    };
+    for (cell, of) in manifest.cells.iter().zip(cells(results)) {
+        let mut line = vec![cell.case.clone()];
+        line.extend(cell.values.iter().map(ToString::to_string));
+        line.extend([
+            of.plans.to_string(),
+            of.no_path.to_string(),
+            format!("{}/{}", of.failed, of.solvable()),
+            of.failure()
+                .map_or_else(|| "-".into(), |i| format!("{:.3} .. {:.3}", i.low, i.high)),
+            number(&of.t_s, 0.5, 1.0, 2),
+            [0.5, 0.95, 1.0]
+                .map(|share| number(&of.gap, share, 100.0, 3))
+                .join(" / "),
+            [0.5, 0.99]
+                .map(|share| number(&of.cpu_ms, share, 1.0, 2))
+                .join(" / "),
+        ]);
+        table.add_row(line);
+    }
+    let mut text = format!("{}: {}\n\n{table}\n", manifest.experiment, manifest.title);
+    if let Some(report) = report.filter(|report| report.carried_out > 0) {
+        text += &format!(
+            "\n{} plans in {:.1} s, {:.1} per second\n",
+            report.carried_out,
+            report.wall_time_s,
+            report.carried_out as f64 / report.wall_time_s.max(1e-9),
+        );
+    }
+    let broken: Vec<_> = results.rows().filter(|(_, row)| row.is_failed()).collect();
+    for (mission, row) in broken.iter().take(20) {
+        text += &format!(
+            "\nbroken down: {}: {}",
+            results.describe(*mission),
+            row.error
+        );
+    }
+    if !broken.is_empty() {
+        text += "\n--retry-failed carries them out again\n";
+    }
+    let missing = missing(results, report).len();
+    if missing > 0 {
+        text += &format!("\n{missing} plans are missing\n");
+    }
+    text
+}
+
+/// The summary for programs.
+pub fn json(results: &PlanResults, report: Option<&RunReport>) -> Json {
+    let manifest = results.manifest();
+    let summaries = manifest.cells.iter().zip(cells(results));
+    let cells: Vec<Json> = summaries
+        .map(|(cell, of)| {
+            let names = manifest.parameters.iter().cloned();
+            let parameters: serde_json::Map<String, Json> =
+                names.zip(cell.values.iter().map(|v| json!(v))).collect();
+            let quantiles = |values: &[f64]| [0.5, 0.95, 0.99, 1.0].map(|q| quantile(values, q));
+            json!({
+                "case": cell.case,
+                "parameters": parameters,
+                "plans": of.plans,
+                "no_path": of.no_path,
+                "failed": of.failed,
+                "wilson_95": of.failure().map(|i| [i.low, i.high]),
+                "honest": of.honest,
+                "t_s": quantiles(&of.t_s),
+                "gap": quantiles(&of.gap),
+                "cpu_ms": quantiles(&of.cpu_ms),
+            })
+        })
+        .collect();
+    let broken = results.rows().filter(|(_, row)| row.is_failed()).count();
+    json!({
+        "experiment": manifest.experiment,
+        "blake3": manifest.blake3,
+        "program": manifest.program,
+        "out": results.directory(),
+        "missions": results.rows().count(),
+        "carried_out": report.map(|r| r.carried_out),
+        "known": report.map(|r| r.known),
+        "wall_time_s": report.map(|r| r.wall_time_s),
+        "interrupted": report.is_some_and(|r| r.interrupted),
+        "quantiles": [0.5, 0.95, 0.99, 1.0],
+        "cells": cells,
+        "broken_down": broken,
+        "missing": missing(results, report).len(),
+    })
+}

@@ -1,0 +1,72 @@
+//! What a mission does: which problem is made up from its seed, and how it is planned.
+
+use serde::{Deserialize, Serialize};
+
+use plan::{PlanOptions, Recipe};
+
+/// What a mission does.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Task {
+    /// How the problem is made up.
+    pub instances: Recipe,
+    /// How it is planned.
+    pub options: PlanOptions,
+}
+
+/// A task while keys of it are set.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Draft(toml::Table);
+
+impl Draft {
+    /// Applies `key.key=value`.
+    ///
+    /// # Errors
+    /// Why it cannot be.
+    pub fn apply(&mut self, argument: &str) -> Result<(), String> {
+        let (path, value) = argument
+            .split_once('=')
+            .ok_or_else(|| "expected KEY=VALUE".to_owned())?;
+        let document: toml::Table =
+            toml::from_str(&format!("value = {value}")).map_err(|e| e.message().to_owned())?;
+        let value = document
+            .get("value")
+            .cloned()
+            .ok_or_else(|| "expected a value".to_owned())?;
+        let mut keys: Vec<&str> = path.split('.').map(str::trim).collect();
+        let last = keys.pop().unwrap_or_default();
+        let mut table = &mut self.0;
+        for key in keys {
+            let below = table
+                .entry(key)
+                .or_insert_with(|| toml::Value::Table(toml::Table::new()));
+            table = below
+                .as_table_mut()
+                .ok_or_else(|| format!("`{key}` is no table"))?;
+        }
+        table.insert(last.to_owned(), value);
+        Ok(())
+    }
+
+    /// The task, its keys and their types checked.
+    ///
+    /// # Errors
+    /// What is wrong: the key, the value and what was expected.
+    pub fn task(&self) -> Result<Task, String> {
+        let task: Result<Task, toml::de::Error> = self.0.clone().try_into();
+        task.map_err(|e| e.message().trim().to_owned())
+    }
+}
+
+impl Task {
+    /// Checks the ranges.
+    ///
+    /// # Errors
+    /// The first key that is out of range, its value and what was expected.
+    pub fn validate(&self) -> Result<(), String> {
+        let instances = self.instances.validate();
+        instances.map_err(|e| format!("instances.{e}"))?;
+        let options = self.options.validate();
+        options.map_err(|e| format!("options.{e}"))
+    }
+}

@@ -1,0 +1,175 @@
+//! What one mission resulted in.
+
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+
+use super::columns::ResultColumn;
+use super::manifest::Kind;
+use mission::MissionReport;
+use recorder::{CoverageOutcome, PredictionOutcome, RobotOutcome, Summary};
+
+/// A row of results. Nothing in it depends on the machine or on how it was carried out.
+pub trait Record: Clone + PartialEq + Serialize + DeserializeOwned + Send + 'static {
+    /// What it is a row of.
+    const KIND: Kind;
+
+    /// The columns of its table after `case`, the parameters and `seed`.
+    const COLUMNS: &'static [ResultColumn<Self>];
+
+    /// The row of a mission that failed, with the reason.
+    fn failed(error: String) -> Self;
+
+    /// Whether it failed, and may be carried out again.
+    fn is_failed(&self) -> bool;
+
+    /// Why it failed; empty if it did not.
+    fn error(&self) -> &str;
+}
+
+/// How a mission ended.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Outcome {
+    /// Every evader was caught or escaped, every goal was reached.
+    Ended,
+    /// The time limit ended it for at least one robot.
+    TimeLimit,
+    /// It could not be carried out to its end; `error` says why.
+    #[default]
+    Failed,
+}
+
+impl Outcome {
+    /// Its name in the results.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ended => "ended",
+            Self::TimeLimit => "time_limit",
+            Self::Failed => "failed",
+        }
+    }
+}
+
+/// What one mission resulted in. Nothing in it depends on the machine or on how it was carried out.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Row {
+    /// How it ended.
+    pub outcome: Outcome,
+    /// Robots that are evaders.
+    pub evaders: u32,
+    /// Evaders that reached an exit.
+    pub escaped: u32,
+    /// Evaders that were caught.
+    pub caught: u32,
+    /// Evaders that were neither when the time was up.
+    pub held_out: u32,
+    /// Simulated length (s).
+    pub sim_time_s: f64,
+    /// Simulated time of the first capture (s).
+    pub first_capture_s: Option<f64>,
+    /// Simulated time of the first escape (s).
+    pub first_escape_s: Option<f64>,
+    /// Contact episodes of all robots.
+    pub contacts: u32,
+    /// Way driven by all evaders (m).
+    pub evader_distance_m: f64,
+    /// That by the time they were in the game (m/s).
+    pub evader_mean_speed: Option<f64>,
+    /// Ticks of the world.
+    pub ticks: u64,
+    /// Part of the game in which an escape was possible, if a referee watched, 0 to 1.
+    pub escape_possible_fraction: Option<f64>,
+    /// Simulated time from which no escape was possible any more, if a referee watched (s).
+    pub escape_impossible_from_s: Option<f64>,
+    /// The area visited, if the rules account for it.
+    pub coverage: Option<CoverageOutcome>,
+    /// How well observers foretold where robots would be, if there were any.
+    pub predictions: Vec<PredictionOutcome>,
+    /// Fingerprint of the simulated history.
+    pub digest: String,
+    /// Why it failed.
+    pub error: String,
+    /// What became of every robot.
+    pub robots: Vec<RobotOutcome>,
+}
+
+impl Row {
+    /// The row of a mission that came to its end.
+    pub fn of(report: &MissionReport) -> Self {
+        let summary = &report.summary;
+        let lost: u64 = summary.topics.values().map(|t| t.gaps).sum();
+        if lost > 0 {
+            return Self::failed(format!("{lost} messages were lost"));
+        }
+        Self::of_summary(summary)
+    }
+
+    fn of_summary(summary: &Summary) -> Self {
+        let evaders = || summary.robots.iter().filter(|r| r.team == "evader");
+        let count = |outcome: &str| evaders().filter(|r| r.outcome == outcome).count() as u32;
+        let first = |outcome: &str| {
+            let times = evaders().filter(|r| r.outcome == outcome).map(|r| r.time_s);
+            times.min_by(f64::total_cmp)
+        };
+        let timed_out = summary.robots.iter().any(|r| r.outcome == "timed_out");
+        let distance: f64 = evaders().map(|r| r.distance_m).sum();
+        let time: f64 = evaders().map(|r| r.time_s).sum();
+        Self {
+            outcome: if timed_out {
+                Outcome::TimeLimit
+            } else {
+                Outcome::Ended
+            },
+            evaders: evaders().count() as u32,
+            escaped: count("escaped"),
+            caught: count("caught"),
+            held_out: count("timed_out"),
+            sim_time_s: summary.sim_time_s,
+            first_capture_s: first("caught"),
+            first_escape_s: first("escaped"),
+            contacts: summary.robots.iter().map(|r| r.contacts).sum(),
+            evader_distance_m: distance,
+            evader_mean_speed: (time > 0.0).then(|| distance / time),
+            ticks: summary.ticks,
+            escape_possible_fraction: summary.escape_possible_fraction,
+            escape_impossible_from_s: summary.escape_impossible_from_s,
+            coverage: summary.coverage.clone(),
+            predictions: summary.predictions.clone().unwrap_or_default(),
+            digest: summary.digest.clone(),
+            error: String::new(),
+            robots: summary.robots.clone(),
+        }
+    }
+
+    /// The row of a mission that failed.
+    pub fn failed(error: impl Into<String>) -> Self {
+        Self {
+            error: error.into(),
+            ..Self::default()
+        }
+    }
+
+    /// Whether it failed.
+    pub fn is_failed(&self) -> bool {
+        self.outcome == Outcome::Failed
+    }
+}
+
+impl Record for Row {
+    const KIND: Kind = Kind::Missions;
+
+    const COLUMNS: &'static [ResultColumn<Self>] = Self::COLUMNS;
+
+    fn failed(error: String) -> Self {
+        Self::failed(error)
+    }
+
+    fn is_failed(&self) -> bool {
+        Self::is_failed(self)
+    }
+
+    fn error(&self) -> &str {
+        &self.error
+    }
+}
