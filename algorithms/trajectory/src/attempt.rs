@@ -3,8 +3,9 @@
 use nalgebra::{Point2, Vector2};
 use sim_backend::math;
 
-use crate::convex::curve_search::{CurveSearch, Scaling};
+use crate::convex::curve_search::CurveSearch;
 use crate::convex::obstacle_planes::{NO_DEPTH, grow_margins};
+use crate::convex::scaling::Scaling;
 use crate::curve::bspline_basis::Basis;
 use crate::curve::knot_placement::{self, Headings};
 use crate::curve::lgl_nodes::Lgl;

@@ -12,12 +12,11 @@ use sim_backend::shape::{Contact, Convex};
 
 use crate::convex::obstacle_planes::{HalfPlane, NO_DEPTH, surface};
 use crate::convex::quadratic_program::QuadraticProgram;
+use crate::convex::scaling::{Scaling, UNITS};
 use crate::curve::{Curve, Row};
 use crate::guide::Guide;
 use crate::obstacle_field::ObstacleField;
 
-/// Length of the guide in the programs' unit: their numbers are about 1 whatever the scale.
-const UNITS: f64 = 8.0;
 /// Cost of a unit by which an obstacle is entered.
 const SLACK_COST: f64 = 10.0;
 /// Most cost.
@@ -46,45 +45,6 @@ const CONVERGED: f64 = 1e-4;
 const MOST: u32 = 25;
 /// Smallest speed at the ends as a part of the mean speed: the curve has a direction there.
 const LEAST_SPEED: f64 = 0.005;
-
-/// Coordinates of the programs.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Scaling {
-    origin: Point2<f64>,
-    /// Metres in a unit.
-    unit: f64,
-}
-
-impl Scaling {
-    /// The world's own coordinates (m).
-    pub const WORLD: Self = Self {
-        origin: Point2::new(0.0, 0.0),
-        unit: 1.0,
-    };
-
-    /// For a path of this length (m) from here.
-    pub fn new(origin: Point2<f64>, length: f64) -> Self {
-        Self {
-            origin,
-            unit: length / UNITS,
-        }
-    }
-
-    /// Into the programs' coordinates.
-    pub fn inward(&self, p: Point2<f64>) -> Vector2<f64> {
-        (p - self.origin) / self.unit
-    }
-
-    /// Out of them (m).
-    pub fn outward(&self, v: Vector2<f64>) -> Point2<f64> {
-        self.origin + v * self.unit
-    }
-
-    /// Metres in a unit.
-    pub fn unit(&self) -> f64 {
-        self.unit
-    }
-}
 
 /// A search for a curve.
 pub struct CurveSearch<'a> {

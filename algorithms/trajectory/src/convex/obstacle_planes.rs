@@ -3,7 +3,7 @@
 use nalgebra::{Point2, Vector2};
 use sim_backend::shape::Contact;
 
-use crate::convex::curve_search::Scaling;
+use crate::convex::scaling::Scaling;
 
 /// Depth (m) that is none.
 pub const NO_DEPTH: f64 = 2e-5;

@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 use sim_backend::math;
 
-use crate::convex::curve_search::Scaling;
+use crate::convex::scaling::Scaling;
 use crate::curve::{Curve, Trace};
 use crate::path_points::{self, PathPoint};
 use crate::problem::RobotLimits;

@@ -5,9 +5,9 @@ use sim_backend::math;
 
 use super::step_dynamics::{self, Node};
 use super::{CALM, PENALTY, REACH, Refinement};
-use crate::convex::curve_search::Scaling;
 use crate::convex::obstacle_planes::{HalfPlane, surface};
 use crate::convex::quadratic_program::QuadraticProgram;
+use crate::convex::scaling::Scaling;
 
 /// Indices of a node's variables.
 const X: usize = 0;

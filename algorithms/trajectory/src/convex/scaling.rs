@@ -1,0 +1,45 @@
+//! The coordinates in which programs are stated.
+
+use nalgebra::{Point2, Vector2};
+
+/// Length of the guide in the programs' unit: their numbers are about 1 whatever the scale.
+pub const UNITS: f64 = 8.0;
+
+/// Coordinates of the programs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scaling {
+    origin: Point2<f64>,
+    /// Metres in a unit.
+    unit: f64,
+}
+
+impl Scaling {
+    /// The world's own coordinates (m).
+    pub const WORLD: Self = Self {
+        origin: Point2::new(0.0, 0.0),
+        unit: 1.0,
+    };
+
+    /// For a path of this length (m) from here.
+    pub fn new(origin: Point2<f64>, length: f64) -> Self {
+        Self {
+            origin,
+            unit: length / UNITS,
+        }
+    }
+
+    /// Into the programs' coordinates.
+    pub fn inward(&self, p: Point2<f64>) -> Vector2<f64> {
+        (p - self.origin) / self.unit
+    }
+
+    /// Out of them (m).
+    pub fn outward(&self, v: Vector2<f64>) -> Point2<f64> {
+        self.origin + v * self.unit
+    }
+
+    /// Metres in a unit.
+    pub fn unit(&self) -> f64 {
+        self.unit
+    }
+}
