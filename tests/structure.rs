@@ -105,14 +105,6 @@ const RULES: Rules = Rules {
 /// Faults that are still there, each with its file. What is mended goes from the list.
 const KNOWN: &[(&str, &str)] = &[
     (
-        "processes/evader_rrt_star/src/cost.rs",
-        "modules use each other in a cycle: cost → params → cost",
-    ),
-    (
-        "processes/evader_rrt_star/src/search.rs",
-        "modules use each other in a cycle: search → params → search",
-    ),
-    (
         "sim_backend/src/map/cells.rs",
         "modules use each other in a cycle: map → spec → map",
     ),

@@ -11,11 +11,11 @@ use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use evader_rrt_star::bound::Bound;
-use evader_rrt_star::cost::{CostModel, CostParams};
+use evader_rrt_star::cost::CostModel;
 use evader_rrt_star::ground::Ground;
 use evader_rrt_star::index::BucketIndex;
 use evader_rrt_star::motion::{Arcs, Motion, Straight};
-use evader_rrt_star::params::{Algorithm, SearchParams};
+use evader_rrt_star::params::{Algorithm, CostParams, SearchParams};
 use evader_rrt_star::search::{Scene, Search};
 use nalgebra::Point2;
 use rand::SeedableRng as _;

@@ -9,10 +9,10 @@ mod support;
 use std::sync::Arc;
 
 use evader_rrt_star::bound::Bound;
-use evader_rrt_star::cost::{CostModel, CostParams};
+use evader_rrt_star::cost::CostModel;
 use evader_rrt_star::ground::Ground;
 use evader_rrt_star::motion::Straight;
-use evader_rrt_star::params::{Algorithm, SearchParams};
+use evader_rrt_star::params::{Algorithm, CostParams, SearchParams};
 use evader_rrt_star::search::{Scene, Search};
 use nalgebra::Point2;
 use navigation::tangent_graph::{TangentGraph, Towards};

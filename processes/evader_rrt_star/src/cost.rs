@@ -1,12 +1,9 @@
 //! What an edge of the tree costs.
 
 use nalgebra::Point2;
-use parameters::{Parameters, at_least, between};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 use crate::motion::{Leg, Link};
-use crate::params::Algorithm;
+use crate::params::{Algorithm, CostKind, CostParams};
 
 /// Distance of a pursuer at which the danger is 1 (m).
 const SCALE: f64 = 4.0;
@@ -19,72 +16,6 @@ const STEP: f64 = 0.5;
 
 /// Most places at which the time-aware cost looks along one edge.
 const MAX_LOOKS: f64 = 32.0;
-
-/// Which formula makes the cost of an edge.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum CostKind {
-    /// The edge's length (m): shortest ways, whoever lies in wait.
-    Length,
-    /// The chasing-game paper's: length + (scale / d)³ with the distance d from the edge to the
-    /// nearest pursuer *where it is now*. Per edge, so that a way of many short edges past a
-    /// pursuer costs more than the same way in one.
-    Paper,
-    /// Length + the integral along the edge of weight · (scale / m)³, where m is how far off the
-    /// nearest pursuer can still be *when the evader gets there*:
-    ///
-    /// ```text
-    /// m = max(distance − reach · v_pursuer · min(t, horizon), closest),   t = way so far / v_own
-    /// ```
-    ///
-    /// An integral: cutting an edge in two changes nothing.
-    #[default]
-    TimeAware,
-}
-
-/// Parameters of the cost.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct CostParams {
-    /// Which formula.
-    pub kind: CostKind,
-    /// Extra metres per metre of way where the danger is 1 (`time_aware` only).
-    #[schemars(transform = at_least(0))]
-    pub weight: f64,
-    /// Share of a pursuer's speed with which it is taken to come nearer (`time_aware` only): 1 for a pursuer that drives straight for the place at once, 0 for one that stays.
-    #[schemars(transform = between(0, 1))]
-    pub reach: f64,
-}
-
-impl Default for CostParams {
-    fn default() -> Self {
-        Self {
-            kind: CostKind::TimeAware,
-            weight: 1.0,
-            reach: 0.5,
-        }
-    }
-}
-
-impl Parameters for CostParams {}
-
-impl CostParams {
-    /// The paper's formula.
-    pub fn paper() -> Self {
-        Self {
-            kind: CostKind::Paper,
-            ..Self::default()
-        }
-    }
-
-    /// The length alone.
-    pub fn length() -> Self {
-        Self {
-            kind: CostKind::Length,
-            ..Self::default()
-        }
-    }
-}
 
 /// A pursuer as the cost sees it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -235,8 +166,6 @@ fn bulge(from: Point2<f64>, to: Point2<f64>, link: &Link) -> nalgebra::Vector2<f
 mod tests {
     use proptest::prelude::*;
 
-    use parameters::check;
-
     use super::*;
 
     fn model(params: CostParams, pursuers: &[(f64, f64)]) -> CostModel {
@@ -334,18 +263,6 @@ mod tests {
             &[(f64::NAN, 0.0), (f64::INFINITY, 1.0)],
         );
         assert!(model.is_length());
-    }
-
-    #[test]
-    fn errors_name_the_field() {
-        let bad = CostParams {
-            reach: 1.5,
-            ..CostParams::default()
-        };
-        assert_eq!(
-            check(&bad).unwrap_err().to_string(),
-            "`reach` is 1.5, but must be a number between 0 and 1"
-        );
     }
 
     proptest! {

@@ -5,11 +5,11 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use steering::potential_evader::EvaderParams;
 
-use crate::cost::CostParams;
-use crate::search::REFINE_SHARE;
-
 /// Most iterations that a plan may have.
 pub const MAX_ITERATIONS: u32 = 1_000_000;
+
+/// Share of iterations that change points of the best way once there is one.
+pub(crate) const REFINE_SHARE: f64 = 0.3;
 
 /// The variant of the search, and of what goes with it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
@@ -87,6 +87,72 @@ impl SearchParams {
     pub fn paper() -> Self {
         Self {
             algorithm: Algorithm::Published,
+            ..Self::default()
+        }
+    }
+}
+
+/// Which formula makes the cost of an edge.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum CostKind {
+    /// The edge's length (m): shortest ways, whoever lies in wait.
+    Length,
+    /// The chasing-game paper's: length + (scale / d)³ with the distance d from the edge to the
+    /// nearest pursuer *where it is now*. Per edge, so that a way of many short edges past a
+    /// pursuer costs more than the same way in one.
+    Paper,
+    /// Length + the integral along the edge of weight · (scale / m)³, where m is how far off the
+    /// nearest pursuer can still be *when the evader gets there*:
+    ///
+    /// ```text
+    /// m = max(distance − reach · v_pursuer · min(t, horizon), closest),   t = way so far / v_own
+    /// ```
+    ///
+    /// An integral: cutting an edge in two changes nothing.
+    #[default]
+    TimeAware,
+}
+
+/// Parameters of the cost.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct CostParams {
+    /// Which formula.
+    pub kind: CostKind,
+    /// Extra metres per metre of way where the danger is 1 (`time_aware` only).
+    #[schemars(transform = at_least(0))]
+    pub weight: f64,
+    /// Share of a pursuer's speed with which it is taken to come nearer (`time_aware` only): 1 for a pursuer that drives straight for the place at once, 0 for one that stays.
+    #[schemars(transform = between(0, 1))]
+    pub reach: f64,
+}
+
+impl Default for CostParams {
+    fn default() -> Self {
+        Self {
+            kind: CostKind::TimeAware,
+            weight: 1.0,
+            reach: 0.5,
+        }
+    }
+}
+
+impl Parameters for CostParams {}
+
+impl CostParams {
+    /// The paper's formula.
+    pub fn paper() -> Self {
+        Self {
+            kind: CostKind::Paper,
+            ..Self::default()
+        }
+    }
+
+    /// The length alone.
+    pub fn length() -> Self {
+        Self {
+            kind: CostKind::Length,
             ..Self::default()
         }
     }

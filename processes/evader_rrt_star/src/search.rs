@@ -21,8 +21,6 @@ use crate::params::{Algorithm, SearchParams};
 use crate::sampler::FreeSampler;
 use crate::tree::{NONE, ROOT, Tree};
 
-pub(crate) use refine::REFINE_SHARE;
-
 /// What a search works in. All of it must be of the same map and the same robot.
 #[derive(Debug, Clone, Copy)]
 pub struct Scene<'a> {

@@ -47,3 +47,15 @@ fn errors_carry_the_path_of_the_field() {
     }
     assert!(toml::from_str::<RrtStarParams>("iterations = 3").is_err());
 }
+
+#[test]
+fn a_value_out_of_range_is_named_with_its_range() {
+    let bad = CostParams {
+        reach: 1.5,
+        ..CostParams::default()
+    };
+    assert_eq!(
+        check(&bad).unwrap_err().to_string(),
+        "`reach` is 1.5, but must be a number between 0 and 1"
+    );
+}

@@ -2,8 +2,9 @@
 
 use nalgebra::{Point2, Vector2};
 
-use super::{REFINE_SHARE, Scene, Search};
+use super::{Scene, Search};
 use crate::motion::Motion;
+use crate::params::REFINE_SHARE;
 use crate::sampler::uniform;
 use crate::tree::NONE;
 

@@ -13,9 +13,6 @@ use crate::motion::{Link, Motion};
 use crate::sampler::uniform;
 use crate::tree::ROOT;
 
-/// Share of iterations that change points of the best way once there is one.
-pub(crate) const REFINE_SHARE: f64 = 0.3;
-
 /// Least share of the cost that a change must gain: below it nodes pile up for nothing.
 const LEAST_GAIN: f64 = 2e-6;
 

@@ -3,10 +3,9 @@ use proptest::prelude::*;
 use sim_backend::shape::Convex;
 
 use super::*;
-use crate::cost::CostParams;
 use crate::ground::Ground;
 use crate::motion::{Arcs, Straight};
-use crate::params::Algorithm;
+use crate::params::{Algorithm, CostParams};
 
 const RADIUS: f64 = 0.105;
 

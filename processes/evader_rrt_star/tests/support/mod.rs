@@ -1,8 +1,8 @@
 //! The chasing-game paper's city as exact shapes, for tests and benches.
 #![allow(dead_code, reason = "each user needs another part of it")]
 
-use evader_rrt_star::cost::{CostModel, CostParams, Pursuer};
-use evader_rrt_star::params::Algorithm;
+use evader_rrt_star::cost::{CostModel, Pursuer};
+use evader_rrt_star::params::{Algorithm, CostParams};
 use nalgebra::Point2;
 use planner_view::free_space::FreeSpace;
 use sim_backend::pose::Pose2;
