@@ -8,12 +8,17 @@ use std::hint::black_box;
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use nalgebra::Point2;
 use navigation::dominance::{Arena, Dominance, DominanceParams, Runner};
-use navigation::wavefront::{Lattice, SIGHT, Source, Wave};
+use navigation::wavefront::{Lattice, Medium, SIGHT, Source, Wave};
+use planner_view::map::PlannerMap;
 use sim_backend::spec::Region;
 use support::{EXIT, RADIUS};
 
 const POLICE: [(f64, f64); 4] = [(7.5, 4.5), (7.5, 1.5), (7.5, -1.5), (7.5, -4.5)];
 const EVADERS: [(f64, f64); 2] = [(-4.5, 7.5), (-4.5, -7.5)];
+
+fn medium(map: &PlannerMap, pitch: f64) -> Medium {
+    Medium::new(map, Lattice::new(map, pitch, RADIUS), SIGHT)
+}
 
 fn waves(criterion: &mut Criterion) {
     let map = support::Arena::city().map();
@@ -27,11 +32,11 @@ fn waves(criterion: &mut Criterion) {
             BenchmarkId::new("lattice", pitch),
             &pitch,
             |bencher, &pitch| {
-                bencher.iter(|| Lattice::new(black_box(&map), pitch, RADIUS, SIGHT));
+                bencher.iter(|| medium(black_box(&map), pitch));
             },
         );
-        let lattice = Lattice::new(&map, pitch, RADIUS, SIGHT);
-        println!("pitch {pitch} m: {} free cells", lattice.len());
+        let medium = medium(&map, pitch);
+        println!("pitch {pitch} m: {} free cells", medium.lattice().len());
         for (name, sources) in [
             ("one_robot", sources(&EVADERS[..1])),
             ("four_robots", sources(&POLICE)),
@@ -41,7 +46,7 @@ fn waves(criterion: &mut Criterion) {
                 BenchmarkId::new(name, pitch),
                 &sources,
                 |bencher, sources| {
-                    bencher.iter(|| wave.spread(&lattice, &map, black_box(sources), None));
+                    bencher.iter(|| wave.spread(&medium, &map, black_box(sources), None));
                 },
             );
         }

@@ -1,15 +1,15 @@
-//! What does not change while the map does not: the lattice, the exits, the ways to them.
+//! What does not change while the map does not: the medium of waves, the exits, the ways to them.
 
 use sim_backend::spec::Region;
 
 use super::DominanceParams;
-use crate::wavefront::{Lattice, SIGHT, Source, Wave};
+use crate::wavefront::{Lattice, Medium, SIGHT, Source, Wave};
 use planner_view::map::PlannerMap;
 
 /// The free space of a map with its exits.
 #[derive(Debug, Clone)]
 pub struct Arena {
-    lattice: Lattice,
+    medium: Medium,
     exits: Vec<Exit>,
 }
 
@@ -24,27 +24,34 @@ struct Exit {
 impl Arena {
     /// The arena for robots of this radius (m), with exits that evaders reach with their centre.
     pub fn new(map: &PlannerMap, params: &DominanceParams, radius: f64, exits: &[Region]) -> Self {
-        let lattice = Lattice::new(map, params.pitch, radius, SIGHT);
+        let lattice = Lattice::new(map, params.pitch, radius);
+        let medium = Medium::new(map, lattice, SIGHT);
+        let lattice = medium.lattice();
         let exits = exits
             .iter()
             .map(|region| {
-                let nodes = nodes_of(&lattice, region);
+                let nodes = nodes_of(lattice, region);
                 let sources: Vec<Source> = nodes
                     .iter()
                     .filter_map(|&node| lattice.point(node as usize))
                     .map(|at| Source::new(at, 1.0, 0))
                     .collect();
                 let mut way = Wave::default();
-                way.spread(&lattice, map, &sources, None);
+                way.spread(&medium, map, &sources, None);
                 Exit { nodes, way }
             })
             .collect();
-        Self { lattice, exits }
+        Self { medium, exits }
     }
 
     /// The places where robots fit.
     pub fn lattice(&self) -> &Lattice {
-        &self.lattice
+        self.medium.lattice()
+    }
+
+    /// What waves between these places travel through.
+    pub fn medium(&self) -> &Medium {
+        &self.medium
     }
 
     /// Number of exits.

@@ -58,14 +58,14 @@ impl Dominance {
         evaders: &[Runner],
         capture: f64,
     ) -> &[Verdict] {
-        let lattice = arena.lattice();
+        let medium = arena.medium();
         self.sources.clear();
         self.sources
             .extend((0..).zip(police).map(|(label, runner)| Source {
                 reach: capture.max(0.0),
                 ..Source::new(runner.at, runner.speed, label)
             }));
-        self.police.spread(lattice, map, &self.sources, None);
+        self.police.spread(medium, map, &self.sources, None);
         self.safe.resize_with(evaders.len(), Wave::default);
         self.verdicts.clear();
         for ((label, evader), safe) in (0..).zip(evaders).zip(&mut self.safe) {
@@ -77,7 +77,7 @@ impl Dominance {
             } else {
                 &[source][..]
             };
-            safe.spread(lattice, map, sources, Some(&self.police));
+            safe.spread(medium, map, sources, Some(&self.police));
             let race = |exit: usize| race(arena, exit, police, evader, capture);
             self.verdicts.push(verdict(arena, &self.police, safe, race));
         }
@@ -117,7 +117,7 @@ impl Dominance {
                 .zip(evaders)
                 .map(|(label, runner)| Source::new(runner.at, runner.speed, label)),
         );
-        self.free.spread(lattice, map, &self.sources, None);
+        self.free.spread(arena.medium(), map, &self.sources, None);
         cells.clear();
         cells.extend((0..lattice.frame().len()).map(|cell| {
             lattice

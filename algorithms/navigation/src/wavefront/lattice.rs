@@ -3,7 +3,6 @@
 use nalgebra::Point2;
 use sim_backend::grid::GridFrame;
 
-use super::bends::Bends;
 use planner_view::map::PlannerMap;
 
 /// Stands for "no node".
@@ -12,10 +11,7 @@ pub(super) const NONE: u32 = u32::MAX;
 /// Most cells of a lattice; beyond it the pitch is doubled until it fits.
 const MAX_CELLS: usize = 1 << 22;
 
-/// Steps along one axis: +x, +y, −x, −y.
-const STEPS: [(i64, i64); 4] = [(1, 0), (0, 1), (-1, 0), (0, -1)];
-
-/// The free cells of a coarsened map, as nodes with four neighbours each.
+/// The free cells of a coarsened map, as nodes.
 ///
 /// A cell is free if the robot fits with its centre in the cell's centre. Nodes are numbered row by
 /// row, so that the same map gives the same numbers.
@@ -27,15 +23,12 @@ pub struct Lattice {
     node_of: Vec<u32>,
     /// Per node, its cell.
     cell_of: Vec<u32>,
-    /// Per node and step, the neighbour; where there is none, [`Lattice::nowhere`].
-    neighbours: Vec<[u32; 4]>,
-    bends: Bends,
 }
 
 impl Lattice {
     /// The lattice for a robot of this radius (m) at this pitch (m), rounded to whole cells of the
-    /// map (at least one). For `sight` (m) see [`SIGHT`](super::SIGHT).
-    pub fn new(map: &PlannerMap, pitch: f64, radius: f64, sight: f64) -> Self {
+    /// map (at least one).
+    pub fn new(map: &PlannerMap, pitch: f64, radius: f64) -> Self {
         let fine = &map.clearance_grid().frame;
         // A pitch that is not a number becomes one cell.
         let mut stride = (pitch / fine.resolution).round().max(1.0) as usize;
@@ -59,22 +52,12 @@ impl Lattice {
                 }
             }
         }
-        let mut lattice = Self {
+        Self {
             frame,
             radius,
             node_of,
             cell_of,
-            neighbours: Vec::new(),
-            bends: Bends::default(),
-        };
-        lattice.bends = Bends::new(map, &lattice, sight);
-        let nowhere = lattice.nowhere();
-        lattice.neighbours = (0..lattice.len())
-            .map(|node| {
-                STEPS.map(|(dx, dy)| lattice.beside(node, dx, dy).unwrap_or(nowhere) as u32)
-            })
-            .collect();
-        lattice
+        }
     }
 
     /// Number of free cells.
@@ -180,25 +163,6 @@ impl Lattice {
                 }
             }
         }
-    }
-
-    /// The neighbours of a node in the order of the steps +x, +y, −x, −y; [`Lattice::nowhere`] where
-    /// there is none.
-    pub(super) fn neighbours(&self, node: usize) -> [u32; 4] {
-        self.neighbours
-            .get(node)
-            .copied()
-            .unwrap_or([self.nowhere() as u32; 4])
-    }
-
-    /// The places where shortest ways bend; their numbers follow those of the nodes.
-    pub(super) fn bends(&self) -> &Bends {
-        &self.bends
-    }
-
-    /// A number beyond those of nodes and bends: a place that nothing reaches.
-    pub(super) fn nowhere(&self) -> usize {
-        self.len() + self.bends.len()
     }
 
     /// Radius with which lines of sight are tested (m): half a cell's diagonal less than the robot's,

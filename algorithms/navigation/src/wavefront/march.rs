@@ -1,11 +1,12 @@
 //! Fast marching.
 
 use super::lattice::{Lattice, NONE};
+use super::medium::Medium;
 use super::queue::Queue;
 use super::seed::{Seed, Source, collect};
 use planner_view::map::PlannerMap;
 
-/// Arrival times of the earliest of several sources at every node of a [`Lattice`].
+/// Arrival times of the earliest of several sources at every node of a [`Medium`].
 ///
 /// Keeps its memory from one wave to the next. Equal times go to the source that was named first.
 #[derive(Debug, Clone, Default)]
@@ -27,21 +28,21 @@ pub struct Wave {
 }
 
 impl Wave {
-    /// Sends a wave from these sources over the whole lattice; sources with numbers out of range
+    /// Sends a wave from these sources through the whole medium; sources with numbers out of range
     /// are left out.
     ///
-    /// With `limit`, a wave over the same lattice, it goes only where it is strictly before that.
+    /// With `limit`, a wave through the same medium, it goes only where it is strictly before that.
     ///
     /// Costs one march per distinct speed: a slow wave that is first at a place must not hold up a
     /// faster one that comes through later.
     pub fn spread(
         &mut self,
-        lattice: &Lattice,
+        medium: &Medium,
         map: &PlannerMap,
         sources: &[Source],
         limit: Option<&Self>,
     ) {
-        self.nodes = lattice.len();
+        self.nodes = medium.lattice().len();
         self.speeds.clear();
         let sane = || sources.iter().filter(|source| source.is_sane());
         for source in sane() {
@@ -50,7 +51,7 @@ impl Wave {
             }
         }
         if self.speeds.is_empty() {
-            self.clear(lattice);
+            self.clear(medium);
             return;
         }
         let limit = limit.map(|limit| &limit.times[..]);
@@ -58,9 +59,9 @@ impl Wave {
             let speed = self.speeds[group];
             self.seeds.clear();
             for source in sane().filter(|source| source.speed == speed) {
-                collect(lattice, map, source, &mut self.seeds);
+                collect(medium, map, source, &mut self.seeds);
             }
-            self.march(lattice, speed, limit);
+            self.march(medium, speed, limit);
             if self.speeds.len() > 1 {
                 self.keep_earliest(group == 0);
             }
@@ -122,8 +123,8 @@ impl Wave {
         }
     }
 
-    fn clear(&mut self, lattice: &Lattice) {
-        let places = lattice.nowhere() + 1;
+    fn clear(&mut self, medium: &Medium) {
+        let places = medium.nowhere() + 1;
         for times in [&mut self.times, &mut self.tentative] {
             times.clear();
             times.resize(places, f32::INFINITY);
@@ -135,13 +136,13 @@ impl Wave {
     }
 
     /// Marches from the seeds at a speed (m/s).
-    fn march(&mut self, lattice: &Lattice, speed: f64, limit: Option<&[f32]>) {
-        self.clear(lattice);
-        let step = (lattice.pitch() / speed) as f32;
+    fn march(&mut self, medium: &Medium, speed: f64, limit: Option<&[f32]>) {
+        self.clear(medium);
+        let step = (medium.lattice().pitch() / speed) as f32;
         let slowness = (1.0 / speed) as f32;
         self.queue.reset(step);
         self.sow(limit);
-        let nowhere = lattice.nowhere();
+        let nowhere = medium.nowhere();
         while let Some((time, place)) = self.queue.pop() {
             let at = place as usize;
             if self.times[at].is_finite() || time > self.tentative[at] {
@@ -149,10 +150,10 @@ impl Wave {
             }
             self.times[at] = time;
             if at >= self.nodes {
-                self.turn(lattice, at, slowness, limit);
+                self.turn(medium, at, slowness, limit);
                 continue;
             }
-            for next in lattice.neighbours(at) {
+            for next in medium.neighbours(at) {
                 let next = next as usize;
                 if next == nowhere || self.times[next].is_finite() {
                     continue;
@@ -161,10 +162,10 @@ impl Wave {
                 if self.straight[next] && self.tentative[next] <= time + 1.5 * step {
                     continue;
                 }
-                let (time, from) = self.arrival(lattice, next, step);
+                let (time, from) = self.arrival(medium, next, step);
                 self.offer(next, time, self.labels[from], false, limit);
             }
-            if let Some(bend) = lattice.bends().beside(at) {
+            if let Some(bend) = medium.bends().beside(at) {
                 let bend = self.nodes + bend;
                 if !self.straight[bend] {
                     self.offer(bend, time + step, self.labels[at], false, limit);
@@ -194,9 +195,9 @@ impl Wave {
     }
 
     /// The wave turns round a corner: goes straight on from a bend that it has reached.
-    fn turn(&mut self, lattice: &Lattice, at: usize, slowness: f32, limit: Option<&[f32]>) {
+    fn turn(&mut self, medium: &Medium, at: usize, slowness: f32, limit: Option<&[f32]>) {
         let (start, label) = (self.times[at], self.labels[at]);
-        for target in lattice.bends().targets(at - self.nodes) {
+        for target in medium.bends().targets(at - self.nodes) {
             let to = target.to as usize;
             let time = start + target.distance * slowness;
             if time >= self.tentative[to] || self.times[to].is_finite() {
@@ -226,8 +227,8 @@ impl Wave {
     ///
     /// Solves Σ w(T − t)² = step² over both axes, where t and w are a neighbour's time and 1, or of
     /// second order (4t₁ − t₂)/3 and 9/4 (Sethian 1999, §8.3).
-    fn arrival(&self, lattice: &Lattice, node: usize, step: f32) -> (f32, usize) {
-        let beside = lattice.neighbours(node);
+    fn arrival(&self, medium: &Medium, node: usize, step: f32) -> (f32, usize) {
+        let beside = medium.neighbours(node);
         let axis = |forth: usize, back: usize| {
             let (a, b) = (
                 self.times[beside[forth] as usize],
@@ -236,7 +237,7 @@ impl Wave {
             let (time, to) = if a < b { (a, forth) } else { (b, back) };
             let neighbour = beside[to] as usize;
             if time.is_finite() {
-                let behind = self.times[lattice.neighbours(neighbour)[to] as usize];
+                let behind = self.times[medium.neighbours(neighbour)[to] as usize];
                 if behind <= time {
                     return (time, (4.0 * time - behind) / 3.0, 2.25, neighbour);
                 }

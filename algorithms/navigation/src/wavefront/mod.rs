@@ -2,7 +2,8 @@
 //!
 //! The arrival time `T` of a wave that starts at some robots and travels at their speed `v` solves
 //! the eikonal equation |∇T| = 1/v on the free space. [`Lattice`] is the free space of a robot of
-//! one radius, sampled at a pitch; [`Wave`] solves the equation on it by fast marching (J. A.
+//! one radius, sampled at a pitch; [`Medium`] adds the corners that ways bend round; [`Wave`] solves
+//! the equation on it by fast marching (J. A.
 //! Sethian, *A fast marching level set method for monotonically advancing fronts*, PNAS 93(4),
 //! 1996), with upwind differences of second order (*Level Set Methods and Fast Marching Methods*,
 //! 1999, §8.3) and exact times near the sources and the corners that the wave turns round, where
@@ -15,10 +16,12 @@
 mod bends;
 mod lattice;
 mod march;
+mod medium;
 mod queue;
 mod seed;
 mod way;
 
 pub use lattice::Lattice;
 pub use march::Wave;
+pub use medium::Medium;
 pub use seed::{SIGHT, Source};

@@ -2,7 +2,7 @@
 
 use nalgebra::Point2;
 
-use super::lattice::Lattice;
+use super::medium::Medium;
 use planner_view::map::PlannerMap;
 
 /// How far from a source (m) a free cell is looked for if none can be seen from it.
@@ -76,7 +76,8 @@ pub(super) struct Seed {
 
 /// Collects the nodes and bends that a source sees near it; if there is none, the nearest free
 /// cell.
-pub(super) fn collect(lattice: &Lattice, map: &PlannerMap, source: &Source, seeds: &mut Vec<Seed>) {
+pub(super) fn collect(medium: &Medium, map: &PlannerMap, source: &Source, seeds: &mut Vec<Seed>) {
+    let lattice = medium.lattice();
     let pitch = lattice.pitch();
     // A robot that touches a wall may stand in a cell whose centre is too near to it. One that is in
     // a wall sees nothing.
@@ -111,7 +112,7 @@ pub(super) fn collect(lattice: &Lattice, map: &PlannerMap, source: &Source, seed
             see(node, point, distance);
         }
     });
-    for (bend, &point) in lattice.bends().points().iter().enumerate() {
+    for (bend, &point) in medium.bends().points().iter().enumerate() {
         let distance = (point - source.at).norm();
         if distance <= source.reach + SIGHT {
             see(lattice.len() + bend, point, distance);

@@ -4,44 +4,48 @@ use std::sync::LazyLock;
 
 use crate::support::{Arena, EXIT, RADIUS, open_ground};
 use nalgebra::Point2;
-use navigation::wavefront::{Lattice, SIGHT, Source, Wave};
+use navigation::wavefront::{Lattice, Medium, SIGHT, Source, Wave};
 use planner_view::map::PlannerMap;
 use proptest::prelude::*;
 use sim_backend::grid::Grid;
 
 const PITCH: f64 = 0.2;
 
-static CITY: LazyLock<(PlannerMap, Lattice)> = LazyLock::new(|| {
+static CITY: LazyLock<(PlannerMap, Medium)> = LazyLock::new(|| {
     let map = Arena::city().map();
-    let lattice = Lattice::new(&map, PITCH, RADIUS, SIGHT);
-    (map, lattice)
+    let medium = medium(&map, PITCH, SIGHT);
+    (map, medium)
 });
 
 /// A square without obstacles, 20 m wide.
-static OPEN: LazyLock<(PlannerMap, Lattice)> = LazyLock::new(|| {
+static OPEN: LazyLock<(PlannerMap, Medium)> = LazyLock::new(|| {
     let map = open_ground();
-    let lattice = Lattice::new(&map, PITCH, RADIUS, SIGHT);
-    (map, lattice)
+    let medium = medium(&map, PITCH, SIGHT);
+    (map, medium)
 });
 
-fn spread(place: &(PlannerMap, Lattice), sources: &[Source]) -> Wave {
+fn medium(map: &PlannerMap, pitch: f64, sight: f64) -> Medium {
+    Medium::new(map, Lattice::new(map, pitch, RADIUS), sight)
+}
+
+fn spread(place: &(PlannerMap, Medium), sources: &[Source]) -> Wave {
     let mut wave = Wave::default();
     wave.spread(&place.1, &place.0, sources, None);
     wave
 }
 
-fn point(place: &(PlannerMap, Lattice), node: usize) -> Point2<f64> {
-    place.1.point(node).unwrap()
+fn point(place: &(PlannerMap, Medium), node: usize) -> Point2<f64> {
+    place.1.lattice().point(node).unwrap()
 }
 
 /// Largest and mean error relative to straight lines, over the nodes at least 1 m from the source.
 fn errors_in_the_open() -> (f64, f64) {
-    let (map, lattice) = &*OPEN;
+    let (map, medium) = &*OPEN;
     let at = Point2::new(-3.21, 1.03);
     let mut wave = Wave::default();
-    wave.spread(lattice, map, &[Source::new(at, 0.5, 0)], None);
+    wave.spread(medium, map, &[Source::new(at, 0.5, 0)], None);
     let (mut worst, mut sum, mut count) = (0.0_f64, 0.0, 0.0);
-    for node in 0..lattice.len() {
+    for node in 0..medium.lattice().len() {
         let truth = (point(&OPEN, node) - at).norm() / 0.5;
         if truth >= 2.0 {
             let error = (f64::from(wave.time(node)) - truth).abs() / truth;
@@ -84,7 +88,7 @@ fn in_the_city_times_are_those_of_the_shortest_ways() {
     let wave = spread(&CITY, &[Source::new(Point2::new(-4.5, 7.5), 1.0, 0)]);
     let mut sum = 0.0;
     for (x, y, truth) in SHORTEST {
-        let error = wave.time_at(&CITY.1, Point2::new(x, y)) / truth - 1.0;
+        let error = wave.time_at(CITY.1.lattice(), Point2::new(x, y)) / truth - 1.0;
         println!("({x}, {y}): {error:.4}");
         assert!(error.abs() < 0.02, "({x}, {y}): {error}");
         sum += error.abs();
@@ -101,7 +105,7 @@ fn the_earliest_of_several_sources_counts_and_lends_its_label() {
         ..Source::new(b, 1.0, 9)
     };
     let wave = spread(&OPEN, &[Source::new(a, 1.0, 7), late]);
-    for node in 0..OPEN.1.len() {
+    for node in 0..OPEN.1.lattice().len() {
         let p = point(&OPEN, node);
         let (first, second) = ((p - a).norm(), (p - b).norm() + 4.0);
         assert!((f64::from(wave.time(node)) - first.min(second)).abs() < 0.06);
@@ -119,10 +123,10 @@ fn a_slow_source_does_not_hold_up_a_fast_one_that_comes_through() {
     let fast = Source::new(Point2::new(-3.0, 1.5), 1.0, 1);
     let both = spread(&CITY, &[slow, fast]);
     let alone = spread(&CITY, &[fast]);
-    let beyond = CITY.1.node_at(Point2::new(3.0, 1.5)).unwrap();
+    let beyond = CITY.1.lattice().node_at(Point2::new(3.0, 1.5)).unwrap();
     assert_eq!(both.time(beyond), alone.time(beyond));
     assert_eq!(both.label(beyond), Some(1));
-    let beside = CITY.1.node_at(slow.at).unwrap();
+    let beside = CITY.1.lattice().node_at(slow.at).unwrap();
     assert_eq!(both.label(beside), Some(0));
 }
 
@@ -138,7 +142,7 @@ fn what_is_within_reach_is_reached_at_once() {
         ..Source::new(at, 0.0, 0)
     };
     let (reaching, stuck) = (spread(&OPEN, &[reaching]), spread(&OPEN, &[stuck]));
-    for node in 0..OPEN.1.len() {
+    for node in 0..OPEN.1.lattice().len() {
         let distance = (point(&OPEN, node) - at).norm();
         let truth = (distance - 0.5).max(0.0) / 0.5;
         let time = f64::from(reaching.time(node));
@@ -158,7 +162,7 @@ fn a_limited_wave_is_strictly_earlier_everywhere_and_never_earlier_than_a_free_o
     let mut limited = Wave::default();
     limited.spread(&CITY.1, &CITY.0, &evader, Some(&limit));
     let mut cut_off = 0;
-    for node in 0..CITY.1.len() {
+    for node in 0..CITY.1.lattice().len() {
         let time = limited.time(node);
         if time.is_finite() {
             assert!(time < limit.time(node));
@@ -177,12 +181,15 @@ fn a_way_leads_from_the_source_cell_by_cell_and_is_as_long_as_its_time() {
     let wave = spread(&CITY, &[Source::new(start, 1.0, 0)]);
     let mut way = Vec::new();
     for goal in [EXIT, Point2::new(7.5, -7.5), Point2::new(-4.5, 6.9)] {
-        let goal = CITY.1.node_at(goal).unwrap();
-        wave.way_to(&CITY.1, goal, &mut way);
+        let goal = CITY.1.lattice().node_at(goal).unwrap();
+        wave.way_to(CITY.1.lattice(), goal, &mut way);
         assert_eq!(way.last(), Some(&goal));
-        assert!((point(&CITY, way[0]) - start).norm() < CITY.1.pitch());
+        assert!((point(&CITY, way[0]) - start).norm() < CITY.1.lattice().pitch());
         let step = |pair: &[usize]| (point(&CITY, pair[1]) - point(&CITY, pair[0])).norm();
-        assert!(way.windows(2).all(|pair| step(pair) < 1.5 * CITY.1.pitch()));
+        assert!(
+            way.windows(2)
+                .all(|pair| step(pair) < 1.5 * CITY.1.lattice().pitch())
+        );
         assert!(
             way.windows(2)
                 .all(|pair| wave.time(pair[0]) < wave.time(pair[1]))
@@ -196,7 +203,7 @@ fn a_way_leads_from_the_source_cell_by_cell_and_is_as_long_as_its_time() {
             "{length} {truth}"
         );
     }
-    wave.way_to(&CITY.1, usize::MAX, &mut way);
+    wave.way_to(CITY.1.lattice(), usize::MAX, &mut way);
     assert!(way.is_empty());
 }
 
@@ -221,7 +228,7 @@ fn hostile_sources_and_maps_reach_nothing_and_do_not_panic() {
         assert_eq!(reached, 0, "{source:?}");
         assert_eq!(wave.label(0), None);
         assert_eq!(
-            wave.time_at(&CITY.1, Point2::new(f64::NAN, 1.0)),
+            wave.time_at(CITY.1.lattice(), Point2::new(f64::NAN, 1.0)),
             f64::INFINITY
         );
     }
@@ -232,10 +239,10 @@ fn hostile_sources_and_maps_reach_nothing_and_do_not_panic() {
     )
     .unwrap();
     for pitch in [f64::NAN, 0.0, -1.0, 1e300] {
-        let lattice = Lattice::new(&solid, pitch, RADIUS, 3.0);
-        assert!(lattice.is_empty());
+        let medium = medium(&solid, pitch, 3.0);
+        assert!(medium.lattice().is_empty());
         let mut wave = Wave::default();
-        wave.spread(&lattice, &solid, &[Source::new(somewhere, 1.0, 0)], None);
+        wave.spread(&medium, &solid, &[Source::new(somewhere, 1.0, 0)], None);
         assert!(wave.times().is_empty());
     }
 }
@@ -244,7 +251,7 @@ fn hostile_sources_and_maps_reach_nothing_and_do_not_panic() {
 fn a_robot_that_touches_a_wall_starts_from_where_it_is() {
     // 0.1 m from the block's side, a little less than the radius.
     let wave = spread(&CITY, &[Source::new(Point2::new(0.0, 1.1), 1.0, 0)]);
-    let time = wave.time_at(&CITY.1, Point2::new(1.5, 1.5));
+    let time = wave.time_at(CITY.1.lattice(), Point2::new(1.5, 1.5));
     assert!((time - 1.552).abs() < 0.05, "{time}");
 }
 
@@ -273,18 +280,18 @@ proptest! {
         // From within an obstacle the wave starts at the nearest place outside it.
         prop_assume!(CITY.0.line_is_clear(at, at, RADIUS));
         let wave = spread(&CITY, &[Source::new(at, speed, 0)]);
-        for node in 0..CITY.1.len() {
+        for node in 0..CITY.1.lattice().len() {
             let time = f64::from(wave.time(node));
             if !time.is_finite() {
                 continue;
             }
             // But for the wave's own error, and for the cell that a source beside a wall is moved to.
             let straight = (point(&CITY, node) - at).norm();
-            prop_assert!(time * speed >= 0.98 * straight - CITY.1.pitch());
+            prop_assert!(time * speed >= 0.98 * straight - CITY.1.lattice().pitch());
             for (dx, dy) in [(1, 0), (0, 1), (-1, 0), (0, -1)] {
-                if let Some(next) = CITY.1.beside(node, dx, dy) {
+                if let Some(next) = CITY.1.lattice().beside(node, dx, dy) {
                     let later = f64::from(wave.time(next)) - time;
-                    prop_assert!(later * speed <= 1.5 * CITY.1.pitch(), "{}", later * speed);
+                    prop_assert!(later * speed <= 1.5 * CITY.1.lattice().pitch(), "{}", later * speed);
                 }
             }
         }

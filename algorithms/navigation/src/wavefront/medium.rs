@@ -1,0 +1,61 @@
+//! What a wave travels through.
+
+use planner_view::map::PlannerMap;
+
+use super::bends::Bends;
+use super::lattice::Lattice;
+
+/// Steps along one axis: +x, +y, −x, −y.
+const STEPS: [(i64, i64); 4] = [(1, 0), (0, 1), (-1, 0), (0, -1)];
+
+/// The places that a wave goes through: the nodes of a lattice, with four neighbours each, and the
+/// places where shortest ways bend, whose numbers follow those of the nodes.
+#[derive(Debug, Clone)]
+pub struct Medium {
+    lattice: Lattice,
+    /// Per node and step, the neighbour; where there is none, [`Medium::nowhere`].
+    neighbours: Vec<[u32; 4]>,
+    bends: Bends,
+}
+
+impl Medium {
+    /// The medium on a lattice of this map. For `sight` (m) see [`SIGHT`](super::SIGHT).
+    pub fn new(map: &PlannerMap, lattice: Lattice, sight: f64) -> Self {
+        let bends = Bends::new(map, &lattice, sight);
+        let nowhere = lattice.len() + bends.len();
+        let neighbours = (0..lattice.len())
+            .map(|node| {
+                STEPS.map(|(dx, dy)| lattice.beside(node, dx, dy).unwrap_or(nowhere) as u32)
+            })
+            .collect();
+        Self {
+            lattice,
+            neighbours,
+            bends,
+        }
+    }
+
+    /// The nodes.
+    pub fn lattice(&self) -> &Lattice {
+        &self.lattice
+    }
+
+    /// The neighbours of a node in the order of the steps +x, +y, −x, −y; [`Medium::nowhere`] where
+    /// there is none.
+    pub(super) fn neighbours(&self, node: usize) -> [u32; 4] {
+        self.neighbours
+            .get(node)
+            .copied()
+            .unwrap_or([self.nowhere() as u32; 4])
+    }
+
+    /// The places where shortest ways bend.
+    pub(super) fn bends(&self) -> &Bends {
+        &self.bends
+    }
+
+    /// A number beyond those of nodes and bends: a place that nothing reaches.
+    pub(super) fn nowhere(&self) -> usize {
+        self.lattice.len() + self.bends.len()
+    }
+}
