@@ -126,19 +126,25 @@ fn contours_times_and_widths_that_make_no_patrol() {
             "t_max=50",
             "`t_max` = 50 s | more time or a faster robot | mission.t_max)",
         ),
-        ("t_max=0", "`t_max` is 0 | above 0 | mission.t_max)"),
-        ("t_max=-5", "`t_max` is -5 | above 0 | mission.t_max)"),
+        (
+            "t_max=0",
+            "`mission.t_max` is out of range | mission.t_max) | value: 0 | above 0 and at most 1000000 (s)",
+        ),
+        (
+            "t_max=-5",
+            "`mission.t_max` is out of range | mission.t_max) | value: -5 | above 0 and at most 1000000 (s)",
+        ),
         (
             "t_max=nan",
             "value not allowed | mission.t_max) | a finite number",
         ),
         (
             "alpha=0",
-            "`alpha` is 0 | above 0 [m]; leave it out | mission.alpha)",
+            "`mission.alpha` is out of range | mission.alpha) | value: 0 | above 0 (m)",
         ),
         (
             "alpha=-1",
-            "`alpha` is -1 | above 0 [m]; leave it out | mission.alpha)",
+            "`mission.alpha` is out of range | mission.alpha) | value: -1 | above 0 (m)",
         ),
         (
             "alpha=inf",

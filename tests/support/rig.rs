@@ -110,11 +110,11 @@ impl Rig {
             .unwrap();
         overseer.seat(slot, slot != 0, plan.launches[slot].watched);
         let config = space.root().join("process.json");
-        let launch = &plan.launches[slot].config;
+        let launch = &plan.launches[slot];
         std::fs::write(&config, serde_json::to_vec(launch).unwrap()).unwrap();
         let process = Process::spawn(
             Command::new(PROTEAN)
-                .args(["process", &launch.kind, "--config"])
+                .args(["process", &launch.config.kind, "--config"])
                 .arg(&config),
         );
         let status = bus.subscriber().unwrap();

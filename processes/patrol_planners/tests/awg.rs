@@ -175,7 +175,7 @@ fn a_patrol_that_cannot_be_names_the_field() {
             .unwrap_err()
             .to_string()
     };
-    assert!(made("").starts_with("mission: `contour` has 0 waypoint(s)"));
+    assert!(made("").starts_with("`contour` has 0 waypoint(s)"));
     let slow = "mission = { contour = [[0, 0], [100, 0]], t_max = 60 }";
     assert!(made(slow).contains("at least 200.000 s"));
     let driver = "mission = { contour = [[0, 0], [9, 0]] }\n[driver]\nstuck_s = -1";

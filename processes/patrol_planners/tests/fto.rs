@@ -141,7 +141,7 @@ fn parameters_that_cannot_be_are_named() {
         let params: PatrolFtoParams = toml::from_str(&(more.to_owned() + SQUARE)).unwrap();
         check(&params).unwrap_err().to_string()
     };
-    assert!(refused("fto = { radius = 0.0 }\n").starts_with("fto: `radius` is 0"));
+    assert!(refused("fto = { radius = 0.0 }\n").starts_with("`fto.radius` is 0"));
     assert!(refused("mixed = { retry_laps = 0 }\n").starts_with("`mixed.retry_laps` is 0"));
     assert!(refused("driver = { stuck_s = 0.0 }\n").starts_with("`driver.stuck_s` is 0"));
     assert!(toml::from_str::<PatrolFtoParams>("protection = 'none'").is_err());
