@@ -42,7 +42,7 @@ fn what_was_flushed_survives_the_process() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("run.mcap");
     let status = Command::new(std::env::current_exe().unwrap())
-        .args(["--exact", "recorder::tests::kill::victim"])
+        .args(["--exact", "tests::kill::victim"])
         .env(VICTIM, &path)
         .stdout(Stdio::null())
         .stderr(Stdio::null())
