@@ -118,46 +118,6 @@ const KNOWN: &[(&str, &str)] = &[
     ),
     ("sim_backend/Cargo.toml", "`sim_backend` has "),
     (
-        "orchestrator/log_tools/src/compare.rs",
-        "modules use each other in a cycle: compare → deviation → compare",
-    ),
-    (
-        "orchestrator/recorder/src/covered.rs",
-        "modules use each other in a cycle: covered → outcome → covered",
-    ),
-    (
-        "orchestrator/recorder/src/happened.rs",
-        "modules use each other in a cycle: happened → outcome → happened",
-    ),
-    (
-        "orchestrator/recorder/src/judged.rs",
-        "modules use each other in a cycle: judged → outcome → judged",
-    ),
-    (
-        "orchestrator/recorder/src/options.rs",
-        "modules use each other in a cycle: options → viewer → options",
-    ),
-    (
-        "orchestrator/recorder/src/outages.rs",
-        "modules use each other in a cycle: outages → outcome → outages",
-    ),
-    (
-        "orchestrator/recorder/src/predicted.rs",
-        "modules use each other in a cycle: predicted → outcome → predicted",
-    ),
-    (
-        "orchestrator/recorder/src/robots.rs",
-        "modules use each other in a cycle: robots → outcome → robots",
-    ),
-    (
-        "orchestrator/recorder/src/summary.rs",
-        "modules use each other in a cycle: summary → outages → summary",
-    ),
-    (
-        "orchestrator/recorder/src/visits.rs",
-        "modules use each other in a cycle: visits → outcome → visits",
-    ),
-    (
         "orchestrator/scenario/src/draft.rs",
         "modules use each other in a cycle: draft → load → draft",
     ),

@@ -2,7 +2,6 @@
 //! of its processes, done again.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::ops::Range;
 use std::path::Path;
 
 use ipc_types::stamp::Stamp;
@@ -10,16 +9,12 @@ use ipc_types::topics::TopicId;
 use mcap_log::LogsError;
 use mcap_log::Topics;
 use mcap_log::Watch;
-use mcap_log::known::{self, ENCAPSULATION};
+use mcap_log::known;
 use mcap_log::ros2::field_at;
 use mcap_log::source::{Logged, Source};
 use serde::Serialize;
 
-use super::deviation::{Deviation, add_deviations};
-
-/// The clocks of the stamp, in the bytes of a message.
-pub(super) const CLOCKS: Range<usize> =
-    ENCAPSULATION + Stamp::SIMULATED_BYTES..ENCAPSULATION + size_of::<Stamp>();
+use super::deviation::{CLOCKS, Deviation, add_deviations};
 
 /// The first difference of a topic.
 #[derive(Debug, Clone, PartialEq, Serialize)]

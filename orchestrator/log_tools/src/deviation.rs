@@ -1,12 +1,17 @@
 //! By how much two messages of a topic differ, field by field.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
+use ipc_types::stamp::Stamp;
+use mcap_log::known::ENCAPSULATION;
 use mcap_log::ros2::{Cdr, Count, DecodeError, Field, Kind, Schema};
 use serde::Serialize;
 use tables::Cell;
 
-use super::compare::CLOCKS;
+/// The clocks of the stamp, in the bytes of a message.
+pub(super) const CLOCKS: Range<usize> =
+    ENCAPSULATION + Stamp::SIMULATED_BYTES..ENCAPSULATION + size_of::<Stamp>();
 
 /// By how much a field differs, in all messages of a topic.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]

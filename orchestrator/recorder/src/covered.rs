@@ -4,8 +4,7 @@ use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::world::CoverageState;
 use ipc_types::topics::{Coverage, TopicId};
 
-use super::outcome::OutcomePart;
-use super::summary::{CoverageByWay, CoverageOutcome, Summary};
+use super::summary::{CoverageByWay, CoverageOutcome, OutcomePart, Summary};
 
 /// Ways at which coverage is noted (m).
 const WAYS: [f64; 4] = [250.0, 500.0, 1000.0, 2000.0];

@@ -5,8 +5,7 @@ use ipc_types::messages::world::WorldEvent;
 use ipc_types::topics::{TopicId, WorldEvents};
 
 use super::options::RobotInfo;
-use super::outcome::OutcomePart;
-use super::summary::{EventEntry, Summary};
+use super::summary::{EventEntry, OutcomePart, Summary};
 
 /// Maximum number of events that a summary lists; the log has all.
 const MAX_EVENTS: usize = 100_000;

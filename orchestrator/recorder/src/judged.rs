@@ -3,8 +3,7 @@
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::topics::{TopicId, Verdicts};
 
-use super::outcome::OutcomePart;
-use super::summary::Summary;
+use super::summary::{OutcomePart, Summary};
 
 /// The verdicts on all robots so far.
 #[derive(Debug)]

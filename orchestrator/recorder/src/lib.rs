@@ -52,13 +52,9 @@ pub use bus::Recorder;
 pub use error::RecorderError;
 pub use eyes::{EyeInfo, EyePlace};
 pub use gate::Gate;
-pub use options::{ProcessInfo, RecorderOptions, RobotInfo};
-pub use outages::{Outage, ProcessOutcome};
-pub use predicted::PredictionOutcome;
+pub use options::{ProcessInfo, RecorderOptions, RobotInfo, ViewerOptions};
 pub use recording::Recording;
 pub use summary::{
-    CoverageByWay, CoverageOutcome, EventEntry, RobotOutcome, Summary, TopicCount, status_name,
-    team_name,
+    CoverageByWay, CoverageOutcome, EventEntry, LapFigures, Outage, PredictionOutcome,
+    ProcessOutcome, RobotOutcome, Summary, TopicCount, WaypointOutcome, status_name, team_name,
 };
-pub use viewer::ViewerOptions;
-pub use visits::{LapFigures, WaypointOutcome};

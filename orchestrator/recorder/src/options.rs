@@ -5,8 +5,7 @@ use std::path::PathBuf;
 use ipc_types::messages::world::ObstacleEvent;
 use mcap_log::{LogOptions, Manifest};
 
-use super::viewer::ViewerOptions;
-use crate::EyeInfo;
+use super::eyes::EyeInfo;
 
 /// A process of the run.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -30,6 +29,24 @@ pub struct RobotInfo {
     pub radius: f64,
     /// Whether it may visit waypoints: then its way is kept for what the run amounts to.
     pub visits_waypoints: bool,
+}
+
+/// What viewers get to see.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ViewerOptions {
+    /// Pictures per simulated second; 0 for no viewer topics at all.
+    pub rate_hz: f64,
+    /// How long a robot's trail stays visible (simulated s); 0 for none.
+    pub trail_s: f64,
+}
+
+impl Default for ViewerOptions {
+    fn default() -> Self {
+        Self {
+            rate_hz: 10.0,
+            trail_s: 5.0,
+        }
+    }
 }
 
 /// What is recorded, how and where.

@@ -5,40 +5,9 @@ use std::collections::BTreeMap;
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::process::ProcessEvent;
 use ipc_types::topics::{ProcessEvents, TopicId};
-use serde::{Deserialize, Serialize};
 
 use super::options::ProcessInfo;
-use super::outcome::OutcomePart;
-use super::summary::{Summary, seconds};
-
-/// What became of a process that failed.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct ProcessOutcome {
-    /// Its name.
-    pub name: String,
-    /// How often it was started again and came back.
-    pub restarts: u32,
-    /// Ticks that were done without it.
-    pub ticks_absent: u64,
-    /// Whether it was not started again after the last failure.
-    pub given_up: bool,
-    /// Every failure, in order.
-    pub outages: Vec<Outage>,
-}
-
-/// A time without a process.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Outage {
-    /// The first tick that it did not do.
-    pub left_tick: u64,
-    /// Simulated time of that tick (s).
-    pub left_time_s: f64,
-    /// Why: `was ended by signal 9`.
-    pub reason: String,
-    /// The first tick that it did again; absent if it never came back.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub back_tick: Option<u64>,
-}
+use super::summary::{Outage, OutcomePart, ProcessOutcome, Summary, seconds};
 
 /// Collects [`ProcessOutcome`]s.
 #[derive(Debug)]

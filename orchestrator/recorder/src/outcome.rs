@@ -1,6 +1,6 @@
-//! What a run amounted to, part by part.
+//! The parts of which the summary of a run is made.
 
-use ipc_types::consumer::{Consumer, Consumers};
+use ipc_types::consumer::Consumers;
 
 use super::covered::Covered;
 use super::happened::Happened;
@@ -9,14 +9,8 @@ use super::options::{ProcessInfo, RobotInfo};
 use super::outages::Outages;
 use super::predicted::Predicted;
 use super::robots::Robots;
-use super::summary::Summary;
+use super::summary::OutcomePart;
 use super::visits::AllVisits;
-
-/// Makes a part of the summary of the messages that passed the checks.
-pub(super) trait OutcomePart: Consumer + Send {
-    /// Enters what it found.
-    fn finish(self: Box<Self>, summary: &mut Summary);
-}
 
 /// The parts of a run's outcome, before its first tick.
 pub(super) fn parts(

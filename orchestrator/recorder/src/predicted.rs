@@ -6,47 +6,11 @@ use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::observer::Prediction;
 use ipc_types::topics::{Predictions, TopicId};
 use metrics::prediction::ErrorStatistics;
-use serde::{Deserialize, Serialize};
 
-use super::outcome::OutcomePart;
-use super::summary::Summary;
+use super::summary::{OutcomePart, PredictionOutcome, Summary};
 
 /// Most errors that are kept per method and time ahead; what comes later is in the log only.
 const MOST_ERRORS: usize = 1_000_000;
-
-/// How well one method foretold where one robot would be, for one time ahead.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct PredictionOutcome {
-    /// Index of the observer's process.
-    pub observer: u32,
-    /// Name of the robot.
-    pub robot: String,
-    /// Name of the method: [`Prediction::METHODS`].
-    pub method: String,
-    /// How far ahead (s).
-    pub horizon_s: f64,
-    /// Predictions that came due.
-    pub predictions: u64,
-    /// Times at which the method could not say.
-    pub without: u64,
-    /// Mean error (m); absent without a prediction, like the others.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub mean_m: Option<f64>,
-    /// Median error (m).
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub median_m: Option<f64>,
-    /// Root mean square error (m).
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub rms_m: Option<f64>,
-    /// Goals that the method made out.
-    pub goals_observed: u32,
-    /// When it first knew the key (s); absent if it never did.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub key_recovered_s: Option<f64>,
-    /// Goals that it had made out by then.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub key_recovered_after: Option<u32>,
-}
 
 /// The predictions of one method for one time ahead so far.
 #[derive(Debug, Default)]

@@ -20,9 +20,9 @@ use super::intake::{Entry, Intake};
 use super::ledger::Ledger;
 use super::log::Log;
 use super::options::{ProcessInfo, RecorderOptions, RobotInfo};
-use super::outcome::{self, OutcomePart};
+use super::outcome;
 use super::parts::Parts;
-use super::summary::{Summary, TopicCount};
+use super::summary::{OutcomePart, Summary, TopicCount};
 
 /// How long a tick that began waits for its messages before what there is of it is written: in real
 /// time, where nothing says that a tick is complete, and when the world stands still within one.

@@ -5,8 +5,7 @@ use ipc_types::messages::world::RobotState;
 use ipc_types::topics::{TopicId, WorldState};
 
 use super::options::RobotInfo;
-use super::outcome::OutcomePart;
-use super::summary::{RobotOutcome, Summary, seconds, status_name, team_name};
+use super::summary::{OutcomePart, RobotOutcome, Summary, seconds, status_name, team_name};
 
 /// The robots so far.
 #[derive(Debug)]

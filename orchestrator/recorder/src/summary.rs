@@ -3,12 +3,9 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+use ipc_types::consumer::Consumer;
 use serde::{Deserialize, Serialize};
 use statistics::Percentiles;
-
-use super::outages::ProcessOutcome;
-use super::predicted::PredictionOutcome;
-use super::visits::WaypointOutcome;
 
 /// What a run amounted to, as `protean run --json` prints it (design §10).
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -54,6 +51,12 @@ pub struct Summary {
     pub log_bytes: u64,
 }
 
+/// Makes a part of the summary of the messages that passed the checks.
+pub(super) trait OutcomePart: Consumer + Send {
+    /// Enters what it found.
+    fn finish(self: Box<Self>, summary: &mut Summary);
+}
+
 /// What became of a robot.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct RobotOutcome {
@@ -88,6 +91,60 @@ pub struct RobotOutcome {
     pub waypoints: Option<WaypointOutcome>,
 }
 
+/// What became of a robot's waypoints.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct WaypointOutcome {
+    /// Waypoints that the robot reached.
+    pub reached: u64,
+    /// Left out, because they lay inside an obstacle that the robot knows.
+    pub inside_obstacle: u64,
+    /// Left out, because they were not reached in the time allowed.
+    pub timed_out: u64,
+    /// Left out, because no way leads there.
+    pub unreachable: u64,
+    /// Greatest distance that a robot's centre kept from a waypoint that counts as reached (m).
+    pub farthest_m: f64,
+    /// Laps, from the first waypoint of the route to the last.
+    pub laps: u32,
+    /// Longest time that one of them took (s).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub longest_lap_s: Option<f64>,
+    /// The laps through all their waypoints, those put in included; absent without a lap.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub planned: Option<LapFigures>,
+    /// The laps as the robot drove them; absent without a lap.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub driven: Option<LapFigures>,
+}
+
+impl WaypointOutcome {
+    /// Waypoints left out, of all that ended, 0…1; 0 if there are none.
+    pub fn left_out_share(&self) -> f64 {
+        let left_out = self.inside_obstacle + self.timed_out + self.unreachable;
+        let all = left_out + self.reached;
+        if all == 0 {
+            0.0
+        } else {
+            left_out as f64 / all as f64
+        }
+    }
+}
+
+/// What laps are like: means over the laps.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct LapFigures {
+    /// Length (m).
+    pub length_m: f64,
+    /// Mean distance from where a robot would be that kept to the route, at equal times (MAE) (m).
+    pub mae_m: f64,
+    /// Changes of direction in a lap.
+    pub turns: f64,
+    /// Mean change of direction (MAA), in [0, π] (rad).
+    pub maa: f64,
+    /// Mean change of direction, each folded to an acute angle, in [0, π/2] (rad).
+    pub maa_fold: f64,
+}
+
 /// The area visited.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CoverageOutcome {
@@ -119,6 +176,69 @@ pub struct CoverageByWay {
     pub way_m: f64,
     /// Visited part of the area that can be visited, 0…1; between two reports, the straight line.
     pub coverable_fraction: f64,
+}
+
+/// How well one method foretold where one robot would be, for one time ahead.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PredictionOutcome {
+    /// Index of the observer's process.
+    pub observer: u32,
+    /// Name of the robot.
+    pub robot: String,
+    /// Name of the method: `Prediction::METHODS`.
+    pub method: String,
+    /// How far ahead (s).
+    pub horizon_s: f64,
+    /// Predictions that came due.
+    pub predictions: u64,
+    /// Times at which the method could not say.
+    pub without: u64,
+    /// Mean error (m); absent without a prediction, like the others.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mean_m: Option<f64>,
+    /// Median error (m).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub median_m: Option<f64>,
+    /// Root mean square error (m).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rms_m: Option<f64>,
+    /// Goals that the method made out.
+    pub goals_observed: u32,
+    /// When it first knew the key (s); absent if it never did.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub key_recovered_s: Option<f64>,
+    /// Goals that it had made out by then.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub key_recovered_after: Option<u32>,
+}
+
+/// What became of a process that failed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ProcessOutcome {
+    /// Its name.
+    pub name: String,
+    /// How often it was started again and came back.
+    pub restarts: u32,
+    /// Ticks that were done without it.
+    pub ticks_absent: u64,
+    /// Whether it was not started again after the last failure.
+    pub given_up: bool,
+    /// Every failure, in order.
+    pub outages: Vec<Outage>,
+}
+
+/// A time without a process.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Outage {
+    /// The first tick that it did not do.
+    pub left_tick: u64,
+    /// Simulated time of that tick (s).
+    pub left_time_s: f64,
+    /// Why: `was ended by signal 9`.
+    pub reason: String,
+    /// The first tick that it did again; absent if it never came back.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub back_tick: Option<u64>,
 }
 
 /// One event.

@@ -7,68 +7,12 @@ use ipc_types::topics::{TopicId, Waypoints, WorldState};
 use metrics::driven::{STRAIGHT_WITHIN, Track, corners};
 use metrics::path::{self, POINTS_PER_LAP, Polyline, Turns};
 use nalgebra::Point2;
-use serde::{Deserialize, Serialize};
 
 use super::options::RobotInfo;
-use super::outcome::OutcomePart;
-use super::summary::Summary;
+use super::summary::{LapFigures, OutcomePart, Summary, WaypointOutcome};
 
 /// Most waypoints, and most places of a robot, that are kept; what comes later is in the log only.
 const MOST_POINTS: usize = 4_000_000;
-
-/// What became of a robot's waypoints.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct WaypointOutcome {
-    /// Waypoints that the robot reached.
-    pub reached: u64,
-    /// Left out, because they lay inside an obstacle that the robot knows.
-    pub inside_obstacle: u64,
-    /// Left out, because they were not reached in the time allowed.
-    pub timed_out: u64,
-    /// Left out, because no way leads there.
-    pub unreachable: u64,
-    /// Greatest distance that a robot's centre kept from a waypoint that counts as reached (m).
-    pub farthest_m: f64,
-    /// Laps, from the first waypoint of the route to the last.
-    pub laps: u32,
-    /// Longest time that one of them took (s).
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub longest_lap_s: Option<f64>,
-    /// The laps through all their waypoints, those put in included; absent without a lap.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub planned: Option<LapFigures>,
-    /// The laps as the robot drove them; absent without a lap.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub driven: Option<LapFigures>,
-}
-
-impl WaypointOutcome {
-    /// Waypoints left out, of all that ended, 0…1; 0 if there are none.
-    pub fn left_out_share(&self) -> f64 {
-        let left_out = self.inside_obstacle + self.timed_out + self.unreachable;
-        let all = left_out + self.reached;
-        if all == 0 {
-            0.0
-        } else {
-            left_out as f64 / all as f64
-        }
-    }
-}
-
-/// What laps are like: means over the laps.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct LapFigures {
-    /// Length (m).
-    pub length_m: f64,
-    /// Mean distance from where a robot would be that kept to the route, at equal times (MAE) (m).
-    pub mae_m: f64,
-    /// Changes of direction in a lap.
-    pub turns: f64,
-    /// Mean change of direction (MAA), in [0, π] (rad).
-    pub maa: f64,
-    /// Mean change of direction, each folded to an acute angle, in [0, π/2] (rad).
-    pub maa_fold: f64,
-}
 
 /// A lap that has been completed.
 #[derive(Debug)]

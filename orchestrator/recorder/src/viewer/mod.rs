@@ -35,24 +35,6 @@ const MAP_FRAME: &str = "map";
 /// Frame in the middle of the map, for viewers to look at: no robot is called so.
 const CENTRE_FRAME: &str = "map/centre";
 
-/// What viewers get to see.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ViewerOptions {
-    /// Pictures per simulated second; 0 for no viewer topics at all.
-    pub rate_hz: f64,
-    /// How long a robot's trail stays visible (simulated s); 0 for none.
-    pub trail_s: f64,
-}
-
-impl Default for ViewerOptions {
-    fn default() -> Self {
-        Self {
-            rate_hz: 10.0,
-            trail_s: 5.0,
-        }
-    }
-}
-
 /// The viewer topics of a run. Each is a consumer that draws messages when they come, or their tick at
 /// its end; adding one is a file and a line here. The order is that of the channels in the log.
 fn topics(run: &RecorderOptions, picture: &mut Picture) -> Vec<Box<Topic>> {
