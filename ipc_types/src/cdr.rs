@@ -71,11 +71,14 @@ impl SequenceHead {
     }
 }
 
+/// A message of a topic: its header and its elements.
+pub type Decoded<T> = (<T as Topic>::Header, Vec<<T as Topic>::Element>);
+
 /// Reads a message back from its CDR form.
 ///
 /// # Errors
 /// [`DecodeError`] if the bytes are not exactly one message of the topic.
-pub fn decode<T: Topic>(bytes: &[u8]) -> Result<(T::Header, Vec<T::Element>), DecodeError> {
+pub fn decode<T: Topic>(bytes: &[u8]) -> Result<Decoded<T>, DecodeError> {
     let mut elements = Vec::new();
     let header = decode_into::<T>(bytes, &mut elements)?;
     Ok((header, elements))

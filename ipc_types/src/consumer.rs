@@ -57,7 +57,7 @@ impl<'a> LoggedMessage<'a> {
     ///
     /// # Errors
     /// [`DecodeError`] if the bytes are not exactly one message of the topic.
-    pub fn decode<T: Topic>(&self) -> Result<Option<(T::Header, Vec<T::Element>)>, DecodeError> {
+    pub fn decode<T: Topic>(&self) -> Result<Option<cdr::Decoded<T>>, DecodeError> {
         if self.topic != T::ID {
             return Ok(None);
         }
