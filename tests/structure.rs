@@ -145,54 +145,6 @@ const KNOWN: &[(&str, &str)] = &[
         "orchestrator/scenario/src/world.rs",
         "modules use each other in a cycle: world → spec → world",
     ),
-    (
-        "orchestrator/sweep/src/build.rs",
-        "modules use each other in a cycle: build → mission → build",
-    ),
-    (
-        "orchestrator/sweep/src/cases.rs",
-        "modules use each other in a cycle: cases → experiment → cases",
-    ),
-    (
-        "orchestrator/sweep/src/columns.rs",
-        "modules use each other in a cycle: columns → planning → columns",
-    ),
-    (
-        "orchestrator/sweep/src/directory.rs",
-        "modules use each other in a cycle: directory → manifest → build → parameters → table → results → directory",
-    ),
-    (
-        "orchestrator/sweep/src/grid.rs",
-        "modules use each other in a cycle: grid → spec → manifest → build → grid",
-    ),
-    (
-        "orchestrator/sweep/src/journal.rs",
-        "modules use each other in a cycle: journal → row → columns → planning → results → journal",
-    ),
-    (
-        "orchestrator/sweep/src/metrics.rs",
-        "modules use each other in a cycle: metrics → row → manifest → experiment → spec → metrics",
-    ),
-    (
-        "orchestrator/sweep/src/parts.rs",
-        "modules use each other in a cycle: parts → experiment → parts",
-    ),
-    (
-        "orchestrator/sweep/src/runner.rs",
-        "modules use each other in a cycle: runner → row → columns → planning → runner",
-    ),
-    (
-        "orchestrator/sweep/src/seeds.rs",
-        "modules use each other in a cycle: seeds → spec → manifest → seeds",
-    ),
-    (
-        "orchestrator/sweep/src/subject.rs",
-        "modules use each other in a cycle: subject → cases → subject",
-    ),
-    (
-        "orchestrator/sweep/src/summary.rs",
-        "modules use each other in a cycle: summary → row → columns → planning → summary",
-    ),
 ];
 
 #[test]

@@ -1,15 +1,20 @@
 //! `[[cases]]`: what is compared.
 
-use std::path::Path;
-
-use config::{Code, FieldPath};
+use config::{Code, FieldPath, Node};
 
 use super::assignments::{self, Assignment};
-use super::experiment::{Case, LoadOptions};
 use super::parts::check_name;
 use super::reader::Reader;
 use super::spec::CaseSpec;
-use super::subject::Subject;
+
+/// A case: what is compared with the others.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Case {
+    /// Its name in the results.
+    pub name: String,
+    /// What people call it.
+    pub title: String,
+}
 
 /// A case as it is read.
 pub(super) struct CaseDraft<D> {
@@ -21,15 +26,18 @@ pub(super) struct CaseDraft<D> {
 }
 
 /// Reads the cases; without `[[cases]]` there is one.
-pub(super) fn read_cases<S: Subject>(
+///
+/// `open` opens what a case starts from, given its block, and returns its target and draft; `name_of`
+/// is the name of the case of this target in an experiment without `[[cases]]`.
+pub(super) fn read_cases<D>(
     reader: &mut Reader,
-    folder: &Path,
-    options: &LoadOptions,
-) -> Option<Vec<CaseDraft<S::Draft>>> {
+    open: impl Fn(&mut Reader, Option<(&FieldPath, &Node)>) -> Option<(String, D)>,
+    name_of: impl FnOnce(&str) -> String,
+) -> Option<Vec<CaseDraft<D>>> {
     let blocks = reader.blocks("cases");
     if reader.root.get("cases").is_none() {
-        let (target, draft) = S::open(reader, folder, None, options)?;
-        let name = S::case_name(&target);
+        let (target, draft) = open(reader, None)?;
+        let name = name_of(&target);
         return Some(vec![CaseDraft {
             case: Case {
                 title: name.clone(),
@@ -49,7 +57,7 @@ pub(super) fn read_cases<S: Subject>(
             "at least one [[cases]] block, or no `cases` at all",
         );
     }
-    let mut cases: Vec<CaseDraft<S::Draft>> = Vec::new();
+    let mut cases: Vec<CaseDraft<D>> = Vec::new();
     let mut complete = true;
     for (path, node) in blocks {
         let Some(spec) = reader.read::<CaseSpec>(&node, &path) else {
@@ -70,7 +78,7 @@ pub(super) fn read_cases<S: Subject>(
             Some(set) => assignments::read(reader, &path.then("set"), set),
             None => Vec::new(),
         };
-        let Some((target, draft)) = S::open(reader, folder, Some((&path, &node)), options) else {
+        let Some((target, draft)) = open(reader, Some((&path, &node))) else {
             complete = false;
             continue;
         };

@@ -86,3 +86,12 @@ impl<S> std::fmt::Debug for Cell<S> {
             .finish_non_exhaustive()
     }
 }
+
+/// A combination in words: `case potential, relative_speed = 1.5`.
+pub(super) fn describe(case: &str, names: &[&str], values: &[Value]) -> String {
+    let mut text = format!("case {case}");
+    for (name, value) in names.iter().zip(values) {
+        text.push_str(&format!(", {name} = {value}"));
+    }
+    text
+}

@@ -8,7 +8,8 @@ use platform::atomic_file::{AtomicFile, Existing, Readers};
 use rustix::fs::{FlockOperation, flock};
 
 use super::error::SweepError;
-use super::manifest::{Kind, Manifest};
+use super::kind::Kind;
+use super::manifest::{FORMAT, Manifest};
 
 /// Name of the manifest.
 pub(super) const MANIFEST: &str = "manifest.json";
@@ -79,12 +80,12 @@ pub(super) fn read_manifest(directory: &Path) -> Result<Option<Manifest>, SweepE
     let json: serde_json::Value =
         serde_json::from_slice(&text).map_err(|e| damaged(e.to_string(), e.line()))?;
     let format = json.get("format").and_then(serde_json::Value::as_u64);
-    if let Some(format) = format.filter(|&format| format != u64::from(super::FORMAT)) {
+    if let Some(format) = format.filter(|&format| format != u64::from(FORMAT)) {
         return Err(SweepError::Other {
             path: directory.to_owned(),
             difference: format!(
                 "its files have format {format}, this program writes format {}",
-                super::FORMAT
+                FORMAT
             ),
         });
     }

@@ -1,61 +1,24 @@
 //! From an experiment file to checked cells.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use config::{Code, Diagnostic, Diagnostics, FieldPath, Node};
 
-use super::cases::read_cases;
+use super::cases::{Case, read_cases};
 use super::cell::Cell;
-use super::mission::Mission;
+use super::manifest::{FORMAT, Manifest, ManifestCell};
+use super::options::LoadOptions;
 use super::parts::{check_name, read_figures, read_run, read_seeds};
 use super::reader::Reader;
+use super::row::Record as _;
 use super::seeds::Seeds;
 use super::spec::{FigureSpec, MAX_CELLS, MAX_MISSIONS, RunSpec, TopLevel};
 use super::subject::Subject;
 use super::{grid, parameters};
 use scenario::files::read_text;
-use scenario::kind::Kind;
 
 /// Largest experiment file that is read (bytes).
 pub(super) const MAX_FILE: u64 = 1 << 20;
-
-/// How an experiment is loaded.
-#[derive(Debug, Clone)]
-pub struct LoadOptions {
-    /// The kinds of processes that scenarios may name.
-    pub kinds: &'static [Kind],
-    /// `key=value` arguments that go over every scenario.
-    pub set: Vec<String>,
-    /// Seeds in place of the file's.
-    pub seeds: Option<Seeds>,
-    /// Whether files may lie outside the folder of the experiment.
-    pub allow_outside: bool,
-    /// Whether scenarios may start programs that are not Protean's own.
-    pub allow_external: bool,
-}
-
-impl LoadOptions {
-    /// Nothing but what the file says, with these kinds of processes.
-    pub fn new(kinds: &'static [Kind]) -> Self {
-        Self {
-            kinds,
-            set: Vec::new(),
-            seeds: None,
-            allow_outside: false,
-            allow_external: false,
-        }
-    }
-}
-
-/// A case: what is compared with the others.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Case {
-    /// Its name in the results.
-    pub name: String,
-    /// What people call it.
-    pub title: String,
-}
 
 /// A column of the results.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -65,9 +28,6 @@ pub struct Column {
     /// What people call it, with its unit.
     pub title: String,
 }
-
-/// An experiment of missions of robots.
-pub type Experiment = ExperimentOf<Mission>;
 
 /// An experiment with everything checked.
 #[derive(Debug, Clone)]
@@ -139,7 +99,10 @@ impl<S: Subject> ExperimentOf<S> {
                 reader.refuse(&FieldPath::key(key), Code::Requirement, &message, expected);
             }
         }
-        let cases = read_cases::<S>(reader, folder, options);
+        let open = |reader: &mut Reader, case: Option<(&FieldPath, &Node)>| {
+            S::open(reader, folder, case, options)
+        };
+        let cases = read_cases(reader, open, S::case_name);
         let (top, combinations, seeds, run) = (top?, combinations?, seeds?, run?);
         let (cases, figures) = (cases?, figures?);
         if !reader.problems.is_empty() {
@@ -172,31 +135,29 @@ impl<S: Subject> ExperimentOf<S> {
             figures,
         })
     }
-}
-
-impl Experiment {
-    /// Notes on what is odd but not wrong: cells that are the same.
-    pub fn notes(&self) -> Vec<String> {
-        let mut first: BTreeMap<&str, &Cell<Mission>> = BTreeMap::new();
-        let mut notes = Vec::new();
-        for cell in &self.cells {
-            let Some(earlier) = first.get(cell.blake3.as_str()) else {
-                first.insert(&cell.blake3, cell);
-                continue;
-            };
-            let values = |c: &Cell<Mission>| {
-                let values = c.values.iter().map(ToString::to_string);
-                std::iter::once(c.case.clone())
-                    .chain(values)
-                    .collect::<Vec<_>>()
-                    .join(", ")
-            };
-            notes.push(format!(
-                "the cells ({}) and ({}) are the same scenario: their results will be the same",
-                values(earlier),
-                values(cell),
-            ));
-        }
-        notes
+    /// The manifest of its results, as this program writes them.
+    pub fn manifest(&self) -> Manifest {
+        let cells = self.cells.iter().map(|cell| ManifestCell {
+            case: cell.case.clone(),
+            values: cell.values.clone(),
+            blake3: cell.blake3.clone(),
+            scenario: cell.target.clone(),
+            set: cell.overrides.clone(),
+            external: cell.external,
+        });
+        let names = self.parameters.iter().map(|p| p.name.clone());
+        let mut manifest = Manifest {
+            format: FORMAT,
+            program: env!("CARGO_PKG_VERSION").to_owned(),
+            kind: S::Row::KIND,
+            experiment: self.name.clone(),
+            title: self.title.clone(),
+            blake3: String::new(),
+            parameters: names.collect(),
+            cells: cells.collect(),
+            seeds: self.seeds.clone(),
+        };
+        manifest.blake3 = manifest.fingerprint();
+        manifest
     }
 }

@@ -5,14 +5,25 @@
 //! not done yet, several at once, and appends each to the journal of a [`Results`] directory as
 //! soon as it is over; [`Results::write_tables`] writes them in an order that depends on nothing but
 //! the experiment. What a sweep results in is a function of the experiment alone: not of how many
-//! missions run at once, of who carries them out, of interruptions, or of how it was shared out
+//! missions run at once, of what carries them out, of interruptions, or of how it was shared out
 //! ([`shard`], [`merge`]).
+//!
+//! The modules from the lowest to the highest, each of which uses those before it only:
+//!
+//! | modules | hold |
+//! |---|---|
+//! | `cell`, `kind`, `columns`, `row`, `metrics` | cells, rows of results, and what follows from rows |
+//! | [`spec`], `seeds`, `mission_id`, `options` | the keys of the file, and what is set beside it |
+//! | `manifest`, `table`, `directory`, `journal`, `results`, [`merge`] | the directory of results |
+//! | `reader`, `assignments`, `parameters`, `grid`, `parts`, `cases` | the parts of the file, as they are read |
+//! | [`engine`], `subject`, `experiment`, [`shard`], [`runner`] | experiments of any kind of missions, and carrying them out |
+//! | [`summary`], [`figures`] | what results amount to |
+//! | `missions`, [`planning`] | the kinds of missions: of robots, of plans |
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
 
 mod assignments;
-mod build;
 mod cases;
 mod cell;
 mod columns;
@@ -23,10 +34,13 @@ mod experiment;
 pub mod figures;
 mod grid;
 mod journal;
+mod kind;
 mod manifest;
 pub mod merge;
 mod metrics;
-mod mission;
+mod mission_id;
+mod missions;
+mod options;
 mod parameters;
 mod parts;
 pub mod planning;
@@ -44,16 +58,19 @@ mod table;
 #[cfg(test)]
 mod tests;
 
-pub use build::describe;
+pub use cases::Case;
 pub use cell::{Cell, Value};
 pub use columns::ResultColumn;
 pub use directory::kind_of;
 pub use error::SweepError;
-pub use experiment::{Case, Column, Experiment, ExperimentOf, LoadOptions};
-pub use manifest::{FORMAT, Kind, Manifest, ManifestCell};
+pub use experiment::{Column, ExperimentOf};
+pub use kind::Kind;
+pub use manifest::{FORMAT, Manifest, ManifestCell};
 pub use metrics::Metric;
-pub use mission::Mission;
-pub use results::{MissionId, Results};
+pub use mission_id::MissionId;
+pub use missions::{Experiment, Mission};
+pub use options::LoadOptions;
+pub use results::Results;
 pub use row::{Outcome, Record, Row};
 pub use seeds::Seeds;
 pub use subject::Subject;

@@ -2,37 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::build::describe;
-use super::cell::Value;
-use super::experiment::ExperimentOf;
-use super::row::Record as _;
+use super::cell::{Value, describe};
+use super::kind::Kind;
 use super::seeds::Seeds;
-use super::subject::Subject;
 
 /// Version of the files in a directory of results; another one is refused.
 pub const FORMAT: u32 = 2;
-
-/// What the missions of an experiment are.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Kind {
-    /// Missions of robots.
-    #[default]
-    Missions,
-    /// Plans of minimum-time trajectories.
-    Planning,
-}
-
-impl Kind {
-    /// Whether it is what experiments are if they do not say.
-    #[expect(
-        clippy::trivially_copy_pass_by_ref,
-        reason = "what serde calls it with"
-    )]
-    fn is_default(&self) -> bool {
-        *self == Self::default()
-    }
-}
 
 /// What a directory of results belongs to: which experiment, made by which program.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -78,32 +53,6 @@ pub struct ManifestCell {
 }
 
 impl Manifest {
-    /// The manifest of an experiment run by this program.
-    pub fn of<S: Subject>(experiment: &ExperimentOf<S>) -> Self {
-        let cells = experiment.cells.iter().map(|cell| ManifestCell {
-            case: cell.case.clone(),
-            values: cell.values.clone(),
-            blake3: cell.blake3.clone(),
-            scenario: cell.target.clone(),
-            set: cell.overrides.clone(),
-            external: cell.external,
-        });
-        let names = experiment.parameters.iter().map(|p| p.name.clone());
-        let mut manifest = Self {
-            format: FORMAT,
-            program: env!("CARGO_PKG_VERSION").to_owned(),
-            kind: S::Row::KIND,
-            experiment: experiment.name.clone(),
-            title: experiment.title.clone(),
-            blake3: String::new(),
-            parameters: names.collect(),
-            cells: cells.collect(),
-            seeds: experiment.seeds.clone(),
-        };
-        manifest.blake3 = manifest.fingerprint();
-        manifest
-    }
-
     /// Fingerprint of format, program, name, columns and cells.
     pub(super) fn fingerprint(&self) -> String {
         let mut hasher = blake3::Hasher::new();

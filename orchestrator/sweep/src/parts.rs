@@ -2,7 +2,7 @@
 
 use config::{Code, FieldPath, list_choices, nearest};
 
-use super::experiment::LoadOptions;
+use super::options::LoadOptions;
 use super::parameters::Parameter;
 use super::reader::Reader;
 use super::seeds::Seeds;

@@ -19,8 +19,8 @@ use super::directory::{
 use super::error::SweepError;
 use super::journal::{self, Entry, Journal};
 use super::manifest::Manifest;
+use super::mission_id::{MissionId, missions};
 use super::row::{Record, Row};
-use super::seeds::Seeds;
 use super::table;
 
 /// Name of the copy of the experiment file.
@@ -29,15 +29,6 @@ const EXPERIMENT: &str = "experiment.toml";
 const TABLE: &str = "results.csv";
 /// Name of the table with a type for every column.
 const TYPED_TABLE: &str = "results.parquet";
-
-/// One mission of an experiment. Their order is that of the results.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub struct MissionId {
-    /// Index of its cell.
-    pub cell: usize,
-    /// Its seed.
-    pub seed: u64,
-}
 
 /// A directory of results, locked while it is open.
 pub struct Results<R = Row> {
@@ -355,11 +346,6 @@ impl<R: Record> Results<R> {
         }
         Ok(())
     }
-}
-
-/// All missions, in the order of the results.
-pub(super) fn missions(cells: usize, seeds: &Seeds) -> impl Iterator<Item = MissionId> {
-    (0..cells).flat_map(|cell| seeds.iter().map(move |seed| MissionId { cell, seed }))
 }
 
 /// The first field in which two rows differ.

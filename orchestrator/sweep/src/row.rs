@@ -4,7 +4,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::columns::ResultColumn;
-use super::manifest::Kind;
+use super::kind::Kind;
 use mission::MissionReport;
 use recorder::{CoverageOutcome, PredictionOutcome, RobotOutcome, Summary};
 
@@ -159,7 +159,37 @@ impl Row {
 impl Record for Row {
     const KIND: Kind = Kind::Missions;
 
-    const COLUMNS: &'static [ResultColumn<Self>] = Self::COLUMNS;
+    const COLUMNS: &'static [ResultColumn<Self>] = &[
+        ResultColumn::text("outcome", |r| r.outcome.name()),
+        ResultColumn::int("evaders", |r| count(r, r.evaders)),
+        ResultColumn::int("escaped", |r| count(r, r.escaped)),
+        ResultColumn::int("caught", |r| count(r, r.caught)),
+        ResultColumn::int("held_out", |r| count(r, r.held_out)),
+        ResultColumn::float("sim_time_s", |r| known(r, r.sim_time_s)),
+        ResultColumn::float("first_capture_s", |r| r.first_capture_s),
+        ResultColumn::float("first_escape_s", |r| r.first_escape_s),
+        ResultColumn::int("contacts", |r| count(r, r.contacts)),
+        ResultColumn::float("evader_distance_m", |r| known(r, r.evader_distance_m)),
+        ResultColumn::float("evader_mean_speed", |r| r.evader_mean_speed),
+        ResultColumn::int("ticks", |r| known(r, r.ticks)),
+        ResultColumn::float("escape_possible_fraction", |r| r.escape_possible_fraction),
+        ResultColumn::float("escape_impossible_from_s", |r| r.escape_impossible_from_s),
+        ResultColumn::float("coverage_fraction", |r| Some(r.coverage.as_ref()?.fraction)),
+        ResultColumn::float("coverable_fraction", |r| {
+            Some(r.coverage.as_ref()?.coverable_fraction)
+        }),
+        ResultColumn::float("way_m", |r| Some(r.coverage.as_ref()?.way_m)),
+        ResultColumn::text("digest", |r| &r.digest),
+        ResultColumn::text("error", |r| &r.error),
+        ResultColumn::json("robots", |r| match known(r, &r.robots) {
+            Some(robots) => serde_json::to_string(robots),
+            None => Ok(String::new()),
+        }),
+        ResultColumn::json("predictions", |r| match r.predictions.as_slice() {
+            [] => Ok(String::new()),
+            predictions => serde_json::to_string(predictions),
+        }),
+    ];
 
     fn failed(error: String) -> Self {
         Self::failed(error)
@@ -172,4 +202,13 @@ impl Record for Row {
     fn error(&self) -> &str {
         &self.error
     }
+}
+
+/// A value of a mission that did not fail.
+fn known<T>(row: &Row, value: T) -> Option<T> {
+    (!row.is_failed()).then_some(value)
+}
+
+fn count(row: &Row, value: u32) -> Option<u64> {
+    known(row, value.into())
 }

@@ -9,11 +9,12 @@ use std::time::{Duration, Instant};
 
 use platform::progress::Progress;
 
-use super::build::describe;
+use super::cell::describe;
 use super::engine::{Call, processors, stay_on};
 use super::error::SweepError;
 use super::experiment::ExperimentOf;
-use super::results::{MissionId, Results, missions};
+use super::mission_id::{MissionId, missions};
+use super::results::Results;
 use super::row::Record as _;
 use super::shard::Shard;
 use super::spec::LogPolicy;

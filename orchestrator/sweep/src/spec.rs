@@ -3,6 +3,7 @@
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 
+use super::kind::Kind;
 use super::metrics::Metric;
 
 /// Most cells (combinations of case and parameters) of one experiment.
@@ -14,7 +15,7 @@ pub const MAX_MISSIONS: usize = 1_000_000;
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct TopLevel {
-    pub kind: super::manifest::Kind,
+    pub kind: Kind,
     pub name: Option<String>,
     pub title: Option<String>,
     pub description: Option<String>,

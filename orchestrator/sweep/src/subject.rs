@@ -7,8 +7,8 @@ use config::{FieldPath, Node};
 use super::cases::CaseDraft;
 use super::cell::Cell;
 use super::engine::Call;
-use super::experiment::LoadOptions;
 use super::grid::Written;
+use super::options::LoadOptions;
 use super::parameters::Parameter;
 use super::reader::Reader;
 use super::row::Record;
@@ -36,7 +36,7 @@ pub enum Pinning {
 /// What a cell of an experiment is about: the type says how a file is read and a mission carried out.
 #[expect(
     private_interfaces,
-    reason = "the parts of an experiment file are read inside this module"
+    reason = "the parts of an experiment file are read inside this crate"
 )]
 pub trait Subject: Clone + Sync {
     /// What a mission results in.

@@ -6,7 +6,8 @@ use serde_json::{Value as Json, json};
 use statistics::{Interval, Sample, Z95, wilson};
 use tables::for_terminal;
 
-use super::results::{MissionId, Results};
+use super::mission_id::MissionId;
+use super::results::Results;
 use super::row::{Record, Row};
 use super::runner::RunReport;
 

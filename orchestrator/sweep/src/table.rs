@@ -9,7 +9,7 @@ use tables::{self, Cell, Column, Format, Type};
 
 use super::cell::Value;
 use super::manifest::Manifest;
-use super::results::MissionId;
+use super::mission_id::MissionId;
 use super::row::{Record, Row};
 
 /// Whether every table of missions has a column of this name, so that no parameter can.
@@ -133,7 +133,7 @@ mod tests {
     }
 
     fn written(format: Format) -> NamedTempFile {
-        let manifest = Manifest::of(&load(GOOD).unwrap());
+        let manifest = load(GOOD).unwrap().manifest();
         let rows = rows();
         let file = NamedTempFile::new().unwrap();
         write(format, file, &manifest, rows.iter().map(|(m, r)| (*m, r))).unwrap()

@@ -21,8 +21,7 @@ use sweep::runner::{self, RunOptions};
 use sweep::shard::Shard;
 use sweep::spec::LogPolicy;
 use sweep::{
-    ExperimentOf, Kind, LoadOptions, Manifest, Mission, Record, Results, Seeds, SweepError,
-    figures, kind_of,
+    ExperimentOf, Kind, LoadOptions, Mission, Record, Results, Seeds, SweepError, figures, kind_of,
 };
 
 /// What stands below the options.
@@ -271,7 +270,7 @@ fn dry_run<S: SweepKind>(
     shard: Shard,
     out: &Path,
 ) -> Result<ExitCode, SweepError> {
-    let manifest = Manifest::of(experiment);
+    let manifest = experiment.manifest();
     let results = known::<S::Row>(out, &manifest)?;
     let (open, known) = runner::to_do(experiment, results.as_ref(), shard, args.retry_failed);
     let listing = Listing {
@@ -319,7 +318,7 @@ fn carry_out<S: SweepKind>(
     out: &Path,
 ) -> Result<ExitCode, SweepError> {
     let interrupted = interruptible()?;
-    let mut results = Results::open(out, &Manifest::of(experiment), &experiment.text)?;
+    let mut results = Results::open(out, &experiment.manifest(), &experiment.text)?;
     let folder = path
         .parent()
         .filter(|folder| !folder.as_os_str().is_empty());

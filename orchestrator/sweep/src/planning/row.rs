@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::columns::ResultColumn;
-use crate::manifest::Kind;
+use crate::kind::Kind;
 use crate::row::Record;
 use plan::{Answer, Outcome};
 
@@ -67,7 +67,19 @@ impl PlanRow {
 impl Record for PlanRow {
     const KIND: Kind = Kind::Planning;
 
-    const COLUMNS: &'static [ResultColumn<Self>] = Self::COLUMNS;
+    const COLUMNS: &'static [ResultColumn<Self>] = &[
+        ResultColumn::text("outcome", |r| r.outcome.name()),
+        ResultColumn::bool("honest", |r| r.honest),
+        ResultColumn::int("obstacles", |r| Some(r.obstacles.into())),
+        ResultColumn::float("t_s", |r| r.t_s),
+        ResultColumn::float("lower_bound_s", |r| r.lower_bound_s),
+        ResultColumn::float("gap", |r| r.gap),
+        ResultColumn::float("length_px", |r| r.length_px),
+        ResultColumn::float("min_clearance_px", |r| r.min_clearance_px),
+        ResultColumn::int("iterations", |r| r.iterations.map(u64::from)),
+        ResultColumn::int("control_points", |r| r.control_points.map(u64::from)),
+        ResultColumn::text("error", |r| &r.error),
+    ];
 
     fn failed(error: String) -> Self {
         Self {

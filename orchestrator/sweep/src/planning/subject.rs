@@ -8,12 +8,12 @@ use config::{Code, Diagnostic, FieldPath, Node};
 use super::row::PlanRow;
 use super::task::{Draft, Task};
 use crate::assignments::{self, Assignment};
-use crate::build::describe;
 use crate::cases::CaseDraft;
-use crate::cell::{Cell, Value};
+use crate::cell::{Cell, Value, describe};
 use crate::engine::Call;
-use crate::experiment::{ExperimentOf, LoadOptions, MAX_FILE};
+use crate::experiment::{ExperimentOf, MAX_FILE};
 use crate::grid::Written;
+use crate::options::LoadOptions;
 use crate::parameters::Parameter;
 use crate::reader::Reader;
 use crate::subject::{Ended, Pinning, Subject};
@@ -33,7 +33,7 @@ pub fn is_planning(path: &Path) -> bool {
 
 #[expect(
     private_interfaces,
-    reason = "the parts of an experiment file are read inside this module"
+    reason = "the parts of an experiment file are read inside this crate"
 )]
 impl Subject for Task {
     type Row = PlanRow;

@@ -10,7 +10,7 @@ use crate::merge::merge;
 use crate::runner::{RunOptions, run};
 use crate::shard::Shard;
 use crate::spec::LogPolicy;
-use crate::{LoadOptions, Manifest, Results, Seeds};
+use crate::{LoadOptions, Results, Seeds};
 
 const SMALL: &str = r#"
 kind = "planning"
@@ -42,7 +42,7 @@ fn load(text: &str) -> Result<PlanExperiment, Diagnostics> {
 }
 
 fn carry_out(experiment: &PlanExperiment, out: &Path, shard: &str) {
-    let mut results = PlanResults::open(out, &Manifest::of(experiment), &experiment.text).unwrap();
+    let mut results = PlanResults::open(out, &experiment.manifest(), &experiment.text).unwrap();
     let options = RunOptions {
         jobs: 2,
         shard: Shard::parse(shard).unwrap(),
@@ -82,7 +82,7 @@ fn shards_put_together_are_the_whole_byte_for_byte() {
     // Done is done; what was done elsewhere can be taken over.
     drop(merged);
     carry_out(&experiment, &at("whole"), "1/1");
-    let mut again = PlanResults::open(&at("again"), &Manifest::of(&experiment), "").unwrap();
+    let mut again = PlanResults::open(&at("again"), &experiment.manifest(), "").unwrap();
     let taken = again
         .reuse(&PlanResults::read(&at("whole")).unwrap())
         .unwrap();
@@ -111,8 +111,8 @@ fn keys_of_the_command_line_go_on_top() {
     );
     assert_eq!(experiment.seeds.len(), 2);
     assert_ne!(
-        Manifest::of(&experiment).blake3,
-        Manifest::of(&load(SMALL).unwrap()).blake3
+        experiment.manifest().blake3,
+        load(SMALL).unwrap().manifest().blake3
     );
 }
 

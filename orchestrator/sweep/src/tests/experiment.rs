@@ -2,7 +2,7 @@
 
 use sim_backend::team::Team;
 
-use super::super::{Manifest, Metric, Seeds, Value};
+use super::super::{Metric, Seeds, Value};
 use super::*;
 
 #[test]
@@ -140,7 +140,7 @@ fn a_scenario_may_lie_beside_the_experiment() {
 
 #[test]
 fn the_fingerprint_is_of_what_the_results_depend_on() {
-    let of = |text: &str| Manifest::of(&load(text).unwrap());
+    let of = |text: &str| load(text).unwrap().manifest();
     let good = of(GOOD);
     for (from, to) in [
         ("A small experiment", "Another title"),

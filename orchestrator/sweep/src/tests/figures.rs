@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::super::{Manifest, MissionId, Outcome, Results, Row, SweepError, figures};
+use super::super::{MissionId, Outcome, Results, Row, SweepError, figures};
 use super::*;
 
 fn row(escaped: u32) -> Row {
@@ -18,7 +18,7 @@ fn row(escaped: u32) -> Row {
 
 /// Results of an experiment: two escape in every game at the highest speed, one at the others.
 fn results(directory: &Path, text: &str) -> Results {
-    let manifest = Manifest::of(&load(text).unwrap());
+    let manifest = load(text).unwrap().manifest();
     let mut results = Results::open(directory, &manifest, text).unwrap();
     for cell in 0..manifest.cells.len() {
         for seed in manifest.seeds.iter() {

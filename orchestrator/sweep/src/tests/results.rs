@@ -7,7 +7,7 @@ use super::super::{Manifest, MissionId, Outcome, Results, Row, SweepError, summa
 use super::*;
 
 fn manifest() -> Manifest {
-    Manifest::of(&load(GOOD).unwrap())
+    load(GOOD).unwrap().manifest()
 }
 
 fn row(escaped: u32) -> Row {
@@ -102,7 +102,9 @@ fn what_was_recorded_is_known_again_and_failures_give_way() {
 fn results_of_something_else_are_refused() {
     let directory = tempfile::tempdir().unwrap();
     open(directory.path()).unwrap();
-    let other = Manifest::of(&load(&changed("gain = 0.0", "gain = 1.0")).unwrap());
+    let other = load(&changed("gain = 0.0", "gain = 1.0"))
+        .unwrap()
+        .manifest();
     let error = Results::<Row>::open(directory.path(), &other, "")
         .err()
         .unwrap()
@@ -155,8 +157,9 @@ fn more_seeds_continue_the_same_results() {
         .unwrap()
         .record(mission(0, 1), row(1), 0.1)
         .unwrap();
-    let more =
-        Manifest::of(&load(&changed("first = 1, count = 3", "first = 3, count = 2")).unwrap());
+    let more = load(&changed("first = 1, count = 3", "first = 3, count = 2"))
+        .unwrap()
+        .manifest();
     let results: Results = Results::open(directory.path(), &more, "").unwrap();
     assert_eq!(results.manifest().seeds.to_string(), "1..4");
     assert_eq!(results.missing().len(), 6 * 4 - 1);
@@ -209,7 +212,9 @@ fn parts_that_do_not_belong_together_are_not_merged() {
         .unwrap()
         .record(mission(0, 1), row(1), 0.1)
         .unwrap();
-    let other = Manifest::of(&load(&changed("name = \"small\"", "name = \"big\"")).unwrap());
+    let other = load(&changed("name = \"small\"", "name = \"big\""))
+        .unwrap()
+        .manifest();
     Results::<Row>::open(&at("b"), &other, "").unwrap();
     let error = merge::<Row>(&[at("a"), at("b")], &at("m"))
         .err()
@@ -254,7 +259,7 @@ fn missions_of_the_same_scenario_are_taken_over_from_another_experiment() {
     let text = changed("name = \"braitenberg\"", "name = \"renamed\"")
         .replace("gain = 0.0", "gain = 1.0")
         .replace("count = 3", "count = 2");
-    let manifest = Manifest::of(&load(&text).unwrap());
+    let manifest = load(&text).unwrap().manifest();
     let mut newer = Results::open(directories[1].path(), &manifest, &text).unwrap();
     assert_eq!(newer.reuse(&older).unwrap(), 2);
     let expected = [(mission(3, 1), &row(2)), (mission(4, 2), &row(1))];

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use sweep::{Experiment, LoadOptions, Manifest, MissionId, Outcome, Results, Row};
+use sweep::{Experiment, LoadOptions, MissionId, Outcome, Results, Row};
 
 use super::super::read::StudyError;
 use super::*;
@@ -28,7 +28,7 @@ fn results(directory: &Path, name: &str) -> Results {
     let file = directory.join("file.toml");
     std::fs::write(&file, &text).unwrap();
     let experiment = Experiment::load(&file, &LoadOptions::new(kinds::KINDS)).unwrap();
-    let manifest = Manifest::of(&experiment);
+    let manifest = experiment.manifest();
     let mut results = Results::open(&directory.join("out"), &manifest, &text).unwrap();
     for (cell, escaped) in [(0, 1), (1, 2)] {
         for seed in 1..=3 {

@@ -2,53 +2,28 @@
 
 use std::path::Path;
 
-use config::{Code, Diagnostics, FieldPath, Node, list_choices, nearest};
+use config::{Code, FieldPath, Node, list_choices, nearest};
 
 use super::build::build;
-use super::cases::CaseDraft;
-use super::cell::Cell;
-use super::engine::{Call, Engine};
-use super::experiment::LoadOptions;
-use super::grid::Written;
-use super::parameters::Parameter;
-use super::reader::Reader;
-use super::row::Row;
-use super::subject::{Ended, Pinning, Subject};
+use super::mission::Mission;
+use crate::cases::CaseDraft;
+use crate::cell::Cell;
+use crate::engine::{Call, Engine};
+use crate::grid::Written;
+use crate::options::LoadOptions;
+use crate::parameters::Parameter;
+use crate::reader::Reader;
+use crate::row::Row;
+use crate::subject::{Ended, Pinning, Subject};
 use scenario::files::{Base, Found};
-use scenario::{Draft, Loader, ResolvedScenario, Template, builtin};
+use scenario::{Draft, Loader, builtin};
 
 /// The prefix of a built-in scenario.
 const BUILTIN: &str = "builtin:";
 
-/// The scenario of a cell.
-#[derive(Clone)]
-pub struct Mission {
-    /// Whether the processes of its missions keep to one core.
-    pub one_core: bool,
-    pub(super) template: Template,
-}
-
-impl std::fmt::Debug for Mission {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Mission")
-            .field("one_core", &self.one_core)
-            .finish_non_exhaustive()
-    }
-}
-
-impl Cell<Mission> {
-    /// The scenario with a seed.
-    ///
-    /// # Errors
-    /// Those that depend on the seed: a start that finds no room.
-    pub fn scenario(&self, seed: u64) -> Result<ResolvedScenario, Diagnostics> {
-        self.subject.template.with_seed(seed)
-    }
-}
-
 #[expect(
     private_interfaces,
-    reason = "the parts of an experiment file are read inside this module"
+    reason = "the parts of an experiment file are read inside this crate"
 )]
 impl Subject for Mission {
     type Row = Row;

@@ -2,14 +2,14 @@
 
 use config::{Code, Diagnostic, Diagnostics, FieldPath, Step};
 
-use super::assignments::Assignment;
-use super::cases::CaseDraft;
-use super::cell::{Cell, Value};
-use super::experiment::LoadOptions;
-use super::grid::Written;
 use super::mission::Mission;
-use super::parameters::{Parameter, ScaleError};
-use super::reader::Reader;
+use crate::assignments::Assignment;
+use crate::cases::CaseDraft;
+use crate::cell::{Cell, Value, describe};
+use crate::grid::Written;
+use crate::options::LoadOptions;
+use crate::parameters::{Parameter, ScaleError};
+use crate::reader::Reader;
 use scenario::{Draft, Grounds, ResolvedScenario, spec};
 
 /// A change of the scenario that has been made, and by whom.
@@ -98,15 +98,6 @@ fn by_index(step: &Step) -> Step {
         Step::Named(index, _) => Step::Index(*index),
         step => step.clone(),
     }
-}
-
-/// `case potential, relative_speed = 1.5`.
-pub fn describe(case: &str, names: &[&str], values: &[Value]) -> String {
-    let mut text = format!("case {case}");
-    for (name, value) in names.iter().zip(values) {
-        text.push_str(&format!(", {name} = {value}"));
-    }
-    text
 }
 
 /// The cells in their order; those whose scenario is wrong are left out, and reported.

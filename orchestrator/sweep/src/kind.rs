@@ -1,0 +1,25 @@
+//! The kinds of missions that an experiment can have.
+
+use serde::{Deserialize, Serialize};
+
+/// What the missions of an experiment are.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Kind {
+    /// Missions of robots.
+    #[default]
+    Missions,
+    /// Plans of minimum-time trajectories.
+    Planning,
+}
+
+impl Kind {
+    /// Whether it is what experiments are if they do not say.
+    #[expect(
+        clippy::trivially_copy_pass_by_ref,
+        reason = "what serde calls it with"
+    )]
+    pub(super) fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+}

@@ -1,0 +1,37 @@
+//! Experiments of missions.
+
+use std::collections::BTreeMap;
+
+use super::mission::Mission;
+use crate::cell::Cell;
+use crate::experiment::ExperimentOf;
+
+/// An experiment of missions of robots.
+pub type Experiment = ExperimentOf<Mission>;
+
+impl Experiment {
+    /// Notes on what is odd but not wrong: cells that are the same.
+    pub fn notes(&self) -> Vec<String> {
+        let mut first: BTreeMap<&str, &Cell<Mission>> = BTreeMap::new();
+        let mut notes = Vec::new();
+        for cell in &self.cells {
+            let Some(earlier) = first.get(cell.blake3.as_str()) else {
+                first.insert(&cell.blake3, cell);
+                continue;
+            };
+            let values = |c: &Cell<Mission>| {
+                let values = c.values.iter().map(ToString::to_string);
+                std::iter::once(c.case.clone())
+                    .chain(values)
+                    .collect::<Vec<_>>()
+                    .join(", ")
+            };
+            notes.push(format!(
+                "the cells ({}) and ({}) are the same scenario: their results will be the same",
+                values(earlier),
+                values(cell),
+            ));
+        }
+        notes
+    }
+}

@@ -1,0 +1,9 @@
+//! Experiments whose missions are runs of a scenario: `kind = "missions"`, the default.
+
+mod build;
+mod experiment;
+mod mission;
+mod subject;
+
+pub use experiment::Experiment;
+pub use mission::Mission;
