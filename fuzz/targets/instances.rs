@@ -2,8 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use plan;
 
 fuzz_target!(|bytes: &[u8]| {
-    let _ = planning::file::parse(bytes);
+    let _ = plan::file::parse(bytes);
 });

@@ -5,8 +5,8 @@ mod support;
 
 use libfuzzer_sys::fuzz_target;
 use log_tools::{ExportOptions, FilterOptions, LogInfo, export, filter, recover};
-use tables::{Format};
-use mcap_log::{Topics};
+use mcap_log::Topics;
+use tables::Format;
 
 fuzz_target!(|bytes: &[u8]| {
     let Some((how, bytes)) = bytes.split_first() else {

@@ -9,8 +9,8 @@ mod sampled;
 mod support;
 
 use libfuzzer_sys::fuzz_target;
-use scenario::{Loader};
-use scenario::files::{Base};
+use scenario::Loader;
+use scenario::files::Base;
 
 /// Maps of more cells only make it slow; so do the built-in ones at their own resolution.
 const SMALL: [(&str, &str); 2] = [

@@ -6,8 +6,8 @@
 mod support;
 
 use libfuzzer_sys::fuzz_target;
-use scenario::{Loader};
-use scenario::files::{Base};
+use scenario::Loader;
+use scenario::files::Base;
 
 fuzz_target!(|text: &str| {
     let (mut overrides, text) = support::split(text);
