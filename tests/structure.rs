@@ -117,34 +117,6 @@ const KNOWN: &[(&str, &str)] = &[
         "modules use each other in a cycle: shape → spec → map → shape",
     ),
     ("sim_backend/Cargo.toml", "`sim_backend` has "),
-    (
-        "orchestrator/scenario/src/draft.rs",
-        "modules use each other in a cycle: draft → load → draft",
-    ),
-    (
-        "orchestrator/scenario/src/events/mod.rs",
-        "modules use each other in a cycle: events → spec → events",
-    ),
-    (
-        "orchestrator/scenario/src/failure.rs",
-        "modules use each other in a cycle: failure → spec → failure",
-    ),
-    (
-        "orchestrator/scenario/src/process_checks.rs",
-        "modules use each other in a cycle: process_checks → processes → process_checks",
-    ),
-    (
-        "orchestrator/scenario/src/robots.rs",
-        "modules use each other in a cycle: robots → spec → events → robots",
-    ),
-    (
-        "orchestrator/scenario/src/tasks.rs",
-        "modules use each other in a cycle: tasks → processes → tasks",
-    ),
-    (
-        "orchestrator/scenario/src/world.rs",
-        "modules use each other in a cycle: world → spec → world",
-    ),
 ];
 
 #[test]

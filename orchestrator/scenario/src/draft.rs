@@ -6,8 +6,8 @@ use super::context::Context;
 use super::files::Base;
 use super::jitter::Placement;
 use super::kind::Kind;
-use super::load::resolve;
 use super::overrides;
+use super::resolve::resolve;
 use super::resolved::ResolvedScenario;
 use super::template::{Grounds, Template};
 

@@ -5,20 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::context::Context;
-use super::spec::{Mode, ProcessBlock, RunSpec};
-
-/// Reaction to a process that exits, is killed, breaks the protocol or no longer answers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum OnFailure {
-    /// The run ends, and fails.
-    #[default]
-    Abort,
-    /// In real time: it is started again and rejoins the run; its robots stand still meanwhile.
-    Restart,
-    /// The run goes on without it; the robots that it drove stand still.
-    Continue,
-}
+use super::spec::{Mode, OnFailure, ProcessBlock, RunSpec};
 
 /// Supervision of a process.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -24,13 +24,12 @@ pub mod jitter;
 pub mod kind;
 mod load;
 mod overrides;
-mod process_checks;
 mod processes;
+mod resolve;
 mod resolved;
 mod robots;
 pub mod schema;
 pub mod spec;
-mod tasks;
 mod template;
 mod world;
 
@@ -39,7 +38,8 @@ mod tests;
 
 pub use draft::Draft;
 pub use events::{EventSpec, Moment};
-pub use failure::{OnFailure, Supervision};
+pub use failure::Supervision;
 pub use load::{Listed, Loader, list};
 pub use resolved::{ProcessSpec, Program, ResolvedScenario};
+pub use spec::OnFailure;
 pub use template::{Grounds, Template};

@@ -5,7 +5,8 @@ use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde_json::{Value as Json, json};
 
 use super::kind::Kind;
-use super::spec::{ProcessBlock, TopLevel};
+use super::resolve::TopLevel;
+use super::spec::ProcessBlock;
 
 /// The schema of a scenario file whose processes are of these kinds: `params` of a process has the
 /// keys of its `kind`.

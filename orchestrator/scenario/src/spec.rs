@@ -1,17 +1,11 @@
-//! What a scenario file may contain, beside the world's own tables (`sim_backend::spec`).
+//! Tables of a scenario file as written, beside the world's own (`sim_backend::spec`).
 
 use schemars::JsonSchema;
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 use sim_backend::pose::Pose2;
-use sim_backend::spec::{
-    ActuatorSpec, LimitsSpec, OdometrySpec, Preset, Region, RulesSpec, ScanSpec,
-};
+use sim_backend::spec::{ActuatorSpec, LimitsSpec, OdometrySpec, Preset, Region, ScanSpec};
 use sim_backend::team::Team;
-
-use super::events::EventBlock;
-use super::failure::OnFailure;
-use super::world::WorldBlock;
 
 /// Most robots in one scenario.
 pub const MAX_ROBOTS: usize = 64;
@@ -153,6 +147,19 @@ pub enum Distribution {
     Normal,
 }
 
+/// Reaction to a process that exits, is killed, breaks the protocol or no longer answers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum OnFailure {
+    /// The run ends, and fails.
+    #[default]
+    Abort,
+    /// In real time: it is started again and rejoins the run; its robots stand still meanwhile.
+    Restart,
+    /// The run goes on without it; the robots that it drove stand still.
+    Continue,
+}
+
 /// How the robots of one `[[processes]]` block are shared out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
@@ -199,31 +206,6 @@ pub(super) struct ProcessBlock {
     #[serde(rename = "params")]
     #[schemars(with = "Option<serde_json::Map<String, serde_json::Value>>")]
     pub _params: Option<IgnoredAny>,
-}
-
-/// The top level of a scenario file.
-#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub(super) struct TopLevel {
-    pub name: Option<String>,
-    pub title: Option<String>,
-    pub description: Option<String>,
-    #[schemars(with = "Option<RunSpec>")]
-    pub run: Option<IgnoredAny>,
-    #[schemars(with = "Option<WorldBlock>")]
-    pub world: Option<IgnoredAny>,
-    #[schemars(with = "Option<RulesSpec>")]
-    pub rules: Option<IgnoredAny>,
-    pub defaults: Option<Defaults>,
-    pub teams: Option<Teams>,
-    #[schemars(with = "Option<Vec<RobotBlock>>")]
-    pub robots: Option<Vec<IgnoredAny>>,
-    #[schemars(with = "Option<Vec<ProcessBlock>>")]
-    pub processes: Option<Vec<IgnoredAny>>,
-    #[schemars(with = "Option<Vec<EventBlock>>")]
-    pub events: Option<Vec<IgnoredAny>>,
-    #[schemars(with = "Option<LogSpec>")]
-    pub log: Option<IgnoredAny>,
 }
 
 /// `[defaults]`.

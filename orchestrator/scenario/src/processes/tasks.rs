@@ -5,9 +5,9 @@ use config::{Code, FieldPath, Step};
 use runtime::kind::{Task, TaskFault};
 use sim_backend::map::{MapSpec, WorldMap};
 
-use super::context::Context;
-use super::processes::Read;
-use super::robots::Robot;
+use super::read::Read;
+use crate::context::Context;
+use crate::robots::Robot;
 
 /// Reports what does not fit, the first thing of every process.
 pub fn check(ctx: &mut Context<'_>, map: &MapSpec, robots: &[Robot], read: &[Read], seed: u64) {

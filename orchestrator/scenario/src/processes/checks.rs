@@ -3,9 +3,9 @@
 use config::Code;
 use runtime::kind::{Need, Product};
 
-use super::context::Context;
-use super::processes::Read;
-use super::robots::Robot;
+use super::read::Read;
+use crate::context::Context;
+use crate::robots::Robot;
 
 /// Names that the run itself uses.
 const RESERVED: [&str; 3] = ["simulator", "orchestrator", "recorder"];

@@ -1,18 +1,14 @@
-//! `[[processes]]`: who runs, and who drives which robot.
+//! One `[[processes]]` block by itself.
 
 use config::{Code, FieldPath, Node, Origin, Step, describe, suggest};
-use runtime::kind::Product;
-use sim_backend::map::MapSpec;
 use sim_backend::team::Team;
 
-use super::context::Context;
-use super::failure;
-use super::kind::{ConfiguredKind, Kind, ParamsProblem, find};
-use super::process_checks::{check_drivers, check_names, check_needs};
-use super::resolved::{ProcessSpec, Program};
-use super::robots::{Robot, check_name};
-use super::spec::{Grouping, MAX_PROCESSES, ProcessBlock, RunSpec};
-use super::tasks;
+use crate::context::Context;
+use crate::failure;
+use crate::kind::{ConfiguredKind, Kind, ParamsProblem, find};
+use crate::resolved::{ProcessSpec, Program};
+use crate::robots::{Robot, check_name};
+use crate::spec::{Grouping, ProcessBlock, RunSpec};
 
 /// A process as read, with its place for complaints.
 pub struct Read {
@@ -24,44 +20,8 @@ pub struct Read {
     pub path: FieldPath,
 }
 
-/// Reads all processes, checks that every robot is driven by exactly one, and that it can do on this
-/// map what its process is told to; everything wrong is reported.
-pub fn resolve(
-    ctx: &mut Context<'_>,
-    robots: Option<&[Robot]>,
-    map: Option<&MapSpec>,
-    run: &RunSpec,
-) -> Vec<ProcessSpec> {
-    let mut read: Vec<Read> = Vec::new();
-    let before = ctx.problems.len();
-    for (path, node) in ctx.blocks("processes") {
-        read_block(ctx, &node, &path, robots, run, &mut read);
-    }
-    if let Some(extra) = read.get(MAX_PROCESSES) {
-        let problem = ctx
-            .block_problem(extra.origin, &extra.path, Code::Limit, "too many processes")
-            .value(read.len())
-            .expected(format!("at most {MAX_PROCESSES} processes"))
-            .help("let one process drive several robots: grouping = \"together\"");
-        ctx.problems.push(problem);
-    }
-    check_names(ctx, &read);
-    // A process that could not be read might have driven the robots that now seem idle.
-    if ctx.problems.len() == before
-        && let Some(robots) = robots
-    {
-        check_drivers(ctx, &read, robots);
-        check_needs(ctx, &read, robots);
-        if let Some(map) = map.filter(|_| ctx.problems.len() == before) {
-            tasks::check(ctx, map, robots, &read, run.seed);
-        }
-    }
-    // Those that others wait for come first; otherwise the order of the file.
-    read.sort_by_key(|r| !r.spec.makes(Product::Beliefs));
-    read.into_iter().map(|r| r.spec).collect()
-}
-
-fn read_block(
+/// Reads the processes of a block, one or one for each robot; everything wrong is reported.
+pub fn block(
     ctx: &mut Context<'_>,
     node: &Node,
     path: &FieldPath,

@@ -1,0 +1,170 @@
+//! A whole scenario from its text: every part by its own reader, then what holds between the parts.
+
+use config::{Code, Diagnostic, FieldPath};
+use schemars::JsonSchema;
+use serde::Deserialize;
+use serde::de::IgnoredAny;
+use sim_backend::map::MapSpec;
+use sim_backend::spec::{RulesSpec, WorldSpec};
+use sim_backend::team::Team;
+
+use super::context::Context;
+use super::events::EventBlock;
+use super::files::Base;
+use super::jitter::Placement;
+use super::resolved::ResolvedScenario;
+use super::robots::Robot;
+use super::spec::{Defaults, LogSpec, MAX_TICKS, ProcessBlock, RobotBlock, RunSpec, Teams};
+use super::world::WorldBlock;
+use super::{events, geometry, processes, robots, world};
+
+/// The top level of a scenario file.
+#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct TopLevel {
+    pub name: Option<String>,
+    pub title: Option<String>,
+    pub description: Option<String>,
+    #[schemars(with = "Option<RunSpec>")]
+    pub run: Option<IgnoredAny>,
+    #[schemars(with = "Option<WorldBlock>")]
+    pub world: Option<IgnoredAny>,
+    #[schemars(with = "Option<RulesSpec>")]
+    pub rules: Option<IgnoredAny>,
+    pub defaults: Option<Defaults>,
+    pub teams: Option<Teams>,
+    #[schemars(with = "Option<Vec<RobotBlock>>")]
+    pub robots: Option<Vec<IgnoredAny>>,
+    #[schemars(with = "Option<Vec<ProcessBlock>>")]
+    pub processes: Option<Vec<IgnoredAny>>,
+    #[schemars(with = "Option<Vec<EventBlock>>")]
+    pub events: Option<Vec<IgnoredAny>>,
+    #[schemars(with = "Option<LogSpec>")]
+    pub log: Option<IgnoredAny>,
+}
+
+/// Reads every part, so that all problems show, then puts the parts together.
+///
+/// Beside the scenario stands what its drawn starts follow from.
+pub(super) fn resolve(
+    ctx: &mut Context<'_>,
+    base: &Base,
+    stem: &str,
+) -> Option<(ResolvedScenario, Vec<Placement>)> {
+    let root = ctx.root.clone();
+    let top: Option<TopLevel> = ctx.read(&root, &FieldPath::default());
+    let run = read_run(ctx);
+    let log = read_log(ctx);
+    let rules: Option<RulesSpec> = ctx.section("rules");
+    if let Some(rules) = &rules
+        && let Err(e) = rules.validate()
+    {
+        let path = FieldPath::key("rules");
+        let node = ctx.root.follow(&path).clone();
+        ctx.refuse(&node, &path, e);
+    }
+    let ground = world::resolve(ctx, base);
+    let robots = robots::resolve(ctx);
+    let map = ground.as_ref().map(|g| &g.map);
+    let defaults = RunSpec::default();
+    let read = run.as_ref().unwrap_or(&defaults);
+    let processes = processes::resolve(ctx, robots.as_deref(), map, read);
+    let events = events::resolve(ctx, map, robots.as_deref());
+    let (top, run, log, rules) = (top?, run?, log?, rules?);
+    let (ground, robots) = (ground?, robots?);
+    if !ctx.problems.is_empty() {
+        return None;
+    }
+    check_ticks(ctx, &run, &rules);
+    let placements = geometry::placements(&robots);
+    let starts = geometry::resolve(ctx, &ground.map, &robots, &rules, run.seed)?;
+    check_end(ctx, &ground.map, &robots, &rules);
+    let specs = robots.into_iter().zip(starts).map(|(r, start)| {
+        let mut spec = r.spec;
+        spec.start = start;
+        spec
+    });
+    let scenario = ResolvedScenario {
+        name: top.name.unwrap_or_else(|| stem.to_owned()),
+        title: top.title.unwrap_or_default(),
+        description: top.description.unwrap_or_default().trim().to_owned(),
+        world: WorldSpec {
+            map: ground.map,
+            robots: specs.collect(),
+            rules,
+            seed: run.seed,
+        },
+        run,
+        blur_sigma: ground.blur_sigma,
+        processes,
+        events,
+        log,
+    };
+    Some((scenario, placements))
+}
+
+fn read_run(ctx: &mut Context<'_>) -> Option<RunSpec> {
+    let run: RunSpec = ctx.section("run")?;
+    ctx.check_range("run.dt", run.dt, 1e-4, 1.0, "s");
+    ctx.check_range("run.real_time_factor", run.real_time_factor, 1e-3, 1e3, "");
+    for (field, value) in [
+        ("run.hang_timeout_s", run.hang_timeout_s),
+        ("run.ready_timeout_s", run.ready_timeout_s),
+    ] {
+        ctx.check_range(field, value, 0.1, 3600.0, "s");
+    }
+    ctx.check_range(
+        "run.command_deadline_s",
+        run.command_deadline_s,
+        1e-3,
+        60.0,
+        "s",
+    );
+    Some(run)
+}
+
+fn read_log(ctx: &mut Context<'_>) -> Option<LogSpec> {
+    let log: LogSpec = ctx.section("log")?;
+    ctx.check_range("log.viewer_rate_hz", log.viewer_rate_hz, 0.0, 1e3, "Hz");
+    Some(log)
+}
+
+/// The time limit must come within a lifetime, and the log of it fit on a disk.
+fn check_ticks(ctx: &mut Context<'_>, run: &RunSpec, rules: &RulesSpec) {
+    let Some(limit) = rules.time_limit.filter(|limit| *limit / run.dt > MAX_TICKS) else {
+        return;
+    };
+    let path = FieldPath::key("rules").then("time_limit");
+    let problem = Diagnostic::new(Code::Limit, "the run would have too many ticks")
+        .at(ctx.sources.place(ctx.root.origin_along(&path)))
+        .field(&path)
+        .value(format!(
+            "{limit} [s] in ticks of run.dt = {} [s]: {:e} ticks",
+            run.dt,
+            limit / run.dt
+        ))
+        .expected(format!("at most {MAX_TICKS:e} ticks"));
+    ctx.problems.push(problem);
+}
+
+/// Something must be able to end the run.
+fn check_end(ctx: &mut Context<'_>, map: &MapSpec, robots: &[Robot], rules: &RulesSpec) {
+    let map_exits = match map {
+        MapSpec::Vector(map) => !map.exits.is_empty(),
+        MapSpec::Cells(map) => !map.exits.is_empty(),
+        MapSpec::File { .. } => false,
+    };
+    let game = rules.capture.is_some() || !rules.exits.is_empty() || map_exits;
+    let evaders = robots.iter().any(|r| r.spec.team == Team::Evader);
+    let goals = robots.iter().any(|r| r.spec.goal.is_some());
+    if rules.time_limit.is_some() || goals || game && evaders {
+        return;
+    }
+    let path = FieldPath::key("rules").then("time_limit");
+    let problem = Diagnostic::new(Code::Requirement, "nothing ever ends this run")
+        .at(ctx.sources.place(ctx.root.origin_along(&path)))
+        .field(&path)
+        .expected("a time limit, a robot with a goal, or evaders that can escape or be caught")
+        .help("set rules.time_limit = 60.0 [s]");
+    ctx.problems.push(problem);
+}
