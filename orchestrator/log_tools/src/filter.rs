@@ -186,6 +186,9 @@ fn restore(states: &mut States, from: u64, output: &mut Output) -> Result<u64, L
 }
 
 /// A time on the command line (s) in nanoseconds.
+///
+/// # Errors
+/// A time that is negative, not finite or beyond 1e10 s.
 pub fn nanoseconds(option: &str, time: Option<f64>) -> Result<Option<u64>, LogsError> {
     match time {
         None => Ok(None),

@@ -18,6 +18,9 @@ pub struct Origin {
 
 impl Origin {
     /// Both must be there.
+    ///
+    /// # Errors
+    /// The manifest or the scenario is missing: [`LogsError`].
     pub fn check(&self, log: &Path) -> Result<(), LogsError> {
         let missing = match (self.manifest.is_empty(), self.scenario.is_none()) {
             (true, _) => "manifest",
@@ -29,6 +32,9 @@ impl Origin {
     }
 
     /// Whether a channel of ours is that of this version.
+    ///
+    /// # Errors
+    /// The channel is of another version: [`LogsError`].
     pub fn check_layout(&self, log: &Path, channel: &Channel) -> Result<(), LogsError> {
         let Some(found) = channel.metadata.get("schema_hash") else {
             return Ok(());

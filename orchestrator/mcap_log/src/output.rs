@@ -23,6 +23,9 @@ pub struct Output {
 
 impl Output {
     /// See [`derived::create`]; `profile` is that of the log.
+    ///
+    /// # Errors
+    /// The file cannot be written: [`LogsError`].
     pub fn create(path: &Path, log: &Path, force: bool, profile: &str) -> Result<Self, LogsError> {
         let file = derived::create(path, log, force, Readers::Owner)?;
         let options = LogOptions::default();
@@ -110,6 +113,9 @@ impl Output {
     }
 
     /// Names and values under a name.
+    ///
+    /// # Errors
+    /// The file cannot be written: [`LogsError`].
     pub fn note<'a>(
         &mut self,
         name: &str,
@@ -124,6 +130,9 @@ impl Output {
     }
 
     /// Ends the log, puts it in its place and says how large it is (bytes).
+    ///
+    /// # Errors
+    /// The file cannot be written: [`LogsError`].
     pub fn finish(mut self) -> Result<u64, LogsError> {
         let finished = self.writer.finish().map(drop);
         self.check(finished)?;

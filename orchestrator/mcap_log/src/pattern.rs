@@ -24,6 +24,9 @@ impl Topics {
     }
 
     /// Every name must be that of a topic.
+    ///
+    /// # Errors
+    /// A name is not that of a topic: [`LogsError`].
     pub fn check<'a>(
         &self,
         known: &(impl Iterator<Item = &'a str> + Clone),

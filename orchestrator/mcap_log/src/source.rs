@@ -98,6 +98,9 @@ pub struct Source {
 impl Source {
     /// Opens a log of ours of which these topics are wanted, up to log time `before` (ns); viewers'
     /// pictures only if `pictures` says so.
+    ///
+    /// # Errors
+    /// The log cannot be read: [`LogsError`].
     pub fn open(
         log: &Path,
         topics: &Topics,
@@ -214,6 +217,9 @@ impl Source {
 
     /// Goes to the first message from log time `from` on; what lasts from before it is returned,
     /// the oldest first.
+    ///
+    /// # Errors
+    /// The log cannot be read: [`LogsError`].
     pub fn seek(&mut self, from: u64, watch: &mut Watch) -> Result<Vec<Logged>, LogsError> {
         self.ahead = None;
         let mut older = States::default();
@@ -333,6 +339,9 @@ impl Source {
     }
 
     /// Everything of the next time, in place of what `into` holds; false at the end.
+    ///
+    /// # Errors
+    /// The log cannot be read: [`LogsError`].
     pub fn tick(&mut self, into: &mut Vec<Logged>) -> Result<bool, LogsError> {
         let (mut count, mut bytes) = (0, 0);
         loop {
@@ -366,6 +375,9 @@ impl Source {
 
     /// Goes to the beginning and visits topic and sender of the first messages. Whoever speaks in a
     /// run speaks there, with few exceptions.
+    ///
+    /// # Errors
+    /// The log cannot be read, or `visit` fails.
     pub fn audition<E: From<LogsError>>(
         &mut self,
         watch: &mut Watch,

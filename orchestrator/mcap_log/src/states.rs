@@ -22,6 +22,9 @@ pub struct States {
 
 impl States {
     /// Keeps a message in place of the one before it.
+    ///
+    /// # Errors
+    /// What is kept exceeds the memory that a log may take: [`LogsError`].
     pub fn keep(
         &mut self,
         path: &Path,
@@ -48,6 +51,9 @@ impl States {
     }
 
     /// Adds those of `older` whose channel and sender have none here.
+    ///
+    /// # Errors
+    /// What is kept exceeds the memory that a log may take: [`LogsError`].
     pub fn fill_from(&mut self, path: &Path, older: Self) -> Result<(), LogsError> {
         for ((channel, source), (header, data)) in older.last {
             if !self.last.contains_key(&(channel, source)) {

@@ -41,6 +41,9 @@ impl Watch {
     }
 
     /// It has been read up to here.
+    ///
+    /// # Errors
+    /// The command was interrupted: [`LogsError::Interrupted`].
     pub fn at(&mut self, bytes: u64) -> Result<(), LogsError> {
         if let Some((progress, done)) = &mut self.shown {
             while (*done + 1) * MEGABYTE <= bytes {

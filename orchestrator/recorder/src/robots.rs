@@ -12,7 +12,7 @@ use super::summary::{OutcomePart, RobotOutcome, Summary, seconds, status_name, t
 pub(super) struct Robots {
     tick: u64,
     tick_period_ns: u64,
-    robots: Vec<Robot>,
+    list: Vec<Robot>,
 }
 
 #[derive(Debug, Clone)]
@@ -41,7 +41,7 @@ impl Robots {
         Self {
             tick: 0,
             tick_period_ns,
-            robots: robots.collect(),
+            list: robots.collect(),
         }
     }
 
@@ -62,7 +62,7 @@ impl Consumer for Robots {
         self.tick = header.stamp.tick;
         let now = self.time_s();
         for state in states {
-            if let Some(robot) = self.robots.get_mut(state.robot as usize) {
+            if let Some(robot) = self.list.get_mut(state.robot as usize) {
                 robot.take(now, state);
             }
         }
@@ -85,7 +85,7 @@ impl OutcomePart for Robots {
     fn finish(self: Box<Self>, summary: &mut Summary) {
         summary.ticks = self.tick;
         summary.sim_time_s = self.time_s();
-        let robots = self.robots.into_iter().map(|robot| RobotOutcome {
+        let robots = self.list.into_iter().map(|robot| RobotOutcome {
             name: robot.name,
             team: team_name(robot.state.team).to_owned(),
             outcome: status_name(robot.state.status).to_owned(),

@@ -12,5 +12,11 @@ pub enum ReplayError {
     Log(#[from] LogsError),
     /// The run failed.
     #[error(transparent)]
-    Mission(#[from] MissionError),
+    Mission(Box<MissionError>),
+}
+
+impl From<MissionError> for ReplayError {
+    fn from(error: MissionError) -> Self {
+        Self::Mission(error.into())
+    }
 }

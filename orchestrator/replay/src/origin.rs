@@ -11,6 +11,9 @@ use scenario::{Loader, ResolvedScenario};
 
 /// The scenario as it was run, with these changes; one in real time only if `so` is empty,
 /// which else says what follows from that. `kinds` are those of this program.
+///
+/// # Errors
+/// The scenario of the log cannot be read, or is refused: [`LogsError`].
 pub fn scenario_of(
     origin: &Origin,
     log: &Path,

@@ -112,6 +112,9 @@ impl Reader<'_> {
     }
 
     /// Checks the checksum over the whole data section, if there is one: call it at the end.
+    ///
+    /// # Errors
+    /// The log cannot be read: [`LogsError`].
     pub fn check_all(&mut self) -> Result<(), LogsError> {
         let Some((end, expected)) = self.data_end.filter(|(_, crc)| *crc != 0) else {
             return Ok(());

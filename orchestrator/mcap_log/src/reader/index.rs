@@ -53,6 +53,9 @@ impl ChunkPlace {
 impl Reader<'_> {
     /// Reads the index at the end of the file, and takes up the schemas and channels in it; `None`
     /// if there is none that holds. What is read next stays what it was, but for an open chunk.
+    ///
+    /// # Errors
+    /// The log cannot be read: [`LogsError`].
     pub fn index(&mut self) -> Result<Option<Vec<ChunkPlace>>, LogsError> {
         let next = self.at();
         let index = self.read_index();

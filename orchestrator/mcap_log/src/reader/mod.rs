@@ -58,6 +58,9 @@ pub struct Reader<'w> {
 
 impl<'w> Reader<'w> {
     /// Opens a log.
+    ///
+    /// # Errors
+    /// The log cannot be read: [`LogsError`].
     pub fn open(path: &Path, mut watch: Option<&'w mut Watch>) -> Result<Self, LogsError> {
         let failed = |source| LogsError::Open {
             path: path.to_owned(),
@@ -126,6 +129,13 @@ impl<'w> Reader<'w> {
     }
 
     /// The next item; `None` at the end.
+    ///
+    /// # Errors
+    /// The log cannot be read: [`LogsError`].
+    #[allow(
+        clippy::should_implement_trait,
+        reason = "an item borrows from the reader"
+    )]
     pub fn next(&mut self) -> Result<Option<Item<'_>>, LogsError> {
         let found = loop {
             if self.chunk.is_some() {

@@ -34,6 +34,9 @@ pub struct Cdr<'a> {
 
 impl<'a> Cdr<'a> {
     /// Of a message with its encapsulation header.
+    ///
+    /// # Errors
+    /// The bytes are no message of this schema: [`DecodeError`].
     pub fn new(bytes: &'a [u8]) -> Result<Self, DecodeError> {
         let short = || DecodeError::Short("the encapsulation header".to_owned());
         let (head, body) = bytes.split_first_chunk::<4>().ok_or_else(short)?;
@@ -67,6 +70,9 @@ impl<'a> Cdr<'a> {
     }
 
     /// The next number.
+    ///
+    /// # Errors
+    /// The bytes are no message of this schema: [`DecodeError`].
     pub fn number(&mut self, kind: Number, name: &str) -> Result<Cell, DecodeError> {
         let size = kind.size();
         self.align(size);
@@ -94,6 +100,9 @@ impl<'a> Cdr<'a> {
     }
 
     /// The next text.
+    ///
+    /// # Errors
+    /// The bytes are no message of this schema: [`DecodeError`].
     pub fn text(&mut self, name: &str) -> Result<Cell, DecodeError> {
         let Cell::UInt(length) = self.number(Number::U32, name)? else {
             return Ok(Cell::Empty);
@@ -105,6 +114,9 @@ impl<'a> Cdr<'a> {
     }
 
     /// How many elements of this field follow; no more than there can be.
+    ///
+    /// # Errors
+    /// The bytes are no message of this schema: [`DecodeError`].
     pub fn count(&mut self, field: &Field) -> Result<usize, DecodeError> {
         let count = match field.count {
             Count::One => 1,
@@ -122,6 +134,9 @@ impl<'a> Cdr<'a> {
     }
 
     /// Visits every value of one element of a field, with its name and where it ends.
+    ///
+    /// # Errors
+    /// The bytes are no message of this schema: [`DecodeError`].
     pub fn element(
         &mut self,
         kind: &Kind,
@@ -147,6 +162,9 @@ impl<'a> Cdr<'a> {
     }
 
     /// Visits every value of a field, with its name, `robots[3].x`, and where it ends.
+    ///
+    /// # Errors
+    /// The bytes are no message of this schema: [`DecodeError`].
     pub fn field(
         &mut self,
         field: &Field,
@@ -163,6 +181,9 @@ impl<'a> Cdr<'a> {
     }
 
     /// Passes over one element.
+    ///
+    /// # Errors
+    /// The bytes are no message of this schema: [`DecodeError`].
     pub fn skip(&mut self, kind: &Kind, name: &str) -> Result<(), DecodeError> {
         match kind {
             Kind::Number(number) => {
@@ -183,6 +204,9 @@ impl<'a> Cdr<'a> {
 }
 
 /// The field of a message that ends behind this byte of its encoded form, and its value.
+///
+/// # Errors
+/// The bytes are no message of this schema: [`DecodeError`].
 pub fn field_at(
     fields: &[Field],
     bytes: &[u8],

@@ -64,7 +64,7 @@ impl State {
         for (index, (process, seen)) in self.processes.iter().zip(seen).enumerate() {
             match process.standing {
                 Standing::Starting { .. } if seen.state == SlotState::Prepared => {
-                    events.push((index, Event::Back))
+                    events.push((index, Event::Back));
                 }
                 Standing::Starting { until } if now >= until => {
                     events.push((index, Event::NotReady));

@@ -62,7 +62,7 @@ pub(super) fn command(
         ExitCode::from(match error {
             ReplayError::Log(LogsError::Write { .. }) | ReplayError::Mission(_) => EXIT_FAILED,
             ReplayError::Log(LogsError::Interrupted) => EXIT_PARTIAL,
-            _ => EXIT_INVALID,
+            ReplayError::Log(_) => EXIT_INVALID,
         })
     })
 }

@@ -119,6 +119,7 @@ impl Chain {
 
     /// Measures turns, stages and answers too; `period_ns`: wall-clock time between two ticks in real
     /// time, `None` in lock-step.
+    #[must_use]
     pub fn with_detail(mut self, period_ns: Option<u64>) -> Self {
         self.detail = Some(Detail::new(period_ns));
         self

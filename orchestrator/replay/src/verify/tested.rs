@@ -69,14 +69,12 @@ impl Tested {
                 return Err(refuse(format!(
                     "{name}: the log's scenario has no process with this name; it has {}",
                     known.join(", ")
-                ))
-                .into());
+                )));
             };
             if launch.config.index == 0 {
                 return Err(refuse(format!(
                     "{name}: it leads the others; `protean rerun` does the whole run again"
-                ))
-                .into());
+                )));
             }
             if let Role::Process(program @ Program::Command { .. }) = &launch.role
                 && !options.allow_external

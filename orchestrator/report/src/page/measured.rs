@@ -85,14 +85,14 @@ impl Consumer<LoggedRun> for Measured {
             self.predictions(time_ns, &predictions);
         }
         if let Some((_, reports)) = run.decode::<Coverage>(message) {
-            reports
-                .iter()
-                .for_each(|report| self.coverage(time_ns, report));
+            for report in &reports {
+                self.coverage(time_ns, report);
+            }
         }
         if let Some((_, verdicts)) = run.decode::<Verdicts>(message) {
-            verdicts
-                .iter()
-                .for_each(|verdict| self.verdict(time_ns, verdict));
+            for verdict in &verdicts {
+                self.verdict(time_ns, verdict);
+            }
         }
     }
 }
