@@ -326,7 +326,7 @@ fn overrides_and_options_that_make_no_sense() {
             [
                 "`run.dt` is out of range",
                 "--set (run.dt)",
-                "from 0.0001 to 1 [s]",
+                "between 0.0001 and 1 (s)",
             ],
         ),
         (

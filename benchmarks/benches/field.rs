@@ -12,8 +12,8 @@ use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use nalgebra::{Point2, Vector2};
 use navigation::bearing::Bearings;
 use navigation::routes::{NavGrid, RouteTree, Threat, Wayfinder};
+use parameters::Fidelity;
 use planner_view::map::PlannerMap;
-use sim_backend::params::Fidelity;
 use steering::potential_field::{
     Goal, RepulsionParams, Repulsor, attraction, capped, obstacle, repulsion,
 };

@@ -6,12 +6,13 @@
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
 
 pub mod blur;
+mod extent;
 pub mod grid;
 pub mod map;
 pub mod math;
-pub mod params;
 pub mod pose;
 pub mod random;
+mod region;
 pub mod robot;
 pub mod shape;
 pub mod spec;

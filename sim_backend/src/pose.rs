@@ -1,20 +1,25 @@
 //! Where a robot is and how it moves (REP-103: x forward, y left, angles counter-clockwise).
 
 use nalgebra::{Point2, Vector2};
+use parameters::unit;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::extent::coordinate;
 use crate::math;
 
 /// Pose of a robot in the world frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Pose2 {
-    /// Position along the world's x axis (m).
+    /// Position along the world's x axis.
+    #[schemars(transform = coordinate())]
     pub x: f64,
-    /// Position along the world's y axis (m).
+    /// Position along the world's y axis.
+    #[schemars(transform = coordinate())]
     pub y: f64,
-    /// Heading (rad), counter-clockwise from +x, in (−π, π].
+    /// Heading, counter-clockwise from +x, in (−π, π].
+    #[schemars(transform = unit("rad"))]
     pub theta: f64,
 }
 

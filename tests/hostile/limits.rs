@@ -47,7 +47,7 @@ fn a_scenario_that_asks_for_too_much_is_refused_with_the_limit_named() {
                 "robots = [\"robot\"]",
                 "robots = [\"robot\"]\n[run]\ndt = 1e-300",
             ),
-            &["run.dt", "a number from 0.0001 to 1"][..],
+            &["run.dt", "a number between 0.0001 and 1"][..],
         ),
         (
             changed("time_limit = 1.0", "time_limit = 1e8"),

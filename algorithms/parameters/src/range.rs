@@ -70,11 +70,14 @@ impl<'a> Range<'a> {
             Kind::Real => "a finite number",
         };
         let range = match (lower, upper) {
-            (Some(_), Some(_)) if self.is_closed() => format!(
-                " between {} and {}",
-                get("minimum").unwrap_or_default(),
-                get("maximum").unwrap_or_default()
-            ),
+            (Some(_), Some(_)) if self.is_closed() => {
+                let bound = |keyword: &str| self.0.get(keyword).unwrap_or(&Value::Null);
+                let (min, max) = (bound("minimum"), bound("maximum"));
+                match symmetric(min, max) {
+                    Some(most) => format!(" within ±{most}"),
+                    None => format!(" between {} and {}", plain(min), plain(max)),
+                }
+            }
             (Some(lower), Some(upper)) => {
                 format!(" {lower} and {}", upper.trim_start_matches("of "))
             }
@@ -96,7 +99,10 @@ impl<'a> Range<'a> {
             self.0.get("minimum"),
             self.0.get("maximum"),
         ) {
-            return format!("{} to {}", plain(min), plain(max));
+            return match symmetric(min, max) {
+                Some(most) => format!("±{most}"),
+                None => format!("{} to {}", plain(min), plain(max)),
+            };
         }
         let lower = get("exclusiveMinimum", ">").or_else(|| get("minimum", "≥"));
         let upper = get("exclusiveMaximum", "<").or_else(|| get("maximum", "≤"));
@@ -140,9 +146,16 @@ fn whole(bound: &Value) -> Option<i128> {
     signed.or_else(|| bound.as_u64().map(i128::from))
 }
 
+/// The greater of two bounds whose other one is its negative.
+fn symmetric(min: &Value, max: &Value) -> Option<String> {
+    let (low, high) = (min.as_f64()?, max.as_f64()?);
+    (high > 0.0 && low == -high).then(|| plain(max))
+}
+
 /// A number as people write it: 5 for 5.0, and π by its name.
 fn plain(number: &Value) -> String {
     match (whole(number), number.as_f64()) {
+        (_, Some(real)) if real < 0.0 => format!("-{}", plain(&Value::from(-real))),
         (None, Some(PI)) => "π".to_owned(),
         (None, Some(TAU)) => "2π".to_owned(),
         (None, Some(real)) => real.to_string(),

@@ -2,7 +2,7 @@
 
 use sim_backend::pose::Twist2;
 
-use sim_backend::params::{ParamsError, not_negative, positive};
+use parameters::{ParamsError, not_negative, positive};
 
 /// Speed limits of a differential-drive robot.
 ///

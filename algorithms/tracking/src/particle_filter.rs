@@ -24,9 +24,9 @@ mod resample;
 mod weigh;
 
 use nalgebra::Point2;
+use parameters::Fidelity;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
-use sim_backend::params::Fidelity;
 use sim_backend::pose::Pose2;
 
 use self::cloud::Cloud;

@@ -1,7 +1,7 @@
 //! What every part of the resolution needs: the texts, the tree, and somewhere to complain.
 
 use config::{Code, Diagnostic, Diagnostics, FieldPath, Node, Origin, Sources, problem_at, read};
-use parameters::{Fault, ParamsError};
+use parameters::{Fault, Parameters, ParamsError, check};
 use serde::de::DeserializeOwned;
 
 use super::kind::Kind;
@@ -42,15 +42,23 @@ impl Context<'_> {
         read(&self.sources, node, path, &mut self.problems)
     }
 
-    /// Reads a top-level table; an absent one is its default.
-    pub fn section<T: DeserializeOwned + Default>(&mut self, key: &str) -> Option<T> {
-        match self.root.get(key) {
-            Some(_) => {
-                let path = FieldPath::key(key);
-                let node = self.root.follow(&path).clone();
-                self.read(&node, &path)
-            }
-            None => Some(T::default()),
+    /// Reads and checks a top-level table; an absent one is its default.
+    pub fn section<T: Parameters + Default>(&mut self, key: &str) -> Option<T> {
+        if self.root.get(key).is_none() {
+            return Some(T::default());
+        }
+        let path = FieldPath::key(key);
+        let node = self.root.follow(&path).clone();
+        let value = self.read(&node, &path)?;
+        self.check_section(key, &value);
+        Some(value)
+    }
+
+    /// Checks ranges and relations of a top-level table; its path stands in the messages.
+    pub fn check_section<T: Parameters>(&mut self, key: &str, value: &T) {
+        if let Err(e) = check(value) {
+            let root = self.root.clone();
+            self.refuse(&root, &FieldPath::default(), e.within(key));
         }
     }
 
@@ -86,22 +94,15 @@ impl Context<'_> {
         self.problems.push(problem);
     }
 
-    /// Reports a number of a top-level table that is not within its limits.
-    pub fn check_range(&mut self, path: &str, value: f64, low: f64, high: f64, unit: &str) {
-        if (low..=high).contains(&value) {
-            return;
+    /// Checks ranges and relations of a value that a node says; whether they hold.
+    pub fn check<T: Parameters>(&mut self, node: &Node, base: &FieldPath, value: &T) -> bool {
+        match check(value) {
+            Ok(()) => true,
+            Err(e) => {
+                self.refuse(node, base, e);
+                false
+            }
         }
-        let path = FieldPath::parse(path);
-        let unit = if unit.is_empty() {
-            String::new()
-        } else {
-            format!(" [{unit}]")
-        };
-        let message = format!("`{path}` is out of range");
-        let problem = problem_at(&self.sources, &self.root, &path, Code::OutOfRange, message)
-            .value(value)
-            .expected(format!("a number from {low} to {high}{unit}"));
-        self.problems.push(problem);
     }
 
     /// A problem at a node as a whole, shown at its first line.

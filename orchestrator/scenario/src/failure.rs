@@ -1,20 +1,24 @@
 //! Reaction of a run to the failure of one of its processes: keys of `[[processes]]`.
 
 use config::{Code, FieldPath, Node};
+use parameters::Parameters;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::context::Context;
-use super::spec::{Mode, OnFailure, ProcessBlock, RunSpec};
+use super::spec::{Mode, OnFailure, ProcessBlock, RunSpec, ready_timeout};
 
 /// Supervision of a process.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Supervision {
     /// Reaction to its failure.
     pub on_failure: OnFailure,
-    /// Real time that it has to become ready, at the start and after every restart (s).
+    /// Real time that it has to become ready, at the start and after every restart.
+    #[schemars(transform = ready_timeout())]
     pub ready_timeout_s: f64,
 }
+
+impl Parameters for Supervision {}
 
 impl Default for Supervision {
     fn default() -> Self {
@@ -38,15 +42,7 @@ pub(super) fn read(
         ready_timeout_s: block.ready_timeout_s.unwrap_or(run.ready_timeout_s),
     };
     let before = ctx.problems.len();
-    if !(0.1..=3600.0).contains(&supervision.ready_timeout_s) {
-        let field = "ready_timeout_s";
-        let message = "`ready_timeout_s` is out of range";
-        let problem = ctx
-            .problem(node, path, field, Code::OutOfRange, message)
-            .value(supervision.ready_timeout_s)
-            .expected("a number from 0.1 to 3600");
-        ctx.problems.push(problem);
-    }
+    ctx.check(node, path, &supervision);
     if supervision.on_failure == OnFailure::Restart && run.mode == Mode::LockStep {
         let field = "on_failure";
         let message = "in lock-step nothing waits for a process that is started again";

@@ -22,23 +22,35 @@ use super::{events, geometry, processes, robots, world};
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct TopLevel {
+    /// Short name, used for the log's name; the file's name if absent.
     pub name: Option<String>,
+    /// One line for people; the name if absent.
     pub title: Option<String>,
+    /// Some lines for people.
     pub description: Option<String>,
+    /// Time, chance and pace.
     #[schemars(with = "Option<RunSpec>")]
     pub run: Option<IgnoredAny>,
+    /// The map. Required.
     #[schemars(with = "Option<WorldBlock>")]
     pub world: Option<IgnoredAny>,
+    /// Capture, exits, end; a world without a game if absent.
     #[schemars(with = "Option<RulesSpec>")]
     pub rules: Option<IgnoredAny>,
+    /// What all robots share.
     pub defaults: Option<Defaults>,
+    /// What the robots of a team share.
     pub teams: Option<Teams>,
+    /// The robots, 1 to 64.
     #[schemars(with = "Option<Vec<RobotBlock>>")]
     pub robots: Option<Vec<IgnoredAny>>,
+    /// The processes that drive them: every robot has one.
     #[schemars(with = "Option<Vec<ProcessBlock>>")]
     pub processes: Option<Vec<IgnoredAny>>,
+    /// Obstacles that come, go and move, at most 10 000 events.
     #[schemars(with = "Option<Vec<EventBlock>>")]
     pub events: Option<Vec<IgnoredAny>>,
+    /// What is recorded and how.
     #[schemars(with = "Option<LogSpec>")]
     pub log: Option<IgnoredAny>,
 }
@@ -53,16 +65,9 @@ pub(super) fn resolve(
 ) -> Option<(ResolvedScenario, Vec<Placement>)> {
     let root = ctx.root.clone();
     let top: Option<TopLevel> = ctx.read(&root, &FieldPath::default());
-    let run = read_run(ctx);
-    let log = read_log(ctx);
+    let run: Option<RunSpec> = ctx.section("run");
+    let log: Option<LogSpec> = ctx.section("log");
     let rules: Option<RulesSpec> = ctx.section("rules");
-    if let Some(rules) = &rules
-        && let Err(e) = rules.validate()
-    {
-        let path = FieldPath::key("rules");
-        let node = ctx.root.follow(&path).clone();
-        ctx.refuse(&node, &path, e);
-    }
     let ground = world::resolve(ctx, base);
     let robots = robots::resolve(ctx);
     let map = ground.as_ref().map(|g| &g.map);
@@ -101,32 +106,6 @@ pub(super) fn resolve(
         log,
     };
     Some((scenario, placements))
-}
-
-fn read_run(ctx: &mut Context<'_>) -> Option<RunSpec> {
-    let run: RunSpec = ctx.section("run")?;
-    ctx.check_range("run.dt", run.dt, 1e-4, 1.0, "s");
-    ctx.check_range("run.real_time_factor", run.real_time_factor, 1e-3, 1e3, "");
-    for (field, value) in [
-        ("run.hang_timeout_s", run.hang_timeout_s),
-        ("run.ready_timeout_s", run.ready_timeout_s),
-    ] {
-        ctx.check_range(field, value, 0.1, 3600.0, "s");
-    }
-    ctx.check_range(
-        "run.command_deadline_s",
-        run.command_deadline_s,
-        1e-3,
-        60.0,
-        "s",
-    );
-    Some(run)
-}
-
-fn read_log(ctx: &mut Context<'_>) -> Option<LogSpec> {
-    let log: LogSpec = ctx.section("log")?;
-    ctx.check_range("log.viewer_rate_hz", log.viewer_rate_hz, 0.0, 1e3, "Hz");
-    Some(log)
 }
 
 /// The time limit must come within a lifetime, and the log of it fit on a disk.

@@ -1,12 +1,13 @@
 //! `[[robots]]`, with what they inherit from their team and from the defaults.
 
 use config::{Code, FieldPath, Node, Value};
+use parameters::{check, within};
 use sim_backend::pose::Pose2;
 use sim_backend::spec::RobotSpec;
 use sim_backend::team::Team;
 
 use super::context::Context;
-use super::spec::{Defaults, MAX_BEAMS, MAX_ROBOTS, RobotBlock, StartJitter, Teams};
+use super::spec::{Defaults, MAX_ROBOTS, RobotBlock, StartJitter, Teams};
 
 /// A robot as read, before its start is drawn.
 pub struct Robot {
@@ -87,8 +88,14 @@ pub fn resolve(ctx: &mut Context<'_>) -> Option<Vec<Robot>> {
 
 /// Reports what is wrong in `[defaults]` and `[teams]` themselves, also if no robot inherits it.
 fn check_inherited(ctx: &mut Context<'_>) {
-    let _: Option<Defaults> = ctx.section("defaults");
-    let _: Option<Teams> = ctx.section("teams");
+    let paths = ["defaults", "teams"].map(FieldPath::key);
+    let [defaults, teams] = paths.each_ref().map(|path| ctx.root.at(path).cloned());
+    if let Some(node) = defaults {
+        let _: Option<Defaults> = ctx.read(&node, &paths[0]);
+    }
+    if let Some(node) = teams {
+        let _: Option<Teams> = ctx.read(&node, &paths[1]);
+    }
     for path in [
         "defaults.robot",
         "teams.neutral",
@@ -176,52 +183,21 @@ fn read_robot(ctx: &mut Context<'_>, node: Node, path: FieldPath) -> Option<Robo
         odometry: block.odometry,
         goal: block.goal,
     };
-    if let Err(e) = spec.validate() {
+    if !ctx.check(&node, &path, &spec) {
+        return None;
+    }
+    let jitter = block.start_jitter.as_ref().map_or(Ok(()), check);
+    let jitter = jitter.map_err(within("start_jitter"));
+    let jitter_ok = jitter.is_ok();
+    if let Err(e) = jitter {
         ctx.refuse(&node, &path, e);
-        return None;
     }
-    if let Some(scan) = spec.scan.as_ref().filter(|s| s.beams > MAX_BEAMS) {
-        let problem = ctx
-            .problem(&node, &path, "scan.beams", Code::Limit, "too many beams")
-            .value(scan.beams)
-            .expected(format!("at most {MAX_BEAMS} beams"));
-        ctx.problems.push(problem);
-        return None;
-    }
-    let jitter_ok = check_jitter(ctx, &node, &path, block.start_jitter.as_ref());
     (name_ok && jitter_ok).then_some(Robot {
         spec,
         jitter: block.start_jitter,
         node,
         path,
     })
-}
-
-fn check_jitter(
-    ctx: &mut Context<'_>,
-    node: &Node,
-    path: &FieldPath,
-    jitter: Option<&StartJitter>,
-) -> bool {
-    use core::f64::consts::PI;
-    let Some(jitter) = jitter else { return true };
-    let mut fine = true;
-    for (key, value, max, unit) in [
-        ("x", jitter.x, 100.0, "m"),
-        ("y", jitter.y, 100.0, "m"),
-        ("theta", jitter.theta, PI, "rad"),
-    ] {
-        if !(0.0..=max).contains(&value) {
-            let field = format!("start_jitter.{key}");
-            let message = format!("`{field}` is out of range");
-            let problem = ctx
-                .problem(node, path, &field, Code::OutOfRange, message)
-                .expected(format!("a number from 0 to {max:.4} [{unit}]"));
-            ctx.problems.push(problem);
-            fine = false;
-        }
-    }
-    fine
 }
 
 fn check_unique(ctx: &mut Context<'_>, others: &[Robot], robot: &Robot) -> bool {

@@ -1,18 +1,21 @@
 //! Tables of a scenario file as written, beside the world's own (`sim_backend::spec`).
 
+use core::f64::consts::PI;
+
+use parameters::{Bounds, Parameters, above, between};
 use schemars::JsonSchema;
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 use sim_backend::pose::Pose2;
-use sim_backend::spec::{ActuatorSpec, LimitsSpec, OdometrySpec, Preset, Region, ScanSpec};
+use sim_backend::spec::{
+    ActuatorSpec, LimitsSpec, MAX_COORDINATE, OdometrySpec, Preset, Region, ScanSpec,
+};
 use sim_backend::team::Team;
 
 /// Most robots in one scenario.
 pub const MAX_ROBOTS: usize = 64;
 /// Most processes in one scenario, the simulator not counted: every one has a seat at the turn page.
 pub const MAX_PROCESSES: usize = 63;
-/// Most beams of one range scan.
-pub const MAX_BEAMS: usize = 4096;
 /// Most cells of the map's grid.
 pub const MAX_CELLS: usize = 25_000_000;
 /// Most ticks up to the time limit of a run.
@@ -24,25 +27,37 @@ pub const MAX_EVENTS: usize = 10_000;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct RunSpec {
-    /// Simulated length of one tick (s), 0.0001 to 1.
+    /// Simulated length of one tick.
+    #[schemars(transform = between(1e-4, 1.0).unit("s"))]
     pub dt: f64,
     /// Seed of everything random: noise, start jitter, planners. `--seed` overrides it.
     pub seed: u64,
-    /// Who sets the pace.
+    /// Who sets the pace; `--real-time` sets it.
     pub mode: Mode,
-    /// In real time: simulated seconds per second, 0.001 to 1000.
+    /// In real time: simulated seconds per second.
+    #[schemars(transform = between(1e-3, 1e3))]
     pub real_time_factor: f64,
     /// On which cores the processes may run.
     pub pin: Pin,
-    /// Wall-clock time (s) without an answer after which a process counts as hung, 0.1 to 3600.
+    /// Wall-clock time without an answer after which a process counts as hung.
+    #[schemars(transform = between(0.1, 3600.0).unit("s"))]
     pub hang_timeout_s: f64,
-    /// Wall-clock time (s) that the simulator, and every process that does not say otherwise, has to
-    /// become ready, 0.1 to 3600.
+    /// Wall-clock time that the simulator, and every process that does not say otherwise, has to
+    /// become ready.
+    #[schemars(transform = ready_timeout())]
     pub ready_timeout_s: f64,
-    /// In real time: age (s, simulated) beyond which a robot's command is no longer obeyed and the
-    /// robot stops, 0.001 to 60.
+    /// In real time: age, in simulated time, beyond which a robot's command is no longer obeyed and
+    /// the robot stops.
+    #[schemars(transform = between(1e-3, 60.0).unit("s"))]
     pub command_deadline_s: f64,
 }
+
+/// Range of the time that a process has to become ready.
+pub(super) fn ready_timeout() -> Bounds {
+    between(0.1, 3600.0).unit("s")
+}
+
+impl Parameters for RunSpec {}
 
 impl Default for RunSpec {
     fn default() -> Self {
@@ -87,9 +102,12 @@ pub enum Pin {
 pub struct LogSpec {
     /// Compression of the chunks.
     pub compression: Compression,
-    /// Pictures per simulated second for viewers (Hz), 0 to 1000; 0 leaves viewer topics out.
+    /// Pictures per simulated second for viewers; 0 leaves viewer topics out.
+    #[schemars(transform = between(0, 1000).unit("Hz"))]
     pub viewer_rate_hz: f64,
 }
+
+impl Parameters for LogSpec {}
 
 impl Default for LogSpec {
     fn default() -> Self {
@@ -115,15 +133,20 @@ pub enum Compression {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct StartJitter {
-    /// Along x: half the range, or the standard deviation (m), 0 to 100.
+    /// Along x: half the range, or the standard deviation.
+    #[schemars(transform = between(0, 100).unit("m"))]
     pub x: f64,
-    /// Along y, likewise (m), 0 to 100.
+    /// Along y, likewise.
+    #[schemars(transform = between(0, 100).unit("m"))]
     pub y: f64,
-    /// Of the heading, likewise (rad), 0 to π.
+    /// Of the heading, likewise.
+    #[schemars(transform = between(0.0, PI).unit("rad"))]
     pub theta: f64,
     /// What the three numbers mean.
     pub distribution: Distribution,
 }
+
+impl Parameters for StartJitter {}
 
 impl Default for StartJitter {
     fn default() -> Self {
@@ -176,17 +199,32 @@ pub(super) enum Grouping {
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct RobotBlock {
+    /// Unique name, 1 to 48 of a–z, A–Z, 0–9, `_`, `-`. Required; not inherited.
     pub name: Option<String>,
+    /// The side that it is on. Required.
     pub team: Option<Team>,
+    /// Pose at time 0, free of walls and other robots. Required; not inherited.
     pub start: Option<Pose2>,
+    /// Random displacement of the start; none if absent.
     pub start_jitter: Option<StartJitter>,
+    /// The robot whose body and limits are taken where nothing else is said;
+    /// `"turtlebot3_burger"` if absent.
     pub preset: Option<Preset>,
+    /// Radius of the disc that the robot occupies; the preset's if absent.
+    #[schemars(transform = above(0).at_most(MAX_COORDINATE).unit("m"))]
     pub radius: Option<f64>,
+    /// Distance between the wheels' contact points; the preset's if absent.
+    #[schemars(transform = above(0).at_most(MAX_COORDINATE).unit("m"))]
     pub wheel_separation: Option<f64>,
+    /// Limits that differ from the preset's.
     pub limits: LimitsSpec,
+    /// How the drive departs from its commands; exact by default.
     pub actuator: ActuatorSpec,
+    /// Range scanner, `{}` for all defaults; none if absent.
     pub scan: Option<ScanSpec>,
+    /// Noise of the wheel odometry; exact if absent.
     pub odometry: Option<OdometrySpec>,
+    /// Region where the robot shall arrive: it is done when its centre is inside.
     pub goal: Option<Region>,
 }
 
@@ -194,15 +232,26 @@ pub(super) struct RobotBlock {
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct ProcessBlock {
+    /// Unique name, characters as for robots. If absent, the kind; with the robot's name behind it
+    /// where the block becomes several processes.
     pub name: Option<String>,
+    /// Kind of process, one of `protean list`; this or `command`.
     pub kind: Option<String>,
+    /// A program of your own and its arguments; runs only with `--allow-external`.
     pub command: Option<Vec<String>>,
+    /// Names of the robots that it drives; this or `team`.
     pub robots: Option<Vec<String>>,
+    /// Team whose robots it drives.
     pub team: Option<Team>,
+    /// How the robots are shared out; `"one_per_robot"` if absent.
     pub grouping: Option<Grouping>,
+    /// What happens when it fails; `"abort"` if absent.
     pub on_failure: Option<OnFailure>,
+    /// Wall-clock time that it has to become ready, at the start and after a restart;
+    /// `run.ready_timeout_s` if absent.
+    #[schemars(transform = ready_timeout())]
     pub ready_timeout_s: Option<f64>,
-    /// Read by the kind.
+    /// Parameters of the kind; of a `command`, whatever the program understands.
     #[serde(rename = "params")]
     #[schemars(with = "Option<serde_json::Map<String, serde_json::Value>>")]
     pub _params: Option<IgnoredAny>,

@@ -3,12 +3,13 @@
 use std::path::Path;
 
 use config::{Code, FieldPath, Node, SourceKind, nearest, parse_document};
-use parameters::ParamsError;
+use parameters::{Parameters, ParamsError, above, between};
 use schemars::JsonSchema;
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 use sim_backend::map::{MapSpec, RosMap, UnknownCells, VectorMap, VectorMapError};
 use sim_backend::shape::ShapeError;
+use sim_backend::spec::MAX_COORDINATE;
 
 use super::builtin;
 use super::context::Context;
@@ -20,19 +21,24 @@ const MAX_MAP_FILE: u64 = 64 << 20;
 /// Prefix of the name of a map that is part of the program.
 const BUILTIN: &str = "builtin:";
 
-/// `[world]` but for the map.
+/// `[world]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct WorldBlock {
-    /// Read by [`MapSpec`].
+    /// The map: the path of a file, `"builtin:city"`, `"builtin:hello"`, or a table.
     #[serde(rename = "map", skip_serializing)]
-    #[schemars(with = "Option<serde_json::Value>")]
+    #[schemars(with = "Option<MapSpec>")]
     _map: Option<IgnoredAny>,
-    /// Side of the grid's cells (m), instead of what a vector map says.
+    /// Side of the grid's cells, instead of what a vector map says; at most 25 million cells.
+    #[schemars(transform = above(0).at_most(MAX_COORDINATE).unit("m"))]
     resolution: Option<f64>,
-    /// Standard deviation of the map's Gaussian blur (m).
+    /// Standard deviation of the map's Gaussian blur: how softly walls repel and how sharply
+    /// corners hide.
+    #[schemars(transform = between(0, 10).unit("m"))]
     blur_sigma: f64,
 }
+
+impl Parameters for WorldBlock {}
 
 impl Default for WorldBlock {
     fn default() -> Self {
@@ -69,7 +75,7 @@ pub fn resolve(ctx: &mut Context<'_>, base: &Base) -> Option<Ground> {
         return None;
     };
     let block: WorldBlock = ctx.read(&node, &world)?;
-    ctx.check_range("world.blur_sigma", block.blur_sigma, 0.0, 10.0, "m");
+    ctx.check_section("world", &block);
     let path = world.then("map");
     let Some(map_node) = node.get("map") else {
         let problem = ctx

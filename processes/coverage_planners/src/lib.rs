@@ -15,7 +15,7 @@ pub mod follower;
 pub mod keyed;
 
 use chaotic_maps::Key;
-use sim_backend::params::ParamsError;
+use parameters::ParamsError;
 
 pub use baselines::{
     Boustrophedon, BoustrophedonParams, BoustrophedonPlanner, RandomBounce, RandomBouncePlanner,

@@ -249,8 +249,7 @@ impl ObserverProcess {
     /// Sets up the predictors of a robot.
     fn target(&self, robot: usize, space: &Space) -> Result<Target, ProcessError> {
         let (run, params) = (&self.config.run, &self.params);
-        let algorithm =
-            |e: sim_backend::params::ParamsError| ProcessError::Algorithm(e.to_string());
+        let algorithm = |e: parameters::ParamsError| ProcessError::Algorithm(e.to_string());
         let Some(info) = run.robots.get(robot) else {
             return Err(ProcessError::Algorithm(format!(
                 "there is no robot {robot}"

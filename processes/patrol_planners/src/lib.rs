@@ -13,8 +13,8 @@ mod check;
 mod fto;
 pub mod process;
 
+use parameters::ParamsError;
 use patrol::mission::MissionError;
-use sim_backend::params::ParamsError;
 use thiserror::Error;
 
 pub use awg::{Pace, PatrolAwg, PatrolAwgParams, SHOWN};

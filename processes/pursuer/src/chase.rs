@@ -3,11 +3,11 @@
 use nalgebra::{Point2, Vector2};
 use navigation::bearing::{Bearings, GoalField};
 use navigation::routes::{MARGIN, Wayfinder};
+use parameters::ParamsError;
 use planner_view::limits::Limits;
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::{RobotView, View};
-use sim_backend::params::ParamsError;
 use sim_backend::team::Team;
 use steering::feedback_linearisation::command;
 use steering::potential_field::{

@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 
 use nalgebra::Point2;
+use parameters::Fidelity;
 use planner_view::map::PlannerMap;
 use planner_view::view::{BeliefView, View};
 use sim_backend::math;
-use sim_backend::params::Fidelity;
 use sim_backend::pose::Pose2;
 use steering::potential_field::Goal;
 

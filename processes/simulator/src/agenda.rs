@@ -129,7 +129,7 @@ impl Agenda {
             };
             if item.due.is_none()
                 && let (Some(state), Some(&start)) = (robots.get(robot), self.starts.get(robot))
-                && condition.holds(state, start)
+                && state.meets(&condition, start)
             {
                 item.due = Some(tick.saturating_add(after));
             }

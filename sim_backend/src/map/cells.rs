@@ -1,37 +1,45 @@
 //! Maps given as occupancy grids.
 
 use nalgebra::Point2;
+use parameters::{Parameters, ParamsError, check, each, require};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{MAX_CELLS, MAX_EXITS};
+use crate::extent::{MAX_COORDINATE, coordinate, positive};
 use crate::grid::{Grid, GridFrame};
-use crate::params::{ParamsError, require};
+use crate::region::Region;
 use crate::shape::Aabb;
-use crate::spec::{Region, coordinate, positive};
 
 /// Most runs of a map: what a scenario in a log has room for.
 pub const MAX_RUNS: usize = 1_000_000;
 
 /// An occupancy grid written out as run lengths. Cells are counted row by row from the one with
 /// the smallest x and y; the edge of the grid is a wall.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CellMap {
     /// Number of columns (cells along x).
     pub width: usize,
     /// Number of rows (cells along y).
     pub height: usize,
-    /// Side of a cell (m), > 0.
+    /// Side of a cell.
+    #[schemars(transform = positive("m"))]
     pub resolution: f64,
-    /// Outer corner of the first cell (m).
+    /// Outer corner of the first cell, x and y.
+    #[schemars(transform = each(coordinate()))]
     pub origin: [f64; 2],
     /// Lengths of the runs of equal cells, free and occupied in turn, the first one free (0 if the
     /// first cell is occupied); their sum is the number of cells.
+    #[schemars(length(max = MAX_RUNS))]
     pub runs: Vec<usize>,
     /// Where evaders escape.
     #[serde(default)]
+    #[schemars(length(max = MAX_EXITS))]
     pub exits: Vec<Region>,
 }
+
+impl Parameters for CellMap {}
 
 impl CellMap {
     /// Writes an occupancy grid out (`true` is occupied).
@@ -75,11 +83,20 @@ impl CellMap {
             &format!("{} × {}", self.width, self.height),
             format!("1 to {MAX_CELLS} cells"),
         )?;
-        positive("resolution", self.resolution, "m")?;
+        // The runs are checked below: they are many.
+        check(&Self {
+            runs: Vec::new(),
+            exits: self.exits.clone(),
+            ..*self
+        })?;
         for (axis, count) in [self.width, self.height].into_iter().enumerate() {
-            coordinate(&format!("origin[{axis}]"), self.origin[axis])?;
             let far = self.origin[axis] + count as f64 * self.resolution;
-            coordinate(&format!("origin[{axis}] + cells · resolution"), far)?;
+            require(
+                far.abs() <= MAX_COORDINATE,
+                &format!("origin[{axis}] + cells · resolution"),
+                &far,
+                format!("a number within ±{MAX_COORDINATE} (m)"),
+            )?;
         }
         require(
             self.runs.len() <= MAX_RUNS,
@@ -99,18 +116,7 @@ impl CellMap {
                 |s| format!("a sum of {s}"),
             ),
             format!("run lengths that add up to width × height = {cells}"),
-        )?;
-        require(
-            self.exits.len() <= MAX_EXITS,
-            "exits",
-            &format!("{} exits", self.exits.len()),
-            format!("at most {MAX_EXITS}"),
-        )?;
-        for (i, exit) in self.exits.iter().enumerate() {
-            exit.validate()
-                .map_err(|e| e.within(&format!("exits[{i}]")))?;
-        }
-        Ok(())
+        )
     }
 
     /// Where the cells lie.

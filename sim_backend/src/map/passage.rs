@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use nalgebra::Point2;
 
 use crate::grid::{Grid, GridFrame};
-use crate::spec::Region;
+use crate::region::Region;
 
 /// Most sets of passages that a map keeps: robots come in few sizes.
 const MOST: usize = 8;

@@ -9,9 +9,10 @@ use std::path::{Path, PathBuf};
 use nalgebra::Point2;
 
 use super::{CellMap, Pgm, PgmError, UnknownCells};
+use parameters::ParamsError;
+
+use crate::extent::MAX_COORDINATE;
 use crate::grid::{Grid, GridFrame};
-use crate::params::ParamsError;
-use crate::spec::MAX_COORDINATE;
 
 /// Largest YAML file that is read (bytes).
 const MAX_YAML: u64 = 1 << 20;

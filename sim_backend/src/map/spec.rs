@@ -1,10 +1,12 @@
 //! How a scenario names its map.
 
 use core::fmt;
+use std::borrow::Cow;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserializer, MapAccess, Visitor};
 use serde::{Deserialize, Serialize};
@@ -37,7 +39,7 @@ pub enum MapSpec {
 }
 
 /// What the unknown cells of an occupancy map are taken for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum UnknownCells {
     /// Obstacles: nobody drives where nobody has looked.
@@ -163,20 +165,37 @@ fn load_file(path: &Path, unknown: UnknownCells) -> Result<MapSpec, MapError> {
 }
 
 /// The table forms; [`MapSpec`] adds the plain path.
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[schemars(rename = "MapTable")]
 enum Table {
+    /// A file, by its extension.
     File(FileTable),
+    /// Vectors, written out.
     Vector(VectorMap),
+    /// An occupancy grid, written out.
     Cells(CellMap),
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(rename = "MapFile")]
 struct FileTable {
+    /// Path of the file: `.toml` is a vector map, `.yaml` or `.yml` a ROS map.
     path: PathBuf,
+    /// What the cells are that the ROS map does not know.
     #[serde(default)]
     unknown: UnknownCells,
+}
+
+impl JsonSchema for MapSpec {
+    fn schema_name() -> Cow<'static, str> {
+        "Map".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        json_schema!({ "anyOf": [{ "type": "string" }, generator.subschema_for::<Table>()] })
+    }
 }
 
 impl<'de> Deserialize<'de> for MapSpec {

@@ -3,12 +3,14 @@
 use std::collections::BTreeMap;
 
 use nalgebra::Point2;
+use parameters::{Parameters, ParamsError, between, check, each, require};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::extent::{coordinate, positive};
 use crate::grid::GridFrame;
-use crate::params::{ParamsError, require};
+use crate::region::Region;
 use crate::shape::{Aabb, Shape, ShapeError};
-use crate::spec::{Region, coordinate, positive};
 
 /// Most cells that the grid of a map may have, unless the map itself sets a lower limit.
 pub const MAX_CELLS: usize = 1 << 26;
@@ -24,7 +26,7 @@ pub const MAX_EXITS: usize = 1024;
 
 /// A map drawn with vectors. Everything within the bounds is free but the obstacles; the edge of
 /// the bounds is a wall.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct VectorMap {
     /// What the map is called, for people.
@@ -32,17 +34,21 @@ pub struct VectorMap {
     pub name: String,
     /// The rectangle that the world occupies.
     pub bounds: Bounds,
-    /// Side of the grid's cells (m), > 0.
+    /// Side of the grid's cells.
+    #[schemars(transform = positive("m"))]
     #[serde(default = "default_resolution")]
     pub resolution: f64,
-    /// Most cells that the grid may have, in [1, [`MAX_CELLS`]]; more is an error, not a wait.
+    /// Most cells that the grid may have; more is an error.
+    #[schemars(transform = between(1, MAX_CELLS))]
     #[serde(default = "default_max_cells")]
     pub max_cells: usize,
     /// What stands in the way.
     #[serde(default)]
+    #[schemars(length(max = MAX_OBSTACLES))]
     pub obstacles: Vec<ObstacleSpec>,
     /// Where evaders escape.
     #[serde(default)]
+    #[schemars(length(max = MAX_EXITS))]
     pub exits: Vec<Region>,
 }
 
@@ -55,17 +61,19 @@ const fn default_max_cells() -> usize {
 }
 
 /// A rectangle along the axes.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Bounds {
-    /// Smallest x and y (m).
+    /// Smallest x and y.
+    #[schemars(transform = each(coordinate()))]
     pub min: [f64; 2],
-    /// Largest x and y (m).
+    /// Largest x and y.
+    #[schemars(transform = each(coordinate()))]
     pub max: [f64; 2],
 }
 
 /// An obstacle as the scenario describes it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ObstacleSpec {
     /// What the obstacle is called; events refer to it by this name. May be empty.
@@ -113,6 +121,8 @@ fn quoted(name: &str) -> String {
     }
 }
 
+impl Parameters for VectorMap {}
+
 impl VectorMap {
     /// An empty map within bounds (m) with cells of this side (m).
     pub fn empty(min: [f64; 2], max: [f64; 2], resolution: f64) -> Self {
@@ -155,10 +165,6 @@ impl VectorMap {
                 });
             }
         }
-        for (i, exit) in self.exits.iter().enumerate() {
-            exit.validate()
-                .map_err(|e| e.within(&format!("exits[{i}]")))?;
-        }
         Ok(())
     }
 
@@ -195,12 +201,7 @@ impl VectorMap {
                 format!("at most {most}; divide large polygons"),
             )?;
         }
-        require(
-            self.exits.len() <= MAX_EXITS,
-            "exits",
-            &format!("{} exits", self.exits.len()),
-            format!("at most {MAX_EXITS}"),
-        )
+        Ok(())
     }
 
     /// The bounds as a rectangle.
@@ -214,24 +215,22 @@ impl VectorMap {
     /// # Errors
     /// Names the field that is out of its range, or the limit on the number of cells.
     pub fn frame(&self) -> Result<GridFrame, ParamsError> {
+        // Each obstacle is checked by itself, for its error has its index and name.
+        check(&Self {
+            name: String::new(),
+            obstacles: Vec::new(),
+            exits: self.exits.clone(),
+            ..*self
+        })?;
         let Bounds { min, max } = self.bounds;
         for axis in 0..2 {
-            coordinate(&format!("bounds.min[{axis}]"), min[axis])?;
-            coordinate(&format!("bounds.max[{axis}]"), max[axis])?;
             require(
                 max[axis] > min[axis],
                 &format!("bounds.max[{axis}]"),
                 &max[axis],
-                format!("more than bounds.min[{axis}] = {} [m]", min[axis]),
+                format!("more than bounds.min[{axis}] = {} (m)", min[axis]),
             )?;
         }
-        positive("resolution", self.resolution, "m")?;
-        require(
-            (1..=MAX_CELLS).contains(&self.max_cells),
-            "max_cells",
-            &self.max_cells,
-            format!("a number in [1, {MAX_CELLS}]"),
-        )?;
         // A side that is a whole number of cells but for rounding gets exactly that number.
         let count = |axis: usize| {
             let cells = (max[axis] - min[axis]) / self.resolution;
@@ -342,7 +341,10 @@ mod tests {
         assert!(with(many(2000), vec![exit; MAX_EXITS]).validate().is_ok());
         for (map, words) in [
             (with(many(MAX_OBSTACLES + 1), vec![]), "65537 obstacles"),
-            (with(vec![], vec![exit; MAX_EXITS + 1]), "1025 exits"),
+            (
+                with(vec![], vec![exit; MAX_EXITS + 1]),
+                "`exits` is a list of 1025",
+            ),
             (with(vec![comb(400); 20], vec![]), "cubes of the corners"),
             (with(vec![comb(4000); 8], vec![]), "squares of the corners"),
             (

@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use super::{CellMap, MapError, MapSpec, ShapeMap, VectorMap, cells};
 use crate::grid::{Grid, GridFrame};
-use crate::params::ParamsError;
+use crate::region::Region;
 use crate::shape::{Aabb, Convex, Shape, ShapeError};
-use crate::spec::Region;
+use parameters::ParamsError;
 
 /// Number of an obstacle, unique within its map for as long as the obstacle exists.
 #[derive(

@@ -1,5 +1,6 @@
 //! Robots: their state, and how a command becomes motion.
 
+mod condition;
 pub(crate) mod drive;
 mod state;
 

@@ -10,13 +10,13 @@ pub use convex::{Aabb, Contact, Convex};
 pub use travel::ShortArc;
 
 use nalgebra::Point2;
+use parameters::{Parameters, ParamsError, check, each, unit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::extent::{coordinate, positive};
 use crate::math;
-use crate::params::{ParamsError, require};
 use crate::pose::Pose2;
-use crate::spec::{coordinate, positive};
 
 /// Most vertices that one polygon may have.
 pub const MAX_VERTICES: usize = 4096;
@@ -33,25 +33,33 @@ pub const MAX_CONCAVE_VERTICES: usize = 512;
 pub enum Shape {
     /// A disc.
     Circle {
-        /// Centre (m).
+        /// Centre, x and y.
+        #[schemars(transform = each(coordinate()))]
         center: [f64; 2],
-        /// Radius (m), > 0.
+        /// Radius.
+        #[schemars(transform = positive("m"))]
         radius: f64,
     },
     /// A rectangle.
     Rectangle {
-        /// Centre (m).
+        /// Centre, x and y.
+        #[schemars(transform = each(coordinate()))]
         center: [f64; 2],
-        /// Half the length of each side, along the rectangle's own x and y (m), > 0.
+        /// Half the length of each side, along the rectangle's own x and y.
+        #[schemars(transform = each(positive("m")))]
         half_extents: [f64; 2],
-        /// Rotation about the centre (rad), counter-clockwise.
+        /// Rotation about the centre, counter-clockwise.
         #[serde(default)]
+        #[schemars(transform = unit("rad"))]
         angle: f64,
     },
     /// A simple polygon, convex or not, in either orientation; the last vertex joins the first.
     Polygon {
-        /// Corners in order (m); at least 3, at most [`MAX_VERTICES`], or
-        /// [`MAX_CONCAVE_VERTICES`] if it is not convex.
+        /// Corners in order, at most 512 if it is not convex.
+        #[schemars(
+            length(min = 3, max = MAX_VERTICES),
+            transform = each(each(coordinate()))
+        )]
         vertices: Vec<[f64; 2]>,
     },
 }
@@ -93,37 +101,25 @@ pub enum ShapeError {
     NotDivisible,
 }
 
+impl Parameters for Shape {}
+
 impl Shape {
     /// The convex parts whose union is the shape; a convex shape is its own single part.
     ///
     /// # Errors
     /// Names the field that is out of its range, or the edges that cross.
     pub fn parts(&self) -> Result<Vec<Convex>, ShapeError> {
+        check(self)?;
         match self {
             Self::Circle { center, radius } => {
-                coordinate("circle.center[0]", center[0])?;
-                coordinate("circle.center[1]", center[1])?;
-                positive("circle.radius", *radius, "m")?;
-                Ok(vec![Convex::disc(
-                    Point2::new(center[0], center[1]),
-                    *radius,
-                )])
+                let center = Point2::new(center[0], center[1]);
+                Ok(vec![Convex::disc(center, *radius)])
             }
             Self::Rectangle {
                 center,
                 half_extents,
                 angle,
             } => {
-                coordinate("rectangle.center[0]", center[0])?;
-                coordinate("rectangle.center[1]", center[1])?;
-                positive("rectangle.half_extents[0]", half_extents[0], "m")?;
-                positive("rectangle.half_extents[1]", half_extents[1], "m")?;
-                require(
-                    angle.is_finite(),
-                    "rectangle.angle",
-                    &angle,
-                    "a finite number [rad]",
-                )?;
                 let center = Point2::new(center[0], center[1]);
                 Ok(vec![Convex::rectangle(center, *half_extents, *angle)])
             }
@@ -220,6 +216,20 @@ mod tests {
             error
                 .to_string()
                 .starts_with("`rectangle.half_extents[1]` is 0"),
+            "{error}"
+        );
+        let message = |vertices: &[[f64; 2]]| {
+            let vertices = vertices.to_vec();
+            Shape::Polygon { vertices }.parts().unwrap_err().to_string()
+        };
+        let error = message(&[[0.0, 0.0], [1.0, 0.0]]);
+        assert!(
+            error.contains("a list of 2, but must be 3 to 4096 values"),
+            "{error}"
+        );
+        let error = message(&[[0.0, 0.0], [1.0, f64::INFINITY], [0.0, 1.0]]);
+        assert!(
+            error.starts_with("`polygon.vertices[1][1]` is inf"),
             "{error}"
         );
     }

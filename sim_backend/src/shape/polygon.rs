@@ -1,26 +1,16 @@
 //! Polygons: is it simple, and which convex parts is it made of.
 
 use nalgebra::Point2;
+use parameters::require;
 use parry2d_f64::math::Vector;
 use parry2d_f64::shape::TriMesh;
 use parry2d_f64::transformation::hertel_mehlhorn;
 
-use super::{Convex, Effort, MAX_CONCAVE_VERTICES, MAX_VERTICES, ShapeError};
-use crate::params::require;
-use crate::spec::coordinate;
+use super::{Convex, Effort, MAX_CONCAVE_VERTICES, ShapeError};
 
-/// The convex parts of a simple polygon given in either orientation.
+/// The convex parts of a simple polygon given in either orientation, whose corners are within their
+/// ranges.
 pub(super) fn convex_parts(vertices: &[[f64; 2]]) -> Result<Vec<Convex>, ShapeError> {
-    require(
-        (3..=MAX_VERTICES).contains(&vertices.len()),
-        "polygon.vertices",
-        &format!("{} vertices", vertices.len()),
-        format!("3 to {MAX_VERTICES} vertices"),
-    )?;
-    for (i, vertex) in vertices.iter().enumerate() {
-        coordinate(&format!("polygon.vertices[{i}][0]"), vertex[0])?;
-        coordinate(&format!("polygon.vertices[{i}][1]"), vertex[1])?;
-    }
     let mut points: Vec<Point2<f64>> = vertices.iter().map(|v| Point2::new(v[0], v[1])).collect();
     reject_crossings(&points)?;
     let area = signed_area(&points);
@@ -231,23 +221,5 @@ mod tests {
         ));
         let flat = [[0.0, 0.0], [1.0, 0.0], [2.0, 1e-14]];
         assert_eq!(parts(&flat).unwrap_err(), ShapeError::NoArea);
-    }
-
-    #[test]
-    fn too_few_or_non_finite_vertices_are_named() {
-        let error = parts(&[[0.0, 0.0], [1.0, 0.0]]).unwrap_err();
-        assert!(
-            error
-                .to_string()
-                .contains("2 vertices, but must be 3 to 4096"),
-            "{error}"
-        );
-        let error = parts(&[[0.0, 0.0], [1.0, f64::INFINITY], [0.0, 1.0]]).unwrap_err();
-        assert!(
-            error
-                .to_string()
-                .starts_with("`polygon.vertices[1][1]` is inf"),
-            "{error}"
-        );
     }
 }

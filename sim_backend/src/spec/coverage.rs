@@ -1,10 +1,10 @@
 //! Which area counts as visited.
 
+use parameters::Parameters;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::positive;
-use crate::params::ParamsError;
+use crate::extent::positive;
 use crate::team::Team;
 
 /// Accounting of the free area that robots have visited, and of how long it has been since.
@@ -17,16 +17,20 @@ use crate::team::Team;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct CoverageSpec {
-    /// Radius of the disc about a robot's centre that it visits (m), > 0: of its tool, or of what
-    /// it sees (walls do not limit it). Each robot's own radius if absent.
+    /// Radius of the disc about a robot's centre that it visits: of its tool, or of what it sees
+    /// (walls do not limit it). Each robot's own radius if absent.
+    #[schemars(transform = positive("m"))]
     pub radius: Option<f64>,
-    /// Side of the cells that are accounted for (m), > 0; that of the map's grid if absent.
+    /// Side of the cells that are accounted for, at most 16 million of them; that of the map's
+    /// grid if absent.
+    #[schemars(transform = positive("m"))]
     pub resolution: Option<f64>,
     /// Names of the robots that count, beside those of `teams`.
     pub robots: Vec<String>,
     /// Teams whose robots count. All robots count if `robots` and `teams` are both empty.
     pub teams: Vec<Team>,
-    /// Time between two reports (s), > 0.
+    /// Time between two reports.
+    #[schemars(transform = positive("s"))]
     pub period: f64,
 }
 
@@ -49,24 +53,14 @@ impl CoverageSpec {
             || self.teams.contains(&team)
             || self.robots.iter().any(|robot| robot == name)
     }
-
-    /// Checks every field by itself.
-    ///
-    /// # Errors
-    /// Names the first field that is out of its range.
-    pub fn validate(&self) -> Result<(), ParamsError> {
-        if let Some(radius) = self.radius {
-            positive("radius", radius, "m")?;
-        }
-        if let Some(resolution) = self.resolution {
-            positive("resolution", resolution, "m")?;
-        }
-        positive("period", self.period, "s")
-    }
 }
+
+impl Parameters for CoverageSpec {}
 
 #[cfg(test)]
 mod tests {
+    use parameters::check;
+
     use super::*;
 
     #[test]
@@ -87,7 +81,7 @@ mod tests {
             ("period = nan", "`period` is NaN"),
         ] {
             let spec: CoverageSpec = toml::from_str(text).unwrap();
-            let error = spec.validate().unwrap_err().to_string();
+            let error = check(&spec).unwrap_err().to_string();
             assert!(error.contains(field), "{error}");
         }
         assert!(toml::from_str::<CoverageSpec>("radios = 1.0").is_err());

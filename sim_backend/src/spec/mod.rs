@@ -1,26 +1,24 @@
 //! What a world is made of, as a person writes it: every struct here is a table of the scenario.
 //!
-//! Unknown keys are errors, every field names its unit, and `validate` names the field, the value
-//! and what was expected, so that a mistake can be pointed at before anything starts.
+//! Unknown keys are errors. Each field declares its range and unit; [`parameters::check`] names the
+//! field, the value and what was expected, so that a mistake can be pointed at before anything starts.
 
 mod condition;
 mod coverage;
-mod field;
-mod region;
 mod robot;
 mod rules;
 mod sensor;
 
 pub use condition::Condition;
 pub use coverage::CoverageSpec;
-pub use field::MAX_COORDINATE;
-pub(crate) use field::{coordinate, non_negative, positive};
-pub use region::Region;
 pub use robot::{ActuatorSpec, LimitsSpec, Preset, RobotModel, RobotSpec};
 pub use rules::{Blocked, CaptureSpec, OutOfPlay, RulesSpec};
 pub use sensor::{OdometrySpec, ScanSpec};
 
 use serde::{Deserialize, Serialize};
+
+pub use crate::extent::MAX_COORDINATE;
+pub use crate::region::Region;
 
 use crate::map::MapSpec;
 

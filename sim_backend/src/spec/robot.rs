@@ -1,10 +1,11 @@
 //! One robot: body, limits, imperfections, sensors.
 
+use parameters::{Parameters, ParamsError, at_least, require, within};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{OdometrySpec, Region, ScanSpec, coordinate, non_negative, positive};
-use crate::params::{ParamsError, require};
+use super::{OdometrySpec, Region, ScanSpec};
+use crate::extent::{not_negative, positive};
 use crate::pose::Pose2;
 use crate::team::Team;
 
@@ -25,16 +26,18 @@ pub struct RobotSpec {
     pub name: String,
     /// The side it plays for.
     pub team: Team,
-    /// Pose at time 0 (m, m, rad).
+    /// Pose at time 0.
     pub start: Pose2,
     /// The robot whose body and limits are taken where nothing else is said.
     #[serde(default)]
     pub preset: Preset,
-    /// Radius of the disc that the robot occupies (m), > 0; the preset's if absent.
+    /// Radius of the disc that the robot occupies; the preset's if absent.
     #[serde(default)]
+    #[schemars(transform = positive("m"))]
     pub radius: Option<f64>,
-    /// Distance between the wheels' contact points (m), > 0; the preset's if absent.
+    /// Distance between the wheels' contact points; the preset's if absent.
     #[serde(default)]
+    #[schemars(transform = positive("m"))]
     pub wheel_separation: Option<f64>,
     /// Limits that differ from the preset's.
     #[serde(default)]
@@ -89,53 +92,19 @@ impl RobotSpec {
             wheel_speed_max: self.limits.wheel_speed_max.or(preset.wheel_speed_max),
         }
     }
+}
 
-    /// Checks every field (not whether the robot fits into its map).
-    ///
-    /// # Errors
-    /// Names the first field that is out of its range.
-    pub fn validate(&self) -> Result<(), ParamsError> {
+impl Parameters for RobotSpec {
+    fn check_relations(&self) -> Result<(), ParamsError> {
         require(
             !self.name.is_empty(),
             "name",
             "\"\"",
             "a name of at least one character",
         )?;
-        coordinate("start.x", self.start.x)?;
-        coordinate("start.y", self.start.y)?;
-        require(
-            self.start.theta.is_finite(),
-            "start.theta",
-            &self.start.theta,
-            "a finite number [rad]",
-        )?;
-        let model = self.model();
-        positive("radius", model.radius, "m")?;
-        positive("wheel_separation", model.wheel_separation, "m")?;
-        let within = |e: ParamsError| e.within("limits");
-        positive("v_max", model.v_max, "m/s").map_err(within)?;
-        non_negative("v_reverse_max", model.v_reverse_max, "m/s").map_err(within)?;
-        non_negative("omega_max", model.omega_max, "rad/s").map_err(within)?;
-        if let Some(value) = model.acceleration {
-            positive("acceleration", value, "m/s²").map_err(within)?;
-        }
-        if let Some(value) = model.angular_acceleration {
-            positive("angular_acceleration", value, "rad/s²").map_err(within)?;
-        }
-        if let Some(value) = model.wheel_speed_max {
-            positive("wheel_speed_max", value, "m/s").map_err(within)?;
-        }
-        self.actuator.validate().map_err(|e| e.within("actuator"))?;
-        if let Some(scan) = &self.scan {
-            scan.validate().map_err(|e| e.within("scan"))?;
-        }
-        if let Some(odometry) = &self.odometry {
-            odometry.validate().map_err(|e| e.within("odometry"))?;
-        }
-        if let Some(goal) = &self.goal {
-            goal.validate().map_err(|e| e.within("goal"))?;
-        }
-        Ok(())
+        let scan = self.scan.as_ref();
+        scan.map_or(Ok(()), Parameters::check_relations)
+            .map_err(within("scan"))
     }
 }
 
@@ -164,18 +133,24 @@ impl Preset {
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct LimitsSpec {
-    /// Largest forward speed (m/s), > 0.
+    /// Largest forward speed.
+    #[schemars(transform = positive("m/s"))]
     pub v_max: Option<f64>,
-    /// Largest speed backwards (m/s), ≥ 0.
+    /// Largest speed backwards.
+    #[schemars(transform = not_negative("m/s"))]
     pub v_reverse_max: Option<f64>,
-    /// Largest turning rate either way (rad/s), ≥ 0.
+    /// Largest turning rate either way.
+    #[schemars(transform = not_negative("rad/s"))]
     pub omega_max: Option<f64>,
-    /// Largest change of forward speed (m/s²), > 0; unlimited if neither this nor the preset says.
+    /// Largest change of forward speed; unlimited if neither this nor the preset says.
+    #[schemars(transform = positive("m/s²"))]
     pub acceleration: Option<f64>,
-    /// Largest change of turning rate (rad/s²), > 0; unlimited if neither this nor the preset says.
+    /// Largest change of turning rate; unlimited if neither this nor the preset says.
+    #[schemars(transform = positive("rad/s²"))]
     pub angular_acceleration: Option<f64>,
-    /// Largest speed of a wheel's rim, |v| + |ω|·separation/2 (m/s), > 0; unlimited if neither this
-    /// nor the preset says.
+    /// Largest speed of a wheel's rim, |v| + |ω|·separation/2; unlimited if neither this nor the
+    /// preset says.
+    #[schemars(transform = positive("m/s"))]
     pub wheel_speed_max: Option<f64>,
 }
 
@@ -244,16 +219,21 @@ impl RobotModel {
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ActuatorSpec {
-    /// Part of the forward speed lost to slipping wheels, in [0, 1).
+    /// Part of the forward speed lost to slipping wheels.
+    #[schemars(transform = at_least(0).below(1))]
     pub slip: f64,
-    /// Part of the turning rate lost to slipping wheels, in [0, 1).
+    /// Part of the turning rate lost to slipping wheels.
+    #[schemars(transform = at_least(0).below(1))]
     pub angular_slip: f64,
-    /// Standard deviation of the forward speed, as a part of it, ≥ 0.
+    /// Standard deviation of the forward speed, as a part of it.
+    #[schemars(transform = not_negative("1"))]
     pub noise: f64,
-    /// Standard deviation of the turning rate, as a part of it, ≥ 0.
+    /// Standard deviation of the turning rate, as a part of it.
+    #[schemars(transform = not_negative("1"))]
     pub angular_noise: f64,
-    /// Standard deviation of the turning rate per forward speed (rad/m), ≥ 0 (a robot told to go
-    /// straight veers).
+    /// Standard deviation of the turning rate per forward speed (a robot told to go straight
+    /// veers).
+    #[schemars(transform = not_negative("rad/m"))]
     pub veer: f64,
 }
 
@@ -262,28 +242,12 @@ impl ActuatorSpec {
     pub fn is_perfect(&self) -> bool {
         *self == Self::default()
     }
-
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// Names the first field that is out of its range.
-    pub fn validate(&self) -> Result<(), ParamsError> {
-        for (field, value) in [("slip", self.slip), ("angular_slip", self.angular_slip)] {
-            require(
-                (0.0..1.0).contains(&value),
-                field,
-                &value,
-                "a number in [0, 1)",
-            )?;
-        }
-        non_negative("noise", self.noise, "1")?;
-        non_negative("angular_noise", self.angular_noise, "1")?;
-        non_negative("veer", self.veer, "rad/m")
-    }
 }
 
 #[cfg(test)]
 mod tests {
+    use parameters::check;
+
     use super::*;
 
     #[test]
@@ -306,7 +270,7 @@ mod tests {
             model.wheel_separation,
             RobotModel::lego_nxt().wheel_separation
         );
-        assert!(spec.validate().is_ok());
+        assert!(check(&spec).is_ok());
         let again: RobotSpec = toml::from_str(&toml::to_string(&spec).unwrap()).unwrap();
         assert_eq!(again, spec);
     }
@@ -321,7 +285,7 @@ mod tests {
         let mut spec = RobotSpec::new("a", Team::Police, Pose2::default());
         spec.limits.v_max = Some(-1.0);
         assert!(
-            spec.validate()
+            check(&spec)
                 .unwrap_err()
                 .to_string()
                 .starts_with("`limits.v_max` is -1")
@@ -329,7 +293,7 @@ mod tests {
         spec.limits.v_max = None;
         spec.actuator.slip = 1.0;
         assert!(
-            spec.validate()
+            check(&spec)
                 .unwrap_err()
                 .to_string()
                 .starts_with("`actuator.slip` is 1")

@@ -1,11 +1,12 @@
 //! The rules of the game.
 
+use parameters::{Parameters, above};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{CoverageSpec, Region, non_negative, positive};
+use super::{CoverageSpec, Region};
+use crate::extent::{not_negative, positive};
 use crate::map::MAX_EXITS;
-use crate::params::ParamsError;
 
 /// Rules of a mission; the defaults are a world without a game: no capture, no exits, no end.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -14,9 +15,10 @@ pub struct RulesSpec {
     /// When Police catch evaders; never if absent.
     pub capture: Option<CaptureSpec>,
     /// Where evaders escape; the map's own exits count as well.
+    #[schemars(length(max = MAX_EXITS))]
     pub exits: Vec<Region>,
-    /// Simulated time (s) after which evaders and robots with a goal are timed out; never if
-    /// absent.
+    /// Simulated time after which evaders and robots with a goal are timed out; never if absent.
+    #[schemars(transform = above(0).at_most(1e9).unit("s"))]
     pub time_limit: Option<f64>,
     /// Which area counts as visited; nothing is accounted for if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -47,10 +49,12 @@ impl Default for RulesSpec {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct CaptureSpec {
-    /// A Police centre strictly nearer than this to the evader's centre catches it (m), > 0.
+    /// A Police centre strictly nearer than this to the evader's centre catches it.
+    #[schemars(transform = positive("m"))]
     pub radius: f64,
-    /// How long some Police robot must have been that near without interruption (s), ≥ 0. At 0 the
-    /// first tick catches.
+    /// How long some Police robot must have been that near without interruption. At 0 the first
+    /// tick catches.
+    #[schemars(transform = not_negative("s"))]
     pub dwell: f64,
 }
 
@@ -86,43 +90,12 @@ pub enum OutOfPlay {
     Remove,
 }
 
-impl RulesSpec {
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// Names the first field that is out of its range.
-    pub fn validate(&self) -> Result<(), ParamsError> {
-        if let Some(capture) = &self.capture {
-            positive("capture.radius", capture.radius, "m")?;
-            non_negative("capture.dwell", capture.dwell, "s")?;
-        }
-        crate::params::require(
-            self.exits.len() <= MAX_EXITS,
-            "exits",
-            &format!("{} exits", self.exits.len()),
-            format!("at most {MAX_EXITS}"),
-        )?;
-        for (i, exit) in self.exits.iter().enumerate() {
-            exit.validate()
-                .map_err(|e| e.within(&format!("exits[{i}]")))?;
-        }
-        if let Some(limit) = self.time_limit {
-            crate::params::require(
-                limit > 0.0 && limit <= 1e9,
-                "time_limit",
-                &limit,
-                "a number > 0 and ≤ 1e9 [s]",
-            )?;
-        }
-        if let Some(coverage) = &self.coverage {
-            coverage.validate().map_err(|e| e.within("coverage"))?;
-        }
-        Ok(())
-    }
-}
+impl Parameters for RulesSpec {}
 
 #[cfg(test)]
 mod tests {
+    use parameters::check;
+
     use super::*;
 
     #[test]
@@ -137,15 +110,14 @@ mod tests {
         )
         .unwrap();
         assert_eq!(rules.capture.unwrap().radius, 0.3);
-        assert!(rules.validate().is_ok());
+        assert!(check(&rules).is_ok());
     }
 
     #[test]
     fn bad_rules_are_named() {
         let rules: RulesSpec = toml::from_str("time_limit = -1.0").unwrap();
         assert!(
-            rules
-                .validate()
+            check(&rules)
                 .unwrap_err()
                 .to_string()
                 .contains("`time_limit` is -1")

@@ -2,14 +2,14 @@
 
 use core::f64::consts::TAU;
 
+use parameters::{Parameters, ParamsError, between, require};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{non_negative, positive};
-use crate::params::{ParamsError, require};
+use crate::extent::{not_negative, positive};
 
 /// Most beams that one scan may have.
-const MAX_BEAMS: usize = 65_536;
+const MAX_BEAMS: usize = 4096;
 
 /// A planar range scanner at the robot's centre.
 ///
@@ -19,17 +19,23 @@ const MAX_BEAMS: usize = 65_536;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ScanSpec {
-    /// Number of beams, in [1, 65536].
+    /// Number of beams.
+    #[schemars(transform = between(1, MAX_BEAMS))]
     pub beams: usize,
-    /// Direction of the first beam from the robot's heading (rad), counter-clockwise.
+    /// Direction of the first beam from the robot's heading, counter-clockwise.
+    #[schemars(transform = between(-TAU, TAU).unit("rad"))]
     pub angle_min: f64,
-    /// Angle from one beam to the next (rad), ≠ 0 if there are several beams.
+    /// Angle from one beam to the next, other than 0 if there are several beams.
+    #[schemars(transform = between(-TAU, TAU).unit("rad"))]
     pub angle_increment: f64,
-    /// Nearest distance that can be measured (m), ≥ 0.
+    /// Nearest distance that can be measured.
+    #[schemars(transform = not_negative("m"))]
     pub range_min: f64,
-    /// Farthest distance that can be measured (m), > `range_min`.
+    /// Farthest distance that can be measured, more than `range_min`.
+    #[schemars(transform = positive("m"))]
     pub range_max: f64,
-    /// Standard deviation of a measured distance (m), ≥ 0; 0 is exact.
+    /// Standard deviation of a measured distance; 0 is exact.
+    #[schemars(transform = not_negative("m"))]
     pub noise: f64,
 }
 
@@ -47,40 +53,20 @@ impl Default for ScanSpec {
     }
 }
 
-impl ScanSpec {
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// Names the first field that is out of its range.
-    pub fn validate(&self) -> Result<(), ParamsError> {
+impl Parameters for ScanSpec {
+    fn check_relations(&self) -> Result<(), ParamsError> {
         require(
-            (1..=MAX_BEAMS).contains(&self.beams),
-            "beams",
-            &self.beams,
-            format!("a number of beams in [1, {MAX_BEAMS}]"),
-        )?;
-        require(
-            self.angle_min.abs() <= TAU,
-            "angle_min",
-            &self.angle_min,
-            "an angle in ±2π [rad]",
-        )?;
-        require(
-            self.angle_increment.abs() <= TAU
-                && (self.beams == 1 || self.angle_increment.abs() > 1e-9),
+            self.beams == 1 || self.angle_increment.abs() > 1e-9,
             "angle_increment",
             &self.angle_increment,
-            "an angle in ±2π other than 0 [rad]",
+            "an angle other than 0 (rad)",
         )?;
-        non_negative("range_min", self.range_min, "m")?;
-        positive("range_max", self.range_max, "m")?;
         require(
             self.range_max > self.range_min,
             "range_max",
             &self.range_max,
-            format!("more than range_min = {} [m]", self.range_min),
-        )?;
-        non_negative("noise", self.noise, "m")
+            format!("more than range_min = {} (m)", self.range_min),
+        )
     }
 }
 
@@ -89,41 +75,30 @@ impl ScanSpec {
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct OdometrySpec {
-    /// Standard deviation of the distance per √distance (m/√m), ≥ 0.
+    /// Standard deviation of the distance per √distance.
+    #[schemars(transform = not_negative("m/√m"))]
     pub distance_per_distance: f64,
-    /// Standard deviation of the heading per √distance (rad/√m), ≥ 0.
+    /// Standard deviation of the heading per √distance.
+    #[schemars(transform = not_negative("rad/√m"))]
     pub heading_per_distance: f64,
-    /// Standard deviation of the heading per √rotation (rad/√rad), ≥ 0.
+    /// Standard deviation of the heading per √rotation.
+    #[schemars(transform = not_negative("rad/√rad"))]
     pub heading_per_rotation: f64,
-}
-
-impl OdometrySpec {
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// Names the first field that is out of its range.
-    pub fn validate(&self) -> Result<(), ParamsError> {
-        non_negative("distance_per_distance", self.distance_per_distance, "m/√m")?;
-        non_negative("heading_per_distance", self.heading_per_distance, "rad/√m")?;
-        non_negative(
-            "heading_per_rotation",
-            self.heading_per_rotation,
-            "rad/√rad",
-        )
-    }
 }
 
 #[cfg(test)]
 mod tests {
+    use parameters::check;
+
     use super::*;
 
     #[test]
     fn the_default_scanner_is_valid_and_bad_ones_are_named() {
-        assert!(ScanSpec::default().validate().is_ok());
+        assert!(check(&ScanSpec::default()).is_ok());
         let bad = |f: fn(&mut ScanSpec)| {
             let mut spec = ScanSpec::default();
             f(&mut spec);
-            spec.validate().unwrap_err().field
+            check(&spec).unwrap_err().field
         };
         assert_eq!(bad(|s| s.beams = 0), "beams");
         assert_eq!(bad(|s| s.beams = 1_000_000_000), "beams");

@@ -1,7 +1,7 @@
 //! Why a world cannot be made.
 
 use crate::map::MapError;
-use crate::params::ParamsError;
+use parameters::ParamsError;
 
 /// Why a world cannot be made from its specification.
 #[derive(Debug, thiserror::Error)]

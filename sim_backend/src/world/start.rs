@@ -1,5 +1,7 @@
 //! Checks of a specification against its map, before time starts.
 
+use parameters::check;
+
 use super::{MAX_ROBOTS, WorldError};
 use crate::map::WorldMap;
 use crate::robot::Robot;
@@ -8,7 +10,7 @@ use crate::team::Team;
 
 /// Checks robots and rules by themselves.
 pub(super) fn check_specs(robots: &[RobotSpec], rules: &RulesSpec) -> Result<(), WorldError> {
-    rules.validate().map_err(WorldError::Rules)?;
+    check(rules).map_err(WorldError::Rules)?;
     if robots.is_empty() {
         return Err(WorldError::NoRobots);
     }
@@ -16,7 +18,7 @@ pub(super) fn check_specs(robots: &[RobotSpec], rules: &RulesSpec) -> Result<(),
         return Err(WorldError::TooManyRobots(robots.len()));
     }
     for (index, robot) in robots.iter().enumerate() {
-        robot.validate().map_err(|source| {
+        check(robot).map_err(|source| {
             let name = robot.name.clone();
             WorldError::Robot {
                 index,

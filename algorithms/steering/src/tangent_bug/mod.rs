@@ -23,10 +23,10 @@ use nalgebra::{Point2, Vector2};
 use sim_backend::pose::Pose2;
 
 use follow::{Follow, Following, is_turning};
+use parameters::{ParamsError, positive};
 use planner_view::view::ScanView;
 pub use run::Side;
 use run::{Run, RunEnd};
-use sim_backend::params::{ParamsError, positive};
 pub(crate) use surroundings::echoes;
 use surroundings::{Surroundings, nearest_direction};
 

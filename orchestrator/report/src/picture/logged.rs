@@ -1,6 +1,7 @@
 //! What a log says about its run besides the messages.
 
 use config::{Node, Origin};
+use parameters::check;
 use serde::Deserialize;
 use serde_json::Value as Json;
 use sim_backend::map::MapSpec;
@@ -41,11 +42,9 @@ impl LoggedScenario {
         if let MapSpec::Vector(map) = &scenario.world.map {
             map.validate().map_err(|e| e.to_string())?;
         }
-        scenario.rules.validate().map_err(|e| e.to_string())?;
+        check(&scenario.rules).map_err(|e| e.to_string())?;
         for robot in &scenario.robots {
-            robot
-                .validate()
-                .map_err(|e| format!("{}: {e}", robot.name))?;
+            check(robot).map_err(|e| format!("{}: {e}", robot.name))?;
         }
         Ok(scenario)
     }

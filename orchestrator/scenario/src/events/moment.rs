@@ -1,17 +1,18 @@
 //! When an event happens: at a time, or when a robot has come so far.
 
 use config::{Code, FieldPath, Node, list_choices, nearest};
+use parameters::{Parameters, above, at_least, between, check, each};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sim_backend::map::MapSpec;
 use sim_backend::math;
-use sim_backend::spec::Condition;
+use sim_backend::spec::{Condition, MAX_COORDINATE};
 
 use crate::context::Context;
 use crate::robots::Robot;
 
 /// Latest time and longest delay (s).
-const MAX_TIME_S: f64 = 1e9;
+pub(super) const MAX_TIME_S: f64 = 1e9;
 
 /// When an event happens.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -46,17 +47,27 @@ pub struct Trigger {
 }
 
 /// `when = { … }` as written.
-#[derive(Deserialize, JsonSchema)]
+#[derive(Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct WhenBlock {
+    /// Name of the robot.
     robot: String,
+    /// Way that its centre has covered, as `distance` in `world/state` counts it.
     #[serde(default)]
+    #[schemars(transform = at_least(0).at_most(MAX_COORDINATE).unit("m"))]
     travelled: Option<f64>,
+    /// Share of the straight distance from its start to the centre of its goal by which it has come
+    /// nearer. Only for a robot with a `goal`.
     #[serde(default)]
+    #[schemars(transform = between(0, 1))]
     progress: Option<f64>,
+    /// Largest distance of its centre from the point `of`; some place of the map must be as near.
     #[serde(default)]
+    #[schemars(transform = above(0).at_most(MAX_COORDINATE).unit("m"))]
     within: Option<f64>,
+    /// The point, x and y.
     #[serde(default)]
+    #[schemars(transform = each(between(-MAX_COORDINATE, MAX_COORDINATE).unit("m")))]
     of: Option<[f64; 2]>,
 }
 
@@ -107,6 +118,8 @@ pub(super) fn resolve(
     }
 }
 
+impl Parameters for WhenBlock {}
+
 impl WhenBlock {
     /// The one condition that is written.
     fn condition(&self, say: &mut Say<'_, '_>) -> Option<Condition> {
@@ -151,7 +164,7 @@ impl WhenBlock {
         } else {
             return say.no("when", Code::MissingKey, "`when` has no condition", ONE);
         };
-        match condition.validate() {
+        match check(self) {
             Ok(()) => Some(condition),
             Err(e) => {
                 say.ctx.refuse(say.node, say.path, e.within("when"));

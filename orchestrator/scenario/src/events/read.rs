@@ -1,28 +1,38 @@
 //! One `[[events]]` block by itself.
 
 use config::{Code, FieldPath, Node};
+use parameters::between;
 use schemars::JsonSchema;
 use serde::Deserialize;
 use sim_backend::map::MapSpec;
 use sim_backend::shape::Shape;
 
-use super::moment::{self, WhenBlock};
+use super::moment::{self, MAX_TIME_S, WhenBlock};
 use super::{Action, EventSpec, MAX_EVENT_VERTICES};
 use crate::context::Context;
 use crate::robots::Robot;
 use crate::world::shape_problem;
 
+/// `[[events]]`.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct EventBlock {
+    /// Simulated time of the event: it happens at the first tick at or after it. This or `when`.
     #[serde(default)]
+    #[schemars(transform = between(0.0, MAX_TIME_S).unit("s"))]
     time_s: Option<f64>,
+    /// What a robot must have done for the event to happen.
     #[serde(default)]
     when: Option<WhenBlock>,
+    /// With `when`: simulated time from then to the event; 0 if absent.
     #[serde(default)]
+    #[schemars(transform = between(0.0, MAX_TIME_S).unit("s"))]
     after_s: Option<f64>,
+    /// What happens to the obstacle.
     action: Action,
+    /// Name of the obstacle: one of the map's, or one that appears.
     obstacle: String,
+    /// Its shape and place, as in maps; a polygon has at most 16 corners. Not for `"disappear"`.
     #[serde(default)]
     shape: Option<Shape>,
 }

@@ -85,7 +85,7 @@ fn numbers_out_of_range_are_refused_with_their_limits() {
             "`run.dt` is out of range",
             "small.toml:3:6 (run.dt)",
             "value: 7",
-            "from 0.0001 to 1 [s]",
+            "between 0.0001 and 1 (s)",
         ],
     );
     refused(
@@ -102,7 +102,7 @@ fn numbers_out_of_range_are_refused_with_their_limits() {
         "time_limit = 30.0",
         "time_limit = -1",
         &[
-            "`time_limit` is out of range",
+            "`rules.time_limit` is out of range",
             "small.toml:5:14 (rules.time_limit)",
             "value: -1",
         ],
@@ -114,7 +114,7 @@ fn numbers_out_of_range_are_refused_with_their_limits() {
             "(rules.exits[0].circle.radius)",
             "small.toml:7:",
             "value: -0.3",
-            "> 0",
+            "above 0",
         ],
     );
     refused(
@@ -129,15 +129,16 @@ fn numbers_out_of_range_are_refused_with_their_limits() {
     refused(
         "theta = 0.2 }",
         "theta = 9.0 }",
-        &[
-            "(robots.thief.start_jitter.theta)",
-            "from 0 to 3.1416 [rad]",
-        ],
+        &["(robots.thief.start_jitter.theta)", "between 0 and π (rad)"],
     );
     refused(
         "team = \"evader\"\nstart",
         "team = \"evader\"\nscan = { beams = 5000 }\nstart",
-        &["too many beams", "value: 5000", "at most 4096 beams"],
+        &[
+            "`scan.beams` is out of range",
+            "value: 5000",
+            "between 1 and 4096",
+        ],
     );
     refused(
         "particles = 200",

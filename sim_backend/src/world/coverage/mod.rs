@@ -19,10 +19,10 @@ use self::swept::Way;
 use super::motion::Motion;
 use crate::grid::GridFrame;
 use crate::map::WorldMap;
-use crate::params::ParamsError;
 use crate::pose::Pose2;
 use crate::robot::Robot;
 use crate::spec::CoverageSpec;
+use parameters::ParamsError;
 
 /// Most cells that are accounted for: 24 bytes each.
 const MAX_CELLS: f64 = 16_000_000.0;

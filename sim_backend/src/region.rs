@@ -1,12 +1,12 @@
 //! Places that matter to the rules: exits and goals.
 
 use nalgebra::Point2;
+use parameters::{Parameters, each, unit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{coordinate, positive};
+use crate::extent::{coordinate, positive};
 use crate::math;
-use crate::params::ParamsError;
 
 /// A region of the plane that a robot reaches with its centre.
 ///
@@ -17,19 +17,24 @@ use crate::params::ParamsError;
 pub enum Region {
     /// The points strictly nearer to `center` than `radius`.
     Circle {
-        /// Centre (m).
+        /// Centre, x and y.
+        #[schemars(transform = each(coordinate()))]
         center: [f64; 2],
-        /// Radius (m), > 0.
+        /// Radius.
+        #[schemars(transform = positive("m"))]
         radius: f64,
     },
     /// The points strictly inside a rectangle.
     Rectangle {
-        /// Centre (m).
+        /// Centre, x and y.
+        #[schemars(transform = each(coordinate()))]
         center: [f64; 2],
-        /// Half the length of each side, along the rectangle's own x and y (m), > 0.
+        /// Half the length of each side, along the rectangle's own x and y.
+        #[schemars(transform = each(positive("m")))]
         half_extents: [f64; 2],
-        /// Rotation about the centre (rad), counter-clockwise.
+        /// Rotation about the centre, counter-clockwise.
         #[serde(default)]
+        #[schemars(transform = unit("rad"))]
         angle: f64,
     },
 }
@@ -75,37 +80,9 @@ impl Region {
             Self::Rectangle { half_extents, .. } => math::hypot(half_extents[0], half_extents[1]),
         }
     }
-
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// Names the first field that is out of its range.
-    pub fn validate(&self) -> Result<(), ParamsError> {
-        match *self {
-            Self::Circle { center, radius } => {
-                coordinate("circle.center[0]", center[0])?;
-                coordinate("circle.center[1]", center[1])?;
-                positive("circle.radius", radius, "m")
-            }
-            Self::Rectangle {
-                center,
-                half_extents,
-                angle,
-            } => {
-                coordinate("rectangle.center[0]", center[0])?;
-                coordinate("rectangle.center[1]", center[1])?;
-                positive("rectangle.half_extents[0]", half_extents[0], "m")?;
-                positive("rectangle.half_extents[1]", half_extents[1], "m")?;
-                crate::params::require(
-                    angle.is_finite(),
-                    "rectangle.angle",
-                    &angle,
-                    "a finite number [rad]",
-                )
-            }
-        }
-    }
 }
+
+impl Parameters for Region {}
 
 #[cfg(test)]
 mod tests {

@@ -1,0 +1,24 @@
+//! How far coordinates and lengths reach.
+
+use parameters::{Bounds, above, at_least, between};
+
+/// Largest coordinate or length that a map, shape or robot may have (m).
+///
+/// A limit of sense rather than of arithmetic: at 100 km a position still resolves 10⁻¹¹ m, so
+/// that contacts keep their tolerance.
+pub const MAX_COORDINATE: f64 = 1e5;
+
+/// Lengths and rates above 0.
+pub(crate) fn positive(unit: &str) -> Bounds {
+    above(0).at_most(MAX_COORDINATE).unit(unit)
+}
+
+/// Lengths and rates of at least 0.
+pub(crate) fn not_negative(unit: &str) -> Bounds {
+    at_least(0).at_most(MAX_COORDINATE).unit(unit)
+}
+
+/// Coordinates.
+pub(crate) fn coordinate() -> Bounds {
+    between(-MAX_COORDINATE, MAX_COORDINATE).unit("m")
+}
