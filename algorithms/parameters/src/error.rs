@@ -121,23 +121,6 @@ pub fn not_negative(field: &str, value: f64) -> Result<(), ParamsError> {
     require(ok, field, &value, "a finite number of at least 0")
 }
 
-/// Accepts a value in [0, 1].
-///
-/// # Errors
-/// [`ParamsError`] for anything else.
-pub fn fraction(field: &str, value: f64) -> Result<(), ParamsError> {
-    let ok = (0.0..=1.0).contains(&value);
-    require(ok, field, &value, "a number between 0 and 1")
-}
-
-/// Accepts any finite value.
-///
-/// # Errors
-/// [`ParamsError`] for an infinite value or NaN.
-pub fn finite(field: &str, value: f64) -> Result<(), ParamsError> {
-    require(value.is_finite(), field, &value, "a finite number")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -155,7 +138,5 @@ mod tests {
     fn nothing_accepts_nan() {
         assert!(positive("x", f64::NAN).is_err());
         assert!(not_negative("x", f64::NAN).is_err());
-        assert!(fraction("x", f64::NAN).is_err());
-        assert!(finite("x", f64::NAN).is_err());
     }
 }

@@ -54,7 +54,7 @@ mod schema;
 
 pub use bounds::{Bounds, above, at_least, between, each, unit};
 pub use check::{Parameters, check};
-pub use error::{Fault, ParamsError, finite, fraction, not_negative, positive, require, within};
+pub use error::{Fault, ParamsError, not_negative, positive, require, within};
 pub use fidelity::Fidelity;
 pub use publish::{for_people, schema_generator};
 pub use reference::markdown_table;
