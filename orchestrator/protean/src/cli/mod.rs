@@ -24,6 +24,7 @@ mod run;
 mod run_summary;
 mod schema;
 mod sweep;
+mod sweep_args;
 mod sweep_kind;
 mod sweep_output;
 
@@ -157,8 +158,8 @@ enum Command {
     #[command(subcommand)]
     Patrol(patrol::PatrolCommand),
     /// Run an experiment: many missions from one file, and one table of results
-    #[command(args_conflicts_with_subcommands = true, after_long_help = sweep::HELP)]
-    Sweep(sweep::SweepArgs),
+    #[command(args_conflicts_with_subcommands = true, after_long_help = sweep_args::HELP)]
+    Sweep(sweep_args::SweepArgs),
     /// Kill, stop, slow down and double processes of runs, and check what must hold all the same
     #[command(after_long_help = chaos::HELP)]
     Chaos(chaos::ChaosArgs),

@@ -5,7 +5,7 @@ use std::path::Path;
 use platform::eprintln;
 use serde_json::{Value as Json, json};
 
-use super::sweep::SweepRunArgs;
+use super::sweep_args::SweepRunArgs;
 use sweep::engine::{Engine, InProcess, Processes};
 use sweep::planning::{self, Task};
 use sweep::runner::RunReport;
