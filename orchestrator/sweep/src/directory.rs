@@ -84,8 +84,7 @@ pub(super) fn read_manifest(directory: &Path) -> Result<Option<Manifest>, SweepE
         return Err(SweepError::Other {
             path: directory.to_owned(),
             difference: format!(
-                "its files have format {format}, this program writes format {}",
-                FORMAT
+                "its files have format {format}, this program writes format {FORMAT}"
             ),
         });
     }
