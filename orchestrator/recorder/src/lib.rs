@@ -5,7 +5,7 @@
 //! * [`Recording`] checks, counts and fingerprints messages, and hands them on in their order: to the
 //!   outcome of the run, to the log with what viewers see, to an observer. A run without a log has
 //!   the same, but for the log;
-//! * [`LogWriter`] is the MCAP file; [`Gate`] is the seam to the run.
+//! * [`mcap_log::LogWriter`] is the MCAP file; [`Gate`] is the seam to the run.
 //!
 //! Lossless topics are ROS 2 CDR whose body is the message's bytes (`ipc_types::cdr`); beside them
 //! stand `/viewer/…` topics in the viewers' own schemas. Log time is simulated time.

@@ -1,12 +1,12 @@
 //! Reads a log record by record, as far as it goes.
 //!
 //! No length in the file is believed: memory follows from what is really there and is bounded by
-//! [`limits`]. Checksums of chunks are checked before their messages are handed out. What cannot be
+//! `limits`. Checksums of chunks are checked before their messages are handed out. What cannot be
 //! read is noted in the [`Condition`] and passed over; a file that ends in the middle is read to
 //! its last whole record. A chunk that the file ends in is not read: no checksum covers its part.
 //!
-//! [`mod@file`] goes from record to record and to the end, [`chunk`] through what is compressed, [`record`]
-//! tells what a record means, [`index`] finds chunks without reading what is before them.
+//! `file` goes from record to record and to the end, `chunk` through what is compressed, `record`
+//! tells what a record means, `index` finds chunks without reading what is before them.
 
 mod chunk;
 mod file;

@@ -5,7 +5,7 @@
 //! stamp, the longest of a process's messages for one tick). A *hop* is the time between the
 //! sending of the last input and its being taken up (`received` of the output minus `sent` of the
 //! input, both for the same tick). *Sense to act* is the time from the beginning of a state until the
-//! simulator has taken up the last command for it; [`stages`] divides it.
+//! simulator has taken up the last command for it; `stages` divides it.
 
 mod stages;
 #[cfg(test)]
