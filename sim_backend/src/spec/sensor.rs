@@ -100,6 +100,14 @@ mod tests {
             f(&mut spec);
             check(&spec).unwrap_err().field
         };
+        let wide = ScanSpec {
+            angle_min: -7.0,
+            ..ScanSpec::default()
+        };
+        assert_eq!(
+            check(&wide).unwrap_err().to_string(),
+            "`angle_min` is -7, but must be a number within ±2π (rad)"
+        );
         assert_eq!(bad(|s| s.beams = 0), "beams");
         assert_eq!(bad(|s| s.beams = 1_000_000_000), "beams");
         assert_eq!(bad(|s| s.angle_increment = 0.0), "angle_increment");
