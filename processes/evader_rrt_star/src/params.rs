@@ -55,7 +55,7 @@ pub struct SearchParams {
     /// Share of iterations that try to reach a goal.
     #[schemars(transform = at_least(0).below(1.0 - REFINE_SHARE))]
     pub goal_bias: f64,
-    /// Longest edge that is tried, and with the published search.
+    /// Longest edge that is tried.
     #[schemars(transform = above(0).unit("m"))]
     pub max_edge: f64,
 }

@@ -28,8 +28,8 @@ pub struct FollowParams {
     /// How far rectangles may stick out of the obstacles that they stand for.
     #[schemars(transform = at_least(LEAST_TOLERANCE).unit("m"))]
     pub tolerance: f64,
-    /// Distance that the robot's body keeps from obstacles and walls where it is planned to be,
-    ///: a robot on wheels strays from its legs.
+    /// Distance that the robot's body keeps from obstacles and walls where it is planned to be: a
+    /// robot on wheels strays from its legs.
     #[schemars(transform = at_least(0).unit("m"))]
     pub margin: f64,
     /// The way between sub-goals.
