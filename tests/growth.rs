@@ -23,7 +23,7 @@ fn median(values: impl Iterator<Item = u64>) -> u64 {
 }
 
 #[test]
-#[ignore = "20 s alone, minutes on a busy machine: docs/faults.md says how to run it"]
+#[ignore = "20 s alone, minutes on a busy machine: docs/how-to/faults.md says how to run it"]
 fn an_orchestrator_of_many_missions_does_not_grow() {
     let sandbox = Sandbox::new();
     let experiment =

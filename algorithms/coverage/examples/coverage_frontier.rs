@@ -1,4 +1,4 @@
-//! Coverage against predictability: the table of `docs/coverage-results.md`.
+//! Coverage against predictability: the table of `docs/results/coverage.md`.
 //!
 //! `cargo run -p coverage --example coverage_frontier -- [keys] [guesses] [watched]`
 //!

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Traits of a published program that are not part of its method: slips, and consequences of its
-/// simulator's grid and tick rate. `docs/deviations.md` lists them.
+/// simulator's grid and tick rate. `docs/explanation/deviations.md` lists them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Fidelity {

@@ -60,7 +60,7 @@ enum PageCommand {
             long,
             short,
             value_name = "FILE",
-            default_value = "docs/chase-results.md"
+            default_value = "docs/results/chase.md"
         )]
         out: PathBuf,
     },
@@ -73,7 +73,7 @@ enum PageCommand {
             long,
             short,
             value_name = "FILE",
-            default_value = "docs/vmc-lp-results.md"
+            default_value = "docs/results/vmc-lp.md"
         )]
         out: PathBuf,
     },
@@ -86,7 +86,7 @@ enum PageCommand {
             long,
             short,
             value_name = "FILE",
-            default_value = "docs/patrol-results.md"
+            default_value = "docs/results/patrol.md"
         )]
         out: PathBuf,
     },

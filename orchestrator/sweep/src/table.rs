@@ -194,7 +194,7 @@ mod tests {
                 "sweep.md",
                 Row::COLUMNS.iter().map(|c| c.name).collect::<Vec<_>>(),
             ),
-            ("planning.md", plans.collect()),
+            ("explanation/planning.md", plans.collect()),
         ] {
             let text = text(file);
             for name in names {

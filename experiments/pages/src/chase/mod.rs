@@ -1,4 +1,4 @@
-//! The page that sets our chases beside the published ones: `docs/chase-results.md`.
+//! The page that sets our chases beside the published ones: `docs/results/chase.md`.
 //!
 //! The published game is that of I. M. Gomes Ribeiro, J. Fiala and R. Shah, *Multi-robot Navigation
 //! in the Context of a Chasing Game*. The page has curves, a table of all cells, the critical speeds,

@@ -1,4 +1,4 @@
-//! The page that sets patrols and coverage beside the published results: `docs/patrol-results.md`.
+//! The page that sets patrols and coverage beside the published results: `docs/results/patrol.md`.
 //!
 //! The published ones are those of the cat-map patrol paper (Fig. 6, 10 and 12, and the numbers of
 //! its second case) and of the Chebyshev coverage paper (Table 1).

@@ -1,4 +1,4 @@
-//! The page that sets our plans beside the published ones: `docs/vmc-lp-results.md`.
+//! The page that sets our plans beside the published ones: `docs/results/vmc-lp.md`.
 //!
 //! The published ones are those of Y. Xu's report on motion camouflage and local
 //! pursuit: Table 2 (how sensitive the method is to its parameters), Tables 3 and 4 (both methods

@@ -33,7 +33,7 @@ Examples:
   protean latency hello --duration 5 --json -
   protean latency --of logs/chase-1.mcap        a recorded log (or just: protean latency logs/chase-1.mcap)
 
-The fields of the JSON object, and what every row means: docs/latency.md. Progress goes to stderr; Ctrl-C keeps
+The fields of the JSON object, and what every row means: docs/how-to/latency.md. Progress goes to stderr; Ctrl-C keeps
 what was measured. Exit codes: 0 measured, 1 something failed, 2 wrong arguments, or a log that says nothing,
 3 interrupted, or the log is not whole.";
 
