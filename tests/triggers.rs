@@ -4,8 +4,8 @@
 use crate::support::Sandbox;
 use crate::support::history::{History, Robot};
 use crate::support::invariants::{Game, the_summary_says_what_the_log_holds};
+use geometry::math;
 use serde_json::Value as Json;
-use sim_backend::math;
 
 /// A robot that drives around a wall to the exit. A gate shuts in front of it once it has driven
 /// 0.4 m and opens at 8 s; on the second half of its way a crate comes, elsewhere than it was to

@@ -12,9 +12,9 @@ use coverage::keyed::{KeyedCoverage, KeyedParams};
 use coverage::space::Space;
 use coverage::workplace::Workplace;
 use criterion::{Criterion, criterion_group, criterion_main};
+use geometry::shape::Aabb;
 use metrics::coverage::CellGrid;
 use nalgebra::Point2;
-use sim_backend::shape::Aabb;
 
 const RADIUS: f64 = 0.1;
 const SUB_GOALS: usize = 50;

@@ -14,11 +14,11 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use geometry::blur::BlurredMap;
+use geometry::pose::Pose2;
 use nalgebra::Point2;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use sim_backend::blur::BlurredMap;
-use sim_backend::pose::Pose2;
 use streets::{BLUR, RESOLUTION, SIDE, streets};
 use tracking::params::{FilterParams, SensorParams};
 use tracking::particle_filter::{MotionLimits, ParticleFilter};

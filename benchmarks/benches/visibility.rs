@@ -12,12 +12,12 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use geometry::blur::BlurredMap;
+use geometry::math;
+use geometry::visibility::VisibilityField;
 use nalgebra::Point2;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use sim_backend::blur::BlurredMap;
-use sim_backend::math;
-use sim_backend::visibility::VisibilityField;
 use streets::{BLUR, RESOLUTION, SIDE, streets};
 
 type Ray = (Point2<f64>, Point2<f64>);

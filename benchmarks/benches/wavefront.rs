@@ -6,11 +6,11 @@ mod support;
 use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use geometry::region::Region;
 use nalgebra::Point2;
 use navigation::dominance::{Arena, Dominance, DominanceParams, Runner};
 use navigation::wavefront::{Lattice, Medium, SIGHT, Source, Wave};
 use planner_view::map::PlannerMap;
-use sim_backend::spec::Region;
 use support::{EXIT, RADIUS};
 
 const POLICE: [(f64, f64); 4] = [(7.5, 4.5), (7.5, 1.5), (7.5, -1.5), (7.5, -4.5)];

@@ -10,18 +10,18 @@ use std::path::Path;
 use std::time::Instant;
 
 use criterion::{Criterion, Throughput};
+use geometry::blur::BlurredMap;
+use geometry::grid::Grid;
+use geometry::map::{MapSpec, UnknownCells, WorldMap};
+use geometry::pose::{Pose2, Twist2};
+use geometry::visibility::VisibilityField;
 use nalgebra::{Point2, Vector2};
 use parry2d_f64::math::{Pose, Vector};
 use parry2d_f64::query::{PointQuery, Ray, RayCast};
 use parry2d_f64::shape::Compound;
-use sim_backend::blur::BlurredMap;
-use sim_backend::grid::Grid;
-use sim_backend::map::{MapSpec, UnknownCells, WorldMap};
-use sim_backend::pose::{Pose2, Twist2};
 use sim_backend::random::Stream;
 use sim_backend::spec::{CaptureSpec, RobotSpec, RulesSpec, ScanSpec, WorldSpec};
 use sim_backend::team::Team;
-use sim_backend::visibility::VisibilityField;
 use sim_backend::world::World;
 
 const DT: Duration = Duration::from_millis(50);
@@ -139,7 +139,7 @@ struct ByParry {
 
 impl ByParry {
     fn new(map: &WorldMap) -> Self {
-        let parts = map.parts().iter().map(sim_backend::shape::Convex::to_parry);
+        let parts = map.parts().iter().map(geometry::shape::Convex::to_parry);
         Self {
             compound: Compound::new(parts.collect()),
         }
@@ -245,7 +245,7 @@ fn ratios() {
     let rays: Vec<_> = points
         .iter()
         .map(|&p| {
-            let (sin, cos) = sim_backend::math::sincos(random.uniform() * 2.0 * PI);
+            let (sin, cos) = geometry::math::sincos(random.uniform() * 2.0 * PI);
             (p, Vector2::new(cos, sin))
         })
         .collect();

@@ -1,8 +1,8 @@
 //! Any text as a vector map; what is sound becomes the ground of a world.
 #![no_main]
 
+use geometry::map::{MapSpec, VectorMap, WorldMap};
 use libfuzzer_sys::fuzz_target;
-use sim_backend::map::{MapSpec, VectorMap, WorldMap};
 
 /// Larger grids only make it slow.
 const MAX_CELLS: usize = 4_000;

@@ -3,8 +3,8 @@
 
 use std::path::Path;
 
+use geometry::map::RosMap;
 use libfuzzer_sys::fuzz_target;
-use sim_backend::map::RosMap;
 
 fuzz_target!(|text: &str| {
     if let Ok(map) = RosMap::parse(Path::new("maps/a.yaml"), text) {

@@ -3,12 +3,12 @@
 
 use std::convert::Infallible;
 
+use geometry::map::{MapSpec, VectorMap, WorldMap};
 use ipc_types::cdr;
 use ipc_types::messages::robot::Command;
 use ipc_types::messages::world::{ObstacleEvent, ShapePoint, ShapesHeader};
 use ipc_types::topics::{ObstacleEvents, Topic, TopicVisitor, WorldShapes, for_each_topic};
 use libfuzzer_sys::fuzz_target;
-use sim_backend::map::{MapSpec, VectorMap, WorldMap};
 use simulator::commands::CommandBoard;
 use zerocopy::FromBytes;
 

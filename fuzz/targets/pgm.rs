@@ -3,8 +3,8 @@
 
 use std::path::Path;
 
+use geometry::map::{Pgm, RosMap, UnknownCells};
 use libfuzzer_sys::fuzz_target;
-use sim_backend::map::{Pgm, RosMap, UnknownCells};
 
 fuzz_target!(|bytes: &[u8]| {
     let Ok(image) = Pgm::read(bytes) else {

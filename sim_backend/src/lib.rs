@@ -1,21 +1,18 @@
-//! The world: maps, geometry, robots, sensors and rules behind one pure [`World::step`](world::World::step).
+//! The simulated world: robots that move, meet, sense and play by rules on a map, behind one pure
+//! [`World::step`](world::World::step).
 //!
-//! No IPC, no clock, no files beyond the map loaders; everything is a function of its inputs.
+//! - [`spec`]: what a world is made of, as tables of a scenario;
+//! - [`world`]: the step, its contacts, scans, odometry, rules, coverage and events;
+//! - [`robot`]: a robot's state and drive, and conditions on it;
+//! - [`team`], [`random`]: sides, and random numbers that are addressed by seed, purpose and tick.
+//!
+//! No IPC, no clock, no files: everything is a function of its inputs. Shapes and maps are in `geometry`.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
 
-pub mod blur;
-mod extent;
-pub mod grid;
-pub mod map;
-pub mod math;
-pub mod pose;
 pub mod random;
-mod region;
 pub mod robot;
-pub mod shape;
 pub mod spec;
 pub mod team;
-pub mod visibility;
 pub mod world;

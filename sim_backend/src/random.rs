@@ -5,7 +5,7 @@ use core::f64::consts::TAU;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::math;
+use geometry::math;
 
 /// 32-bit words that one tick of a stream may use; a stream at tick *k* starts *k* times as far in.
 const WORDS_PER_TICK: u128 = 1 << 20;

@@ -4,9 +4,9 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
-use sim_backend::map::{MapSpec, ObstacleSpec, VectorMap};
-use sim_backend::pose::{Pose2, Twist2};
-use sim_backend::shape::Shape;
+use geometry::map::{MapSpec, ObstacleSpec, VectorMap};
+use geometry::pose::{Pose2, Twist2};
+use geometry::shape::Shape;
 use sim_backend::spec::{CaptureSpec, RobotSpec, RulesSpec, ScanSpec, WorldSpec};
 use sim_backend::team::Team;
 use sim_backend::world::World;

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
+use geometry::map::{MapSpec, UnknownCells, WorldMap};
+use geometry::pose::{Pose2, Twist2};
 use nalgebra::Point2;
-use sim_backend::map::{MapSpec, UnknownCells, WorldMap};
-use sim_backend::pose::{Pose2, Twist2};
 use sim_backend::spec::{RobotSpec, RulesSpec, WorldSpec};
 use sim_backend::team::Team;
 use sim_backend::world::{World, WorldError};

@@ -342,7 +342,7 @@ impl World {
             &mut Vec<ipc_types::messages::world::MapCell>,
         ),
     ) {
-        let map = sim_backend::map::WorldMap::new(&rig.scenario.world.map).unwrap();
+        let map = geometry::map::WorldMap::new(&rig.scenario.world.map).unwrap();
         let sigma = rig.scenario.blur_sigma;
         let (mut header, mut cells) =
             simulator::outputs::map_message(&map, sigma, self.stamp(0)).unwrap();

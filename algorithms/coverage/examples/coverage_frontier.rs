@@ -17,9 +17,9 @@ use coverage::keyed::{KeyedCoverage, KeyedParams};
 use coverage::random_bounce::RandomBounce;
 use coverage::uniform::UniformGoals;
 use coverage::workplace::Workplace;
+use geometry::shape::Aabb;
 use metrics::coverage::{CellGrid, Swept};
 use nalgebra::{Point2, Vector2};
-use sim_backend::shape::Aabb;
 
 type Failure = Box<dyn std::error::Error + Send + Sync>;
 

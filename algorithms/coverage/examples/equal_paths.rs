@@ -6,9 +6,9 @@
 use chaotic_maps::{Emission, Key, KeyKind, Source};
 use coverage::plan::map;
 use coverage::workplace::Workplace;
+use geometry::shape::Aabb;
 use metrics::coverage::Meter;
 use nalgebra::Point2;
-use sim_backend::shape::Aabb;
 
 /// Lengths of path at which coverage is read (m).
 const LENGTHS: [f64; 4] = [250.0, 500.0, 1000.0, 2000.0];

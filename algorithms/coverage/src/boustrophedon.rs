@@ -5,9 +5,9 @@ mod tests;
 
 use std::collections::{BTreeSet, VecDeque};
 
+use geometry::shape::Aabb;
 use nalgebra::Point2;
 use planner_view::waypoint::WaypointKind;
-use sim_backend::shape::Aabb;
 use thiserror::Error;
 
 use crate::counter::Counter;

@@ -1,8 +1,8 @@
 //! Numbers of sub-goals.
 
+use geometry::shape::Aabb;
 use nalgebra::Point2;
 use planner_view::waypoint::{Waypoint, WaypointKind};
-use sim_backend::shape::Aabb;
 
 use crate::goal::Goal;
 

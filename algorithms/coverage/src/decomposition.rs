@@ -17,8 +17,8 @@ mod tests;
 
 pub use bridge::{Bridge, BridgeError};
 
+use geometry::shape::Aabb;
 use nalgebra::Point2;
-use sim_backend::shape::Aabb;
 use thiserror::Error;
 
 use crate::workplace::Workplace;

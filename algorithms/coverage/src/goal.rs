@@ -1,8 +1,8 @@
 //! What all planners of sub-goals have in common.
 
+use geometry::shape::Aabb;
 use nalgebra::Point2;
 use planner_view::waypoint::Waypoint;
-use sim_backend::shape::Aabb;
 
 /// A sub-goal, and where the straight leg to it runs.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -10,11 +10,11 @@
 //! driven if one free rectangle contains the triangle: E, B and F in the rectangle of one of the two
 //! legs, since rectangles are convex. Where that leaves no room the robot turns on the spot.
 
+use geometry::math;
+use geometry::pose::Pose2;
+use geometry::shape::Aabb;
 use nalgebra::{Point2, Vector2};
 use planner_view::free_space::Arc;
-use sim_backend::math;
-use sim_backend::pose::Pose2;
-use sim_backend::shape::Aabb;
 use thiserror::Error;
 
 use crate::goal::Goal;

@@ -4,9 +4,9 @@
 //! [−1, 1]² becomes the rectangle's centre + (u · half its width, w · half its height). The source
 //! is never set anew from where the robot is, so that one key makes one sequence.
 
+use geometry::shape::Aabb;
 use nalgebra::Point2;
 use planner_view::waypoint::{Waypoint, WaypointKind};
-use sim_backend::shape::Aabb;
 use thiserror::Error;
 
 use crate::decomposition::Decomposition;

@@ -5,8 +5,8 @@ mod tests;
 
 use core::f64::consts::TAU;
 
+use geometry::math::sincos;
 use nalgebra::{Point2, Vector2};
-use sim_backend::math::sincos;
 
 use crate::goal::Goal;
 use crate::space::point_in;

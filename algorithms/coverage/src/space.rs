@@ -5,8 +5,8 @@ mod tests;
 
 use std::collections::VecDeque;
 
+use geometry::shape::Aabb;
 use nalgebra::{Point2, Vector2};
-use sim_backend::shape::Aabb;
 
 use crate::decomposition::Decomposition;
 use crate::workplace::Workplace;

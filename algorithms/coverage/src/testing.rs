@@ -1,8 +1,8 @@
 //! The empty workplace of the coverage papers, and paths driven over it.
 
+use geometry::shape::Aabb;
 use metrics::coverage::{CellGrid, Swept};
 use nalgebra::Point2;
-use sim_backend::shape::Aabb;
 
 use crate::decomposition::Decomposition;
 use crate::goal::GoalSource;

@@ -2,9 +2,9 @@
 
 use std::collections::VecDeque;
 
+use geometry::shape::Aabb;
 use nalgebra::Point2;
 use planner_view::waypoint::WaypointKind;
-use sim_backend::shape::Aabb;
 
 use crate::counter::Counter;
 use crate::decomposition::Decomposition;

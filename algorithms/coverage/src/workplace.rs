@@ -14,9 +14,9 @@ mod tests;
 pub use error::WorkplaceError;
 pub use loss::ConversionLoss;
 
+use geometry::shape::{Aabb, Convex, Shape};
 use metrics::coverage::{CoverageError, Ground, Rectangle};
 use nalgebra::{Point2, Vector2};
-use sim_backend::shape::{Aabb, Convex, Shape};
 
 /// Most rectangles that the obstacles of a workplace may become.
 pub const MAX_RECTANGLES: usize = 4096;

@@ -101,7 +101,7 @@ impl LapTimes for TurnThenDrive {
                     continue;
                 }
                 if let Some(before) = before.replace(leg) {
-                    let turn = sim_backend::math::atan2(before.perp(&leg), before.dot(&leg));
+                    let turn = geometry::math::atan2(before.perp(&leg), before.dot(&leg));
                     time += turn.abs() / self.omega;
                 }
                 time += leg.norm() / self.v;

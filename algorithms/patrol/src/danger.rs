@@ -1,10 +1,10 @@
 //! Danger zones: which parts of a contour are under threat (cat-map patrol paper, §5.1, remark (c)
 //! and Fig. 8).
 
+use geometry::shape::{Convex, Shape, ShapeError};
 use nalgebra::Point2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sim_backend::shape::{Convex, Shape, ShapeError};
 use thiserror::Error;
 
 use crate::contour::{Contour, Segment};

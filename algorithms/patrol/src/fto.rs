@@ -17,9 +17,9 @@ mod disc;
 mod params;
 
 use chaotic_maps::{AnySource, Source as _};
+use geometry::pose::Pose2;
 use nalgebra::Point2;
 use parameters::{ParamsError, check};
-use sim_backend::pose::Pose2;
 
 pub use disc::{Disc, merged};
 pub use params::FtoParams;
@@ -148,7 +148,7 @@ impl Fto {
         let near = carrier.radius + share * (carrier.reach - carrier.radius).max(0.0);
         let radius = self.params.radius;
         let heading = carrier.pose.theta;
-        let (sin, cos) = sim_backend::math::sincos(heading);
+        let (sin, cos) = geometry::math::sincos(heading);
         let (ahead, left) = (near + radius, 0.5 * side * radius);
         let center = Point2::new(
             carrier.pose.x + cos * ahead - sin * left,

@@ -12,12 +12,12 @@
 
 use std::sync::{Arc as Shared, OnceLock};
 
+use geometry::grid::GridFrame;
+use geometry::map::{MAX_CELLS, ShapeMap, TOUCHING};
+use geometry::math;
+use geometry::shape::{Aabb, Convex, ShortArc};
 use nalgebra::{Point2, Vector2};
 use rand::Rng;
-use sim_backend::grid::GridFrame;
-use sim_backend::map::{MAX_CELLS, ShapeMap, TOUCHING};
-use sim_backend::math;
-use sim_backend::shape::{Aabb, Convex, ShortArc};
 use thiserror::Error;
 
 /// Attempts to draw a free point before there is said to be none. Cells without any are left out
@@ -81,7 +81,7 @@ fn direction(angle: f64) -> Vector2<f64> {
 /// ```
 /// use planner_view::free_space::FreeSpace;
 /// use nalgebra::Point2;
-/// use sim_backend::shape::{Aabb, Convex};
+/// use geometry::shape::{Aabb, Convex};
 ///
 /// let bounds = Aabb { min: Point2::new(0.0, 0.0), max: Point2::new(4.0, 2.0) };
 /// let pillar = Convex::disc(Point2::new(2.0, 1.0), 0.5);

@@ -1,6 +1,6 @@
 //! What a robot's drive can do, as far as a planner has to know.
 
-use sim_backend::pose::Twist2;
+use geometry::pose::Twist2;
 
 use parameters::{ParamsError, not_negative, positive};
 

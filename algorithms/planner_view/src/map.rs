@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
+use geometry::blur::BlurredMap;
+use geometry::grid::{Grid, GridFrame};
 use nalgebra::{Point2, Vector2};
-use sim_backend::blur::BlurredMap;
-use sim_backend::grid::{Grid, GridFrame};
 use thiserror::Error;
 
 use crate::derived::Derived;

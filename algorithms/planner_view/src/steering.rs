@@ -1,7 +1,7 @@
 //! What a planner hands back for one tick.
 
+use geometry::pose::Twist2;
 use nalgebra::{Point2, Vector2};
-use sim_backend::pose::Twist2;
 
 /// A command, and why: the parts of the decision that a person wants to see in a viewer.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -4,8 +4,8 @@
 //! reads it as if every sender were hostile: look-ups return `Option`, and robots whose numbers
 //! are not finite are not there.
 
+use geometry::pose::{Pose2, Twist2};
 use nalgebra::Point2;
-use sim_backend::pose::{Pose2, Twist2};
 use sim_backend::team::Team;
 
 /// One robot, as the world's state reports it.

@@ -11,12 +11,12 @@
 
 use core::f64::consts::{PI, TAU};
 
+use geometry::math;
+use geometry::pose::{Pose2, Twist2};
 use nalgebra::{Point2, Vector2};
 use parameters::{Fidelity, Parameters, above};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sim_backend::math;
-use sim_backend::pose::{Pose2, Twist2};
 
 use planner_view::limits::Limits;
 

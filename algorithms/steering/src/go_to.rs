@@ -8,12 +8,12 @@
 
 use core::f64::consts::PI;
 
+use geometry::math;
+use geometry::pose::{Pose2, Twist2};
 use nalgebra::{Point2, Vector2};
 use parameters::{Parameters, above, between};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sim_backend::math;
-use sim_backend::pose::{Pose2, Twist2};
 
 use planner_view::limits::Limits;
 

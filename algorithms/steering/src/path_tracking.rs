@@ -9,12 +9,12 @@
 
 use core::f64::consts::PI;
 
+use geometry::math;
+use geometry::pose::{Pose2, Twist2};
 use nalgebra::Point2;
 use parameters::{Parameters, ParamsError, above, at_least, between, require};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sim_backend::math;
-use sim_backend::pose::{Pose2, Twist2};
 
 use planner_view::limits::Limits;
 

@@ -1,7 +1,7 @@
 //! A belief in a few numbers.
 
-use sim_backend::math;
-use sim_backend::pose::Pose2;
+use geometry::math;
+use geometry::pose::Pose2;
 
 use crate::fast;
 

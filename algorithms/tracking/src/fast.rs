@@ -72,7 +72,7 @@ pub fn wrap(angle: f32) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use sim_backend::math;
+    use geometry::math;
 
     use super::*;
 

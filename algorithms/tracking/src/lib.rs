@@ -1,7 +1,7 @@
 //! Line-of-sight sightings and beliefs about robots that others watch.
 //!
 //! A simulated sensor gives sightings whose quality depends on the line of sight ([`sighting`], on
-//! [`sim_backend::visibility`]), and a particle filter keeps one belief per robot watched
+//! [`geometry::visibility`]), and a particle filter keeps one belief per robot watched
 //! ([`particle_filter`]). [`tracker::Perception`] does both for a team and a tick. Everything is a
 //! function of its inputs and a ChaCha8 stream per robot watched.
 

@@ -23,11 +23,11 @@ mod recover;
 mod resample;
 mod weigh;
 
+use geometry::pose::Pose2;
 use nalgebra::Point2;
 use parameters::Fidelity;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
-use sim_backend::pose::Pose2;
 
 use self::cloud::Cloud;
 pub use self::predict::MotionLimits;

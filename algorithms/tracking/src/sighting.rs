@@ -1,10 +1,10 @@
 //! What the observers measure of one opponent at one tick.
 
+use geometry::math;
+use geometry::pose::Pose2;
 use nalgebra::Point2;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
-use sim_backend::math;
-use sim_backend::pose::Pose2;
 
 use crate::params::{HeadingModel, SensorParams};
 use crate::space::Space;

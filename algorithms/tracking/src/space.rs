@@ -1,9 +1,9 @@
 //! The map as the particles see it: where they may be, and what is seen from where.
 
+use geometry::blur::BlurredMap;
+use geometry::grid::GridFrame;
+use geometry::visibility::VisibilityField;
 use nalgebra::Point2;
-use sim_backend::blur::BlurredMap;
-use sim_backend::grid::GridFrame;
-use sim_backend::visibility::VisibilityField;
 
 use crate::fast;
 
@@ -124,7 +124,7 @@ fn border_index(coordinate: f32, len: f32) -> u32 {
 
 #[cfg(test)]
 pub(crate) mod tests {
-    use sim_backend::grid::Grid;
+    use geometry::grid::Grid;
 
     use super::*;
 

@@ -1,9 +1,9 @@
 //! All opponents of a team: sightings and beliefs, tick by tick.
 
+use geometry::blur::BlurredMap;
+use geometry::pose::Pose2;
 use parameters::{ParamsError, check};
 use rand_chacha::ChaCha8Rng;
-use sim_backend::blur::BlurredMap;
-use sim_backend::pose::Pose2;
 use thiserror::Error;
 
 use crate::belief::{Belief, Particle};

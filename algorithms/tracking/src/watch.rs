@@ -1,9 +1,9 @@
 //! Who is looking, from where, with which limits.
 
+use geometry::math;
+use geometry::pose::Pose2;
+use geometry::visibility::{RayEnd, VisibilityField};
 use nalgebra::{Point2, Vector2};
-use sim_backend::math;
-use sim_backend::pose::Pose2;
-use sim_backend::visibility::{RayEnd, VisibilityField};
 
 use crate::params::SensorParams;
 

@@ -1,7 +1,7 @@
 //! One try of a method: a family of curves, a search in it, and the trajectory that comes of it.
 
+use geometry::math;
 use nalgebra::{Point2, Vector2};
-use sim_backend::math;
 
 use crate::convex::curve_search::CurveSearch;
 use crate::convex::obstacle_planes::{NO_DEPTH, grow_margins};

@@ -31,8 +31,8 @@
 //! ```
 //! use nalgebra::Point2;
 //! use trajectory::{Options, Problem, RobotLimits, plan};
-//! use sim_backend::pose::Pose2;
-//! use sim_backend::shape::{Aabb, Convex};
+//! use geometry::pose::Pose2;
+//! use geometry::shape::{Aabb, Convex};
 //!
 //! let problem = Problem {
 //!     start: Pose2::new(0.5, 1.0, 0.6),

@@ -2,7 +2,7 @@
 
 use crate::drive::turn_in_place;
 use crate::problem::{Problem, RobotLimits};
-use sim_backend::math;
+use geometry::math;
 
 /// A lower bound (s) on the duration of every trajectory that solves a problem whose shortest path
 /// has this length (m).

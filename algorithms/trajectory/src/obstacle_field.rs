@@ -1,10 +1,10 @@
 //! Where the robot may be: obstacles, clearance and bounds of a problem, settled so that start and
 //! goal are free.
 
+use geometry::shape::{Aabb, Contact, Convex};
 use nalgebra::{Point2, Vector2};
 use navigation::tangent_graph::{ShortestPath, shortest_once};
 use planner_view::free_space::FreeSpace;
-use sim_backend::shape::{Aabb, Contact, Convex};
 
 use crate::path_points::PathPoint;
 use crate::plan::PlanError;

@@ -1,8 +1,8 @@
 //! Points of a path, dense enough to be driven from one to the next.
 
+use geometry::math;
 use nalgebra::Point2;
 use navigation::tangent_graph::PathLeg;
-use sim_backend::math;
 
 use crate::plan::Sample;
 

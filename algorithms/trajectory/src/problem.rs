@@ -2,9 +2,9 @@
 
 use core::fmt::Display;
 
+use geometry::pose::Pose2;
+use geometry::shape::{Aabb, Convex};
 use nalgebra::Point2;
-use sim_backend::pose::Pose2;
-use sim_backend::shape::{Aabb, Convex};
 use thiserror::Error;
 
 /// Most obstacles of one problem.

@@ -14,7 +14,7 @@ use crate::path_points;
 use crate::plan::{Method, Plan, PlanError, Status};
 use crate::problem::Problem;
 use crate::validity_check;
-use sim_backend::math;
+use geometry::math;
 
 /// A gap to the lower bound below which nothing better is looked for, relative to it; besides what
 /// it costs to turn into the shortest path on the spot.

@@ -1,7 +1,7 @@
 //! The check of every trajectory before it is an answer: by [`trajectory_check`], which shares no code
 //! with what made it.
 
-use sim_backend::shape::Convex;
+use geometry::shape::Convex;
 use trajectory_check::{Contract, Obstacle, Report, WheelLimit};
 
 use crate::obstacle_field::ObstacleField;

@@ -1,7 +1,7 @@
 //! The street grid of the benches of visibility and of the particle filter.
 
+use geometry::grid::{Grid, GridFrame};
 use nalgebra::Point2;
-use sim_backend::grid::{Grid, GridFrame};
 
 /// Cells each way.
 pub const SIDE: usize = 384;

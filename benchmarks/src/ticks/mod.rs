@@ -12,6 +12,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use geometry::pose::Pose2;
 use ipc_types::bus::{Bus, Publisher, PublisherOptions, Subscriber, TopicHolder};
 use ipc_types::messages::robot::Command;
 use ipc_types::messages::world::{RobotState, WorldHeader};
@@ -26,7 +27,6 @@ use runtime::inputs::{StateInput, reply_stamp};
 use runtime::lockstep::{Conductor, Overseer, Phase, SlotState, TurnEnd, TurnPage};
 use runtime::{Process, ProcessError, ProcessKind};
 use serde::Serialize;
-use sim_backend::pose::Pose2;
 use sim_backend::spec::Preset;
 use sim_backend::team::Team;
 use statistics::{Spread, paired_ratio};

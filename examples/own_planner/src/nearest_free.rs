@@ -4,6 +4,8 @@
 
 use core::f64::consts::PI;
 
+use geometry::math;
+use geometry::region::Region;
 use nalgebra::{Point2, Vector2};
 use parameters::{Parameters, above, at_least};
 use planner::{Planner, PlannerInputs, limits};
@@ -15,8 +17,6 @@ use runtime::config::RobotInfo;
 use runtime::kind::Need;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sim_backend::math;
-use sim_backend::spec::Region;
 use steering::go_to::{GoToParams, go_to};
 
 /// Directions that are tried on each side of the direction of the goal.

@@ -5,14 +5,14 @@ use evader_rrt_star::cost::{CostModel, Pursuer};
 use evader_rrt_star::ground::{GOAL_TOLERANCE, Ground};
 use evader_rrt_star::params::Primitive;
 use evader_rrt_star::planning::{Planning, Task};
+use geometry::map::WorldMap;
+use geometry::pose::Pose2;
 use nalgebra::Point2;
 use navigation::tangent_graph::{ShortestPath, TangentGraph};
 use parameters::check;
 use planner_view::free_space::FreeSpace;
 use planner_view::limits::Limits;
 use runtime::seed::stream;
-use sim_backend::map::WorldMap;
-use sim_backend::pose::Pose2;
 use sim_backend::spec::RobotModel;
 use sim_backend::team::Team;
 
@@ -101,7 +101,7 @@ impl Setting {
             exits: map
                 .exits()
                 .iter()
-                .map(sim_backend::spec::Region::center)
+                .map(geometry::region::Region::center)
                 .collect(),
             start: evader.start,
             police: pursuers().map(|r| r.start.position()).collect(),

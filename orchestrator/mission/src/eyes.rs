@@ -1,10 +1,10 @@
 //! Who looks, from where, how far and how wide: what viewers and reports draw as seen.
 
+use geometry::visibility::polygon::SightLimits;
 use recorder::{EyeInfo, EyePlace};
 use runtime::kind::Lookout;
 use sim_backend::spec::RobotSpec;
 use sim_backend::team::Team;
-use sim_backend::visibility::polygon::SightLimits;
 
 use scenario::ResolvedScenario;
 

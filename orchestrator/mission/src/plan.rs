@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use geometry::map::{ObstacleChange, WorldMap};
 use ipc_types::bus::{Publisher, SendError};
 use ipc_types::messages::world::ObstacleEvent;
 use ipc_types::stamp::PlainHeader;
@@ -10,7 +11,6 @@ use runtime::config::{Clock, RobotInfo, RunConfig};
 use runtime::kind::Product;
 use runtime::obstacle::{self, ObstacleMessageError};
 use serde_json::Value as Json;
-use sim_backend::map::{ObstacleChange, WorldMap};
 use sim_backend::spec::RobotSpec;
 use simulator::SimulatorParams;
 
@@ -33,7 +33,7 @@ const RECORDER_SECONDS: f64 = 2.0;
 pub enum PlanError {
     /// The map cannot be built. The scenario was checked: only a changed file can cause it.
     #[error(transparent)]
-    Map(#[from] sim_backend::map::MapError),
+    Map(#[from] geometry::map::MapError),
     /// An obstacle event does not fit its message.
     #[error(transparent)]
     Obstacle(#[from] ObstacleMessageError),

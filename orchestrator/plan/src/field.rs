@@ -264,9 +264,9 @@ fn counter_clockwise(mut corners: Vec<[f64; 2]>) -> Option<Vec<[f64; 2]>> {
         turn(i) == 0.0 && a[0] * b[0] + a[1] * b[1] < 0.0
     };
     // A polygon that turns one way only may still go round twice: then its edges turn by 4π.
-    let angle = |e: [f64; 2]| sim_backend::math::atan2(e[1], e[0]);
+    let angle = |e: [f64; 2]| geometry::math::atan2(e[1], e[0]);
     let total: f64 = (0..n)
-        .map(|i| sim_backend::math::angle_difference(angle(edge(i + 1)), angle(edge(i))))
+        .map(|i| geometry::math::angle_difference(angle(edge(i + 1)), angle(edge(i))))
         .sum();
     if left == right || (0..n).any(back) || total.abs() > 1.5 * core::f64::consts::TAU {
         return None;

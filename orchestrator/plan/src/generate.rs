@@ -5,10 +5,10 @@
 
 use core::f64::consts::TAU;
 
+use geometry::math;
 use navigation::tangent_graph::ShortestPath;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value as Json, json};
-use sim_backend::math;
 use sim_backend::random::Stream;
 use trajectory::obstacle_field::ObstacleField;
 use trajectory::{PlanError, lower_bound};

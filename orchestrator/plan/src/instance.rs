@@ -1,9 +1,9 @@
 //! A planning problem as files hold it: lengths in pixels of a picture of known scale.
 
+use geometry::pose::Pose2;
+use geometry::shape::{Aabb, Convex};
 use nalgebra::Point2;
 use serde_json::{Value as Json, json};
-use sim_backend::pose::Pose2;
-use sim_backend::shape::{Aabb, Convex};
 use trajectory::problem::MIN_CLEARANCE;
 use trajectory::{Problem, RobotLimits, Wheels};
 use trajectory_check::{Contract, Obstacle, WheelLimit};

@@ -1,7 +1,7 @@
 //! Viewpoints: what is seen from them is drawn for viewers.
 
+use geometry::visibility::polygon::SightLimits;
 use serde::Serialize;
-use sim_backend::visibility::polygon::SightLimits;
 
 /// A viewpoint: what is seen from it is drawn.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -2,11 +2,11 @@
 
 use core::f64::consts::TAU;
 
+use geometry::math;
+use geometry::pose::Pose2;
 use nalgebra::Point2;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
-use sim_backend::math;
-use sim_backend::pose::Pose2;
 
 use super::spec::{Distribution, StartJitter};
 

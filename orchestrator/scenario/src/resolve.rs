@@ -1,10 +1,10 @@
 //! A whole scenario from its text: every part by its own reader, then what holds between the parts.
 
 use config::{Code, Diagnostic, FieldPath};
+use geometry::map::MapSpec;
 use schemars::JsonSchema;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
-use sim_backend::map::MapSpec;
 use sim_backend::spec::{RulesSpec, WorldSpec};
 use sim_backend::team::Team;
 
@@ -16,7 +16,7 @@ use super::resolved::ResolvedScenario;
 use super::robots::Robot;
 use super::spec::{Defaults, LogSpec, MAX_TICKS, ProcessBlock, RobotBlock, RunSpec, Teams};
 use super::world::WorldBlock;
-use super::{events, geometry, processes, robots, world};
+use super::{events, feasibility, processes, robots, world};
 
 /// The top level of a scenario file.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
@@ -81,8 +81,8 @@ pub(super) fn resolve(
         return None;
     }
     check_ticks(ctx, &run, &rules);
-    let placements = geometry::placements(&robots);
-    let starts = geometry::resolve(ctx, &ground.map, &robots, &rules, run.seed)?;
+    let placements = feasibility::placements(&robots);
+    let starts = feasibility::resolve(ctx, &ground.map, &robots, &rules, run.seed)?;
     check_end(ctx, &ground.map, &robots, &rules);
     let specs = robots.into_iter().zip(starts).map(|(r, start)| {
         let mut spec = r.spec;

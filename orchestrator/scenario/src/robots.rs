@@ -1,8 +1,8 @@
 //! `[[robots]]`, with what they inherit from their team and from the defaults.
 
 use config::{Code, FieldPath, Node, Value};
+use geometry::pose::Pose2;
 use parameters::{check, within};
-use sim_backend::pose::Pose2;
 use sim_backend::spec::RobotSpec;
 use sim_backend::team::Team;
 

@@ -2,14 +2,14 @@
 
 use core::f64::consts::PI;
 
+use geometry::extent::MAX_COORDINATE;
+use geometry::pose::Pose2;
+use geometry::region::Region;
 use parameters::{Bounds, Parameters, above, between};
 use schemars::JsonSchema;
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
-use sim_backend::pose::Pose2;
-use sim_backend::spec::{
-    ActuatorSpec, LimitsSpec, MAX_COORDINATE, OdometrySpec, Preset, Region, ScanSpec,
-};
+use sim_backend::spec::{ActuatorSpec, LimitsSpec, OdometrySpec, Preset, ScanSpec};
 use sim_backend::team::Team;
 
 /// Most robots in one scenario.

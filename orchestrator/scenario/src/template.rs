@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use config::{Code, Diagnostic, Diagnostics};
-use sim_backend::map::{MapSpec, WorldMap};
+use geometry::map::{MapSpec, WorldMap};
 
 use super::jitter::{self, MAX_DRAWS, Placement};
 use super::resolved::ResolvedScenario;
@@ -24,7 +24,7 @@ pub struct Grounds(Vec<(MapSpec, Arc<WorldMap>)>);
 
 impl Grounds {
     /// The map, made once.
-    fn of(&mut self, spec: &MapSpec) -> Result<Arc<WorldMap>, sim_backend::map::MapError> {
+    fn of(&mut self, spec: &MapSpec) -> Result<Arc<WorldMap>, geometry::map::MapError> {
         if let Some((_, ground)) = self.0.iter().find(|(known, _)| known == spec) {
             return Ok(Arc::clone(ground));
         }

@@ -3,13 +3,13 @@
 use std::path::Path;
 
 use config::{Code, FieldPath, Node, SourceKind, nearest, parse_document};
+use geometry::extent::MAX_COORDINATE;
+use geometry::map::{MapSpec, RosMap, UnknownCells, VectorMap, VectorMapError};
+use geometry::shape::ShapeError;
 use parameters::{Parameters, ParamsError, above, between};
 use schemars::JsonSchema;
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
-use sim_backend::map::{MapSpec, RosMap, UnknownCells, VectorMap, VectorMapError};
-use sim_backend::shape::ShapeError;
-use sim_backend::spec::MAX_COORDINATE;
 
 use super::builtin;
 use super::context::Context;

@@ -102,7 +102,7 @@ impl Distribution {
     /// axis, from the one with the first count to the one with the last.
     pub fn log_histogram(&self, per_decade: u32) -> LogHistogram {
         let part = |ns: u64| {
-            let decades = sim_backend::math::ln(ns.max(1) as f64) / core::f64::consts::LN_10;
+            let decades = geometry::math::ln(ns.max(1) as f64) / core::f64::consts::LN_10;
             (decades * f64::from(per_decade)).floor() as u32
         };
         let mut counts: BTreeMap<u32, u64> = BTreeMap::new();

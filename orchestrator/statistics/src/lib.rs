@@ -5,7 +5,7 @@
 //! there would have to be independent ones ([`Sample::effective_size`]). [`wilson()`] works on plain
 //! counts.
 //!
-//! Elementary functions are the project's own ([`sim_backend::math`]), and sums are over integers or
+//! Elementary functions are the project's own ([`geometry::math`]), and sums are over integers or
 //! in a fixed order: the same results give the same figures everywhere.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]

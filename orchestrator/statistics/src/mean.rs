@@ -2,7 +2,7 @@
 
 use core::f64::consts::FRAC_2_PI;
 
-use sim_backend::math::{atan, cos, sin};
+use geometry::math::{atan, cos, sin};
 
 use super::interval::Interval;
 

@@ -12,8 +12,8 @@ use coverage::decomposition::Decomposition;
 use coverage::plan::{CoveragePlan, PlanSpec};
 use coverage::sub_goals::params::FollowParams;
 use coverage::sub_goals::site::Site;
+use geometry::shape::Aabb;
 use nalgebra::Point2;
-use sim_backend::shape::Aabb;
 
 pub use params::ChebyshevParams;
 

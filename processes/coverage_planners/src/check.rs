@@ -2,9 +2,9 @@
 
 use coverage::sub_goals::site::Site;
 use coverage::workplace::{Workplace, WorkplaceError};
+use geometry::map::MapSpec;
+use geometry::shape::Shape;
 use runtime::kind::{Task, TaskFault};
-use sim_backend::map::MapSpec;
-use sim_backend::shape::Shape;
 
 use crate::design::Design;
 

@@ -2,6 +2,7 @@
 //! the sub-goals out.
 
 use coverage::goal::{Goal, GoalSource};
+use geometry::pose::Pose2;
 use nalgebra::Point2;
 use planner::{Planner, PlannerInputs, limits};
 use planner_view::limits::Limits;
@@ -12,7 +13,6 @@ use planner_view::waypoint::WaypointReport;
 use runtime::config::RobotInfo;
 use runtime::error::ProcessError;
 use runtime::kind::{Need, Task, TaskFault};
-use sim_backend::pose::Pose2;
 use steering::waypoint_driver::{Driving, Situation, WaypointDriver};
 
 use coverage::sub_goals::arc_driver::ArcDriver;

@@ -2,8 +2,8 @@ use crate::design::Design;
 use coverage::goal::GoalSource;
 use coverage::sub_goals::FollowParams;
 use coverage::sub_goals::site::Site;
+use geometry::shape::Aabb;
 use nalgebra::Point2;
-use sim_backend::shape::Aabb;
 
 use super::*;
 

@@ -2,8 +2,8 @@
 
 use core::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
+use geometry::math;
 use planner_view::view::ScanView;
-use sim_backend::math;
 
 /// Ranges below this (m) are taken as this: the vehicle divides by them.
 const LEAST_RANGE: f64 = 1.0e-3;

@@ -1,11 +1,11 @@
 //! The wiring from cones to motion.
 
+use geometry::math;
+use geometry::pose::Twist2;
 use parameters::{ParamsError, check};
 use planner_view::limits::Limits;
 use planner_view::steering::Steering;
 use planner_view::view::View;
-use sim_backend::math;
-use sim_backend::pose::Twist2;
 
 use crate::cones::{Cones, read};
 use crate::params::{BraitenbergParams, SpeedGain};

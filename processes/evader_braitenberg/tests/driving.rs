@@ -4,10 +4,10 @@
 mod support;
 
 use evader_braitenberg::{Braitenberg, BraitenbergParams};
+use geometry::pose::{Pose2, Twist2};
 use planner_view::limits::Limits;
 use planner_view::view::{RobotView, ScanView, View};
 use proptest::prelude::*;
-use sim_backend::pose::{Pose2, Twist2};
 use sim_backend::team::Team;
 use support::{Arena, DT, Kinematic, street_starts};
 

@@ -1,5 +1,6 @@
 //! One evader.
 
+use geometry::region::Region;
 use nalgebra::Point2;
 use navigation::bearing::Bearings;
 use navigation::dominance::{Arena, Dominance, Runner};
@@ -8,7 +9,6 @@ use planner_view::limits::Limits;
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::{RobotView, View};
-use sim_backend::spec::Region;
 use sim_backend::team::Team;
 use steering::feedback_linearisation::command;
 use steering::potential_field::{Body, Goal, attraction, compose, obstacle};

@@ -1,11 +1,11 @@
 //! Wires [`Evader`] to its topics: state and map in, command and plan out.
 
+use geometry::region::Region;
 use planner::{Planner, PlannerInputs, limits};
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
 use runtime::config::RobotInfo;
-use sim_backend::spec::Region;
 
 use crate::{Evader, ReachAvoidParams};
 

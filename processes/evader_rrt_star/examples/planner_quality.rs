@@ -14,10 +14,10 @@ use evader_rrt_star::ground::Ground;
 use evader_rrt_star::motion::Straight;
 use evader_rrt_star::params::{Algorithm, CostParams, SearchParams};
 use evader_rrt_star::search::{Scene, Search};
+use geometry::pose::Pose2;
 use nalgebra::Point2;
 use navigation::tangent_graph::{TangentGraph, Towards};
 use rustix::time::{ClockId, clock_gettime};
-use sim_backend::pose::Pose2;
 use support::RADIUS;
 
 /// From (x, y) to (x, y) (m).

@@ -155,7 +155,7 @@ fn bulge(from: Point2<f64>, to: Point2<f64>, link: &Link) -> nalgebra::Vector2<f
     match &link.leg {
         Leg::Line => nalgebra::Vector2::zeros(),
         Leg::Arc(arc) => {
-            let (sin, cos) = sim_backend::math::sincos(arc.start + 0.5 * arc.sweep);
+            let (sin, cos) = geometry::math::sincos(arc.start + 0.5 * arc.sweep);
             let middle = arc.center + nalgebra::Vector2::new(cos, sin) * arc.radius;
             middle - nalgebra::center(&from, &to)
         }

@@ -1,5 +1,6 @@
 //! One evader: when it plans, what it does meanwhile, and how it follows its plans.
 
+use geometry::pose::Pose2;
 use nalgebra::Point2;
 use parameters::{ParamsError, check};
 use planner_view::free_space::FreeSpace;
@@ -7,7 +8,6 @@ use planner_view::limits::Limits;
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::{RobotView, View};
-use sim_backend::pose::Pose2;
 use sim_backend::team::Team;
 use steering::feedback_linearisation::EPSILON;
 use steering::path_tracking::{PathTracker, TrackingParams};

@@ -1,13 +1,13 @@
 //! Following a route.
 
+use geometry::math;
+use geometry::pose::{Pose2, Twist2};
 use nalgebra::{Point2, Vector2};
 use navigation::bearing::Bearings;
 use planner_view::free_space::FreeSpace;
 use planner_view::limits::Limits;
 use planner_view::map::PlannerMap;
 use planner_view::view::{RobotView, View};
-use sim_backend::math;
-use sim_backend::pose::{Pose2, Twist2};
 use sim_backend::team::Team;
 use steering::feedback_linearisation::{EPSILON, command};
 use steering::path_tracking::{PathTracker, Tracking, TrackingParams};

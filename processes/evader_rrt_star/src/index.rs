@@ -4,8 +4,8 @@
 //! holds a point or two whatever their number. `benches/planning.rs` has it beside a look at every
 //! point (`near_1500`).
 
+use geometry::shape::Aabb;
 use nalgebra::Point2;
-use sim_backend::shape::Aabb;
 
 const NONE: u32 = u32::MAX;
 

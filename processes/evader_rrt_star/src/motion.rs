@@ -1,9 +1,9 @@
 //! How the robot gets from a node of the tree to a point: the motion primitives.
 
+use geometry::math;
+use geometry::pose::Pose2;
 use nalgebra::{Point2, Vector2};
 use planner_view::free_space::{Arc, FreeSpace};
-use sim_backend::math;
-use sim_backend::pose::Pose2;
 
 /// Arcs that bend less than this (rad) are straight lines to any precision that matters.
 const STRAIGHT: f64 = 1e-7;

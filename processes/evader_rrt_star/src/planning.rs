@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
+use geometry::pose::Pose2;
 use nalgebra::Point2;
 use navigation::tangent_graph::Towards;
 use planner_view::limits::Limits;
-use sim_backend::pose::Pose2;
 use steering::path_tracking::TrackingParams;
 
 use crate::bound::Bound;

@@ -1,7 +1,7 @@
 //! A way that was found, as the robot follows it.
 
+use geometry::pose::Pose2;
 use nalgebra::Point2;
-use sim_backend::pose::Pose2;
 use steering::path_tracking::Path;
 
 use crate::motion::Leg;

@@ -5,12 +5,12 @@ mod join;
 mod kept;
 mod refine;
 
+use geometry::pose::Pose2;
+use geometry::shape::Aabb;
 use nalgebra::Point2;
 use planner_view::free_space::FreeSpace;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
-use sim_backend::pose::Pose2;
-use sim_backend::shape::Aabb;
 
 use crate::bound::Bound;
 use crate::cost::CostModel;
@@ -258,7 +258,7 @@ impl<M: Motion> Search<M> {
         let n = (self.tree.len() as f64).max(2.0);
         // γ is of the area in which there still are samples.
         let gamma = self.gamma * self.useful.sqrt();
-        (gamma * (sim_backend::math::ln(n) / n).sqrt()).min(self.params.max_edge)
+        (gamma * (geometry::math::ln(n) / n).sqrt()).min(self.params.max_edge)
     }
 
     /// Takes notice of a cheaper way to a goal.

@@ -1,7 +1,7 @@
 //! The tree: nodes with their parents, children and costs.
 
+use geometry::pose::Pose2;
 use nalgebra::Point2;
-use sim_backend::pose::Pose2;
 
 /// No node.
 pub const NONE: u32 = u32::MAX;

@@ -9,11 +9,11 @@ use std::sync::{Arc, LazyLock};
 use arena::{Arena, DT, Kinematic, street_starts, view};
 use evader_rrt_star::RrtStarEvader;
 use evader_rrt_star::params::{Follower, Primitive, RrtStarParams};
+use geometry::pose::{Pose2, Twist2};
 use nalgebra::Point2;
 use planner_view::limits::Limits;
 use planner_view::map::PlannerMap;
 use planner_view::view::RobotView;
-use sim_backend::pose::{Pose2, Twist2};
 use sim_backend::team::Team;
 use support::{EXIT, POLICE, START};
 

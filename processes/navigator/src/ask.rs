@@ -1,8 +1,8 @@
 //! What a navigator asks of the optimiser.
 
+use geometry::pose::Pose2;
+use geometry::shape::{Aabb, Convex};
 use nalgebra::Point2;
-use sim_backend::pose::Pose2;
-use sim_backend::shape::{Aabb, Convex};
 use sim_backend::spec::RobotModel;
 use thiserror::Error;
 

@@ -1,6 +1,6 @@
 //! What the robot's drive makes of commands.
 
-use sim_backend::pose::Twist2;
+use geometry::pose::Twist2;
 use sim_backend::robot::limit;
 use sim_backend::spec::RobotModel;
 

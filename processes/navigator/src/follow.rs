@@ -5,7 +5,7 @@
 //! up with a reference at full speed, where it must brake to stop before an obstacle, and while it
 //! gathers speed again.
 
-use sim_backend::pose::{Pose2, Twist2};
+use geometry::pose::{Pose2, Twist2};
 use steering::go_to::coast;
 
 use crate::drive::Drive;

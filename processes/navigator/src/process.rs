@@ -3,6 +3,7 @@
 use parameters::check;
 use std::time::Duration;
 
+use geometry::region::Region;
 use ipc_types::bus::Bus;
 use ipc_types::stamp::Stamp;
 use nalgebra::{Point2, Vector2};
@@ -14,7 +15,6 @@ use runtime::ProcessError;
 use runtime::config::{Clock, ProcessConfig, RobotInfo};
 use runtime::kind::Need;
 use runtime::optimiser_client::OptimiserClient;
-use sim_backend::spec::Region;
 
 use crate::ask::Unplanned;
 use crate::navigator::Navigator;
@@ -124,7 +124,7 @@ impl Planner for NavigatorPlanner {
             let (pose, twist) = follow.trajectory.at(follow.tau + time_s);
             PlannedPoint {
                 at: pose.position(),
-                theta: sim_backend::math::wrap_angle(pose.theta),
+                theta: geometry::math::wrap_angle(pose.theta),
                 time_s,
                 v: twist.v,
             }

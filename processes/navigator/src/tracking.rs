@@ -9,9 +9,9 @@
 //! Its heading error is corrected by driving alone; while the reference turns on the spot, the term
 //! `k_turn` sin `e_θ` is added here, so that a turn ends where it should.
 
+use geometry::math;
+use geometry::pose::{Pose2, Twist2};
 use nalgebra::Vector2;
-use sim_backend::math;
-use sim_backend::pose::{Pose2, Twist2};
 
 /// Speed of the reference below which it counts as turning on the spot (m/s).
 const SPOT: f64 = 1e-3;

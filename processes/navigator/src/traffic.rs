@@ -137,8 +137,8 @@ impl Traffic {
 
 #[cfg(test)]
 mod tests {
+    use geometry::pose::{Pose2, Twist2};
     use planner_view::view::RobotView;
-    use sim_backend::pose::{Pose2, Twist2};
     use sim_backend::team::Team;
 
     use super::*;

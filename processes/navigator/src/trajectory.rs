@@ -1,8 +1,8 @@
 //! A trajectory as the optimiser answers it.
 
+use geometry::pose::{Pose2, Twist2};
 use nalgebra::Point2;
 use planner_view::free_space::FreeSpace;
-use sim_backend::pose::{Pose2, Twist2};
 use steering::go_to::coast;
 use thiserror::Error;
 
@@ -239,7 +239,7 @@ fn between(a: &Sample, b: &Sample, part: f64) -> (Pose2, Twist2) {
 
 #[cfg(test)]
 mod tests {
-    use sim_backend::shape::{Aabb, Convex};
+    use geometry::shape::{Aabb, Convex};
 
     use super::*;
 

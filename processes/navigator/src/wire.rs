@@ -1,10 +1,10 @@
 //! Questions and answers as messages.
 
+use geometry::pose::{Pose2, Twist2};
 use ipc_types::messages::optimiser::{PlanRequest, PlanResponse, TrajectorySample};
 use ipc_types::messages::world::ShapePoint;
 use ipc_types::stamp::Stamp;
 use runtime::shapes;
-use sim_backend::pose::{Pose2, Twist2};
 
 use crate::ask::{Ask, Unplanned};
 use crate::params::{Guess, Method, PlanningParams};

@@ -1,5 +1,8 @@
 //! The navigator without processes: an ideal world, and a planner that knows straight lines only.
 
+use geometry::math;
+use geometry::pose::{Pose2, Twist2};
+use geometry::shape::{Aabb, Convex};
 use nalgebra::{Point2, Vector2};
 use navigator::drive::Drive;
 use navigator::params::AtPopup;
@@ -8,9 +11,6 @@ use navigator::{Ask, Navigator, NavigatorParams, Trajectory, Unplanned};
 use parameters::check;
 use planner_view::free_space::FreeSpace;
 use planner_view::view::{RobotView, View};
-use sim_backend::math;
-use sim_backend::pose::{Pose2, Twist2};
-use sim_backend::shape::{Aabb, Convex};
 use sim_backend::spec::RobotModel;
 use sim_backend::team::Team;
 

@@ -1,9 +1,9 @@
 //! Who looks, and what is seen.
 
+use geometry::math;
+use geometry::pose::Pose2;
 use nalgebra::Point2;
 use rand_chacha::ChaCha8Rng;
-use sim_backend::math;
-use sim_backend::pose::Pose2;
 use tracking::params::SensorParams;
 use tracking::sighting::gaussian_pair;
 use tracking::space::Space;

@@ -11,8 +11,8 @@
 
 use std::collections::VecDeque;
 
+use geometry::math;
 use nalgebra::{Point2, Vector2};
-use sim_backend::math;
 
 use crate::moment::{Look, ReachedGoal, Seen};
 

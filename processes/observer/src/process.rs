@@ -1,5 +1,7 @@
 //! Wires an observer to its topics: state and map in, predictions out.
 
+use geometry::pose::Pose2;
+use geometry::visibility::polygon::SightLimits;
 use ipc_types::bus::{Bus, Publisher, PublisherOptions};
 use ipc_types::messages::observer::Prediction;
 use ipc_types::stamp::PlainHeader;
@@ -11,9 +13,7 @@ use runtime::grids::{blurred_map, map_grids};
 use runtime::inputs::{MapInput, StateInput, reply_stamp};
 use runtime::kind::Lookout;
 use runtime::{Clock, Process, ProcessConfig, ProcessError, ProcessKind};
-use sim_backend::pose::Pose2;
 use sim_backend::spec::RobotSpec;
-use sim_backend::visibility::polygon::SightLimits;
 use tracking::particle_filter::MotionLimits;
 use tracking::space::Space;
 

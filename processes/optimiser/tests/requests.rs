@@ -181,7 +181,7 @@ fn nothing_many_and_no_way_at_all() {
     // All around the start.
     let ring: Vec<ShapePoint> = (0u32..40)
         .map(|i| {
-            let (sin, cos) = sim_backend::math::sincos(f64::from(i) * 0.157_08);
+            let (sin, cos) = geometry::math::sincos(f64::from(i) * 0.157_08);
             disc(i, 2.0 + cos, 1.5 + sin, 0.1)
         })
         .collect();

@@ -2,14 +2,14 @@
 
 mod support;
 
+use geometry::pose::Pose2;
+use geometry::shape::Shape;
 use patrol::forecast::Forecast;
 use patrol_planners::{PatrolAwg, PatrolAwgParams};
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
 use planner_view::waypoint::{WaypointKind, WaypointOutcome, WaypointReport};
-use sim_backend::pose::Pose2;
-use sim_backend::shape::Shape;
 use support::{Drive, Steers, drive, model};
 
 struct Awg(PatrolAwg);

@@ -2,6 +2,8 @@
 
 mod support;
 
+use geometry::pose::Pose2;
+use geometry::shape::Shape;
 use parameters::check;
 use patrol::mission::Drive;
 use patrol_planners::{PatrolFto, PatrolFtoParams};
@@ -9,8 +11,6 @@ use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::View;
 use planner_view::waypoint::{WaypointKind, WaypointOutcome, WaypointReport};
-use sim_backend::pose::Pose2;
-use sim_backend::shape::Shape;
 use support::{Steers, drive, model};
 
 /// A planner, and in how many ticks it saw a fictive obstacle, on the first leg and at all.

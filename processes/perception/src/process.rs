@@ -1,5 +1,7 @@
 //! Wires [`tracking::tracker::Perception`] to its topics: state and map in, sightings and beliefs out.
 
+use geometry::pose::Pose2;
+use geometry::visibility::polygon::SightLimits;
 use ipc_types::bus::{Bus, Publisher, PublisherOptions};
 use ipc_types::messages::perception::{BeliefHeader, Particle, Sighting};
 use ipc_types::messages::world::WorldEvent;
@@ -9,10 +11,8 @@ use runtime::grids::{blurred_map, map_grids};
 use runtime::inputs::{MapInput, StateInput, reply_stamp};
 use runtime::kind::{Lookout, Product};
 use runtime::{Clock, Process, ProcessConfig, ProcessError, ProcessKind};
-use sim_backend::pose::Pose2;
 use sim_backend::spec::RobotSpec;
 use sim_backend::team::Team;
-use sim_backend::visibility::polygon::SightLimits;
 
 use tracking::params::PerceptionParams;
 use tracking::particle_filter::MotionLimits;

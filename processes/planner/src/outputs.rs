@@ -1,5 +1,6 @@
 //! What planners send: a command and a plan per robot and tick, a tree now and then.
 
+use geometry::pose::Twist2;
 use ipc_types::bus::Publisher;
 use ipc_types::messages::robot::{
     Command, PlanHeader, PlanPoint, TreeEdge, TreeHeader, WaypointEnd,
@@ -11,7 +12,6 @@ use nalgebra::Point2;
 use planner_view::steering::Steering;
 use planner_view::waypoint::{WaypointKind, WaypointOutcome, WaypointReport};
 use runtime::error::ProcessError;
-use sim_backend::pose::Twist2;
 
 /// Most points of a plan that are sent; of a longer one the first.
 pub const MAX_PLAN_POINTS: usize = 128;

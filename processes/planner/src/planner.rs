@@ -3,6 +3,7 @@
 use core::fmt;
 use parameters::Parameters;
 
+use geometry::region::Region;
 use ipc_types::bus::Bus;
 use ipc_types::messages::robot::TreeEdge;
 use planner_view::limits::Limits;
@@ -14,7 +15,6 @@ use rand::Rng as _;
 use runtime::config::{ProcessConfig, RobotInfo};
 use runtime::error::ProcessError;
 use runtime::kind::{Need, Task, TaskFault};
-use sim_backend::spec::Region;
 
 use crate::outputs::{PlannedPoint, headed_for};
 
@@ -39,7 +39,7 @@ pub struct PlannerInputs {
 /// use planner_view::view::View;
 /// use runtime::ProcessKind;
 /// use runtime::config::RobotInfo;
-/// use sim_backend::pose::Twist2;
+/// use geometry::pose::Twist2;
 ///
 /// /// Drives ahead at half of its robot's speed.
 /// struct Ahead(f64);

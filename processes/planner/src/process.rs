@@ -3,6 +3,8 @@
 
 use std::sync::Arc;
 
+use geometry::pose::Pose2;
+use geometry::region::Region;
 use ipc_types::bus::{Bus, Publisher, PublisherOptions};
 use ipc_types::topics::{Commands, Plan, Scan, Tree, Waypoints};
 use nalgebra::Point2;
@@ -14,8 +16,6 @@ use runtime::inputs::{
     BeliefInput, Latest, MapInput, ScanInput, ShapesInput, StateInput, reply_stamp,
 };
 use runtime::kind::{Need, Process, ProcessKind, Product, Task, TaskFault};
-use sim_backend::pose::Pose2;
-use sim_backend::spec::Region;
 
 use crate::maps::planner_map;
 use crate::outputs::{MAX_PLAN_POINTS, Outputs, PlannedPoint};

@@ -1,10 +1,10 @@
 //! The world's state as planners see it.
 
+use geometry::pose::{Pose2, Twist2};
 use ipc_types::messages::world::RobotState;
 use planner_view::view::RobotView;
 use runtime::config::RobotInfo;
 use runtime::inputs::StateInput;
-use sim_backend::pose::{Pose2, Twist2};
 use sim_backend::team::Team;
 
 /// A robot as planners see it, from the world's state.

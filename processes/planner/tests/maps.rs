@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use geometry::map::{MapSpec, VectorMap, WorldMap as Map};
 use ipc_types::bus::{Bus, BusOptions, PublisherOptions};
 use ipc_types::messages::world::{MapCell, MapHeader};
 use ipc_types::topics::{RunSize, WorldMap, WorldShapes};
@@ -9,7 +10,6 @@ use planner::planner_map;
 use runtime::inputs::{MapInput, ShapesInput};
 use runtime::maps::{Ground, Maps};
 use runtime::shapes;
-use sim_backend::map::{MapSpec, VectorMap, WorldMap as Map};
 
 const CELLS: usize = 16;
 

@@ -16,9 +16,9 @@
 
 use core::f64::consts::TAU;
 
+use geometry::math;
 use nalgebra::{Point2, Vector2};
 use planner_view::map::PlannerMap;
-use sim_backend::math;
 
 /// Points on the circle that stand for the ways in.
 const ENTRIES: u32 = 24;

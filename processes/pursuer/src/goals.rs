@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
+use geometry::math;
+use geometry::pose::Pose2;
 use nalgebra::Point2;
 use parameters::Fidelity;
 use planner_view::map::PlannerMap;
 use planner_view::view::{BeliefView, View};
-use sim_backend::math;
-use sim_backend::pose::Pose2;
 use steering::potential_field::Goal;
 
 use crate::params::{BeliefGoals, Knowledge};

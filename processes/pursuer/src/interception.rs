@@ -345,7 +345,7 @@ mod tests {
             ratio in 0.0_f64..1.5,
         ) {
             let speed = 0.5;
-            let (sin, cos) = sim_backend::math::sincos(angle);
+            let (sin, cos) = geometry::math::sincos(angle);
             let target = target(x, y, ratio * speed * cos, ratio * speed * sin);
             if let Some(chased) = pure_chase(speed, 0.3, &target, 60.0) {
                 let meeting = meet_straight(Point2::origin(), speed, 0.3, &target);

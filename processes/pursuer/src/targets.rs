@@ -1,7 +1,7 @@
 //! What predictions suppose of a target's motion.
 
+use geometry::pose::Pose2;
 use planner_view::view::{RobotView, View};
-use sim_backend::pose::Pose2;
 
 use crate::goals::estimate;
 use crate::interception::Target;

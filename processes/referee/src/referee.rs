@@ -1,9 +1,9 @@
 //! One referee.
 
+use geometry::region::Region;
 use navigation::dominance::{Arena, Cell, Dominance, Runner, Verdict};
 use planner_view::map::PlannerMap;
 use planner_view::view::RobotView;
-use sim_backend::spec::Region;
 use sim_backend::team::Team;
 
 use crate::RefereeParams;

@@ -3,12 +3,12 @@
 #[path = "../../../algorithms/planner_view/tests/support/mod.rs"]
 mod support;
 
+use geometry::pose::Pose2;
+use geometry::region::Region;
 use navigation::dominance::Owner;
 use planner_view::view::RobotView;
 use proptest::prelude::*;
 use referee::{Referee, RefereeParams};
-use sim_backend::pose::Pose2;
-use sim_backend::spec::Region;
 use sim_backend::team::Team;
 use support::{Arena, EXIT};
 

@@ -3,12 +3,13 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use geometry::pose::Pose2;
+use geometry::region::Region;
 use ipc_types::bus::{BusError, BusOptions, RunSpace};
 use ipc_types::topics::RunSize;
 use serde::de::{DeserializeOwned, IgnoredAny};
 use serde::{Deserialize, Serialize};
-use sim_backend::pose::Pose2;
-use sim_backend::spec::{Region, RobotModel};
+use sim_backend::spec::RobotModel;
 use sim_backend::team::Team;
 
 /// Everything a process needs to know, but for the parameters of its kind.

@@ -1,8 +1,8 @@
 //! The map message as the grids that algorithms compute on.
 
+use geometry::blur::BlurredMap;
+use geometry::grid::{Grid, GridFrame};
 use nalgebra::Point2;
-use sim_backend::blur::BlurredMap;
-use sim_backend::grid::{Grid, GridFrame};
 
 use crate::error::ProcessError;
 use crate::inputs::MapInput;

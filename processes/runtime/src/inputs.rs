@@ -3,13 +3,13 @@
 use std::any::Any;
 use std::sync::Arc;
 
+use geometry::shape::{Aabb, Convex};
 use ipc_types::bus::{Bus, BusError, ReceiveError, Received, Subscriber};
 use ipc_types::clock::StampClock;
 use ipc_types::messages::perception::{BeliefHeader, Particle};
 use ipc_types::messages::robot::ScanHeader;
 use ipc_types::messages::world::{MapCell, MapHeader, RobotState, ShapesHeader, WorldHeader};
 use ipc_types::topics::{Belief, Scan, Topic, WorldMap, WorldShapes, WorldState};
-use sim_backend::shape::{Aabb, Convex};
 
 use crate::config::Clock;
 use crate::error::ProcessError;

@@ -3,10 +3,10 @@
 use core::fmt;
 use parameters::Parameters;
 
+use geometry::map::{MapSpec, WorldMap};
+use geometry::visibility::polygon::SightLimits;
 use ipc_types::bus::Bus;
-use sim_backend::map::{MapSpec, WorldMap};
 use sim_backend::spec::RobotSpec;
-use sim_backend::visibility::polygon::SightLimits;
 
 use crate::config::ProcessConfig;
 use crate::error::ProcessError;

@@ -8,8 +8,8 @@
 use std::any::Any;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use geometry::map::{MapSpec, ObstacleChange};
 use ipc_types::messages::world::{MapCell, MapHeader};
-use sim_backend::map::{MapSpec, ObstacleChange};
 
 /// Most maps that are kept; beyond it the one that was made first goes. With the trees of ways that its
 /// planners keep, a map may take some 100 MB in a sweep of thousands of runs.
@@ -123,7 +123,7 @@ fn find<'a>(drawn: &'a mut [Drawn], cells: &Arc<[MapCell]>) -> Option<&'a mut Dr
 mod tests {
     use std::convert::Infallible;
 
-    use sim_backend::map::{ObstacleId, VectorMap};
+    use geometry::map::{ObstacleId, VectorMap};
 
     use super::*;
 

@@ -1,8 +1,8 @@
 //! Obstacle changes as messages, and back.
 
+use geometry::map::{ObstacleChange, ObstacleId};
+use geometry::shape::Shape;
 use ipc_types::messages::world::ObstacleEvent;
-use sim_backend::map::{ObstacleChange, ObstacleId};
-use sim_backend::shape::Shape;
 
 /// Most corners of a polygon in a message.
 pub const MAX_VERTICES: usize = 16;

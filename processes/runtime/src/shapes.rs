@@ -2,12 +2,12 @@
 
 use core::f64::consts::TAU;
 
+use geometry::map::ShapeMap;
+use geometry::math;
+use geometry::shape::{Aabb, Convex};
 use ipc_types::messages::world::{ShapePoint, ShapesHeader};
 use ipc_types::stamp::Stamp;
 use nalgebra::Point2;
-use sim_backend::map::ShapeMap;
-use sim_backend::math;
-use sim_backend::shape::{Aabb, Convex};
 
 /// Most points of a message (8 megabytes; 65 536 rectangles of an occupancy grid). A map with more
 /// says in the header that it does not fit; planners then go by the grids alone.
@@ -244,8 +244,8 @@ fn is_convex(corners: &[Point2<f64>]) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use geometry::shape::Shape;
     use proptest::prelude::*;
-    use sim_backend::shape::Shape;
 
     use super::*;
 
@@ -254,7 +254,7 @@ mod tests {
             min: Point2::new(-9.0, -8.0),
             max: Point2::new(9.0, 8.03),
         };
-        let frame = sim_backend::grid::GridFrame {
+        let frame = geometry::grid::GridFrame {
             width: 18,
             height: 17,
             resolution: 1.0,
@@ -278,7 +278,7 @@ mod tests {
             (at(), proptest::collection::vec(0.2..1.5f64, 3..16)).prop_map(|(center, radii)| {
                 let turn = core::f64::consts::TAU / radii.len() as f64;
                 let corner = |(i, r): (usize, &f64)| {
-                    let (sin, cos) = sim_backend::math::sincos(turn * i as f64);
+                    let (sin, cos) = geometry::math::sincos(turn * i as f64);
                     [center[0] + r * cos, center[1] + r * sin]
                 };
                 Shape::Polygon {

@@ -7,9 +7,9 @@
 
 use std::collections::BTreeMap;
 
+use geometry::map::{ObstacleChange, ObstacleId};
 use nalgebra::Point2;
 use serde::{Deserialize, Serialize};
-use sim_backend::map::{ObstacleChange, ObstacleId};
 use sim_backend::robot::Robot;
 use sim_backend::spec::{Condition, RobotSpec};
 
@@ -168,9 +168,9 @@ impl Agenda {
 
 #[cfg(test)]
 mod tests {
-    use sim_backend::map::{MapSpec, VectorMap};
-    use sim_backend::pose::Pose2;
-    use sim_backend::shape::Shape;
+    use geometry::map::{MapSpec, VectorMap};
+    use geometry::pose::Pose2;
+    use geometry::shape::Shape;
     use sim_backend::spec::{RulesSpec, WorldSpec};
     use sim_backend::team::Team;
     use sim_backend::world::World;

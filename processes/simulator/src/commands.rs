@@ -1,8 +1,8 @@
 //! Which command holds for which robot: the newest of its driver, and only while it is fresh.
 
+use geometry::pose::Twist2;
 use ipc_types::messages::robot::Command;
 use ipc_types::stamp::Stamp;
-use sim_backend::pose::Twist2;
 
 /// Why a command was not taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,11 +1,11 @@
 //! Which change of the obstacles comes at which tick.
 
+use geometry::map::ObstacleChange;
 use ipc_types::bus::{Bus, Publisher, PublisherOptions, Subscriber};
 use ipc_types::messages::world::ObstacleEvent;
 use ipc_types::stamp::{PlainHeader, Stamp};
 use ipc_types::topics::ObstacleEvents;
 use runtime::{ProcessError, obstacle};
-use sim_backend::map::ObstacleChange;
 use sim_backend::world::World;
 
 use crate::agenda::{Agenda, PlannedChange};

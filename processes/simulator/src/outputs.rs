@@ -2,12 +2,12 @@
 
 use core::time::Duration;
 
+use geometry::blur::{BlurError, BlurredMap};
+use geometry::grid::Grid;
+use geometry::map::WorldMap;
 use ipc_types::messages::world::{CoverageState, MapCell, MapHeader, RobotState, WorldEvent};
 use ipc_types::stamp::Stamp;
 use runtime::shapes;
-use sim_backend::blur::{BlurError, BlurredMap};
-use sim_backend::grid::Grid;
-use sim_backend::map::WorldMap;
 use sim_backend::robot::{Robot, RobotStatus};
 use sim_backend::world::{ContactWith, Coverage, EventKind};
 

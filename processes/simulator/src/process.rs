@@ -8,6 +8,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
+use geometry::blur::BlurError;
 use ipc_types::bus::{Bus, Publisher, PublisherOptions, Subscriber};
 use ipc_types::clock::StampClock;
 use ipc_types::messages::robot::ScanHeader;
@@ -19,7 +20,6 @@ use ipc_types::topics::{
 use runtime::lockstep::{Conductor, Phase, SlotState};
 use runtime::maps::{Ground, Maps};
 use runtime::{Clock, ProcessConfig, ProcessError, Setup, shapes};
-use sim_backend::blur::BlurError;
 use sim_backend::robot::Robot;
 use sim_backend::world::World;
 

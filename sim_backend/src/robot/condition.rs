@@ -3,8 +3,9 @@
 use nalgebra::Point2;
 
 use super::Robot;
-use crate::math;
-use crate::spec::{Condition, Region};
+use crate::spec::Condition;
+use geometry::math;
+use geometry::region::Region;
 
 impl Robot {
     /// Whether a condition is true of the robot, as it is now, that started at `start` (m). A robot
@@ -42,9 +43,9 @@ fn share(goal: &Region, start: Point2<f64>, at: Point2<f64>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pose::Pose2;
     use crate::spec::RobotSpec;
     use crate::team::Team;
+    use geometry::pose::Pose2;
 
     fn start() -> Pose2 {
         Pose2::new(1.0, 1.0, 0.0)

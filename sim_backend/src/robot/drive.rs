@@ -2,10 +2,10 @@
 
 use nalgebra::Vector2;
 
-use crate::math;
-use crate::pose::{Pose2, Twist2};
 use crate::random::Stream;
 use crate::spec::{ActuatorSpec, RobotModel};
+use geometry::math;
+use geometry::pose::{Pose2, Twist2};
 
 /// Noise beyond this many standard deviations is cut off.
 const MAX_SIGMAS: f64 = 3.0;

@@ -4,9 +4,10 @@ use core::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-use crate::pose::{Pose2, Twist2};
-use crate::spec::{Region, RobotModel, RobotSpec};
+use crate::spec::{RobotModel, RobotSpec};
 use crate::team::Team;
+use geometry::pose::{Pose2, Twist2};
+use geometry::region::Region;
 
 /// Whether a robot is in the game.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]

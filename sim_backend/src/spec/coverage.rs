@@ -4,8 +4,8 @@ use parameters::Parameters;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::extent::positive;
 use crate::team::Team;
+use geometry::extent::positive;
 
 /// Accounting of the free area that robots have visited, and of how long it has been since.
 ///

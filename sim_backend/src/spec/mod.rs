@@ -15,12 +15,8 @@ pub use robot::{ActuatorSpec, LimitsSpec, Preset, RobotModel, RobotSpec};
 pub use rules::{Blocked, CaptureSpec, OutOfPlay, RulesSpec};
 pub use sensor::{OdometrySpec, ScanSpec};
 
+use geometry::map::MapSpec;
 use serde::{Deserialize, Serialize};
-
-pub use crate::extent::MAX_COORDINATE;
-pub use crate::region::Region;
-
-use crate::map::MapSpec;
 
 /// Everything that [`World::new`](crate::world::World::new) needs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -4,10 +4,11 @@ use parameters::{Parameters, ParamsError, at_least, require, within};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{OdometrySpec, Region, ScanSpec};
-use crate::extent::{not_negative, positive};
-use crate::pose::Pose2;
+use super::{OdometrySpec, ScanSpec};
 use crate::team::Team;
+use geometry::extent::{not_negative, positive};
+use geometry::pose::Pose2;
+use geometry::region::Region;
 
 /// A robot as the scenario describes it: a preset body, with any value overridden.
 ///

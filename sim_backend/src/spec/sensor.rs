@@ -6,7 +6,7 @@ use parameters::{Parameters, ParamsError, between, require};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::extent::{not_negative, positive};
+use geometry::extent::{not_negative, positive};
 
 /// Most beams that one scan may have.
 const MAX_BEAMS: usize = 4096;

@@ -1,6 +1,6 @@
 //! Why a world cannot be made.
 
-use crate::map::MapError;
+use geometry::map::MapError;
 use parameters::ParamsError;
 
 /// Why a world cannot be made from its specification.

@@ -2,7 +2,7 @@
 
 use core::time::Duration;
 
-use crate::map::ObstacleId;
+use geometry::map::ObstacleId;
 
 /// Something that happened, and when.
 #[derive(Debug, Clone, Copy, PartialEq)]

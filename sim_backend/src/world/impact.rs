@@ -2,7 +2,7 @@
 
 use nalgebra::{Point2, Vector2};
 
-use crate::map::WorldMap;
+use geometry::map::WorldMap;
 
 /// Gap (m) that is kept at a contact: far above the rounding of positions, far below a millimetre.
 const SKIN: f64 = 1e-7;

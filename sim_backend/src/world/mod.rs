@@ -18,11 +18,12 @@ use core::time::Duration;
 
 use motion::Motion;
 
-use crate::map::WorldMap;
-use crate::pose::{Pose2, Twist2};
 use crate::random::Stream;
 use crate::robot::{Robot, drive};
-use crate::spec::{ActuatorSpec, OdometrySpec, OutOfPlay, Region, RulesSpec, ScanSpec, WorldSpec};
+use crate::spec::{ActuatorSpec, OdometrySpec, OutOfPlay, RulesSpec, ScanSpec, WorldSpec};
+use geometry::map::WorldMap;
+use geometry::pose::{Pose2, Twist2};
+use geometry::region::Region;
 
 /// Most robots in one world.
 pub const MAX_ROBOTS: usize = 1024;
@@ -31,8 +32,8 @@ pub const MAX_ROBOTS: usize = 1024;
 ///
 /// ```
 /// # use core::time::Duration;
-/// # use sim_backend::map::{MapSpec, VectorMap};
-/// # use sim_backend::pose::{Pose2, Twist2};
+/// # use geometry::map::{MapSpec, VectorMap};
+/// # use geometry::pose::{Pose2, Twist2};
 /// # use sim_backend::spec::{RobotSpec, RulesSpec, WorldSpec};
 /// # use sim_backend::team::Team;
 /// # use sim_backend::world::World;

@@ -13,12 +13,12 @@
 use nalgebra::{Point2, Vector2};
 
 use super::impact::{Mover, TOUCH, leads_away, slide, sweep, time_to_impact};
-use crate::map::WorldMap;
-use crate::math;
-use crate::pose::Twist2;
 use crate::robot::Robot;
 use crate::robot::drive;
 use crate::spec::Blocked;
+use geometry::map::WorldMap;
+use geometry::math;
+use geometry::pose::Twist2;
 
 /// Largest distance (m) between an arc and the chords that replace it near contacts.
 const SAGITTA: f64 = 1e-5;

@@ -3,8 +3,8 @@
 use nalgebra::{Point2, Vector2};
 
 use super::{EventKind, ObstacleAction, World, has_body};
-use crate::map::{ObstacleChange, ObstacleError};
-use crate::math;
+use geometry::map::{ObstacleChange, ObstacleError};
+use geometry::math;
 
 /// How far (m) at most an obstacle pushes a robot aside, beyond the robot's own diameter.
 const PUSH_LIMIT: f64 = 1.0;

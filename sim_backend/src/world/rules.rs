@@ -108,6 +108,6 @@ impl World {
         let robot = &mut self.robots[i];
         robot.status = status;
         robot.finished_at = Some(self.time);
-        robot.twist = crate::pose::Twist2::STOP;
+        robot.twist = geometry::pose::Twist2::STOP;
     }
 }

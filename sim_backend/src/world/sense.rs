@@ -3,12 +3,12 @@
 use nalgebra::{Point2, Vector2};
 
 use super::{Purpose, World, has_body, stream_number};
-use crate::math;
-use crate::pose::{Pose2, Twist2};
 use crate::random::Stream;
 use crate::robot::drive;
-use crate::shape::ray_disc;
 use crate::spec::ScanSpec;
+use geometry::math;
+use geometry::pose::{Pose2, Twist2};
+use geometry::shape::ray_disc;
 
 impl World {
     /// The range scanner of a robot.

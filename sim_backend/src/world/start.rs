@@ -3,10 +3,11 @@
 use parameters::check;
 
 use super::{MAX_ROBOTS, WorldError};
-use crate::map::WorldMap;
 use crate::robot::Robot;
-use crate::spec::{Region, RobotSpec, RulesSpec};
+use crate::spec::{RobotSpec, RulesSpec};
 use crate::team::Team;
+use geometry::map::WorldMap;
+use geometry::region::Region;
 
 /// Checks robots and rules by themselves.
 pub(super) fn check_specs(robots: &[RobotSpec], rules: &RulesSpec) -> Result<(), WorldError> {

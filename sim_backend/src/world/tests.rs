@@ -8,10 +8,10 @@ mod start;
 use core::time::Duration;
 
 use super::*;
-use crate::map::{MapSpec, ObstacleSpec, VectorMap};
-use crate::shape::Shape;
 use crate::spec::{LimitsSpec, RobotSpec};
 use crate::team::Team;
+use geometry::map::{MapSpec, ObstacleSpec, VectorMap};
+use geometry::shape::Shape;
 
 const TICK: Duration = Duration::from_millis(50);
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use sim_backend::shape::Aabb;
+use geometry::shape::Aabb;
 use thiserror::Error;
 
 use super::SAME;

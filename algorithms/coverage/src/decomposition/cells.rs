@@ -1,7 +1,7 @@
 //! The grid that the borders of obstacles make, and which of its cells are free.
 
+use geometry::shape::Aabb;
 use nalgebra::Point2;
-use sim_backend::shape::Aabb;
 
 use super::{DecompositionError, MAX_CELLS, SAME};
 use crate::workplace::Workplace;

@@ -1,5 +1,5 @@
+use geometry::shape::{Aabb, Shape};
 use metrics::coverage::Swept;
-use sim_backend::shape::{Aabb, Shape};
 
 use super::*;
 use crate::decomposition::Decomposition;

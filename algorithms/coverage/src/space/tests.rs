@@ -1,4 +1,4 @@
-use sim_backend::shape::Shape;
+use geometry::shape::Shape;
 
 use super::*;
 

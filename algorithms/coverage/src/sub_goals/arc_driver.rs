@@ -8,11 +8,11 @@ use std::collections::VecDeque;
 
 use crate::goal::Goal;
 use crate::legs::{Piece, Rounder, Rounding, RoundingError};
+use geometry::pose::Twist2;
+use geometry::shape::Aabb;
 use nalgebra::Point2;
 use planner_view::limits::Limits;
 use planner_view::waypoint::{WaypointOutcome, WaypointReport};
-use sim_backend::pose::Twist2;
-use sim_backend::shape::Aabb;
 use steering::go_to::distance_to_segment;
 use steering::path_tracking::{Path, PathTracker, TrackingParams};
 use steering::waypoint_driver::{Driving, LEAST_TIME_S, Situation};

@@ -2,8 +2,8 @@
 
 use crate::decomposition::{Decomposition, DecompositionError};
 use crate::workplace::{Workplace, WorkplaceError};
+use geometry::shape::{Aabb, Convex};
 use nalgebra::Point2;
-use sim_backend::shape::{Aabb, Convex};
 
 use crate::sub_goals::params::FollowParams;
 

@@ -1,5 +1,5 @@
+use geometry::shape::{Aabb, Convex};
 use nalgebra::Point2;
-use sim_backend::shape::{Aabb, Convex};
 
 use super::*;
 use crate::workplace::Workplace;

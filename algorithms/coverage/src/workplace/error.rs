@@ -1,6 +1,6 @@
 //! Why there is no workplace.
 
-use sim_backend::shape::{Aabb, ShapeError};
+use geometry::shape::{Aabb, ShapeError};
 use thiserror::Error;
 
 use super::{LEAST_TOLERANCE, MAX_RECTANGLES};

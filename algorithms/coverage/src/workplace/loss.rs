@@ -1,6 +1,6 @@
 //! What the conversion of obstacles to rectangles costs.
 
-use sim_backend::shape::{Aabb, Convex};
+use geometry::shape::{Aabb, Convex};
 
 /// Least number of lines by which areas are measured.
 const LINES: f64 = 1024.0;

@@ -1,7 +1,7 @@
 //! Convex pieces as rectangles around their slabs.
 
+use geometry::shape::{Aabb, Convex};
 use nalgebra::Point2;
-use sim_backend::shape::{Aabb, Convex};
 
 /// Halvings in the search for the thickest slab that will do.
 const HALVINGS: usize = 50;

@@ -7,9 +7,9 @@ use coverage::plan::{CoveragePlan, PlanSpec, map};
 use coverage::tour::{Iterations, Route};
 use coverage::transit::Transit;
 use coverage::workplace::Workplace;
+use geometry::shape::{Aabb, Convex};
 use metrics::coverage::{Figures, Meter, Rate};
 use nalgebra::Point2;
-use sim_backend::shape::{Aabb, Convex};
 
 use Emission::{Arcsine, Raw};
 

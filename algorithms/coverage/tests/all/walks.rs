@@ -8,7 +8,7 @@ use coverage::transit::Transit;
 use nalgebra::Point2;
 
 use coverage::workplace::Workplace;
-use sim_backend::shape::{Aabb, Convex};
+use geometry::shape::{Aabb, Convex};
 
 use crate::random_map::RandomMaps;
 use crate::random_map::drive::{Driven, drive};

@@ -1,6 +1,6 @@
 //! What does not change while the map does not: the medium of waves, the exits, the ways to them.
 
-use sim_backend::spec::Region;
+use geometry::region::Region;
 
 use super::DominanceParams;
 use crate::wavefront::{Lattice, Medium, SIGHT, Source, Wave};

@@ -19,14 +19,14 @@
 //! - `towards`: one goal for many starts, as the heuristic of a planner.
 //! - `once`: one question to a space that will not be asked again.
 //!
-//! All lengths are sums in `f64` of the true segments and arcs. Accuracy: a path penetrates by at most [`sim_backend::map::TOUCHING`] (1 nm) and bends
+//! All lengths are sums in `f64` of the true segments and arcs. Accuracy: a path penetrates by at most [`geometry::map::TOUCHING`] (1 nm) and bends
 //! by at most 10⁻⁹ rad where it should not.
 //!
 //! ```
 //! use planner_view::free_space::FreeSpace;
 //! use navigation::tangent_graph::TangentGraph;
 //! use nalgebra::Point2;
-//! use sim_backend::shape::{Aabb, Convex};
+//! use geometry::shape::{Aabb, Convex};
 //!
 //! let bounds = Aabb { min: Point2::new(-5.0, -5.0), max: Point2::new(5.0, 5.0) };
 //! let pillar = Convex::disc(Point2::new(0.0, 0.0), 0.8);

@@ -2,9 +2,9 @@
 
 use std::sync::OnceLock;
 
+use geometry::map::TOUCHING;
+use geometry::shape::{Aabb, Convex};
 use nalgebra::{Point2, Vector2};
-use sim_backend::map::TOUCHING;
-use sim_backend::shape::{Aabb, Convex};
 
 use super::graph::{self, Graph};
 use super::sites::Site;

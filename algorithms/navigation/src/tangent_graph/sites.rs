@@ -2,15 +2,15 @@
 
 use core::f64::consts::TAU;
 
+use geometry::math;
+use geometry::shape::Convex;
 use nalgebra::{Point2, Vector2};
-use sim_backend::math;
-use sim_backend::shape::Convex;
 
 use planner_view::free_space::FreeSpace;
 
 /// Arcs narrower than this (rad) are dropped: they are what rounding leaves of the seam between two
 /// pieces, and a path that would bend by so little passes straight (penetrating by far less than
-/// [`sim_backend::map::TOUCHING`]).
+/// [`geometry::map::TOUCHING`]).
 const MIN_WIDTH: f64 = 1e-6;
 /// How far (rad) outside its arc a tangent point may lie and count as the arc's end. Only rounding
 /// must fit in: whether the segment is free is checked exactly.

@@ -1,7 +1,7 @@
 //! The places where a disc robot fits, at a pitch.
 
+use geometry::grid::GridFrame;
 use nalgebra::Point2;
-use sim_backend::grid::GridFrame;
 
 use planner_view::map::PlannerMap;
 

@@ -3,11 +3,11 @@
 use std::sync::LazyLock;
 
 use crate::support::{EXIT, RADIUS, open_ground};
+use geometry::region::Region;
 use nalgebra::Point2;
 use navigation::dominance::{Arena, Cell, Dominance, DominanceParams, Owner, Runner, Verdict};
 use planner_view::map::PlannerMap;
 use proptest::prelude::*;
-use sim_backend::spec::Region;
 
 const POLICE: [(f64, f64); 4] = [(7.5, 4.5), (7.5, 1.5), (7.5, -1.5), (7.5, -4.5)];
 

@@ -1,13 +1,13 @@
 //! Ways through the paper's city.
 
 use crate::support::{Arena, EXIT, RADIUS};
+use geometry::blur::BlurredMap;
+use geometry::grid::{Grid, GridFrame};
 use nalgebra::Point2;
 use navigation::bearing::Bearings;
 use navigation::routes::{Threat, Wayfinder};
 use planner_view::map::PlannerMap;
 use proptest::prelude::*;
-use sim_backend::blur::BlurredMap;
-use sim_backend::grid::{Grid, GridFrame};
 
 fn wayfinder(map: &PlannerMap) -> Wayfinder {
     let mut finder = Wayfinder::default();

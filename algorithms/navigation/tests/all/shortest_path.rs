@@ -1,11 +1,11 @@
 //! Shortest paths: known lengths, what every path must satisfy, and a brute-force search.
 
 use crate::scenes::{RADIUS, any_parts, any_point, any_space, city, space, unit};
+use geometry::shape::Convex;
 use nalgebra::{Point2, Vector2};
 use navigation::tangent_graph::{GraphError, PUSH_OUT, PathLeg, ShortestPath, TangentGraph};
 use planner_view::free_space::FreeSpace;
 use proptest::prelude::*;
-use sim_backend::shape::Convex;
 
 const START: Point2<f64> = Point2::new(-4.5, 7.5);
 const EXIT: Point2<f64> = Point2::new(9.0, 0.0);
@@ -241,7 +241,7 @@ fn a_wall_of_many_pieces_is_one_wall() {
 fn brute_force(space: &FreeSpace, radius: f64, from: Point2<f64>, to: Point2<f64>) -> f64 {
     const AROUND: usize = 16;
     let turn = core::f64::consts::TAU / AROUND as f64;
-    let outer = 1.0 / sim_backend::math::cos(0.5 * turn);
+    let outer = 1.0 / geometry::math::cos(0.5 * turn);
     let mut points = vec![from, to];
     for part in space.shapes().parts() {
         let core = match part {

@@ -3,11 +3,11 @@
 use std::sync::LazyLock;
 
 use crate::support::{Arena, EXIT, RADIUS, open_ground};
+use geometry::grid::Grid;
 use nalgebra::Point2;
 use navigation::wavefront::{Lattice, Medium, SIGHT, Source, Wave};
 use planner_view::map::PlannerMap;
 use proptest::prelude::*;
-use sim_backend::grid::Grid;
 
 const PITCH: f64 = 0.2;
 

@@ -1,5 +1,5 @@
+use geometry::shape::Shape;
 use proptest::prelude::*;
-use sim_backend::shape::Shape;
 
 use super::*;
 use crate::awg::tests::octagon;

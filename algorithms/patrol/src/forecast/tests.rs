@@ -1,6 +1,6 @@
 use chaotic_maps::{Key, KeyKind};
+use geometry::shape::Shape;
 use proptest::prelude::*;
-use sim_backend::shape::Shape;
 
 use super::*;
 use crate::awg::tests::{awg, catp, octagon, points, source};

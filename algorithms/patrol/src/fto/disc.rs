@@ -1,10 +1,10 @@
 //! A disc that is not there, and a range scan that shows it.
 
+use geometry::math;
+use geometry::pose::Pose2;
+use geometry::shape::Convex;
 use nalgebra::{Point2, Vector2};
 use planner_view::view::ScanView;
-use sim_backend::math;
-use sim_backend::pose::Pose2;
-use sim_backend::shape::Convex;
 
 /// A fictive obstacle.
 #[derive(Debug, Clone, Copy, PartialEq)]

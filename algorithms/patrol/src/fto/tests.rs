@@ -169,7 +169,7 @@ proptest! {
             if shown < real {
                 prop_assert!(!inside);
                 let angle = theta - 3.0 + 0.0872 * i as f64;
-                let (sin, cos) = sim_backend::math::sincos(angle);
+                let (sin, cos) = geometry::math::sincos(angle);
                 let range = f64::from(shown);
                 let hit = Point2::new(x + cos * range, y + sin * range);
                 prop_assert!(((hit - disc.center).norm() - radius).abs() < 1e-5);

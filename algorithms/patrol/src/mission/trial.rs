@@ -1,9 +1,9 @@
 //! Laps driven on trial, without obstacles, to know how long they take.
 
+use geometry::math;
+use geometry::pose::Pose2;
 use nalgebra::Point2;
 use planner_view::limits::Limits;
-use sim_backend::math;
-use sim_backend::pose::Pose2;
 use steering::go_to::GoToParams;
 use steering::waypoint_driver::lap_time;
 

@@ -4,12 +4,12 @@ use crate::scenes::{
     RADIUS, any_point, any_space, arc_distance, bounds, city, parry_distance,
     parry_segment_distance, space,
 };
+use geometry::shape::{Aabb, Convex};
 use nalgebra::Point2;
 use planner_view::free_space::{Arc, FreeSpace, FreeSpaceError};
 use proptest::prelude::*;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use sim_backend::shape::{Aabb, Convex};
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]

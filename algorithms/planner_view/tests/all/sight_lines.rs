@@ -1,10 +1,10 @@
 //! Lines of sight are marched by a short cut that must never be seen.
 
+use geometry::blur::BlurredMap;
+use geometry::grid::{Grid, GridFrame};
 use nalgebra::Point2;
 use planner_view::map::PlannerMap;
 use proptest::prelude::*;
-use sim_backend::blur::BlurredMap;
-use sim_backend::grid::{Grid, GridFrame};
 
 /// The march as it is defined, a look-up per step.
 fn defined(map: &PlannerMap, from: Point2<f64>, to: Point2<f64>, radius: f64) -> f64 {

@@ -3,15 +3,15 @@
 
 use std::path::Path;
 
+use geometry::map::{MapSpec, UnknownCells, WorldMap};
+use geometry::math;
+use geometry::shape::{Aabb, Convex, Shape};
 use nalgebra::{Point2, Vector2};
 use parry2d_f64::math::{Pose, Vector};
 use parry2d_f64::query;
 use parry2d_f64::shape::Segment;
 use planner_view::free_space::{Arc, FreeSpace};
 use proptest::prelude::*;
-use sim_backend::map::{MapSpec, UnknownCells, WorldMap};
-use sim_backend::math;
-use sim_backend::shape::{Aabb, Convex, Shape};
 
 /// Radius of the TurtleBot3 Burger (m).
 pub const RADIUS: f64 = 0.105;

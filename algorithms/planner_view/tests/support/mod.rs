@@ -5,13 +5,13 @@
 
 use std::sync::LazyLock;
 
+use geometry::blur::BlurredMap;
+use geometry::grid::{Grid, GridFrame};
+use geometry::math;
+use geometry::pose::{Pose2, Twist2};
 use nalgebra::Point2;
 use planner_view::map::PlannerMap;
 use planner_view::view::{RobotView, View};
-use sim_backend::blur::BlurredMap;
-use sim_backend::grid::{Grid, GridFrame};
-use sim_backend::math;
-use sim_backend::pose::{Pose2, Twist2};
 use sim_backend::team::Team;
 
 /// Radius of the TurtleBot3 Burger's body as a disc (m).

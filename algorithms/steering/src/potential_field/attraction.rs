@@ -1,7 +1,7 @@
 //! Attraction to goals.
 
+use geometry::math;
 use nalgebra::{Point2, Vector2};
-use sim_backend::math;
 
 use super::FIELD_SPEED;
 use navigation::bearing::Bearings;

@@ -2,11 +2,11 @@
 
 use core::f64::consts::TAU;
 
+use geometry::math;
 use nalgebra::Vector2;
 use parameters::{Parameters, at_least};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sim_backend::math;
 
 /// Time of one turn (s).
 const PERIOD: f64 = 7.0;

@@ -1,10 +1,10 @@
 //! Repulsion from other robots.
 
+use geometry::math;
 use nalgebra::{Point2, Vector2};
 use parameters::{Fidelity, Parameters, above};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sim_backend::math;
 
 use navigation::bearing::Bearings;
 

@@ -19,8 +19,8 @@ mod run;
 mod surroundings;
 mod trail;
 
+use geometry::pose::Pose2;
 use nalgebra::{Point2, Vector2};
-use sim_backend::pose::Pose2;
 
 use follow::{Follow, Following, is_turning};
 use parameters::{ParamsError, positive};

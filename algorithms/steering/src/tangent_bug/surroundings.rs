@@ -7,9 +7,9 @@
 use core::f64::consts::TAU;
 use std::sync::LazyLock;
 
+use geometry::math;
+use geometry::pose::Pose2;
 use nalgebra::{Point2, Vector2};
-use sim_backend::math;
-use sim_backend::pose::Pose2;
 
 use planner_view::view::ScanView;
 

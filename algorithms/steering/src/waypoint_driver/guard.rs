@@ -5,8 +5,8 @@
 //! robot that brakes still drives on. If no way that was looked at is clear, the robot stops at once
 //! by the way of stopping that was clear before (dynamic window, Fox, Burgard and Thrun 1997).
 
+use geometry::pose::{Pose2, Twist2};
 use nalgebra::Vector2;
-use sim_backend::pose::{Pose2, Twist2};
 
 use super::DriverParams;
 use crate::go_to::coast;

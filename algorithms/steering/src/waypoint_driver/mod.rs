@@ -11,9 +11,9 @@ mod params;
 mod time_model;
 mod turning;
 
+use geometry::pose::{Pose2, Twist2};
 use nalgebra::{Point2, Vector2};
 use parameters::{ParamsError, check, positive};
-use sim_backend::pose::{Pose2, Twist2};
 
 use guard::Guard;
 pub use params::{DriverParams, LEAST_TIME_S};

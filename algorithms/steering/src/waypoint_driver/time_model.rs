@@ -1,8 +1,8 @@
 //! How long ways take without obstacles.
 
+use geometry::pose::Pose2;
 use nalgebra::Point2;
 use parameters::{ParamsError, check, positive, require};
-use sim_backend::pose::Pose2;
 
 use crate::go_to::{GoToParams, bearing, coast, distance_to_segment, go_to};
 use planner_view::limits::Limits;

@@ -1,8 +1,8 @@
 //! Turning rates from which a robot can still stop turning in time.
 
+use geometry::math;
+use geometry::pose::{Pose2, Twist2};
 use nalgebra::Point2;
-use sim_backend::math;
-use sim_backend::pose::{Pose2, Twist2};
 
 use crate::go_to::bearing;
 

@@ -1,11 +1,11 @@
 //! The evader in the paper's city, in a kinematic mini-simulation.
 
 use crate::support::{CITY, DT, EXIT, Kinematic, RADIUS, robot, street_starts, view};
+use geometry::pose::{Pose2, Twist2};
 use nalgebra::Point2;
 use planner_view::limits::Limits;
 use planner_view::view::RobotView;
 use proptest::prelude::*;
-use sim_backend::pose::{Pose2, Twist2};
 use sim_backend::team::Team;
 use steering::potential_evader::{Evader, EvaderParams};
 

@@ -4,11 +4,11 @@
 use core::f64::consts::PI;
 
 use crate::support::Arena;
+use geometry::pose::Pose2;
 use nalgebra::{Point2, Vector2};
 use navigation::bearing::Bearings;
 use parameters::Fidelity;
 use planner_view::limits::Limits;
-use sim_backend::pose::Pose2;
 use steering::feedback_linearisation::{FeedbackParams, command};
 use steering::potential_field::{
     Goal, RepulsionParams, Repulsor, attraction, capped, obstacle, repulsion,

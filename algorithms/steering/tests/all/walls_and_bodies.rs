@@ -3,11 +3,11 @@
 use std::sync::LazyLock;
 
 use crate::support::{Arena, RADIUS};
+use geometry::blur::BlurredMap;
+use geometry::grid::{Grid, GridFrame};
 use nalgebra::{Point2, Vector2};
 use planner_view::map::{MapError, PlannerMap};
 use proptest::prelude::*;
-use sim_backend::blur::BlurredMap;
-use sim_backend::grid::{Grid, GridFrame};
 use steering::potential_field::{Body, slide_along_obstacles, slide_around_bodies};
 
 static CITY: LazyLock<PlannerMap> = LazyLock::new(|| Arena::city().map());

@@ -1,10 +1,10 @@
 //! Motion of the hypotheses: a unicycle whose speed and turning rate walk randomly within the
 //! opponent's limits, and rare jumps.
 
+use geometry::math;
 use parameters::Fidelity;
 use rand::{Rng, RngExt};
 use rand_chacha::ChaCha8Rng;
-use sim_backend::math;
 
 use super::cloud::Stretch;
 use crate::fast;

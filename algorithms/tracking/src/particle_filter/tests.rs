@@ -1,8 +1,8 @@
+use geometry::blur::BlurredMap;
+use geometry::grid::{Grid, GridFrame};
+use geometry::math;
 use proptest::prelude::*;
 use rand::SeedableRng;
-use sim_backend::blur::BlurredMap;
-use sim_backend::grid::{Grid, GridFrame};
-use sim_backend::math;
 
 use super::*;
 use crate::params::{HeadingModel, PerceptionParams, SensorParams};

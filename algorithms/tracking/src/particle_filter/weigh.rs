@@ -1,7 +1,7 @@
 //! Weights: how well each hypothesis explains what was, or was not, seen.
 
+use geometry::math;
 use nalgebra::Point2;
-use sim_backend::math;
 
 use super::cloud::Stretch;
 use crate::fast;

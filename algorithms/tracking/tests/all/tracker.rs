@@ -1,11 +1,11 @@
 //! A team's perception over several opponents.
 
+use geometry::blur::BlurredMap;
+use geometry::grid::{Grid, GridFrame};
+use geometry::pose::Pose2;
 use nalgebra::Point2;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use sim_backend::blur::BlurredMap;
-use sim_backend::grid::{Grid, GridFrame};
-use sim_backend::pose::Pose2;
 use tracking::params::{HeadingModel, PerceptionParams};
 use tracking::particle_filter::MotionLimits;
 use tracking::tracker::{Perception, PerceptionError, TargetSetup, TargetTruth, Track};

@@ -7,8 +7,8 @@
 //! variables, what a program accepts is free at its samples, and no trust region is needed. Between
 //! samples the curve may sag into a round obstacle by h²/8R; that much margin is kept.
 
+use geometry::shape::{Contact, Convex};
 use nalgebra::{Point2, Vector2};
-use sim_backend::shape::{Contact, Convex};
 
 use crate::convex::obstacle_planes::{HalfPlane, NO_DEPTH, surface};
 use crate::convex::quadratic_program::QuadraticProgram;

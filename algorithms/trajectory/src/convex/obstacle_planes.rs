@@ -1,7 +1,7 @@
 //! Half-planes that keep a path out of grown obstacles, and what is done where it is in one.
 
+use geometry::shape::Contact;
 use nalgebra::{Point2, Vector2};
-use sim_backend::shape::Contact;
 
 use crate::convex::scaling::Scaling;
 

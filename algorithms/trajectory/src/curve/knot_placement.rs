@@ -1,7 +1,7 @@
 //! Where a spline may bend: breaks around the arcs of the guide and after the start.
 
+use geometry::math;
 use navigation::tangent_graph::PathLeg;
-use sim_backend::math;
 
 use crate::guide::Guide;
 

@@ -55,7 +55,7 @@ impl Lgl {
         let mut nodes: Vec<f64> = (0..=n)
             .map(|i| {
                 // Newton's method from the Chebyshev nodes.
-                let mut x = -sim_backend::math::sincos(
+                let mut x = -geometry::math::sincos(
                     core::f64::consts::FRAC_PI_2 - core::f64::consts::PI * i as f64 / nf,
                 )
                 .0;

@@ -15,8 +15,8 @@
 //! r(1) is the goal, which determines the last control point, or, if the heading at the goal is
 //! prescribed and puts the last one on its ray, the last but one.
 
+use geometry::math;
 use nalgebra::Vector2;
-use sim_backend::math;
 
 use super::{Curve, Ends, Row, Trace};
 use crate::curve::bspline_basis::{Basis, MAX_DEGREE, Values};

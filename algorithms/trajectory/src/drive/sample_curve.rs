@@ -1,7 +1,7 @@
 //! From a curve to a path that can be driven: dense enough points.
 
+use geometry::math;
 use nalgebra::Vector2;
-use sim_backend::math;
 
 use crate::convex::scaling::Scaling;
 use crate::curve::{Curve, Trace};

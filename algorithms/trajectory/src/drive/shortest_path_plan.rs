@@ -7,11 +7,11 @@
 
 use core::f64::consts::TAU;
 
+use geometry::math;
+use geometry::pose::Pose2;
 use nalgebra::{Point2, Vector2};
 use navigation::tangent_graph::PathLeg;
 use planner_view::free_space::Arc;
-use sim_backend::math;
-use sim_backend::pose::Pose2;
 
 use crate::drive::speed_profile;
 use crate::drive::trajectory_builder::Trajectory;

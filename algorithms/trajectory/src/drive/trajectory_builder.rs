@@ -1,8 +1,8 @@
 //! Putting a trajectory together from parts: turns on the spot and paths with speeds.
 
+use geometry::math;
+use geometry::pose::Pose2;
 use nalgebra::Point2;
-use sim_backend::math;
-use sim_backend::pose::Pose2;
 
 use crate::drive::turn_in_place;
 use crate::path_points::PathPoint;

@@ -1,8 +1,8 @@
 //! A path among the obstacles, piece by piece, from which a method starts.
 
+use geometry::math;
 use nalgebra::{Point2, Vector2};
 use navigation::tangent_graph::PathLeg;
-use sim_backend::math;
 
 /// A path of straight legs and arcs.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,7 +1,7 @@
 //! The convex program around a trajectory.
 
+use geometry::math;
 use nalgebra::Point2;
-use sim_backend::math;
 
 use super::step_dynamics::{self, Node};
 use super::{CALM, PENALTY, REACH, Refinement};

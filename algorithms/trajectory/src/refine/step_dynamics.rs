@@ -1,7 +1,7 @@
 //! How the robot moves in a step in which both speeds change linearly in time.
 
+use geometry::math;
 use nalgebra::{Point2, Vector2};
-use sim_backend::math;
 
 /// Nodes and weights of Gauss's quadrature on [0, 1].
 const GAUSS: [(f64, f64); 3] = [

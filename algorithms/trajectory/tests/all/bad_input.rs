@@ -1,7 +1,7 @@
 //! What cannot be meant: refused by name, never answered wrongly.
 
+use geometry::shape::{Aabb, Convex};
 use nalgebra::Point2;
-use sim_backend::shape::{Aabb, Convex};
 use trajectory::{Method, Options, PlanError, Problem, Wheels};
 
 use crate::problems::{board, cluttered, disc, faults, options, plan};

@@ -1,8 +1,8 @@
 //! What the families of curves promise, whatever their variables are.
 
+use geometry::math;
 use nalgebra::{DMatrix, Vector2};
 use proptest::prelude::*;
-use sim_backend::math;
 use trajectory::curve::bspline_basis::Basis;
 use trajectory::curve::lgl_nodes::Lgl;
 use trajectory::curve::{Camouflage, Curve, Ends, Pursuit, Row, Spline};

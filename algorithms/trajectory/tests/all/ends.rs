@@ -1,7 +1,7 @@
 //! Starts and goals at obstacles, and prescribed headings and speeds.
 
+use geometry::shape::Convex;
 use nalgebra::Point2;
-use sim_backend::shape::Convex;
 use trajectory::{Method, PlanError, Problem, Wheels};
 
 use crate::problems::{board, cluttered, disc, faults, options, plan};

@@ -1,8 +1,8 @@
 //! Problems for the other tests, and what every plan must be.
 
+use geometry::pose::Pose2;
+use geometry::shape::{Aabb, Convex};
 use nalgebra::Point2;
-use sim_backend::pose::Pose2;
-use sim_backend::shape::{Aabb, Convex};
 use trajectory::{Method, Options, Plan, PlanError, Problem, RobotLimits, Wheels};
 use trajectory_check::{Contract, Obstacle, WheelLimit};
 

@@ -1,9 +1,9 @@
 //! Random problems: every answer is honest, and "no path" only where there is none.
 
+use geometry::pose::Pose2;
+use geometry::shape::Convex;
 use nalgebra::Point2;
 use proptest::prelude::*;
-use sim_backend::pose::Pose2;
-use sim_backend::shape::Convex;
 use trajectory::{Method, PlanError, Problem, RobotLimits, Wheels};
 
 use crate::problems::{board, disc, faults, options, plan};

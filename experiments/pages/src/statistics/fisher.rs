@@ -1,6 +1,6 @@
 //! Fisher's exact test.
 
-use sim_backend::math::{exp, ln_gamma};
+use geometry::math::{exp, ln_gamma};
 
 /// Two-sided p-value of the hypothesis that `a` hits of `n` and `b` hits of `m` independent outcomes
 /// have the same chance behind them: the chance, given the hits of both together, of a division of

@@ -2,7 +2,7 @@
 
 use core::f64::consts::SQRT_2;
 
-use sim_backend::math::erfc;
+use geometry::math::erfc;
 
 /// Chance that a standard normal variable is larger than `z`.
 pub fn upper_tail(z: f64) -> f64 {

@@ -44,7 +44,7 @@ impl Scale {
     pub(super) fn place(self, value: f64) -> f64 {
         match self {
             Self::Linear => value,
-            Self::Logarithmic => sim_backend::math::ln(value) / core::f64::consts::LN_10,
+            Self::Logarithmic => geometry::math::ln(value) / core::f64::consts::LN_10,
         }
     }
 

@@ -95,7 +95,7 @@ fn seeds_displace_the_chase_within_its_limits() {
     for (a, b) in nominal.world.robots.iter().zip(&drawn.world.robots) {
         assert_ne!(a.start, b.start);
         assert!((a.start.x - b.start.x).abs() <= 0.05 && (a.start.y - b.start.y).abs() <= 0.05);
-        let turn = sim_backend::math::angle_difference(a.start.theta, b.start.theta);
+        let turn = geometry::math::angle_difference(a.start.theta, b.start.theta);
         assert!(turn.abs() <= 0.1);
     }
 }

@@ -7,10 +7,10 @@ use coverage::sub_goals::FollowParams;
 use coverage::sub_goals::site::Site;
 use coverage_planners::design::Design;
 use coverage_planners::{Boustrophedon, Chebyshev, ChebyshevParams, Keyed, RandomBounce, Uniform};
+use geometry::map::WorldMap;
+use geometry::shape::Aabb;
 use nalgebra::Point2;
 use serde_json::{Value as Json, json};
-use sim_backend::map::WorldMap;
-use sim_backend::shape::Aabb;
 
 use super::patrol::kind_name;
 use super::{RouteError, Router};

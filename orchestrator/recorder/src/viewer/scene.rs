@@ -5,10 +5,10 @@ use foxglove::messages::{
     KeyValuePair, LinePrimitive, Point3, Pose, PosesInFrame, Quaternion, SceneEntity, SceneUpdate,
     TextPrimitive, Vector3, line_primitive,
 };
+use geometry::math::sincos;
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::world::RobotState;
 use ipc_types::topics::{TopicId, WorldMap};
-use sim_backend::math::sincos;
 
 use super::super::options::{RecorderOptions, RobotInfo};
 use super::super::summary::status_name;

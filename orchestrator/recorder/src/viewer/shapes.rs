@@ -7,10 +7,10 @@ use foxglove::messages::{
     SceneEntityDeletion, SceneUpdate, TriangleListPrimitive, Vector3, line_primitive,
     scene_entity_deletion,
 };
+use geometry::shape::Shape;
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::world::ObstacleEvent;
 use ipc_types::topics::{ObstacleEvents, TopicId};
-use sim_backend::shape::Shape;
 
 use super::super::options::RecorderOptions;
 use super::again::Again;

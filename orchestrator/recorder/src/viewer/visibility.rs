@@ -7,14 +7,14 @@ use foxglove::messages::{
     Color, LinePrimitive, Point3, SceneEntity, SceneEntityDeletion, SceneUpdate,
     TriangleListPrimitive, line_primitive, scene_entity_deletion,
 };
+use geometry::grid::{Grid, GridFrame};
+use geometry::pose::Pose2;
+use geometry::visibility::polygon::{Eye, Walls};
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::world::{MapCell, MapHeader, RobotState};
 use ipc_types::topics::{TopicId, WorldMap};
 use nalgebra::Point2;
-use sim_backend::grid::{Grid, GridFrame};
-use sim_backend::pose::Pose2;
 use sim_backend::team::Team;
-use sim_backend::visibility::polygon::{Eye, Walls};
 
 use super::super::options::RecorderOptions;
 use super::channel::ViewerChannel;

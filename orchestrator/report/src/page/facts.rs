@@ -1,14 +1,14 @@
 //! What the page says in words and single numbers.
 
 use draw::palette;
+use geometry::map::ObstacleChange;
+use geometry::region::Region;
+use geometry::shape::Shape;
 use ipc_types::messages::observer::Prediction;
 use ipc_types::messages::robot::WaypointEnd;
 use ipc_types::messages::world::WorldEvent;
 use mcap_log::output::RUN_DIGEST;
 use serde_json::{Value as Json, json};
-use sim_backend::map::ObstacleChange;
-use sim_backend::shape::Shape;
-use sim_backend::spec::Region;
 use statistics::Percentiles;
 
 use super::gather::Gathered;

@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use geometry::map::ObstacleChange;
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::world::RobotState;
 use ipc_types::topics::TopicId;
 use mcap_log::{Condition, LogsError, Watch};
-use sim_backend::map::ObstacleChange;
 
 use super::happened::Happened;
 use super::layers::Layers;

@@ -2,13 +2,13 @@
 
 use std::collections::BTreeMap;
 
+use geometry::math;
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::observer::Prediction;
 use ipc_types::messages::perception::BeliefHeader;
 use ipc_types::messages::referee::Verdict;
 use ipc_types::messages::world::{CoverageState, RobotState};
 use ipc_types::topics::{Belief, Coverage, Predictions, TopicId, Verdicts};
-use sim_backend::math;
 
 use super::sampled::Sampled;
 use crate::picture::log_run::LoggedRun;

@@ -1,6 +1,6 @@
 //! What moves on the page, as lists of numbers.
 
-use sim_backend::pose::Pose2;
+use geometry::pose::Pose2;
 
 use super::gather::{Frame, Gathered};
 use super::layers::{Beams, Cloud, Edge, Foretold, Layers};

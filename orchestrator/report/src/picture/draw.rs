@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use draw::canvas::{Canvas, Num, Style, bold_width};
 use draw::palette;
-use sim_backend::math;
-use sim_backend::shape::Shape;
-use sim_backend::spec::Region;
+use geometry::math;
+use geometry::region::Region;
+use geometry::shape::Shape;
 
 use super::draw_layers;
 use super::ground::{corners, rectangle};

@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use geometry::map::{MapSpec, ObstacleChange};
+use geometry::math;
+use geometry::region::Region;
+use geometry::shape::Shape;
 use ipc_types::messages::world::{MapCell, MapHeader};
-use sim_backend::map::{MapSpec, ObstacleChange};
-use sim_backend::math;
-use sim_backend::shape::Shape;
-use sim_backend::spec::Region;
 
 /// Most corners that the obstacles of a vector map may have together to be drawn as vectors.
 const MOST_CORNERS: usize = 2500;

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use geometry::map::ObstacleChange;
 use ipc_types::cdr::DecodeError;
 use ipc_types::consumer::{Consumer, Consumers, LoggedMessage};
 use ipc_types::messages::world::{RobotState, WorldHeader};
@@ -11,7 +12,6 @@ use mcap_log::MessageHeader;
 use mcap_log::known;
 use mcap_log::reader::{Channel, Item, Reader};
 use mcap_log::{Condition, LogsError, Watch};
-use sim_backend::map::ObstacleChange;
 
 use super::log_facts::LogFacts;
 use scenario::spec::{MAX_EVENTS, MAX_ROBOTS};

@@ -1,10 +1,10 @@
 //! What a log says about its run besides the messages.
 
 use config::{Node, Origin};
+use geometry::map::MapSpec;
 use parameters::check;
 use serde::Deserialize;
 use serde_json::Value as Json;
-use sim_backend::map::MapSpec;
 use sim_backend::spec::{RobotSpec, RulesSpec};
 
 use mission::eyes::eyes;

@@ -3,12 +3,12 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use geometry::pose::Pose2;
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::perception::{BeliefHeader, Particle};
 use ipc_types::messages::world::{RobotState, WorldEvent};
 use ipc_types::topics::{Belief, Dominance, Plan, TopicId, Tree, WorldEvents};
 use mcap_log::{Condition, LogsError, Watch};
-use sim_backend::pose::Pose2;
 
 use super::layers::Layers;
 use super::log_run::{LoggedRun, Purpose, is_near};

@@ -2,7 +2,7 @@
 
 use draw::canvas::{Canvas, Num};
 use draw::palette;
-use sim_backend::math;
+use geometry::math;
 
 use super::trace::MarkKind;
 

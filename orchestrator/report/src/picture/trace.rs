@@ -1,6 +1,6 @@
 //! What a picture shows of a run.
 
-use sim_backend::pose::Pose2;
+use geometry::pose::Pose2;
 use sim_backend::team::Team;
 
 use super::ground::Ground;

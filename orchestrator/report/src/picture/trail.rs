@@ -1,6 +1,6 @@
 //! The way a robot went, in bounded memory and in few points.
 
-use sim_backend::math;
+use geometry::math;
 
 /// Most points that a trail keeps while a log is read.
 const MOST_POINTS: usize = 8192;

@@ -1,7 +1,7 @@
 //! Which obstacles stand, as the events go by.
 
 use config::{Code, list_choices, nearest};
-use sim_backend::map::MapSpec;
+use geometry::map::MapSpec;
 
 use super::{Action, EventSpec, Moment};
 

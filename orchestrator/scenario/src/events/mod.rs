@@ -10,11 +10,11 @@ pub(super) use read::EventBlock;
 use std::collections::BTreeSet;
 
 use config::{Code, Diagnostic, FieldPath, Node};
+use geometry::map::{MapSpec, ObstacleChange, ObstacleId};
+use geometry::shape::Shape;
 use history::History;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sim_backend::map::{MapSpec, ObstacleChange, ObstacleId};
-use sim_backend::shape::Shape;
 
 use super::context::Context;
 use super::robots::Robot;

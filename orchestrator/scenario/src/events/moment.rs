@@ -1,12 +1,13 @@
 //! When an event happens: at a time, or when a robot has come so far.
 
 use config::{Code, FieldPath, Node, list_choices, nearest};
+use geometry::extent::MAX_COORDINATE;
+use geometry::map::MapSpec;
+use geometry::math;
 use parameters::{Parameters, above, at_least, between, check, each};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sim_backend::map::MapSpec;
-use sim_backend::math;
-use sim_backend::spec::{Condition, MAX_COORDINATE};
+use sim_backend::spec::Condition;
 
 use crate::context::Context;
 use crate::robots::Robot;

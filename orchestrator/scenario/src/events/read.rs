@@ -1,11 +1,11 @@
 //! One `[[events]]` block by itself.
 
 use config::{Code, FieldPath, Node};
+use geometry::map::MapSpec;
+use geometry::shape::Shape;
 use parameters::between;
 use schemars::JsonSchema;
 use serde::Deserialize;
-use sim_backend::map::MapSpec;
-use sim_backend::shape::Shape;
 
 use super::moment::{self, MAX_TIME_S, WhenBlock};
 use super::{Action, EventSpec, MAX_EVENT_VERTICES};

@@ -5,8 +5,8 @@ mod read;
 mod tasks;
 
 use config::Code;
+use geometry::map::MapSpec;
 use runtime::kind::Product;
-use sim_backend::map::MapSpec;
 
 use super::context::Context;
 use super::resolved::ProcessSpec;

@@ -2,8 +2,8 @@
 //! three shows by itself, and what would otherwise only be seen when the run starts.
 
 use config::{Code, FieldPath, Step};
+use geometry::map::{MapSpec, WorldMap};
 use runtime::kind::{Task, TaskFault};
-use sim_backend::map::{MapSpec, WorldMap};
 
 use super::read::Read;
 use crate::context::Context;

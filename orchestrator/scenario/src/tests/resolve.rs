@@ -1,6 +1,6 @@
 //! What a scenario becomes.
 
-use sim_backend::map::{MapSpec, ObstacleChange, ObstacleId};
+use geometry::map::{MapSpec, ObstacleChange, ObstacleId};
 use sim_backend::spec::Condition;
 
 use super::*;

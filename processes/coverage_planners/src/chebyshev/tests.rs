@@ -1,25 +1,25 @@
 use std::sync::Arc;
 
 use coverage::goal::GoalSource as _;
+use geometry::blur::BlurredMap;
+use geometry::grid::{Grid, GridFrame};
+use geometry::pose::Twist2;
+use geometry::shape::{Aabb, Convex};
 use planner_view::free_space::FreeSpace;
 use planner_view::view::RobotView;
 use planner_view::waypoint::WaypointOutcome;
-use sim_backend::blur::BlurredMap;
-use sim_backend::grid::{Grid, GridFrame};
-use sim_backend::pose::Twist2;
-use sim_backend::shape::{Aabb, Convex};
 use sim_backend::spec::RobotModel;
 use sim_backend::team::Team;
 use steering::go_to::coast;
 
 use crate::follower::Follower;
+use geometry::pose::Pose2;
 use nalgebra::Point2;
 use planner::Planner as _;
 use planner_view::map::PlannerMap;
 use planner_view::view::View;
 use planner_view::waypoint::WaypointReport;
 use runtime::config::RobotInfo;
-use sim_backend::pose::Pose2;
 
 use super::*;
 

@@ -1,7 +1,7 @@
 //! Joining nodes: the choice of a parent, and rewiring with everything that follows from it.
 
+use geometry::pose::Pose2;
 use nalgebra::Point2;
-use sim_backend::pose::Pose2;
 
 use super::{Scene, Search};
 use crate::motion::{Link, Motion};

@@ -1,7 +1,7 @@
 //! What is kept of a tree: while it grows, and when the robot has moved on.
 
+use geometry::pose::Pose2;
 use nalgebra::Point2;
-use sim_backend::pose::Pose2;
 
 use super::join::Chosen;
 use super::{Scene, Search};

@@ -4,8 +4,8 @@
 //! changes of the points that the way already has get there at once. A change is taken only if the
 //! way becomes cheaper and stays free, so that nothing is lost whatever the cost.
 
+use geometry::math;
 use nalgebra::{Point2, Vector2};
-use sim_backend::math;
 
 use super::join::Chosen;
 use super::{Scene, Search};
@@ -101,7 +101,7 @@ impl<M: Motion> Search<M> {
             if cost >= most {
                 return false;
             }
-            pose = sim_backend::pose::Pose2::new(to.x, to.y, link.heading);
+            pose = geometry::pose::Pose2::new(to.x, to.y, link.heading);
             if let Some(slot) = links.get_mut(i) {
                 *slot = Some(Piece {
                     from: at,

@@ -1,6 +1,6 @@
+use geometry::shape::Convex;
 use navigation::tangent_graph::TangentGraph;
 use proptest::prelude::*;
-use sim_backend::shape::Convex;
 
 use super::*;
 use crate::ground::Ground;

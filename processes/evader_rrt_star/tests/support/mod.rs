@@ -3,10 +3,10 @@
 
 use evader_rrt_star::cost::{CostModel, Pursuer};
 use evader_rrt_star::params::{Algorithm, CostParams};
+use geometry::pose::Pose2;
+use geometry::shape::{Aabb, Convex};
 use nalgebra::Point2;
 use planner_view::free_space::FreeSpace;
-use sim_backend::pose::Pose2;
-use sim_backend::shape::{Aabb, Convex};
 
 /// Radius of the TurtleBot3 Burger's body as a disc (m).
 pub const RADIUS: f64 = 0.105;

@@ -1,9 +1,9 @@
 //! What is asked, and from where.
 
+use geometry::shape::{Aabb, Convex};
 use nalgebra::{Point2, Vector2};
 use planner_view::free_space::FreeSpace;
 use planner_view::view::{RobotView, View};
-use sim_backend::shape::{Aabb, Convex};
 use sim_backend::spec::RobotModel;
 
 use super::{Asked, Navigator};

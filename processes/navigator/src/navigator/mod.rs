@@ -2,10 +2,10 @@
 
 mod asking;
 
+use geometry::pose::Twist2;
 use nalgebra::Point2;
 use planner_view::free_space::FreeSpace;
 use planner_view::view::View;
-use sim_backend::pose::Twist2;
 use sim_backend::spec::RobotModel;
 
 use crate::ask::{Ask, Unplanned};

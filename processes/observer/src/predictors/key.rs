@@ -217,7 +217,7 @@ impl<F: Finder> KeyHunter<F> {
                 // As against goals anywhere in a drawn one's frame.
                 let area = self.layout.area();
                 let spread = core::f64::consts::TAU * goal.sd * goal.sd / area;
-                let cost = 0.5 * off * off + sim_backend::math::ln(spread);
+                let cost = 0.5 * off * off + geometry::math::ln(spread);
                 (off <= MOST_DEVIATION).then(|| (finder.clone(), cost))
             }
             Slot::Drawn(frame) => {

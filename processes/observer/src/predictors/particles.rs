@@ -1,8 +1,8 @@
 //! The particle filter of the chasing game, its particles moved on.
 
+use geometry::pose::Pose2;
 use nalgebra::Point2;
 use rand_chacha::ChaCha8Rng;
-use sim_backend::pose::Pose2;
 use tracking::params::FilterParams;
 use tracking::particle_filter::{MotionLimits, ParticleFilter};
 use tracking::sighting::{Measurement, Sighting};

@@ -3,6 +3,11 @@
 use core::time::Duration;
 use std::sync::Arc;
 
+use geometry::blur::BlurredMap;
+use geometry::grid::{Grid, GridFrame};
+use geometry::map::{MapSpec, ObstacleSpec, VectorMap};
+use geometry::pose::Pose2;
+use geometry::shape::Shape;
 use nalgebra::Point2;
 use observer::layout::Layout;
 use observer::legs::Legs;
@@ -18,11 +23,6 @@ use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 use runtime::RobotInfo;
 use serde::Deserialize as _;
-use sim_backend::blur::BlurredMap;
-use sim_backend::grid::{Grid, GridFrame};
-use sim_backend::map::{MapSpec, ObstacleSpec, VectorMap};
-use sim_backend::pose::Pose2;
-use sim_backend::shape::Shape;
 use sim_backend::spec::{LimitsSpec, RobotSpec, RulesSpec, ScanSpec, WorldSpec};
 use sim_backend::team::Team;
 use sim_backend::world::World;

@@ -1,10 +1,10 @@
 //! Single predictors on ways that are known.
 
+use geometry::math;
+use geometry::pose::Pose2;
 use nalgebra::Point2;
 use observer::predictors::kalman::Kalman;
 use observer::predictors::similar_stretch::SimilarStretch;
-use sim_backend::math;
-use sim_backend::pose::Pose2;
 
 use crate::support::{DT, Onlooker, Robot};
 

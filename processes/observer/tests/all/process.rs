@@ -1,5 +1,6 @@
 //! An observer in its process, on a bus in memory.
 
+use geometry::pose::Pose2;
 use ipc_types::bus::{Bus, Publisher, PublisherOptions, Subscriber};
 use ipc_types::messages::observer::Prediction;
 use ipc_types::messages::world::{MapCell, MapHeader, RobotState, WorldHeader};
@@ -10,7 +11,6 @@ use runtime::kind::open;
 use runtime::{Clock, ProcessConfig, ProcessError, RobotInfo, RunConfig};
 use runtime::{Process as _, ProcessKind as _};
 use serde_json::json;
-use sim_backend::pose::Pose2;
 use sim_backend::spec::RobotModel;
 use sim_backend::team::Team;
 

@@ -1,15 +1,15 @@
 //! A robot that drives from goal to goal, and an observer that looks on.
 
+use geometry::blur::BlurredMap;
+use geometry::grid::{Grid, GridFrame};
+use geometry::math;
+use geometry::pose::Pose2;
 use nalgebra::Point2;
 use observer::legs::Legs;
 use observer::moment::{Look, Moment, ReachedGoal, Seen};
 use observer::predictors::Predictor;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
-use sim_backend::blur::BlurredMap;
-use sim_backend::grid::{Grid, GridFrame};
-use sim_backend::math;
-use sim_backend::pose::Pose2;
 use tracking::params::SensorParams;
 use tracking::sighting::gaussian_pair;
 use tracking::space::Space;

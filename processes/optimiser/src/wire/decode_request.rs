@@ -1,11 +1,11 @@
 //! From a request, as it came in, to a problem; its sender may be anybody.
 
+use geometry::pose::Pose2;
+use geometry::shape::Aabb;
 use ipc_types::messages::optimiser::PlanRequest;
 use ipc_types::messages::world::ShapePoint;
 use nalgebra::Point2;
 use runtime::shapes::{self, ShapesMessageError};
-use sim_backend::pose::Pose2;
-use sim_backend::shape::Aabb;
 use thiserror::Error;
 use trajectory::options::{Constraints, Guess, Options};
 use trajectory::plan::Method;

@@ -3,16 +3,16 @@
 use core::time::Duration;
 use std::sync::Arc;
 
+use geometry::blur::BlurredMap;
+use geometry::grid::Grid;
+use geometry::map::{MapSpec, ObstacleSpec, VectorMap};
+use geometry::pose::Pose2;
+use geometry::shape::Shape;
 use planner_view::free_space::FreeSpace;
 use planner_view::map::PlannerMap;
 use planner_view::steering::Steering;
 use planner_view::view::{RobotView, ScanView, View};
 use planner_view::waypoint::WaypointReport;
-use sim_backend::blur::BlurredMap;
-use sim_backend::grid::Grid;
-use sim_backend::map::{MapSpec, ObstacleSpec, VectorMap};
-use sim_backend::pose::Pose2;
-use sim_backend::shape::Shape;
 use sim_backend::spec::{LimitsSpec, RobotModel, RobotSpec, RulesSpec, ScanSpec, WorldSpec};
 use sim_backend::team::Team;
 use sim_backend::world::World;

@@ -2,6 +2,7 @@
 
 use crate::police::{CATCH, V_POLICE, exact, view};
 use crate::support::{self, CITY, DT, Kinematic, RADIUS, street_starts};
+use geometry::pose::{Pose2, Twist2};
 use nalgebra::Point2;
 use navigation::bearing::GoalField;
 use planner_view::limits::Limits;
@@ -9,7 +10,6 @@ use planner_view::view::{BeliefView, ParticleView, RobotView};
 use proptest::prelude::*;
 use pursuer::params::{AssignmentMethod, BeliefGoals, GoalMethod, Knowledge};
 use pursuer::{Pursuer, PursuerParams};
-use sim_backend::pose::{Pose2, Twist2};
 use sim_backend::team::Team;
 
 fn robot(index: usize, team: Team, pose: Pose2) -> RobotView {

@@ -1,9 +1,9 @@
 //! The Police of these tests, and what they see.
 
+use geometry::pose::Pose2;
 use planner_view::view::{BeliefView, RobotView, View};
 use pursuer::PursuerParams;
 use pursuer::params::Knowledge;
-use sim_backend::pose::Pose2;
 use sim_backend::team::Team;
 
 use crate::support::{self, EXIT};

@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 
 use crate::police::{CATCH, V_POLICE, exact, police, view};
 use crate::support::{CITY, DT, EXIT, Kinematic, RADIUS, street_starts};
+use geometry::pose::{Pose2, Twist2};
 use nalgebra::Point2;
 use navigation::routes::{NavGrid, Wayfinder};
 use planner_view::limits::Limits;
@@ -12,7 +13,6 @@ use pursuer::cut_off::{Blocker, CutSearch, Fugitive};
 use pursuer::exit_guard::ExitGuards;
 use pursuer::params::{AssignmentMethod, GoalMethod, Knowledge, RoleParams};
 use pursuer::{Pursuer, PursuerParams};
-use sim_backend::pose::{Pose2, Twist2};
 use sim_backend::team::Team;
 
 const EXIT_RADIUS: f64 = 0.5;
@@ -70,7 +70,7 @@ impl Runner {
         let ((a, from), (b, to)) = (self.way[next - 1], self.way[next]);
         let share = ((run - from) / (to - from)).min(1.0);
         let at = a + (b - a) * share;
-        let theta = sim_backend::math::atan2(b.y - a.y, b.x - a.x);
+        let theta = geometry::math::atan2(b.y - a.y, b.x - a.x);
         Pose2::new(at.x, at.y, theta)
     }
 }

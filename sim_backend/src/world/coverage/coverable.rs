@@ -2,7 +2,7 @@
 
 use nalgebra::Point2;
 
-use crate::grid::GridFrame;
+use geometry::grid::GridFrame;
 
 /// What is known of the cells.
 pub(super) struct Ground<'a> {

@@ -17,11 +17,11 @@ use nalgebra::Point2;
 use self::coverable::Ground;
 use self::swept::Way;
 use super::motion::Motion;
-use crate::grid::GridFrame;
-use crate::map::WorldMap;
-use crate::pose::Pose2;
 use crate::robot::Robot;
 use crate::spec::CoverageSpec;
+use geometry::grid::GridFrame;
+use geometry::map::WorldMap;
+use geometry::pose::Pose2;
 use parameters::ParamsError;
 
 /// Most cells that are accounted for: 24 bytes each.

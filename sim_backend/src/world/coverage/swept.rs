@@ -2,9 +2,9 @@
 
 use nalgebra::{Point2, Vector2};
 
-use crate::math;
-use crate::pose::{Pose2, Twist2};
-use crate::shape::Aabb;
+use geometry::math;
+use geometry::pose::{Pose2, Twist2};
+use geometry::shape::Aabb;
 
 /// Distance (m) between an arc and its chord below which the chord is taken for it: far below any
 /// cell, far above rounding.

@@ -3,13 +3,14 @@ use core::time::Duration;
 use proptest::prelude::*;
 
 use super::*;
-use crate::map::{MapSpec, ObstacleChange, ObstacleId, VectorMap};
-use crate::pose::Twist2;
 use crate::robot::drive::integrate;
-use crate::shape::Shape;
-use crate::spec::{LimitsSpec, OutOfPlay, Region, RobotSpec, RulesSpec, WorldSpec};
+use crate::spec::{LimitsSpec, OutOfPlay, RobotSpec, RulesSpec, WorldSpec};
 use crate::team::Team;
 use crate::world::{World, WorldError};
+use geometry::map::{MapSpec, ObstacleChange, ObstacleId, VectorMap};
+use geometry::pose::Twist2;
+use geometry::region::Region;
+use geometry::shape::Shape;
 
 const TICK: Duration = Duration::from_millis(50);
 
@@ -251,7 +252,7 @@ fn only_the_named_robots_and_teams_count_and_only_in_the_game() {
 #[test]
 fn what_no_robot_can_reach_is_not_coverable() {
     let mut map = room();
-    map.obstacles.push(crate::map::ObstacleSpec {
+    map.obstacles.push(geometry::map::ObstacleSpec {
         name: "wall".into(),
         shape: Shape::Rectangle {
             center: [3.0, 1.5],

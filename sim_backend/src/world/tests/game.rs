@@ -1,6 +1,7 @@
 use super::*;
 use crate::robot::RobotStatus;
-use crate::spec::{CaptureSpec, Region};
+use crate::spec::CaptureSpec;
+use geometry::region::Region;
 
 fn chase(rules: RulesSpec) -> World {
     let robots = vec![

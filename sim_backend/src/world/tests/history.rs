@@ -3,9 +3,9 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::map::{ObstacleChange, ObstacleId};
 use crate::random::Stream;
 use crate::spec::{ActuatorSpec, CaptureSpec, ScanSpec};
+use geometry::map::{ObstacleChange, ObstacleId};
 
 /// Steps a crowded world with noise, contacts and captures, and folds every bit of its states, scans
 /// and number of events into one number (FNV-1a).

@@ -1,5 +1,5 @@
 use super::*;
-use crate::map::{ObstacleChange, ObstacleError, ObstacleId};
+use geometry::map::{ObstacleChange, ObstacleError, ObstacleId};
 
 fn block(x: f64, y: f64, half: f64) -> Shape {
     Shape::Rectangle {

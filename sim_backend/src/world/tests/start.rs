@@ -1,5 +1,6 @@
 use super::*;
-use crate::spec::{CaptureSpec, Region};
+use crate::spec::CaptureSpec;
+use geometry::region::Region;
 
 fn message(map: MapSpec, robots: Vec<RobotSpec>, rules: RulesSpec) -> String {
     World::new(WorldSpec {

@@ -3,8 +3,8 @@ use crate::plan::{CoveragePlan, PlanSpec};
 use crate::tour::Iterations;
 use crate::workplace::Workplace;
 use chaotic_maps::{Emission, Key, KeyKind};
-use sim_backend::pose::Pose2;
-use sim_backend::shape::Convex;
+use geometry::pose::Pose2;
+use geometry::shape::Convex;
 use steering::go_to::coast;
 
 use super::*;

@@ -5,10 +5,10 @@
 
 pub mod drive;
 
+use geometry::shape::{Aabb, Convex};
 use nalgebra::Point2;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use sim_backend::shape::{Aabb, Convex};
 
 use coverage::workplace::Workplace;
 

@@ -108,7 +108,7 @@ proptest! {
         key in key(),
         angle in -3.0..3.0_f64,
     ) {
-        let (sin, cos) = (sim_backend::math::sin(angle), sim_backend::math::cos(angle));
+        let (sin, cos) = (geometry::math::sin(angle), geometry::math::cos(angle));
         let turn = |p: &Point2<f64>| Point2::new(cos * p.x - sin * p.y, sin * p.x + cos * p.y);
         let turned: Vec<_> = octagon().points().iter().map(turn).collect();
         // The last corner again, not the first turned once more.

@@ -1,13 +1,13 @@
 //! What the driver makes of waypoints.
 
 use super::{DT, DriverParams, PATROL, Run, route, square};
+use geometry::pose::{Pose2, Twist2};
+use geometry::shape::Convex;
 use nalgebra::Point2;
 use parameters::check;
 use planner_view::limits::Limits;
 use planner_view::waypoint::WaypointOutcome::{InsideObstacle, Reached, TimedOut, Unreachable};
 use planner_view::waypoint::{Waypoint, WaypointKind, WaypointOutcome};
-use sim_backend::pose::{Pose2, Twist2};
-use sim_backend::shape::Convex;
 use steering::go_to::{GoToParams, coast};
 use steering::waypoint_driver::{
     Driving, Situation, WaypointDriver, lap_time, time_without_obstacles,
@@ -391,7 +391,7 @@ fn the_lap_time_is_the_time_the_driver_needs() {
     for &point in &lap {
         bound += time_without_obstacles(&pose, point, &limits, &params.go_to);
         let way = point - pose.position();
-        pose = Pose2::new(point.x, point.y, sim_backend::math::atan2(way.y, way.x));
+        pose = Pose2::new(point.x, point.y, geometry::math::atan2(way.y, way.x));
     }
     assert!(told > 31.0 && told < bound + 0.5, "{told} {bound}");
 }

@@ -1,8 +1,8 @@
 //! A goal that comes into sight at every turn and is never reached.
 
+use geometry::pose::Pose2;
 use nalgebra::Point2;
 use planner_view::view::ScanView;
-use sim_backend::pose::Pose2;
 use steering::tangent_bug::{Advice, Mode, TangentBug};
 
 const BEAMS: usize = 180;

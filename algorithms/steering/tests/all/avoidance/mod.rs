@@ -5,15 +5,15 @@ mod in_sight;
 mod random;
 mod worlds;
 
+use geometry::math;
+use geometry::pose::{Pose2, Twist2};
+use geometry::shape::{Aabb, Convex};
 use nalgebra::{Point2, Vector2};
 use planner_view::free_space::FreeSpace;
 use planner_view::limits::Limits;
 use planner_view::view::ScanView;
 use planner_view::waypoint::{Waypoint, WaypointKind, WaypointOutcome, WaypointReport};
-use sim_backend::math;
-use sim_backend::pose::{Pose2, Twist2};
 use sim_backend::random::Stream;
-use sim_backend::shape::{Aabb, Convex};
 use steering::go_to::coast;
 use steering::waypoint_driver::{DriverParams, Situation, WaypointDriver};
 

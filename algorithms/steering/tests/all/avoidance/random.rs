@@ -1,13 +1,13 @@
 //! Random worlds: what an exact planner reaches, the robot reaches; the rest it reports.
 
 use super::{Machine, PATROL, Run, square};
+use geometry::pose::Pose2;
+use geometry::shape::Convex;
 use nalgebra::Point2;
 use navigation::tangent_graph::TangentGraph;
 use planner_view::waypoint::WaypointOutcome::{Reached, Unreachable};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use sim_backend::pose::Pose2;
-use sim_backend::shape::Convex;
 
 /// Half the width of the worlds (m).
 const HALF: f64 = 3.0;

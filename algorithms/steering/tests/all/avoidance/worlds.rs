@@ -3,12 +3,12 @@
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::{Machine, PATROL, Run, square, wall};
+use geometry::math;
+use geometry::pose::Pose2;
+use geometry::shape::Convex;
 use nalgebra::Point2;
 use planner_view::view::ScanView;
 use planner_view::waypoint::WaypointOutcome::{self, Reached, Unreachable};
-use sim_backend::math;
-use sim_backend::pose::Pose2;
-use sim_backend::shape::Convex;
 use steering::tangent_bug::{Advice, Mode, TangentBug};
 
 fn p(x: f64, y: f64) -> Point2<f64> {

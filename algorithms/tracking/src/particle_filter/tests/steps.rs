@@ -1,9 +1,9 @@
 //! The single steps: motion, jumps, weights.
 
-use sim_backend::math;
+use geometry::math;
 
-use sim_backend::blur::BlurredMap;
-use sim_backend::grid::{Grid, GridFrame};
+use geometry::blur::BlurredMap;
+use geometry::grid::{Grid, GridFrame};
 
 use super::super::*;
 use super::{DT, LIMITS, distance, drive, rng, seen_at, watch_from};

@@ -1,9 +1,9 @@
 //! What every picture must be.
 
+use geometry::pose::Pose2;
+use geometry::region::Region;
+use geometry::shape::Shape;
 use roxmltree::{Document, Node};
-use sim_backend::pose::Pose2;
-use sim_backend::shape::Shape;
-use sim_backend::spec::Region;
 use sim_backend::team::Team;
 
 use crate::picture::{
@@ -285,7 +285,7 @@ fn the_largest_run_makes_a_picture_of_at_most_400_kb() {
     trace.robots = (0..64)
         .map(|r| {
             let way = (0..10_000).map(|i| {
-                let (sin, cos) = sim_backend::math::sincos(f64::from(i * (r + 3)) * 0.011);
+                let (sin, cos) = geometry::math::sincos(f64::from(i * (r + 3)) * 0.011);
                 (2.0 + 1.9 * sin, 1.5 + 1.4 * cos)
             });
             robot(&format!("robot_number_{r}"), Team::Police, way)

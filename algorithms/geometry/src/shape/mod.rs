@@ -5,8 +5,7 @@ mod convex;
 mod polygon;
 mod travel;
 
-pub(crate) use convex::ray_disc;
-pub use convex::{Aabb, Contact, Convex};
+pub use convex::{Aabb, Contact, Convex, ray_disc};
 pub use travel::ShortArc;
 
 use nalgebra::Point2;

@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use config::{Code, Diagnostic, FieldPath, Step};
-use sim_backend::map::{MapSpec, Passages, VectorMap, WorldMap};
-use sim_backend::pose::Pose2;
-use sim_backend::spec::{Region, RulesSpec, WorldSpec};
+use geometry::map::{MapSpec, Passages, VectorMap, WorldMap};
+use geometry::pose::Pose2;
+use geometry::region::Region;
+use sim_backend::spec::{RulesSpec, WorldSpec};
 use sim_backend::team::Team;
 use sim_backend::world::{World, WorldError};
 

@@ -9,16 +9,16 @@ use parameters::{Bounds, above, at_least, between};
 pub const MAX_COORDINATE: f64 = 1e5;
 
 /// Lengths and rates above 0.
-pub(crate) fn positive(unit: &str) -> Bounds {
+pub fn positive(unit: &str) -> Bounds {
     above(0).at_most(MAX_COORDINATE).unit(unit)
 }
 
 /// Lengths and rates of at least 0.
-pub(crate) fn not_negative(unit: &str) -> Bounds {
+pub fn not_negative(unit: &str) -> Bounds {
     at_least(0).at_most(MAX_COORDINATE).unit(unit)
 }
 
 /// Coordinates.
-pub(crate) fn coordinate() -> Bounds {
+pub fn coordinate() -> Bounds {
     between(-MAX_COORDINATE, MAX_COORDINATE).unit("m")
 }

@@ -44,17 +44,17 @@ impl WorldMap {
     }
 
     /// As [`ShapeMap::edge_contacts`](super::ShapeMap::edge_contacts).
-    pub(crate) fn edge_contacts(&self, p: Point2<f64>) -> [Contact; 4] {
+    pub fn edge_contacts(&self, p: Point2<f64>) -> [Contact; 4] {
         self.shapes().edge_contacts(p)
     }
 
     /// As [`ShapeMap::parts_within`](super::ShapeMap::parts_within).
-    pub(crate) fn parts_within(&self, p: Point2<f64>, reach: f64, found: &mut Vec<u32>) {
+    pub fn parts_within(&self, p: Point2<f64>, reach: f64, found: &mut Vec<u32>) {
         self.shapes().parts_within(p, reach, found);
     }
 
     /// Radius (m) within which [`Self::parts_within`] needs a single look-up.
-    pub(crate) fn cheap_reach(&self) -> f64 {
+    pub fn cheap_reach(&self) -> f64 {
         self.shapes().cheap_reach()
     }
 }

@@ -306,7 +306,7 @@ impl Aabb {
 }
 
 /// Distance along a ray (unit direction) to a disc; 0 inside, `None` if it misses.
-pub(crate) fn ray_disc(
+pub fn ray_disc(
     center: Point2<f64>,
     radius: f64,
     origin: Point2<f64>,
