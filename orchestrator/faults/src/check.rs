@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use mcap_log::Watch;
+use mcap_log::{DerivedError, Watch};
 use serde_json::Value as Json;
 
 use super::disturbed::{self, Baseline, Ended, Mission};
@@ -140,16 +140,16 @@ impl Check<'_> {
         let mut kept = 0;
         if log.exists() {
             let recovered = mission.path().join("recovered.mcap");
-            let read = match killed {
-                None => LogInfo::read(&log, &mut watch()),
-                Some(_) => recover(&log, &recovered, true, &mut watch())
-                    .and_then(|_| mcap_log::newest_state(&recovered, &mut watch()))
-                    .and_then(|newest| {
-                        kept = newest.map_or(0, |tick| tick + 1);
-                        LogInfo::read(&recovered, &mut watch())
-                    }),
+            let mut read = || -> Result<LogInfo, DerivedError> {
+                if killed.is_none() {
+                    return Ok(LogInfo::read(&log, &mut watch())?);
+                }
+                recover(&log, &recovered, true, &mut watch())?;
+                let newest = mcap_log::newest_state(&recovered, &mut watch())?;
+                kept = newest.map_or(0, |tick| tick + 1);
+                Ok(LogInfo::read(&recovered, &mut watch())?)
             };
-            match read {
+            match read() {
                 Ok(info) if info.condition.is_whole() => {}
                 Ok(info) => {
                     let faults = info.condition.lines().join("; ");

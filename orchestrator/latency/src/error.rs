@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use mcap_log::LogsError;
+use mcap_log::LogReadError;
 
 use super::link::LinkError;
 use mission::MissionError;
@@ -10,9 +10,9 @@ use mission::MissionError;
 /// Why latencies could not be measured.
 #[derive(Debug, thiserror::Error)]
 pub enum LatencyError {
-    /// The log cannot be used, or a result cannot be written.
+    /// The log cannot be read.
     #[error(transparent)]
-    Logs(Box<LogsError>),
+    Log(Box<LogReadError>),
     /// There is nothing to measure in the log.
     #[error("{}: the log holds no {what}", path.display())]
     Lacks {
@@ -42,17 +42,15 @@ impl LatencyError {
     pub fn is_invalid_input(&self) -> bool {
         match self {
             Self::Lacks { .. } => true,
-            Self::Logs(error) => {
-                !matches!(**error, LogsError::Write { .. } | LogsError::Interrupted)
-            }
+            Self::Log(error) => !matches!(**error, LogReadError::Interrupted),
             Self::Mission(_) | Self::Link(_) | Self::System { .. } => false,
         }
     }
 }
 
-impl From<LogsError> for LatencyError {
-    fn from(error: LogsError) -> Self {
-        Self::Logs(Box::new(error))
+impl From<LogReadError> for LatencyError {
+    fn from(error: LogReadError) -> Self {
+        Self::Log(Box::new(error))
     }
 }
 

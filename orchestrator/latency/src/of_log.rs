@@ -9,7 +9,7 @@ use ipc_types::topics::{Commands, Status, Topic as _, TopicId, WorldState};
 use mcap_log::Origin;
 use mcap_log::output::MANIFEST;
 use mcap_log::reader::{Channel, Item, Reader};
-use mcap_log::{Condition, LogsError, Watch, known};
+use mcap_log::{Condition, LogReadError, Watch, known};
 use statistics::{Distribution, Distributions};
 
 use super::error::LatencyError;
@@ -143,7 +143,7 @@ impl Reading {
         Ok(())
     }
 
-    fn channel(&mut self, log: &Path, channel: &Rc<Channel>) -> Result<(), LogsError> {
+    fn channel(&mut self, log: &Path, channel: &Rc<Channel>) -> Result<(), LogReadError> {
         if TopicId::from_name(&channel.topic).is_none() {
             return Ok(());
         }

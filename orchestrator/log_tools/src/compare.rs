@@ -6,7 +6,7 @@ use std::path::Path;
 
 use ipc_types::stamp::Stamp;
 use ipc_types::topics::TopicId;
-use mcap_log::LogsError;
+use mcap_log::LogReadError;
 use mcap_log::Topics;
 use mcap_log::Watch;
 use mcap_log::known;
@@ -216,18 +216,18 @@ impl TopicComparison {
 /// (ns). Of a log that does not reach to the end of its run (`cut`), what is there is compared.
 ///
 /// # Errors
-/// [`LogsError`]: one of them cannot be read, or goes back in time.
+/// [`LogReadError`]: one of them cannot be read, or goes back in time.
 pub fn compare(
     log: &Path,
     again: &Path,
     before: u64,
     cut: bool,
     watch: &mut Watch,
-) -> Result<Comparison, LogsError> {
+) -> Result<Comparison, LogReadError> {
     let open = |path: &Path, watch: &mut Watch| {
         let mut source = Source::open(path, &Topics::default(), before, false)?;
         source.seek(0, watch)?;
-        Ok::<_, LogsError>(source)
+        Ok::<_, LogReadError>(source)
     };
     let (mut a, mut b) = (open(log, watch)?, open(again, watch)?);
     watch.begin(a.length());
@@ -255,11 +255,11 @@ pub fn compare(
 }
 
 /// Everything of the next time, which is not before this one; nothing at the end.
-fn next(source: &mut Source, time: u64) -> Result<Vec<Logged>, LogsError> {
+fn next(source: &mut Source, time: u64) -> Result<Vec<Logged>, LogReadError> {
     let mut messages = Vec::new();
     source.tick(&mut messages)?;
     if messages.first().is_some_and(|first| first.time < time) {
-        return Err(LogsError::NotRepeatable {
+        return Err(LogReadError::NotRepeatable {
             path: source.path().to_owned(),
             reason: "its messages are not in the order of their times".to_owned(),
         });

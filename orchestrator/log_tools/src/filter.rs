@@ -4,7 +4,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use mcap_log::Condition;
-use mcap_log::LogsError;
 use mcap_log::MessageHeader;
 use mcap_log::Topics;
 use mcap_log::Watch;
@@ -12,6 +11,7 @@ use mcap_log::known;
 use mcap_log::output::{FILTERED, MANIFEST, Output, no_longer_whole};
 use mcap_log::reader::{Item, Reader};
 use mcap_log::states::{States, is_latched};
+use mcap_log::{DerivedError, LogReadError};
 use serde::Serialize;
 
 /// What is kept of a log.
@@ -50,14 +50,14 @@ pub struct Filtered {
 /// before the start.
 ///
 /// # Errors
-/// [`LogsError`]; then there is no new log.
+/// [`DerivedError`]; then there is no new log.
 #[expect(clippy::too_many_lines, reason = "one kind of item after the other")]
 pub fn filter(
     log: &Path,
     out: &Path,
     options: &FilterOptions,
     watch: &mut Watch,
-) -> Result<Filtered, LogsError> {
+) -> Result<Filtered, DerivedError> {
     let (start, end) = (
         nanoseconds("--start", options.start_s)?,
         nanoseconds("--end", options.end_s)?,
@@ -66,7 +66,7 @@ pub fn filter(
         && start > end
     {
         let text = "--start: expected a time that is not after --end";
-        return Err(LogsError::Argument(text.to_owned()));
+        return Err(LogReadError::Argument(text.to_owned()).into());
     }
     let zero = match (start, end) {
         (None, None) => 0,
@@ -173,7 +173,7 @@ pub fn filter(
 }
 
 /// Writes the states at the start, in the order in which they were.
-fn restore(states: &mut States, from: u64, output: &mut Output) -> Result<u64, LogsError> {
+fn restore(states: &mut States, from: u64, output: &mut Output) -> Result<u64, DerivedError> {
     let last = states.take();
     for (header, data) in &last {
         let header = MessageHeader {
@@ -189,11 +189,11 @@ fn restore(states: &mut States, from: u64, output: &mut Output) -> Result<u64, L
 ///
 /// # Errors
 /// A time that is negative, not finite or beyond 1e10 s.
-pub fn nanoseconds(option: &str, time: Option<f64>) -> Result<Option<u64>, LogsError> {
+pub fn nanoseconds(option: &str, time: Option<f64>) -> Result<Option<u64>, LogReadError> {
     match time {
         None => Ok(None),
         Some(t) if (0.0..=1e10).contains(&t) => Ok(Some((t * 1e9).round() as u64)),
-        Some(t) => Err(LogsError::Argument(format!(
+        Some(t) => Err(LogReadError::Argument(format!(
             "{option} {t}: expected a time from 0 to 1e10 [s]"
         ))),
     }
@@ -201,7 +201,7 @@ pub fn nanoseconds(option: &str, time: Option<f64>) -> Result<Option<u64>, LogsE
 
 /// The log time that counts as 0: that of the start of the run in logs of ours, else that of the
 /// first message.
-fn zero(log: &Path, watch: &mut Watch) -> Result<u64, LogsError> {
+fn zero(log: &Path, watch: &mut Watch) -> Result<u64, LogReadError> {
     let mut reader = Reader::open(log, Some(watch))?;
     let mut first = u64::MAX;
     while let Some(item) = reader.next()? {

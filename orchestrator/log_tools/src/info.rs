@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use mcap_log::Condition;
-use mcap_log::LogsError;
+use mcap_log::LogReadError;
 use mcap_log::MessageHeader;
 use mcap_log::Watch;
 use mcap_log::known;
@@ -200,9 +200,9 @@ impl LogInfo {
     /// Reads a log from its beginning to its end and checks every checksum in it.
     ///
     /// # Errors
-    /// [`LogsError`] if it cannot be read or is not an MCAP file. Whatever else is wrong with it is
+    /// [`LogReadError`] if it cannot be read or is not an MCAP file. Whatever else is wrong with it is
     /// in [`LogInfo::condition`].
-    pub fn read(path: &Path, watch: &mut Watch) -> Result<Self, LogsError> {
+    pub fn read(path: &Path, watch: &mut Watch) -> Result<Self, LogReadError> {
         let mut reader = Reader::open(path, Some(watch))?;
         let mut tallies: BTreeMap<u16, Tally> = BTreeMap::new();
         let mut records: BTreeMap<String, BTreeMap<String, String>> = BTreeMap::new();

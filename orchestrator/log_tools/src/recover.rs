@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use mcap_log::Condition;
-use mcap_log::LogsError;
+use mcap_log::DerivedError;
 use mcap_log::Watch;
 use mcap_log::output::{Output, RECOVERED, no_longer_whole};
 use mcap_log::reader::{Item, Reader};
@@ -33,13 +33,13 @@ pub struct Recovered {
 /// a summary.
 ///
 /// # Errors
-/// [`LogsError`]; then there is no new log.
+/// [`DerivedError`]; then there is no new log.
 pub fn recover(
     log: &Path,
     out: &Path,
     force: bool,
     watch: &mut Watch,
-) -> Result<Recovered, LogsError> {
+) -> Result<Recovered, DerivedError> {
     let mut reader = Reader::open(log, Some(watch))?;
     let mut output: Option<Output> = None;
     let (mut messages, mut attachments, mut metadata, mut end_ns) = (0, 0, 0, 0);

@@ -1,27 +1,55 @@
 //! Files that are made from a log, which they never replace.
 
 use std::io::{self, Write as _};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use platform::atomic_file::{AtomicFile, Existing, Readers};
 
-use crate::LogsError;
+use crate::LogReadError;
+
+/// Why a file could not be made from a log.
+#[derive(Debug, thiserror::Error)]
+pub enum DerivedError {
+    /// The log cannot be read.
+    #[error(transparent)]
+    Log(#[from] LogReadError),
+    /// The result's file is there already.
+    #[error("{} exists already; choose another name with --out or overwrite it with --force", path.display())]
+    Exists {
+        /// The file or directory.
+        path: PathBuf,
+    },
+    /// The result would replace the log.
+    #[error("{} is the log itself; choose another name with --out", path.display())]
+    IsTheLog {
+        /// The log.
+        path: PathBuf,
+    },
+    /// The result could not be written; what was at its place before is untouched.
+    #[error("cannot write {}: {source}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system or the writer said.
+        source: io::Error,
+    },
+}
 
 /// An empty file that is to stand at `path` and is made from `log`.
 ///
 /// # Errors
-/// [`LogsError::IsTheLog`]; [`LogsError::Exists`] without `force` if there is a file already;
-/// [`LogsError::Write`].
+/// [`DerivedError::IsTheLog`]; [`DerivedError::Exists`] without `force` if there is a file already;
+/// [`DerivedError::Write`].
 pub fn create(
     path: &Path,
     log: &Path,
     force: bool,
     readers: Readers,
-) -> Result<AtomicFile, LogsError> {
+) -> Result<AtomicFile, DerivedError> {
     if let (Ok(a), Ok(b)) = (path.canonicalize(), log.canonicalize())
         && a == b
     {
-        return Err(LogsError::IsTheLog { path: a });
+        return Err(DerivedError::IsTheLog { path: a });
     }
     AtomicFile::create(path, Existing::of_force(force), readers).map_err(failed(path))
 }
@@ -36,21 +64,21 @@ pub fn write(
     log: &Path,
     force: bool,
     readers: Readers,
-) -> Result<(), LogsError> {
+) -> Result<(), DerivedError> {
     let mut file = create(path, log, force, readers)?;
     file.write_all(bytes).map_err(failed(path))?;
     file.commit().map_err(failed(path))
 }
 
 /// The error of a file that cannot be written.
-pub fn failed(path: &Path) -> impl Fn(io::Error) -> LogsError {
+pub fn failed(path: &Path) -> impl Fn(io::Error) -> DerivedError {
     let path = path.to_owned();
     move |source| {
         let path = path.clone();
         if source.kind() == io::ErrorKind::AlreadyExists {
-            LogsError::Exists { path }
+            DerivedError::Exists { path }
         } else {
-            LogsError::Write { path, source }
+            DerivedError::Write { path, source }
         }
     }
 }
@@ -61,7 +89,7 @@ mod tests {
 
     use super::*;
 
-    fn save(text: &str, path: &Path, log: &Path, force: bool) -> Result<(), LogsError> {
+    fn save(text: &str, path: &Path, log: &Path, force: bool) -> Result<(), DerivedError> {
         write(text.as_bytes(), path, log, force, Readers::Anybody)
     }
 
@@ -87,7 +115,7 @@ mod tests {
         let log = folder.path().join("a.mcap");
         let missing = folder.path().join("no/such/a.svg");
         let error = save("svg", &missing, &log, false).unwrap_err();
-        assert!(matches!(error, LogsError::Write { .. }), "{error}");
+        assert!(matches!(error, DerivedError::Write { .. }), "{error}");
         // A folder stands where the file should go.
         let taken = folder.path().join("taken");
         fs::create_dir(&taken).unwrap();

@@ -1,11 +1,11 @@
-//! What can go wrong with reading, cutting and copying logs.
+//! Why a log cannot be read.
 
 use std::io;
 use std::path::PathBuf;
 
-/// Why a command on a log could not be carried out.
+/// Why a log, or the wanted part of it, could not be read.
 #[derive(Debug, thiserror::Error)]
-pub enum LogsError {
+pub enum LogReadError {
     /// The log is missing or may not be read.
     #[error("cannot read {}: {source}", path.display())]
     Open {
@@ -22,7 +22,7 @@ pub enum LogsError {
         /// Whether there is nothing in it.
         empty: bool,
     },
-    /// An MCAP file of somebody else.
+    /// An MCAP file of another program.
     #[error(
         "{} holds no {missing}: it is not a log of protean, or its beginning is lost",
         path.display()
@@ -83,26 +83,6 @@ pub enum LogsError {
     /// An argument makes no sense.
     #[error("{0}")]
     Argument(String),
-    /// The result's file is there already.
-    #[error("{} exists already; choose another name with --out or overwrite it with --force", path.display())]
-    Exists {
-        /// The file or directory.
-        path: PathBuf,
-    },
-    /// The result would replace the log.
-    #[error("{} is the log itself; choose another name with --out", path.display())]
-    IsTheLog {
-        /// The log.
-        path: PathBuf,
-    },
-    /// The result could not be written; what was at its place before is untouched.
-    #[error("cannot write {}: {source}", path.display())]
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// What the operating system or the writer said.
-        source: io::Error,
-    },
     /// Ctrl-C.
     #[error("interrupted; nothing was written")]
     Interrupted,

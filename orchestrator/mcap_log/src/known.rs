@@ -10,7 +10,7 @@ use zerocopy::FromBytes as _;
 
 use super::reader::Channel;
 use super::ros2::Schema;
-use crate::LogsError;
+use crate::LogReadError;
 
 /// Bytes in front of a message's first field: the encapsulation of CDR.
 pub const ENCAPSULATION: usize = 4;
@@ -46,13 +46,13 @@ pub fn topic_of(channel: &Channel) -> Option<TopicId> {
 /// `version` is the one that the log names, or empty.
 ///
 /// # Errors
-/// [`LogsError::Layout`] if the log names another layout, [`LogsError::Foreign`] if it names none.
-pub fn check_layout(log: &Path, channel: &Channel, version: &str) -> Result<(), LogsError> {
+/// [`LogReadError::Layout`] if the log names another layout, [`LogReadError::Foreign`] if it names none.
+pub fn check_layout(log: &Path, channel: &Channel, version: &str) -> Result<(), LogReadError> {
     if topic_of(channel).is_some() {
         return Ok(());
     }
     let Some(found) = channel.metadata.get("schema_hash") else {
-        return Err(LogsError::Foreign {
+        return Err(LogReadError::Foreign {
             path: log.to_owned(),
             missing: "schema_hash on its channels",
         });
@@ -62,9 +62,9 @@ pub fn check_layout(log: &Path, channel: &Channel, version: &str) -> Result<(), 
 
 /// The error of a topic that looks different in this version: its layout in the log is `found`. `version`
 /// is the one that the log names, or empty.
-pub(crate) fn other_layout(log: &Path, topic: &str, found: &str, version: &str) -> LogsError {
+pub(crate) fn other_layout(log: &Path, topic: &str, found: &str, version: &str) -> LogReadError {
     let expected = TopicId::from_name(topic).map_or("no such topic", |known| &layout(known).hash);
-    LogsError::Layout {
+    LogReadError::Layout {
         path: log.to_owned(),
         version: version.to_owned(),
         topic: topic.to_owned(),

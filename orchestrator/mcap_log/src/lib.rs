@@ -25,7 +25,8 @@ mod watch;
 mod writer;
 
 pub use condition::{Chunks, Condition, Fault};
-pub use error::LogsError;
+pub use derived::DerivedError;
+pub use error::LogReadError;
 /// Records of MCAP, as the reader hands them out.
 pub use mcap::records::{AttachmentHeader, MessageHeader, Metadata};
 pub use newest_state::newest_state;
@@ -33,8 +34,8 @@ pub use origin::Origin;
 pub use pattern::Topics;
 pub use watch::Watch;
 pub use writer::{
-    ChannelId, ChannelSpec, ChannelTotals, Compression, LogError, LogOptions, LogTotals, LogWriter,
-    Manifest, ManifestFile, Mirror,
+    ChannelId, ChannelSpec, ChannelTotals, Compression, LogOptions, LogTotals, LogWriteError,
+    LogWriter, Manifest, ManifestFile, Mirror,
 };
 
 /// Nanoseconds in seconds.

@@ -7,14 +7,14 @@ use ipc_types::topics::TopicId;
 
 use super::known;
 use super::reader::{Item, Reader};
-use crate::LogsError;
+use crate::LogReadError;
 use crate::Watch;
 
 /// Tick of the newest world state in a log; `None` if there is none.
 ///
 /// # Errors
-/// [`LogsError`] if the log cannot be read at all; damaged ones are read as far as they go.
-pub fn newest_state(log: &Path, watch: &mut Watch) -> Result<Option<u64>, LogsError> {
+/// [`LogReadError`] if the log cannot be read at all; damaged ones are read as far as they go.
+pub fn newest_state(log: &Path, watch: &mut Watch) -> Result<Option<u64>, LogReadError> {
     let mut reader = Reader::open(log, Some(watch))?;
     let mut states: BTreeSet<u16> = BTreeSet::new();
     let mut newest = None;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::LogsError;
+use super::LogReadError;
 use super::known;
 use super::reader::Channel;
 
@@ -20,22 +20,22 @@ impl Origin {
     /// Both must be there.
     ///
     /// # Errors
-    /// The manifest or the scenario is missing: [`LogsError`].
-    pub fn check(&self, log: &Path) -> Result<(), LogsError> {
+    /// The manifest or the scenario is missing: [`LogReadError`].
+    pub fn check(&self, log: &Path) -> Result<(), LogReadError> {
         let missing = match (self.manifest.is_empty(), self.scenario.is_none()) {
             (true, _) => "manifest",
             (_, true) => "scenario",
             _ => return Ok(()),
         };
         let path = log.to_owned();
-        Err(LogsError::Foreign { path, missing })
+        Err(LogReadError::Foreign { path, missing })
     }
 
     /// Whether a channel of ours is that of this version.
     ///
     /// # Errors
-    /// The channel is of another version: [`LogsError`].
-    pub fn check_layout(&self, log: &Path, channel: &Channel) -> Result<(), LogsError> {
+    /// The channel is of another version: [`LogReadError`].
+    pub fn check_layout(&self, log: &Path, channel: &Channel) -> Result<(), LogReadError> {
         let Some(found) = channel.metadata.get("schema_hash") else {
             return Ok(());
         };
@@ -46,7 +46,7 @@ impl Origin {
     }
 
     /// A topic looks different in this version.
-    pub fn layout(&self, log: &Path, topic: &str, found: &str) -> LogsError {
+    pub fn layout(&self, log: &Path, topic: &str, found: &str) -> LogReadError {
         let version = self.manifest.get("version");
         known::other_layout(log, topic, found, version.map_or("", String::as_str))
     }

@@ -9,9 +9,8 @@ use mcap::records::{AttachmentHeader, MessageHeader, Metadata};
 use mcap::{Attachment, McapError, WriteOptions};
 use platform::atomic_file::{AtomicFile, Readers};
 
-use super::derived;
+use super::derived::{self, DerivedError};
 use super::reader::{Channel, Schema};
-use crate::LogsError;
 use crate::{Compression, LogOptions};
 
 /// Writes the same records as the log that they come from, with the same numbers, in new chunks
@@ -25,8 +24,13 @@ impl Output {
     /// See [`derived::create`]; `profile` is that of the log.
     ///
     /// # Errors
-    /// The file cannot be written: [`LogsError`].
-    pub fn create(path: &Path, log: &Path, force: bool, profile: &str) -> Result<Self, LogsError> {
+    /// The file cannot be written: [`DerivedError`].
+    pub fn create(
+        path: &Path,
+        log: &Path,
+        force: bool,
+        profile: &str,
+    ) -> Result<Self, DerivedError> {
         let file = derived::create(path, log, force, Readers::Owner)?;
         let options = LogOptions::default();
         let (compression, level) = match options.compression {
@@ -54,7 +58,7 @@ impl Output {
     ///
     /// # Errors
     /// The file cannot be written.
-    pub fn schema(&mut self, id: u16, schema: &Schema) -> Result<(), LogsError> {
+    pub fn schema(&mut self, id: u16, schema: &Schema) -> Result<(), DerivedError> {
         let Schema {
             name,
             encoding,
@@ -68,7 +72,7 @@ impl Output {
     ///
     /// # Errors
     /// The file cannot be written.
-    pub fn channel(&mut self, channel: &Channel) -> Result<(), LogsError> {
+    pub fn channel(&mut self, channel: &Channel) -> Result<(), DerivedError> {
         let added = self.writer.add_channel_with_id(
             channel.id,
             channel.schema_id,
@@ -83,7 +87,7 @@ impl Output {
     ///
     /// # Errors
     /// The file cannot be written.
-    pub fn message(&mut self, header: &MessageHeader, data: &[u8]) -> Result<(), LogsError> {
+    pub fn message(&mut self, header: &MessageHeader, data: &[u8]) -> Result<(), DerivedError> {
         let written = self.writer.write_to_known_channel(header, data);
         self.check(written)
     }
@@ -92,7 +96,11 @@ impl Output {
     ///
     /// # Errors
     /// The file cannot be written.
-    pub fn attachment(&mut self, header: &AttachmentHeader, data: &[u8]) -> Result<(), LogsError> {
+    pub fn attachment(
+        &mut self,
+        header: &AttachmentHeader,
+        data: &[u8],
+    ) -> Result<(), DerivedError> {
         let written = self.writer.attach(&Attachment {
             log_time: header.log_time,
             create_time: header.create_time,
@@ -107,7 +115,7 @@ impl Output {
     ///
     /// # Errors
     /// The file cannot be written.
-    pub fn metadata(&mut self, metadata: &Metadata) -> Result<(), LogsError> {
+    pub fn metadata(&mut self, metadata: &Metadata) -> Result<(), DerivedError> {
         let written = self.writer.write_metadata(metadata);
         self.check(written)
     }
@@ -115,12 +123,12 @@ impl Output {
     /// Names and values under a name.
     ///
     /// # Errors
-    /// The file cannot be written: [`LogsError`].
+    /// The file cannot be written: [`DerivedError`].
     pub fn note<'a>(
         &mut self,
         name: &str,
         entries: impl IntoIterator<Item = (&'a str, String)>,
-    ) -> Result<(), LogsError> {
+    ) -> Result<(), DerivedError> {
         let metadata: BTreeMap<String, String> = entries
             .into_iter()
             .map(|(key, value)| (key.to_owned(), value))
@@ -132,8 +140,8 @@ impl Output {
     /// Ends the log, puts it in its place and says how large it is (bytes).
     ///
     /// # Errors
-    /// The file cannot be written: [`LogsError`].
-    pub fn finish(mut self) -> Result<u64, LogsError> {
+    /// The file cannot be written: [`DerivedError`].
+    pub fn finish(mut self) -> Result<u64, DerivedError> {
         let finished = self.writer.finish().map(drop);
         self.check(finished)?;
         let Self { writer, path } = self;
@@ -146,12 +154,12 @@ impl Output {
         commit().map_err(derived::failed(&path))
     }
 
-    fn check<T>(&self, result: Result<T, McapError>) -> Result<T, LogsError> {
+    fn check<T>(&self, result: Result<T, McapError>) -> Result<T, DerivedError> {
         result.map_err(|e| failed(&self.path, e))
     }
 }
 
-fn failed(path: &Path, error: McapError) -> LogsError {
+fn failed(path: &Path, error: McapError) -> DerivedError {
     derived::failed(path)(match error {
         McapError::Io(e) => e,
         other => io::Error::other(other),

@@ -1,6 +1,6 @@
 //! Names of topics on the command line.
 
-use crate::LogsError;
+use crate::LogReadError;
 
 /// Which topics are wanted: `world/state`, or with `*` for any letters, `/viewer/*`.
 #[derive(Debug, Clone, Default)]
@@ -26,18 +26,18 @@ impl Topics {
     /// Every name must be that of a topic.
     ///
     /// # Errors
-    /// A name is not that of a topic: [`LogsError`].
+    /// A name is not that of a topic: [`LogReadError`].
     pub fn check<'a>(
         &self,
         known: &(impl Iterator<Item = &'a str> + Clone),
-    ) -> Result<(), LogsError> {
+    ) -> Result<(), LogReadError> {
         for (option, patterns) in [("--topics", &self.only), ("--exclude", &self.without)] {
             for pattern in patterns {
                 if !known.clone().any(|topic| fits(pattern, topic)) {
                     let mut names: Vec<&str> = known.clone().collect();
                     names.sort_unstable();
                     names.dedup();
-                    return Err(LogsError::Topic {
+                    return Err(LogReadError::Topic {
                         option,
                         wanted: pattern.clone(),
                         known: if names.is_empty() {

@@ -13,7 +13,7 @@ use super::known;
 use super::output::MANIFEST;
 use super::reader::{Channel, ChunkPlace, Item, Reader, Schema};
 use super::states::{States, is_latched};
-use crate::LogsError;
+use crate::LogReadError;
 use crate::Origin;
 use crate::Topics;
 use crate::Watch;
@@ -100,13 +100,13 @@ impl Source {
     /// pictures only if `pictures` says so.
     ///
     /// # Errors
-    /// The log cannot be read: [`LogsError`].
+    /// The log cannot be read: [`LogReadError`].
     pub fn open(
         log: &Path,
         topics: &Topics,
         before: u64,
         pictures: bool,
-    ) -> Result<Self, LogsError> {
+    ) -> Result<Self, LogReadError> {
         let reader = Reader::open(log, None)?;
         let mut source = Self {
             reader,
@@ -172,7 +172,7 @@ impl Source {
     }
 
     /// What stands before the first message.
-    fn read_head(&mut self) -> Result<(), LogsError> {
+    fn read_head(&mut self) -> Result<(), LogReadError> {
         while let Some(item) = self.reader.next()? {
             match item {
                 Item::Metadata(record) if record.name == MANIFEST => {
@@ -189,7 +189,7 @@ impl Source {
     }
 
     /// Plays a channel if it is one of ours and wanted; one of ours must look as it does here.
-    fn take_up(&mut self, channel: &Channel) -> Result<(), LogsError> {
+    fn take_up(&mut self, channel: &Channel) -> Result<(), LogReadError> {
         if channel.topic.starts_with("/viewer/") {
             if self.pictures && self.topics.take(&channel.topic) {
                 let played = Played {
@@ -219,8 +219,8 @@ impl Source {
     /// the oldest first.
     ///
     /// # Errors
-    /// The log cannot be read: [`LogsError`].
-    pub fn seek(&mut self, from: u64, watch: &mut Watch) -> Result<Vec<Logged>, LogsError> {
+    /// The log cannot be read: [`LogReadError`].
+    pub fn seek(&mut self, from: u64, watch: &mut Watch) -> Result<Vec<Logged>, LogReadError> {
         self.ahead = None;
         let mut older = States::default();
         match &self.index {
@@ -275,7 +275,7 @@ impl Source {
         before: &[ChunkPlace],
         from: u64,
         found: &mut States,
-    ) -> Result<(), LogsError> {
+    ) -> Result<(), LogReadError> {
         let latched = self.played.iter().filter(|(_, played)| played.latched);
         let mut wanted: BTreeMap<u16, (bool, u32)> = latched
             .map(|(channel, played)| (*channel, (played.one_sender, 0)))
@@ -317,7 +317,7 @@ impl Source {
 
     /// Goes to the next message that is played; `None` at the end. Its header is returned, its bytes
     /// are the reader's last message.
-    fn advance(&mut self) -> Result<Option<(MessageHeader, Played)>, LogsError> {
+    fn advance(&mut self) -> Result<Option<(MessageHeader, Played)>, LogReadError> {
         while self.reader.at() <= self.end {
             match self.reader.next()? {
                 None => break,
@@ -341,8 +341,8 @@ impl Source {
     /// Everything of the next time, in place of what `into` holds; false at the end.
     ///
     /// # Errors
-    /// The log cannot be read: [`LogsError`].
-    pub fn tick(&mut self, into: &mut Vec<Logged>) -> Result<bool, LogsError> {
+    /// The log cannot be read: [`LogReadError`].
+    pub fn tick(&mut self, into: &mut Vec<Logged>) -> Result<bool, LogReadError> {
         let (mut count, mut bytes) = (0, 0);
         loop {
             if count == into.len() {
@@ -361,7 +361,7 @@ impl Source {
             }
             bytes += message.data.len();
             if bytes > TICK_LIMIT {
-                return Err(LogsError::TooLarge {
+                return Err(LogReadError::TooLarge {
                     path: self.reader.path().to_owned(),
                     what: "the messages of one tick",
                     limit: TICK_LIMIT,
@@ -378,7 +378,7 @@ impl Source {
     ///
     /// # Errors
     /// The log cannot be read, or `visit` fails.
-    pub fn audition<E: From<LogsError>>(
+    pub fn audition<E: From<LogReadError>>(
         &mut self,
         watch: &mut Watch,
         visit: &mut dyn FnMut(usize, u32) -> Result<(), E>,
@@ -399,7 +399,7 @@ impl Source {
     }
 
     /// The next message; false at the end.
-    fn next(&mut self, into: &mut Logged) -> Result<bool, LogsError> {
+    fn next(&mut self, into: &mut Logged) -> Result<bool, LogReadError> {
         if let Some(ahead) = self.ahead.take() {
             *into = ahead;
             return Ok(true);

@@ -6,7 +6,7 @@ use std::path::Path;
 use ipc_types::topics::TopicId;
 use mcap::records::MessageHeader;
 
-use crate::LogsError;
+use crate::LogReadError;
 
 /// Most states that are kept.
 const MOST_STATES: usize = 4096;
@@ -24,14 +24,14 @@ impl States {
     /// Keeps a message in place of the one before it.
     ///
     /// # Errors
-    /// What is kept exceeds the memory that a log may take: [`LogsError`].
+    /// What is kept exceeds the memory that a log may take: [`LogReadError`].
     pub fn keep(
         &mut self,
         path: &Path,
         source: u32,
         header: MessageHeader,
         data: &[u8],
-    ) -> Result<(), LogsError> {
+    ) -> Result<(), LogReadError> {
         let key = (header.channel_id, source);
         if !self.last.contains_key(&key) && self.last.len() >= MOST_STATES {
             return Ok(());
@@ -41,7 +41,7 @@ impl States {
             self.bytes -= old.len();
         }
         if self.bytes > STATES_LIMIT {
-            return Err(LogsError::TooLarge {
+            return Err(LogReadError::TooLarge {
                 path: path.to_owned(),
                 what: "the states at the start",
                 limit: STATES_LIMIT,
@@ -53,8 +53,8 @@ impl States {
     /// Adds those of `older` whose channel and sender have none here.
     ///
     /// # Errors
-    /// What is kept exceeds the memory that a log may take: [`LogsError`].
-    pub fn fill_from(&mut self, path: &Path, older: Self) -> Result<(), LogsError> {
+    /// What is kept exceeds the memory that a log may take: [`LogReadError`].
+    pub fn fill_from(&mut self, path: &Path, older: Self) -> Result<(), LogReadError> {
         for ((channel, source), (header, data)) in older.last {
             if !self.last.contains_key(&(channel, source)) {
                 self.keep(path, source, header, &data)?;

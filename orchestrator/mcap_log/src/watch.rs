@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use platform::progress::Progress;
 
-use crate::LogsError;
+use crate::LogReadError;
 
 /// Files below this size are read before anybody looks (bytes).
 const LONG: u64 = 32 << 20;
@@ -43,8 +43,8 @@ impl Watch {
     /// It has been read up to here.
     ///
     /// # Errors
-    /// The command was interrupted: [`LogsError::Interrupted`].
-    pub fn at(&mut self, bytes: u64) -> Result<(), LogsError> {
+    /// The command was interrupted: [`LogReadError::Interrupted`].
+    pub fn at(&mut self, bytes: u64) -> Result<(), LogReadError> {
         if let Some((progress, done)) = &mut self.shown {
             while (*done + 1) * MEGABYTE <= bytes {
                 *done += 1;
@@ -53,7 +53,7 @@ impl Watch {
         }
         if self.interrupted.load(Ordering::Relaxed) {
             self.end();
-            return Err(LogsError::Interrupted);
+            return Err(LogReadError::Interrupted);
         }
         Ok(())
     }

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use ipc_types::bus::{BusError, ReceiveError, SendError};
-use mcap_log::LogError;
+use mcap_log::LogWriteError;
 use runtime::ProcessError;
 use runtime::lockstep::PageError;
 use viewer::LiveError;
@@ -34,7 +34,7 @@ pub enum MissionError {
     Page(#[from] PageError),
     /// The log cannot be created.
     #[error(transparent)]
-    Log(#[from] LogError),
+    Log(#[from] LogWriteError),
     /// Live viewers cannot be served.
     #[error(transparent)]
     Live(#[from] LiveError),

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use mcap_log::{Compression, LogError, LogOptions, Manifest, ManifestFile, Mirror};
+use mcap_log::{Compression, LogOptions, LogWriteError, Manifest, ManifestFile, Mirror};
 
 use super::error::MissionError;
 use super::plan::Plan;
@@ -68,7 +68,8 @@ fn create_log(
         };
         match Recording::create_mirrored(&recorder, &mut mirror) {
             // Another run took the name at the same moment: take the next.
-            Err(LogError::Exists { .. } | LogError::InUse { .. }) if log.path.is_none() => {}
+            Err(LogWriteError::Exists { .. } | LogWriteError::InUse { .. })
+                if log.path.is_none() => {}
             result => return Ok(result?),
         }
     }

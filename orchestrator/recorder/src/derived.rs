@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use ipc_types::consumer::Consumer;
-use mcap_log::LogError;
+use mcap_log::LogWriteError;
 use mcap_log::{ChannelId, ChannelSpec, LogWriter};
 
 /// Makes messages of derived channels from those of the run.
@@ -90,7 +90,10 @@ struct Channel {
 
 impl DerivedLog {
     /// Adds the channels to a log, and what is ready before the first message of the run.
-    pub(super) fn new(derived: Box<dyn Derived>, log: &mut LogWriter) -> Result<Self, LogError> {
+    pub(super) fn new(
+        derived: Box<dyn Derived>,
+        log: &mut LogWriter,
+    ) -> Result<Self, LogWriteError> {
         let add = |channel: &DerivedChannel| {
             let id = log.add_channel(&ChannelSpec {
                 topic: &channel.topic,
@@ -103,7 +106,7 @@ impl DerivedLog {
             Ok(Channel { id, sequence: 0 })
         };
         let channels = derived.channels().iter().map(add);
-        let channels = channels.collect::<Result<_, LogError>>()?;
+        let channels = channels.collect::<Result<_, LogWriteError>>()?;
         let mut this = Self { derived, channels };
         this.write(log)?;
         Ok(this)
@@ -114,12 +117,12 @@ impl DerivedLog {
         &mut self,
         log: &mut LogWriter,
         update: impl FnOnce(&mut dyn Derived),
-    ) -> Result<(), LogError> {
+    ) -> Result<(), LogWriteError> {
         update(self.derived.as_mut());
         self.write(log)
     }
 
-    fn write(&mut self, log: &mut LogWriter) -> Result<(), LogError> {
+    fn write(&mut self, log: &mut LogWriter) -> Result<(), LogWriteError> {
         let ready = self.derived.ready();
         let failure = ready.failure.take();
         for message in ready.messages.drain(..) {
@@ -136,7 +139,7 @@ impl DerivedLog {
             return Ok(());
         };
         let channel = self.derived.channels().get(channel);
-        Err(LogError::Encode {
+        Err(LogWriteError::Encode {
             path: log.path().to_owned(),
             topic: channel.map_or_else(String::new, |channel| channel.topic.clone()),
             reason,

@@ -1,14 +1,14 @@
 //! Errors of recording.
 
 use ipc_types::bus::{BusError, ReceiveError};
-use mcap_log::LogError;
+use mcap_log::LogWriteError;
 
 /// Why a run could not be recorded.
 #[derive(Debug, thiserror::Error)]
 pub enum RecorderError {
     /// The log failed.
     #[error(transparent)]
-    Log(#[from] LogError),
+    Log(#[from] LogWriteError),
     /// A topic could not be opened.
     #[error("the recorder cannot subscribe: {0}")]
     Subscribe(#[from] BusError),

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use ipc_types::consumer::LoggedMessage;
 use ipc_types::schema;
 use ipc_types::topics::TopicId;
-use mcap_log::LogError;
+use mcap_log::LogWriteError;
 use mcap_log::Mirror;
 use mcap_log::{ChannelId, ChannelSpec, LogWriter};
 
@@ -30,7 +30,7 @@ impl Log {
     pub(super) fn create(
         options: &RecorderOptions,
         mirror: &mut Option<Box<dyn Mirror>>,
-    ) -> Result<Self, LogError> {
+    ) -> Result<Self, LogWriteError> {
         let mut writer = LogWriter::create(&options.path, &options.log, &options.manifest)?;
         if let Some(mirror) = mirror.take() {
             writer.mirror_to(mirror);
@@ -65,7 +65,7 @@ impl Log {
         &mut self,
         message: &LoggedMessage<'_>,
         rejected: bool,
-    ) -> Result<(), LogError> {
+    ) -> Result<(), LogWriteError> {
         if message.time_ns != self.time_ns {
             self.end_of_tick()?;
             self.time_ns = message.time_ns;
@@ -94,19 +94,19 @@ impl Log {
     }
 
     /// Every message of the present tick has been written.
-    pub(super) fn end_of_tick(&mut self) -> Result<(), LogError> {
+    pub(super) fn end_of_tick(&mut self) -> Result<(), LogWriteError> {
         match &mut self.derived {
             Some(derived) => derived.update(&mut self.writer, |d| d.end_of_tick(&mut ())),
             None => Ok(()),
         }
     }
 
-    pub(super) fn flush_if_due(&mut self) -> Result<(), LogError> {
+    pub(super) fn flush_if_due(&mut self) -> Result<(), LogWriteError> {
         self.writer.flush_if_due()
     }
 
     /// Writes how the run ended, closes the file, and says in the summary what it holds.
-    pub(super) fn finish(mut self, summary: &mut Summary) -> Result<(), LogError> {
+    pub(super) fn finish(mut self, summary: &mut Summary) -> Result<(), LogWriteError> {
         self.end_of_tick()?;
         if let Some(derived) = &mut self.derived {
             derived.update(&mut self.writer, |derived| derived.finish())?;

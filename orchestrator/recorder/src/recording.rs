@@ -9,7 +9,7 @@ use ipc_types::cdr::SequenceHead;
 use ipc_types::consumer::{Consumer, Consumers, LoggedMessage};
 use ipc_types::stamp::Header as _;
 use ipc_types::topics::{Topic, TopicId};
-use mcap_log::LogError;
+use mcap_log::LogWriteError;
 use mcap_log::Mirror;
 use zerocopy::IntoBytes as _;
 
@@ -57,8 +57,8 @@ impl Recording {
     /// Creates the log.
     ///
     /// # Errors
-    /// [`LogError`] names the file.
-    pub fn create(options: &RecorderOptions) -> Result<Self, LogError> {
+    /// [`LogWriteError`] names the file.
+    pub fn create(options: &RecorderOptions) -> Result<Self, LogWriteError> {
         Self::create_mirrored(options, &mut None)
     }
 
@@ -66,11 +66,11 @@ impl Recording {
     /// gets everything that goes into it.
     ///
     /// # Errors
-    /// [`LogError`] names the file.
+    /// [`LogWriteError`] names the file.
     pub fn create_mirrored(
         options: &RecorderOptions,
         mirror: &mut Option<Box<dyn Mirror>>,
-    ) -> Result<Self, LogError> {
+    ) -> Result<Self, LogWriteError> {
         let log = Log::create(options, mirror)?;
         let recording = Self::without_log(
             &options.processes,
@@ -176,8 +176,12 @@ impl Recording {
     /// Writes the messages of all ticks up to `completed`, in order.
     ///
     /// # Errors
-    /// [`LogError`]; the recording is then at its end.
-    pub fn advance(&mut self, completed: u64, observer: &mut dyn Consumer) -> Result<(), LogError> {
+    /// [`LogWriteError`]; the recording is then at its end.
+    pub fn advance(
+        &mut self,
+        completed: u64,
+        observer: &mut dyn Consumer,
+    ) -> Result<(), LogWriteError> {
         self.write(completed, observer)?;
         self.output.end_of_tick()
     }
@@ -188,13 +192,13 @@ impl Recording {
     /// comes first.
     ///
     /// # Errors
-    /// [`LogError`]; the recording is then at its end.
+    /// [`LogWriteError`]; the recording is then at its end.
     pub fn write_ready(
         &mut self,
         completed: Option<u64>,
         now: Instant,
         observer: &mut dyn Consumer,
-    ) -> Result<(), LogError> {
+    ) -> Result<(), LogWriteError> {
         if let Some(newest) = self.ledger.newest()
             && self.begun.back().is_none_or(|&(_, tick)| tick < newest)
         {
@@ -216,7 +220,7 @@ impl Recording {
         Ok(())
     }
 
-    fn write(&mut self, last: u64, observer: &mut dyn Consumer) -> Result<(), LogError> {
+    fn write(&mut self, last: u64, observer: &mut dyn Consumer) -> Result<(), LogWriteError> {
         let output = &mut self.output;
         output.tick = output.tick.max(last);
         self.intake.take(Some(last), |entry, bytes| {
@@ -227,8 +231,8 @@ impl Recording {
     /// Hands what was written to the operating system if the last time is long enough ago.
     ///
     /// # Errors
-    /// [`LogError::Write`].
-    pub fn flush_if_due(&mut self) -> Result<(), LogError> {
+    /// [`LogWriteError::Write`].
+    pub fn flush_if_due(&mut self) -> Result<(), LogWriteError> {
         match &mut self.output.log {
             Some(log) => log.flush_if_due(),
             None => Ok(()),
@@ -238,8 +242,8 @@ impl Recording {
     /// Writes what still waits, ends the log and says what the run amounted to.
     ///
     /// # Errors
-    /// [`LogError`]; what was written before stays readable.
-    pub fn finish(mut self, observer: &mut dyn Consumer) -> Result<Summary, LogError> {
+    /// [`LogWriteError`]; what was written before stays readable.
+    pub fn finish(mut self, observer: &mut dyn Consumer) -> Result<Summary, LogWriteError> {
         let (output, newest) = (&mut self.output, self.ledger.newest().unwrap_or(0));
         self.intake.take(None, |entry, bytes| {
             // Announced for a time that never came: kept, but neither shown nor at that time.
@@ -283,7 +287,7 @@ impl Output {
         entry: &Entry,
         bytes: &[u8],
         observer: &mut dyn Consumer,
-    ) -> Result<(), LogError> {
+    ) -> Result<(), LogWriteError> {
         let message = LoggedMessage {
             topic: entry.topic,
             stamp: entry.stamp,
@@ -302,7 +306,7 @@ impl Output {
         Ok(())
     }
 
-    fn end_of_tick(&mut self) -> Result<(), LogError> {
+    fn end_of_tick(&mut self) -> Result<(), LogWriteError> {
         match &mut self.log {
             Some(log) => log.end_of_tick(),
             None => Ok(()),

@@ -1,6 +1,6 @@
 //! Errors of doing a run once more.
 
-use mcap_log::LogsError;
+use mcap_log::LogReadError;
 
 use mission::MissionError;
 
@@ -9,7 +9,7 @@ use mission::MissionError;
 pub enum ReplayError {
     /// The log cannot be read, or cannot be done once more.
     #[error(transparent)]
-    Log(#[from] LogsError),
+    Log(#[from] LogReadError),
     /// The run failed.
     #[error(transparent)]
     Mission(Box<MissionError>),

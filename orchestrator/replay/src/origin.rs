@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use mcap_log::{LogsError, Origin};
+use mcap_log::{LogReadError, Origin};
 
 use scenario::files::Base;
 use scenario::kind::Kind;
@@ -13,16 +13,16 @@ use scenario::{Loader, ResolvedScenario};
 /// which else says what follows from that. `kinds` are those of this program.
 ///
 /// # Errors
-/// The scenario of the log cannot be read, or is refused: [`LogsError`].
+/// The scenario of the log cannot be read, or is refused: [`LogReadError`].
 pub fn scenario_of(
     origin: &Origin,
     log: &Path,
     changes: &[String],
     so: &str,
     kinds: &[Kind],
-) -> Result<ResolvedScenario, LogsError> {
+) -> Result<ResolvedScenario, LogReadError> {
     let refuse = |reason: String| {
-        Err(LogsError::NotRepeatable {
+        Err(LogReadError::NotRepeatable {
             path: log.to_owned(),
             reason,
         })
@@ -60,7 +60,7 @@ pub fn scenario_of(
     if changes.is_empty() {
         return Ok(scenario);
     }
-    load(changes).map_err(|problems| LogsError::Argument(format!("--set:\n{problems}")))
+    load(changes).map_err(|problems| LogReadError::Argument(format!("--set:\n{problems}")))
 }
 
 /// Programs that are not ours are started only if somebody has looked at them.
@@ -68,7 +68,7 @@ pub(super) fn refuse_external(
     log: &Path,
     scenario: &ResolvedScenario,
     allowed: bool,
-) -> Result<(), LogsError> {
+) -> Result<(), LogReadError> {
     let external: Vec<String> = scenario
         .external_commands()
         .map(|process| {
@@ -79,7 +79,7 @@ pub(super) fn refuse_external(
     if external.is_empty() || allowed {
         return Ok(());
     }
-    Err(LogsError::NotRepeatable {
+    Err(LogReadError::NotRepeatable {
         path: log.to_owned(),
         reason: format!(
             "its scenario starts programs that are not Protean's own; look at them and add \

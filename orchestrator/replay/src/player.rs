@@ -9,7 +9,7 @@ use ipc_types::bus::{Publisher, PublisherOptions};
 use ipc_types::messages::process::RunControl;
 use ipc_types::stamp::PlainHeader;
 use ipc_types::topics::{Control, NAMES, Topic as _};
-use mcap_log::LogsError;
+use mcap_log::LogReadError;
 use mcap_log::Watch;
 use mcap_log::known;
 use mcap_log::source::{Logged, Source};
@@ -61,11 +61,11 @@ pub fn replay(
     );
     if from > to {
         let text = "--start: expected a time that is not after --end";
-        return Err(LogsError::Argument(text.to_owned()).into());
+        return Err(LogReadError::Argument(text.to_owned()).into());
     }
     if options.rate.is_nan() || options.rate <= 0.0 {
         let text = format!("--rate {}: expected a factor above 0", options.rate);
-        return Err(LogsError::Argument(text).into());
+        return Err(LogReadError::Argument(text).into());
     }
     let before = to.saturating_add(1);
     let mut source = Source::open(log, &options.topics, before, options.live.is_some())?;

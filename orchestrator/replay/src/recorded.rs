@@ -7,7 +7,7 @@ use ipc_types::messages::process::ProcessEvent;
 use ipc_types::messages::world::WorldHeader;
 use ipc_types::stamp::PlainHeader;
 use ipc_types::topics::TopicId;
-use mcap_log::LogsError;
+use mcap_log::LogReadError;
 use mcap_log::Origin;
 use mcap_log::Watch;
 use mcap_log::known::ENCAPSULATION;
@@ -48,12 +48,12 @@ impl Recorded {
     /// Reads a log to its end; `of_interest` says whose failures count, by name.
     ///
     /// # Errors
-    /// [`LogsError`]: the log cannot be read, is none of ours, or one of another version.
+    /// [`LogReadError`]: the log cannot be read, is none of ours, or one of another version.
     pub(super) fn read(
         log: &Path,
         of_interest: impl Fn(&str) -> bool,
         watch: &mut Watch,
-    ) -> Result<Self, LogsError> {
+    ) -> Result<Self, LogReadError> {
         let mut recorded = Self::default();
         let mut reader = Reader::open(log, Some(watch))?;
         let mut topics = BTreeSet::new();

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
-use mcap_log::LogsError;
+use mcap_log::LogReadError;
 use mcap_log::Watch;
 use mcap_log::output::RUN_DIGEST;
 use serde::{Serialize, Serializer};
@@ -130,7 +130,7 @@ pub fn rerun(
         )?
     };
     if report.interrupted {
-        return Err(LogsError::Interrupted.into());
+        return Err(LogReadError::Interrupted.into());
     }
     let digest = report.summary.digest;
     let has_lost = recorded.left.is_some();

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use mcap_log::LogsError;
+use mcap_log::LogReadError;
 
 use crate::ReplayError;
 use crate::{RerunOptions, rerun};
@@ -218,7 +218,7 @@ fn runs_that_cannot_be_done_again_are_refused_with_the_reason() {
     rewrite(&log, &other, |_, _| true, |_| {}, |_| false);
     assert!(matches!(
         refused("no scenario"),
-        ReplayError::Log(LogsError::Foreign { .. })
+        ReplayError::Log(LogReadError::Foreign { .. })
     ));
     std::fs::remove_file(&other).unwrap();
     record_run(&other, 2, 4_000, |_, _| {});
@@ -261,7 +261,7 @@ fn logs_of_another_version_are_refused() {
         output.finish().unwrap();
         let error = rerun(&other, kinds::KINDS, IN_PROCESS, &mut watch()).unwrap_err();
         assert!(
-            matches!(error, ReplayError::Log(LogsError::Layout { .. })),
+            matches!(error, ReplayError::Log(LogReadError::Layout { .. })),
             "{error}"
         );
         assert!(error.to_string().contains(words), "{error}");
@@ -275,7 +275,7 @@ fn a_log_of_another_program_is_refused() {
     std::fs::write(&log, small(mcap::WriteOptions::new(), 2, 3)).unwrap();
     let error = rerun(&log, kinds::KINDS, RerunOptions::default(), &mut watch()).unwrap_err();
     assert!(
-        matches!(error, ReplayError::Log(LogsError::Foreign { .. })),
+        matches!(error, ReplayError::Log(LogReadError::Foreign { .. })),
         "{error}"
     );
 }

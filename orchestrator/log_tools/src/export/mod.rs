@@ -7,12 +7,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use mcap_log::Condition;
-use mcap_log::LogsError;
 use mcap_log::Topics;
 use mcap_log::Watch;
 use mcap_log::derived;
 use mcap_log::reader::{Channel, Item, Reader};
 use mcap_log::ros2::Schema;
+use mcap_log::{DerivedError, LogReadError};
 use platform::atomic_file::{AtomicFile, Readers};
 use serde::Serialize;
 use tables::{self, Cell, Format, Rows};
@@ -79,14 +79,14 @@ struct Open {
 /// every message, with the fields of the message before those of the element.
 ///
 /// # Errors
-/// [`LogsError`]; then there are no tables.
+/// [`DerivedError`]; then there are no tables.
 #[expect(clippy::too_many_lines, reason = "one kind of item after the other")]
 pub fn export(
     log: &Path,
     out: &Path,
     options: &ExportOptions,
     watch: &mut Watch,
-) -> Result<Exported, LogsError> {
+) -> Result<Exported, DerivedError> {
     let mut reader = Reader::open(log, Some(watch))?;
     let folder = Folder::make(out, options.force)?;
     let mut fates: BTreeMap<u16, Fate> = BTreeMap::new();
@@ -121,10 +121,11 @@ pub fn export(
                         }
                         Err(why) => {
                             if options.topics.names(&channel.topic) {
-                                return Err(LogsError::Argument(format!(
+                                return Err(LogReadError::Argument(format!(
                                     "--topics {}: {why}",
                                     channel.topic
-                                )));
+                                ))
+                                .into());
                             }
                             channels.insert(channel.id, (channel.topic.clone(), why));
                             Fate::Skipped
@@ -149,9 +150,10 @@ pub fn export(
                 if open.sink.is_none() {
                     count += 1;
                     if count > MOST_TABLES {
-                        return Err(LogsError::Argument(format!(
+                        return Err(LogReadError::Argument(format!(
                             "--topics: the log has more than {MOST_TABLES} topics; choose some"
-                        )));
+                        ))
+                        .into());
                     }
                     let path = &open.table.file;
                     let file = derived::create(path, log, options.force, Readers::Anybody)?;
@@ -195,7 +197,7 @@ pub fn export(
 }
 
 impl Open {
-    fn take(&mut self, header: &mcap_log::MessageHeader, data: &[u8]) -> Result<(), LogsError> {
+    fn take(&mut self, header: &mcap_log::MessageHeader, data: &[u8]) -> Result<(), DerivedError> {
         let Some(rows) = &mut self.sink else {
             return Ok(());
         };
@@ -271,8 +273,8 @@ struct Folder<'a> {
 }
 
 impl<'a> Folder<'a> {
-    fn make(path: &'a Path, force: bool) -> Result<Self, LogsError> {
-        let failed = |source| LogsError::Write {
+    fn make(path: &'a Path, force: bool) -> Result<Self, DerivedError> {
+        let failed = |source| DerivedError::Write {
             path: path.to_owned(),
             source,
         };
@@ -280,7 +282,7 @@ impl<'a> Folder<'a> {
             Ok(()) => true,
             Err(e) if e.kind() == std::io::ErrorKind::AlreadyExists && path.is_dir() => {
                 if !force && fs::read_dir(path).map_err(failed)?.next().is_some() {
-                    return Err(LogsError::Exists {
+                    return Err(DerivedError::Exists {
                         path: path.to_owned(),
                     });
                 }

@@ -3,7 +3,7 @@
 use std::io::Read as _;
 
 use mcap::{Compression, WriteOptions};
-use mcap_log::LogsError;
+use mcap_log::{DerivedError, LogReadError};
 use proptest::prelude::*;
 
 use super::made_up::record_run;
@@ -50,7 +50,7 @@ fn a_log_cut_at_any_byte_keeps_every_whole_chunk_and_invents_nothing() {
             std::fs::write(&cut, &bytes[..length]).unwrap();
             if length < 8 {
                 let error = LogInfo::read(&cut, &mut watch()).unwrap_err();
-                assert!(matches!(error, LogsError::NotMcap { .. }), "{error}");
+                assert!(matches!(error, LogReadError::NotMcap { .. }), "{error}");
                 continue;
             }
             let (read, condition) = ours(&cut);
@@ -229,7 +229,7 @@ fn files_that_are_not_logs_are_named() {
     }
     assert!(matches!(
         LogInfo::read(folder.path(), &mut watch()),
-        Err(LogsError::Open { .. })
+        Err(LogReadError::Open { .. })
     ));
 }
 
@@ -239,15 +239,21 @@ fn an_interrupted_or_refused_copy_leaves_nothing() {
     let log = file(&folder, "a.mcap", &small(zstd(), 2, 3));
     let out = file(&folder, "out.mcap", b"precious");
     let refused = recover(&log, &out, false, &mut watch()).unwrap_err();
-    assert!(matches!(refused, LogsError::Exists { .. }), "{refused}");
+    assert!(matches!(refused, DerivedError::Exists { .. }), "{refused}");
     let refused = recover(&log, &log, true, &mut watch()).unwrap_err();
-    assert!(matches!(refused, LogsError::IsTheLog { .. }), "{refused}");
+    assert!(
+        matches!(refused, DerivedError::IsTheLog { .. }),
+        "{refused}"
+    );
     let mut watch = watch();
     watch
         .interrupted
         .store(true, std::sync::atomic::Ordering::SeqCst);
     let refused = recover(&log, &out, true, &mut watch).unwrap_err();
-    assert!(matches!(refused, LogsError::Interrupted), "{refused}");
+    assert!(
+        matches!(refused, DerivedError::Log(LogReadError::Interrupted)),
+        "{refused}"
+    );
     assert_eq!(std::fs::read(&out).unwrap(), b"precious");
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use mcap::WriteOptions;
-use mcap_log::{LogsError, Topics};
+use mcap_log::{DerivedError, LogReadError, Topics};
 
 use super::made_up::record_run;
 use super::support::{file, ours, small, theirs, watch};
@@ -101,7 +101,8 @@ fn topics_are_chosen_by_name_and_a_wrong_name_is_refused() {
         let error = filter(&log, &out, &options, &mut watch()).unwrap_err();
         let text = error.to_string();
         assert!(
-            matches!(error, LogsError::Topic { .. }) && text.contains("world/state"),
+            matches!(error, DerivedError::Log(LogReadError::Topic { .. }))
+                && text.contains("world/state"),
             "{text}"
         );
     }
@@ -121,7 +122,10 @@ fn topics_are_chosen_by_name_and_a_wrong_name_is_refused() {
             ..FilterOptions::default()
         };
         let error = filter(&log, &out, &options, &mut watch()).unwrap_err();
-        assert!(matches!(error, LogsError::Argument(_)), "{error}");
+        assert!(
+            matches!(error, DerivedError::Log(LogReadError::Argument(_))),
+            "{error}"
+        );
     }
 }
 

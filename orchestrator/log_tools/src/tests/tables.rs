@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use mcap_log::{LogsError, Topics};
+use mcap_log::{DerivedError, Topics};
 use tables::Format;
 
 use super::made_up::record_run;
@@ -95,7 +95,7 @@ fn tables_are_written_where_nothing_is_lost() {
     exported(folder.path());
     let (log, out) = (folder.path().join("run.mcap"), folder.path().join("tables"));
     let error = export(&log, &out, &options(Format::Csv, &[]), &mut watch()).unwrap_err();
-    assert!(matches!(error, LogsError::Exists { .. }), "{error}");
+    assert!(matches!(error, DerivedError::Exists { .. }), "{error}");
     let other = folder.path().join("other");
     for only in ["nope", "/viewer/map"] {
         assert!(export(&log, &other, &options(Format::Csv, &[only]), &mut watch()).is_err());

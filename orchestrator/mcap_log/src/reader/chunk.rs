@@ -11,7 +11,7 @@ use super::Reader;
 use super::item::Found;
 use super::limits::LIMIT;
 use super::record::PREFIX;
-use crate::LogsError;
+use crate::LogReadError;
 
 /// Bytes of a chunk record before the name of its compression.
 const CHUNK_FIXED: usize = 32;
@@ -29,7 +29,7 @@ pub(super) struct OpenChunk {
 
 impl Reader<'_> {
     /// The next record of the open chunk; `None` behind its last.
-    pub(super) fn next_in_chunk(&mut self) -> Result<Option<Found>, LogsError> {
+    pub(super) fn next_in_chunk(&mut self) -> Result<Option<Found>, LogReadError> {
         let Some(mut chunk) = self.chunk else {
             return Ok(None);
         };
@@ -55,7 +55,7 @@ impl Reader<'_> {
     }
 
     /// Reads a chunk into the buffer, if it holds.
-    pub(super) fn chunk(&mut self, at: u64, record: u64) -> Result<(), LogsError> {
+    pub(super) fn chunk(&mut self, at: u64, record: u64) -> Result<(), LogReadError> {
         self.chunks += 1;
         let mut head = vec![0; (CHUNK_FIXED + COMPRESSION_NAME + 8).min(record as usize)];
         self.file

@@ -8,11 +8,11 @@ use super::Reader;
 use super::item::Found;
 use super::limits::LIMIT;
 use super::record::{PREFIX, name_of};
-use crate::LogsError;
+use crate::LogReadError;
 
 impl Reader<'_> {
     /// The next record of the file; `None` if it is nothing to hand out.
-    pub(super) fn next_in_file(&mut self) -> Result<Option<Found>, LogsError> {
+    pub(super) fn next_in_file(&mut self) -> Result<Option<Found>, LogReadError> {
         let at = self.next;
         if let Some(watch) = &mut self.watch {
             watch.at(at)?;
@@ -114,8 +114,8 @@ impl Reader<'_> {
     /// Checks the checksum over the whole data section, if there is one: call it at the end.
     ///
     /// # Errors
-    /// The log cannot be read: [`LogsError`].
-    pub fn check_all(&mut self) -> Result<(), LogsError> {
+    /// The log cannot be read: [`LogReadError`].
+    pub fn check_all(&mut self) -> Result<(), LogReadError> {
         let Some((end, expected)) = self.data_end.filter(|(_, crc)| *crc != 0) else {
             return Ok(());
         };

@@ -9,7 +9,7 @@ use super::super::fields::Fields;
 use super::Reader;
 use super::limits::DESCRIPTIONS_LIMIT;
 use super::record::PREFIX;
-use crate::LogsError;
+use crate::LogReadError;
 
 /// What the index says of a chunk.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -55,15 +55,15 @@ impl Reader<'_> {
     /// if there is none that holds. What is read next stays what it was, but for an open chunk.
     ///
     /// # Errors
-    /// The log cannot be read: [`LogsError`].
-    pub fn index(&mut self) -> Result<Option<Vec<ChunkPlace>>, LogsError> {
+    /// The log cannot be read: [`LogReadError`].
+    pub fn index(&mut self) -> Result<Option<Vec<ChunkPlace>>, LogReadError> {
         let next = self.at();
         let index = self.read_index();
         self.jump(next);
         index
     }
 
-    fn read_index(&mut self) -> Result<Option<Vec<ChunkPlace>>, LogsError> {
+    fn read_index(&mut self) -> Result<Option<Vec<ChunkPlace>>, LogReadError> {
         // Footer and end mark.
         let mut tail = [0; PREFIX as usize + 20 + 8];
         let Some(footer) = self.length.checked_sub(tail.len() as u64) else {

@@ -30,7 +30,7 @@ pub(super) use self::index::ChunkPlace;
 use self::item::Found;
 pub use self::item::{Channel, Item, Schema};
 use crate::Condition;
-use crate::LogsError;
+use crate::LogReadError;
 use crate::Watch;
 
 /// See the module's text.
@@ -60,9 +60,9 @@ impl<'w> Reader<'w> {
     /// Opens a log.
     ///
     /// # Errors
-    /// The log cannot be read: [`LogsError`].
-    pub fn open(path: &Path, mut watch: Option<&'w mut Watch>) -> Result<Self, LogsError> {
-        let failed = |source| LogsError::Open {
+    /// The log cannot be read: [`LogReadError`].
+    pub fn open(path: &Path, mut watch: Option<&'w mut Watch>) -> Result<Self, LogReadError> {
+        let failed = |source| LogReadError::Open {
             path: path.to_owned(),
             source,
         };
@@ -77,7 +77,7 @@ impl<'w> Reader<'w> {
             || file.read_exact_at(&mut magic, 0).is_err()
             || magic.as_slice() != mcap::MAGIC
         {
-            return Err(LogsError::NotMcap {
+            return Err(LogReadError::NotMcap {
                 path: path.to_owned(),
                 empty: length == 0,
             });
@@ -131,12 +131,12 @@ impl<'w> Reader<'w> {
     /// The next item; `None` at the end.
     ///
     /// # Errors
-    /// The log cannot be read: [`LogsError`].
+    /// The log cannot be read: [`LogReadError`].
     #[allow(
         clippy::should_implement_trait,
         reason = "an item borrows from the reader"
     )]
-    pub fn next(&mut self) -> Result<Option<Item<'_>>, LogsError> {
+    pub fn next(&mut self) -> Result<Option<Item<'_>>, LogReadError> {
         let found = loop {
             if self.chunk.is_some() {
                 if let Some(found) = self.next_in_chunk()? {
@@ -186,8 +186,8 @@ impl<'w> Reader<'w> {
         self.done = false;
     }
 
-    fn failed(&self, source: io::Error) -> LogsError {
-        LogsError::Open {
+    fn failed(&self, source: io::Error) -> LogReadError {
+        LogReadError::Open {
             path: self.path.clone(),
             source,
         }

@@ -9,7 +9,7 @@ use super::super::fields::Fields;
 use super::Reader;
 use super::item::{Channel, Found, Schema};
 use super::limits::DESCRIPTIONS_LIMIT;
-use crate::LogsError;
+use crate::LogReadError;
 
 /// Opcode and length in front of every record (bytes).
 pub(super) const PREFIX: u64 = 9;
@@ -21,7 +21,7 @@ impl Reader<'_> {
         opcode: u8,
         place: Range<usize>,
         at: u64,
-    ) -> Result<Option<Found>, LogsError> {
+    ) -> Result<Option<Found>, LogReadError> {
         // The buffer is put back below: nothing is copied.
         let buffer = core::mem::take(&mut self.buffer);
         let body = buffer.get(place.clone()).unwrap_or_default();
@@ -42,7 +42,7 @@ impl Reader<'_> {
         &mut self,
         body: &[u8],
         at: u64,
-    ) -> Result<Result<Option<Found>, ()>, LogsError> {
+    ) -> Result<Result<Option<Found>, ()>, LogReadError> {
         let mut fields = Fields(body);
         let mut read = || {
             let id = fields.u16().filter(|id| *id != 0)?;
@@ -79,7 +79,7 @@ impl Reader<'_> {
         &mut self,
         body: &[u8],
         at: u64,
-    ) -> Result<Result<Option<Found>, ()>, LogsError> {
+    ) -> Result<Result<Option<Found>, ()>, LogReadError> {
         let mut fields = Fields(body);
         let mut read = || {
             Some(Channel {
@@ -121,10 +121,10 @@ impl Reader<'_> {
         }
     }
 
-    fn describe(&mut self, bytes: usize) -> Result<(), LogsError> {
+    fn describe(&mut self, bytes: usize) -> Result<(), LogReadError> {
         self.descriptions += bytes;
         if self.descriptions > DESCRIPTIONS_LIMIT {
-            return Err(LogsError::TooLarge {
+            return Err(LogReadError::TooLarge {
                 path: self.path.clone(),
                 what: "the descriptions of its channels",
                 limit: DESCRIPTIONS_LIMIT,

@@ -1,11 +1,11 @@
-//! What can go wrong with a log.
+//! Why a run's log cannot be written.
 
 use std::io;
 use std::path::PathBuf;
 
-/// Why a log could not be created or written.
+/// Why the log of a run could not be created or written.
 #[derive(Debug, thiserror::Error)]
-pub enum LogError {
+pub enum LogWriteError {
     /// The file is there already and overwriting was not asked for.
     #[error("{path} exists already; choose another name or ask for it to be overwritten")]
     Exists {

@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use rustix::fs::{FlockOperation, flock};
 
-use crate::LogError;
+use crate::LogWriteError;
 use crate::writer::storage::Storage;
 
 /// Small records (message indexes, headers) are gathered up to this size before they are written.
@@ -23,8 +23,8 @@ const PRIVATE: u32 = 0o600;
 ///
 /// Without `force` the file must not exist. With `force` an existing regular file that no other
 /// run has locked is emptied.
-pub(super) fn create(path: &Path, force: bool) -> Result<File, LogError> {
-    let failed = |source| LogError::Create {
+pub(super) fn create(path: &Path, force: bool) -> Result<File, LogWriteError> {
+    let failed = |source| LogWriteError::Create {
         path: path.to_owned(),
         source,
     };
@@ -35,12 +35,12 @@ pub(super) fn create(path: &Path, force: bool) -> Result<File, LogError> {
         Err(e) if e.kind() == io::ErrorKind::AlreadyExists => {
             // Look before opening: opening a FIFO would block.
             if !path.metadata().map_err(failed)?.is_file() {
-                return Err(LogError::NotAFile {
+                return Err(LogWriteError::NotAFile {
                     path: path.to_owned(),
                 });
             }
             if !force {
-                return Err(LogError::Exists {
+                return Err(LogWriteError::Exists {
                     path: path.to_owned(),
                 });
             }
@@ -54,10 +54,10 @@ pub(super) fn create(path: &Path, force: bool) -> Result<File, LogError> {
     }
 }
 
-fn lock(path: &Path, file: File) -> Result<File, LogError> {
+fn lock(path: &Path, file: File) -> Result<File, LogWriteError> {
     match flock(&file, FlockOperation::NonBlockingLockExclusive) {
         Ok(()) => Ok(file),
-        Err(_) => Err(LogError::InUse {
+        Err(_) => Err(LogWriteError::InUse {
             path: path.to_owned(),
         }),
     }

@@ -10,7 +10,7 @@ use mcap::records::{MessageHeader, Metadata};
 use mcap::{Attachment, McapError, WriteOptions};
 
 use super::log_file::{self, LogFile, Readable};
-use crate::LogError;
+use crate::LogWriteError;
 use crate::Mirror;
 use crate::writer::storage::Storage;
 
@@ -140,13 +140,13 @@ impl LogWriter {
     /// Creates the file and writes the manifest.
     ///
     /// # Errors
-    /// [`LogError::Exists`], [`LogError::InUse`], [`LogError::NotAFile`] or [`LogError::Create`]
-    /// if the file cannot be had, [`LogError::Write`] if it cannot be written.
+    /// [`LogWriteError::Exists`], [`LogWriteError::InUse`], [`LogWriteError::NotAFile`] or [`LogWriteError::Create`]
+    /// if the file cannot be had, [`LogWriteError::Write`] if it cannot be written.
     pub fn create(
         path: &Path,
         options: &LogOptions,
         manifest: &Manifest,
-    ) -> Result<Self, LogError> {
+    ) -> Result<Self, LogWriteError> {
         let file = log_file::create(path, options.force)?;
         Self::on(Box::new(file), path, options, manifest)
     }
@@ -156,7 +156,7 @@ impl LogWriter {
         path: &Path,
         options: &LogOptions,
         manifest: &Manifest,
-    ) -> Result<Self, LogError> {
+    ) -> Result<Self, LogWriteError> {
         let (compression, level) = match options.compression {
             Compression::None => (None, 0),
             Compression::Zstd(level) => (Some(mcap::Compression::Zstd), level),
@@ -209,8 +209,8 @@ impl LogWriter {
     /// Adds a channel.
     ///
     /// # Errors
-    /// [`LogError::Write`] if the file cannot be written or holds 65 535 channels already.
-    pub fn add_channel(&mut self, spec: &ChannelSpec<'_>) -> Result<ChannelId, LogError> {
+    /// [`LogWriteError::Write`] if the file cannot be written or holds 65 535 channels already.
+    pub fn add_channel(&mut self, spec: &ChannelSpec<'_>) -> Result<ChannelId, LogWriteError> {
         let schema = self
             .writer
             .add_schema(spec.schema_name, spec.schema_encoding, spec.schema);
@@ -243,7 +243,7 @@ impl LogWriter {
     /// log writes nothing.
     ///
     /// # Errors
-    /// [`LogError::Write`].
+    /// [`LogWriteError::Write`].
     pub fn write(
         &mut self,
         id: ChannelId,
@@ -251,7 +251,7 @@ impl LogWriter {
         log_time: u64,
         publish_time: u64,
         data: &[u8],
-    ) -> Result<(), LogError> {
+    ) -> Result<(), LogWriteError> {
         let Some(channel) = self.channels.get_mut(id.0) else {
             return Ok(());
         };
@@ -281,8 +281,8 @@ impl LogWriter {
     /// Closes the open chunk if it is older than the options allow. Call it at least that often.
     ///
     /// # Errors
-    /// [`LogError::Write`].
-    pub fn flush_if_due(&mut self) -> Result<(), LogError> {
+    /// [`LogWriteError::Write`].
+    pub fn flush_if_due(&mut self) -> Result<(), LogWriteError> {
         if self.open_bytes > 0 && self.last_flush.elapsed() >= self.flush_every {
             self.flush()?;
         }
@@ -292,8 +292,8 @@ impl LogWriter {
     /// Closes the open chunk and hands everything to the operating system.
     ///
     /// # Errors
-    /// [`LogError::Write`].
-    pub fn flush(&mut self) -> Result<(), LogError> {
+    /// [`LogWriteError::Write`].
+    pub fn flush(&mut self) -> Result<(), LogWriteError> {
         let result = self.writer.flush();
         self.open_bytes = 0;
         self.last_flush = Instant::now();
@@ -303,12 +303,12 @@ impl LogWriter {
     /// Writes a metadata record.
     ///
     /// # Errors
-    /// [`LogError::Write`].
+    /// [`LogWriteError::Write`].
     pub fn metadata(
         &mut self,
         name: &str,
         entries: BTreeMap<String, String>,
-    ) -> Result<(), LogError> {
+    ) -> Result<(), LogWriteError> {
         let record = Metadata {
             name: name.to_owned(),
             metadata: entries,
@@ -317,7 +317,7 @@ impl LogWriter {
         self.check(result)
     }
 
-    fn attach(&mut self, file: &ManifestFile) -> Result<(), LogError> {
+    fn attach(&mut self, file: &ManifestFile) -> Result<(), LogWriteError> {
         let result = self.writer.attach(&Attachment {
             log_time: 0,
             create_time: 0,
@@ -331,8 +331,8 @@ impl LogWriter {
     /// Writes the summary section, waits until the file is on the disk, and says what it holds.
     ///
     /// # Errors
-    /// [`LogError::Write`]; the file then stays readable without its summary.
-    pub fn finish(mut self) -> Result<LogTotals, LogError> {
+    /// [`LogWriteError::Write`]; the file then stays readable without its summary.
+    pub fn finish(mut self) -> Result<LogTotals, LogWriteError> {
         self.flush()?;
         let result = self.writer.finish().map(drop);
         self.check(result)?;
@@ -352,7 +352,7 @@ impl LogWriter {
         })
     }
 
-    fn check<T>(&self, result: Result<T, McapError>) -> Result<T, LogError> {
+    fn check<T>(&self, result: Result<T, McapError>) -> Result<T, LogWriteError> {
         result.map_err(|e| write_error(&self.path, &self.readable, e))
     }
 }
@@ -365,12 +365,12 @@ impl core::fmt::Debug for LogWriter {
     }
 }
 
-fn write_error(path: &Path, readable: &Readable, error: McapError) -> LogError {
+fn write_error(path: &Path, readable: &Readable, error: McapError) -> LogWriteError {
     let source = match error {
         McapError::Io(e) => e,
         other => io::Error::other(other),
     };
-    LogError::Write {
+    LogWriteError::Write {
         path: path.to_owned(),
         readable: readable.bytes(),
         source,

@@ -7,9 +7,9 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::storage::tests::SmallDisk;
-use super::{ChannelSpec, LogError, LogOptions, LogWriter, Manifest};
+use super::{ChannelSpec, LogOptions, LogWriteError, LogWriter, Manifest};
 
-fn create(path: &Path, force: bool) -> Result<LogWriter, LogError> {
+fn create(path: &Path, force: bool) -> Result<LogWriter, LogWriteError> {
     let options = LogOptions {
         force,
         ..LogOptions::default()
@@ -23,7 +23,7 @@ fn an_existing_file_is_kept_unless_forced() {
     let path = directory.path().join("run.mcap");
     std::fs::write(&path, "precious".repeat(1000)).unwrap();
     let error = create(&path, false).unwrap_err();
-    assert!(matches!(error, LogError::Exists { .. }), "{error}");
+    assert!(matches!(error, LogWriteError::Exists { .. }), "{error}");
     assert!(error.to_string().contains("run.mcap"));
     assert!(std::fs::read(&path).unwrap().starts_with(b"precious"));
     create(&path, true).unwrap().finish().unwrap();
@@ -37,12 +37,18 @@ fn a_file_that_is_being_written_is_never_taken() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("run.mcap");
     let log = create(&path, false).unwrap();
-    assert!(matches!(create(&path, false), Err(LogError::Exists { .. })));
+    assert!(matches!(
+        create(&path, false),
+        Err(LogWriteError::Exists { .. })
+    ));
     let error = create(&path, true).unwrap_err();
-    assert!(matches!(error, LogError::InUse { .. }), "{error}");
+    assert!(matches!(error, LogWriteError::InUse { .. }), "{error}");
     assert!(error.to_string().contains("run.mcap"));
     log.finish().unwrap();
-    assert!(matches!(create(&path, false), Err(LogError::Exists { .. })));
+    assert!(matches!(
+        create(&path, false),
+        Err(LogWriteError::Exists { .. })
+    ));
     create(&path, true).unwrap();
 }
 
@@ -65,12 +71,12 @@ fn what_cannot_be_a_log_is_named() {
     let directory = tempfile::tempdir().unwrap();
     for force in [false, true] {
         let error = create(directory.path(), force).unwrap_err();
-        assert!(matches!(error, LogError::NotAFile { .. }), "{error}");
+        assert!(matches!(error, LogWriteError::NotAFile { .. }), "{error}");
         let error = create(Path::new("/dev/null"), force).unwrap_err();
-        assert!(matches!(error, LogError::NotAFile { .. }), "{error}");
+        assert!(matches!(error, LogWriteError::NotAFile { .. }), "{error}");
         let missing = directory.path().join("no/such/run.mcap");
         let error = create(&missing, force).unwrap_err();
-        assert!(matches!(error, LogError::Create { .. }), "{error}");
+        assert!(matches!(error, LogWriteError::Create { .. }), "{error}");
         assert!(error.to_string().contains("no/such/run.mcap"), "{error}");
     }
 }
@@ -111,7 +117,7 @@ fn on_a_full_disk_everything_up_to_the_last_whole_chunk_stays_readable() {
                 Err(error) => break error,
             }
         };
-        let LogError::Write {
+        let LogWriteError::Write {
             source, readable, ..
         } = &error
         else {

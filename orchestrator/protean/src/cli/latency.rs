@@ -6,13 +6,13 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use mcap_log::{LogsError, Watch, derived};
+use mcap_log::{DerivedError, Watch, derived};
 use platform::atomic_file::Readers;
 use platform::eprintln;
 
 use super::run::{handle_signals, refuse_external};
 use super::{DEFAULT_SCENARIO, EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, OverrideArgs};
-use super::{print, print_json};
+use super::{logs, print, print_json};
 use latency::baselines::Repetitions;
 use latency::{LatencyError, Report, Run, baselines, mission, of_log, text};
 use scenario::kind::Kind;
@@ -119,7 +119,7 @@ fn measure(
             Ok((out, file))
         })
         .transpose()
-        .map_err(|error: LogsError| refusal(&error.into()))?;
+        .map_err(|error| refusal_of_file(&error))?;
     let mut report = Report::new();
     let mut code = 0;
     if let Some(log) = &log {
@@ -141,7 +141,7 @@ fn measure(
     if let Some((out, mut file)) = json {
         writeln!(file, "{:#}", report.json())
             .and_then(|()| file.commit())
-            .map_err(|error| refusal(&derived::failed(out)(error).into()))?;
+            .map_err(|error| refusal_of_file(&derived::failed(out)(error)))?;
     }
     if args.json.as_deref() == Some(Path::new("-")) {
         print_json(&report.json());
@@ -159,10 +159,15 @@ fn measure(
 
 fn refusal(error: &LatencyError) -> Refusal {
     let code = match error {
-        LatencyError::Logs(error) if matches!(**error, LogsError::Interrupted) => EXIT_PARTIAL,
+        LatencyError::Log(error) => logs::exit_code_of_read(error),
         error if error.is_invalid_input() => EXIT_INVALID,
         _ => EXIT_FAILED,
     };
+    (format!("error: {error}"), code)
+}
+
+fn refusal_of_file(error: &DerivedError) -> Refusal {
+    let code = logs::exit_code_of_derived(error);
     (format!("error: {error}"), code)
 }
 

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use mcap_log::{Condition, LogsError, Topics, Watch};
+use mcap_log::{Condition, DerivedError, LogReadError, Topics, Watch};
 use platform::eprintln;
 
 use super::run::handle_signals;
@@ -49,7 +49,7 @@ pub(super) struct PartArgs {
 /// Does something with a log that can be interrupted, and says how it ended.
 pub(super) fn command(
     quiet: bool,
-    work: impl FnOnce(&mut Watch) -> Result<ExitCode, ReplayError>,
+    work: impl FnOnce(&mut Watch) -> Result<ExitCode, CommandError>,
 ) -> ExitCode {
     let interrupted = Arc::new(AtomicBool::new(false));
     if let Err(error) = handle_signals(&interrupted) {
@@ -59,12 +59,49 @@ pub(super) fn command(
     let mut watch = Watch::new(interrupted, quiet);
     work(&mut watch).unwrap_or_else(|error| {
         eprintln!("error: {error}");
-        ExitCode::from(match error {
-            ReplayError::Log(LogsError::Write { .. }) | ReplayError::Mission(_) => EXIT_FAILED,
-            ReplayError::Log(LogsError::Interrupted) => EXIT_PARTIAL,
-            ReplayError::Log(_) => EXIT_INVALID,
-        })
+        ExitCode::from(error.exit_code())
     })
+}
+
+/// Why a command on a log failed.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum CommandError {
+    /// The log cannot be read.
+    #[error(transparent)]
+    Log(#[from] LogReadError),
+    /// A file cannot be made from the log.
+    #[error(transparent)]
+    Derived(#[from] DerivedError),
+    /// The run cannot be done again.
+    #[error(transparent)]
+    Replay(#[from] ReplayError),
+}
+
+impl CommandError {
+    fn exit_code(&self) -> u8 {
+        match self {
+            Self::Log(error) | Self::Replay(ReplayError::Log(error)) => exit_code_of_read(error),
+            Self::Derived(error) => exit_code_of_derived(error),
+            Self::Replay(ReplayError::Mission(_)) => EXIT_FAILED,
+        }
+    }
+}
+
+/// The exit code of a command whose log cannot be read.
+pub(super) fn exit_code_of_read(error: &LogReadError) -> u8 {
+    match error {
+        LogReadError::Interrupted => EXIT_PARTIAL,
+        _ => EXIT_INVALID,
+    }
+}
+
+/// The exit code of a command that cannot make its file from a log.
+pub(super) fn exit_code_of_derived(error: &DerivedError) -> u8 {
+    match error {
+        DerivedError::Log(error) => exit_code_of_read(error),
+        DerivedError::Write { .. } => EXIT_FAILED,
+        DerivedError::Exists { .. } | DerivedError::IsTheLog { .. } => EXIT_INVALID,
+    }
 }
 
 /// Says that a log is of another version than the program that does it again.

@@ -6,11 +6,10 @@ use std::process::ExitCode;
 use mcap_log::Watch;
 use platform::eprintln;
 
-use super::logs::{self, PartArgs};
+use super::logs::{self, CommandError, PartArgs};
 use super::run::tell_of_viewers;
 use super::{DEFAULT_PORT, EXIT_PARTIAL, print, print_json};
 use log_tools::TopicComparison;
-use replay::ReplayError;
 use replay::{ReplayOptions, Replayed, Verified, VerifyOptions, verify};
 use scenario::kind::Kind;
 
@@ -94,7 +93,7 @@ pub fn run(kinds: &[Kind], args: ReplayArgs) -> ExitCode {
     })
 }
 
-fn play(kinds: &[Kind], args: ReplayArgs, watch: &mut Watch) -> Result<ExitCode, ReplayError> {
+fn play(kinds: &[Kind], args: ReplayArgs, watch: &mut Watch) -> Result<ExitCode, CommandError> {
     let options = ReplayOptions {
         rate: if args.as_fast_as_possible {
             f64::INFINITY
@@ -126,7 +125,7 @@ fn play(kinds: &[Kind], args: ReplayArgs, watch: &mut Watch) -> Result<ExitCode,
     })
 }
 
-fn test(kinds: &[Kind], args: ReplayArgs, watch: &mut Watch) -> Result<ExitCode, ReplayError> {
+fn test(kinds: &[Kind], args: ReplayArgs, watch: &mut Watch) -> Result<ExitCode, CommandError> {
     let options = VerifyOptions {
         processes: args.test,
         changes: args.set,

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use mcap_log::LogsError;
+use mcap_log::LogReadError;
 use runtime::lockstep::{Conductor, TurnEnd};
 
 use crate::ReplayError;
@@ -76,11 +76,11 @@ impl ProcessesUnderTest for Processes<'_> {
         loop {
             match self.conductor.wait(tick) {
                 TurnEnd::Complete => return Ok(()),
-                TurnEnd::Stop => return Err(LogsError::Interrupted.into()),
+                TurnEnd::Stop => return Err(LogReadError::Interrupted.into()),
                 TurnEnd::Idle => self.supervisor.attend()?,
             }
             if self.interrupted.load(Ordering::SeqCst) {
-                return Err(LogsError::Interrupted.into());
+                return Err(LogReadError::Interrupted.into());
             }
         }
     }
@@ -91,6 +91,6 @@ fn or_interrupted(done: Result<bool, MissionError>) -> Result<(), ReplayError> {
     if done? {
         Ok(())
     } else {
-        Err(LogsError::Interrupted.into())
+        Err(LogReadError::Interrupted.into())
     }
 }

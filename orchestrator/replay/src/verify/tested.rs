@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use mcap_log::LogsError;
+use mcap_log::LogReadError;
 use mcap_log::Origin;
 use runtime::kind::{Need, Product};
 
@@ -28,7 +28,7 @@ impl Tested {
         options: &VerifyOptions,
     ) -> Result<Self, ReplayError> {
         let refuse =
-            |reason: String| ReplayError::from(LogsError::Argument(format!("--test {reason}")));
+            |reason: String| ReplayError::from(LogReadError::Argument(format!("--test {reason}")));
         let manifest = &origin.manifest;
         let names = |names: Vec<&str>| names.join(",");
         let mut now = names(
@@ -49,7 +49,7 @@ impl Tested {
             if let Some(then) = manifest.get(key)
                 && *then != now
             {
-                return Err(LogsError::Argument(format!(
+                return Err(LogReadError::Argument(format!(
                     "--set: the {key} of the log are {then}, with the changes they are {now}: what \
                      is in the log is not for them"
                 ))

@@ -5,7 +5,7 @@ use std::time::Instant;
 use ipc_types::bus::Bus;
 use ipc_types::messages::world::WorldHeader;
 use ipc_types::topics::{Control, NAMES, Topic as _, WorldMap, WorldShapes, WorldState};
-use mcap_log::LogsError;
+use mcap_log::LogReadError;
 use mcap_log::Watch;
 use mcap_log::known::ENCAPSULATION;
 use mcap_log::source::{Logged, Source};
@@ -129,11 +129,11 @@ impl<'a> Trial<'a> {
         let mut over = false;
         while let Some(now) = moment {
             if watch.interrupted.load(std::sync::atomic::Ordering::Relaxed) {
-                return Err(LogsError::Interrupted.into());
+                return Err(LogReadError::Interrupted.into());
             }
             let state = now.state().filter(|state| state.stamp.tick == done.ticks);
             let Some(state) = state.filter(|_| now.tick == done.ticks) else {
-                return Err(LogsError::NotRepeatable {
+                return Err(LogReadError::NotRepeatable {
                     path: source.path().to_owned(),
                     reason: format!(
                         "the state of the world at tick {} is not in it: a log that was cut or \

@@ -7,7 +7,7 @@ use geometry::map::ObstacleChange;
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::world::RobotState;
 use ipc_types::topics::TopicId;
-use mcap_log::{Condition, LogsError, Watch};
+use mcap_log::{Condition, LogReadError, Watch};
 
 use super::happened::Happened;
 use super::layers::Layers;
@@ -78,7 +78,7 @@ impl Gathered {
         log: &Path,
         kinds: &'static [Kind],
         watch: &mut Watch,
-    ) -> Result<Self, LogsError> {
+    ) -> Result<Self, LogReadError> {
         let weigh = |frame: &Frame| frame.robots.len();
         let mut frames = Frames(Sampled::new(0, MOST_STATES, weigh));
         let (mut layers, mut happened) = (Layers::default(), Happened::default());

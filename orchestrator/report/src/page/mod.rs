@@ -25,7 +25,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use mcap_log::derived;
-use mcap_log::{Condition, LogsError, Watch};
+use mcap_log::{Condition, DerivedError, Watch};
 use platform::atomic_file::Readers;
 use serde::Serialize;
 
@@ -61,7 +61,7 @@ pub struct Report {
 /// Writes the page of a log, whole or not at all.
 ///
 /// # Errors
-/// [`LogsError`]: the log cannot be read, is not one of ours or of another version, or the page
+/// [`DerivedError`]: the log cannot be read, is not one of ours or of another version, or the page
 /// cannot be written.
 pub fn report(
     log: &Path,
@@ -69,7 +69,7 @@ pub fn report(
     out: &Path,
     force: bool,
     watch: &mut Watch,
-) -> Result<Report, LogsError> {
+) -> Result<Report, DerivedError> {
     // Whether the page may stand there is known before the log has been read.
     let mut file = derived::create(out, log, force, Readers::Owner)?;
     let mut gathered = Gathered::read(log, kinds, watch)?;

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use mcap_log::{LogsError, Topics, Watch};
+use mcap_log::{DerivedError, LogReadError, Topics, Watch};
 use serde_json::Value as Json;
 
 use super::{Report, report};
@@ -81,10 +81,13 @@ fn the_page_says_what_the_run_amounted_to() {
         false,
         &mut watch(),
     );
-    assert!(matches!(again, Err(LogsError::Exists { .. })), "{again:?}");
+    assert!(
+        matches!(again, Err(DerivedError::Exists { .. })),
+        "{again:?}"
+    );
     let itself = super::report(&log, KINDS, &log, true, &mut watch());
     assert!(
-        matches!(itself, Err(LogsError::IsTheLog { .. })),
+        matches!(itself, Err(DerivedError::IsTheLog { .. })),
         "{itself:?}"
     );
 }
@@ -124,7 +127,8 @@ fn a_truncated_log_is_shown_as_far_as_it_goes() {
         std::fs::write(&cut, &bytes[..bytes.len() * part / 40]).unwrap();
         match super::report(&cut, KINDS, &out, true, &mut watch()) {
             Ok(report) => assert!(!report.missing.is_empty()),
-            Err(LogsError::NotMcap { .. } | LogsError::Foreign { .. }) => {}
+            Err(DerivedError::Log(LogReadError::NotMcap { .. } | LogReadError::Foreign { .. })) => {
+            }
             Err(other) => panic!("{other}"),
         }
     }

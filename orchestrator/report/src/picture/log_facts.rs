@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use ipc_types::messages::world::{MapCell, MapHeader};
-use mcap_log::LogsError;
+use mcap_log::LogReadError;
 use mcap_log::output::{FILTERED, MANIFEST, RECOVERED, RESULT};
 use mcap_log::{AttachmentHeader, Metadata};
 
@@ -44,20 +44,21 @@ impl LogFacts {
     /// Takes up an attachment.
     ///
     /// # Errors
-    /// [`LogsError::NotRepeatable`] if the scenario cannot be understood.
+    /// [`LogReadError::NotRepeatable`] if the scenario cannot be understood.
     pub(crate) fn attachment(
         &mut self,
         log: &Path,
         header: &AttachmentHeader,
         data: &[u8],
-    ) -> Result<(), LogsError> {
+    ) -> Result<(), LogReadError> {
         if header.name != "scenario.toml" {
             return Ok(());
         }
-        let scenario = LoggedScenario::parse(data).map_err(|reason| LogsError::NotRepeatable {
-            path: log.to_owned(),
-            reason: format!("the scenario in it cannot be understood: {reason}"),
-        })?;
+        let scenario =
+            LoggedScenario::parse(data).map_err(|reason| LogReadError::NotRepeatable {
+                path: log.to_owned(),
+                reason: format!("the scenario in it cannot be understood: {reason}"),
+            })?;
         self.scenario = Some(scenario);
         self.scenario_text = String::from_utf8_lossy(data).into_owned();
         Ok(())
@@ -81,9 +82,9 @@ impl LogFacts {
     /// Takes the scenario out.
     ///
     /// # Errors
-    /// [`LogsError::Foreign`] without a manifest or a scenario.
-    pub(crate) fn take_scenario(&mut self, log: &Path) -> Result<LoggedScenario, LogsError> {
-        let foreign = |missing| LogsError::Foreign {
+    /// [`LogReadError::Foreign`] without a manifest or a scenario.
+    pub(crate) fn take_scenario(&mut self, log: &Path) -> Result<LoggedScenario, LogReadError> {
+        let foreign = |missing| LogReadError::Foreign {
             path: log.to_owned(),
             missing,
         };

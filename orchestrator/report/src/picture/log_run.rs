@@ -11,7 +11,7 @@ use ipc_types::topics::{ObstacleEvents, Topic, TopicId, WorldMap, WorldState};
 use mcap_log::MessageHeader;
 use mcap_log::known;
 use mcap_log::reader::{Channel, Item, Reader};
-use mcap_log::{Condition, LogsError, Watch};
+use mcap_log::{Condition, LogReadError, Watch};
 
 use super::log_facts::LogFacts;
 use scenario::spec::{MAX_EVENTS, MAX_ROBOTS};
@@ -66,14 +66,14 @@ impl LoggedRun {
     /// Reads a log as far as it goes, and hands its messages to consumers.
     ///
     /// # Errors
-    /// [`LogsError`]: the log cannot be read, is not one of Protean, or its states, or for a picture
+    /// [`LogReadError`]: the log cannot be read, is not one of Protean, or its states, or for a picture
     /// anything that is shown, are those of another version or damaged.
     pub(crate) fn read(
         log: &Path,
         purpose: Purpose,
         consumers: Vec<Box<dyn Consumer<Self> + '_>>,
         watch: &mut Watch,
-    ) -> Result<Self, LogsError> {
+    ) -> Result<Self, LogReadError> {
         let mut reader = Reader::open(log, Some(watch))?;
         let mut run = Self {
             purpose,
@@ -155,7 +155,7 @@ impl LoggedRun {
         log: &Path,
         channel: &Channel,
         consumers: &Consumers<dyn Consumer<Self> + '_>,
-    ) -> Result<(), LogsError> {
+    ) -> Result<(), LogReadError> {
         let Some(topic) = TopicId::from_name(&channel.topic) else {
             return Ok(());
         };
@@ -178,9 +178,9 @@ impl LoggedRun {
         }
     }
 
-    fn check_failure(&mut self, log: &Path) -> Result<(), LogsError> {
+    fn check_failure(&mut self, log: &Path) -> Result<(), LogReadError> {
         match self.failure.take() {
-            Some(error) if self.purpose != Purpose::Page => Err(LogsError::NotRepeatable {
+            Some(error) if self.purpose != Purpose::Page => Err(LogReadError::NotRepeatable {
                 path: log.to_owned(),
                 reason: format!("a message is damaged: {error}"),
             }),

@@ -8,7 +8,7 @@ use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::perception::{BeliefHeader, Particle};
 use ipc_types::messages::world::{RobotState, WorldEvent};
 use ipc_types::topics::{Belief, Dominance, Plan, TopicId, Tree, WorldEvents};
-use mcap_log::{Condition, LogsError, Watch};
+use mcap_log::{Condition, LogReadError, Watch};
 
 use super::layers::Layers;
 use super::log_run::{LoggedRun, Purpose, is_near};
@@ -27,13 +27,13 @@ impl RunTrace {
     /// The log is read as far as it goes, in memory that does not grow with its length.
     ///
     /// # Errors
-    /// [`LogsError`]: the file is missing, not a log of Protean or of another version, or does not
+    /// [`LogReadError`]: the file is missing, not a log of Protean or of another version, or does not
     /// reach to `at`.
     pub fn read(
         log: &Path,
         at: Option<f64>,
         watch: &mut Watch,
-    ) -> Result<(Self, Condition), LogsError> {
+    ) -> Result<(Self, Condition), LogReadError> {
         // A tick's time is rounded to a nanosecond: half a microsecond more reaches it.
         let until_ns = at.map_or(u64::MAX, |at| (at * 1e9 + 500.0) as u64);
         let (mut trails, mut marks) = (Trails::default(), Marks::default());
@@ -209,17 +209,17 @@ fn finish(
     trails: Trails,
     marks: Marks,
     moment: Moment,
-) -> Result<(RunTrace, Condition), LogsError> {
+) -> Result<(RunTrace, Condition), LogReadError> {
     let scenario = run.facts.take_scenario(log)?;
     let end_s = seconds(run.end_ns);
     if let Some(at) = at
         && !(0.0..=end_s + 1e-6).contains(&at)
     {
-        return Err(LogsError::Argument(format!(
+        return Err(LogReadError::Argument(format!(
             "--at {at}: expected a time from 0 to the end of the run, {end_s} s"
         )));
     }
-    let now_ns = run.now_ns.ok_or_else(|| LogsError::Foreign {
+    let now_ns = run.now_ns.ok_or_else(|| LogReadError::Foreign {
         path: log.to_owned(),
         missing: "message of world/state",
     })?;

@@ -13,7 +13,7 @@ use ipc_types::stamp::PlainHeader;
 use ipc_types::topics::{Belief, ObstacleEvents, Plan, Topic, WorldEvents, WorldMap, WorldState};
 use ipc_types::{cdr, schema};
 use mcap_log::{ChannelId, ChannelSpec, LogOptions, LogWriter, Manifest, ManifestFile};
-use mcap_log::{Condition, LogsError, Watch};
+use mcap_log::{Condition, LogReadError, Watch};
 use tempfile::TempDir;
 
 use crate::picture::{MarkKind, RunTrace};
@@ -172,7 +172,7 @@ impl Log {
     }
 }
 
-fn read(path: &Path, at: Option<f64>) -> Result<(RunTrace, Condition), LogsError> {
+fn read(path: &Path, at: Option<f64>) -> Result<(RunTrace, Condition), LogReadError> {
     RunTrace::read(path, at, &mut Watch::default())
 }
 
@@ -182,7 +182,7 @@ fn drawn(path: &Path, at: Option<f64>) -> RunTrace {
     trace
 }
 
-fn refused(path: &Path, at: Option<f64>) -> LogsError {
+fn refused(path: &Path, at: Option<f64>) -> LogReadError {
     read(path, at).unwrap_err()
 }
 
@@ -246,7 +246,7 @@ fn a_time_outside_the_run_is_refused() {
     let (_folder, path) = Log::new(VECTORS).run();
     for at in [-1.0, 10.1, 1e300, f64::NAN, f64::INFINITY] {
         let error = refused(&path, Some(at));
-        assert!(matches!(error, LogsError::Argument(_)), "{error}");
+        assert!(matches!(error, LogReadError::Argument(_)), "{error}");
         assert!(error.to_string().contains("10 s"), "{error}");
     }
     assert!(read(&path, Some(10.0)).is_ok());
@@ -280,10 +280,10 @@ fn a_map_without_vectors_comes_from_the_messages() {
 fn what_is_not_a_log_is_refused_with_the_reason() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("missing.mcap");
-    assert!(matches!(refused(&path, None), LogsError::Open { .. }));
+    assert!(matches!(refused(&path, None), LogReadError::Open { .. }));
     assert!(matches!(
         refused(folder.path(), None),
-        LogsError::Open { .. }
+        LogReadError::Open { .. }
     ));
     for bytes in [
         &b""[..],
@@ -292,7 +292,7 @@ fn what_is_not_a_log_is_refused_with_the_reason() {
     ] {
         fs::write(&path, bytes).unwrap();
         let error = refused(&path, None);
-        assert!(matches!(error, LogsError::NotMcap { .. }), "{error}");
+        assert!(matches!(error, LogReadError::NotMcap { .. }), "{error}");
     }
 }
 
@@ -306,7 +306,10 @@ fn an_mcap_file_of_somebody_else_is_refused() {
     assert!(error.to_string().contains("world/state"), "{error}");
     let (_folder, path) = Log::new("title = 3").finish();
     let error = refused(&path, None);
-    assert!(matches!(error, LogsError::NotRepeatable { .. }), "{error}");
+    assert!(
+        matches!(error, LogReadError::NotRepeatable { .. }),
+        "{error}"
+    );
 }
 
 #[test]
@@ -315,7 +318,7 @@ fn a_log_of_another_version_is_refused() {
     log.channel::<WorldState>("0123456789abcdef");
     let (_folder, path) = log.finish();
     let error = refused(&path, None);
-    assert!(matches!(error, LogsError::Layout { .. }), "{error}");
+    assert!(matches!(error, LogReadError::Layout { .. }), "{error}");
     assert!(error.to_string().contains("0123456789abcdef"), "{error}");
 }
 
@@ -337,7 +340,7 @@ fn a_log_cut_off_anywhere_is_drawn_as_far_as_it_goes() {
                 count += 1;
             }
             // The manifest, the scenario or the first state is cut off.
-            Err(error) => assert!(matches!(error, LogsError::Foreign { .. }), "{error}"),
+            Err(error) => assert!(matches!(error, LogReadError::Foreign { .. }), "{error}"),
         }
     }
     assert!(count > 10, "{count}");
