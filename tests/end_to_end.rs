@@ -15,6 +15,7 @@ mod goldens;
 mod growth;
 mod hostile;
 mod in_process;
+mod language;
 mod latency;
 mod lifecycle;
 mod live;
