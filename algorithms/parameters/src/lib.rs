@@ -37,8 +37,8 @@
 //! ```
 //!
 //! [`fn@check`] compares every value with its range, in the order of declaration; what is left to
-//! write by hand are relations between fields ([`Parameters::check_relations`]). [`markdown_table`]
-//! writes the same declaration for the reference, [`schema_generator`] for editors.
+//! write by hand are relations between fields ([`Parameters::check_relations`]). [`Reference`] writes
+//! the same declarations as tables in Markdown, [`schema_generator`] for editors.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
@@ -57,4 +57,4 @@ pub use check::{Parameters, check};
 pub use error::{Fault, ParamsError, not_negative, positive, require, within};
 pub use fidelity::Fidelity;
 pub use publish::{for_people, schema_generator};
-pub use reference::markdown_table;
+pub use reference::Reference;

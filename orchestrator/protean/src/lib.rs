@@ -8,3 +8,6 @@ mod cli;
 
 pub use cli::main_with;
 pub use kinds;
+
+#[cfg(test)]
+mod tests;

@@ -29,7 +29,6 @@ pub struct Kind {
     presets: fn() -> Vec<(&'static str, ConfiguredKind)>,
     run: fn(&Path) -> ExitCode,
     schema: fn(&mut SchemaGenerator) -> Schema,
-    parameter_table: fn() -> String,
 }
 
 impl Kind {
@@ -44,7 +43,6 @@ impl Kind {
             presets: presets::<K>,
             run: runtime::run::<K>,
             schema: SchemaGenerator::subschema_for::<K::Params>,
-            parameter_table: parameters::markdown_table::<K::Params>,
         }
     }
 
@@ -56,11 +54,6 @@ impl Kind {
     /// The schema of its parameters.
     pub fn schema(&self, generator: &mut SchemaGenerator) -> Schema {
         (self.schema)(generator)
-    }
-
-    /// Its parameters as a table in Markdown.
-    pub fn parameter_table(&self) -> String {
-        (self.parameter_table)()
     }
 
     /// Reads and checks parameters; those that are not given have their defaults.

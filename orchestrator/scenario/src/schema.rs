@@ -1,12 +1,17 @@
-//! The JSON Schema of scenario files, for editors.
+//! The declarations of scenario files: as a JSON Schema for editors, and as tables for the reference.
 
-use parameters::{for_people, schema_generator};
+use parameters::{Reference, for_people, schema_generator};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde_json::{Value as Json, json};
+use sim_backend::map::{CellMap, VectorMap};
+use sim_backend::shape::Shape;
+use sim_backend::spec::{CoverageSpec, Region, RulesSpec};
 
+use super::events::{EventBlock, WhenBlock};
 use super::kind::Kind;
 use super::resolve::TopLevel;
-use super::spec::ProcessBlock;
+use super::spec::{LogSpec, ProcessBlock, RobotBlock, RunSpec};
+use super::world::WorldBlock;
 
 /// The schema of a scenario file whose processes are of these kinds: `params` of a process has the
 /// keys of its `kind`.
@@ -59,4 +64,37 @@ fn case(kind: Kind, generator: &mut SchemaGenerator) -> Json {
         "if": { "properties": { "kind": { "const": kind.name } }, "required": ["kind"] },
         "then": { "properties": { "params": params } },
     })
+}
+
+/// The keys of a scenario file as tables in Markdown.
+pub fn reference() -> String {
+    let mut reference = Reference::default();
+    reference.section::<TopLevel>("Top level");
+    reference.section::<RunSpec>("`[run]`");
+    reference.section::<WorldBlock>("`[world]`");
+    reference.section::<VectorMap>("`[world.map.vector]`");
+    reference.section::<CellMap>("`[world.map.cells]`");
+    reference.section::<RulesSpec>("`[rules]`");
+    reference.section::<CoverageSpec>("`[rules.coverage]`");
+    reference.section::<RobotBlock>("`[[robots]]`");
+    reference.section::<ProcessBlock>("`[[processes]]`");
+    reference.section::<EventBlock>("`[[events]]`");
+    reference.section::<WhenBlock>("`when`");
+    reference.section::<LogSpec>("`[log]`");
+    reference.section::<Shape>("Shapes");
+    reference.section::<Region>("Regions");
+    reference.markdown()
+}
+
+/// The parameters of kinds of processes as tables in Markdown.
+pub fn parameters(kinds: &[Kind]) -> String {
+    let mut reference = Reference::default();
+    for kind in kinds {
+        let (first, rest) = kind.summary.split_at(1);
+        let summary = format!("{}{rest}.", first.to_uppercase());
+        reference.add(&format!("`{}`", kind.name), &summary, |generator| {
+            kind.schema(generator)
+        });
+    }
+    reference.markdown()
 }

@@ -23,7 +23,7 @@ pub const MAX_TICKS: f64 = 1e8;
 /// Most events in one scenario.
 pub const MAX_EVENTS: usize = 10_000;
 
-/// `[run]`: time, chance, and how the processes wait for each other.
+/// Time, chance, and how the processes wait for each other.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct RunSpec {
@@ -32,12 +32,12 @@ pub struct RunSpec {
     pub dt: f64,
     /// Seed of everything random: noise, start jitter, planners. `--seed` overrides it.
     pub seed: u64,
-    /// Who sets the pace; `--real-time` sets it.
+    /// Pace of the run; `--real-time` sets it.
     pub mode: Mode,
     /// In real time: simulated seconds per second.
     #[schemars(transform = between(1e-3, 1e3))]
     pub real_time_factor: f64,
-    /// On which cores the processes may run.
+    /// Cores on which the processes may run.
     pub pin: Pin,
     /// Wall-clock time without an answer after which a process counts as hung.
     #[schemars(transform = between(0.1, 3600.0).unit("s"))]
@@ -96,7 +96,7 @@ pub enum Pin {
     OneCore,
 }
 
-/// `[log]`: what is recorded and how.
+/// What is recorded, and how.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct LogSpec {
@@ -133,16 +133,16 @@ pub enum Compression {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct StartJitter {
-    /// Along x: half the range, or the standard deviation.
+    /// Displacement along x: the largest one, or the standard deviation.
     #[schemars(transform = between(0, 100).unit("m"))]
     pub x: f64,
-    /// Along y, likewise.
+    /// The same along y.
     #[schemars(transform = between(0, 100).unit("m"))]
     pub y: f64,
-    /// Of the heading, likewise.
+    /// The same of the heading.
     #[schemars(transform = between(0.0, PI).unit("rad"))]
     pub theta: f64,
-    /// What the three numbers mean.
+    /// Distribution, which says what the three numbers mean.
     pub distribution: Distribution,
 }
 
@@ -163,10 +163,10 @@ impl Default for StartJitter {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Distribution {
-    /// Anything from −value to +value is as likely.
+    /// Uniform from −value to +value.
     #[default]
     Uniform,
-    /// Normal with the value as standard deviation, cut at three of them.
+    /// Normal with the value as standard deviation, cut off at three standard deviations.
     Normal,
 }
 
@@ -194,8 +194,8 @@ pub(super) enum Grouping {
     Together,
 }
 
-/// `[[robots]]`, `[teams.…]` and `[defaults.robot]`: all keys optional, since any of the three may
-/// give them.
+/// One robot, what a team's robots share (`[teams.…]`), or what all share (`[defaults.robot]`). All
+/// keys are optional, since each of the three may give them.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct RobotBlock {
@@ -228,7 +228,7 @@ pub(super) struct RobotBlock {
     pub goal: Option<Region>,
 }
 
-/// `[[processes]]`.
+/// Processes of one kind, and the robots that they drive.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct ProcessBlock {
@@ -243,9 +243,9 @@ pub(super) struct ProcessBlock {
     pub robots: Option<Vec<String>>,
     /// Team whose robots it drives.
     pub team: Option<Team>,
-    /// How the robots are shared out; `"one_per_robot"` if absent.
+    /// Number of processes for the robots; `"one_per_robot"` if absent.
     pub grouping: Option<Grouping>,
-    /// What happens when it fails; `"abort"` if absent.
+    /// Reaction to its failure; `"abort"` if absent.
     pub on_failure: Option<OnFailure>,
     /// Wall-clock time that it has to become ready, at the start and after a restart;
     /// `run.ready_timeout_s` if absent.
@@ -257,18 +257,22 @@ pub(super) struct ProcessBlock {
     pub _params: Option<IgnoredAny>,
 }
 
-/// `[defaults]`.
+/// What robots have where nothing else is said.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct Defaults {
+    /// Keys of all robots.
     pub robot: Option<RobotBlock>,
 }
 
-/// `[teams]`.
+/// What the robots of each team share.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct Teams {
+    /// Keys of the neutral robots.
     pub neutral: Option<RobotBlock>,
+    /// Keys of the Police robots.
     pub police: Option<RobotBlock>,
+    /// Keys of the evaders.
     pub evader: Option<RobotBlock>,
 }

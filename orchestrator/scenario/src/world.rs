@@ -21,7 +21,7 @@ const MAX_MAP_FILE: u64 = 64 << 20;
 /// Prefix of the name of a map that is part of the program.
 const BUILTIN: &str = "builtin:";
 
-/// `[world]`.
+/// The map, and the quantities computed from it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct WorldBlock {

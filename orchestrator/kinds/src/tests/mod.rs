@@ -1,8 +1,6 @@
-//! The kinds of this program: parameters, scenarios, schema and reference.
+//! The kinds of this program: parameters and scenarios.
 
 mod builtin;
-mod reference;
-mod schema;
 
 use config::Node;
 use runtime::kind::Need;

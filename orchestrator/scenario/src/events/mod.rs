@@ -4,6 +4,7 @@ mod history;
 mod moment;
 mod read;
 
+pub(super) use moment::WhenBlock;
 pub use moment::{Moment, Trigger};
 pub(super) use read::EventBlock;
 

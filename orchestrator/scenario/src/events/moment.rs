@@ -47,10 +47,10 @@ pub struct Trigger {
     pub condition: Condition,
 }
 
-/// `when = { … }` as written.
+/// Condition of an event, about one robot: one of `travelled`, `progress` and `within`.
 #[derive(Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(super) struct WhenBlock {
+pub(crate) struct WhenBlock {
     /// Name of the robot.
     robot: String,
     /// Way that its centre has covered, as `distance` in `world/state` counts it.

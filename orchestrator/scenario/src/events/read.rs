@@ -13,7 +13,7 @@ use crate::context::Context;
 use crate::robots::Robot;
 use crate::world::shape_problem;
 
-/// `[[events]]`.
+/// One change of an obstacle: it appears, moves or disappears.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct EventBlock {

@@ -6,7 +6,7 @@ use std::path::Path;
 use scenario::schema::schema;
 use serde_json::Value as Json;
 
-use crate::KINDS;
+use kinds::KINDS;
 
 /// What of a document a schema refuses; the keywords that ours use.
 fn refusals(root: &Json, schema: &Json, value: &Json, path: &str, found: &mut Vec<String>) {

@@ -1,0 +1,206 @@
+//! Declarations as tables of a reference in Markdown: a section per type, a row per key.
+
+mod table;
+mod words;
+
+use std::collections::BTreeMap;
+
+use schemars::generate::SchemaSettings;
+use schemars::{JsonSchema, Schema, SchemaGenerator};
+use serde_json::{Map, Value};
+
+use crate::publish::plain_text;
+use table::Table;
+use words::is_table;
+
+/// Where a generator keeps the types that have a name.
+const DEFINITIONS: &str = "#/$defs/";
+
+/// Tables of parameters in Markdown, written from their declarations.
+///
+/// A type with a section of its own is referred to wherever else it occurs. A table that occurs in
+/// several places and has no section gets one at the end.
+#[derive(Debug)]
+pub struct Reference {
+    generator: SchemaGenerator,
+    /// Makes schemas whose `required` lists all fields, in the order of declaration.
+    order: SchemaGenerator,
+    sections: Vec<Section>,
+}
+
+#[derive(Debug)]
+struct Section {
+    heading: String,
+    text: String,
+    /// Name of the type that it is about.
+    name: String,
+}
+
+impl Default for Reference {
+    fn default() -> Self {
+        let settings = SchemaSettings::draft2020_12();
+        Self {
+            generator: settings.clone().into_generator(),
+            order: settings.for_serialize().into_generator(),
+            sections: Vec::new(),
+        }
+    }
+}
+
+impl Reference {
+    /// Adds a section about a type; its text is the description of the type.
+    pub fn section<T: JsonSchema>(&mut self, heading: &str) {
+        self.add(heading, "", SchemaGenerator::subschema_for::<T>);
+    }
+
+    /// Adds a section with a text of its own about the type whose schema a function makes.
+    pub fn add(
+        &mut self,
+        heading: &str,
+        text: &str,
+        schema: impl Fn(&mut SchemaGenerator) -> Schema,
+    ) {
+        schema(&mut self.order);
+        let made = schema(&mut self.generator).to_value();
+        self.sections.push(Section {
+            heading: heading.to_owned(),
+            text: text.to_owned(),
+            name: referred(&made).unwrap_or_default().to_owned(),
+        });
+    }
+
+    /// The sections as Markdown.
+    pub fn markdown(&self) -> String {
+        let types = Types {
+            read: self.generator.definitions(),
+            order: self.order.definitions(),
+        };
+        let mut sections: Vec<(String, String, &str)> = Vec::new();
+        for section in &self.sections {
+            let (heading, text) = (section.heading.clone(), section.text.clone());
+            sections.push((heading, text, &section.name));
+        }
+        for (name, heading) in types.shared(&self.sections) {
+            sections.push((heading, String::new(), name));
+        }
+        let links: BTreeMap<&str, &str> = sections
+            .iter()
+            .map(|(heading, _, name)| (*name, heading.as_str()))
+            .collect();
+        let mut markdown = String::new();
+        for (heading, text, name) in &sections {
+            let schema = types.read.get(*name).unwrap_or(&Value::Null);
+            let own = schema.get("description").and_then(Value::as_str);
+            let text = match text.as_str() {
+                "" => plain_text(own.unwrap_or_default()),
+                text => text.to_owned(),
+            };
+            let table = Table::of(&types, &links, name);
+            markdown.push_str(&format!("\n## {heading}\n\n{text}\n\n{table}"));
+        }
+        markdown
+    }
+}
+
+/// The types that have a name.
+struct Types<'a> {
+    read: &'a Map<String, Value>,
+    order: &'a Map<String, Value>,
+}
+
+impl<'a> Types<'a> {
+    /// A schema, or the type that it refers to, with its name.
+    fn resolve(&self, schema: &'a Value) -> (Option<&'a str>, &'a Value) {
+        let named = referred(schema).and_then(|name| self.read.get_key_value(name));
+        match named {
+            Some((name, schema)) => (Some(name), schema),
+            None => (None, schema),
+        }
+    }
+
+    /// The tables without a section that occur in several places, and a heading for each: the key
+    /// under which it stands first, or its name if it stands in lists only.
+    fn shared(&self, sections: &[Section]) -> Vec<(&'a str, String)> {
+        let mut places: Vec<Place<'a>> = Vec::new();
+        let mut seen: Vec<&str> = Vec::new();
+        let mut ahead: Vec<&str> = sections.iter().rev().map(|s| s.name.as_str()).collect();
+        while let Some(name) = ahead.pop() {
+            if seen.contains(&name) {
+                continue;
+            }
+            seen.push(name);
+            let Some((_, schema)) = self.read.get_key_value(name) else {
+                continue;
+            };
+            let before = places.len();
+            find_places(schema, None, &mut places);
+            ahead.extend(places[before..].iter().rev().map(|place| place.name));
+        }
+        let mut shared: Vec<(&str, String)> = Vec::new();
+        for Place { name, .. } in &places {
+            let of_type: Vec<&Place<'_>> = places.iter().filter(|p| p.name == *name).collect();
+            let has_section = sections.iter().any(|section| section.name == *name);
+            let is_known = shared.iter().any(|(known, _)| known == name);
+            let Some(schema) = self.read.get(*name) else {
+                continue;
+            };
+            if of_type.len() < 2 || has_section || is_known || !is_table(self, schema) {
+                continue;
+            }
+            let key = of_type.iter().find_map(|place| place.key);
+            let heading = key.map_or_else(|| format!("`{name}`"), |key| format!("`{key}`"));
+            let is_taken = shared.iter().any(|(_, taken)| *taken == heading);
+            let heading = if is_taken {
+                format!("{heading} ({name})")
+            } else {
+                heading
+            };
+            shared.push((name, heading));
+        }
+        shared
+    }
+}
+
+/// A place where a type with a name occurs.
+struct Place<'a> {
+    name: &'a str,
+    /// The key that holds it, unless it is an element of a list.
+    key: Option<&'a str>,
+}
+
+fn find_places<'a>(schema: &'a Value, key: Option<&'a str>, places: &mut Vec<Place<'a>>) {
+    if let Some(name) = referred(schema) {
+        places.push(Place { name, key });
+    }
+    match schema {
+        Value::Object(object) => {
+            for (keyword, value) in object {
+                match (keyword.as_str(), value) {
+                    ("properties", Value::Object(properties)) => {
+                        for (key, schema) in properties {
+                            find_places(schema, Some(key), places);
+                        }
+                    }
+                    ("items", _) => find_places(value, None, places),
+                    ("default", _) => {}
+                    _ => find_places(value, key, places),
+                }
+            }
+        }
+        Value::Array(schemas) => {
+            for schema in schemas {
+                find_places(schema, key, places);
+            }
+        }
+        _ => {}
+    }
+}
+
+/// The name of the type that a schema refers to.
+fn referred(schema: &Value) -> Option<&str> {
+    let target = schema.get("$ref")?.as_str()?;
+    target.strip_prefix(DEFINITIONS)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,4 @@
+//! The declarations of files: their schemas, and their reference.
+
+mod reference;
+mod schema;

@@ -1,0 +1,45 @@
+//! The reference of files, written from their declarations.
+
+use std::path::Path;
+use std::{env, fs};
+
+use kinds::KINDS;
+
+/// How the files are written anew.
+const COMMAND: &str = "PROTEAN_DOCS=write cargo test -p protean reference";
+
+/// Compares a file of `docs/reference` with what the declarations give, or writes it.
+fn compare(name: &str, title: &str, text: &str, tables: &str) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/reference");
+    let path = path.join(name);
+    let declared = format!(
+        "# {title}\n\n{text} This file is written from the declarations in the code by \
+         `{COMMAND}`.\n{tables}"
+    );
+    if env::var_os("PROTEAN_DOCS").is_some_and(|word| word == "write") {
+        fs::write(&path, &declared).unwrap();
+    }
+    let found = fs::read_to_string(&path).unwrap();
+    let file = path.display();
+    assert!(
+        found == declared,
+        "{file} is not what the code declares: {COMMAND}"
+    );
+}
+
+#[test]
+fn the_reference_of_parameters_is_what_the_code_declares() {
+    let text = "The keys of `params` in a `[[processes]]` table of a scenario, by `kind`; \
+                [scenario.md](../scenario.md) says how they are used. A group of keys that several \
+                kinds have is described once, below the kinds.";
+    let tables = scenario::schema::parameters(KINDS);
+    compare("parameters.md", "Parameters of the processes", text, &tables);
+}
+
+#[test]
+fn the_reference_of_scenarios_is_what_the_code_declares() {
+    let text = "The keys of a scenario file; [scenario.md](../scenario.md) says how they are used. \
+                A key without a default (–) may be absent.";
+    let tables = scenario::schema::reference();
+    compare("scenario.md", "Keys of scenario files", text, &tables);
+}
