@@ -3,9 +3,10 @@
 use parameters::{Reference, for_people, schema_generator};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde_json::{Value as Json, json};
-use sim_backend::map::{CellMap, VectorMap};
-use sim_backend::shape::Shape;
-use sim_backend::spec::{CoverageSpec, Region, RulesSpec};
+use geometry::map::{CellMap, VectorMap};
+use geometry::region::Region;
+use geometry::shape::Shape;
+use sim_backend::spec::{CoverageSpec, RulesSpec};
 
 use super::events::{EventBlock, WhenBlock};
 use super::kind::Kind;

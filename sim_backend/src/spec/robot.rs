@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{OdometrySpec, ScanSpec};
 use crate::team::Team;
-use geometry::extent::{not_negative, positive};
+use geometry::extent::{MAX_COORDINATE, not_negative, positive};
 use geometry::pose::Pose2;
 use geometry::region::Region;
 
@@ -227,10 +227,10 @@ pub struct ActuatorSpec {
     #[schemars(transform = at_least(0).below(1))]
     pub angular_slip: f64,
     /// Standard deviation of the forward speed, as a part of it.
-    #[schemars(transform = not_negative("1"))]
+    #[schemars(transform = at_least(0).at_most(MAX_COORDINATE))]
     pub noise: f64,
     /// Standard deviation of the turning rate, as a part of it.
-    #[schemars(transform = not_negative("1"))]
+    #[schemars(transform = at_least(0).at_most(MAX_COORDINATE))]
     pub angular_noise: f64,
     /// Standard deviation of the turning rate per forward speed (a robot told to go straight
     /// veers).
