@@ -1,11 +1,11 @@
 //! The declarations of scenario files: as a JSON Schema for editors, and as tables for the reference.
 
-use parameters::{Reference, for_people, schema_generator};
-use schemars::{JsonSchema, Schema, SchemaGenerator};
-use serde_json::{Value as Json, json};
 use geometry::map::{CellMap, VectorMap};
 use geometry::region::Region;
 use geometry::shape::Shape;
+use parameters::{Reference, for_people, schema_generator};
+use schemars::{JsonSchema, Schema, SchemaGenerator};
+use serde_json::{Value as Json, json};
 use sim_backend::spec::{CoverageSpec, RulesSpec};
 
 use super::events::{EventBlock, WhenBlock};

@@ -71,7 +71,13 @@ impl<'a> Table<'a> {
             let default = given.or_else(|| schema.get("default"));
             let order = order.and_then(|order| order.get("properties")?.get(key));
             let is_required = required.contains(&key);
-            self.add(&format!("{prefix}{key}"), schema, order, default, is_required);
+            self.add(
+                &format!("{prefix}{key}"),
+                schema,
+                order,
+                default,
+                is_required,
+            );
         }
     }
 

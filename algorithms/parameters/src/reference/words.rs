@@ -41,7 +41,10 @@ pub(super) fn properties_of(schema: &Value) -> Option<&Map<String, Value>> {
 /// Whether a type is a table, or a choice with tables.
 pub(super) fn is_table<'a>(types: &Types<'a>, schema: &'a Value) -> bool {
     let has_keys = |table: &'a Value| properties_of(types.resolve(table).1).is_some();
-    has_keys(schema) || choice_tables(schema).iter().any(|choice| has_keys(choice.value))
+    has_keys(schema)
+        || choice_tables(schema)
+            .iter()
+            .any(|choice| has_keys(choice.value))
 }
 
 /// The numbers of a value, if it is one or a list of some.

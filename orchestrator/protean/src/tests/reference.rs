@@ -33,7 +33,12 @@ fn the_reference_of_parameters_is_what_the_code_declares() {
                 [scenario.md](../scenario.md) says how they are used. A group of keys that several \
                 kinds have is described once, below the kinds.";
     let tables = scenario::schema::parameters(KINDS);
-    compare("parameters.md", "Parameters of the processes", text, &tables);
+    compare(
+        "parameters.md",
+        "Parameters of the processes",
+        text,
+        &tables,
+    );
 }
 
 #[test]
