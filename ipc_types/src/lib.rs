@@ -5,6 +5,7 @@
 //! * [`messages`]: the messages; [`stamp`]: what stands first in each;
 //! * [`topics`]: the topics with their quality of service;
 //! * [`bus`]: publishers, subscribers, request–response and events of one isolated run;
+//! * [`transport`]: what iceoryx2 does for it;
 //! * [`schema`], [`cdr`]: how logs and other languages see them;
 //! * [`consumer`]: what takes the messages of a run in order, from the bus or from a log.
 
@@ -15,9 +16,11 @@ pub mod bus;
 pub mod cdr;
 pub mod clock;
 pub mod consumer;
+mod error;
 pub mod message;
 pub mod messages;
 pub mod python;
 pub mod schema;
 pub mod stamp;
 pub mod topics;
+pub mod transport;

@@ -19,6 +19,7 @@ use crate::messages::world::{
     WorldEvent, WorldHeader,
 };
 use crate::stamp::{Header, PlainHeader};
+use crate::transport::{ExchangePorts, Ports};
 
 /// Whether a message of a topic is one element or a sequence of elements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -101,6 +102,9 @@ pub trait Topic: Send + Sync + 'static {
     type Header: Header;
     /// The element of the payload slice.
     type Element: Message;
+
+    /// Its ports between processes.
+    fn ports() -> &'static Ports<Self::Header, Self::Element>;
 }
 
 impl TopicId {
@@ -149,6 +153,11 @@ macro_rules! topics {
                 const ID: TopicId = TopicId::$topic;
                 type Header = $header;
                 type Element = $element;
+
+                fn ports() -> &'static Ports<$header, $element> {
+                    static PORTS: Ports<$header, $element> = Ports::new();
+                    &PORTS
+                }
             }
         )+
 
@@ -363,7 +372,18 @@ pub trait Service: Send + Sync + 'static {
     type ResponseHeader: Header;
     /// Element of responses.
     type ResponseElement: Message;
+
+    /// Its ports between processes.
+    fn ports() -> &'static PortsOf<Self>;
 }
+
+/// The ports of a service.
+pub type PortsOf<S> = ExchangePorts<
+    <S as Service>::RequestHeader,
+    <S as Service>::RequestElement,
+    <S as Service>::ResponseHeader,
+    <S as Service>::ResponseElement,
+>;
 
 /// Minimum-time planning: navigator ↔ optimiser.
 #[derive(Debug, Clone, Copy)]
@@ -375,4 +395,9 @@ impl Service for OptimiserPlan {
     type RequestElement = ShapePoint;
     type ResponseHeader = PlanResponse;
     type ResponseElement = TrajectorySample;
+
+    fn ports() -> &'static PortsOf<Self> {
+        static PORTS: PortsOf<OptimiserPlan> = ExchangePorts::new();
+        &PORTS
+    }
 }

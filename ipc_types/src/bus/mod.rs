@@ -7,32 +7,27 @@
 //!
 //! A run in one thread has a bus in memory with the same ports ([`Bus::local`]).
 
-mod agreement;
-mod error;
-mod event;
 mod local;
 mod publisher;
 mod request_response;
-mod run_space;
-mod service;
 mod subscriber;
 
-pub use error::{BusError, ReceiveError, SendError};
-pub use event::{Listener, Notifier};
+pub use crate::error::{BusError, ReceiveError, SendError};
+pub use crate::transport::{
+    Listener, Notifier, RunSpace, TopicHolder, TransportConfig, quiet_transport,
+};
 pub use publisher::{Publisher, PublisherOptions};
 pub use request_response::{ActiveRequest, Answer, Attendant, Client, PendingResponse, Server};
-pub use run_space::RunSpace;
-pub use service::TopicHolder;
 pub use subscriber::{Received, Subscriber};
 
 use core::any::Any;
 use std::rc::Rc;
 use std::sync::Arc;
 
-use iceoryx2::prelude::{Config, Node, NodeBuilder, NodeName, SignalHandlingMode, ipc};
-
 use crate::clock::{StampClock, TurnStart};
-use crate::topics::{RunSize, Service, Topic};
+use crate::schema;
+use crate::topics::{MAX_EVENT_ID, Qos, RunSize, Service, Topic};
+use crate::transport::{self, Agreed, Home, Limits};
 use local::Hub;
 
 /// How the buffers of a run are laid out.
@@ -54,6 +49,15 @@ fn nodes(size: &RunSize) -> usize {
     2 * size.processes + 2 + crate::topics::ONLOOKERS
 }
 
+/// Buffer that a subscriber needs to hold `ticks` ticks of one publisher.
+fn buffer(qos: &Qos, ticks: usize) -> usize {
+    qos.per_tick.saturating_mul(ticks).max(2)
+}
+
+fn agreed<'a>(topic: &'static str, schema: &'a str) -> Agreed<'a> {
+    Agreed { topic, schema }
+}
+
 /// Ticks that a process in the loop may have unread without losing or blocking.
 pub const LOOP_TICKS: usize = 4;
 
@@ -68,7 +72,7 @@ pub struct Bus {
 #[derive(Debug)]
 enum Backend {
     Ipc {
-        node: Node<ipc::Service>,
+        node: Box<dyn Home>,
         space: RunSpace,
     },
     Local(Rc<Hub>),
@@ -80,19 +84,7 @@ impl Bus {
     /// # Errors
     /// [`BusError::Node`] if iceoryx2 cannot create a node there.
     pub fn join(space: &RunSpace, options: BusOptions, process: &str) -> Result<Self, BusError> {
-        let failed = |reason: String| BusError::Node {
-            root: space.root().to_owned(),
-            reason,
-        };
-        let name = NodeName::new(process).map_err(|e| failed(format!("{e:?}")))?;
-        let node = NodeBuilder::new()
-            .config(&space.config(nodes(&options.size))?)
-            .name(&name)
-            // The processes handle their signals themselves.
-            .signal_handling_mode(SignalHandlingMode::Disabled)
-            .create::<ipc::Service>()
-            .map_err(|e| failed(format!("{e:?}")))?;
-        space.keep_others_out().map_err(|e| failed(e.to_string()))?;
+        let node = transport::join(space, nodes(&options.size), process)?;
         Ok(Self {
             backend: Backend::Ipc {
                 node,
@@ -162,19 +154,15 @@ impl Bus {
     /// waits until then.
     pub fn clean_up_dead(&self) -> u64 {
         match &self.backend {
-            Backend::Ipc { node, .. } => node.try_cleanup_dead_nodes().cleanups,
+            Backend::Ipc { node, .. } => node.clean_up_dead(),
             Backend::Local(_) => 0,
         }
     }
 
     /// The node of a bus between processes, for what only such a bus has.
-    fn node(
-        &self,
-        name: &'static str,
-        what: &'static str,
-    ) -> Result<&Node<ipc::Service>, BusError> {
+    fn node(&self, name: &'static str, what: &'static str) -> Result<&dyn Home, BusError> {
         match &self.backend {
-            Backend::Ipc { node, .. } => Ok(node),
+            Backend::Ipc { node, .. } => Ok(&**node),
             Backend::Local(_) => Err(BusError::NeedsProcesses { name, what }),
         }
     }
@@ -185,7 +173,19 @@ impl Bus {
     /// [`BusError::Create`] names the topic and the reason.
     pub fn create<T: Topic>(&self) -> Result<TopicHolder, BusError> {
         match &self.backend {
-            Backend::Ipc { node, .. } => service::create::<T>(node, &self.options),
+            Backend::Ipc { node, .. } => {
+                let qos = T::ID.qos(&self.options.size);
+                let limits = Limits {
+                    history: qos.history,
+                    buffer: buffer(&qos, self.options.recorder_ticks.max(LOOP_TICKS)),
+                    publishers: qos.publishers,
+                    subscribers: qos.subscribers,
+                    nodes: nodes(&self.options.size),
+                    overflow: self.options.overflow,
+                };
+                let schema = schema::hash::<T>();
+                (T::ports().create)(node.node(), &agreed(T::NAME, &schema), &limits)
+            }
             // The hub holds it already.
             Backend::Local(hub) => {
                 hub.channel::<T>(&self.options)?;
@@ -200,7 +200,14 @@ impl Bus {
     /// [`BusError::Create`] names the service and the reason.
     pub fn create_service<S: Service>(&self) -> Result<TopicHolder, BusError> {
         match &self.backend {
-            Backend::Ipc { node, .. } => request_response::create::<S>(node, &self.options),
+            Backend::Ipc { node, .. } => {
+                let size = &self.options.size;
+                // A process that drives several robots may ask for each.
+                let clients = size.processes + size.robots + 1;
+                let layout = request_response::layout::<S>();
+                let agreed = agreed(S::NAME, &layout);
+                (S::ports().create)(node.node(), &agreed, clients, nodes(size))
+            }
             // The hub holds it already.
             Backend::Local(hub) => {
                 hub.endpoint::<S>()?;
@@ -215,7 +222,11 @@ impl Bus {
     /// [`BusError::Create`] names the event and the reason; [`BusError::NeedsProcesses`] on a bus in
     /// memory.
     pub fn create_event(&self, name: &'static str) -> Result<TopicHolder, BusError> {
-        event::create(self.node(name, "events")?, &self.options, name)
+        let node = self.node(name, "events")?.node();
+        let nodes = nodes(&self.options.size);
+        // A process that drives several robots may wake and be woken for each.
+        let ports = nodes + self.options.size.robots;
+        transport::create_event(node, name, ports, nodes, MAX_EVENT_ID)
     }
 
     /// Opens a topic for publishing.
@@ -227,7 +238,7 @@ impl Bus {
     pub fn publisher<T: Topic>(&self, options: PublisherOptions) -> Result<Publisher<T>, BusError> {
         match &self.backend {
             Backend::Ipc { node, .. } => {
-                Publisher::open(node, &self.options, options, self.turn.clone())
+                Publisher::open(&**node, &self.options, options, self.turn.clone())
             }
             Backend::Local(hub) => Publisher::open_local(hub, &self.options, options),
         }
@@ -251,7 +262,7 @@ impl Bus {
 
     fn subscribe<T: Topic>(&self, ticks: usize) -> Result<Subscriber<T>, BusError> {
         match &self.backend {
-            Backend::Ipc { node, .. } => Subscriber::open(node, &self.options, ticks),
+            Backend::Ipc { node, .. } => Subscriber::open(&**node, &self.options, ticks),
             Backend::Local(hub) => Subscriber::open_local(hub, &self.options, ticks),
         }
     }
@@ -263,7 +274,7 @@ impl Bus {
     /// As [`Bus::publisher`].
     pub fn client<S: Service>(&self, source: u32, capacity: usize) -> Result<Client<S>, BusError> {
         match &self.backend {
-            Backend::Ipc { node, .. } => Client::open(node, source, capacity),
+            Backend::Ipc { node, .. } => Client::open(&**node, source, capacity),
             Backend::Local(hub) => Ok(Client::open_local(hub.endpoint()?, source, capacity)),
         }
     }
@@ -304,7 +315,7 @@ impl Bus {
     /// # Errors
     /// As [`Bus::publisher`]; [`BusError::NeedsProcesses`] on a bus in memory.
     pub fn notifier(&self, name: &'static str) -> Result<Notifier, BusError> {
-        Notifier::open(self.node(name, "events")?, name)
+        Notifier::open(self.node(name, "events")?.node(), name)
     }
 
     /// Opens the waiting side of an event.
@@ -312,14 +323,6 @@ impl Bus {
     /// # Errors
     /// As [`Bus::publisher`]; [`BusError::NeedsProcesses`] on a bus in memory.
     pub fn listener(&self, name: &'static str) -> Result<Listener, BusError> {
-        Listener::open(self.node(name, "events")?, name)
+        Listener::open(self.node(name, "events")?.node(), name)
     }
-}
-
-/// The iceoryx2 configuration type, for tools that look at a run from outside.
-pub type TransportConfig = Config;
-
-/// Lets iceoryx2 report errors only; its warnings speak of what the run space does on purpose.
-pub fn quiet_transport() {
-    iceoryx2::prelude::set_log_level(iceoryx2::prelude::LogLevel::Error);
 }

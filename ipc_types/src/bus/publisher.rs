@@ -4,14 +4,12 @@ use core::cell::Cell;
 use std::sync::Arc;
 use std::time::Duration;
 
-use iceoryx2::port::LoanError;
-use iceoryx2::port::update_connections::UpdateConnections;
-use iceoryx2::prelude::{AllocationStrategy, BackpressureStrategy, Node, ipc};
-
-use super::{BusError, BusOptions, Hub, SendError, local, service};
+use super::{BusError, BusOptions, Hub, SendError, agreed, local};
 use crate::clock::{TurnStart, monotonic_ns};
+use crate::schema;
 use crate::stamp::Header;
 use crate::topics::Topic;
+use crate::transport::{Home, Sender, SenderOptions};
 
 /// Bytes of elements up to which copying them takes no longer than reading the clock: then one
 /// reading says when the content was known and when the message was sent.
@@ -60,49 +58,25 @@ pub struct Publisher<T: Topic> {
 
 /// A publisher of one of the buses.
 enum Port<T: Topic> {
-    Ipc(iceoryx2::port::publisher::Publisher<ipc::Service, [T::Element], T::Header>),
+    Ipc(Box<dyn Sender<T::Header, T::Element>>),
     Local(local::Sender<T>),
 }
 
 impl<T: Topic> Publisher<T> {
     pub(super) fn open(
-        node: &Node<ipc::Service>,
+        node: &dyn Home,
         bus: &BusOptions,
         options: PublisherOptions,
         turn: TurnStart,
     ) -> Result<Self, BusError> {
-        use iceoryx2::port::BackpressureAction;
-
-        let patience = options.patience;
-        let factory = service::open::<T>(node)?;
-        let builder = factory
-            .publisher_builder()
-            .initial_max_slice_len(options.capacity.max(1))
-            .allocation_strategy(if options.grows {
-                AllocationStrategy::PowerOfTwo
-            } else {
-                AllocationStrategy::Static
-            })
-            .max_loaned_samples(1);
-        let builder = if bus.overflow {
-            builder
-        } else {
-            builder
-                .backpressure_strategy(BackpressureStrategy::RetryUntilDelivered)
-                // A receiver that is stopped or dead must not hang its sender for ever.
-                .set_backpressure_handler(move |info| {
-                    if info.elapsed_time < patience {
-                        BackpressureAction::Retry
-                    } else {
-                        BackpressureAction::DiscardDataAndFail
-                    }
-                })
+        let sender = SenderOptions {
+            capacity: options.capacity,
+            grows: options.grows,
+            overflow: bus.overflow,
+            patience: options.patience,
         };
-        let port = builder.create().map_err(|e| BusError::Port {
-            topic: T::NAME,
-            port: "publisher",
-            reason: format!("{e:?}"),
-        })?;
+        let schema = schema::hash::<T>();
+        let port = (T::ports().publisher)(node.node(), &agreed(T::NAME, &schema), sender)?;
         Ok(Self {
             port: Port::Ipc(port),
             options,
@@ -136,10 +110,7 @@ impl<T: Topic> Publisher<T> {
     /// [`SendError::Transport`] if iceoryx2 cannot connect.
     pub fn update_connections(&self) -> Result<(), SendError> {
         match &self.port {
-            Port::Ipc(port) => port.update_connections().map_err(|e| SendError::Transport {
-                topic: T::NAME,
-                reason: format!("{e:?}"),
-            }),
+            Port::Ipc(port) => port.update_connections(),
             // Whoever opens a port there is connected.
             Port::Local(_) => Ok(()),
         }
@@ -160,8 +131,9 @@ impl<T: Topic> Publisher<T> {
                 if size_of_val(elements) > ONE_READING {
                     header.stamp_mut().computed_ns = monotonic_ns();
                 }
-                let sample = loan::<T>(port, header, elements.len())?;
-                self.finish_now(sample.write_from_slice(elements))
+                self.counted(port.send(header, elements.len(), true, &mut |memory| {
+                    memory.copy_from_slice(elements);
+                }))
             }
             Port::Local(port) => self.sent(port.send(|message| {
                 message.fill(header, |own| own.extend_from_slice(elements));
@@ -177,14 +149,17 @@ impl<T: Topic> Publisher<T> {
         &self,
         header: T::Header,
         count: usize,
-        element: impl FnMut(usize) -> T::Element,
+        mut element: impl FnMut(usize) -> T::Element,
     ) -> Result<usize, SendError> {
         let mut header = self.stamped(header, count)?;
         match &self.port {
             Port::Ipc(port) => {
                 header.stamp_mut().computed_ns = monotonic_ns();
-                let sample = loan::<T>(port, header, count)?;
-                self.finish_now(sample.write_from_fn(element))
+                self.counted(port.send(header, count, true, &mut |memory| {
+                    for (i, place) in memory.iter_mut().enumerate() {
+                        *place = element(i);
+                    }
+                }))
             }
             Port::Local(port) => self.sent(port.send(|message| {
                 message.fill(header, |own| own.extend((0..count).map(element)));
@@ -209,13 +184,12 @@ impl<T: Topic> Publisher<T> {
         match &self.port {
             Port::Ipc(port) => {
                 header.stamp_mut().computed_ns = monotonic_ns();
-                let sample = loan::<T>(port, header, count)?;
-                // SAFETY: the memory is a shared file mapping, which the kernel hands out as zeros;
-                // it holds those or what an earlier message left. Elements are `FromBytes` (a
-                // supertrait of `Message`): any bytes are a valid value.
-                let mut sample = unsafe { sample.assume_init() };
-                write(sample.payload_mut());
-                self.finish_now(sample)
+                let mut write = Some(write);
+                self.counted(port.send(header, count, true, &mut |memory| {
+                    if let Some(write) = write.take() {
+                        write(memory);
+                    }
+                }))
             }
             Port::Local(port) => self.sent(port.send(|message| {
                 message.fill(header, |own| {
@@ -254,8 +228,9 @@ impl<T: Topic> Publisher<T> {
         self.check(elements.len())?;
         match &self.port {
             Port::Ipc(port) => {
-                let sample = loan::<T>(port, header, elements.len())?;
-                self.finish(sample.write_from_slice(elements))
+                self.counted(port.send(header, elements.len(), false, &mut |memory| {
+                    memory.copy_from_slice(elements);
+                }))
             }
             Port::Local(port) => self.sent(port.send(|message| {
                 message.fill(header, |own| own.extend_from_slice(elements));
@@ -288,69 +263,22 @@ impl<T: Topic> Publisher<T> {
         Ok(header)
     }
 
-    /// Sends a message that has just been written. If the clock was not read before it was, this
-    /// reading is for both.
-    fn finish_now(&self, mut sample: Filled<T>) -> Result<usize, SendError> {
-        let stamp = sample.user_header_mut().stamp_mut();
-        stamp.sent_ns = monotonic_ns();
-        if stamp.computed_ns == 0 {
-            stamp.computed_ns = stamp.sent_ns;
+    /// Counts a message that was sent; returns how many subscribers got it.
+    fn counted(&self, sent: Result<usize, SendError>) -> Result<usize, SendError> {
+        if sent.is_ok() {
+            self.sequence.set(self.sequence.get() + 1);
         }
-        self.finish(sample)
+        sent
     }
 
-    fn finish(&self, sample: Filled<T>) -> Result<usize, SendError> {
-        let sent = sample.send().map_err(|e| match e {
-            iceoryx2::port::SendError::UnableToDeliver => SendError::Blocked {
-                topic: T::NAME,
-                waited: self.options.patience,
-            },
-            other => SendError::Transport {
-                topic: T::NAME,
-                reason: format!("{other:?}"),
-            },
-        })?;
-        self.sequence.set(self.sequence.get() + 1);
-        Ok(sent)
-    }
-
-    /// What [`Publisher::finish`] is for iceoryx2, for a bus in memory.
+    /// As [`Publisher::counted`], of a bus in memory; `None`: a subscriber had no room.
     fn sent(&self, delivered: Option<usize>) -> Result<usize, SendError> {
-        let sent = delivered.ok_or(SendError::Blocked {
+        self.counted(delivered.ok_or(SendError::Blocked {
             topic: T::NAME,
             waited: Duration::ZERO,
-        })?;
-        self.sequence.set(self.sequence.get() + 1);
-        Ok(sent)
+        }))
     }
 }
-
-/// Memory for a message, its header filled in.
-fn loan<T: Topic>(
-    port: &iceoryx2::port::publisher::Publisher<ipc::Service, [T::Element], T::Header>,
-    header: T::Header,
-    count: usize,
-) -> Result<Loan<T>, SendError> {
-    let mut sample =
-        port.loan_slice_uninit(count)
-            .map_err(|e: LoanError| SendError::Transport {
-                topic: T::NAME,
-                reason: format!("cannot loan memory: {e:?}"),
-            })?;
-    *sample.user_header_mut() = header;
-    Ok(sample)
-}
-
-/// Shared memory that has not been written yet.
-type Loan<T> = iceoryx2::sample_mut_uninit::SampleMutUninit<
-    ipc::Service,
-    [core::mem::MaybeUninit<<T as Topic>::Element>],
-    <T as Topic>::Header,
->;
-
-/// Shared memory that holds a message.
-type Filled<T> =
-    iceoryx2::sample_mut::SampleMut<ipc::Service, [<T as Topic>::Element], <T as Topic>::Header>;
 
 impl<T: Topic> core::fmt::Debug for Publisher<T> {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {

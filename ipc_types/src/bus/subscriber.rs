@@ -3,12 +3,10 @@
 use std::rc::Rc;
 use std::sync::Arc;
 
-use iceoryx2::port::update_connections::UpdateConnections;
-use iceoryx2::prelude::{Node, ipc};
-use iceoryx2::sample::Sample;
-
-use super::{BusError, BusOptions, Hub, ReceiveError, local, service};
+use super::{BusError, BusOptions, Hub, ReceiveError, agreed, buffer, local};
+use crate::schema;
 use crate::topics::Topic;
+use crate::transport::{Home, Loan, Receiver};
 
 /// Receives messages of one topic, oldest first per publisher.
 pub struct Subscriber<T: Topic> {
@@ -17,25 +15,19 @@ pub struct Subscriber<T: Topic> {
 
 /// A subscriber of one of the buses.
 enum Port<T: Topic> {
-    Ipc(iceoryx2::port::subscriber::Subscriber<ipc::Service, [T::Element], T::Header>),
+    Ipc(Box<dyn Receiver<T::Header, T::Element>>),
     Local(local::Receiver<T>),
 }
 
 impl<T: Topic> Subscriber<T> {
     pub(super) fn open(
-        node: &Node<ipc::Service>,
+        node: &dyn Home,
         options: &BusOptions,
         ticks: usize,
     ) -> Result<Self, BusError> {
-        let port = service::open::<T>(node)?
-            .subscriber_builder()
-            .buffer_size(service::buffer(&T::ID.qos(&options.size), ticks))
-            .create()
-            .map_err(|e| BusError::Port {
-                topic: T::NAME,
-                port: "subscriber",
-                reason: format!("{e:?}"),
-            })?;
+        let buffer = buffer(&T::ID.qos(&options.size), ticks);
+        let schema = schema::hash::<T>();
+        let port = (T::ports().subscriber)(node.node(), &agreed(T::NAME, &schema), buffer)?;
         Ok(Self {
             port: Port::Ipc(port),
         })
@@ -58,12 +50,7 @@ impl<T: Topic> Subscriber<T> {
     /// [`ReceiveError::Transport`] if iceoryx2 cannot connect.
     pub fn update_connections(&self) -> Result<(), ReceiveError> {
         match &self.port {
-            Port::Ipc(port) => port
-                .update_connections()
-                .map_err(|e| ReceiveError::Transport {
-                    topic: T::NAME,
-                    reason: format!("{e:?}"),
-                }),
+            Port::Ipc(port) => port.update_connections(),
             Port::Local(_) => Ok(()),
         }
     }
@@ -75,13 +62,7 @@ impl<T: Topic> Subscriber<T> {
     /// [`ReceiveError::Transport`] if iceoryx2 fails.
     pub fn receive(&self) -> Result<Option<Received<T>>, ReceiveError> {
         let held = match &self.port {
-            Port::Ipc(port) => port
-                .receive()
-                .map_err(|e| ReceiveError::Transport {
-                    topic: T::NAME,
-                    reason: format!("{e:?}"),
-                })?
-                .map(Held::Ipc),
+            Port::Ipc(port) => port.receive()?.map(Held::Ipc),
             Port::Local(port) => port.receive().map(Held::Local),
         };
         Ok(held.map(|held| Received { held }))
@@ -103,7 +84,7 @@ pub struct Received<T: Topic> {
 
 /// A message of one of the buses.
 enum Held<T: Topic> {
-    Ipc(Sample<ipc::Service, [T::Element], T::Header>),
+    Ipc(Loan<T::Header, T::Element>),
     Local(Rc<local::Message<T>>),
 }
 
@@ -111,7 +92,7 @@ impl<T: Topic> Received<T> {
     /// The user header.
     pub fn header(&self) -> &T::Header {
         match &self.held {
-            Held::Ipc(sample) => sample.user_header(),
+            Held::Ipc(loan) => loan.header(),
             Held::Local(message) => &message.header,
         }
     }
@@ -119,7 +100,7 @@ impl<T: Topic> Received<T> {
     /// The elements.
     pub fn elements(&self) -> &[T::Element] {
         match &self.held {
-            Held::Ipc(sample) => sample.payload(),
+            Held::Ipc(loan) => loan.elements(),
             Held::Local(message) => message.elements(),
         }
     }
@@ -136,7 +117,7 @@ impl<T: Topic> Received<T> {
     /// ([`Publisher::send_shared`](super::Publisher::send_shared)).
     pub fn shared_elements(&self) -> Arc<[T::Element]> {
         match &self.held {
-            Held::Ipc(sample) => Arc::from(sample.payload()),
+            Held::Ipc(loan) => Arc::from(loan.elements()),
             Held::Local(message) => message.shared_elements(),
         }
     }

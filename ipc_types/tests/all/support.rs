@@ -6,6 +6,7 @@ use ipc_types::bus::{Bus, BusOptions, PublisherOptions, RunSpace};
 use ipc_types::messages::world::{RobotState, WorldHeader};
 use ipc_types::stamp::PlainHeader;
 use ipc_types::topics::{RunSize, Topic, TopicId};
+use ipc_types::transport::Ports;
 
 /// A run space of its own that is wiped when the test ends, also by a panic.
 pub struct Space(
@@ -75,4 +76,9 @@ impl Topic for OtherCommands {
     const ID: TopicId = TopicId::Commands;
     type Header = PlainHeader;
     type Element = RobotState;
+
+    fn ports() -> &'static Ports<PlainHeader, RobotState> {
+        static PORTS: Ports<PlainHeader, RobotState> = Ports::new();
+        &PORTS
+    }
 }

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use std::rc::Rc;
 
 use super::Message;
-use crate::bus::{BusError, BusOptions, service};
+use crate::bus::{BusError, BusOptions, buffer};
 use crate::topics::{Qos, Topic};
 
 /// The unread messages of one subscriber, oldest first.
@@ -57,7 +57,7 @@ impl<T: Topic> Channel<T> {
     pub(super) fn add_subscriber(&self, ticks: usize) -> Result<Rc<Queue<T>>, BusError> {
         let mut queues = self.queues.borrow_mut();
         check_seats::<T>("subscriber", queues.len(), self.qos.subscribers)?;
-        let per_publisher = service::buffer(&self.qos, ticks);
+        let per_publisher = buffer(&self.qos, ticks);
         let histories = self.histories.borrow();
         let messages = histories.iter().flat_map(|(_, sent)| sent).cloned();
         let queue = Rc::new(Queue {

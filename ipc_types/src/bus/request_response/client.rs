@@ -3,14 +3,13 @@
 use core::cell::{Cell, RefCell};
 use std::rc::Rc;
 
-use iceoryx2::prelude::{Node, ipc};
-
-use super::{Answer, ClientPort, PendingPort, service};
+use super::{Answer, layout};
 use crate::bus::local::Endpoint;
-use crate::bus::{BusError, ReceiveError, SendError};
+use crate::bus::{BusError, ReceiveError, SendError, agreed};
 use crate::clock::StampClock;
 use crate::stamp::Header;
 use crate::topics::Service;
+use crate::transport::{self, Home};
 
 /// The asking side.
 pub struct Client<S: Service> {
@@ -22,26 +21,29 @@ pub struct Client<S: Service> {
 
 /// A client of one of the buses.
 enum Port<S: Service> {
-    Ipc(ClientPort<S>),
+    #[allow(clippy::type_complexity)]
+    Ipc(
+        Box<
+            dyn transport::Client<
+                    S::RequestHeader,
+                    S::RequestElement,
+                    S::ResponseHeader,
+                    S::ResponseElement,
+                >,
+        >,
+    ),
     Local(Rc<Endpoint<S>>),
 }
 
 impl<S: Service> Client<S> {
     pub(in crate::bus) fn open(
-        node: &Node<ipc::Service>,
+        node: &dyn Home,
         source: u32,
         capacity: usize,
     ) -> Result<Self, BusError> {
         let capacity = capacity.max(1);
-        let port = service::open::<S>(node)?
-            .client_builder()
-            .initial_max_slice_len(capacity)
-            .create()
-            .map_err(|e| BusError::Port {
-                topic: S::NAME,
-                port: "client",
-                reason: format!("{e:?}"),
-            })?;
+        let layout = layout::<S>();
+        let port = (S::ports().client)(node.node(), &agreed(S::NAME, &layout), capacity)?;
         Ok(Self {
             port: Port::Ipc(port),
             source,
@@ -88,7 +90,7 @@ impl<S: Service> Client<S> {
         let pending = match &self.port {
             Port::Ipc(port) => {
                 stamp.sent_ns = StampClock::MONOTONIC.now_ns();
-                Pending::Ipc(send::<S>(port, header, elements)?)
+                Pending::Ipc(port.ask(header, elements)?)
             }
             Port::Local(endpoint) => {
                 stamp.sent_ns = StampClock::STANDING.now_ns();
@@ -97,25 +99,6 @@ impl<S: Service> Client<S> {
         };
         Ok(PendingResponse { pending })
     }
-}
-
-fn send<S: Service>(
-    port: &ClientPort<S>,
-    header: S::RequestHeader,
-    elements: &[S::RequestElement],
-) -> Result<PendingPort<S>, SendError> {
-    let failed = |reason: String| SendError::Transport {
-        topic: S::NAME,
-        reason,
-    };
-    let mut request = port
-        .loan_slice_uninit(elements.len())
-        .map_err(|e| failed(format!("cannot loan memory: {e:?}")))?;
-    *request.user_header_mut() = header;
-    request
-        .write_from_slice(elements)
-        .send()
-        .map_err(|e| failed(format!("{e:?}")))
 }
 
 impl<S: Service> core::fmt::Debug for Client<S> {
@@ -134,7 +117,7 @@ pub struct PendingResponse<S: Service> {
 
 /// A request on one of the buses.
 enum Pending<S: Service> {
-    Ipc(PendingPort<S>),
+    Ipc(Box<dyn transport::Pending<S::ResponseHeader, S::ResponseElement>>),
     /// The answer, until it is taken.
     Local(RefCell<Option<Answer<S>>>),
 }
@@ -146,13 +129,7 @@ impl<S: Service> PendingResponse<S> {
     /// [`ReceiveError::Transport`] if iceoryx2 fails.
     pub fn poll(&self) -> Result<Option<Answer<S>>, ReceiveError> {
         match &self.pending {
-            Pending::Ipc(pending) => pending
-                .receive()
-                .map(|response| response.map(|r| (*r.user_header(), r.payload().to_vec())))
-                .map_err(|e| ReceiveError::Transport {
-                    topic: S::NAME,
-                    reason: format!("{e:?}"),
-                }),
+            Pending::Ipc(pending) => pending.poll(),
             Pending::Local(answer) => Ok(answer.take()),
         }
     }
@@ -162,7 +139,7 @@ impl<S: Service> PendingResponse<S> {
     /// own.
     pub fn is_open(&self) -> bool {
         match &self.pending {
-            Pending::Ipc(pending) => pending.is_connected(),
+            Pending::Ipc(pending) => pending.is_open(),
             Pending::Local(answer) => answer.borrow().is_some(),
         }
     }

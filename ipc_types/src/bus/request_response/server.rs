@@ -2,38 +2,42 @@
 
 use std::rc::Rc;
 
-use iceoryx2::prelude::{Node, ipc};
-
-use super::{ActivePort, ServerPort, service};
+use super::layout;
 use crate::bus::local::Endpoint;
-use crate::bus::{BusError, ReceiveError, SendError};
-use crate::clock;
+use crate::bus::{BusError, ReceiveError, SendError, agreed};
 use crate::stamp::Header;
 use crate::topics::Service;
+use crate::transport::{self, Home};
+
+type Port<S> = dyn transport::Server<
+        <S as Service>::RequestHeader,
+        <S as Service>::RequestElement,
+        <S as Service>::ResponseHeader,
+        <S as Service>::ResponseElement,
+    >;
+type Active<S> = dyn transport::Active<
+        <S as Service>::RequestHeader,
+        <S as Service>::RequestElement,
+        <S as Service>::ResponseHeader,
+        <S as Service>::ResponseElement,
+    >;
 
 /// The answering side between processes.
 pub struct Server<S: Service> {
-    port: ServerPort<S>,
+    port: Box<Port<S>>,
     source: u32,
     capacity: usize,
 }
 
 impl<S: Service> Server<S> {
     pub(in crate::bus) fn open(
-        node: &Node<ipc::Service>,
+        node: &dyn Home,
         source: u32,
         capacity: usize,
     ) -> Result<Self, BusError> {
         let capacity = capacity.max(1);
-        let port = service::open::<S>(node)?
-            .server_builder()
-            .initial_max_slice_len(capacity)
-            .create()
-            .map_err(|e| BusError::Port {
-                topic: S::NAME,
-                port: "server",
-                reason: format!("{e:?}"),
-            })?;
+        let layout = layout::<S>();
+        let port = (S::ports().server)(node.node(), &agreed(S::NAME, &layout), capacity)?;
         Ok(Self {
             port,
             source,
@@ -46,19 +50,12 @@ impl<S: Service> Server<S> {
     /// # Errors
     /// [`ReceiveError::Transport`] if iceoryx2 fails.
     pub fn receive(&self) -> Result<Option<ActiveRequest<S>>, ReceiveError> {
-        self.port
-            .receive()
-            .map(|request| {
-                request.map(|request| ActiveRequest {
-                    request,
-                    source: self.source,
-                    capacity: self.capacity,
-                })
-            })
-            .map_err(|e| ReceiveError::Transport {
-                topic: S::NAME,
-                reason: format!("{e:?}"),
-            })
+        let request = self.port.receive()?;
+        Ok(request.map(|request| ActiveRequest {
+            request,
+            source: self.source,
+            capacity: self.capacity,
+        }))
     }
 }
 
@@ -72,7 +69,7 @@ impl<S: Service> core::fmt::Debug for Server<S> {
 
 /// A request being worked on; dropping it ends the exchange.
 pub struct ActiveRequest<S: Service> {
-    request: ActivePort<S>,
+    request: Box<Active<S>>,
     source: u32,
     capacity: usize,
 }
@@ -80,17 +77,17 @@ pub struct ActiveRequest<S: Service> {
 impl<S: Service> ActiveRequest<S> {
     /// The request's header.
     pub fn header(&self) -> &S::RequestHeader {
-        self.request.user_header()
+        self.request.header()
     }
 
     /// The request's elements.
     pub fn elements(&self) -> &[S::RequestElement] {
-        self.request.payload()
+        self.request.elements()
     }
 
     /// Whether the client still waits.
     pub fn is_wanted(&self) -> bool {
-        self.request.is_connected()
+        self.request.is_wanted()
     }
 
     /// Sends the answer. The stamp's source and sending clock are filled in.
@@ -110,23 +107,10 @@ impl<S: Service> ActiveRequest<S> {
                 capacity: self.capacity,
             });
         }
-        let failed = |reason: String| SendError::Transport {
-            topic: S::NAME,
-            reason,
-        };
-        let mut response = self
-            .request
-            .loan_slice_uninit(elements.len())
-            .map_err(|e| failed(format!("cannot loan memory: {e:?}")))?;
         let stamp = header.stamp_mut();
         stamp.source = self.source;
         stamp.reserved = 0;
-        stamp.sent_ns = clock::monotonic_ns();
-        *response.user_header_mut() = header;
-        response
-            .write_from_slice(elements)
-            .send()
-            .map_err(|e| failed(format!("{e:?}")))
+        self.request.answer(header, elements)
     }
 }
 

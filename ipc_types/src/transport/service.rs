@@ -1,17 +1,35 @@
-//! Creating and opening the publish–subscribe service of a topic.
+//! The publish–subscribe service of a topic: creating and opening it.
 
 use iceoryx2::prelude::{MessagingPattern, Node, PortFactory as _, Service as _, ServiceName, ipc};
 use iceoryx2::service::builder::publish_subscribe::PublishSubscribeOpenError;
 use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 use iceoryx2::service::static_config::messaging_pattern::MessagingPattern as Details;
 
-use super::{BusError, BusOptions, LOOP_TICKS, agreement};
+use super::agreement;
+use crate::error::BusError;
 use crate::message::Message;
-use crate::schema;
-use crate::topics::{Qos, Topic};
+use crate::stamp::Header;
 
-pub(super) type TopicService<T> =
-    PortFactory<ipc::Service, [<T as Topic>::Element], <T as Topic>::Header>;
+/// What the processes of a run agree on: the name of a topic, and the hash of its schema.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Agreed<'a> {
+    pub(crate) topic: &'static str,
+    pub(crate) schema: &'a str,
+}
+
+/// The limits of a topic's service.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Limits {
+    /// Messages kept for receivers that join late.
+    pub(crate) history: usize,
+    /// Messages that a receiver may have unread.
+    pub(crate) buffer: usize,
+    pub(crate) publishers: usize,
+    pub(crate) subscribers: usize,
+    pub(crate) nodes: usize,
+    /// Whether a full buffer drops its oldest message.
+    pub(crate) overflow: bool,
+}
 
 /// Keeps a created service alive; drop it when the run has ended.
 pub struct TopicHolder {
@@ -21,7 +39,7 @@ pub struct TopicHolder {
 }
 
 impl TopicHolder {
-    pub(super) fn new<S: Send + 'static>(topic: &'static str, service: S) -> Self {
+    pub(crate) fn new<S: Send + 'static>(topic: &'static str, service: S) -> Self {
         Self::counting(topic, service, |_| 0)
     }
 
@@ -63,56 +81,48 @@ pub(super) fn service_name(topic: &'static str) -> Result<ServiceName, BusError>
     })
 }
 
-/// Buffer that a subscriber needs to hold `ticks` ticks of one publisher.
-pub(super) fn buffer(qos: &Qos, ticks: usize) -> usize {
-    qos.per_tick.saturating_mul(ticks).max(2)
-}
-
-pub(super) fn create<T: Topic>(
+pub(super) fn create<H: Header, E: Message>(
     node: &Node<ipc::Service>,
-    options: &BusOptions,
+    agreed: &Agreed<'_>,
+    limits: &Limits,
 ) -> Result<TopicHolder, BusError> {
-    let failed = |reason: String| BusError::Create {
-        topic: T::NAME,
-        reason,
-    };
-    let qos = T::ID.qos(&options.size);
-    let attributes = agreement::define(&schema::hash::<T>()).map_err(failed)?;
+    let topic = agreed.topic;
+    let failed = |reason: String| BusError::Create { topic, reason };
+    let attributes = agreement::define(agreed.schema).map_err(failed)?;
     let service = node
-        .service_builder(&service_name(T::NAME)?)
-        .publish_subscribe::<[T::Element]>()
-        .user_header::<T::Header>()
-        .history_size(qos.history)
-        .subscriber_max_buffer_size(buffer(&qos, options.recorder_ticks.max(LOOP_TICKS)))
+        .service_builder(&service_name(topic)?)
+        .publish_subscribe::<[E]>()
+        .user_header::<H>()
+        .history_size(limits.history)
+        .subscriber_max_buffer_size(limits.buffer)
         // The recorder and the processes copy what they keep: one borrowed message at a time,
         // one more for a caller that holds it while it asks for the next.
         .subscriber_max_borrowed_samples(2)
-        .max_publishers(qos.publishers)
-        .max_subscribers(qos.subscribers)
-        .max_nodes(super::nodes(&options.size))
-        .enable_safe_overflow(options.overflow)
+        .max_publishers(limits.publishers)
+        .max_subscribers(limits.subscribers)
+        .max_nodes(limits.nodes)
+        .enable_safe_overflow(limits.overflow)
         .create_with_attributes(&attributes)
         .map_err(|e| failed(format!("{e:?}")))?;
-    Ok(TopicHolder::counting(
-        T::NAME,
-        service,
-        |service: &TopicService<T>| service.dynamic_config().number_of_subscribers(),
-    ))
+    Ok(TopicHolder::counting(topic, service, |service| {
+        service.dynamic_config().number_of_subscribers()
+    }))
 }
 
-pub(super) fn open<T: Topic>(node: &Node<ipc::Service>) -> Result<TopicService<T>, BusError> {
-    let failed = |reason: String| BusError::Open {
-        topic: T::NAME,
-        reason,
-    };
-    let verifier = agreement::require(&schema::hash::<T>()).map_err(failed)?;
-    node.service_builder(&service_name(T::NAME)?)
-        .publish_subscribe::<[T::Element]>()
-        .user_header::<T::Header>()
+pub(super) fn open<H: Header, E: Message>(
+    node: &Node<ipc::Service>,
+    agreed: &Agreed<'_>,
+) -> Result<PortFactory<ipc::Service, [E], H>, BusError> {
+    let topic = agreed.topic;
+    let failed = |reason: String| BusError::Open { topic, reason };
+    let verifier = agreement::require(agreed.schema).map_err(failed)?;
+    node.service_builder(&service_name(topic)?)
+        .publish_subscribe::<[E]>()
+        .user_header::<H>()
         .open_with_attributes(&verifier)
         .map_err(|e| match e {
             PublishSubscribeOpenError::IncompatibleTypes
-            | PublishSubscribeOpenError::IncompatibleAttributes => mismatch::<T>(node),
+            | PublishSubscribeOpenError::IncompatibleAttributes => mismatch::<H, E>(node, agreed),
             PublishSubscribeOpenError::DoesNotExist => failed(format!(
                 "no such service in the run at {} (prefix {})",
                 node.config().global.root_path(),
@@ -123,18 +133,14 @@ pub(super) fn open<T: Topic>(node: &Node<ipc::Service>) -> Result<TopicService<T
 }
 
 /// Describes both sides of a type mismatch.
-fn mismatch<T: Topic>(node: &Node<ipc::Service>) -> BusError {
-    let header = T::Header::DESCRIPTOR;
-    let element = T::Element::DESCRIPTOR;
+fn mismatch<H: Header, E: Message>(node: &Node<ipc::Service>, agreed: &Agreed<'_>) -> BusError {
+    let header = H::DESCRIPTOR;
+    let element = E::DESCRIPTOR;
     let ours = format!(
         "[{}] of {} bytes with header {} of {} bytes, schema {}",
-        element.name,
-        element.size,
-        header.name,
-        header.size,
-        schema::hash::<T>()
+        element.name, element.size, header.name, header.size, agreed.schema
     );
-    let theirs = service_name(T::NAME)
+    let theirs = service_name(agreed.topic)
         .ok()
         .and_then(|name| {
             ipc::Service::details(&name, node.config(), MessagingPattern::PublishSubscribe)
@@ -166,7 +172,7 @@ fn mismatch<T: Topic>(node: &Node<ipc::Service>) -> BusError {
             },
         );
     BusError::Mismatch {
-        topic: T::NAME,
+        topic: agreed.topic,
         ours,
         theirs,
     }

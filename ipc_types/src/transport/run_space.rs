@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use iceoryx2::prelude::{Config, FileName, Path as TransportPath};
 
-use super::BusError;
+use crate::error::BusError;
 
 /// iceoryx2 keeps Unix sockets below the root; a socket's path is limited to 107 bytes.
 const MAX_ROOT_BYTES: usize = 60;

@@ -1,30 +1,32 @@
 //! Wake-ups between processes that do not share the lock-step page.
 
+use core::fmt::Debug;
 use std::os::fd::BorrowedFd;
 use std::time::Duration;
 
 use iceoryx2::port::listener::ListenerWaitError;
+use iceoryx2::port::notifier::NotifierNotifyError;
 use iceoryx2::prelude::{EventId, FileDescriptorBased as _, Node, ipc};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
 use super::service::{TopicHolder, service_name};
-use super::{BusError, BusOptions, ReceiveError, SendError};
+use crate::error::{BusError, ReceiveError, SendError};
 
-pub(super) fn create(
+/// Creates an event for so many ports and nodes, with ids up to `largest`.
+pub(crate) fn create(
     node: &Node<ipc::Service>,
-    options: &BusOptions,
     name: &'static str,
+    ports: usize,
+    nodes: usize,
+    largest: usize,
 ) -> Result<TopicHolder, BusError> {
-    let processes = super::nodes(&options.size);
-    // A process that drives several robots may wake and be woken for each.
-    let ports = processes + options.size.robots;
     let service = node
         .service_builder(&service_name(name)?)
         .event()
         .max_notifiers(ports)
         .max_listeners(ports)
-        .max_nodes(processes)
-        .event_id_max_value(crate::topics::MAX_EVENT_ID)
+        .max_nodes(nodes)
+        .event_id_max_value(largest)
         .create()
         .map_err(|e| BusError::Create {
             topic: name,
@@ -46,15 +48,63 @@ fn open(
         })
 }
 
+/// The waking port.
+trait Wake: Debug {
+    fn notify(&self, id: EventId) -> Result<usize, NotifierNotifyError>;
+}
+
+impl Wake for iceoryx2::port::notifier::Notifier<ipc::Service> {
+    fn notify(&self, id: EventId) -> Result<usize, NotifierNotifyError> {
+        self.notify_with_custom_event_id(id)
+    }
+}
+
+/// The waiting port.
+trait Sleep: Debug {
+    /// Sleeps until woken; calls back once per id.
+    fn wait(
+        &self,
+        timeout: Duration,
+        woken: &mut dyn FnMut(usize),
+    ) -> Result<u64, ListenerWaitError>;
+
+    /// Calls back once per id that has come in.
+    fn take(&self, woken: &mut dyn FnMut(usize)) -> Result<u64, ListenerWaitError>;
+
+    /// What can be read when it is woken.
+    fn descriptor(&self) -> BorrowedFd<'_>;
+}
+
+impl Sleep for iceoryx2::port::listener::Listener<ipc::Service> {
+    fn wait(
+        &self,
+        timeout: Duration,
+        woken: &mut dyn FnMut(usize),
+    ) -> Result<u64, ListenerWaitError> {
+        self.timed_wait(|activation| woken(activation.id.as_value()), timeout)
+    }
+
+    fn take(&self, woken: &mut dyn FnMut(usize)) -> Result<u64, ListenerWaitError> {
+        self.try_wait(|activation| woken(activation.id.as_value()))
+    }
+
+    fn descriptor(&self) -> BorrowedFd<'_> {
+        let own = self.file_descriptor();
+        // SAFETY: the descriptor belongs to the listener, which outlives this borrow and does not
+        // close it; it is only asked whether it can be read.
+        unsafe { BorrowedFd::borrow_raw(own.native_handle()) }
+    }
+}
+
 /// Wakes the listeners of an event.
 #[derive(Debug)]
 pub struct Notifier {
     name: &'static str,
-    port: iceoryx2::port::notifier::Notifier<ipc::Service>,
+    port: Box<dyn Wake>,
 }
 
 impl Notifier {
-    pub(super) fn open(node: &Node<ipc::Service>, name: &'static str) -> Result<Self, BusError> {
+    pub(crate) fn open(node: &Node<ipc::Service>, name: &'static str) -> Result<Self, BusError> {
         let port = open(node, name)?
             .notifier_builder()
             .create()
@@ -63,7 +113,10 @@ impl Notifier {
                 port: "notifier",
                 reason: format!("{e:?}"),
             })?;
-        Ok(Self { name, port })
+        Ok(Self {
+            name,
+            port: Box::new(port),
+        })
     }
 
     /// Wakes every listener with this id; returns how many there are.
@@ -72,7 +125,7 @@ impl Notifier {
     /// [`SendError::Transport`] if iceoryx2 fails or the id exceeds the service's largest.
     pub fn notify(&self, id: usize) -> Result<usize, SendError> {
         self.port
-            .notify_with_custom_event_id(EventId::new(id))
+            .notify(EventId::new(id))
             .map_err(|e| SendError::Transport {
                 topic: self.name,
                 reason: format!("{e:?}"),
@@ -84,11 +137,11 @@ impl Notifier {
 #[derive(Debug)]
 pub struct Listener {
     name: &'static str,
-    port: iceoryx2::port::listener::Listener<ipc::Service>,
+    port: Box<dyn Sleep>,
 }
 
 impl Listener {
-    pub(super) fn open(node: &Node<ipc::Service>, name: &'static str) -> Result<Self, BusError> {
+    pub(crate) fn open(node: &Node<ipc::Service>, name: &'static str) -> Result<Self, BusError> {
         let port = open(node, name)?
             .listener_builder()
             .create()
@@ -97,7 +150,10 @@ impl Listener {
                 port: "listener",
                 reason: format!("{e:?}"),
             })?;
-        Ok(Self { name, port })
+        Ok(Self {
+            name,
+            port: Box::new(port),
+        })
     }
 
     /// Sleeps until woken, until a signal comes or until the time is over; calls back once per id that
@@ -110,10 +166,7 @@ impl Listener {
         timeout: Duration,
         mut woken: impl FnMut(usize),
     ) -> Result<(), ReceiveError> {
-        self.waited(
-            self.port
-                .timed_wait(|activation| woken(activation.id.as_value()), timeout),
-        )
+        self.waited(self.port.wait(timeout, &mut woken))
     }
 
     /// What a wait came to. A signal woke it (whoever was stopped and goes on gets one too): that is no
@@ -143,12 +196,8 @@ impl Listener {
             topic: self.name,
             reason,
         };
-        let own = self.port.file_descriptor();
-        // SAFETY: the descriptor belongs to the listener, which outlives this borrow and does not
-        // close it; it is only asked whether it can be read.
-        let own = unsafe { BorrowedFd::borrow_raw(own.native_handle()) };
         let mut either = [
-            PollFd::from_borrowed_fd(own, PollFlags::IN),
+            PollFd::from_borrowed_fd(self.port.descriptor(), PollFlags::IN),
             PollFd::from_borrowed_fd(other, PollFlags::IN),
         ];
         let timeout = Timespec {
@@ -160,9 +209,6 @@ impl Listener {
             Ok(_) | Err(rustix::io::Errno::INTR) => {}
             Err(error) => return Err(failed(error.to_string())),
         }
-        self.waited(
-            self.port
-                .try_wait(|activation| woken(activation.id.as_value())),
-        )
+        self.waited(self.port.take(&mut woken))
     }
 }

@@ -1,0 +1,60 @@
+//! The node of a process: its membership in a run.
+
+use core::fmt;
+
+use iceoryx2::prelude::{Config, LogLevel, Node, NodeBuilder, NodeName, SignalHandlingMode, ipc};
+
+use super::run_space::RunSpace;
+use crate::error::BusError;
+
+/// The iceoryx2 configuration type, for tools that look at a run from outside.
+pub type TransportConfig = Config;
+
+/// Lets iceoryx2 report errors only; its warnings speak of what the run space does on purpose.
+pub fn quiet_transport() {
+    iceoryx2::prelude::set_log_level(LogLevel::Error);
+}
+
+/// A node.
+pub(crate) trait Home: fmt::Debug {
+    /// The node of iceoryx2.
+    fn node(&self) -> &Node<ipc::Service>;
+
+    /// Frees what dead processes of the run left; returns how many were cleaned.
+    fn clean_up_dead(&self) -> u64;
+}
+
+#[derive(Debug)]
+struct Joined(Node<ipc::Service>);
+
+impl Home for Joined {
+    fn node(&self) -> &Node<ipc::Service> {
+        &self.0
+    }
+
+    fn clean_up_dead(&self) -> u64 {
+        self.0.try_cleanup_dead_nodes().cleanups
+    }
+}
+
+/// Joins a run of so many nodes as the process with this name.
+pub(crate) fn join(
+    space: &RunSpace,
+    nodes: usize,
+    process: &str,
+) -> Result<Box<dyn Home>, BusError> {
+    let failed = |reason: String| BusError::Node {
+        root: space.root().to_owned(),
+        reason,
+    };
+    let name = NodeName::new(process).map_err(|e| failed(format!("{e:?}")))?;
+    let node = NodeBuilder::new()
+        .config(&space.config(nodes)?)
+        .name(&name)
+        // The processes handle their signals themselves.
+        .signal_handling_mode(SignalHandlingMode::Disabled)
+        .create::<ipc::Service>()
+        .map_err(|e| failed(format!("{e:?}")))?;
+    space.keep_others_out().map_err(|e| failed(e.to_string()))?;
+    Ok(Box::new(Joined(node)))
+}

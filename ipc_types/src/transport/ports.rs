@@ -1,0 +1,37 @@
+//! The service and the ports of a topic.
+
+use iceoryx2::prelude::{Node, ipc};
+
+use super::publisher::{self, Sender, SenderOptions};
+use super::service::{self, Agreed, Limits, TopicHolder};
+use super::subscriber::{self, Receiver};
+use crate::error::BusError;
+use crate::message::Message;
+use crate::stamp::Header;
+
+type Create = fn(&Node<ipc::Service>, &Agreed<'_>, &Limits) -> Result<TopicHolder, BusError>;
+type OpenSender<H, E> =
+    fn(&Node<ipc::Service>, &Agreed<'_>, SenderOptions) -> Result<Box<dyn Sender<H, E>>, BusError>;
+type OpenReceiver<H, E> =
+    fn(&Node<ipc::Service>, &Agreed<'_>, usize) -> Result<Box<dyn Receiver<H, E>>, BusError>;
+
+/// Makes the service and the ports of a topic with header `H` and elements `E`. As a `static` it is
+/// compiled where the topic is declared.
+#[derive(Debug)]
+pub struct Ports<H: Header, E: Message> {
+    pub(crate) create: Create,
+    pub(crate) publisher: OpenSender<H, E>,
+    pub(crate) subscriber: OpenReceiver<H, E>,
+}
+
+impl<H: Header, E: Message> Ports<H, E> {
+    /// The ports of a topic.
+    #[allow(clippy::new_without_default)]
+    pub const fn new() -> Self {
+        Self {
+            create: service::create::<H, E>,
+            publisher: publisher::open::<H, E>,
+            subscriber: subscriber::open::<H, E>,
+        }
+    }
+}

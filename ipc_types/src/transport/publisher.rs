@@ -1,0 +1,142 @@
+//! The sending end of a topic.
+
+use std::time::Duration;
+
+use iceoryx2::port::update_connections::UpdateConnections;
+use iceoryx2::port::{BackpressureAction, LoanError};
+use iceoryx2::prelude::{AllocationStrategy, BackpressureStrategy, Node, ipc};
+
+use super::service::{self, Agreed};
+use crate::clock::monotonic_ns;
+use crate::error::{BusError, SendError};
+use crate::message::Message;
+use crate::stamp::Header;
+
+/// How a sending end is opened.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct SenderOptions {
+    /// Most elements of one message; the shared memory is sized by it.
+    pub(crate) capacity: usize,
+    /// Whether the shared memory grows when a message has more.
+    pub(crate) grows: bool,
+    /// Whether a full buffer drops its oldest message instead of blocking the sender.
+    pub(crate) overflow: bool,
+    /// How long to wait for a receiver whose buffer is full.
+    pub(crate) patience: Duration,
+}
+
+/// A sending end.
+pub(crate) trait Sender<H, E> {
+    /// Connects to receivers that came since the last call or sending.
+    fn update_connections(&self) -> Result<(), SendError>;
+
+    /// Sends a message of so many elements; returns how many receivers got it. `write` gets the
+    /// elements as the memory holds them: zeros, or what an earlier message left. With `timed`, the
+    /// stamp gets the time of sending, and that of writing unless it has it.
+    fn send(
+        &self,
+        header: H,
+        count: usize,
+        timed: bool,
+        write: &mut dyn FnMut(&mut [E]),
+    ) -> Result<usize, SendError>;
+}
+
+struct Port<H: Header, E: Message> {
+    topic: &'static str,
+    inner: iceoryx2::port::publisher::Publisher<ipc::Service, [E], H>,
+    patience: Duration,
+}
+
+pub(super) fn open<H: Header, E: Message>(
+    node: &Node<ipc::Service>,
+    agreed: &Agreed<'_>,
+    options: SenderOptions,
+) -> Result<Box<dyn Sender<H, E>>, BusError> {
+    let factory = service::open::<H, E>(node, agreed)?;
+    let builder = factory
+        .publisher_builder()
+        .initial_max_slice_len(options.capacity.max(1))
+        .allocation_strategy(if options.grows {
+            AllocationStrategy::PowerOfTwo
+        } else {
+            AllocationStrategy::Static
+        })
+        .max_loaned_samples(1);
+    let patience = options.patience;
+    let builder = if options.overflow {
+        builder
+    } else {
+        builder
+            .backpressure_strategy(BackpressureStrategy::RetryUntilDelivered)
+            // A receiver that is stopped or dead must not hang its sender for ever.
+            .set_backpressure_handler(move |info| {
+                if info.elapsed_time < patience {
+                    BackpressureAction::Retry
+                } else {
+                    BackpressureAction::DiscardDataAndFail
+                }
+            })
+    };
+    let inner = builder.create().map_err(|e| BusError::Port {
+        topic: agreed.topic,
+        port: "publisher",
+        reason: format!("{e:?}"),
+    })?;
+    Ok(Box::new(Port {
+        topic: agreed.topic,
+        inner,
+        patience,
+    }))
+}
+
+impl<H: Header, E: Message> Port<H, E> {
+    fn failed(&self, reason: String) -> SendError {
+        SendError::Transport {
+            topic: self.topic,
+            reason,
+        }
+    }
+}
+
+impl<H: Header, E: Message> Sender<H, E> for Port<H, E> {
+    fn update_connections(&self) -> Result<(), SendError> {
+        self.inner
+            .update_connections()
+            .map_err(|e| self.failed(format!("{e:?}")))
+    }
+
+    fn send(
+        &self,
+        header: H,
+        count: usize,
+        timed: bool,
+        write: &mut dyn FnMut(&mut [E]),
+    ) -> Result<usize, SendError> {
+        let mut sample = self
+            .inner
+            .loan_slice_uninit(count)
+            .map_err(|e: LoanError| self.failed(format!("cannot loan memory: {e:?}")))?;
+        *sample.user_header_mut() = header;
+        // SAFETY: the memory is a shared file mapping, which the kernel hands out as zeros; it holds
+        // those or what an earlier message left. Elements are `FromBytes` (a supertrait of
+        // `Message`): any bytes are a valid value.
+        let mut sample = unsafe { sample.assume_init() };
+        write(sample.payload_mut());
+        if timed {
+            let stamp = sample.user_header_mut().stamp_mut();
+            stamp.sent_ns = monotonic_ns();
+            // If the clock was not read before the message was written, this reading is for both.
+            if stamp.computed_ns == 0 {
+                stamp.computed_ns = stamp.sent_ns;
+            }
+        }
+        sample.send().map_err(|e| match e {
+            iceoryx2::port::SendError::UnableToDeliver => SendError::Blocked {
+                topic: self.topic,
+                waited: self.patience,
+            },
+            other => self.failed(format!("{other:?}")),
+        })
+    }
+}

@@ -1,0 +1,98 @@
+//! The receiving end of a topic.
+
+use core::mem::ManuallyDrop;
+
+use iceoryx2::port::update_connections::UpdateConnections;
+use iceoryx2::prelude::{Node, ipc};
+
+use super::service::{self, Agreed};
+use crate::error::{BusError, ReceiveError};
+use crate::message::Message;
+use crate::stamp::Header;
+
+/// A receiving end.
+pub(crate) trait Receiver<H: Header, E: Message> {
+    /// Connects to senders that came since the last call or reception.
+    fn update_connections(&self) -> Result<(), ReceiveError>;
+
+    /// The next unread message, if any.
+    fn receive(&self) -> Result<Option<Loan<H, E>>, ReceiveError>;
+}
+
+type Sample<H, E> = iceoryx2::sample::Sample<ipc::Service, [E], H>;
+
+/// A message where its sender wrote it (mapped read-only), freed on drop.
+pub(crate) struct Loan<H: Header, E: Message> {
+    sample: ManuallyDrop<Sample<H, E>>,
+    /// Frees it by the code of this crate.
+    release: fn(Sample<H, E>),
+}
+
+impl<H: Header, E: Message> Loan<H, E> {
+    pub(crate) fn header(&self) -> &H {
+        self.sample.user_header()
+    }
+
+    pub(crate) fn elements(&self) -> &[E] {
+        self.sample.payload()
+    }
+}
+
+impl<H: Header, E: Message> Drop for Loan<H, E> {
+    fn drop(&mut self) {
+        // SAFETY: it is taken only here, and nothing uses it afterwards.
+        let sample = unsafe { ManuallyDrop::take(&mut self.sample) };
+        (self.release)(sample);
+    }
+}
+
+struct Port<H: Header, E: Message> {
+    topic: &'static str,
+    inner: iceoryx2::port::subscriber::Subscriber<ipc::Service, [E], H>,
+}
+
+pub(super) fn open<H: Header, E: Message>(
+    node: &Node<ipc::Service>,
+    agreed: &Agreed<'_>,
+    buffer: usize,
+) -> Result<Box<dyn Receiver<H, E>>, BusError> {
+    let topic = agreed.topic;
+    let inner = service::open::<H, E>(node, agreed)?
+        .subscriber_builder()
+        .buffer_size(buffer)
+        .create()
+        .map_err(|e| BusError::Port {
+            topic,
+            port: "subscriber",
+            reason: format!("{e:?}"),
+        })?;
+    Ok(Box::new(Port { topic, inner }))
+}
+
+impl<H: Header, E: Message> Port<H, E> {
+    fn failed(&self, reason: String) -> ReceiveError {
+        ReceiveError::Transport {
+            topic: self.topic,
+            reason,
+        }
+    }
+}
+
+impl<H: Header, E: Message> Receiver<H, E> for Port<H, E> {
+    fn update_connections(&self) -> Result<(), ReceiveError> {
+        self.inner
+            .update_connections()
+            .map_err(|e| self.failed(format!("{e:?}")))
+    }
+
+    fn receive(&self) -> Result<Option<Loan<H, E>>, ReceiveError> {
+        let sample = self
+            .inner
+            .receive()
+            .map_err(|e| self.failed(format!("{e:?}")))?;
+        Ok(sample.map(|sample| Loan {
+            sample: ManuallyDrop::new(sample),
+            release: drop::<Sample<H, E>>,
+        }))
+    }
+}
