@@ -191,10 +191,10 @@ mod tests {
             .map(|c| c.name);
         for (file, names) in [
             (
-                "sweep.md",
+                "reference/experiment.md",
                 Row::COLUMNS.iter().map(|c| c.name).collect::<Vec<_>>(),
             ),
-            ("explanation/planning.md", plans.collect()),
+            ("reference/plans.md", plans.collect()),
         ] {
             let text = text(file);
             for name in names {

@@ -9,7 +9,7 @@ use sweep::spec::LogPolicy;
 pub(super) const HELP: &str = "\
 A sweep may be interrupted and killed at any time: the same command goes on where it stopped, and a
 mission that is done is never carried out again. What it results in (results.csv, byte for byte)
-depends on the experiment alone. docs/sweep.md describes the experiment file and the results.
+depends on the experiment alone. docs/reference/experiment.md describes the experiment file and the results.
 
 Exit codes: 0 everything is done, 1 the results cannot be kept, 2 wrong usage or experiment,
 3 some missions failed or are missing.";
