@@ -1,5 +1,5 @@
 //! Faults on purpose: a process of a run is killed, stopped or paused at a moment that a seed draws,
-//! and afterwards the promises of a run (`docs/reference/promises.md`) are checked from outside: by
+//! and afterwards the promises of a run (`docs/reference/guarantees.md`) are checked from outside: by
 //! `/proc`, `/dev/shm`, the exit code, the summary and the log.
 //!
 //! * `disturbed`: a run as a program of its own, with a runtime directory of its own;

@@ -30,7 +30,7 @@ fn compare(name: &str, title: &str, text: &str, tables: &str) {
 #[test]
 fn the_reference_of_parameters_is_what_the_code_declares() {
     let text = "The keys of `params` in a `[[processes]]` table of a scenario, by `kind`; \
-                [scenario.md](../scenario.md) says how they are used. A group of keys that several \
+                [scenarios](../how-to/scenarios.md) says how they are used. A group of keys that several \
                 kinds have is described once, below the kinds.";
     let tables = scenario::schema::parameters(KINDS);
     compare(
@@ -43,7 +43,7 @@ fn the_reference_of_parameters_is_what_the_code_declares() {
 
 #[test]
 fn the_reference_of_scenarios_is_what_the_code_declares() {
-    let text = "The keys of a scenario file; [scenario.md](../scenario.md) says how they are used. \
+    let text = "The keys of a scenario file; [scenarios](../how-to/scenarios.md) says how they are used. \
                 A key without a default (–) may be absent.";
     let tables = scenario::schema::reference();
     compare("scenario.md", "Keys of scenario files", text, &tables);
