@@ -9,14 +9,16 @@
 //! good the view is there.
 
 mod border;
+mod span;
 mod sweep;
 
 use core::f64::consts::TAU;
 
 use nalgebra::{Point2, Vector2};
 
-use self::border::{View, from_begin};
-use self::sweep::{Corner, Span, Sweep};
+use self::border::View;
+use self::span::{Span, from_begin};
+use self::sweep::{Corner, Sweep};
 use crate::grid::{Grid, GridFrame};
 use crate::math;
 
@@ -53,6 +55,22 @@ impl SightLimits {
 }
 
 /// The walls of a map.
+///
+/// ```
+/// use geometry::grid::{Grid, GridFrame};
+/// use geometry::visibility::polygon::{Eye, SightLimits, Walls};
+/// use nalgebra::Point2;
+///
+/// let frame = GridFrame { width: 4, height: 3, resolution: 1.0, origin: Point2::origin() };
+/// let walls = Walls::new(Grid::filled(frame, false));
+/// let eye = Eye {
+///     position: Point2::new(1.5, 1.5),
+///     heading: 0.0,
+///     limits: SightLimits::default(),
+/// };
+/// // The four corners of the room, and where the border begins.
+/// assert_eq!(walls.seen_from(&eye).len(), 5);
+/// ```
 #[derive(Debug, Clone)]
 pub struct Walls {
     occupied: Grid<bool>,

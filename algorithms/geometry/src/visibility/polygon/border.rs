@@ -1,10 +1,10 @@
 //! The border of what is seen, as it grows.
 
-use core::f64::consts::{PI, TAU};
+use core::f64::consts::PI;
 
 use nalgebra::{Point2, Vector2};
 
-use super::sweep::Span;
+use super::span::{Span, direction, from_begin};
 use crate::math;
 
 /// Largest angle between two corners where the range is what ends the view (rad).
@@ -112,20 +112,4 @@ impl View {
             self.border.push(point);
         }
     }
-}
-
-/// An angle, mostly from a single turn, as one from 0 to 2π.
-pub(super) fn from_begin(angle: f64) -> f64 {
-    if angle > -TAU && angle < TAU {
-        // The remainder, bit by bit, without dividing.
-        if angle < 0.0 { angle + TAU } else { angle }
-    } else {
-        angle.rem_euclid(TAU)
-    }
-}
-
-/// The unit vector at an angle (rad).
-pub(super) fn direction(angle: f64) -> Vector2<f64> {
-    let (sin, cos) = math::sincos(angle);
-    Vector2::new(cos, sin)
 }

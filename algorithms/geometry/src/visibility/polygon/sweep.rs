@@ -2,21 +2,7 @@
 
 use nalgebra::Vector2;
 
-use super::border::direction;
-
-/// A wall begins behind another if it does by more than this (m²), the area between them; otherwise
-/// their distances decide.
-const CLEARLY: f64 = 1e-9;
-
-/// A wall as it is seen: from the eye, its ends in directions relative to where the sweep begins.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Span {
-    pub(super) begins: f64,
-    /// Not before it begins: a wall over which the sweep begins is two spans.
-    pub(super) ends: f64,
-    pub(super) from: Vector2<f64>,
-    pub(super) along: Vector2<f64>,
-}
+use super::span::{Span, direction};
 
 /// A direction in which walls begin or end.
 #[derive(Debug, Clone, Copy)]
@@ -93,22 +79,5 @@ impl Sweep {
     /// Whether two spans are parts of one wall.
     pub(super) fn is_one_wall(&self, a: usize, b: usize) -> bool {
         a == b || self.spans[a].from == self.spans[b].from
-    }
-}
-
-impl Span {
-    /// Where on the wall a ray hits it, 0 to 1 from its beginning.
-    pub(super) fn part(&self, ray: Vector2<f64>) -> f64 {
-        (ray.perp(&self.from) / self.along.perp(&ray)).clamp(0.0, 1.0)
-    }
-
-    /// Whether a wall that begins in a direction of this one begins clearly behind it.
-    fn hides(&self, other: &Self) -> bool {
-        (other.from - self.from).perp(&self.along) > CLEARLY
-    }
-
-    /// How far away the wall is in a direction.
-    pub(super) fn distance(&self, ray: Vector2<f64>) -> f64 {
-        self.from.perp(&self.along) / ray.perp(&self.along)
     }
 }

@@ -2,7 +2,7 @@ use core::f64::consts::PI;
 
 use proptest::prelude::*;
 
-use super::border::direction;
+use super::span::direction;
 use super::*;
 use crate::blur::tests::city;
 use crate::blur::{BlurredMap, PAPER_SIGMA};
@@ -188,7 +188,7 @@ proptest! {
 
     #[test]
     fn angles_are_those_of_one_turn(angle in prop_oneof![-20.0..20.0, Just(0.0), Just(TAU), Just(-TAU)]) {
-        prop_assert_eq!(border::from_begin(angle).to_bits(), f64::rem_euclid(angle, TAU).to_bits());
+        prop_assert_eq!(from_begin(angle).to_bits(), f64::rem_euclid(angle, TAU).to_bits());
     }
 
     /// What lies in the polygon is what lines of sight reach.
