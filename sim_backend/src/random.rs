@@ -14,6 +14,16 @@ const WORDS_PER_TICK: u128 = 1 << 20;
 ///
 /// A stream is addressed by (seed, stream number, tick) rather than kept, so that what a sensor
 /// draws does not depend on who else drew or how often it was asked.
+///
+/// ```
+/// use sim_backend::random::Stream;
+///
+/// let (seed, stream, tick) = (7, 3, 100);
+/// let mut noise = Stream::new(seed, stream, tick);
+/// let first = noise.normal();
+/// assert_ne!(first, noise.normal());
+/// assert_eq!(first, Stream::new(seed, stream, tick).normal());
+/// ```
 #[derive(Debug, Clone)]
 pub struct Stream {
     rng: ChaCha8Rng,

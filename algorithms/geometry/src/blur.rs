@@ -75,6 +75,23 @@ pub enum BlurError {
 }
 
 /// Gaussian blur of a free map together with the occupancy that masks it.
+///
+/// ```
+/// use geometry::blur::BlurredMap;
+/// use geometry::grid::{Grid, GridFrame};
+/// use nalgebra::Point2;
+///
+/// let frame = GridFrame { width: 20, height: 20, resolution: 0.1, origin: Point2::origin() };
+/// let mut free = Grid::filled(frame, true);
+/// for row in 0..20 {
+///     free.cells[frame.index(0, row)] = false;
+/// }
+/// let map = BlurredMap::new(&free, 0.2)?;
+/// let (by_the_wall, in_the_open) = (Point2::new(0.15, 1.0), Point2::new(1.5, 1.0));
+/// assert!(map.value(by_the_wall) < map.value(in_the_open));
+/// assert!(map.gradient(by_the_wall).x > 0.0);
+/// # Ok::<(), geometry::blur::BlurError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct BlurredMap {
     blurred: Grid<f32>,

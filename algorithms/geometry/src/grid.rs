@@ -61,6 +61,17 @@ impl GridFrame {
 }
 
 /// A value per cell of a [`GridFrame`].
+///
+/// ```
+/// use geometry::grid::{Grid, GridFrame};
+/// use nalgebra::Point2;
+///
+/// let frame = GridFrame { width: 4, height: 3, resolution: 0.5, origin: Point2::new(-1.0, 0.0) };
+/// let mut visits = Grid::filled(frame, 0);
+/// visits.cells[frame.index(2, 1)] += 1;
+/// assert_eq!(visits.at(Point2::new(0.2, 0.7)), Some(&1));
+/// assert_eq!(visits.at(Point2::new(5.0, 0.0)), None);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grid<T> {
     /// Where the cells lie.

@@ -25,6 +25,13 @@ pub fn wrap_angle(angle: f64) -> f64 {
 }
 
 /// The signed shortest rotation (rad) from `from` to `to`, in (−π, π].
+///
+/// ```
+/// use core::f64::consts::PI;
+/// use geometry::math::angle_difference;
+///
+/// assert!((angle_difference(-0.9 * PI, 0.9 * PI) - 0.2 * PI).abs() < 1e-12);
+/// ```
 pub fn angle_difference(to: f64, from: f64) -> f64 {
     wrap_angle(to - from)
 }

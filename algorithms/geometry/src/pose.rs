@@ -9,6 +9,15 @@ use crate::extent::coordinate;
 use crate::math;
 
 /// Pose of a robot in the world frame.
+///
+/// ```
+/// use core::f64::consts::PI;
+/// use geometry::pose::Pose2;
+///
+/// let pose = Pose2::new(1.0, 2.0, 3.0 * PI);
+/// assert!((pose.theta - PI).abs() < 1e-12);
+/// assert!((pose.forward().x + 1.0).abs() < 1e-12);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Pose2 {

@@ -12,6 +12,15 @@ use crate::math;
 ///
 /// In TOML: `{ circle = { center = [9.0, 0.0], radius = 0.5 } }` or
 /// `{ rectangle = { center = [9.0, 0.0], half_extents = [0.5, 1.25] } }`.
+///
+/// ```
+/// use geometry::region::Region;
+/// use nalgebra::Point2;
+///
+/// let exit = Region::Circle { center: [9.0, 0.0], radius: 0.5 };
+/// assert!(exit.contains(Point2::new(8.6, 0.0)));
+/// assert!(!exit.contains(Point2::new(8.5, 0.0)));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Region {

@@ -51,6 +51,24 @@ pub struct RayEnd {
 }
 
 /// Answers line-of-sight queries on one blurred map. See the [module documentation](self).
+///
+/// ```
+/// use geometry::blur::BlurredMap;
+/// use geometry::grid::{Grid, GridFrame};
+/// use geometry::visibility::VisibilityField;
+/// use nalgebra::Point2;
+///
+/// let frame = GridFrame { width: 20, height: 20, resolution: 0.1, origin: Point2::origin() };
+/// let mut free = Grid::filled(frame, true);
+/// for row in 5..20 {
+///     free.cells[frame.index(10, row)] = false;
+/// }
+/// let field = VisibilityField::new(&BlurredMap::new(&free, 0.1)?);
+/// let eye = Point2::new(0.5, 1.5);
+/// assert!(field.visibility(eye, Point2::new(0.5, 0.5)) > 0.9);
+/// assert!(!field.is_visible(eye, Point2::new(1.5, 1.5)));
+/// # Ok::<(), geometry::blur::BlurError>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct VisibilityField {
     frame: GridFrame,

@@ -1,11 +1,11 @@
 //! Whether a robot has come as far as a condition asks.
 
+use geometry::math;
+use geometry::region::Region;
 use nalgebra::Point2;
 
 use super::Robot;
 use crate::spec::Condition;
-use geometry::math;
-use geometry::region::Region;
 
 impl Robot {
     /// Whether a condition is true of the robot, as it is now, that started at `start` (m). A robot

@@ -1,11 +1,11 @@
 //! From a command to motion: limits, imperfections, exact integration.
 
+use geometry::math;
+use geometry::pose::{Pose2, Twist2};
 use nalgebra::Vector2;
 
 use crate::random::Stream;
 use crate::spec::{ActuatorSpec, RobotModel};
-use geometry::math;
-use geometry::pose::{Pose2, Twist2};
 
 /// Noise beyond this many standard deviations is cut off.
 const MAX_SIGMAS: f64 = 3.0;
@@ -17,6 +17,16 @@ const MAX_SIGMAS: f64 = 3.0;
 /// fast, both are scaled down together, which keeps the curvature; their changes are clamped to the
 /// acceleration limits; and should a wheel be too fast after that, turning gives way (a wheel
 /// cannot exceed its speed, so that limit goes before angular acceleration).
+///
+/// ```
+/// use geometry::pose::Twist2;
+/// use sim_backend::robot::limit;
+/// use sim_backend::spec::Preset;
+///
+/// let model = Preset::Turtlebot3Burger.model();
+/// let executed = limit(&model, Twist2::STOP, Twist2::new(100.0, 0.0), 0.05);
+/// assert!(executed.v <= model.v_max);
+/// ```
 pub fn limit(model: &RobotModel, current: Twist2, command: Twist2, dt: f64) -> Twist2 {
     let half_track = 0.5 * model.wheel_separation;
     let mut v = command.v.clamp(-model.v_reverse_max, model.v_max);

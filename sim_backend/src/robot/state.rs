@@ -2,12 +2,12 @@
 
 use core::time::Duration;
 
+use geometry::pose::{Pose2, Twist2};
+use geometry::region::Region;
 use serde::{Deserialize, Serialize};
 
 use crate::spec::{RobotModel, RobotSpec};
 use crate::team::Team;
-use geometry::pose::{Pose2, Twist2};
-use geometry::region::Region;
 
 /// Whether a robot is in the game.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]

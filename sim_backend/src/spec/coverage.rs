@@ -1,11 +1,11 @@
 //! Which area counts as visited.
 
+use geometry::extent::positive;
 use parameters::Parameters;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::team::Team;
-use geometry::extent::positive;
 
 /// Accounting of the free area that robots have visited, and of how long it has been since.
 ///

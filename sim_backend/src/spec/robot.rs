@@ -1,14 +1,14 @@
 //! One robot: body, limits, imperfections, sensors.
 
+use geometry::extent::{MAX_COORDINATE, not_negative, positive};
+use geometry::pose::Pose2;
+use geometry::region::Region;
 use parameters::{Parameters, ParamsError, at_least, require, within};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{OdometrySpec, ScanSpec};
 use crate::team::Team;
-use geometry::extent::{MAX_COORDINATE, not_negative, positive};
-use geometry::pose::Pose2;
-use geometry::region::Region;
 
 /// A robot as the scenario describes it: a preset body, with any value overridden.
 ///

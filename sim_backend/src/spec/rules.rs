@@ -1,13 +1,13 @@
 //! The rules of the game.
 
+use geometry::extent::{not_negative, positive};
+use geometry::map::MAX_EXITS;
+use geometry::region::Region;
 use parameters::{Parameters, above};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::CoverageSpec;
-use geometry::extent::{not_negative, positive};
-use geometry::map::MAX_EXITS;
-use geometry::region::Region;
 
 /// Rules of a mission; the defaults are a world without a game: no capture, no exits, no end.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -16,14 +16,14 @@ pub use event::{ContactWith, EventKind, GameOver, ObstacleAction, WorldEvent};
 
 use core::time::Duration;
 
+use geometry::map::WorldMap;
+use geometry::pose::{Pose2, Twist2};
+use geometry::region::Region;
 use motion::Motion;
 
 use crate::random::Stream;
 use crate::robot::{Robot, drive};
 use crate::spec::{ActuatorSpec, OdometrySpec, OutOfPlay, RulesSpec, ScanSpec, WorldSpec};
-use geometry::map::WorldMap;
-use geometry::pose::{Pose2, Twist2};
-use geometry::region::Region;
 
 /// Most robots in one world.
 pub const MAX_ROBOTS: usize = 1024;

@@ -10,15 +10,15 @@
 //! Two robots that meet are each blocked by their own motion toward the other only: who stands, or
 //! drives away, is not pushed.
 
+use geometry::map::WorldMap;
+use geometry::math;
+use geometry::pose::Twist2;
 use nalgebra::{Point2, Vector2};
 
 use super::impact::{Mover, TOUCH, leads_away, slide, sweep, time_to_impact};
 use crate::robot::Robot;
 use crate::robot::drive;
 use crate::spec::Blocked;
-use geometry::map::WorldMap;
-use geometry::math;
-use geometry::pose::Twist2;
 
 /// Largest distance (m) between an arc and the chords that replace it near contacts.
 const SAGITTA: f64 = 1e-5;

@@ -1,10 +1,10 @@
 //! Obstacles that change while robots drive.
 
+use geometry::map::{ObstacleChange, ObstacleError};
+use geometry::math;
 use nalgebra::{Point2, Vector2};
 
 use super::{EventKind, ObstacleAction, World, has_body};
-use geometry::map::{ObstacleChange, ObstacleError};
-use geometry::math;
 
 /// How far (m) at most an obstacle pushes a robot aside, beyond the robot's own diameter.
 const PUSH_LIMIT: f64 = 1.0;

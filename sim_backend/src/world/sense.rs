@@ -1,14 +1,14 @@
 //! What robots sense: ranges, lines of sight, their own odometry.
 
+use geometry::math;
+use geometry::pose::{Pose2, Twist2};
+use geometry::shape::ray_disc;
 use nalgebra::{Point2, Vector2};
 
 use super::{Purpose, World, has_body, stream_number};
 use crate::random::Stream;
 use crate::robot::drive;
 use crate::spec::ScanSpec;
-use geometry::math;
-use geometry::pose::{Pose2, Twist2};
-use geometry::shape::ray_disc;
 
 impl World {
     /// The range scanner of a robot.
@@ -20,6 +20,26 @@ impl World {
     /// [`ScanSpec`]). Its noise depends on seed, robot and tick, not on how often it is asked.
     ///
     /// Returns the scanner, or `None` (and no ranges) if the robot has none.
+    ///
+    /// ```
+    /// # use geometry::map::{MapSpec, VectorMap};
+    /// # use geometry::pose::Pose2;
+    /// # use sim_backend::spec::{RobotSpec, RulesSpec, ScanSpec, WorldSpec};
+    /// # use sim_backend::team::Team;
+    /// # use sim_backend::world::World;
+    /// let mut robot = RobotSpec::new("walle", Team::Neutral, Pose2::new(1.0, 1.5, 0.0));
+    /// robot.scan = Some(ScanSpec { beams: 1, noise: 0.0, ..ScanSpec::default() });
+    /// let world = World::new(WorldSpec {
+    ///     map: MapSpec::Vector(VectorMap::empty([0.0, 0.0], [4.0, 3.0], 0.05)),
+    ///     robots: vec![robot],
+    ///     rules: RulesSpec::default(),
+    ///     seed: 1,
+    /// })?;
+    /// let mut ranges = Vec::new();
+    /// world.scan(0, &mut ranges);
+    /// assert_eq!(ranges, [3.0]);
+    /// # Ok::<(), sim_backend::world::WorldError>(())
+    /// ```
     pub fn scan(&self, robot: usize, ranges: &mut Vec<f32>) -> Option<&ScanSpec> {
         ranges.clear();
         let spec = self.scan_spec(robot)?;

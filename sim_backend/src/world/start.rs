@@ -1,13 +1,13 @@
 //! Checks of a specification against its map, before time starts.
 
+use geometry::map::WorldMap;
+use geometry::region::Region;
 use parameters::check;
 
 use super::{MAX_ROBOTS, WorldError};
 use crate::robot::Robot;
 use crate::spec::{RobotSpec, RulesSpec};
 use crate::team::Team;
-use geometry::map::WorldMap;
-use geometry::region::Region;
 
 /// Checks robots and rules by themselves.
 pub(super) fn check_specs(robots: &[RobotSpec], rules: &RulesSpec) -> Result<(), WorldError> {

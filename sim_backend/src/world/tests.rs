@@ -7,11 +7,12 @@ mod start;
 
 use core::time::Duration;
 
+use geometry::map::{MapSpec, ObstacleSpec, VectorMap};
+use geometry::shape::Shape;
+
 use super::*;
 use crate::spec::{LimitsSpec, RobotSpec};
 use crate::team::Team;
-use geometry::map::{MapSpec, ObstacleSpec, VectorMap};
-use geometry::shape::Shape;
 
 const TICK: Duration = Duration::from_millis(50);
 

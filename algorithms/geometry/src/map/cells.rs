@@ -43,6 +43,20 @@ impl Parameters for CellMap {}
 
 impl CellMap {
     /// Writes an occupancy grid out (`true` is occupied).
+    ///
+    /// ```
+    /// use geometry::grid::{Grid, GridFrame};
+    /// use geometry::map::CellMap;
+    /// use nalgebra::Point2;
+    ///
+    /// let frame = GridFrame { width: 3, height: 2, resolution: 0.5, origin: Point2::origin() };
+    /// let mut occupied = Grid::filled(frame, false);
+    /// occupied.cells[frame.index(1, 0)] = true;
+    /// let map = CellMap::from_grid(&occupied);
+    /// assert_eq!(map.runs, [1, 1, 4]);
+    /// assert_eq!(map.to_grid()?, occupied);
+    /// # Ok::<(), parameters::ParamsError>(())
+    /// ```
     pub fn from_grid(grid: &Grid<bool>) -> Self {
         let mut runs = vec![0];
         let mut current = false;

@@ -11,6 +11,25 @@ use crate::region::Region;
 const MOST: usize = 8;
 
 /// Cells that a disc may pass, and which of them are joined from side to side (not across corners).
+///
+/// ```
+/// use geometry::map::{ObstacleSpec, VectorMap, WorldMap};
+/// use geometry::region::Region;
+/// use geometry::shape::Shape;
+/// use nalgebra::Point2;
+///
+/// // A wall with a gap of 1 m at its upper end.
+/// let mut room = VectorMap::empty([0.0, 0.0], [4.0, 4.0], 0.1);
+/// room.obstacles.push(ObstacleSpec {
+///     name: String::new(),
+///     shape: Shape::Rectangle { center: [2.0, 1.5], half_extents: [0.1, 1.5], angle: 0.0 },
+/// });
+/// let map = WorldMap::from_vectors(&room)?;
+/// let (start, goal) = (Point2::new(1.0, 1.0), Region::Circle { center: [3.0, 1.0], radius: 0.2 });
+/// assert!(map.shapes().passages(0.3).reach([start]).meets(&goal));
+/// assert!(!map.shapes().passages(0.6).reach([start]).meets(&goal));
+/// # Ok::<(), geometry::map::VectorMapError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Passages {
     frame: GridFrame,

@@ -78,6 +78,14 @@ impl Pgm {
     ///
     /// # Errors
     /// Says which part of the file is wrong, and what was expected.
+    ///
+    /// ```
+    /// use geometry::map::Pgm;
+    ///
+    /// let image = Pgm::read("P2 3 1 255 0 128 255".as_bytes())?;
+    /// assert_eq!(image.pixels, [0, 128, 255]);
+    /// # Ok::<(), geometry::map::PgmError>(())
+    /// ```
     pub fn read(mut input: impl BufRead) -> Result<Self, PgmError> {
         let mut magic = [0; 2];
         let got = read_up_to(&mut input, &mut magic)?;

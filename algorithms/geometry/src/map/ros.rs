@@ -116,6 +116,18 @@ impl RosMap {
     ///
     /// # Errors
     /// Names the file, the line, what stands there and what was expected.
+    ///
+    /// ```
+    /// use std::path::Path;
+    /// use geometry::map::{RosMap, UnknownCells, Pgm};
+    ///
+    /// let text = "image: room.pgm\nresolution: 0.5\norigin: [0, 0, 0]\nnegate: 0\n\
+    ///             occupied_thresh: 0.65\nfree_thresh: 0.25\n";
+    /// let map = RosMap::parse(Path::new("room.yaml"), text)?;
+    /// let image = Pgm::read("P2 3 1 255 0 254 254".as_bytes())?;
+    /// assert_eq!(map.classify(&image, UnknownCells::Occupied).runs, [0, 1, 2]);
+    /// # Ok::<(), Box<dyn core::error::Error>>(())
+    /// ```
     pub fn parse(path: &Path, text: &str) -> Result<Self, RosMapError> {
         let (mut image, mut resolution, mut origin) = (None, None, None);
         let (mut negate, mut occupied, mut free) = (None, None, None);

@@ -14,6 +14,19 @@ use crate::shape::{Aabb, Convex};
 /// This is the geometry of a [`WorldMap`](super::WorldMap) without names, events and exits, so that
 /// whoever has the pieces (a planner that got them by message) asks the same questions with the
 /// same answers.
+///
+/// ```
+/// use geometry::grid::GridFrame;
+/// use geometry::map::ShapeMap;
+/// use geometry::shape::{Aabb, Convex};
+/// use nalgebra::Point2;
+///
+/// let bounds = Aabb { min: Point2::origin(), max: Point2::new(4.0, 4.0) };
+/// let frame = GridFrame { width: 40, height: 40, resolution: 0.1, origin: bounds.min };
+/// let map = ShapeMap::new(vec![Convex::disc(Point2::new(3.0, 2.0), 0.5)], bounds, frame);
+/// assert_eq!(map.distance(Point2::new(1.5, 2.0)), 1.0);
+/// assert!(map.is_clear(Point2::new(1.0, 2.0), 0.9));
+/// ```
 #[derive(Debug, Clone)]
 pub struct ShapeMap {
     pub(super) bounds: Aabb,

@@ -86,6 +86,25 @@ pub enum ObstacleError {
 /// Exact geometry (see the queries: [`distance`](Self::distance), [`cast_ray`](Self::cast_ray) …)
 /// and grids describe the same obstacles at every [`revision`](Self::revision). The edge of the
 /// map is a wall: everything beyond the bounds is solid.
+///
+/// ```
+/// use geometry::map::{ObstacleChange, ObstacleId, ObstacleSpec, VectorMap, WorldMap};
+/// use geometry::shape::Shape;
+/// use nalgebra::{Point2, Vector2};
+///
+/// let mut room = VectorMap::empty([0.0, 0.0], [10.0, 10.0], 0.1);
+/// room.obstacles.push(ObstacleSpec {
+///     name: "pillar".to_owned(),
+///     shape: Shape::Circle { center: [5.0, 5.0], radius: 1.0 },
+/// });
+/// let mut map = WorldMap::from_vectors(&room)?;
+/// let robot = Point2::new(2.0, 5.0);
+/// assert_eq!(map.cast_ray(robot, Vector2::x(), 3.5), Some(2.0));
+/// assert!(!map.line_of_sight(robot, Point2::new(8.0, 5.0)));
+/// map.apply(&ObstacleChange::Disappear { id: ObstacleId(0) })?;
+/// assert_eq!(map.cast_ray(robot, Vector2::x(), 3.5), None);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct WorldMap {
     exits: Vec<Region>,

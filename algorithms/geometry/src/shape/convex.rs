@@ -12,6 +12,16 @@ use crate::math;
 const NORMAL_NOISE: f64 = 1e-12;
 
 /// A solid convex piece in world coordinates.
+///
+/// ```
+/// use geometry::shape::Convex;
+/// use nalgebra::{Point2, Vector2};
+///
+/// let table = Convex::rectangle(Point2::new(3.0, 0.0), [1.0, 0.5], 0.0);
+/// assert_eq!(table.distance(Point2::origin()), 2.0);
+/// assert_eq!(table.contact(Point2::origin()).normal, -Vector2::x());
+/// assert_eq!(table.ray(Point2::origin(), Vector2::x()), Some(2.0));
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub enum Convex {
     /// A disc.

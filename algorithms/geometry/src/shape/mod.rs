@@ -107,6 +107,20 @@ impl Shape {
     ///
     /// # Errors
     /// Names the field that is out of its range, or the edges that cross.
+    ///
+    /// ```
+    /// use geometry::shape::Shape;
+    ///
+    /// let corner = Shape::Polygon {
+    ///     vertices: vec![[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]],
+    /// };
+    /// assert!(corner.parts()?.len() > 1);
+    /// let crossed = Shape::Polygon {
+    ///     vertices: vec![[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]],
+    /// };
+    /// assert!(crossed.parts().is_err());
+    /// # Ok::<(), geometry::shape::ShapeError>(())
+    /// ```
     pub fn parts(&self) -> Result<Vec<Convex>, ShapeError> {
         check(self)?;
         match self {

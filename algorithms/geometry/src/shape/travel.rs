@@ -5,6 +5,22 @@ use nalgebra::{Point2, Vector2};
 use super::convex::{Aabb, Convex, Edge};
 
 /// An arc of a circle, counter-clockwise, of at most a half turn.
+///
+/// ```
+/// use geometry::shape::{Convex, ShortArc};
+/// use nalgebra::{Point2, Vector2};
+///
+/// // A quarter turn to the left of a robot that starts at (0, 0) and looks along +x.
+/// let turn = ShortArc {
+///     center: Point2::new(0.0, 1.0),
+///     radius: 1.0,
+///     start: -Vector2::y(),
+///     end: Vector2::x(),
+/// };
+/// let pillar = Convex::disc(Point2::new(2.0, 0.0), 0.5);
+/// assert!(pillar.arc_is_clear(&turn, 0.3));
+/// assert!(!pillar.arc_is_clear(&turn, 1.0));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ShortArc {
     /// Centre of the circle (m).

@@ -12,6 +12,9 @@ mod tests;
 
 use core::time::Duration;
 
+use geometry::grid::GridFrame;
+use geometry::map::WorldMap;
+use geometry::pose::Pose2;
 use nalgebra::Point2;
 
 use self::coverable::Ground;
@@ -19,9 +22,6 @@ use self::swept::Way;
 use super::motion::Motion;
 use crate::robot::Robot;
 use crate::spec::CoverageSpec;
-use geometry::grid::GridFrame;
-use geometry::map::WorldMap;
-use geometry::pose::Pose2;
 use parameters::ParamsError;
 
 /// Most cells that are accounted for: 24 bytes each.
@@ -97,6 +97,26 @@ fn part(some: usize, all: usize) -> f64 {
 }
 
 /// The account of the area that robots have visited: which cells, how often, how long ago.
+///
+/// ```
+/// # use core::time::Duration;
+/// # use geometry::map::{MapSpec, VectorMap};
+/// # use geometry::pose::{Pose2, Twist2};
+/// # use sim_backend::spec::{CoverageSpec, RobotSpec, RulesSpec, WorldSpec};
+/// # use sim_backend::team::Team;
+/// # use sim_backend::world::World;
+/// let mut world = World::new(WorldSpec {
+///     map: MapSpec::Vector(VectorMap::empty([0.0, 0.0], [4.0, 3.0], 0.05)),
+///     robots: vec![RobotSpec::new("walle", Team::Neutral, Pose2::new(1.0, 1.5, 0.0))],
+///     rules: RulesSpec { coverage: Some(CoverageSpec::default()), ..RulesSpec::default() },
+///     seed: 1,
+/// })?;
+/// let visited = |world: &World| world.coverage().map(|c| c.fraction());
+/// let before = visited(&world);
+/// world.step(&[Some(Twist2::new(0.2, 0.0))], Duration::from_secs(1));
+/// assert!(visited(&world) > before);
+/// # Ok::<(), sim_backend::world::WorldError>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Coverage {
     spec: CoverageSpec,

@@ -1,5 +1,9 @@
 use core::time::Duration;
 
+use geometry::map::{MapSpec, ObstacleChange, ObstacleId, VectorMap};
+use geometry::pose::Twist2;
+use geometry::region::Region;
+use geometry::shape::Shape;
 use proptest::prelude::*;
 
 use super::*;
@@ -7,10 +11,6 @@ use crate::robot::drive::integrate;
 use crate::spec::{LimitsSpec, OutOfPlay, RobotSpec, RulesSpec, WorldSpec};
 use crate::team::Team;
 use crate::world::{World, WorldError};
-use geometry::map::{MapSpec, ObstacleChange, ObstacleId, VectorMap};
-use geometry::pose::Twist2;
-use geometry::region::Region;
-use geometry::shape::Shape;
 
 const TICK: Duration = Duration::from_millis(50);
 

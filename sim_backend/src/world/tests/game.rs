@@ -1,7 +1,8 @@
+use geometry::region::Region;
+
 use super::*;
 use crate::robot::RobotStatus;
 use crate::spec::CaptureSpec;
-use geometry::region::Region;
 
 fn chase(rules: RulesSpec) -> World {
     let robots = vec![

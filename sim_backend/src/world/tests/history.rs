@@ -1,11 +1,11 @@
 //! Long histories: they stay sound under changes of the map, and have the same bits everywhere.
 
+use geometry::map::{ObstacleChange, ObstacleId};
 use proptest::prelude::*;
 
 use super::*;
 use crate::random::Stream;
 use crate::spec::{ActuatorSpec, CaptureSpec, ScanSpec};
-use geometry::map::{ObstacleChange, ObstacleId};
 
 /// Steps a crowded world with noise, contacts and captures, and folds every bit of its states, scans
 /// and number of events into one number (FNV-1a).

@@ -1,5 +1,6 @@
-use super::*;
 use geometry::map::{ObstacleChange, ObstacleError, ObstacleId};
+
+use super::*;
 
 fn block(x: f64, y: f64, half: f64) -> Shape {
     Shape::Rectangle {

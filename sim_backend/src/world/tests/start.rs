@@ -1,6 +1,7 @@
+use geometry::region::Region;
+
 use super::*;
 use crate::spec::CaptureSpec;
-use geometry::region::Region;
 
 fn message(map: MapSpec, robots: Vec<RobotSpec>, rules: RulesSpec) -> String {
     World::new(WorldSpec {
