@@ -10,6 +10,18 @@
 //! None of the chaotic maps keeps a secret: each is public, and the cat and Chebyshev maps are
 //! linear, so that fewer than a hundred points give their state away. [`keyed::Keyed`] alone is
 //! meant for an observer who knows the method.
+//!
+//! ```
+//! use chaotic_maps::{Key, Source as _};
+//!
+//! let key: Key = "catp:0.4,0.644".parse()?;
+//! let mut points = key.source()?;
+//! let [x, y] = points.next_unit();
+//! assert!((0.0..=1.0).contains(&x) && (0.0..=1.0).contains(&y));
+//! // The same key gives the same points.
+//! assert_eq!(key.source()?.next_unit(), [x, y]);
+//! # Ok::<(), chaotic_maps::KeyError>(())
+//! ```
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]

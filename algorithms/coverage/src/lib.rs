@@ -23,6 +23,32 @@
 //!
 //! They move in a [`space::Space`]; what is left to cover is a [`freshness::Freshness`]; those that
 //! draw their sub-goals on the way share [`wander`].
+//!
+//! ```
+//! use coverage::boustrophedon::Boustrophedon;
+//! use coverage::decomposition::Decomposition;
+//! use coverage::goal::GoalSource as _;
+//! use coverage::workplace::Workplace;
+//! use geometry::shape::Aabb;
+//! use nalgebra::Point2;
+//!
+//! // 2 m × 1 m without obstacles, for a robot of radius 0.1 m.
+//! let bounds = Aabb {
+//!     min: Point2::origin(),
+//!     max: Point2::new(2.0, 1.0),
+//! };
+//! let workplace = Workplace::new(bounds, 0.1, &[], 0.01)?;
+//! let rectangles = Decomposition::new(&workplace)?;
+//! let mut at = Point2::new(0.1, 0.1);
+//! let mut planner = Boustrophedon::new(&workplace, &rectangles, at, 0.1)?;
+//! let mut length = 0.0;
+//! while let Some(goal) = planner.next_goal(at) {
+//!     length += (goal.waypoint.point - at).norm();
+//!     at = goal.waypoint.point;
+//! }
+//! assert!(length > 8.0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]

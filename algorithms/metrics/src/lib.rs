@@ -6,6 +6,16 @@
 //! - [`driven`]: the path that a robot really drove;
 //! - [`coverage`]: how much of a workplace a path has covered, and how evenly;
 //! - [`prediction`]: how well somebody foretold where a robot would be.
+//!
+//! ```
+//! use metrics::path::mae_lap;
+//! use nalgebra::Point2;
+//!
+//! let line = [[0.0, 0.0], [4.0, 0.0]].map(Point2::from);
+//! let lap = [[0.0, 0.5], [4.0, 0.5]].map(Point2::from).to_vec();
+//! // The lap runs half a metre beside its reference.
+//! assert_eq!(mae_lap(&line, &[lap], 10), Some(0.5));
+//! ```
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]

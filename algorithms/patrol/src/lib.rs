@@ -8,6 +8,17 @@
 //! - [`fto`]: fictive obstacles that the robot avoids as if they were real;
 //! - [`mission`]: a patrol as a scenario orders it, with everything chosen that was left open;
 //! - [`mixed`]: additional waypoints where obstacles are small, fictive obstacles along large ones.
+//!
+//! ```
+//! use nalgebra::Point2;
+//! use patrol::contour::Contour;
+//!
+//! let corners = [[0.0, 0.0], [4.0, 0.0], [4.0, 2.0], [0.0, 2.0]].map(Point2::from);
+//! let contour = Contour::closed(&corners)?;
+//! assert_eq!(contour.length(), 12.0);
+//! assert_eq!(contour.at(0.5), Some(Point2::new(4.0, 2.0)));
+//! # Ok::<(), patrol::contour::ContourError>(())
+//! ```
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]

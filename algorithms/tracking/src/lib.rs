@@ -4,6 +4,47 @@
 //! [`geometry::visibility`]), and a particle filter keeps one belief per robot watched
 //! ([`particle_filter`]). [`tracker::Perception`] does both for a team and a tick. Everything is a
 //! function of its inputs and a ChaCha8 stream per robot watched.
+//!
+//! ```
+//! use geometry::blur::BlurredMap;
+//! use geometry::grid::{Grid, GridFrame};
+//! use geometry::pose::Pose2;
+//! use nalgebra::Point2;
+//! use rand::SeedableRng as _;
+//! use rand_chacha::ChaCha8Rng;
+//! use tracking::params::PerceptionParams;
+//! use tracking::particle_filter::MotionLimits;
+//! use tracking::tracker::{Perception, TargetSetup, TargetTruth};
+//!
+//! // A free place of 4 m × 4 m.
+//! let frame = GridFrame {
+//!     width: 40,
+//!     height: 40,
+//!     resolution: 0.1,
+//!     origin: Point2::origin(),
+//! };
+//! let map = BlurredMap::new(&Grid::filled(frame, true), 0.15)?;
+//! let start = Pose2::new(3.0, 2.0, 0.0);
+//! let evader = TargetSetup {
+//!     robot: 1,
+//!     limits: MotionLimits {
+//!         v_max: 0.5,
+//!         v_reverse_max: 0.05,
+//!         omega_max: 1.0,
+//!     },
+//!     start: Some(start),
+//!     rng: ChaCha8Rng::seed_from_u64(1),
+//! };
+//! let mut perception = Perception::new(&PerceptionParams::default(), &map, vec![evader])?;
+//! let observers = [Pose2::new(1.0, 2.0, 0.0)];
+//! let truth = TargetTruth {
+//!     robot: 1,
+//!     pose: start,
+//! };
+//! let tracks = perception.update(&observers, &[truth], 0.05)?;
+//! assert!((tracks[0].belief().mean.x - 3.0).abs() < 0.1);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]

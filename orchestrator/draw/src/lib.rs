@@ -1,5 +1,25 @@
 //! Drawings as SVG: the page to draw on ([`canvas`]), the colours of everything that is drawn
 //! ([`palette`]) and charts of measured points ([`figures`]).
+//!
+//! ```
+//! use draw::figures::{Chart, Point, Series, draw};
+//!
+//! let point = |x, y| Point {
+//!     x,
+//!     y,
+//!     interval: None,
+//! };
+//! let chart = Chart {
+//!     title: "Escapes".to_owned(),
+//!     series: vec![Series {
+//!         name: "measured".to_owned(),
+//!         points: vec![point(0.4, 0.1), point(0.6, 0.3)],
+//!         ..Series::default()
+//!     }],
+//!     ..Chart::default()
+//! };
+//! assert!(draw(&chart).svg().starts_with("<svg"));
+//! ```
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]

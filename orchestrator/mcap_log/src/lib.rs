@@ -4,6 +4,36 @@
 //! The reader goes from the beginning of a log to its end, believes no length in it, keeps no more in memory
 //! than a chunk, and goes as far as a damaged or foreign file allows; what could not be read is in the
 //! [`Condition`].
+//!
+//! ```
+//! use std::collections::BTreeMap;
+//!
+//! use mcap_log::reader::{Item, Reader};
+//! use mcap_log::{ChannelSpec, LogOptions, LogWriter, Manifest};
+//!
+//! let folder = tempfile::tempdir()?;
+//! let path = folder.path().join("run.mcap");
+//! let mut log = LogWriter::create(&path, &LogOptions::default(), &Manifest::default())?;
+//! let channel = log.add_channel(&ChannelSpec {
+//!     topic: "note",
+//!     schema_name: "Note",
+//!     schema_encoding: "ros2msg",
+//!     schema: b"string text",
+//!     message_encoding: "cdr",
+//!     metadata: &BTreeMap::new(),
+//! })?;
+//! log.write(channel, 0, 50_000_000, 50_000_000, b"a message")?;
+//! log.finish()?;
+//!
+//! let mut messages = 0;
+//! let mut reader = Reader::open(&path, None)?;
+//! while let Some(item) = reader.next()? {
+//!     messages += usize::from(matches!(item, Item::Message(_, b"a message")));
+//! }
+//! assert_eq!(messages, 1);
+//! assert!(reader.condition().is_whole());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]

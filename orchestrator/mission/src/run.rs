@@ -53,6 +53,17 @@ pub struct MissionOptions {
 /// # Errors
 /// [`MissionError`]; the log holds everything up to then, and no process, shared memory or
 /// directory of the run remains.
+///
+/// ```no_run
+/// use mission::{MissionOptions, run};
+///
+/// fn main() -> Result<(), Box<dyn std::error::Error>> {
+///     let scenario = scenario::Loader::new(kinds::KINDS).load("hello", &[], None)?;
+///     let report = run(&scenario, &MissionOptions::default())?;
+///     println!("{} ticks", report.summary.ticks);
+///     Ok(())
+/// }
+/// ```
 pub fn run(
     scenario: &ResolvedScenario,
     options: &MissionOptions,

@@ -16,6 +16,14 @@ use super::resolved::ResolvedScenario;
 const MAX_SCENARIO: u64 = 64 << 20;
 
 /// Loads scenarios.
+///
+/// ```
+/// use scenario::Loader;
+///
+/// // A program passes its list of kinds, here none.
+/// let refused = Loader::new(&[]).load("chse", &[], None).unwrap_err();
+/// assert!(refused.to_string().contains("did you mean `chase`?"));
+/// ```
 #[derive(Clone, Copy)]
 pub struct Loader<'k> {
     kinds: &'k [Kind],

@@ -83,6 +83,44 @@ impl Setup {
 
 /// Runs a process whose configuration lies in a file, to its end; returns its exit code. Errors go
 /// to stderr, to the heartbeat and to the turn page.
+///
+/// ```
+/// use std::path::Path;
+/// use std::process::ExitCode;
+///
+/// use ipc_types::bus::Bus;
+/// use runtime::{Process, ProcessConfig, ProcessError, ProcessKind};
+///
+/// /// A process that counts the ticks of its run.
+/// struct Counter {
+///     ticks: u64,
+/// }
+///
+/// impl Process for Counter {
+///     fn connect(&mut self) -> Result<(), ProcessError> {
+///         Ok(())
+///     }
+///
+///     fn step(&mut self, _tick: u64) -> Result<(), ProcessError> {
+///         self.ticks += 1;
+///         Ok(())
+///     }
+/// }
+///
+/// impl ProcessKind for Counter {
+///     const NAME: &'static str = "counter";
+///     const SUMMARY: &'static str = "counts ticks";
+///     type Params = ();
+///
+///     fn open(_: &ProcessConfig, (): &(), _: &Bus) -> Result<Self, ProcessError> {
+///         Ok(Self { ticks: 0 })
+///     }
+/// }
+///
+/// // A run gives the path of the configuration; without it the process ends at once.
+/// let code = runtime::run::<Counter>(Path::new("/nonexistent/counter.json"));
+/// assert_eq!(format!("{code:?}"), format!("{:?}", ExitCode::FAILURE));
+/// ```
 pub fn run<K: ProcessKind>(config: &Path) -> ExitCode {
     run_with(config, |config, params| {
         let setup = Setup::new(config)?;

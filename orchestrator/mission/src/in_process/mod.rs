@@ -78,6 +78,16 @@ impl Cache {
 /// # Errors
 /// [`MissionError::InProcess`] if time passes by the clock, a process is a program of the user's
 /// own, or a process fails; others as of [`mission::run`](fn@crate::run).
+///
+/// ```
+/// use mission::in_process::{InProcessOptions, run};
+///
+/// let seed = Some(1);
+/// let scenario = scenario::Loader::new(kinds::KINDS).load("hello", &[], seed)?;
+/// let report = run(&scenario, &InProcessOptions::default())?;
+/// assert!(report.summary.ticks > 0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn run(
     scenario: &ResolvedScenario,
     options: &InProcessOptions,

@@ -35,6 +35,18 @@ const BANDS: [(f64, f64, f64); 3] = [(0.6, 2.0, 0.40), (0.85, 2.6, 0.65), (1.0, 
 ///
 /// The document has at most some 400 kB however long the run was: trails, particles, trees
 /// and cells are thinned out to what can be seen.
+///
+/// ```no_run
+/// use std::path::Path;
+///
+/// use mcap_log::Watch;
+/// use report::picture::{RunTrace, draw};
+///
+/// let log = Path::new("logs/chase-1.mcap");
+/// let (trace, _condition) = RunTrace::read(log, None, &mut Watch::default())?;
+/// std::fs::write("chase.svg", draw(&trace))?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn draw(trace: &RunTrace) -> String {
     let legend = Legend::of(trace);
     let layout = Layout::new(trace.ground.min, trace.ground.max, legend.height());
