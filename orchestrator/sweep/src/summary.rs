@@ -2,7 +2,7 @@
 
 use comfy_table::Table;
 use platform::shell;
-use serde_json::{Value as Json, json};
+use serde_json::{Map, Value as Json, json};
 use statistics::{Interval, Sample, Z95, wilson};
 use tables::for_terminal;
 
@@ -97,6 +97,53 @@ pub(super) fn cell_table(parameters: &[String], columns: &[&str]) -> Table {
     for_terminal(header, 1)
 }
 
+/// An interval of a share in a table.
+pub(super) fn interval(interval: Option<Interval>) -> String {
+    interval.map_or_else(|| "-".into(), |i| format!("{:.3} .. {:.3}", i.low, i.high))
+}
+
+/// How fast missions or plans were carried out; nothing if none were.
+pub(super) fn pace(report: Option<&RunReport>, unit: &str) -> String {
+    report
+        .filter(|report| report.carried_out > 0)
+        .map_or_else(String::new, |report| {
+            format!(
+                "\n{} {unit} in {:.1} s, {:.1} per second\n",
+                report.carried_out,
+                report.wall_time_s,
+                report.carried_out as f64 / report.wall_time_s.max(1e-9),
+            )
+        })
+}
+
+/// The values of a cell's parameters by their names.
+pub(super) fn parameters(names: &[String], values: &[impl serde::Serialize]) -> Map<String, Json> {
+    let values = values.iter().map(|value| json!(value));
+    names.iter().cloned().zip(values).collect()
+}
+
+/// What the JSON objects of all experiments begin with.
+pub(super) fn json_head<R: Record>(
+    results: &Results<R>,
+    report: Option<&RunReport>,
+) -> Map<String, Json> {
+    let manifest = results.manifest();
+    let head = [
+        ("experiment", json!(manifest.experiment)),
+        ("blake3", json!(manifest.blake3)),
+        ("program", json!(manifest.program)),
+        ("out", json!(results.directory())),
+        ("missions", json!(results.rows().count())),
+        ("carried_out", json!(report.map(|r| r.carried_out))),
+        ("known", json!(report.map(|r| r.known))),
+        ("wall_time_s", json!(report.map(|r| r.wall_time_s))),
+        ("interrupted", json!(report.is_some_and(|r| r.interrupted))),
+    ];
+    head.map(|(key, value)| (key.to_owned(), value))
+        .into_iter()
+        .collect()
+}
+
 /// The command that runs one mission again, alone.
 pub fn command(results: &Results, mission: MissionId) -> String {
     let Some(cell) = results.manifest().cells.get(mission.cell) else {
@@ -129,9 +176,6 @@ pub fn text(results: &Results, report: Option<&RunReport>) -> String {
         let Some(cell) = manifest.cells.get(summary.cell) else {
             continue;
         };
-        let interval = |i: Option<Interval>| {
-            i.map_or_else(|| "-".into(), |i| format!("{:.3} .. {:.3}", i.low, i.high))
-        };
         let mut line = vec![cell.case.clone()];
         line.extend(cell.values.iter().map(ToString::to_string));
         line.extend([
@@ -149,14 +193,7 @@ pub fn text(results: &Results, report: Option<&RunReport>) -> String {
         table.add_row(line);
     }
     let mut text = format!("{}: {}\n\n{table}\n", manifest.experiment, manifest.title);
-    if let Some(report) = report.filter(|report| report.carried_out > 0) {
-        text += &format!(
-            "\n{} missions in {:.1} s, {:.1} per second\n",
-            report.carried_out,
-            report.wall_time_s,
-            report.carried_out as f64 / report.wall_time_s.max(1e-9),
-        );
-    }
+    text += &pace(report, "missions");
     let failures = failures(results);
     if !failures.is_empty() {
         text += &format!(
@@ -209,9 +246,7 @@ pub fn json(results: &Results, report: Option<&RunReport>) -> Json {
             .cells
             .get(cell)
             .map_or(&[][..], |c| c.values.as_slice());
-        let names = manifest.parameters.iter().cloned();
-        let parameters: serde_json::Map<String, Json> =
-            names.zip(values.iter().map(|v| json!(v))).collect();
+        let parameters = parameters(&manifest.parameters, values);
         (manifest.cells.get(cell).map(|c| c.case.clone()), parameters)
     };
     let cells: Vec<Json> = cells(results)
@@ -255,18 +290,11 @@ pub fn json(results: &Results, report: Option<&RunReport>) -> Json {
             json!({ "case": case, "parameters": parameters, "seed": mission.seed })
         })
         .collect();
-    json!({
-        "experiment": manifest.experiment,
-        "blake3": manifest.blake3,
-        "program": manifest.program,
-        "out": results.directory(),
-        "missions": results.rows().count(),
-        "carried_out": report.map(|r| r.carried_out),
-        "known": report.map(|r| r.known),
-        "wall_time_s": report.map(|r| r.wall_time_s),
-        "interrupted": report.is_some_and(|r| r.interrupted),
-        "cells": cells,
-        "failures": failures,
-        "missing": missing,
-    })
+    let mut all = json_head(results, report);
+    all.extend([
+        ("cells".to_owned(), json!(cells)),
+        ("failures".to_owned(), json!(failures)),
+        ("missing".to_owned(), json!(missing)),
+    ]);
+    Json::Object(all)
 }

@@ -8,7 +8,7 @@ use super::PlanResults;
 use super::row::PlanRow;
 use crate::row::Record as _;
 use crate::runner::RunReport;
-use crate::summary::{cell_table, missing};
+use crate::summary::{cell_table, interval, json_head, missing, pace, parameters};
 
 /// What the plans of one cell amount to.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -92,8 +92,7 @@ pub fn text(results: &PlanResults, report: Option<&RunReport>) -> String {
             of.plans.to_string(),
             of.no_path.to_string(),
             format!("{}/{}", of.failed, of.solvable()),
-            of.failure()
-                .map_or_else(|| "-".into(), |i| format!("{:.3} .. {:.3}", i.low, i.high)),
+            interval(of.failure()),
             number(&of.t_s, 0.5, 1.0, 2),
             [0.5, 0.95, 1.0]
                 .map(|share| number(&of.gap, share, 100.0, 3))
@@ -105,14 +104,7 @@ pub fn text(results: &PlanResults, report: Option<&RunReport>) -> String {
         table.add_row(line);
     }
     let mut text = format!("{}: {}\n\n{table}\n", manifest.experiment, manifest.title);
-    if let Some(report) = report.filter(|report| report.carried_out > 0) {
-        text += &format!(
-            "\n{} plans in {:.1} s, {:.1} per second\n",
-            report.carried_out,
-            report.wall_time_s,
-            report.carried_out as f64 / report.wall_time_s.max(1e-9),
-        );
-    }
+    text += &pace(report, "plans");
     let broken: Vec<_> = results.rows().filter(|(_, row)| row.is_failed()).collect();
     for (mission, row) in broken.iter().take(20) {
         text += &format!(
@@ -137,13 +129,10 @@ pub fn json(results: &PlanResults, report: Option<&RunReport>) -> Json {
     let summaries = manifest.cells.iter().zip(cells(results));
     let cells: Vec<Json> = summaries
         .map(|(cell, of)| {
-            let names = manifest.parameters.iter().cloned();
-            let parameters: serde_json::Map<String, Json> =
-                names.zip(cell.values.iter().map(|v| json!(v))).collect();
             let quantiles = |values: &[f64]| [0.5, 0.95, 0.99, 1.0].map(|q| quantile(values, q));
             json!({
                 "case": cell.case,
-                "parameters": parameters,
+                "parameters": parameters(&manifest.parameters, &cell.values),
                 "plans": of.plans,
                 "no_path": of.no_path,
                 "failed": of.failed,
@@ -156,19 +145,12 @@ pub fn json(results: &PlanResults, report: Option<&RunReport>) -> Json {
         })
         .collect();
     let broken = results.rows().filter(|(_, row)| row.is_failed()).count();
-    json!({
-        "experiment": manifest.experiment,
-        "blake3": manifest.blake3,
-        "program": manifest.program,
-        "out": results.directory(),
-        "missions": results.rows().count(),
-        "carried_out": report.map(|r| r.carried_out),
-        "known": report.map(|r| r.known),
-        "wall_time_s": report.map(|r| r.wall_time_s),
-        "interrupted": report.is_some_and(|r| r.interrupted),
-        "quantiles": [0.5, 0.95, 0.99, 1.0],
-        "cells": cells,
-        "broken_down": broken,
-        "missing": missing(results, report).len(),
-    })
+    let mut all = json_head(results, report);
+    all.extend([
+        ("quantiles".to_owned(), json!([0.5, 0.95, 0.99, 1.0])),
+        ("cells".to_owned(), json!(cells)),
+        ("broken_down".to_owned(), json!(broken)),
+        ("missing".to_owned(), json!(missing(results, report).len())),
+    ]);
+    Json::Object(all)
 }
