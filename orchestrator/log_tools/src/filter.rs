@@ -9,7 +9,7 @@ use mcap_log::Topics;
 use mcap_log::Watch;
 use mcap_log::known;
 use mcap_log::output::{FILTERED, MANIFEST, Output, no_longer_whole};
-use mcap_log::reader::{Item, Reader};
+use mcap_log::reader::{Channel, Item, Reader};
 use mcap_log::states::{States, is_latched};
 use mcap_log::{DerivedError, LogReadError};
 use serde::Serialize;
@@ -51,45 +51,15 @@ pub struct Filtered {
 ///
 /// # Errors
 /// [`DerivedError`]; then there is no new log.
-#[expect(clippy::too_many_lines, reason = "one kind of item after the other")]
 pub fn filter(
     log: &Path,
     out: &Path,
     options: &FilterOptions,
     watch: &mut Watch,
 ) -> Result<Filtered, DerivedError> {
-    let (start, end) = (
-        nanoseconds("--start", options.start_s)?,
-        nanoseconds("--end", options.end_s)?,
-    );
-    if let (Some(start), Some(end)) = (start, end)
-        && start > end
-    {
-        let text = "--start: expected a time that is not after --end";
-        return Err(LogReadError::Argument(text.to_owned()).into());
-    }
-    let zero = match (start, end) {
-        (None, None) => 0,
-        _ => zero(log, watch)?,
-    };
-    let from = start.map_or(0, |start| zero.saturating_add(start));
-    let to = end.map_or(u64::MAX, |end| zero.saturating_add(end));
-
+    let mut part = Part::new(log, options, watch)?;
     let mut reader = Reader::open(log, Some(watch))?;
     let mut output: Option<Output> = None;
-    let mut states = States::default();
-    let mut begun = false;
-    let mut count = Filtered {
-        messages: 0,
-        restored: 0,
-        late_states: 0,
-        topics: 0,
-        bytes: 0,
-        source: Condition::default(),
-    };
-    let mut with_messages = BTreeSet::new();
-    // By channel: nothing if it is left out, else whether it describes a state, and is stamped.
-    let mut latched: BTreeMap<u16, (bool, bool)> = BTreeMap::new();
     while let Some(item) = reader.next()? {
         let output = match (&mut output, &item) {
             (Some(output), _) => output,
@@ -102,41 +72,8 @@ pub fn filter(
         match item {
             Item::Header { .. } => {}
             Item::Schema(id, schema) => output.schema(id, &schema)?,
-            Item::Channel(channel) => {
-                if options.topics.take(&channel.topic) {
-                    let stamped = known::topic_of(&channel).is_some();
-                    latched.insert(
-                        channel.id,
-                        (is_latched(&channel.topic, &channel.metadata), stamped),
-                    );
-                    output.channel(&channel)?;
-                }
-            }
-            Item::Message(header, data) => {
-                let Some(&(is_state, stamped)) = latched.get(&header.channel_id) else {
-                    continue;
-                };
-                if header.log_time > to {
-                    continue;
-                }
-                if header.log_time < from {
-                    if is_state && begun {
-                        count.late_states += 1;
-                    } else if is_state {
-                        let stamp = known::stamp(data).filter(|_| stamped);
-                        let source = stamp.map_or(0, |stamp| stamp.source);
-                        states.keep(log, source, header, data)?;
-                    }
-                    continue;
-                }
-                if !begun {
-                    begun = true;
-                    count.restored = restore(&mut states, from, output)?;
-                }
-                with_messages.insert(header.channel_id);
-                count.messages += 1;
-                output.message(&header, data)?;
-            }
+            Item::Channel(channel) => part.channel(&channel, output)?,
+            Item::Message(header, data) => part.message(header, data, output)?,
             Item::Attachment(header, data) => output.attachment(&header, data)?,
             Item::Metadata(record) => output.metadata(&no_longer_whole(record))?,
         }
@@ -144,32 +81,147 @@ pub fn filter(
     options
         .topics
         .check(&reader.channels().map(|channel| channel.topic.as_str()))?;
-    with_messages.extend(states.channels());
-    let mut output = match output {
+    let output = match output {
         Some(output) => output,
         None => Output::create(out, log, options.force, "")?,
     };
-    if !begun {
-        count.restored = restore(&mut states, from, &mut output)?;
+    part.finish(output, reader.condition().clone())
+}
+
+/// The part of a log that is kept, while the log is read.
+struct Part<'a> {
+    log: &'a Path,
+    options: &'a FilterOptions,
+    /// Log time of the first and of the last message (ns).
+    from: u64,
+    to: u64,
+    /// The channels that are kept.
+    channels: BTreeMap<u16, KeptChannel>,
+    /// The states before the start.
+    states: States,
+    /// Whether a message has been written.
+    begun: bool,
+    with_messages: BTreeSet<u16>,
+    count: Filtered,
+}
+
+/// What decides about the messages of a channel.
+#[derive(Clone, Copy)]
+struct KeptChannel {
+    /// Whether its last message describes a lasting state.
+    is_state: bool,
+    /// Whether its messages bear our stamp.
+    is_stamped: bool,
+}
+
+impl<'a> Part<'a> {
+    fn new(
+        log: &'a Path,
+        options: &'a FilterOptions,
+        watch: &mut Watch,
+    ) -> Result<Self, LogReadError> {
+        let (start, end) = (
+            nanoseconds("--start", options.start_s)?,
+            nanoseconds("--end", options.end_s)?,
+        );
+        if let (Some(start), Some(end)) = (start, end)
+            && start > end
+        {
+            let text = "--start: expected a time that is not after --end";
+            return Err(LogReadError::Argument(text.to_owned()));
+        }
+        let zero = match (start, end) {
+            (None, None) => 0,
+            _ => zero(log, watch)?,
+        };
+        Ok(Self {
+            log,
+            options,
+            from: start.map_or(0, |start| zero.saturating_add(start)),
+            to: end.map_or(u64::MAX, |end| zero.saturating_add(end)),
+            channels: BTreeMap::new(),
+            states: States::default(),
+            begun: false,
+            with_messages: BTreeSet::new(),
+            count: Filtered {
+                messages: 0,
+                restored: 0,
+                late_states: 0,
+                topics: 0,
+                bytes: 0,
+                source: Condition::default(),
+            },
+        })
     }
-    count.messages += count.restored;
-    count.topics = with_messages.len();
-    count.source = reader.condition().clone();
-    let time = |time: Option<f64>| time.map_or_else(String::new, |time| time.to_string());
-    let name = log.file_name().unwrap_or_default().to_string_lossy();
-    output.note(
-        FILTERED,
-        [
-            ("from", name.into_owned()),
-            ("start_s", time(options.start_s)),
-            ("end_s", time(options.end_s)),
-            ("topics", options.topics.only.join(",")),
-            ("exclude", options.topics.without.join(",")),
-            ("restored", count.restored.to_string()),
-        ],
-    )?;
-    count.bytes = output.finish()?;
-    Ok(count)
+
+    fn channel(&mut self, channel: &Channel, output: &mut Output) -> Result<(), DerivedError> {
+        if !self.options.topics.take(&channel.topic) {
+            return Ok(());
+        }
+        let kept = KeptChannel {
+            is_state: is_latched(&channel.topic, &channel.metadata),
+            is_stamped: known::topic_of(channel).is_some(),
+        };
+        self.channels.insert(channel.id, kept);
+        output.channel(channel)
+    }
+
+    fn message(
+        &mut self,
+        header: MessageHeader,
+        data: &[u8],
+        output: &mut Output,
+    ) -> Result<(), DerivedError> {
+        let Some(&channel) = self.channels.get(&header.channel_id) else {
+            return Ok(());
+        };
+        if header.log_time > self.to {
+            return Ok(());
+        }
+        if header.log_time < self.from {
+            if channel.is_state && self.begun {
+                self.count.late_states += 1;
+            } else if channel.is_state {
+                let stamp = known::stamp(data).filter(|_| channel.is_stamped);
+                let source = stamp.map_or(0, |stamp| stamp.source);
+                self.states.keep(self.log, source, header, data)?;
+            }
+            return Ok(());
+        }
+        if !self.begun {
+            self.begun = true;
+            self.count.restored = restore(&mut self.states, self.from, output)?;
+        }
+        self.with_messages.insert(header.channel_id);
+        self.count.messages += 1;
+        output.message(&header, data)
+    }
+
+    fn finish(mut self, mut output: Output, source: Condition) -> Result<Filtered, DerivedError> {
+        self.with_messages.extend(self.states.channels());
+        if !self.begun {
+            self.count.restored = restore(&mut self.states, self.from, &mut output)?;
+        }
+        let mut count = self.count;
+        count.messages += count.restored;
+        count.topics = self.with_messages.len();
+        count.source = source;
+        let time = |time: Option<f64>| time.map_or_else(String::new, |time| time.to_string());
+        let name = self.log.file_name().unwrap_or_default().to_string_lossy();
+        output.note(
+            FILTERED,
+            [
+                ("from", name.into_owned()),
+                ("start_s", time(self.options.start_s)),
+                ("end_s", time(self.options.end_s)),
+                ("topics", self.options.topics.only.join(",")),
+                ("exclude", self.options.topics.without.join(",")),
+                ("restored", count.restored.to_string()),
+            ],
+        )?;
+        count.bytes = output.finish()?;
+        Ok(count)
+    }
 }
 
 /// Writes the states at the start, in the order in which they were.

@@ -61,8 +61,8 @@ pub struct Exported {
 enum Fate {
     /// It is not wanted.
     Ignored,
-    /// There is no table of it.
-    Skipped,
+    /// There is no table of it: its topic and the reason, until its first message.
+    Skipped(Option<(String, String)>),
     /// It has a table, perhaps with its first message.
     Table(Box<Open>),
 }
@@ -80,7 +80,6 @@ struct Open {
 ///
 /// # Errors
 /// [`DerivedError`]; then there are no tables.
-#[expect(clippy::too_many_lines, reason = "one kind of item after the other")]
 pub fn export(
     log: &Path,
     out: &Path,
@@ -89,114 +88,156 @@ pub fn export(
 ) -> Result<Exported, DerivedError> {
     let mut reader = Reader::open(log, Some(watch))?;
     let folder = Folder::make(out, options.force)?;
-    let mut fates: BTreeMap<u16, Fate> = BTreeMap::new();
-    let mut skipped: BTreeMap<String, String> = BTreeMap::new();
-    let mut names = BTreeMap::new();
-    let mut channels: BTreeMap<u16, (String, String)> = BTreeMap::new();
-    let mut count = 0;
+    let mut export = Export {
+        log,
+        out,
+        options,
+        channels: BTreeMap::new(),
+        skipped: BTreeMap::new(),
+        names: BTreeMap::new(),
+        tables: 0,
+    };
     while let Some(item) = reader.next()? {
-        let (header, data) = match item {
-            Item::Message(header, data) => (header, data),
+        match item {
+            Item::Message(header, data) => export.message(&header, data)?,
             Item::Channel(channel) => {
                 let schema = reader.schema(channel.schema_id);
-                let fate = if options.topics.take(&channel.topic) {
-                    match layout(&channel, schema.as_deref()) {
-                        Ok(layout) => {
-                            let extension = match options.format {
-                                Format::Csv => "csv",
-                                Format::Parquet => "parquet",
-                            };
-                            let file = out.join(file_name(&channel, extension, &mut names));
-                            Fate::Table(Box::new(Open {
-                                topic: channel.topic.clone(),
-                                layout,
-                                sink: None,
-                                table: Table {
-                                    file,
-                                    messages: 0,
-                                    rows: 0,
-                                    undecodable: 0,
-                                },
-                            }))
-                        }
-                        Err(why) => {
-                            if options.topics.names(&channel.topic) {
-                                return Err(LogReadError::Argument(format!(
-                                    "--topics {}: {why}",
-                                    channel.topic
-                                ))
-                                .into());
-                            }
-                            channels.insert(channel.id, (channel.topic.clone(), why));
-                            Fate::Skipped
-                        }
-                    }
-                } else {
-                    Fate::Ignored
-                };
-                fates.insert(channel.id, fate);
-                continue;
+                export.channel(&channel, schema.as_deref())?;
             }
-            _ => continue,
-        };
-        match fates.get_mut(&header.channel_id) {
-            None | Some(Fate::Ignored) => {}
-            Some(Fate::Skipped) => {
-                if let Some((topic, why)) = channels.remove(&header.channel_id) {
-                    skipped.insert(topic, why);
-                }
-            }
-            Some(Fate::Table(open)) => {
-                if open.sink.is_none() {
-                    count += 1;
-                    if count > MOST_TABLES {
-                        return Err(LogReadError::Argument(format!(
-                            "--topics: the log has more than {MOST_TABLES} topics; choose some"
-                        ))
-                        .into());
-                    }
-                    let path = &open.table.file;
-                    let file = derived::create(path, log, options.force, Readers::Anybody)?;
-                    let columns = open.layout.columns();
-                    let rows = tables::begin(options.format, file, columns);
-                    open.sink = Some(rows.map_err(derived::failed(path))?);
-                }
-                open.take(&header, data)?;
-            }
+            _ => {}
         }
     }
     options
         .topics
         .check(&reader.channels().map(|channel| channel.topic.as_str()))?;
-    let mut done = BTreeMap::new();
-    let mut finished = Vec::new();
-    for fate in fates.into_values() {
-        if let Fate::Table(open) = fate
-            && let Some(rows) = open.sink
-        {
-            let file = rows.finish().map_err(derived::failed(&open.table.file))?;
-            finished.push((open.table.file.clone(), file));
-            let name = if done.contains_key(&open.topic) {
-                format!("{} ({})", open.topic, open.table.file.display())
-            } else {
-                open.topic
-            };
-            done.insert(name, open.table);
+    let exported = export.finish(reader.condition().clone())?;
+    folder.keep();
+    Ok(exported)
+}
+
+/// The tables of a log, while the log is read.
+struct Export<'a> {
+    log: &'a Path,
+    out: &'a Path,
+    options: &'a ExportOptions,
+    channels: BTreeMap<u16, Fate>,
+    /// Topics with messages that become no table, and the reasons.
+    skipped: BTreeMap<String, String>,
+    names: BTreeMap<String, u16>,
+    /// How many tables have been begun.
+    tables: usize,
+}
+
+impl Export<'_> {
+    /// Decides what becomes of the messages of a channel.
+    fn channel(
+        &mut self,
+        channel: &Channel,
+        schema: Option<&mcap_log::reader::Schema>,
+    ) -> Result<(), LogReadError> {
+        let topics = &self.options.topics;
+        let fate = if topics.take(&channel.topic) {
+            match layout(channel, schema) {
+                Ok(layout) => {
+                    let extension = match self.options.format {
+                        Format::Csv => "csv",
+                        Format::Parquet => "parquet",
+                    };
+                    let name = file_name(channel, extension, &mut self.names);
+                    Fate::Table(Box::new(Open {
+                        topic: channel.topic.clone(),
+                        layout,
+                        sink: None,
+                        table: Table {
+                            file: self.out.join(name),
+                            messages: 0,
+                            rows: 0,
+                            undecodable: 0,
+                        },
+                    }))
+                }
+                Err(why) if topics.names(&channel.topic) => {
+                    return Err(LogReadError::Argument(format!(
+                        "--topics {}: {why}",
+                        channel.topic
+                    )));
+                }
+                Err(why) => Fate::Skipped(Some((channel.topic.clone(), why))),
+            }
+        } else {
+            Fate::Ignored
+        };
+        self.channels.insert(channel.id, fate);
+        Ok(())
+    }
+
+    /// Adds a message to the table of its channel, which the first message begins.
+    fn message(
+        &mut self,
+        header: &mcap_log::MessageHeader,
+        data: &[u8],
+    ) -> Result<(), DerivedError> {
+        match self.channels.get_mut(&header.channel_id) {
+            None | Some(Fate::Ignored) => Ok(()),
+            Some(Fate::Skipped(reason)) => {
+                self.skipped.extend(reason.take());
+                Ok(())
+            }
+            Some(Fate::Table(open)) => {
+                if open.sink.is_none() {
+                    self.tables += 1;
+                    if self.tables > MOST_TABLES {
+                        return Err(LogReadError::Argument(format!(
+                            "--topics: the log has more than {MOST_TABLES} topics; choose some"
+                        ))
+                        .into());
+                    }
+                    open.begin(self.log, self.options)?;
+                }
+                open.take(header, data)
+            }
         }
     }
-    // All are complete: only now do they take their places.
-    for (path, file) in finished {
-        file.commit().map_err(derived::failed(&path))?;
+
+    /// Completes all tables and puts them in their places.
+    fn finish(self, source: Condition) -> Result<Exported, DerivedError> {
+        let mut tables = BTreeMap::new();
+        let mut finished = Vec::new();
+        for fate in self.channels.into_values() {
+            if let Fate::Table(open) = fate
+                && let Some(rows) = open.sink
+            {
+                let file = rows.finish().map_err(derived::failed(&open.table.file))?;
+                finished.push((open.table.file.clone(), file));
+                let name = if tables.contains_key(&open.topic) {
+                    format!("{} ({})", open.topic, open.table.file.display())
+                } else {
+                    open.topic
+                };
+                tables.insert(name, open.table);
+            }
+        }
+        // All are complete: only now do they take their places.
+        for (path, file) in finished {
+            file.commit().map_err(derived::failed(&path))?;
+        }
+        Ok(Exported {
+            tables,
+            skipped: self.skipped,
+            source,
+        })
     }
-    folder.keep();
-    Ok(Exported {
-        tables: done,
-        skipped,
-        source: reader.condition().clone(),
-    })
 }
 
 impl Open {
+    fn begin(&mut self, log: &Path, options: &ExportOptions) -> Result<(), DerivedError> {
+        let path = &self.table.file;
+        let file = derived::create(path, log, options.force, Readers::Anybody)?;
+        let rows = tables::begin(options.format, file, self.layout.columns());
+        self.sink = Some(rows.map_err(derived::failed(path))?);
+        Ok(())
+    }
+
     fn take(&mut self, header: &mcap_log::MessageHeader, data: &[u8]) -> Result<(), DerivedError> {
         let Some(rows) = &mut self.sink else {
             return Ok(());

@@ -27,67 +27,12 @@ impl Tested {
         origin: &Origin,
         options: &VerifyOptions,
     ) -> Result<Self, ReplayError> {
-        let refuse =
-            |reason: String| ReplayError::from(LogReadError::Argument(format!("--test {reason}")));
-        let manifest = &origin.manifest;
-        let names = |names: Vec<&str>| names.join(",");
-        let mut now = names(
-            plan.launches
-                .iter()
-                .map(|l| l.config.name.as_str())
-                .collect(),
-        );
-        now += ",orchestrator";
-        for (key, now) in [
-            ("processes", now),
-            (
-                "robots",
-                names(plan.run.robots.iter().map(|r| r.name.as_str()).collect()),
-            ),
-            ("tick_period_ns", plan.run.tick_period_ns.to_string()),
-        ] {
-            if let Some(then) = manifest.get(key)
-                && *then != now
-            {
-                return Err(LogReadError::Argument(format!(
-                    "--set: the {key} of the log are {then}, with the changes they are {now}: what \
-                     is in the log is not for them"
-                ))
-                .into());
-            }
-        }
-        let mut launches = Vec::new();
-        for name in &options.processes {
-            let mut known = plan.launches.iter();
-            let Some(launch) = known.find(|launch| launch.config.name == *name) else {
-                let known: Vec<&str> = plan
-                    .launches
-                    .iter()
-                    .skip(1)
-                    .map(|l| &*l.config.name)
-                    .collect();
-                return Err(refuse(format!(
-                    "{name}: the log's scenario has no process with this name; it has {}",
-                    known.join(", ")
-                )));
-            };
-            if launch.config.index == 0 {
-                return Err(refuse(format!(
-                    "{name}: it leads the others; `protean rerun` does the whole run again"
-                )));
-            }
-            if let Role::Process(program @ Program::Command { .. }) = &launch.role
-                && !options.allow_external
-            {
-                let line = program.command_line();
-                return Err(refuse(format!(
-                    "{name}: it is a program that is not Protean's own; look at it and add \
-                     --allow-external: {}",
-                    line.unwrap_or_default()
-                )));
-            }
-            launches.push(launch.clone());
-        }
+        check_same_parties(plan, origin)?;
+        let mut launches = options
+            .processes
+            .iter()
+            .map(|name| launch_of(plan, name, options.allow_external).cloned())
+            .collect::<Result<Vec<_>, _>>()?;
         let speakers: BTreeSet<u32> = launches.iter().map(|l| l.config.index).collect();
         let needs_plans =
             |launch: &Launch| launch.kind().is_some_and(|kind| kind.needs(Need::Plans));
@@ -126,4 +71,58 @@ impl Tested {
         let mut launches = self.launches.iter();
         launches.any(|launch| launch.config.index == source)
     }
+}
+
+/// Whether the log is of a run with the processes, robots and ticks of this plan.
+fn check_same_parties(plan: &Plan, origin: &Origin) -> Result<(), LogReadError> {
+    let processes = plan.launches.iter().map(|l| l.config.name.as_str());
+    let processes: Vec<&str> = processes.chain(["orchestrator"]).collect();
+    let robots: Vec<&str> = plan.run.robots.iter().map(|r| r.name.as_str()).collect();
+    for (key, now) in [
+        ("processes", processes.join(",")),
+        ("robots", robots.join(",")),
+        ("tick_period_ns", plan.run.tick_period_ns.to_string()),
+    ] {
+        if let Some(then) = origin.manifest.get(key)
+            && *then != now
+        {
+            return Err(LogReadError::Argument(format!(
+                "--set: the {key} of the log are {then}, with the changes they are {now}: what is in \
+                 the log is not for them"
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// How a process to test is started.
+fn launch_of<'p>(
+    plan: &'p Plan,
+    name: &str,
+    allow_external: bool,
+) -> Result<&'p Launch, LogReadError> {
+    let refuse = |reason: String| LogReadError::Argument(format!("--test {name}: {reason}"));
+    let mut known = plan.launches.iter();
+    let Some(launch) = known.find(|launch| launch.config.name == *name) else {
+        let others = plan.launches.iter().skip(1);
+        let known: Vec<&str> = others.map(|l| &*l.config.name).collect();
+        return Err(refuse(format!(
+            "the log's scenario has no process with this name; it has {}",
+            known.join(", ")
+        )));
+    };
+    if launch.config.index == 0 {
+        let text = "it leads the others; `protean rerun` does the whole run again";
+        return Err(refuse(text.to_owned()));
+    }
+    if let Role::Process(program @ Program::Command { .. }) = &launch.role
+        && !allow_external
+    {
+        let line = program.command_line();
+        return Err(refuse(format!(
+            "it is a program that is not Protean's own; look at it and add --allow-external: {}",
+            line.unwrap_or_default()
+        )));
+    }
+    Ok(launch)
 }
