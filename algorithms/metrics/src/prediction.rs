@@ -11,4 +11,4 @@ pub mod statistics;
 
 pub use chance::{chance_median, chance_median_along};
 pub use next_goal::{NearestNeighbour, NextGoal, View, next_goal_errors};
-pub use statistics::{ErrorStatistics, ErrorsByHorizon, quantile};
+pub use statistics::{ErrorStatistics, ErrorsByHorizon};

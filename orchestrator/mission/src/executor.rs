@@ -229,5 +229,5 @@ impl<'a> Executor<'a> {
 fn how_it_ended(process: &RunningProcess) -> String {
     process
         .exit
-        .map_or_else(|| "ended".into(), shm_usage::exit_words)
+        .map_or_else(|| "ended".into(), shm_usage::explain_exit)
 }

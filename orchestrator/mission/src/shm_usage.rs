@@ -86,7 +86,7 @@ pub(super) fn check() -> Result<(), ShmFull> {
 }
 
 /// How a process ended, in words, with the reason if shared memory is it.
-pub(super) fn exit_words(status: ExitStatus) -> String {
+pub(super) fn explain_exit(status: ExitStatus) -> String {
     words(status, ShmUsage::look)
 }
 
