@@ -204,38 +204,14 @@ impl LogInfo {
     /// in [`LogInfo::condition`].
     pub fn read(path: &Path, watch: &mut Watch) -> Result<Self, LogReadError> {
         let mut reader = Reader::open(path, Some(watch))?;
-        let mut tallies: BTreeMap<u16, Tally> = BTreeMap::new();
-        let mut records: BTreeMap<String, BTreeMap<String, String>> = BTreeMap::new();
-        let (mut names, mut attachments) = (Vec::new(), Vec::new());
-        let (mut profile, mut library) = (String::new(), String::new());
-        while let Some(item) = reader.next()? {
-            match item {
-                Item::Header {
-                    profile: p,
-                    library: l,
-                } => (profile, library) = (p, l),
-                Item::Message(header, data) => {
-                    if let Some(tally) = tallies.get_mut(&header.channel_id) {
-                        tally.take(&header, data);
-                    }
-                }
-                Item::Attachment(header, data) => {
-                    attachments.push((header.name, data.len() as u64));
-                }
-                Item::Metadata(record) => {
-                    names.push(record.name.clone());
-                    if [MANIFEST, RESULT, FILTERED, RECOVERED].contains(&record.name.as_str()) {
-                        records.insert(record.name, record.metadata);
-                    }
-                }
-                Item::Schema(..) => {}
-                Item::Channel(channel) => {
-                    let schema = reader.schema(channel.schema_id);
-                    let schema = schema.map(|s| s.name.clone()).unwrap_or_default();
-                    tallies.insert(channel.id, new_tally(&channel, schema));
-                }
-            }
-        }
+        let Contents {
+            profile,
+            library,
+            mut tallies,
+            mut records,
+            metadata,
+            attachments,
+        } = Contents::read(&mut reader)?;
         reader.check_all()?;
         let channels: Vec<(u16, String)> = reader
             .channels()
@@ -288,9 +264,58 @@ impl LogInfo {
             unsorted,
             topics,
             attachments,
-            metadata: names,
+            metadata,
             condition,
         })
+    }
+}
+
+/// What the records of a log hold, in the order of the log.
+#[derive(Default)]
+struct Contents {
+    profile: String,
+    library: String,
+    tallies: BTreeMap<u16, Tally>,
+    /// Our metadata, by name.
+    records: BTreeMap<String, BTreeMap<String, String>>,
+    /// Names of all metadata.
+    metadata: Vec<String>,
+    /// Names of the attachments, and their sizes (bytes).
+    attachments: Vec<(String, u64)>,
+}
+
+impl Contents {
+    fn read(reader: &mut Reader<'_>) -> Result<Self, LogReadError> {
+        let mut contents = Self::default();
+        while let Some(item) = reader.next()? {
+            match item {
+                Item::Header { profile, library } => {
+                    (contents.profile, contents.library) = (profile, library);
+                }
+                Item::Message(header, data) => {
+                    if let Some(tally) = contents.tallies.get_mut(&header.channel_id) {
+                        tally.take(&header, data);
+                    }
+                }
+                Item::Attachment(header, data) => {
+                    contents.attachments.push((header.name, data.len() as u64));
+                }
+                Item::Metadata(record) => {
+                    contents.metadata.push(record.name.clone());
+                    if [MANIFEST, RESULT, FILTERED, RECOVERED].contains(&record.name.as_str()) {
+                        contents.records.insert(record.name, record.metadata);
+                    }
+                }
+                Item::Schema(..) => {}
+                Item::Channel(channel) => {
+                    let schema = reader.schema(channel.schema_id);
+                    let schema = schema.map(|s| s.name.clone()).unwrap_or_default();
+                    let tally = new_tally(&channel, schema);
+                    contents.tallies.insert(channel.id, tally);
+                }
+            }
+        }
+        Ok(contents)
     }
 }
 

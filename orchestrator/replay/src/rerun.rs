@@ -15,7 +15,8 @@ use crate::ReplayError;
 use crate::origin::scenario_of;
 use log_tools::{Comparison, Difference, compare};
 use mission::in_process::{self, InProcessOptions};
-use mission::{self, MissionError, MissionOptions};
+use mission::{self, MissionError, MissionOptions, MissionReport};
+use scenario::ResolvedScenario;
 use scenario::kind::Kind;
 
 /// How a run is done again.
@@ -107,28 +108,7 @@ pub fn rerun(
         source,
     })?;
     let again = folder.path().join("again.mcap");
-    let interrupted = Arc::clone(&watch.interrupted);
-    let report = if options.in_process {
-        in_process::run(
-            &scenario,
-            &InProcessOptions {
-                out: Some(again.clone()),
-                show: !watch.quiet,
-                interrupted,
-                ..InProcessOptions::default()
-            },
-        )?
-    } else {
-        mission::run(
-            &scenario,
-            &MissionOptions {
-                out: Some(again.clone()),
-                quiet: watch.quiet,
-                interrupted,
-                ..MissionOptions::default()
-            },
-        )?
-    };
+    let report = run_again(&scenario, &again, options.in_process, watch)?;
     if report.interrupted {
         return Err(LogReadError::Interrupted.into());
     }
@@ -160,4 +140,31 @@ pub fn rerun(
         wall_time_s: report.wall_time_s,
         comparison,
     })
+}
+
+/// Runs a scenario with its log at `out`.
+fn run_again(
+    scenario: &ResolvedScenario,
+    out: &Path,
+    in_process: bool,
+    watch: &Watch,
+) -> Result<MissionReport, MissionError> {
+    let (out, interrupted) = (Some(out.to_owned()), Arc::clone(&watch.interrupted));
+    if in_process {
+        let options = InProcessOptions {
+            out,
+            show: !watch.quiet,
+            interrupted,
+            ..InProcessOptions::default()
+        };
+        in_process::run(scenario, &options)
+    } else {
+        let options = MissionOptions {
+            out,
+            quiet: watch.quiet,
+            interrupted,
+            ..MissionOptions::default()
+        };
+        mission::run(scenario, &options)
+    }
 }
