@@ -62,7 +62,8 @@ const RULES: Rules = Rules {
         &["steering", "trajectory"],
         &["coverage", "patrol"],
         PROCESSES,
-        &["recorder", "scenario", "viewer"],
+        &["recorder", "scenario"],
+        &["viewer"],
         &["kinds", "log_tools", "mission", "plan"],
         &["replay", "report"],
         &["faults", "latency", "sweep"],
@@ -71,6 +72,7 @@ const RULES: Rules = Rules {
     ],
     only: &[
         (&["clap"], &["protean", "benchmarks", "pages"]),
+        (&["foxglove"], &["viewer"]),
         (&["libc"], &["platform"]),
         (&["mcap"], &["mcap_log"]),
         (&["parquet"], &["tables"]),

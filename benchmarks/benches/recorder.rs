@@ -9,6 +9,7 @@
 use std::collections::BTreeMap;
 use std::hint::black_box;
 use std::path::Path;
+use std::sync::Arc;
 use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
@@ -21,7 +22,8 @@ use ipc_types::topics::{Belief, Commands, Plan, Sightings, Topic, WorldState};
 use mcap::WriteOptions;
 use mcap::records::MessageHeader;
 use mcap_log::{ChannelSpec, Compression, LogOptions, LogWriter, Manifest};
-use recorder::{ProcessInfo, RecorderOptions, Recording, RobotInfo, ViewerOptions};
+use recorder::{ProcessInfo, Recording, RobotInfo, RunInfo};
+use viewer::{ViewerOptions, viewer_topics};
 
 const ROBOTS: u32 = 6;
 const PARTICLES: usize = 300;
@@ -264,8 +266,12 @@ fn write_bare(path: &Path, options: &LogOptions, messages: &[(usize, u64, Vec<u8
     log.into_inner().sync_all().unwrap();
 }
 
-fn record(path: &Path, options: &RecorderOptions, ticks: &[Tick]) {
-    let mut recording = Recording::create(options).unwrap();
+fn record(path: &Path, log: &LogOptions, viewer: &ViewerOptions, ticks: &[Tick]) {
+    let run = run_info();
+    let log = LogWriter::create(path, log, &Manifest::default()).unwrap();
+    let mut recording = Recording::new(&run, Arc::default())
+        .with_log(log, viewer_topics(&run, viewer))
+        .unwrap();
     for (tick, sent) in ticks.iter().enumerate() {
         recording.push::<WorldState>(&sent.state.0, &sent.state.1);
         recording.push::<Sightings>(&sent.sightings.0, &sent.sightings.1);
@@ -297,11 +303,8 @@ fn record(path: &Path, options: &RecorderOptions, ticks: &[Tick]) {
     black_box((path, summary));
 }
 
-fn recorder_options(path: &Path, log: LogOptions, viewer: ViewerOptions) -> RecorderOptions {
-    RecorderOptions {
-        path: path.to_owned(),
-        log,
-        manifest: Manifest::default(),
+fn run_info() -> RunInfo {
+    RunInfo {
         processes: (0..2 + ROBOTS)
             .map(|index| ProcessInfo {
                 index,
@@ -321,9 +324,6 @@ fn recorder_options(path: &Path, log: LogOptions, viewer: ViewerOptions) -> Reco
             })
             .collect(),
         tick_period_ns: PERIOD_NS,
-        viewer,
-        obstacles: Vec::new(),
-        eyes: Vec::new(),
     }
 }
 
@@ -418,24 +418,16 @@ fn benches(c: &mut Criterion) {
         rate_hz: 0.0,
         ..ViewerOptions::default()
     };
+    let on = ViewerOptions::default();
     for (name, compression, viewer) in [
-        (
-            "everything",
-            LogOptions::default().compression,
-            ViewerOptions::default(),
-        ),
-        ("no viewer topics", LogOptions::default().compression, off),
-        (
-            "no compression",
-            Compression::None,
-            ViewerOptions::default(),
-        ),
-        ("no viewer topics, no compression", Compression::None, off),
+        ("everything", LogOptions::default().compression, &on),
+        ("no viewer topics", LogOptions::default().compression, &off),
+        ("no compression", Compression::None, &on),
+        ("no viewer topics, no compression", Compression::None, &off),
     ] {
         let log = log_options(compression, LogOptions::default().chunk_bytes);
-        let options = recorder_options(&path, log, viewer);
         group.bench_function(name, |b| {
-            b.iter_custom(|n| cpu_of(n, || record(&path, &options, &ticks)));
+            b.iter_custom(|n| cpu_of(n, || record(&path, &log, viewer, &ticks)));
         });
     }
     group.finish();

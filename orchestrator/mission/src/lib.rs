@@ -5,7 +5,7 @@
 //! * [`run_directory`], `resources`, `shm_usage`, `orphans`: what a run uses, and what is found of others;
 //! * [`child_process`], `stderr_lines`, [`process_group`], `external_bridge`: processes and their turns;
 //! * `supervisor`, `decide`, `executor`, `process_log`: what happens to them, and what is done about it;
-//! * `recording`, `recorder_thread`, `progress`, [`report`]: log, display and summary;
+//! * `recording`, [`fields_of_view`], `recorder_thread`, `progress`, [`report`]: log, display and summary;
 //! * `run`: a run whose processes are processes of the system; [`in_process`]: one in a thread of this process.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
@@ -16,7 +16,7 @@ mod decide;
 mod error;
 mod executor;
 mod external_bridge;
-pub mod eyes;
+pub mod fields_of_view;
 pub mod in_process;
 mod launch;
 mod obstacle_schedule;

@@ -4,15 +4,16 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use mcap_log::{Compression, LogOptions, LogWriteError, Manifest, ManifestFile, Mirror};
+use mcap_log::{Compression, LogOptions, LogWriteError, LogWriter, Manifest, ManifestFile, Mirror};
 
 use super::error::MissionError;
 use super::plan::Plan;
 use super::report;
-use crate::eyes;
-use recorder::{Beginnings, ProcessInfo, RecorderOptions, Recording, RobotInfo, ViewerOptions};
+use crate::fields_of_view;
+use recorder::{Beginnings, ProcessInfo, Recording, RobotInfo, RunInfo};
 use scenario::ResolvedScenario;
 use scenario::spec;
+use viewer::{ViewerOptions, viewer_topics};
 
 /// Directory of logs without a name of their own.
 const DIRECTORY: &str = "logs";
@@ -26,7 +27,7 @@ pub(super) struct LogFile<'a> {
     pub(super) force: bool,
 }
 
-/// Begins to record a run, into a log if one is wanted.
+/// Begins to record a run, into a log if one is wanted; the mirror gets what goes into the log.
 ///
 /// # Errors
 /// [`MissionError`] if the log cannot be created.
@@ -37,27 +38,43 @@ pub(super) fn create(
     beginnings: Arc<Beginnings>,
     mirror: Option<Box<dyn Mirror>>,
 ) -> Result<Recording, MissionError> {
-    if let Some(log) = log {
-        return create_log(scenario, plan, log, mirror);
+    let run = run_info(plan);
+    let recording = Recording::new(&run, beginnings);
+    let Some(log) = log else {
+        return Ok(recording);
+    };
+    let mut writer = create_log(scenario, &run, plan, log)?;
+    if let Some(mirror) = mirror {
+        writer.mirror_to(mirror);
     }
-    let period = plan.run.tick_period_ns;
-    let (processes, robots) = (processes(plan), robots(plan));
-    Ok(Recording::without_log(
-        &processes, &robots, period, beginnings,
-    ))
+    let viewer = ViewerOptions {
+        rate_hz: scenario.log.viewer_rate_hz,
+        obstacles: plan.standing.clone(),
+        fields_of_view: fields_of_view::of_scenario(scenario),
+        ..ViewerOptions::default()
+    };
+    Ok(recording.with_log(writer, viewer_topics(&run, &viewer))?)
 }
 
 /// Creates the log. Without a name of its own it takes the first free one, also when another run
 /// takes names at the same time.
 fn create_log(
     scenario: &ResolvedScenario,
+    run: &RunInfo,
     plan: &Plan,
     log: LogFile<'_>,
-    mut mirror: Option<Box<dyn Mirror>>,
-) -> Result<Recording, MissionError> {
-    let mut recorder = recorder_options(scenario, plan, log.force);
+) -> Result<LogWriter, MissionError> {
+    let options = LogOptions {
+        compression: match scenario.log.compression {
+            spec::Compression::Zstd => LogOptions::default().compression,
+            spec::Compression::None => Compression::None,
+        },
+        force: log.force,
+        ..LogOptions::default()
+    };
+    let manifest = manifest(scenario, run, plan);
     loop {
-        recorder.path = match log.path {
+        let path = match log.path {
             Some(path) => path.to_owned(),
             None => free_path(&scenario.name, scenario.run.seed).map_err(|source| {
                 MissionError::System {
@@ -66,7 +83,7 @@ fn create_log(
                 }
             })?,
         };
-        match Recording::create_mirrored(&recorder, &mut mirror) {
+        match LogWriter::create(&path, &options, &manifest) {
             // Another run took the name at the same moment: take the next.
             Err(LogWriteError::Exists { .. } | LogWriteError::InUse { .. })
                 if log.path.is_none() => {}
@@ -95,9 +112,9 @@ fn free_path(scenario: &str, seed: u64) -> std::io::Result<PathBuf> {
         .ok_or_else(|| std::io::ErrorKind::AlreadyExists.into())
 }
 
-fn recorder_options(scenario: &ResolvedScenario, plan: &Plan, force: bool) -> RecorderOptions {
+/// What stands at the head of the log.
+fn manifest(scenario: &ResolvedScenario, run: &RunInfo, plan: &Plan) -> Manifest {
     let toml = scenario.to_toml();
-    let processes = processes(plan);
     let entries = BTreeMap::from([
         ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
         ("scenario".to_owned(), scenario.name.clone()),
@@ -120,41 +137,30 @@ fn recorder_options(scenario: &ResolvedScenario, plan: &Plan, force: bool) -> Re
         ),
         (
             "processes".to_owned(),
-            names(processes.iter().map(|p| p.name.as_str())),
+            names(run.processes.iter().map(|p| p.name.as_str())),
         ),
         ("machine".to_owned(), platform::machine::machine()),
     ]);
-    RecorderOptions {
-        path: PathBuf::new(),
-        log: LogOptions {
-            compression: match scenario.log.compression {
-                spec::Compression::Zstd => LogOptions::default().compression,
-                spec::Compression::None => Compression::None,
-            },
-            force,
-            ..LogOptions::default()
-        },
-        manifest: Manifest {
-            entries,
-            attachments: vec![ManifestFile {
-                name: "scenario.toml".into(),
-                media_type: "application/toml".into(),
-                data: toml.into_bytes(),
-            }],
-        },
-        processes,
-        robots: robots(plan),
-        tick_period_ns: plan.run.tick_period_ns,
-        viewer: ViewerOptions {
-            rate_hz: scenario.log.viewer_rate_hz,
-            ..ViewerOptions::default()
-        },
-        obstacles: plan.standing.clone(),
-        eyes: eyes::of_scenario(scenario),
+    Manifest {
+        entries,
+        attachments: vec![ManifestFile {
+            name: "scenario.toml".into(),
+            media_type: "application/toml".into(),
+            data: toml.into_bytes(),
+        }],
     }
 }
 
-/// Everybody who sends: the processes and the orchestrator.
+/// The run as the recorder knows it.
+fn run_info(plan: &Plan) -> RunInfo {
+    RunInfo {
+        processes: processes(plan),
+        robots: robots(plan),
+        tick_period_ns: plan.run.tick_period_ns,
+    }
+}
+
+/// All that send: the processes and the orchestrator.
 pub fn processes(plan: &Plan) -> Vec<ProcessInfo> {
     let mut processes: Vec<ProcessInfo> = plan
         .launches

@@ -1,15 +1,17 @@
-//! Channels of a log beside those of the topics: made from the messages, such as those for viewers.
+//! Channels of a log beside those of the topics, made from the messages, such as those for viewers.
 
 use core::fmt::Display;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
 use ipc_types::consumer::Consumer;
-use mcap_log::LogWriteError;
-use mcap_log::{ChannelId, ChannelSpec, LogWriter};
+use mcap_log::{ChannelId, ChannelSpec, LogWriteError, LogWriter};
 
 /// Makes messages of derived channels from those of the run.
-pub(super) trait Derived: Consumer + Send {
+///
+/// It gets the messages that the log gets and the checks have not rejected, in the order of the log;
+/// what is ready is written after each of them, at the end of each tick and at the end of the run.
+pub trait DerivedTopics: Consumer + Send {
     /// The channels; a channel is named by its place in this list.
     fn channels(&self) -> &[DerivedChannel];
 
@@ -22,22 +24,22 @@ pub(super) trait Derived: Consumer + Send {
 
 /// A derived channel.
 #[derive(Debug, Clone)]
-pub(super) struct DerivedChannel {
+pub struct DerivedChannel {
     /// Name of the topic.
-    pub(super) topic: String,
+    pub topic: String,
     /// Name of the schema.
-    pub(super) schema_name: String,
+    pub schema_name: String,
     /// `protobuf`, …
-    pub(super) schema_encoding: String,
+    pub schema_encoding: String,
     /// The schema itself.
-    pub(super) schema: Vec<u8>,
+    pub schema: Vec<u8>,
     /// `protobuf`, …
-    pub(super) message_encoding: String,
+    pub message_encoding: String,
 }
 
 /// Messages of derived channels, in the order in which they are written.
 #[derive(Debug, Default)]
-pub(super) struct DerivedMessages {
+pub struct DerivedMessages {
     bytes: Vec<u8>,
     messages: Vec<DerivedMessage>,
     /// The first message that could not be encoded: its channel, and why.
@@ -54,7 +56,7 @@ struct DerivedMessage {
 
 impl DerivedMessages {
     /// Adds the message that `encode` appends; returns its length (bytes).
-    pub(super) fn push<E: Display>(
+    pub fn push<E: Display>(
         &mut self,
         channel: usize,
         time_ns: u64,
@@ -79,7 +81,7 @@ impl DerivedMessages {
 
 /// The derived channels of a log.
 pub(super) struct DerivedLog {
-    derived: Box<dyn Derived>,
+    derived: Box<dyn DerivedTopics>,
     channels: Vec<Channel>,
 }
 
@@ -91,7 +93,7 @@ struct Channel {
 impl DerivedLog {
     /// Adds the channels to a log, and what is ready before the first message of the run.
     pub(super) fn new(
-        derived: Box<dyn Derived>,
+        derived: Box<dyn DerivedTopics>,
         log: &mut LogWriter,
     ) -> Result<Self, LogWriteError> {
         let add = |channel: &DerivedChannel| {
@@ -116,7 +118,7 @@ impl DerivedLog {
     pub(super) fn update(
         &mut self,
         log: &mut LogWriter,
-        update: impl FnOnce(&mut dyn Derived),
+        update: impl FnOnce(&mut dyn DerivedTopics),
     ) -> Result<(), LogWriteError> {
         update(self.derived.as_mut());
         self.write(log)

@@ -4,7 +4,7 @@ use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::world::WorldEvent;
 use ipc_types::topics::{TopicId, WorldEvents};
 
-use super::options::RobotInfo;
+use super::run_info::RobotInfo;
 use super::summary::{EventEntry, OutcomePart, Summary};
 
 /// Maximum number of events that a summary lists; the log has all.

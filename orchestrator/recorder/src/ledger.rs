@@ -10,8 +10,8 @@ use zerocopy::FromBytes;
 use super::beginnings::Beginning;
 use super::checks::{Finite, is_decodable};
 use super::digest::Digest;
-use super::options::ProcessInfo;
 use super::parts::Parts;
+use super::run_info::ProcessInfo;
 use super::sequence::Sequences;
 use super::summary::TopicCount;
 

@@ -3,12 +3,13 @@
 //!
 //! * [`Recorder`] drains the bus on a thread of its own and drives a [`Recording`];
 //! * [`Recording`] checks, counts and fingerprints messages, and hands them on in their order: to the
-//!   outcome of the run, to the log with what viewers see, to an observer. A run without a log has
-//!   the same, but for the log;
+//!   outcome of the run, to the log, to an observer. A run without a log has the same, but for the
+//!   log;
 //! * [`mcap_log::LogWriter`] is the MCAP file; [`Gate`] is the seam to the run.
 //!
 //! Lossless topics are ROS 2 CDR whose body is the message's bytes (`ipc_types::cdr`); beside them
-//! stand `/viewer/…` topics in the viewers' own schemas. Log time is simulated time.
+//! stand the channels that [`DerivedTopics`] makes from the messages, such as those for viewers. Log
+//! time is simulated time.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
@@ -21,23 +22,21 @@ mod covered;
 mod derived;
 mod digest;
 mod error;
-mod eyes;
 mod gate;
 mod happened;
 mod intake;
 mod judged;
 mod ledger;
 mod log;
-mod options;
 mod outages;
 mod outcome;
 mod parts;
 mod predicted;
 mod recording;
 mod robots;
+mod run_info;
 mod sequence;
 mod summary;
-mod viewer;
 mod visits;
 
 #[cfg(test)]
@@ -49,11 +48,11 @@ extern crate self as recorder;
 
 pub use beginnings::Beginnings;
 pub use bus::Recorder;
+pub use derived::{DerivedChannel, DerivedMessages, DerivedTopics};
 pub use error::RecorderError;
-pub use eyes::{EyeInfo, EyePlace};
 pub use gate::Gate;
-pub use options::{ProcessInfo, RecorderOptions, RobotInfo, ViewerOptions};
 pub use recording::Recording;
+pub use run_info::{ProcessInfo, RobotInfo, RunInfo};
 pub use summary::{
     CoverageByWay, CoverageOutcome, EventEntry, LapFigures, Outage, PredictionOutcome,
     ProcessOutcome, RobotOutcome, Summary, TopicCount, WaypointOutcome, status_name, team_name,

@@ -1,40 +1,31 @@
-//! The log of a run: every message on its own topic, and beside it what viewers see.
+//! The log of a run: every message on its own topic, and beside it the derived channels.
 
 use std::collections::BTreeMap;
 
 use ipc_types::consumer::LoggedMessage;
 use ipc_types::schema;
 use ipc_types::topics::TopicId;
-use mcap_log::LogWriteError;
-use mcap_log::Mirror;
-use mcap_log::{ChannelId, ChannelSpec, LogWriter};
+use mcap_log::{ChannelId, ChannelSpec, LogWriteError, LogWriter};
 
-use super::derived::DerivedLog;
-use super::options::RecorderOptions;
+use super::derived::{DerivedLog, DerivedTopics};
 use super::summary::{Summary, TopicCount};
-use super::viewer::Viewer;
 
 /// Writes messages in the order in which they come.
 pub(super) struct Log {
     writer: LogWriter,
     /// By the rank of their topics.
     channels: Vec<ChannelId>,
-    /// What viewers see.
     derived: Option<DerivedLog>,
     /// Time of the present tick (simulated ns).
     time_ns: u64,
 }
 
 impl Log {
-    /// Creates the file; the mirror is taken once it is there.
-    pub(super) fn create(
-        options: &RecorderOptions,
-        mirror: &mut Option<Box<dyn Mirror>>,
+    /// Adds all channels to an empty log.
+    pub(super) fn new(
+        mut writer: LogWriter,
+        derived: Option<Box<dyn DerivedTopics>>,
     ) -> Result<Self, LogWriteError> {
-        let mut writer = LogWriter::create(&options.path, &options.log, &options.manifest)?;
-        if let Some(mirror) = mirror.take() {
-            writer.mirror_to(mirror);
-        }
         let channel = |topic: &TopicId| {
             writer.add_channel(&ChannelSpec {
                 topic: topic.name(),
@@ -46,10 +37,9 @@ impl Log {
             })
         };
         let channels = TopicId::ALL.iter().map(channel).collect::<Result<_, _>>()?;
-        let derived = match Viewer::new(options) {
-            Some(viewer) => Some(DerivedLog::new(Box::new(viewer), &mut writer)?),
-            None => None,
-        };
+        let derived = derived
+            .map(|derived| DerivedLog::new(derived, &mut writer))
+            .transpose()?;
         // No flush here: a chunk that holds schemas and channels alone has no message index, and
         // Foxglove Studio opens no file with such a chunk.
         Ok(Self {
@@ -60,7 +50,7 @@ impl Log {
         })
     }
 
-    /// Writes a message, and what viewers see of it if the checks have not rejected it.
+    /// Writes a message, and what is derived from it if the checks have not rejected it.
     pub(super) fn message(
         &mut self,
         message: &LoggedMessage<'_>,

@@ -6,7 +6,7 @@ use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::process::ProcessEvent;
 use ipc_types::topics::{ProcessEvents, TopicId};
 
-use super::options::ProcessInfo;
+use super::run_info::ProcessInfo;
 use super::summary::{Outage, OutcomePart, ProcessOutcome, Summary, seconds};
 
 /// Collects [`ProcessOutcome`]s.

@@ -5,10 +5,10 @@ use ipc_types::consumer::Consumers;
 use super::covered::Covered;
 use super::happened::Happened;
 use super::judged::AllJudged;
-use super::options::{ProcessInfo, RobotInfo};
 use super::outages::Outages;
 use super::predicted::Predicted;
 use super::robots::Robots;
+use super::run_info::{ProcessInfo, RobotInfo};
 use super::summary::OutcomePart;
 use super::visits::AllVisits;
 

@@ -9,19 +9,19 @@ use ipc_types::cdr::SequenceHead;
 use ipc_types::consumer::{Consumer, Consumers, LoggedMessage};
 use ipc_types::stamp::Header as _;
 use ipc_types::topics::{Topic, TopicId};
-use mcap_log::LogWriteError;
-use mcap_log::Mirror;
+use mcap_log::{LogWriteError, LogWriter};
 use zerocopy::IntoBytes as _;
 
 use super::beginnings::Beginnings;
 use super::chain::Chain;
 use super::checks::is_decodable;
+use super::derived::DerivedTopics;
 use super::intake::{Entry, Intake};
 use super::ledger::Ledger;
 use super::log::Log;
-use super::options::{ProcessInfo, RecorderOptions, RobotInfo};
 use super::outcome;
 use super::parts::Parts;
+use super::run_info::RunInfo;
 use super::summary::{OutcomePart, Summary, TopicCount};
 
 /// How long a tick that began waits for its messages before what there is of it is written: in real
@@ -54,60 +54,36 @@ struct Output {
 }
 
 impl Recording {
-    /// Creates the log.
-    ///
-    /// # Errors
-    /// [`LogWriteError`] names the file.
-    pub fn create(options: &RecorderOptions) -> Result<Self, LogWriteError> {
-        Self::create_mirrored(options, &mut None)
-    }
-
-    /// Creates the log; the mirror, if there is one, is taken once the file is there, and
-    /// gets everything that goes into it.
-    ///
-    /// # Errors
-    /// [`LogWriteError`] names the file.
-    pub fn create_mirrored(
-        options: &RecorderOptions,
-        mirror: &mut Option<Box<dyn Mirror>>,
-    ) -> Result<Self, LogWriteError> {
-        let log = Log::create(options, mirror)?;
-        let recording = Self::without_log(
-            &options.processes,
-            &options.robots,
-            options.tick_period_ns,
-            Arc::default(),
-        );
-        Ok(Self {
-            output: Output {
-                log: Some(log),
-                ..recording.output
-            },
-            ..recording
-        })
-    }
-
-    /// Comes to the summary alone, for runs of which there are many. `tick_period_ns` is the simulated
-    /// time between two ticks, `beginnings` what other runs in this process know of their maps.
-    pub fn without_log(
-        processes: &[ProcessInfo],
-        robots: &[RobotInfo],
-        tick_period_ns: u64,
-        beginnings: Arc<Beginnings>,
-    ) -> Self {
+    /// Comes to the summary alone, without a log. `beginnings` is what other runs in this process know
+    /// of their maps.
+    pub fn new(run: &RunInfo, beginnings: Arc<Beginnings>) -> Self {
+        let (processes, tick_period_ns) = (&run.processes, run.tick_period_ns);
         Self {
             ledger: Ledger::new(processes, tick_period_ns),
             latencies: Chain::new(processes),
             intake: Intake::default(),
             begun: VecDeque::new(),
             output: Output {
-                outcome: outcome::parts(robots, processes, tick_period_ns),
+                outcome: outcome::parts(&run.robots, processes, tick_period_ns),
                 log: None,
                 tick_period_ns,
                 tick: 0,
             },
             beginnings,
         }
+    }
+
+    /// Writes everything into an empty log as well, with the channels that are derived from it.
+    ///
+    /// # Errors
+    /// [`LogWriteError`] names the file.
+    pub fn with_log(
+        mut self,
+        log: LogWriter,
+        derived: Option<Box<dyn DerivedTopics>>,
+    ) -> Result<Self, LogWriteError> {
+        self.output.log = Some(Log::new(log, derived)?);
+        Ok(self)
     }
 
     /// Takes a message. `in_place`: nothing can write to the message any more, so that it is copied

@@ -4,7 +4,7 @@ use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::world::RobotState;
 use ipc_types::topics::{TopicId, WorldState};
 
-use super::options::RobotInfo;
+use super::run_info::RobotInfo;
 use super::summary::{OutcomePart, RobotOutcome, Summary, seconds, status_name, team_name};
 
 /// The robots so far.

@@ -8,7 +8,7 @@ use metrics::driven::{STRAIGHT_WITHIN, Track, corners};
 use metrics::path::{self, POINTS_PER_LAP, Polyline, Turns};
 use nalgebra::Point2;
 
-use super::options::RobotInfo;
+use super::run_info::RobotInfo;
 use super::summary::{LapFigures, OutcomePart, Summary, WaypointOutcome};
 
 /// Most waypoints, and most places of a robot, that are kept; what comes later is in the log only.

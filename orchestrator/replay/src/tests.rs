@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use ipc_types::messages::robot::Command;
 use mcap_log::LogReadError;
 
 use crate::ReplayError;
@@ -10,8 +11,8 @@ use kinds::load;
 use log_tools::recover;
 use log_tools::{Comparison, compare};
 use mission::in_process::{self, InProcessOptions};
+use viewer::{ViewerOptions, viewer_topics};
 
-use self::made_up::record_run;
 use self::support::{rewrite, small, watch};
 
 // Each crate that includes them uses parts of them.
@@ -21,6 +22,12 @@ mod made_up;
 #[allow(dead_code)]
 #[path = "../../log_tools/src/tests/support.rs"]
 mod support;
+
+/// Records the made-up run, with viewer topics.
+fn record_run(path: &Path, ticks: u64, chunk_bytes: u64, change: impl Fn(&mut Command, u64)) {
+    let topics = viewer_topics(&made_up::run_info(), &ViewerOptions::default());
+    made_up::record_run(path, ticks, chunk_bytes, topics, change);
+}
 
 const IN_PROCESS: RerunOptions = RerunOptions {
     in_process: true,

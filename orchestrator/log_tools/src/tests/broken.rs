@@ -6,7 +6,7 @@ use mcap::{Compression, WriteOptions};
 use mcap_log::{DerivedError, LogReadError};
 use proptest::prelude::*;
 
-use super::made_up::record_run;
+use super::record_run;
 use super::support::{file, ours, small, theirs, watch};
 use crate::{LogInfo, recover};
 
@@ -79,7 +79,7 @@ fn a_log_cut_at_any_byte_keeps_every_whole_chunk_and_invents_nothing() {
 fn a_run_that_was_cut_short_says_so_and_has_no_digest() {
     let folder = tempfile::tempdir().unwrap();
     let log = folder.path().join("run.mcap");
-    let summary = record_run(&log, 12, 4_000, |_, _| {});
+    let summary = record_run(&log, 12);
     let whole = LogInfo::read(&log, &mut watch()).unwrap();
     assert!(whole.ours && whole.condition.is_whole());
     assert_eq!(whole.digest.as_deref(), Some(&*summary.digest));

@@ -13,3 +13,18 @@ mod tables;
 mod made_up;
 #[allow(dead_code)]
 mod support;
+
+use std::path::Path;
+
+use recorder::{DerivedTopics, Summary};
+use viewer::{ViewerOptions, viewer_topics};
+
+/// The viewer topics of the made-up run.
+fn pictures() -> Option<Box<dyn DerivedTopics>> {
+    viewer_topics(&made_up::run_info(), &ViewerOptions::default())
+}
+
+/// Records the made-up run, with viewer topics, for so many ticks.
+fn record_run(path: &Path, ticks: u64) -> Summary {
+    made_up::record_run(path, ticks, 4_000, pictures(), |_, _| {})
+}

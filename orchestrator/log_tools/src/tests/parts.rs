@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use mcap::WriteOptions;
 use mcap_log::{DerivedError, LogReadError, Topics};
 
-use super::made_up::record_run;
+use super::record_run;
 use super::support::{file, ours, small, theirs, watch};
 use crate::{FilterOptions, LogInfo, filter};
 
@@ -13,7 +13,7 @@ use crate::{FilterOptions, LogInfo, filter};
 fn a_part_begins_with_the_last_states_from_before_it() {
     let folder = tempfile::tempdir().unwrap();
     let log = folder.path().join("run.mcap");
-    let summary = record_run(&log, 12, 4_000, |_, _| {});
+    let summary = record_run(&log, 12);
     let out = folder.path().join("part.mcap");
     let options = FilterOptions {
         start_s: Some(0.22),
@@ -75,7 +75,7 @@ fn a_part_begins_with_the_last_states_from_before_it() {
 fn topics_are_chosen_by_name_and_a_wrong_name_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let log = folder.path().join("run.mcap");
-    record_run(&log, 6, 4_000, |_, _| {});
+    record_run(&log, 6);
     let out = folder.path().join("part.mcap");
     let topics = |only: &[&str], without: &[&str]| FilterOptions {
         topics: Topics {

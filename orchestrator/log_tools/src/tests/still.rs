@@ -4,11 +4,12 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use mcap_log::Watch;
+use mcap_log::{LogOptions, Watch};
 use recorder::Recording;
 
-use super::made_up::{PERIOD_NS, Sent, options, record_run, run};
+use super::made_up::{PERIOD_NS, Sent, recording, run};
 use super::support::{Read, theirs};
+use super::{pictures, record_run};
 use crate::{LogInfo, recover};
 
 const TICKS: u64 = 9;
@@ -32,9 +33,11 @@ fn lossless(path: &Path) -> Vec<Read> {
 }
 
 fn create(path: &Path) -> Recording {
-    let mut options = options(path);
-    options.log.flush_every = Duration::ZERO;
-    Recording::create(&options).unwrap()
+    let options = LogOptions {
+        flush_every: Duration::ZERO,
+        ..LogOptions::default()
+    };
+    recording(path, &options, pictures())
 }
 
 /// Writes what is ready and hands it to the operating system.
@@ -48,7 +51,7 @@ fn a_tick_that_does_not_end_is_written_after_a_quarter_of_a_second_and_every_mes
     let folder = tempfile::tempdir().unwrap();
     let start = Instant::now();
     let ms = |ms| start + Duration::from_millis(ms);
-    let untouched = record_run(&folder.path().join("whole.mcap"), TICKS, 4000, |_, _| {});
+    let untouched = record_run(&folder.path().join("whole.mcap"), TICKS);
     for still in [0, STILL] {
         let path = folder.path().join(format!("{still}.mcap"));
         let mut recording = create(&path);

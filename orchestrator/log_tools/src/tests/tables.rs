@@ -5,7 +5,7 @@ use std::path::Path;
 use mcap_log::{DerivedError, Topics};
 use tables::Format;
 
-use super::made_up::record_run;
+use super::record_run;
 use super::support::{theirs, watch};
 use crate::{ExportOptions, Exported, export};
 
@@ -33,7 +33,7 @@ fn csv(path: &Path) -> (Vec<String>, Vec<csv::StringRecord>) {
 
 fn exported(folder: &Path) -> Exported {
     let log = folder.join("run.mcap");
-    record_run(&log, 6, 4_000, |_, _| {});
+    record_run(&log, 6);
     export(
         &log,
         &folder.join("tables"),

@@ -22,7 +22,7 @@ use self::stages::Detail;
 pub use self::stages::{Answers, Passage, REACTION, Stage, TICK_JITTER, WHOLE};
 use statistics::{Distribution, Distributions, Percentiles};
 
-use super::options::ProcessInfo;
+use super::run_info::ProcessInfo;
 
 /// Ticks that are kept while what belongs to them comes in: more than the recorder lags behind.
 const WINDOW: u64 = 512;

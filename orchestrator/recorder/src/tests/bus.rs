@@ -8,8 +8,10 @@ use ipc_types::topics::{
     Belief, Commands, RunSize, Topic, TopicVisitor, WorldState, for_each_topic,
 };
 
-use super::made_up::{FIRST_ROBOT, PERCEPTION, ROBOTS, SIMULATOR, Sent, options, run};
-use crate::{Gate, Recorder, Recording};
+use mcap_log::LogOptions;
+
+use super::made_up::{FIRST_ROBOT, PERCEPTION, ROBOTS, SIMULATOR, Sent, recording, run};
+use crate::{Gate, Recorder};
 
 /// A run space that is wiped when the test ends, also by a panic.
 struct Space(RunSpace, tempfile::TempDir);
@@ -95,7 +97,11 @@ fn record(clock: Clock, name: &str) -> crate::Summary {
         recorded: AtomicU64::new(0),
         ended: AtomicBool::new(false),
     };
-    let recording = Recording::create(&options(&space.1.path().join("run.mcap"))).unwrap();
+    let recording = recording(
+        &space.1.path().join("run.mcap"),
+        &LogOptions::default(),
+        None,
+    );
     let (ready, opened) = std::sync::mpsc::channel();
     let (connected, go) = std::sync::mpsc::channel();
     std::thread::scope(|scope| {

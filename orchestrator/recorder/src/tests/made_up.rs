@@ -1,6 +1,7 @@
 //! A made-up run: messages of every topic, and the log of them. Tests of other crates include this file.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use ipc_types::messages::observer::Prediction;
 use ipc_types::messages::perception::{BeliefHeader, Particle, Sighting};
@@ -18,11 +19,8 @@ use ipc_types::topics::{
     Belief, Commands, Control, Coverage, Dominance, ObstacleEvents, Plan, Predictions, Scan,
     Sightings, Status, Tree, Verdicts, Waypoints, WorldEvents, WorldMap, WorldShapes, WorldState,
 };
-use mcap_log::{LogOptions, Manifest, ManifestFile};
-
-use recorder::{
-    EyeInfo, EyePlace, ProcessInfo, RecorderOptions, Recording, RobotInfo, Summary, ViewerOptions,
-};
+use mcap_log::{LogOptions, LogWriter, Manifest, ManifestFile};
+use recorder::{DerivedTopics, ProcessInfo, Recording, RobotInfo, RunInfo, Summary};
 
 pub const PERIOD_NS: u64 = 50_000_000;
 pub const ORCHESTRATOR: u32 = 0;
@@ -329,7 +327,8 @@ pub fn run(ticks: u64, clock: u64) -> Vec<Sent> {
     sent
 }
 
-pub fn options(path: &Path) -> RecorderOptions {
+/// The processes and robots of the run.
+pub fn run_info() -> RunInfo {
     let kinds = [
         "orchestrator",
         "simulator",
@@ -338,17 +337,7 @@ pub fn options(path: &Path) -> RecorderOptions {
         "pursuer",
         "evader",
     ];
-    RecorderOptions {
-        path: path.to_owned(),
-        log: LogOptions::default(),
-        manifest: Manifest {
-            entries: [("seed".to_owned(), "7".to_owned())].into(),
-            attachments: vec![ManifestFile {
-                name: "scenario.toml".to_owned(),
-                media_type: "application/toml".to_owned(),
-                data: b"name = \"made up\"\n".to_vec(),
-            }],
-        },
+    RunInfo {
         processes: kinds
             .iter()
             .enumerate()
@@ -367,20 +356,26 @@ pub fn options(path: &Path) -> RecorderOptions {
             })
             .to_vec(),
         tick_period_ns: PERIOD_NS,
-        viewer: ViewerOptions::default(),
-        obstacles: vec![ObstacleEvent {
-            id: 77,
-            half_x: 1.0,
-            shape: 1,
-            ..ObstacleEvent::default()
-        }],
-        eyes: vec![EyeInfo {
-            name: "seen by police_1".to_owned(),
-            place: EyePlace::Robot(0),
-            range: None,
-            field_of_view: None,
-        }],
     }
+}
+
+/// A recording of the run into a new log.
+pub fn recording(
+    path: &Path,
+    options: &LogOptions,
+    derived: Option<Box<dyn DerivedTopics>>,
+) -> Recording {
+    let manifest = Manifest {
+        entries: [("seed".to_owned(), "7".to_owned())].into(),
+        attachments: vec![ManifestFile {
+            name: "scenario.toml".to_owned(),
+            media_type: "application/toml".to_owned(),
+            data: b"name = \"made up\"\n".to_vec(),
+        }],
+    };
+    let log = LogWriter::create(path, options, &manifest).unwrap();
+    let recording = Recording::new(&run_info(), Arc::default());
+    recording.with_log(log, derived).unwrap()
 }
 
 /// Records a run of so many ticks, in chunks of this size (bytes); `change` may change what is said.
@@ -388,11 +383,14 @@ pub fn record_run(
     path: &Path,
     ticks: u64,
     chunk_bytes: u64,
+    derived: Option<Box<dyn DerivedTopics>>,
     change: impl Fn(&mut Command, u64),
 ) -> Summary {
-    let mut options = options(path);
-    options.log.chunk_bytes = chunk_bytes;
-    let mut recording = Recording::create(&options).unwrap();
+    let options = LogOptions {
+        chunk_bytes,
+        ..LogOptions::default()
+    };
+    let mut recording = recording(path, &options, derived);
     for mut sent in run(ticks, 1) {
         if let Sent::Command(header, commands) = &mut sent {
             for command in commands {

@@ -1,8 +1,8 @@
 //! The recorder as a whole, with made-up runs.
 
 mod bus;
+mod derived;
 mod kill;
-mod python;
 mod round_trip;
 mod strangers;
 

@@ -12,10 +12,11 @@ use ipc_types::topics::{
 };
 use ipc_types::{cdr, schema};
 use mcap::sans_io::LinearReaderOptions;
+use mcap_log::LogOptions;
 use proptest::prelude::*;
 
-use super::made_up::{PERIOD_NS, Sent, options, run};
-use crate::{Recording, Summary, ViewerOptions};
+use super::made_up::{PERIOD_NS, Sent, recording, run, run_info};
+use crate::{Recording, Summary};
 
 /// A message as read: topic, sequence, log time, publish time, bytes.
 pub(super) type Read = (String, u32, u64, u64, Vec<u8>);
@@ -42,7 +43,7 @@ pub(super) fn read(path: &Path) -> Vec<Read> {
 }
 
 fn record(path: &Path, sent: &[Sent], batch: usize) -> Summary {
-    let mut recording = Recording::create(&options(path)).unwrap();
+    let mut recording = recording(path, &LogOptions::default(), None);
     for batch in sent.chunks(batch.max(1)) {
         for message in batch {
             message.push(&mut recording);
@@ -64,12 +65,8 @@ fn every_message_is_in_the_log_once_in_order_and_counted() {
     let summary = record(&path, &sent, 7);
 
     let read = read(&path);
-    let lossless: Vec<_> = read
-        .iter()
-        .filter(|m| !m.0.starts_with("/viewer/"))
-        .collect();
-    assert_eq!(lossless.len(), sent.len());
-    for (message, sent) in lossless.iter().zip(&sent) {
+    assert_eq!(read.len(), sent.len());
+    for (message, sent) in read.iter().zip(&sent) {
         let stamp = sent.stamp();
         assert_eq!(u64::from(message.1), stamp.sequence, "{}", message.0);
         assert_eq!(
@@ -186,71 +183,6 @@ fn the_file_describes_itself() {
         (text.encoding.as_str(), text.name.as_str()),
         ("ros2msg", "protean/msg/WorldState")
     );
-    for (topic, schema) in [
-        ("/viewer/scene", "foxglove.SceneUpdate"),
-        ("/viewer/map", "foxglove.Grid"),
-        ("/viewer/tf", "foxglove.FrameTransforms"),
-        ("/viewer/particles/baddie_1", "foxglove.PointCloud"),
-        ("/viewer/plan", "foxglove.SceneUpdate"),
-        ("/viewer/tree", "foxglove.SceneUpdate"),
-        ("/viewer/visibility", "foxglove.SceneUpdate"),
-        ("/viewer/scan/police_1", "foxglove.LaserScan"),
-        ("/viewer/log", "foxglove.Log"),
-    ] {
-        let channel = index.channels.values().find(|c| c.topic == topic).unwrap();
-        assert_eq!(channel.schema.as_ref().unwrap().name, schema, "{topic}");
-    }
-}
-
-#[test]
-fn pictures_keep_their_rate_and_never_miss_the_first_the_last_or_an_event() {
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path().join("run.mcap");
-    // 20 ticks per second, 10 pictures: even ticks, and 5 for the event, and 11 for the end.
-    record(&path, &run(12, 1), 5);
-    let times = |topic: &str| -> Vec<u64> {
-        read(&path)
-            .iter()
-            .filter(|m| m.0 == topic)
-            .map(|m| m.2 / PERIOD_NS)
-            .collect()
-    };
-    assert_eq!(times("/viewer/scene"), [0, 2, 4, 5, 6, 8, 10, 11]);
-    assert_eq!(times("/viewer/tf"), times("/viewer/scene"));
-    assert_eq!(times("/viewer/particles/baddie_1"), times("/viewer/scene"));
-    // Five per second at most, but for the event and the end.
-    assert_eq!(times("/viewer/visibility"), [0, 4, 5, 8, 11]);
-    assert_eq!(times("/viewer/map"), [0]);
-    assert_eq!(times("/viewer/obstacles"), [0, 3]);
-    assert_eq!(times("/viewer/log"), [5]);
-
-    // What lasts comes again after two seconds, with the picture that is due then.
-    let path = directory.path().join("long.mcap");
-    record(&path, &run(100, 1), 5);
-    let times = |topic: &str| -> Vec<u64> {
-        let all = read(&path).into_iter().filter(|m| m.0 == topic);
-        all.map(|m| m.2 / PERIOD_NS).collect()
-    };
-    assert_eq!(times("/viewer/map"), [0, 40, 80]);
-    assert_eq!(times("/viewer/obstacles"), [0, 3, 44, 84]);
-
-    let path = directory.path().join("plain.mcap");
-    let mut options = options(&path);
-    options.viewer = ViewerOptions {
-        rate_hz: 0.0,
-        ..ViewerOptions::default()
-    };
-    let mut recording = Recording::create(&options).unwrap();
-    for sent in &run(12, 1) {
-        sent.push(&mut recording);
-    }
-    let summary = recording.finish(&mut ()).unwrap();
-    assert!(
-        summary
-            .topics
-            .keys()
-            .all(|topic| !topic.starts_with("/viewer/"))
-    );
 }
 
 #[test]
@@ -315,7 +247,11 @@ fn observers_see_events_when_their_tick_is_written() {
         }
     }
     let directory = tempfile::tempdir().unwrap();
-    let mut recording = Recording::create(&options(&directory.path().join("run.mcap"))).unwrap();
+    let mut recording = recording(
+        &directory.path().join("run.mcap"),
+        &LogOptions::default(),
+        None,
+    );
     for sent in &run(7, 1) {
         sent.push(&mut recording);
     }
@@ -332,22 +268,13 @@ fn without_a_log_the_summary_is_the_same() {
     let path = directory.path().join("run.mcap");
     let sent = run(12, 1_000);
     let mut with_log = record(&path, &sent, 7);
-    let options = options(&path);
-    let mut recording = Recording::without_log(
-        &options.processes,
-        &options.robots,
-        PERIOD_NS,
-        std::sync::Arc::default(),
-    );
+    let mut recording = Recording::new(&run_info(), std::sync::Arc::default());
     for message in &sent {
         message.push(&mut recording);
     }
     let without = recording.finish(&mut ()).unwrap();
     with_log.log = std::path::PathBuf::new();
     with_log.log_bytes = 0;
-    with_log
-        .topics
-        .retain(|topic, _| !topic.starts_with("/viewer/"));
     assert_eq!(without, with_log);
 }
 
@@ -368,7 +295,7 @@ proptest! {
         for message in run(8, clock) {
             rest.entry(message.stamp().source).or_default().push_back(message);
         }
-        let mut recording = Recording::create(&options(&paths[1])).unwrap();
+        let mut recording = recording(&paths[1], &LogOptions::default(), None);
         let mut state = seed;
         let mut pushed = 0;
         while !rest.is_empty() {
@@ -400,9 +327,7 @@ proptest! {
             read(path)
                 .into_iter()
                 .map(|mut m| {
-                    if !m.0.starts_with("/viewer/") {
-                        m.4[4 + Stamp::SIMULATED_BYTES..4 + size_of::<Stamp>()].fill(0);
-                    }
+                    m.4[4 + Stamp::SIMULATED_BYTES..4 + size_of::<Stamp>()].fill(0);
                     m
                 })
                 .collect()

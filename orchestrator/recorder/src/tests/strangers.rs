@@ -4,15 +4,16 @@ use ipc_types::messages::robot::Command;
 use ipc_types::stamp::{PlainHeader, Stamp};
 use ipc_types::topics::Topic;
 use ipc_types::topics::{Commands, WorldState};
+use mcap_log::LogOptions;
 
-use super::made_up::{FIRST_ROBOT, PERIOD_NS, Sent, options, run};
+use super::made_up::{FIRST_ROBOT, PERIOD_NS, Sent, recording, run};
 use super::round_trip::read;
-use crate::{Recording, Summary};
+use crate::Summary;
 
 fn with(extra: &[Sent]) -> (Summary, Vec<(String, u64, Vec<u8>)>) {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("run.mcap");
-    let mut recording = Recording::create(&options(&path)).unwrap();
+    let mut recording = recording(&path, &LogOptions::default(), None);
     for sent in &run(6, 1) {
         sent.push(&mut recording);
     }
@@ -103,7 +104,7 @@ fn gaps_are_counted_where_they_are() {
 fn a_late_message_is_written_late_without_going_back_in_time() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("run.mcap");
-    let mut recording = Recording::create(&options(&path)).unwrap();
+    let mut recording = recording(&path, &LogOptions::default(), None);
     let sent = run(6, 1);
     let late = sent
         .iter()

@@ -236,7 +236,7 @@ pub(super) fn facts(gathered: &mut Gathered, kinds: &[Kind]) -> Json {
         "end_s": seconds(gathered.end_ns),
         "tick_period_s": seconds(gathered.tick_period_ns),
         "robots": robots,
-        "eyes": gathered.scenario.eyes(kinds),
+        "eyes": gathered.scenario.fields_of_view(kinds),
         "outcome": outcome(gathered),
         "coverage": parsed("coverage"),
         "predictions": parsed("predictions"),

@@ -7,9 +7,9 @@ use serde::Deserialize;
 use serde_json::Value as Json;
 use sim_backend::spec::{RobotSpec, RulesSpec};
 
-use mission::eyes::eyes;
-use recorder::EyeInfo;
+use mission::fields_of_view::fields_of_view;
 use scenario::kind::{Kind, find};
+use viewer::FieldOfView;
 
 /// The parts of the scenario in a log that a picture needs; the rest is passed over, so that a
 /// picture does not depend on it.
@@ -49,8 +49,8 @@ impl LoggedScenario {
         Ok(scenario)
     }
 
-    /// Who looks, as far as it can be understood.
-    pub(crate) fn eyes(&self, kinds: &[Kind]) -> Vec<EyeInfo> {
+    /// The fields of view, as far as they can be understood.
+    pub(crate) fn fields_of_view(&self, kinds: &[Kind]) -> Vec<FieldOfView> {
         let index = |name: &Json| {
             self.robots
                 .iter()
@@ -67,6 +67,6 @@ impl LoggedScenario {
             let read = read.or_else(|| kind.read(&Node::empty_table(Origin::Implied)).ok());
             Some((name, read?.lookout(&given, &self.robots)?))
         });
-        eyes(&self.robots, lookouts)
+        fields_of_view(&self.robots, lookouts)
     }
 }

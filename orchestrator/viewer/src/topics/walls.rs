@@ -1,13 +1,15 @@
 //! The outlines of everything solid as points, for viewers that draw neither grids nor scenes.
 
-use foxglove::messages::{PackedElementField, PointCloud, packed_element_field::NumericType};
+use foxglove::messages::PointCloud;
+use foxglove::messages::packed_element_field::NumericType;
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::world::{MapCell, MapHeader};
 use ipc_types::topics::{TopicId, WorldMap};
 
 use super::channel::ViewerChannel;
-use super::scene::pose;
-use super::{MAP_FRAME, Picture, grid, timestamp};
+use super::grid;
+use super::picture::Picture;
+use super::primitives::{MAP_FRAME, packed_fields, pose, timestamp};
 
 /// Bytes of a point: x, y, z as `f32`.
 const STRIDE: u32 = 12;
@@ -64,17 +66,12 @@ fn draw(
             data.extend(point.iter().flat_map(|value| value.to_le_bytes()));
         }
     }
-    let field = |(offset, name): (u32, &str)| PackedElementField {
-        name: name.to_owned(),
-        offset,
-        r#type: NumericType::Float32 as i32,
-    };
     PointCloud {
         timestamp: Some(timestamp(time_ns)),
         frame_id: MAP_FRAME.to_owned(),
         pose: Some(pose(0.0, 0.0, 0.0, 0.0)),
         point_stride: STRIDE,
-        fields: [(0, "x"), (4, "y"), (8, "z")].map(field).to_vec(),
+        fields: packed_fields(NumericType::Float32, &[("x", 0), ("y", 4), ("z", 8)]),
         data: data.into(),
     }
 }

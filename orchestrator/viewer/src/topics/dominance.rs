@@ -6,7 +6,9 @@ use ipc_types::messages::referee::{DominanceCell, DominanceHeader};
 use ipc_types::topics::{Dominance, TopicId};
 
 use super::channel::ViewerChannel;
-use super::{Picture, grid, palette};
+use super::grid::{self, GridPlace};
+use super::palette;
+use super::picture::Picture;
 
 /// Margin beyond which a cell is coloured no stronger (s).
 const STRONG: f32 = 10.0;
@@ -47,7 +49,7 @@ fn draw(
     if !grid::fits(header.width, header.height, cells.len()) {
         return None;
     }
-    let mut data = Vec::with_capacity(cells.len() * 4);
+    let mut data = Vec::with_capacity(cells.len() * grid::CELL_BYTES);
     for cell in cells {
         // `min` takes the other of a NaN; a cast of a float saturates.
         let strength = cell.margin.abs().min(STRONG) / STRONG;
@@ -60,12 +62,12 @@ fn draw(
         };
         data.extend_from_slice(&[red, green, blue, alpha]);
     }
-    let frame = grid::Frame {
+    let place = GridPlace {
         origin: [header.origin_x, header.origin_y],
         resolution: header.resolution,
         width: header.width,
     };
-    grid::colours(&frame, time_ns, data)
+    grid::coloured(&place, time_ns, data)
 }
 
 #[cfg(test)]

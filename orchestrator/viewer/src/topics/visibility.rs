@@ -1,11 +1,10 @@
-//! What is seen from the eyes of the run, as polygons.
+//! What is seen in the fields of view of the run, as polygons.
 //!
 //! They follow from the map and the robots' poses, so that they are drawn here and no process has
 //! to send them: the run is the same with and without.
 
 use foxglove::messages::{
-    Color, LinePrimitive, Point3, SceneEntity, SceneEntityDeletion, SceneUpdate,
-    TriangleListPrimitive, line_primitive, scene_entity_deletion,
+    Color, LinePrimitive, Point3, SceneEntity, SceneUpdate, TriangleListPrimitive, line_primitive,
 };
 use geometry::grid::{Grid, GridFrame};
 use geometry::pose::Pose2;
@@ -16,11 +15,11 @@ use ipc_types::topics::{TopicId, WorldMap};
 use nalgebra::Point2;
 use sim_backend::team::Team;
 
-use super::super::options::RecorderOptions;
 use super::channel::ViewerChannel;
-use super::scene::{entity, pose};
-use super::{Picture, grid, palette, timestamp};
-use crate::{EyeInfo, EyePlace};
+use super::picture::Picture;
+use super::primitives::{deletion, entity, pose};
+use super::{grid, palette};
+use crate::field_of_view::{FieldOfView, ViewOrigin};
 
 /// Least time between two pictures (simulated ns): polygons are large, and robots slow.
 const PERIOD_NS: u64 = 200_000_000;
@@ -39,10 +38,10 @@ pub(super) struct VisibilityTopic {
 }
 
 impl VisibilityTopic {
-    pub(super) fn new(run: &RecorderOptions, picture: &mut Picture) -> Self {
+    pub(super) fn new(fields_of_view: &[FieldOfView], picture: &mut Picture) -> Self {
         Self {
             channel: picture.add_channel("/viewer/visibility"),
-            visibility: Visibility::new(run.eyes.clone()),
+            visibility: Visibility::new(fields_of_view.to_vec()),
         }
     }
 }
@@ -68,38 +67,39 @@ impl Consumer<Picture> for VisibilityTopic {
     }
 }
 
-/// The eyes and what is in their way.
+/// The fields of view and what limits them.
 #[derive(Debug)]
 struct Visibility {
-    eyes: Vec<Viewpoint>,
+    fields: Vec<DrawnField>,
     walls: Option<Walls>,
     due_ns: u64,
 }
 
 #[derive(Debug)]
-struct Viewpoint {
-    eye: EyeInfo,
+struct DrawnField {
+    field: FieldOfView,
     /// Whether viewers show a polygon of it.
     shown: bool,
-    /// What it saw last and from where: most eyes on fixed places, and robots that wait, see the same.
+    /// What was seen last and from where: the same again from most fixed places, and from robots that
+    /// wait.
     last: Option<(Eye, Vec<Point2<f64>>)>,
 }
 
-impl Viewpoint {
-    fn new(eye: EyeInfo) -> Self {
+impl DrawnField {
+    fn new(field: FieldOfView) -> Self {
         Self {
-            eye,
+            field,
             shown: false,
             last: None,
         }
     }
 
-    /// The border of what it sees from a pose.
+    /// The border of what is seen from a pose.
     fn seen(&mut self, at: Pose2, walls: &Walls) -> &[Point2<f64>] {
         let eye = Eye {
             position: at.position(),
             heading: at.theta,
-            limits: self.eye.limits(),
+            limits: self.field.limits(),
         };
         let last = self.last.take().filter(|(from, _)| *from == eye);
         let seen = last.map_or_else(|| walls.seen_from(&eye), |(_, seen)| seen);
@@ -108,9 +108,9 @@ impl Viewpoint {
 }
 
 impl Visibility {
-    fn new(eyes: Vec<EyeInfo>) -> Self {
+    fn new(fields: Vec<FieldOfView>) -> Self {
         Self {
-            eyes: eyes.into_iter().map(Viewpoint::new).collect(),
+            fields: fields.into_iter().map(DrawnField::new).collect(),
             walls: None,
             due_ns: 0,
         }
@@ -118,7 +118,7 @@ impl Visibility {
 
     /// Takes up a map, whose number of cells is that of the header.
     fn map(&mut self, header: &MapHeader, cells: impl Iterator<Item = MapCell>) {
-        if self.eyes.is_empty() {
+        if self.fields.is_empty() {
             return;
         }
         let frame = GridFrame {
@@ -130,8 +130,8 @@ impl Visibility {
         let cells: Vec<bool> = cells.map(|cell| cell.occupied != 0).collect();
         if cells.len() == frame.len() {
             self.walls = Some(Walls::new(Grid { frame, cells }));
-            for eye in &mut self.eyes {
-                eye.last = None;
+            for field in &mut self.fields {
+                field.last = None;
             }
         }
     }
@@ -147,37 +147,34 @@ impl Visibility {
             self.due_ns = (time_ns / PERIOD_NS + 1).saturating_mul(PERIOD_NS);
         }
         let mut update = SceneUpdate::default();
-        for shown in &mut self.eyes {
-            let all_round = shown.eye.limits().is_all_round();
-            let drawn = stand(&shown.eye, states).and_then(|(at, team)| {
-                let seen = shown.seen(at, walls);
+        for drawn in &mut self.fields {
+            let all_round = drawn.field.limits().is_all_round();
+            let seen = apex(&drawn.field, states).and_then(|(at, team)| {
+                let seen = drawn.seen(at, walls);
                 (seen.len() > 1).then(|| polygon(at.position(), seen, all_round, team))
             });
-            let name = &shown.eye.name;
-            if let Some((triangles, lines)) = drawn {
+            let name = &drawn.field.name;
+            if let Some((triangles, lines)) = seen {
                 update.entities.push(SceneEntity {
                     triangles: vec![triangles],
                     lines: vec![lines],
                     ..entity(name.clone(), time_ns)
                 });
-                shown.shown = true;
-            } else if core::mem::take(&mut shown.shown) {
-                update.deletions.push(SceneEntityDeletion {
-                    timestamp: Some(timestamp(time_ns)),
-                    r#type: scene_entity_deletion::Type::MatchingId as i32,
-                    id: name.clone(),
-                });
+                drawn.shown = true;
+            } else if core::mem::take(&mut drawn.shown) {
+                update.deletions.push(deletion(name.clone(), time_ns));
             }
         }
         (!update.entities.is_empty() || !update.deletions.is_empty()).then_some(update)
     }
 }
 
-/// Where an eye is, and the team by whose colour it is drawn; nowhere once its robot is out.
-fn stand(eye: &EyeInfo, states: &[RobotState]) -> Option<(Pose2, u8)> {
-    match eye.place {
-        EyePlace::Point([x, y]) => Some((Pose2::new(x, y, 0.0), Team::Neutral as u8)),
-        EyePlace::Robot(robot) => {
+/// Where the apex of a field of view is, and the team in whose colour it is drawn; nowhere once its
+/// robot is out.
+fn apex(field: &FieldOfView, states: &[RobotState]) -> Option<(Pose2, u8)> {
+    match field.origin {
+        ViewOrigin::Point([x, y]) => Some((Pose2::new(x, y, 0.0), Team::Neutral as u8)),
+        ViewOrigin::Robot(robot) => {
             let state = states.iter().find(|state| state.robot == robot)?;
             let looks = state.status == 0 && state.present != 0;
             looks.then(|| (Pose2::new(state.x, state.y, state.theta), state.team))
@@ -185,9 +182,9 @@ fn stand(eye: &EyeInfo, states: &[RobotState]) -> Option<(Pose2, u8)> {
     }
 }
 
-/// The area as a fan of triangles around the eye, and its border.
+/// The area as a fan of triangles around the apex, and its border.
 fn polygon(
-    eye: Point2<f64>,
+    apex: Point2<f64>,
     seen: &[Point2<f64>],
     all_round: bool,
     team: u8,
@@ -198,17 +195,17 @@ fn polygon(
         y: round(p.y),
         z: HEIGHT,
     };
-    // Border first, then the eye: the border is written twice with the same bytes, which compress.
+    // Border first, then the apex: the border is written twice with the same bytes, which compress.
     let mut points: Vec<Point3> = seen.iter().map(point).collect();
-    let eye_at = points.len() as u32;
-    points.push(point(&eye));
+    let apex_at = points.len() as u32;
+    points.push(point(&apex));
     let mut border = points.clone();
     if all_round {
         border.pop();
     }
-    let last = if all_round { eye_at } else { eye_at - 1 };
+    let last = if all_round { apex_at } else { apex_at - 1 };
     let indices = (0..last)
-        .flat_map(|corner| [eye_at, corner, (corner + 1) % eye_at])
+        .flat_map(|corner| [apex_at, corner, (corner + 1) % apex_at])
         .collect();
     let color = |opacity| {
         Some(Color {
@@ -256,12 +253,12 @@ mod tests {
         (header, (0..36).map(cell).collect())
     }
 
-    fn eye(place: EyePlace, field_of_view: Option<f64>) -> EyeInfo {
-        EyeInfo {
-            name: "eye".to_owned(),
-            place,
+    fn field(origin: ViewOrigin, angle: Option<f64>) -> FieldOfView {
+        FieldOfView {
+            name: "field".to_owned(),
+            origin,
             range: None,
-            field_of_view,
+            angle,
         }
     }
 
@@ -277,7 +274,7 @@ mod tests {
     #[test]
     fn the_own_room_is_seen_and_the_other_is_not_until_the_robot_is_out() {
         let (header, cells) = rooms();
-        let mut visibility = Visibility::new(vec![eye(EyePlace::Robot(3), None)]);
+        let mut visibility = Visibility::new(vec![field(ViewOrigin::Robot(3), None)]);
         let mut state = RobotState {
             robot: 3,
             x: 0.7,
@@ -297,15 +294,15 @@ mod tests {
         assert!(visibility.draw(&[state], 2, true).is_some());
         state.status = 1;
         let update = visibility.draw(&[state], PERIOD_NS, false).unwrap();
-        assert_eq!(update.deletions[0].id, "eye");
+        assert_eq!(update.deletions[0].id, "field");
         assert!(visibility.draw(&[state], 2 * PERIOD_NS, false).is_none());
     }
 
     #[test]
     fn a_pop_up_in_the_room_hides_what_is_behind_it() {
         let (header, mut cells) = rooms();
-        let place = EyePlace::Point([0.25, 0.25]);
-        let mut visibility = Visibility::new(vec![eye(place, None)]);
+        let origin = ViewOrigin::Point([0.25, 0.25]);
+        let mut visibility = Visibility::new(vec![field(origin, None)]);
         visibility.map(&header, cells.iter().copied());
         let before = visibility.draw(&[], 0, true).unwrap();
         cells[9 + 1].occupied = 1;
@@ -320,10 +317,10 @@ mod tests {
     }
 
     #[test]
-    fn a_field_of_view_closes_over_the_eye() {
+    fn a_field_of_view_closes_over_its_apex() {
         let (header, cells) = rooms();
-        let mut ahead = eye(
-            EyePlace::Point([1.0, 1.0]),
+        let mut ahead = field(
+            ViewOrigin::Point([1.0, 1.0]),
             Some(core::f64::consts::FRAC_PI_2),
         );
         ahead.range = Some(0.5);

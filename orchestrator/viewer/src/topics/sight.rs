@@ -1,17 +1,15 @@
 //! Who sees whom, as lines.
 
-use foxglove::messages::{
-    Color, LinePrimitive, Point3, SceneEntity, SceneEntityDeletion, SceneUpdate, line_primitive,
-    scene_entity_deletion,
-};
+use foxglove::messages::{Color, LinePrimitive, Point3, SceneEntity, SceneUpdate, line_primitive};
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::perception::Sighting;
 use ipc_types::messages::world::RobotState;
 use ipc_types::topics::{Sightings, TopicId};
 
 use super::channel::ViewerChannel;
-use super::scene::{entity, pose};
-use super::{Picture, palette, timestamp};
+use super::palette;
+use super::picture::Picture;
+use super::primitives::{deletion, entity, pose};
 
 /// What viewers list.
 const ID: &str = "sight";
@@ -109,11 +107,7 @@ impl Sight {
                 ..entity(ID.to_owned(), time_ns)
             });
         } else {
-            update.deletions.push(SceneEntityDeletion {
-                timestamp: Some(timestamp(time_ns)),
-                r#type: scene_entity_deletion::Type::MatchingId as i32,
-                id: ID.to_owned(),
-            });
+            update.deletions.push(deletion(ID.to_owned(), time_ns));
         }
         self.shown = shows;
         (shows || shown).then_some(update)

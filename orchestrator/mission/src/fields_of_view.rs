@@ -1,72 +1,67 @@
-//! Who looks, from where, how far and how wide: what viewers and reports draw as seen.
+//! The fields of view of a run, which viewers and reports draw.
 
 use geometry::visibility::polygon::SightLimits;
-use recorder::{EyeInfo, EyePlace};
 use runtime::kind::Lookout;
+use scenario::ResolvedScenario;
 use sim_backend::spec::RobotSpec;
 use sim_backend::team::Team;
+use viewer::{FieldOfView, ViewOrigin};
 
-use scenario::ResolvedScenario;
-
-/// The eyes of a scenario.
-pub fn of_scenario(scenario: &ResolvedScenario) -> Vec<EyeInfo> {
+/// The fields of view of a scenario's processes.
+pub fn of_scenario(scenario: &ResolvedScenario) -> Vec<FieldOfView> {
     let robots = &scenario.world.robots;
     let lookouts = scenario.processes.iter().filter_map(|process| {
         let kind = process.program.kind()?;
         Some((&*process.name, kind.lookout(&process.robots, robots)?))
     });
-    eyes(robots, lookouts)
+    fields_of_view(robots, lookouts)
 }
 
-/// The eyes of these processes, each with its name. Where none looks, the Police are drawn as if
-/// they did.
-pub fn eyes<'a>(
+/// The fields of view of these processes, each with its name. Without any, the Police are drawn as if
+/// they saw all round and without limits.
+pub fn fields_of_view<'a>(
     robots: &[RobotSpec],
     lookouts: impl IntoIterator<Item = (&'a str, Lookout)>,
-) -> Vec<EyeInfo> {
+) -> Vec<FieldOfView> {
     let name = |robot: usize| robots.get(robot).map_or("", |robot| robot.name.as_str());
-    let mut eyes: Vec<EyeInfo> = Vec::new();
-    let mut looks = false;
-    let mut add = |who: String, by: &str, place, limits: SightLimits| {
-        let (range, field_of_view) = (limits.range, limits.field_of_view);
-        let same = |eye: &EyeInfo| {
-            eye.place == place && eye.range == range && eye.field_of_view == field_of_view
+    let mut fields: Vec<FieldOfView> = Vec::new();
+    let mut has_lookout = false;
+    let mut add = |from: String, by: &str, origin, limits: SightLimits| {
+        let (range, angle) = (limits.range, limits.field_of_view);
+        let same = |field: &FieldOfView| {
+            field.origin == origin && field.range == range && field.angle == angle
         };
         // What is seen twice from one place is drawn once.
-        if !eyes.iter().any(same) {
-            eyes.push(EyeInfo {
-                name: format!("seen by {who}{by}"),
-                place,
+        if !fields.iter().any(same) {
+            fields.push(FieldOfView {
+                name: format!("seen by {from}{by}"),
+                origin,
                 range,
-                field_of_view,
+                angle,
             });
         }
     };
     for (process, lookout) in lookouts {
-        looks = true;
+        has_lookout = true;
         let by = format!(" ({process})");
         let given = lookout.robots.iter().copied();
         for robot in given.filter(|&robot| robot < robots.len()) {
-            let place = EyePlace::Robot(robot as u32);
-            add(name(robot).to_owned(), &by, place, lookout.limits);
+            let origin = ViewOrigin::Robot(robot as u32);
+            add(name(robot).to_owned(), &by, origin, lookout.limits);
         }
         for [x, y] in lookout.points {
-            add(
-                format!("{x} {y}"),
-                &by,
-                EyePlace::Point([x, y]),
-                lookout.limits,
-            );
+            let origin = ViewOrigin::Point([x, y]);
+            add(format!("{x} {y}"), &by, origin, lookout.limits);
         }
     }
-    if !looks {
+    if !has_lookout {
         let police = (0..robots.len()).filter(|&robot| robots[robot].team == Team::Police);
         for robot in police {
-            let place = EyePlace::Robot(robot as u32);
-            add(name(robot).to_owned(), "", place, SightLimits::default());
+            let origin = ViewOrigin::Robot(robot as u32);
+            add(name(robot).to_owned(), "", origin, SightLimits::default());
         }
     }
-    eyes
+    fields
 }
 
 #[cfg(test)]
@@ -76,8 +71,8 @@ mod tests {
 
     fn names(target: &str, set: &[&str]) -> Vec<String> {
         let set: Vec<String> = set.iter().map(|&set| set.to_owned()).collect();
-        let eyes = of_scenario(&load(target, &set, None).unwrap());
-        eyes.into_iter().map(|eye| eye.name).collect()
+        let fields = of_scenario(&load(target, &set, None).unwrap());
+        fields.into_iter().map(|field| field.name).collect()
     }
 
     #[test]
@@ -87,15 +82,21 @@ mod tests {
             "processes.perception.params.sensor.field_of_view=2",
         ];
         let scenario = load("chase", &set.map(str::to_owned), None).unwrap();
-        let eyes = of_scenario(&scenario);
-        assert_eq!(eyes.len(), 4);
-        for (robot, eye) in eyes.iter().enumerate() {
-            assert_eq!(eye.place, EyePlace::Robot(robot as u32));
-            assert_eq!((eye.range, eye.field_of_view), (Some(3.0), Some(2.0)));
+        let fields = of_scenario(&scenario);
+        assert_eq!(fields.len(), 4);
+        for (robot, field) in fields.iter().enumerate() {
+            assert_eq!(field.origin, ViewOrigin::Robot(robot as u32));
+            assert_eq!((field.range, field.angle), (Some(3.0), Some(2.0)));
         }
-        assert_eq!(eyes[0].name, "seen by police_1 (perception)");
-        let json = serde_json::to_value(&eyes[1]).unwrap();
-        assert_eq!((&json["robot"], &json["range"]), (&1.into(), &3.0.into()));
+        assert_eq!(fields[0].name, "seen by police_1 (perception)");
+        let json = serde_json::to_value(&fields[1]).unwrap();
+        let expected = serde_json::json!({
+            "name": "seen by police_2 (perception)",
+            "robot": 1,
+            "range": 3.0,
+            "field_of_view": 2.0,
+        });
+        assert_eq!(json, expected);
     }
 
     #[test]

@@ -1,20 +1,18 @@
 //! What planners think, as lines: where the robots mean to go, and the trees in which they search
 //! for their ways.
 
-use foxglove::messages::{
-    Color, LinePrimitive, Point3, SceneEntity, SceneEntityDeletion, SceneUpdate, line_primitive,
-    scene_entity_deletion,
-};
+use foxglove::messages::{Color, LinePrimitive, Point3, SceneEntity, SceneUpdate, line_primitive};
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::robot::{PlanPoint, TreeEdge};
 use ipc_types::messages::world::RobotState;
 use ipc_types::topics::{Plan, TopicId, Tree};
+use recorder::RobotInfo;
 
-use super::super::options::RobotInfo;
 use super::again::Again;
 use super::channel::ViewerChannel;
-use super::scene::{entity, pose};
-use super::{Picture, palette, timestamp};
+use super::palette;
+use super::picture::Picture;
+use super::primitives::{deletion, entity, pose};
 
 /// How lines are drawn.
 #[derive(Debug)]
@@ -206,11 +204,7 @@ impl RobotLines {
                     ..entity(id, time_ns)
                 });
             } else if lines.shown {
-                update.deletions.push(SceneEntityDeletion {
-                    timestamp: Some(timestamp(time_ns)),
-                    r#type: scene_entity_deletion::Type::MatchingId as i32,
-                    id,
-                });
+                update.deletions.push(deletion(id, time_ns));
             }
             changed |= lines.changed || wanted != lines.shown || (again && wanted);
             lines.shown = wanted;

@@ -4,8 +4,8 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use super::made_up::{options, run};
-use crate::{Recording, Summary};
+use super::made_up::run;
+use super::{options, record};
 
 /// The interpreter with the readers, or why there is none.
 fn python() -> Result<PathBuf, String> {
@@ -44,11 +44,7 @@ fn python_decodes_every_message_of_the_log() {
     };
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("run.mcap");
-    let mut recording = Recording::create(&options(&path)).unwrap();
-    for sent in &run(12, 1_000) {
-        sent.push(&mut recording);
-    }
-    let summary: Summary = recording.finish(&mut ()).unwrap();
+    let summary = record(&path, &options(), &run(12, 1_000), usize::MAX);
     let output = Command::new(python)
         .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("src/tests/python/read_log.py"))
         .arg(&path)

@@ -10,8 +10,8 @@ use ipc_types::messages::robot::ScanHeader;
 use ipc_types::topics::{Belief, Scan, TopicId};
 
 use super::channel::ViewerChannel;
-use super::scene::pose;
-use super::{MAP_FRAME, Picture, timestamp};
+use super::picture::Picture;
+use super::primitives::{MAP_FRAME, pose, timestamp};
 
 /// `/viewer/particles/ROBOT`: the belief about a robot.
 pub(super) struct ParticlesTopic(Vec<ViewerChannel<PointCloud>>);

@@ -1,17 +1,16 @@
 //! The map as coloured cells.
 
-use foxglove::messages::{Grid, PackedElementField, Vector2, packed_element_field::NumericType};
+use foxglove::messages::Grid;
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::world::{MapCell, MapHeader};
 use ipc_types::topics::{TopicId, WorldMap};
 
 use super::again::Again;
 use super::channel::ViewerChannel;
-use super::scene::pose;
-use super::{MAP_FRAME, Picture, palette, timestamp};
-
-/// Bytes of a cell: red, green, blue, alpha.
-const STRIDE: u32 = 4;
+use super::grid::{self, GridPlace};
+use super::palette;
+use super::picture::Picture;
+use super::primitives::timestamp;
 
 /// `/viewer/map`, at every revision, and again now and then.
 pub(super) struct MapTopic {
@@ -59,11 +58,6 @@ impl Consumer<Picture> for MapTopic {
     }
 }
 
-/// Whether that many cells are those of a grid of this size, which has some.
-pub(super) fn fits(width: u32, height: u32, cells: usize) -> bool {
-    cells > 0 && u64::from(width) * u64::from(height) == cells as u64
-}
-
 /// Draws a map: obstacles dark, free cells the whiter the farther obstacles are (by the blurred
 /// map). `None` if the header and the number of cells do not belong together.
 fn draw(
@@ -71,10 +65,10 @@ fn draw(
     time_ns: u64,
     cells: impl ExactSizeIterator<Item = MapCell>,
 ) -> Option<Grid> {
-    if !fits(header.width, header.height, cells.len()) {
+    if !grid::fits(header.width, header.height, cells.len()) {
         return None;
     }
-    let mut data = Vec::with_capacity(cells.len() * STRIDE as usize);
+    let mut data = Vec::with_capacity(cells.len() * grid::CELL_BYTES);
     for cell in cells {
         let grey = if cell.occupied != 0 {
             palette::WALL_GREY
@@ -85,48 +79,12 @@ fn draw(
         };
         data.extend_from_slice(&[grey, grey, grey, u8::MAX]);
     }
-    let frame = Frame {
+    let place = GridPlace {
         origin: [header.origin_x, header.origin_y],
         resolution: header.resolution,
         width: header.width,
     };
-    colours(&frame, time_ns, data)
-}
-
-/// Where coloured cells lie.
-pub(super) struct Frame {
-    /// Outer corner of the first cell (m).
-    pub(super) origin: [f64; 2],
-    /// Side of a cell (m).
-    pub(super) resolution: f64,
-    /// Columns.
-    pub(super) width: u32,
-}
-
-/// Cells of red, green, blue and alpha bytes; `None` if a row has more bytes than can be said.
-pub(super) fn colours(frame: &Frame, time_ns: u64, data: Vec<u8>) -> Option<Grid> {
-    let row_stride = frame.width.checked_mul(STRIDE)?;
-    let field = |(offset, name): (u32, &str)| PackedElementField {
-        name: name.to_owned(),
-        offset,
-        r#type: NumericType::Uint8 as i32,
-    };
-    Some(Grid {
-        timestamp: Some(timestamp(time_ns)),
-        frame_id: MAP_FRAME.to_owned(),
-        pose: Some(pose(frame.origin[0], frame.origin[1], 0.0, 0.0)),
-        column_count: frame.width,
-        cell_size: Some(Vector2 {
-            x: frame.resolution,
-            y: frame.resolution,
-        }),
-        row_stride,
-        cell_stride: STRIDE,
-        fields: [(0, "red"), (1, "green"), (2, "blue"), (3, "alpha")]
-            .map(field)
-            .to_vec(),
-        data: data.into(),
-    })
+    grid::coloured(&place, time_ns, data)
 }
 
 #[cfg(test)]

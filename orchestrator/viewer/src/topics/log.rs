@@ -5,10 +5,11 @@ use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::process::{LogHeader, ProcessEvent};
 use ipc_types::messages::world::WorldEvent;
 use ipc_types::topics::{ProcessEvents, ProcessLog, TopicId, WorldEvents};
+use recorder::{ProcessInfo, RobotInfo};
 
-use super::super::options::{ProcessInfo, RecorderOptions, RobotInfo};
 use super::channel::ViewerChannel;
-use super::{Picture, timestamp};
+use super::picture::Picture;
+use super::primitives::timestamp;
 
 /// `/viewer/log`.
 pub(super) struct LogTopic {
@@ -17,10 +18,10 @@ pub(super) struct LogTopic {
 }
 
 impl LogTopic {
-    pub(super) fn new(run: &RecorderOptions, picture: &mut Picture) -> Self {
+    pub(super) fn new(processes: &[ProcessInfo], picture: &mut Picture) -> Self {
         Self {
             channel: picture.add_channel("/viewer/log"),
-            processes: run.processes.clone(),
+            processes: processes.to_vec(),
         }
     }
 }

@@ -3,8 +3,7 @@
 use core::marker::PhantomData;
 
 use foxglove::Encode;
-
-use super::super::derived::{DerivedChannel, DerivedMessages};
+use recorder::{DerivedChannel, DerivedMessages};
 
 /// Encodes messages of one type for one channel of the log.
 #[derive(Debug)]

@@ -2,18 +2,21 @@
 
 use foxglove::messages::{
     ArrowPrimitive, Color, CylinderPrimitive, Duration, FrameTransform, FrameTransforms,
-    KeyValuePair, LinePrimitive, Point3, Pose, PosesInFrame, Quaternion, SceneEntity, SceneUpdate,
-    TextPrimitive, Vector3, line_primitive,
+    KeyValuePair, LinePrimitive, Point3, PosesInFrame, SceneEntity, SceneUpdate, TextPrimitive,
+    Vector3, line_primitive,
 };
-use geometry::math::sincos;
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::world::RobotState;
 use ipc_types::topics::{TopicId, WorldMap};
+use recorder::{RobotInfo, status_name};
 
-use super::super::options::{RecorderOptions, RobotInfo};
-use super::super::summary::status_name;
 use super::channel::ViewerChannel;
-use super::{CENTRE_FRAME, MAP_FRAME, Picture, grid, palette, timestamp};
+use super::picture::Picture;
+use super::primitives::{MAP_FRAME, entity, pose, timestamp, yaw};
+use super::{grid, palette};
+
+/// Frame in the middle of the map, for viewers to look at: no robot is called so.
+const CENTRE_FRAME: &str = "map/centre";
 
 /// Code of a robot that still plays.
 const ACTIVE: u8 = 0;
@@ -42,8 +45,8 @@ pub(super) struct RobotsTopic {
 }
 
 impl RobotsTopic {
-    pub(super) fn new(run: &RecorderOptions, picture: &mut Picture) -> Self {
-        let trail_s = run.viewer.trail_s;
+    /// `trail_s` is how long a robot's trail stays visible (simulated s).
+    pub(super) fn new(trail_s: f64, picture: &mut Picture) -> Self {
         Self {
             scene: picture.add_channel("/viewer/scene"),
             transforms: picture.add_channel("/viewer/tf"),
@@ -94,35 +97,6 @@ impl Consumer<Picture> for RobotsTopic {
 struct Trail {
     last: Vec<Option<(f64, f64)>>,
     pictures: u64,
-}
-
-/// Rotation about the vertical axis.
-pub(super) fn yaw(theta: f64) -> Quaternion {
-    let (sin, cos) = sincos(theta / 2.0);
-    Quaternion {
-        x: 0.0,
-        y: 0.0,
-        z: sin,
-        w: cos,
-    }
-}
-
-/// Pose in the plane, lifted by `z`.
-pub(super) fn pose(x: f64, y: f64, z: f64, theta: f64) -> Pose {
-    Pose {
-        position: Some(Vector3 { x, y, z }),
-        orientation: Some(yaw(theta)),
-    }
-}
-
-/// An entity in the map's frame without anything in it.
-pub(super) fn entity(id: String, time_ns: u64) -> SceneEntity {
-    SceneEntity {
-        timestamp: Some(timestamp(time_ns)),
-        frame_id: MAP_FRAME.to_owned(),
-        id,
-        ..SceneEntity::default()
-    }
 }
 
 /// The robots of a state and the next piece of their trails.

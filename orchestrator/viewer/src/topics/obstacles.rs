@@ -3,20 +3,19 @@
 use std::collections::BTreeMap;
 
 use foxglove::messages::{
-    Color, CubePrimitive, CylinderPrimitive, LinePrimitive, Point3, SceneEntity,
-    SceneEntityDeletion, SceneUpdate, TriangleListPrimitive, Vector3, line_primitive,
-    scene_entity_deletion,
+    Color, CubePrimitive, CylinderPrimitive, LinePrimitive, Point3, SceneEntity, SceneUpdate,
+    TriangleListPrimitive, Vector3, line_primitive,
 };
 use geometry::shape::Shape;
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::world::ObstacleEvent;
 use ipc_types::topics::{ObstacleEvents, TopicId};
 
-use super::super::options::RecorderOptions;
 use super::again::Again;
 use super::channel::ViewerChannel;
-use super::scene::{entity, pose};
-use super::{Picture, palette, timestamp};
+use super::palette;
+use super::picture::Picture;
+use super::primitives::{deletion, entity, pose};
 
 /// Codes of `ObstacleEvent::action`.
 const DISAPPEAR: u8 = 1;
@@ -35,16 +34,17 @@ pub(super) struct ObstaclesTopic {
 }
 
 impl ObstaclesTopic {
-    pub(super) fn new(run: &RecorderOptions, picture: &mut Picture) -> Self {
+    /// `standing` are the obstacles that stand from the beginning.
+    pub(super) fn new(standing: &[ObstacleEvent], picture: &mut Picture) -> Self {
         let mut topic = Self {
             channel: picture.add_channel("/viewer/obstacles"),
             obstacles: Obstacles::default(),
             again: Again::default(),
         };
-        for obstacle in &run.obstacles {
+        for obstacle in standing {
             topic.obstacles.stands(obstacle);
         }
-        if !run.obstacles.is_empty() {
+        if !standing.is_empty() {
             topic.draw(0, picture);
         }
         topic
@@ -109,11 +109,7 @@ impl Obstacles {
         let deletions = self
             .gone
             .drain(..)
-            .map(|gone| SceneEntityDeletion {
-                timestamp: Some(timestamp(time_ns)),
-                r#type: scene_entity_deletion::Type::MatchingId as i32,
-                id: id(gone),
-            })
+            .map(|gone| deletion(id(gone), time_ns))
             .collect();
         let entities = self
             .standing

@@ -1,0 +1,140 @@
+//! Derived channels: their messages stand in the log behind what they are made from.
+
+use ipc_types::consumer::{Consumer, LoggedMessage};
+use ipc_types::messages::robot::Command;
+use ipc_types::topics::{Commands, Topic as _, TopicId};
+use mcap_log::{LogOptions, LogWriteError};
+
+use super::made_up::{PERIOD_NS, ROBOTS, recording, run};
+use super::round_trip::read;
+use crate::{DerivedChannel, DerivedMessages, DerivedTopics};
+
+const TOPIC: &str = "/count";
+const TICKS: u64 = 3;
+
+/// Counts the commands of a tick; the last message of a run is empty.
+#[derive(Default)]
+struct Count {
+    channels: Vec<DerivedChannel>,
+    ready: DerivedMessages,
+    time_ns: u64,
+    commands: u8,
+    /// A message that has so many commands cannot be encoded.
+    most: u8,
+}
+
+impl Count {
+    fn new(most: u8) -> Box<Self> {
+        let channel = DerivedChannel {
+            topic: TOPIC.to_owned(),
+            schema_name: "Count".to_owned(),
+            schema_encoding: "jsonschema".to_owned(),
+            schema: b"{}".to_vec(),
+            message_encoding: "json".to_owned(),
+        };
+        Box::new(Self {
+            channels: vec![channel],
+            most,
+            ..Self::default()
+        })
+    }
+}
+
+impl Consumer for Count {
+    fn topics(&self) -> &[TopicId] {
+        &[TopicId::Commands]
+    }
+
+    fn message(&mut self, message: &LoggedMessage<'_>, (): &mut ()) {
+        self.time_ns = message.time_ns;
+        self.commands += 1;
+    }
+
+    fn end_of_tick(&mut self, (): &mut ()) {
+        let count = core::mem::take(&mut self.commands);
+        if count > 0 {
+            self.ready.push(0, self.time_ns, |bytes| {
+                bytes.push(count);
+                if count < self.most {
+                    Ok(())
+                } else {
+                    Err("too many")
+                }
+            });
+        }
+    }
+}
+
+impl DerivedTopics for Count {
+    fn channels(&self) -> &[DerivedChannel] {
+        &self.channels
+    }
+
+    fn ready(&mut self) -> &mut DerivedMessages {
+        &mut self.ready
+    }
+
+    fn finish(&mut self) {
+        self.ready
+            .push(0, self.time_ns, |_| Ok::<(), core::convert::Infallible>(()));
+    }
+}
+
+#[test]
+fn derived_messages_follow_their_tick_are_numbered_and_counted() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("run.mcap");
+    let mut recording = recording(&path, &LogOptions::default(), Some(Count::new(u8::MAX)));
+    for mut sent in run(TICKS, 1) {
+        // A command that the checks reject is in the log, but nothing is derived from it.
+        if let super::made_up::Sent::Command(_, commands) = &mut sent
+            && commands[0].robot == 0
+        {
+            commands[0] = Command {
+                v: f64::NAN,
+                ..commands[0]
+            };
+        }
+        sent.push(&mut recording);
+    }
+    let summary = recording.finish(&mut ()).unwrap();
+    let read = read(&path);
+    let derived: Vec<_> = read.iter().filter(|m| m.0 == TOPIC).collect();
+    let accepted = u8::try_from(ROBOTS - 1).unwrap();
+    let expected = (0..TICKS).map(|tick| (tick, vec![accepted]));
+    let expected = expected.chain([(TICKS - 1, Vec::new())]);
+    for (number, (message, (tick, bytes))) in derived.iter().zip(expected).enumerate() {
+        assert_eq!(
+            (message.1 as usize, message.2, &message.4),
+            (number, tick * PERIOD_NS, &bytes)
+        );
+    }
+    assert_eq!(derived.len() as u64, TICKS + 1);
+    let count = summary.topics[TOPIC];
+    assert_eq!((count.messages, count.bytes), (TICKS + 1, TICKS));
+    assert_eq!(summary.topics[Commands::NAME].rejected, TICKS);
+    let place = |topic: &str, time_ns: u64| {
+        read.iter()
+            .rposition(|m| m.0 == topic && m.2 == time_ns)
+            .unwrap()
+    };
+    for tick in 0..TICKS {
+        let time_ns = tick * PERIOD_NS;
+        assert!(place(TOPIC, time_ns) > place(Commands::NAME, time_ns));
+    }
+}
+
+#[test]
+fn a_derived_message_that_cannot_be_encoded_is_an_error_that_names_its_topic() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("run.mcap");
+    let mut recording = recording(&path, &LogOptions::default(), Some(Count::new(1)));
+    for sent in run(TICKS, 1) {
+        sent.push(&mut recording);
+    }
+    let error = recording.finish(&mut ()).unwrap_err();
+    assert!(
+        matches!(&error, LogWriteError::Encode { topic, reason, .. } if topic == TOPIC && reason == "too many"),
+        "{error}"
+    );
+}

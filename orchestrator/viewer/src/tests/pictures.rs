@@ -1,0 +1,123 @@
+//! When topics are drawn, and in which schemas.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use super::made_up::{PERIOD_NS, run};
+use super::{options, record};
+use crate::ViewerOptions;
+
+/// A message as read: topic, sequence, log time, bytes.
+type Read = (String, u32, u64, Vec<u8>);
+
+/// The messages of the viewer topics in a log, in file order.
+fn read(path: &Path) -> Vec<Read> {
+    let bytes = std::fs::read(path).unwrap();
+    let messages = mcap::MessageStream::new(&bytes).unwrap();
+    let messages = messages.map(|message| {
+        let m = message.unwrap();
+        (
+            m.channel.topic.clone(),
+            m.sequence,
+            m.log_time,
+            m.data.to_vec(),
+        )
+    });
+    messages.filter(|m| m.0.starts_with("/viewer/")).collect()
+}
+
+#[test]
+fn topics_are_in_the_schemas_of_the_viewers() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("run.mcap");
+    record(&path, &options(), &run(4, 1), 100);
+    let bytes = std::fs::read(&path).unwrap();
+    let index = mcap::Summary::read(&bytes).unwrap().unwrap();
+    for (topic, schema) in [
+        ("/viewer/scene", "foxglove.SceneUpdate"),
+        ("/viewer/map", "foxglove.Grid"),
+        ("/viewer/tf", "foxglove.FrameTransforms"),
+        ("/viewer/particles/baddie_1", "foxglove.PointCloud"),
+        ("/viewer/plan", "foxglove.SceneUpdate"),
+        ("/viewer/tree", "foxglove.SceneUpdate"),
+        ("/viewer/visibility", "foxglove.SceneUpdate"),
+        ("/viewer/scan/police_1", "foxglove.LaserScan"),
+        ("/viewer/log", "foxglove.Log"),
+    ] {
+        let channel = index.channels.values().find(|c| c.topic == topic).unwrap();
+        assert_eq!(channel.schema.as_ref().unwrap().name, schema, "{topic}");
+    }
+}
+
+#[test]
+fn pictures_keep_their_rate_and_never_miss_the_first_the_last_or_an_event() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("run.mcap");
+    // 20 ticks per second, 10 pictures: even ticks, and 5 for the event, and 11 for the end.
+    record(&path, &options(), &run(12, 1), 5);
+    let times = |topic: &str| -> Vec<u64> {
+        read(&path)
+            .iter()
+            .filter(|m| m.0 == topic)
+            .map(|m| m.2 / PERIOD_NS)
+            .collect()
+    };
+    assert_eq!(times("/viewer/scene"), [0, 2, 4, 5, 6, 8, 10, 11]);
+    assert_eq!(times("/viewer/tf"), times("/viewer/scene"));
+    assert_eq!(times("/viewer/particles/baddie_1"), times("/viewer/scene"));
+    // Five per second at most, but for the event and the end.
+    assert_eq!(times("/viewer/visibility"), [0, 4, 5, 8, 11]);
+    assert_eq!(times("/viewer/map"), [0]);
+    assert_eq!(times("/viewer/obstacles"), [0, 3]);
+    assert_eq!(times("/viewer/log"), [5]);
+
+    // What lasts comes again after two seconds, with the picture that is due then.
+    let path = directory.path().join("long.mcap");
+    record(&path, &options(), &run(100, 1), 5);
+    let times = |topic: &str| -> Vec<u64> {
+        let all = read(&path).into_iter().filter(|m| m.0 == topic);
+        all.map(|m| m.2 / PERIOD_NS).collect()
+    };
+    assert_eq!(times("/viewer/map"), [0, 40, 80]);
+    assert_eq!(times("/viewer/obstacles"), [0, 3, 44, 84]);
+
+    let path = directory.path().join("plain.mcap");
+    let off = ViewerOptions {
+        rate_hz: 0.0,
+        ..options()
+    };
+    let summary = record(&path, &off, &run(12, 1), 5);
+    assert!(
+        summary
+            .topics
+            .keys()
+            .all(|topic| !topic.starts_with("/viewer/"))
+    );
+}
+
+#[test]
+fn messages_are_numbered_and_counted_and_do_not_depend_on_batches() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("run.mcap");
+    let sent = run(12, 1);
+    let summary = record(&path, &options(), &sent, sent.len());
+    let whole = read(&path);
+    let mut counted: BTreeMap<&str, (u64, u64)> = BTreeMap::new();
+    for (topic, sequence, _, bytes) in &whole {
+        let count = counted.entry(topic).or_default();
+        assert_eq!(u64::from(*sequence), count.0, "{topic}");
+        *count = (count.0 + 1, count.1 + bytes.len() as u64);
+    }
+    let said = summary.topics.iter();
+    let said = said.filter(|(topic, _)| topic.starts_with("/viewer/"));
+    let said: BTreeMap<&str, (u64, u64)> = said
+        .map(|(topic, count)| (topic.as_str(), (count.messages, count.bytes)))
+        .collect();
+    assert_eq!(said, counted);
+    for batch in [1, 7, 60] {
+        let path = directory.path().join(format!("{batch}.mcap"));
+        record(&path, &options(), &sent, batch);
+        // Not `assert_eq`: it would print both logs.
+        assert!(read(&path) == whole, "{batch}");
+    }
+}

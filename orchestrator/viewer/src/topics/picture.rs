@@ -1,0 +1,105 @@
+//! The present tick as all viewer topics see it, and where they draw.
+
+use foxglove::Encode;
+use ipc_types::consumer::LoggedMessage;
+use ipc_types::messages::world::{RobotState, WorldHeader};
+use ipc_types::topics::{TopicId, WorldEvents, WorldState};
+use recorder::{DerivedChannel, DerivedMessages, RobotInfo};
+
+use super::channel::ViewerChannel;
+
+/// The present tick as all viewer topics see it, and where they draw.
+#[derive(Debug)]
+pub(super) struct Picture {
+    pub(super) robots: Vec<RobotInfo>,
+    /// The newest states of the robots.
+    pub(super) states: Vec<RobotState>,
+    /// Time of these states (simulated ns); `None` before the first.
+    time_ns: Option<u64>,
+    /// Whether the tick must be drawn even if no picture is due.
+    pub(super) wanted: bool,
+    drawn: bool,
+    /// Time from which the next picture is due (simulated ns).
+    due_ns: u64,
+    period_ns: u64,
+    pub(super) channels: Vec<DerivedChannel>,
+    pub(super) ready: DerivedMessages,
+}
+
+impl Picture {
+    /// The topics that it follows.
+    pub(super) const TAKES: [TopicId; 2] = [TopicId::WorldState, TopicId::WorldEvents];
+
+    /// Before the first tick, at this rate (Hz, simulated), > 0.
+    pub(super) fn new(robots: &[RobotInfo], rate_hz: f64) -> Self {
+        Self {
+            robots: robots.to_vec(),
+            states: Vec::new(),
+            time_ns: None,
+            wanted: false,
+            drawn: false,
+            due_ns: 0,
+            // At least 1 ns: a rate beyond 1 GHz draws every tick.
+            period_ns: ((1e9 / rate_hz) as u64).max(1),
+            channels: Vec::new(),
+            ready: DerivedMessages::default(),
+        }
+    }
+
+    /// Takes up the state and the events of a tick.
+    pub(super) fn message(&mut self, message: &LoggedMessage<'_>) {
+        if let Some((header, robots)) = message.view::<WorldState>() {
+            // A new tick begins with this state.
+            let is_first = self.time_ns.is_none();
+            let is_last = header.phase == WorldHeader::OVER;
+            self.states.clear();
+            self.states.extend(robots);
+            self.time_ns = Some(message.time_ns);
+            self.wanted = is_first || is_last;
+            self.drawn = false;
+        }
+        // A tick at which something happens is drawn.
+        let events = message.view::<WorldEvents>();
+        self.wanted |= events.is_some_and(|(_, events)| events.len() > 0) && self.time_ns.is_some();
+    }
+
+    /// Whether the present tick will be drawn, so that what belongs to it is worth decoding.
+    pub(super) fn is_drawing(&self, time_ns: u64) -> bool {
+        time_ns >= self.due_ns || self.wanted
+    }
+
+    /// Whether the topics draw the tick now, at its end.
+    pub(super) fn begin_drawing(&mut self) -> bool {
+        let Some(time_ns) = self.time_ns else {
+            return false;
+        };
+        if self.drawn || !self.is_drawing(time_ns) {
+            return false;
+        }
+        self.drawn = true;
+        if time_ns >= self.due_ns {
+            // On the grid of the rate: pictures of all topics fall on the same ticks.
+            self.due_ns = (time_ns / self.period_ns + 1).saturating_mul(self.period_ns);
+        }
+        true
+    }
+
+    /// Time of the states (simulated ns).
+    pub(super) fn now_ns(&self) -> u64 {
+        self.time_ns.unwrap_or(0)
+    }
+
+    /// Adds a channel to the log.
+    pub(super) fn add_channel<M: Encode>(&mut self, topic: &str) -> ViewerChannel<M> {
+        ViewerChannel::add(&mut self.channels, topic)
+    }
+
+    /// A channel for every robot: `/viewer/PREFIX/NAME`.
+    pub(super) fn add_channels<M: Encode>(&mut self, prefix: &str) -> Vec<ViewerChannel<M>> {
+        let names = self.robots.iter().map(|robot| robot.name.clone());
+        let topics: Vec<String> = names
+            .map(|name| format!("/viewer/{prefix}/{name}"))
+            .collect();
+        topics.iter().map(|topic| self.add_channel(topic)).collect()
+    }
+}
