@@ -37,7 +37,7 @@ pub(super) fn arcs(plans: &Plans, paper: bool) -> Finding {
     };
     let most = tried.iter().map(|p| p.iterations).max().unwrap_or(0);
     let mut numbers = vec![format!(
-        "A way within {most} iterations: {found} of {} ({}, {})",
+        "A path within {most} iterations: {found} of {} ({}, {})",
         tried.len(),
         share(found as f64 / tried.len() as f64),
         shares(interval)
@@ -47,7 +47,7 @@ pub(super) fn arcs(plans: &Plans, paper: bool) -> Finding {
         (Mean::of(&lengths), tried.iter().find_map(|p| p.shortest_m))
     {
         numbers.push(format!(
-            "Mean length of the ways: {} m; the shortest way is {} m",
+            "Mean length of the paths: {} m; the shortest path is {} m",
             hundredths(mean.value),
             hundredths(shortest)
         ));
@@ -100,7 +100,7 @@ pub(super) fn avoids(plans: &Plans, paper: bool) -> Finding {
     let detours: Vec<f64> = detours.collect();
     if let Some(detour) = Mean::of(&detours) {
         numbers.push(format!(
-            "For a way that is {} longer on average",
+            "The path is {} longer on average",
             share(detour.value)
         ));
     }
