@@ -213,26 +213,25 @@ fn in_package(root: &Path, package: &Package, rules: &Rules) -> Vec<Fault> {
     faults
 }
 
+/// Cycles between the modules of each module. What stands in a module itself has no place in their order: it may use
+/// any of them, and they may use it.
 fn module_cycles(root: &Path, sources: &Sources) -> Vec<Fault> {
-    let mut arrows: Arrows<&Use> = BTreeMap::new();
+    let mut graphs: BTreeMap<&[String], Arrows<&Use>> = BTreeMap::new();
     for used in &sources.uses {
-        let (Some(from), Some(first)) = (used.from.first(), used.to.first()) else {
-            continue;
-        };
-        // What the root only passes on belongs to the module that it is from.
-        let to = if sources.modules.contains(first) {
-            first
-        } else if let Some(module) = sources.exports.get(first) {
-            module
-        } else {
-            continue;
-        };
-        if to != from {
+        let both = used.from.iter().zip(&used.to);
+        let shared = both.take_while(|(from, to)| from == to).count();
+        if let (Some(from), Some(to)) = (used.from.get(shared), used.to.get(shared)) {
+            let arrows = graphs.entry(&used.from[..shared]).or_default();
             let from = arrows.entry(from.clone()).or_default();
             from.entry(to.clone()).or_insert(used);
         }
     }
-    cycles(&arrows)
+    let faults = graphs.values().map(|arrows| cycles_of(root, arrows));
+    faults.flatten().collect()
+}
+
+fn cycles_of(root: &Path, arrows: &Arrows<&Use>) -> Vec<Fault> {
+    cycles(arrows)
         .into_iter()
         .map(|cycle| {
             let places: Vec<&Use> = cycle

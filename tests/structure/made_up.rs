@@ -220,6 +220,25 @@ fn a_name_that_the_root_passes_on_counts_for_its_module() {
 }
 
 #[test]
+fn modules_of_a_module_have_an_order_too() {
+    let b = |text| ("wire/src/b.rs", text);
+    let inner = |text| ("wire/src/b/inner.rs", text);
+    let outer = |text| ("wire/src/b/outer.rs", text);
+    let modules = "mod inner;\nmod outer;\npub use inner::I;\npub struct B;\n";
+    let uses_outer = "use super::outer::O;\npub struct I(O);\n";
+    for circle in ["use super::I;\n", "fn f(_: super::inner::I) {}\n"] {
+        one_fault(
+            &[b(modules), inner(uses_outer), outer(circle)],
+            "wire/src/b/inner.rs:1: ",
+            &["inner → outer → inner", "wire/src/b/outer.rs:1"],
+        );
+    }
+    // What stands in the module itself, and what it passes on, is of no order.
+    let own = [b(modules), inner(uses_outer), outer("use super::B;\n")];
+    assert_eq!(faults(&own), [""; 0]);
+}
+
+#[test]
 fn text_and_comments_are_not_uses() {
     let text = "// use crate::a::A;\n/// [`crate::a::A`]\nconst T: &str = \"crate::a::A\";\n";
     assert_eq!(faults(&[("wire/src/b/inner.rs", text)]), [""; 0]);

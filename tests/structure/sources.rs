@@ -1,11 +1,11 @@
 //! The modules of a crate, from its sources: how long they are without tests, and which use which.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::iter::Peekable;
 use std::path::{Path, PathBuf};
 
 use proc_macro2::token_stream::IntoIter;
-use proc_macro2::{Delimiter, Group, TokenStream, TokenTree};
+use proc_macro2::{Delimiter, Group, Spacing, TokenStream, TokenTree};
 
 /// The sources of a library or program but for its tests, from the file of its root on.
 #[derive(Debug, Default)]
@@ -13,12 +13,12 @@ pub struct Sources {
     /// Lines, comments and blank ones included, without those of items and files that are compiled
     /// for tests only.
     pub lines: usize,
-    /// Every path that begins with `crate` or `super`.
+    /// Every path from one module to another one of the crate.
     pub uses: Vec<Use>,
-    /// Names that the root takes from its modules, each with the module.
-    pub exports: BTreeMap<String, String>,
-    /// The modules right below the root.
-    pub modules: Vec<String>,
+    /// Paths from the root by which modules name what is elsewhere, with where that is.
+    aliases: BTreeMap<Vec<String>, Vec<String>>,
+    /// All modules, the root included.
+    modules: BTreeSet<Vec<String>>,
 }
 
 /// A path from one module to another.
@@ -26,7 +26,7 @@ pub struct Sources {
 pub struct Use {
     /// The module that it stands in, from the root.
     pub from: Vec<String>,
-    /// Where it goes, from the root.
+    /// The module that it goes to, from the root.
     pub to: Vec<String>,
     /// Its file.
     pub file: PathBuf,
@@ -42,6 +42,14 @@ pub fn read(root: &Path) -> Result<Sources, String> {
     let mut sources = Sources::default();
     let folder = root.parent().unwrap_or(Path::new("")).to_owned();
     sources.read_file(root, &folder, &[])?;
+    let uses = std::mem::take(&mut sources.uses);
+    sources.uses = uses
+        .into_iter()
+        .map(|used| Use {
+            to: sources.module_of(&used.to),
+            ..used
+        })
+        .collect();
     Ok(sources)
 }
 
@@ -76,8 +84,11 @@ impl Sources {
         file: &mut File<'_>,
         module: &[String],
     ) -> Result<(), String> {
+        self.modules.insert(module.to_vec());
         let mut tokens = tokens.into_iter().peekable();
         let mut other_path = None;
+        // Since the last `;` or block.
+        let (mut is_public, mut is_use) = (false, false);
         while let Some(token) = tokens.next() {
             match &token {
                 TokenTree::Punct(punct) if punct.as_char() == '#' => {
@@ -98,46 +109,79 @@ impl Sources {
                     };
                     let mut child = module.to_vec();
                     child.push(name.to_string());
-                    if module.is_empty() {
-                        self.modules.push(name.to_string());
-                    }
                     match tokens.next() {
                         Some(TokenTree::Group(body)) => {
                             self.read_tokens(body.stream(), file, &child)?;
                         }
                         _ => self.read_child(file, other_path.take(), &child)?,
                     }
+                    is_public = false;
                 }
-                TokenTree::Ident(ident) if ident == "use" && module.is_empty() => {
-                    for (path, name) in use_tree(&mut tokens) {
-                        self.export(&path, name);
-                    }
-                }
-                TokenTree::Ident(ident) if ident == "crate" || ident == "super" => {
+                TokenTree::Ident(ident) if ident == "pub" => is_public = true,
+                TokenTree::Ident(ident) if ident == "use" => is_use = true,
+                TokenTree::Ident(ident) => {
                     let line = ident.span().start().line;
                     let first = ident.to_string();
-                    let paths = if double_colon(&mut tokens) {
+                    let rest = if double_colon(&mut tokens) {
                         use_tree(&mut tokens)
                     } else {
                         Vec::new()
                     };
-                    for (path, _) in paths {
+                    for (path, name) in rest {
                         let Some(to) = absolute(module, &first, path) else {
                             continue;
                         };
-                        self.uses.push(Use {
-                            from: module.to_vec(),
-                            to,
-                            file: file.path.to_owned(),
-                            line,
-                        });
+                        if is_use {
+                            let alias = module.iter().cloned().chain([name]).collect();
+                            self.aliases.insert(alias, to.clone());
+                        }
+                        // A name that is only passed on is used elsewhere.
+                        if !(is_use && is_public && to.starts_with(module)) {
+                            self.uses.push(Use {
+                                from: module.to_vec(),
+                                to,
+                                file: file.path.to_owned(),
+                                line,
+                            });
+                        }
                     }
                 }
-                TokenTree::Group(group) => self.read_tokens(group.stream(), file, module)?,
+                TokenTree::Group(group) => {
+                    self.read_tokens(group.stream(), file, module)?;
+                    if group.delimiter() == Delimiter::Brace {
+                        (is_public, is_use) = (false, false);
+                    }
+                }
+                TokenTree::Punct(punct) if punct.as_char() == ';' => {
+                    (is_public, is_use) = (false, false);
+                }
                 _ => {}
             }
         }
         Ok(())
+    }
+
+    /// The module in which the item of a path from the root is declared.
+    fn module_of(&self, path: &[String]) -> Vec<String> {
+        let mut path = path.to_vec();
+        let mut depth = 0;
+        // An alias may go round in a circle with others: of external names that modules also have.
+        let mut left = 20;
+        while depth < path.len() {
+            let next = &path[..=depth];
+            if self.modules.contains(next) {
+                depth += 1;
+            } else if let Some(to) = self.aliases.get(next)
+                && left > 0
+            {
+                path = [to.as_slice(), &path[depth + 1..]].concat();
+                (depth, left) = (0, left - 1);
+            } else {
+                break;
+            }
+        }
+        path.truncate(depth);
+        path
     }
 
     /// Reads the file of a module that is declared in another one.
@@ -160,28 +204,25 @@ impl Sources {
             self.read_file(&children.join("mod.rs"), &children, module)
         }
     }
-
-    fn export(&mut self, path: &[String], name: String) {
-        let from_root = match path {
-            [first, rest @ ..] if first == "crate" || first == "self" => rest,
-            path => path,
-        };
-        if let [module, _, ..] = from_root {
-            self.exports.insert(name, module.clone());
-        }
-    }
 }
 
-/// Where a path goes from the root; `None` above the root.
+/// Where a path goes from the root: one that begins with anything but `crate` is of the module itself or of its
+/// parents; `None` above the root.
 fn absolute(module: &[String], first: &str, rest: Vec<String>) -> Option<Vec<String>> {
     let mut rest = rest.into_iter().peekable();
     let mut path = Vec::new();
-    if first == "super" {
+    if first != "crate" {
         path.extend_from_slice(module);
-        path.pop()?;
-        while rest.next_if(|segment| segment == "super").is_some() {
+    }
+    match first {
+        "crate" | "self" => {}
+        "super" => {
             path.pop()?;
+            while rest.next_if(|segment| segment == "super").is_some() {
+                path.pop()?;
+            }
         }
+        _ => path.push(first.to_owned()),
     }
     path.extend(rest);
     Some(path)
@@ -191,14 +232,8 @@ type Tokens = Peekable<IntoIter>;
 
 /// Takes `::`, if it is next.
 fn double_colon(tokens: &mut Tokens) -> bool {
-    let mut taken = false;
-    while tokens
-        .next_if(|token| matches!(token, TokenTree::Punct(punct) if punct.as_char() == ':'))
-        .is_some()
-    {
-        taken = true;
-    }
-    taken
+    let is_first = |token: &TokenTree| matches!(token, TokenTree::Punct(punct) if punct.as_char() == ':' && punct.spacing() == Spacing::Joint);
+    tokens.next_if(is_first).is_some() && tokens.next().is_some()
 }
 
 /// Takes a path or a tree of them: each path, and the name that a `use` gives it.

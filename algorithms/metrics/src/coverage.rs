@@ -21,12 +21,15 @@ mod swept;
 mod tests;
 mod visits;
 
-pub use grid::{CellGrid, MAX_CELLS};
+pub use grid::CellGrid;
 pub use ground::{CoverageError, Ground, Rectangle};
 pub use meter::{CELL_SIDES, DISC_CELL_SIDE, Figures, Meter, Rate};
 pub use spans::{Axis, Lattice, Span};
 pub use swept::Swept;
 pub use visits::Visits;
+
+/// Most cells that a workplace may be divided into.
+pub const MAX_CELLS: usize = 16_000_000;
 
 /// Tolerance of everything that compares lengths (m), and of cell numbers (cells).
 pub(crate) const TOLERANCE: f64 = 1e-9;

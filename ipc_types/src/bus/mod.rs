@@ -17,7 +17,7 @@ pub use crate::transport::{
     Listener, Notifier, RunSpace, TopicHolder, TransportConfig, quiet_transport,
 };
 pub use publisher::{Publisher, PublisherOptions};
-pub use request_response::{ActiveRequest, Answer, Attendant, Client, PendingResponse, Server};
+pub use request_response::{ActiveRequest, Attendant, Client, PendingResponse, Server};
 pub use subscriber::{Received, Subscriber};
 
 use core::any::Any;
@@ -57,6 +57,10 @@ fn buffer(qos: &Qos, ticks: usize) -> usize {
 fn agreed<'a>(topic: &'static str, schema: &'a str) -> Agreed<'a> {
     Agreed { topic, schema }
 }
+
+/// Header and elements of an answer, copied out of shared memory.
+pub type Answer<S> =
+    crate::transport::Answer<<S as Service>::ResponseHeader, <S as Service>::ResponseElement>;
 
 /// Ticks that a process in the loop may have unread without losing or blocking.
 pub const LOOP_TICKS: usize = 4;

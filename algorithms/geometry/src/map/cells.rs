@@ -14,6 +14,17 @@ use crate::shape::Aabb;
 /// Most runs of a map: what a scenario in a log has room for.
 pub const MAX_RUNS: usize = 1_000_000;
 
+/// What the unknown cells of an occupancy map are taken for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum UnknownCells {
+    /// Obstacles: nobody drives where nobody has looked.
+    #[default]
+    Occupied,
+    /// Free ground.
+    Free,
+}
+
 /// An occupancy grid written out as run lengths. Cells are counted row by row from the one with
 /// the smallest x and y; the edge of the grid is a wall.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -1,8 +1,7 @@
 //! The map as grids: which cells are occupied, and how far each cell's centre is from the nearest
 //! obstacle.
 
-use super::index::ShapeIndex;
-use super::query::edge_distance;
+use super::index::{ShapeIndex, edge_distance};
 use crate::grid::{Grid, GridFrame};
 use crate::shape::{Aabb, Convex};
 

@@ -7,7 +7,6 @@
 
 use nalgebra::Point2;
 
-use super::query::edge_distance;
 use crate::grid::GridFrame;
 use crate::shape::{Aabb, Convex};
 
@@ -19,6 +18,14 @@ const MAX_BUCKETS: usize = 1 << 18;
 const REACH: f64 = 2.0;
 /// Slack on comparisons of distances (m): far above rounding, far below anything that matters.
 const SLACK: f64 = 1e-9;
+
+/// Distance (m) from a point to the edge of the map; negative beyond it, NaN for a NaN point.
+pub(super) fn edge_distance(bounds: &Aabb, p: Point2<f64>) -> f64 {
+    let (low, high) = (p - bounds.min, bounds.max - p);
+    let (x, y) = (low.x.min(high.x), low.y.min(high.y));
+    // `f64::min` would drop a NaN.
+    if y >= x || x.is_nan() { x } else { y }
+}
 
 /// The lists of one bucket, one behind the other in [`ShapeIndex::items`].
 #[derive(Debug, Clone, Copy, Default)]

@@ -15,14 +15,14 @@ mod vector;
 mod world_map;
 mod world_queries;
 
-pub use cells::{CellMap, MAX_RUNS};
+pub use cells::{CellMap, MAX_RUNS, UnknownCells};
 pub use passage::{Passages, Reach};
 pub use pgm::{MAX_PIXELS, Pgm, PgmError};
 pub use query::Hit;
 pub use ros::{RosMap, RosMapError};
 pub use segment::TOUCHING;
 pub use shape_map::ShapeMap;
-pub use spec::{MapError, MapSpec, UnknownCells};
+pub use spec::{MapError, MapSpec};
 pub use vector::{
     Bounds, MAX_CELLS, MAX_EXITS, MAX_OBSTACLES, ObstacleSpec, VectorMap, VectorMapError,
 };

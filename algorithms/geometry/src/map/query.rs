@@ -3,7 +3,8 @@
 use nalgebra::{Point2, Vector2};
 
 use super::ShapeMap;
-use crate::shape::{Aabb, Contact};
+use super::index::edge_distance;
+use crate::shape::Contact;
 
 /// How far beyond the border of a bucket (m) a hit still counts as inside: above the rounding of
 /// the border crossings, below the slack with which pieces are listed.
@@ -16,14 +17,6 @@ pub struct Hit {
     pub distance: f64,
     /// Index of the piece; `None` for the edge of the map.
     pub part: Option<u32>,
-}
-
-/// Distance (m) from a point to the edge of the map; negative beyond it, NaN for a NaN point.
-pub(super) fn edge_distance(bounds: &Aabb, p: Point2<f64>) -> f64 {
-    let (low, high) = (p - bounds.min, bounds.max - p);
-    let (x, y) = (low.x.min(high.x), low.y.min(high.y));
-    // `f64::min` would drop a NaN.
-    if y >= x || x.is_nan() { x } else { y }
 }
 
 impl ShapeMap {

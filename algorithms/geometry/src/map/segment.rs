@@ -3,7 +3,7 @@
 use nalgebra::Point2;
 
 use super::ShapeMap;
-use super::query::edge_distance;
+use super::index::edge_distance;
 use crate::shape::ShortArc;
 
 /// How much nearer (m) than its radius a disc may come and still only touch: far above the rounding

@@ -11,7 +11,7 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{Deserializer, MapAccess, Visitor};
 use serde::{Deserialize, Serialize};
 
-use super::{CellMap, RosMap, RosMapError, VectorMap, VectorMapError};
+use super::{CellMap, RosMap, RosMapError, UnknownCells, VectorMap, VectorMapError};
 
 /// Largest vector map file that is read (bytes).
 const MAX_VECTOR_FILE: u64 = 64 << 20;
@@ -36,17 +36,6 @@ pub enum MapSpec {
     Vector(VectorMap),
     /// An occupancy grid, written out.
     Cells(CellMap),
-}
-
-/// What the unknown cells of an occupancy map are taken for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum UnknownCells {
-    /// Obstacles: nobody drives where nobody has looked.
-    #[default]
-    Occupied,
-    /// Free ground.
-    Free,
 }
 
 /// Why a map cannot be used.

@@ -2,10 +2,7 @@
 
 use nalgebra::Point2;
 
-use super::{CoverageError, Ground, Lattice, TOLERANCE};
-
-/// Most cells that a workplace may be divided into.
-pub const MAX_CELLS: usize = 16_000_000;
+use super::{CoverageError, Ground, Lattice, MAX_CELLS, TOLERANCE};
 
 /// Square cells over a workplace, from its smaller corner; row after row.
 #[derive(Debug, Clone, PartialEq)]

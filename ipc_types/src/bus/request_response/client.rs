@@ -3,9 +3,9 @@
 use core::cell::{Cell, RefCell};
 use std::rc::Rc;
 
-use super::{Answer, layout};
+use super::layout;
 use crate::bus::local::Endpoint;
-use crate::bus::{BusError, ReceiveError, SendError, agreed};
+use crate::bus::{Answer, BusError, ReceiveError, SendError, agreed};
 use crate::clock::StampClock;
 use crate::stamp::Header;
 use crate::topics::Service;

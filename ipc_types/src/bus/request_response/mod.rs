@@ -8,11 +8,6 @@ pub use server::{ActiveRequest, Attendant, Server};
 
 use crate::message::{Descriptor, Message};
 use crate::topics::Service;
-use crate::transport;
-
-/// Header and elements of an answer, copied out of shared memory.
-pub type Answer<S> =
-    transport::Answer<<S as Service>::ResponseHeader, <S as Service>::ResponseElement>;
 
 /// Fingerprint of the messages' layout.
 pub(super) fn layout<S: Service>() -> String {

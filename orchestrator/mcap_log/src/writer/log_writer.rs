@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{Attachment, McapError, WriteOptions};
 
+use super::channel::ChannelSpec;
 use super::log_file::{self, LogFile, Readable};
 use crate::LogWriteError;
 use crate::Mirror;
@@ -74,23 +75,6 @@ pub struct ManifestFile {
 /// A channel of a [`LogWriter`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct ChannelId(usize);
-
-/// How a channel is described in the file.
-#[derive(Debug, Clone, Copy)]
-pub struct ChannelSpec<'a> {
-    /// Name of the topic.
-    pub topic: &'a str,
-    /// Name of the schema.
-    pub schema_name: &'a str,
-    /// `ros2msg`, `protobuf`, …
-    pub schema_encoding: &'a str,
-    /// The schema itself.
-    pub schema: &'a [u8],
-    /// `cdr`, `protobuf`, …
-    pub message_encoding: &'a str,
-    /// Anything else that readers should know.
-    pub metadata: &'a BTreeMap<String, String>,
-}
 
 /// How much a channel holds.
 #[derive(Debug, Clone, PartialEq, Eq)]

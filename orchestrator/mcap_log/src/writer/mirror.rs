@@ -1,6 +1,6 @@
 //! Somebody who gets what goes into a log.
 
-use crate::ChannelSpec;
+use super::channel::ChannelSpec;
 
 /// Gets what goes into a log, as it goes in and in its order. Runs on the recorder's thread: be
 /// quick.

@@ -1,5 +1,6 @@
 //! The log of a run while it is written.
 
+mod channel;
 mod error;
 mod log_file;
 mod log_writer;
@@ -9,9 +10,9 @@ mod storage;
 #[cfg(test)]
 mod tests;
 
+pub use channel::ChannelSpec;
 pub use error::LogWriteError;
 pub use log_writer::{
-    ChannelId, ChannelSpec, ChannelTotals, Compression, LogOptions, LogTotals, LogWriter, Manifest,
-    ManifestFile,
+    ChannelId, ChannelTotals, Compression, LogOptions, LogTotals, LogWriter, Manifest, ManifestFile,
 };
 pub use mirror::Mirror;
