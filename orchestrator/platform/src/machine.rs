@@ -1,5 +1,10 @@
 //! The machine that this program runs on.
 
+/// How many threads this machine can run at once, 1 if that is not known.
+pub fn processors() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
 /// The machine in a line: system, processors, their model.
 pub fn machine() -> String {
     let uname = rustix::system::uname();

@@ -7,8 +7,9 @@ use std::sync::atomic::AtomicBool;
 use clap::builder::PossibleValue;
 use platform::eprintln;
 
+use super::output::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, complain, print, print_json};
 use super::run::{handle_signals, refuse_external, with_real_time};
-use super::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, OverrideArgs, complain, print, print_json};
+use super::run_args::OverrideArgs;
 use faults::{ChaosOptions, FaultKind, chaos, line, text};
 use scenario::Loader;
 use scenario::kind::Kind;
@@ -48,7 +49,7 @@ impl clap::ValueEnum for KindArg {
 #[derive(Debug, clap::Args)]
 pub(super) struct ChaosArgs {
     /// A scenario file, or the name of a built-in scenario
-    #[arg(default_value = super::DEFAULT_SCENARIO)]
+    #[arg(default_value = super::run_args::DEFAULT_SCENARIO)]
     scenario: String,
     /// How many faults, 1 to 1000000
     #[arg(long, short = 'n', value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]

@@ -5,7 +5,8 @@ use std::process::ExitCode;
 use platform::eprintln;
 use serde_json::json;
 
-use super::{EXIT_INVALID, OverrideArgs, print, print_json};
+use super::output::{EXIT_INVALID, print, print_json};
+use super::run_args::OverrideArgs;
 use scenario::Loader;
 use scenario::kind::Kind;
 

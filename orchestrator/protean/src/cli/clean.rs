@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use platform::eprintln;
 use serde_json::json;
 
-use super::{EXIT_FAILED, print, print_json};
+use super::output::{EXIT_FAILED, print, print_json};
 use mission::run_directory::{self, Found};
 
 /// Removes what dead runs have left and says what that was.

@@ -4,7 +4,8 @@ use std::process::ExitCode;
 
 use clap::Subcommand;
 
-use super::{EXIT_INVALID, OverrideArgs, complain, print};
+use super::output::{EXIT_INVALID, complain, print};
+use super::run_args::OverrideArgs;
 use plan::routes::coverage::{Extent, plan};
 use scenario::Loader;
 use scenario::kind::Kind;

@@ -7,7 +7,7 @@ use platform::eprintln;
 use tables::Format;
 
 use super::logs::{self, TopicArgs};
-use super::{EXIT_PARTIAL, print, print_json};
+use super::output::{EXIT_PARTIAL, print, print_json};
 use log_tools::{ExportOptions, export};
 
 /// What stands below the options.

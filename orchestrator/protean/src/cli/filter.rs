@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use super::logs::{self, PartArgs};
-use super::{print, print_json};
+use super::output::{print, print_json};
 use log_tools::{FilterOptions, filter};
 
 /// What stands below the options.

@@ -3,7 +3,8 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use super::{EXIT_PARTIAL, logs, print, print_json};
+use super::logs;
+use super::output::{EXIT_PARTIAL, print, print_json};
 use log_tools::{LogInfo, info_text};
 
 /// What stands below the options.

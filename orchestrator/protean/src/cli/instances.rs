@@ -7,7 +7,7 @@ use clap::builder::PossibleValuesParser;
 use platform::atomic_file::save;
 use platform::eprintln;
 
-use super::{EXIT_FAILED, EXIT_INVALID, print};
+use super::output::{EXIT_FAILED, EXIT_INVALID, print};
 use plan::Recipe;
 use plan::generate::{NAMES, with_reference};
 

@@ -10,9 +10,10 @@ use mcap_log::{DerivedError, Watch, derived};
 use platform::atomic_file::Readers;
 use platform::eprintln;
 
+use super::logs;
+use super::output::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, print, print_json};
 use super::run::{handle_signals, refuse_external};
-use super::{DEFAULT_SCENARIO, EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, OverrideArgs};
-use super::{logs, print, print_json};
+use super::run_args::{DEFAULT_SCENARIO, OverrideArgs};
 use latency::baselines::Repetitions;
 use latency::{LatencyError, Report, Run, baselines, mission, of_log, text};
 use scenario::kind::Kind;

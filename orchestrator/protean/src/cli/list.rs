@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use platform::eprintln;
 use serde_json::json;
 
-use super::{EXIT_INVALID, print, print_json};
+use super::output::{EXIT_INVALID, print, print_json};
 use scenario::kind::Kind;
 use scenario::{builtin, list as scenarios};
 

@@ -8,8 +8,8 @@ use std::sync::atomic::AtomicBool;
 use mcap_log::{Condition, DerivedError, LogReadError, Topics, Watch};
 use platform::eprintln;
 
+use super::output::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL};
 use super::run::handle_signals;
-use super::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL};
 use log_tools::Difference;
 use replay::ReplayError;
 

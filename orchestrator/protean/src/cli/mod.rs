@@ -12,6 +12,7 @@ mod latency;
 mod list;
 mod logs;
 mod moved;
+mod output;
 mod patrol;
 mod picture;
 mod plan;
@@ -21,6 +22,7 @@ mod replay;
 mod report;
 mod rerun;
 mod run;
+mod run_args;
 mod run_summary;
 mod schema;
 mod sweep;
@@ -31,20 +33,14 @@ mod sweep_output;
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::{CommandFactory as _, Parser, Subcommand};
-use config::Diagnostics;
 use platform::eprintln;
 
 use scenario::kind::{Kind, find};
 
-/// Exit code of a run that failed.
-pub const EXIT_FAILED: u8 = 1;
-/// Exit code for wrong usage or input.
-pub const EXIT_INVALID: u8 = 2;
-/// Exit code for a partial result: a run that was interrupted, a log that misses messages.
-pub const EXIT_PARTIAL: u8 = 3;
+use output::{EXIT_INVALID, print};
+use run_args::{DEFAULT_SCENARIO, OverrideArgs, RunArgs};
 
 /// Patrol, coverage and pursuit-evasion with 2-D robots, as real processes over zero-copy shared
 /// memory, recorded to MCAP.
@@ -191,79 +187,6 @@ enum Command {
     },
 }
 
-/// Port on which viewers look for a live server.
-const DEFAULT_PORT: &str = "8765";
-
-/// Scenario that runs when none is named.
-const DEFAULT_SCENARIO: &str = "chase";
-
-/// Says on stderr why a command is refused; a scenario's problems are texts of their own.
-fn complain(error: &(dyn std::error::Error + 'static)) {
-    if let Some(problems) = error.downcast_ref::<Diagnostics>() {
-        eprintln!("{problems}");
-    } else {
-        eprintln!("error: {error}");
-    }
-}
-
-/// Changes to a scenario.
-#[derive(Debug, Clone, Default, clap::Args)]
-struct OverrideArgs {
-    /// Seed of everything random, in place of the scenario's
-    #[arg(long, value_name = "N")]
-    seed: Option<u64>,
-    /// Override a value of the scenario, e.g. `rules.time_limit=60` or `robots.police_1.limits.v_max=0.5`
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    set: Vec<String>,
-    /// Let the scenario use files outside its folder
-    #[arg(long)]
-    allow_outside: bool,
-}
-
-/// How to run.
-#[derive(Debug, Clone, Default, clap::Args)]
-#[expect(
-    clippy::struct_excessive_bools,
-    reason = "one per switch of the command line"
-)]
-struct RunArgs {
-    #[command(flatten)]
-    overrides: OverrideArgs,
-    /// Run by the clock instead of in lock-step, FACTOR times as fast as reality
-    #[arg(long, value_name = "FACTOR", num_args = 0..=1, default_missing_value = "1")]
-    real_time: Option<f64>,
-    /// Run everything in this process instead of one per robot: the same result, no latencies, and
-    /// no log unless --out asks for one
-    #[arg(long, conflicts_with = "real_time")]
-    in_process: bool,
-    /// Show the run live to Foxglove or Lichtblick, at --pace 1 if not said: serves what goes into the
-    /// log on this port of 127.0.0.1, read-only, at an address with a secret that is printed
-    /// (0: any free port)
-    #[arg(long, value_name = "PORT", num_args = 0..=1, default_missing_value = DEFAULT_PORT, conflicts_with = "in_process")]
-    live: Option<u16>,
-    /// In lock-step, go on at most FACTOR times as fast as reality; the result stays the same
-    #[arg(long, value_name = "FACTOR", conflicts_with_all = ["real_time", "in_process"])]
-    pace: Option<f64>,
-    /// Write the log to this file [default: logs/SCENARIO-SEED.mcap]
-    #[arg(long, short, value_name = "FILE")]
-    out: Option<PathBuf>,
-    /// Overwrite the log if it exists
-    #[arg(long)]
-    force: bool,
-    /// Let the scenario start programs that are not Protean's own
-    #[arg(long)]
-    allow_external: bool,
-    /// Show nothing but errors and the result
-    #[arg(long, short)]
-    quiet: bool,
-    /// Print the outcome as one JSON object
-    #[arg(long)]
-    json: bool,
-    /// Least severe level that the processes log: error, warn, info, debug or trace
-    #[arg(long, value_name = "LEVEL", default_value = "warn")]
-    log_level: String,
-}
-
 /// Runs the command line with these kinds of processes; returns the exit code.
 ///
 /// The main function of `protean` is `main_with(KINDS.to_vec())`; a program of somebody else adds its own kinds:
@@ -288,11 +211,7 @@ pub fn main_with(kinds: Vec<Kind>) -> ExitCode {
         eprintln!("{message}");
         return ExitCode::from(EXIT_INVALID);
     }
-    let code = command(kinds, Cli::parse());
-    if RESULT_LOST.load(Ordering::Relaxed) && code == ExitCode::SUCCESS {
-        return ExitCode::from(EXIT_FAILED);
-    }
-    code
+    output::exit_code(command(kinds, Cli::parse()))
 }
 
 /// A name that two kinds have.
@@ -355,33 +274,4 @@ fn command(kinds: &'static [Kind], cli: Cli) -> ExitCode {
         }
         Some(Command::Process { kind, config }) => process::run(kinds, &kind, &config),
     }
-}
-
-/// Whether a result could not be written to stdout.
-static RESULT_LOST: AtomicBool = AtomicBool::new(false);
-
-/// Writes a line to stdout, of text that cannot steer a terminal; a reader that went away
-/// (`protean list | head`) is no error. Anything else is told, and the program ends with [`EXIT_FAILED`] if it
-/// would have ended well.
-fn print(text: &str) {
-    use std::io::{ErrorKind, Write as _};
-    let mut out = std::io::stdout().lock();
-    let written =
-        writeln!(out, "{}", platform::terminal::harmless(text)).and_then(|()| out.flush());
-    if let Err(error) = written
-        && error.kind() != ErrorKind::BrokenPipe
-        && !RESULT_LOST.swap(true, Ordering::Relaxed)
-    {
-        eprintln!("error: cannot write the result to stdout: {error}");
-    }
-}
-
-/// How many things this machine can do at once.
-fn processors() -> usize {
-    std::thread::available_parallelism().map_or(1, usize::from)
-}
-
-/// Writes a JSON object to stdout.
-fn print_json(value: &serde_json::Value) {
-    print(&value.to_string());
 }

@@ -6,7 +6,8 @@ use chaotic_maps::Key;
 use clap::Subcommand;
 use serde_json::{Value as Json, json};
 
-use super::{EXIT_INVALID, OverrideArgs, complain, print, print_json};
+use super::output::{EXIT_INVALID, complain, print, print_json};
+use super::run_args::OverrideArgs;
 use plan::routes::RouteError;
 use plan::routes::patrol::{Laps, Patrol, kind_name, waypoint_json};
 use scenario::Loader;

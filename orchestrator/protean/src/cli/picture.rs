@@ -6,7 +6,8 @@ use std::process::ExitCode;
 use mcap_log::derived;
 use platform::atomic_file::Readers;
 
-use super::{logs, print};
+use super::logs;
+use super::output::print;
 use report::picture::{RunTrace, draw};
 
 /// What stands below the options.

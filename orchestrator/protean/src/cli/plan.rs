@@ -13,11 +13,12 @@ use platform::progress::Progress;
 use trajectory::Method;
 use trajectory::options::{Constraints, Guess};
 
+use super::output::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, print};
 use super::run::handle_signals;
-use super::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, print, processors};
 use plan::batch::{Settings, solve_all};
 use plan::summary::Summary;
 use plan::{Answer, Element, PlanOptions, read};
+use platform::machine::processors;
 
 /// What stands below the options.
 pub(super) const HELP: &str = "\

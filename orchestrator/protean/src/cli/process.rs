@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use platform::eprintln;
 
-use super::EXIT_INVALID;
+use super::output::EXIT_INVALID;
 use latency::link;
 use scenario::kind::{Kind, find};
 

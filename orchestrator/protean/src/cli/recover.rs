@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use super::{logs, print, print_json};
+use super::logs;
+use super::output::{print, print_json};
 use log_tools::recover;
 
 /// What stands below the options.

@@ -7,8 +7,9 @@ use mcap_log::Watch;
 use platform::eprintln;
 
 use super::logs::{self, CommandError, PartArgs};
+use super::output::{EXIT_PARTIAL, print, print_json};
 use super::run::tell_of_viewers;
-use super::{DEFAULT_PORT, EXIT_PARTIAL, print, print_json};
+use super::run_args::DEFAULT_PORT;
 use log_tools::TopicComparison;
 use replay::{ReplayOptions, Replayed, Verified, VerifyOptions, verify};
 use scenario::kind::Kind;

@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use super::{logs, print, print_json};
+use super::logs;
+use super::output::{print, print_json};
 use replay::{Rerun, RerunOptions, rerun};
 use scenario::kind::Kind;
 

@@ -7,7 +7,9 @@ use std::sync::atomic::AtomicBool;
 use platform::eprintln;
 use viewer::LiveTotals;
 
-use super::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, RunArgs, print, print_json, run_summary};
+use super::output::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, print, print_json};
+use super::run_args::RunArgs;
+use super::run_summary;
 use mission::in_process::{self, InProcessOptions};
 use mission::{self, MissionError, MissionOptions, MissionReport};
 pub(super) use platform::signals::interrupt as handle_signals;

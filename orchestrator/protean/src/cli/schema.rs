@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use clap::ValueEnum;
 
-use super::print_json;
+use super::output::print_json;
 use scenario::kind::Kind;
 use scenario::schema;
 

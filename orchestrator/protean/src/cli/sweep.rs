@@ -9,11 +9,12 @@ use std::time::Duration;
 use platform::eprintln;
 use serde_json::Value as Json;
 
+use super::output::{EXIT_FAILED, EXIT_INVALID, print};
 use super::run::handle_signals;
 use super::sweep_args::{SweepArgs, SweepCommand, SweepRunArgs};
 use super::sweep_kind::SweepKind;
 use super::sweep_output::{Listing, conclude, known, list};
-use super::{EXIT_FAILED, EXIT_INVALID, print, processors};
+use platform::machine::processors;
 use scenario::kind;
 use sweep::merge::merge;
 use sweep::planning::{Task, is_planning};

@@ -7,8 +7,8 @@ use std::process::ExitCode;
 use platform::eprintln;
 use serde_json::{Value as Json, json};
 
+use super::output::{EXIT_PARTIAL, print, print_json};
 use super::sweep_kind::SweepKind;
-use super::{EXIT_PARTIAL, print, print_json};
 use sweep::runner::RunReport;
 use sweep::{Manifest, MissionId, Record, Results, SweepError};
 
