@@ -11,7 +11,8 @@ use super::sources::{self, Sources, Use};
 /// What a tree has to keep to.
 #[derive(Debug, Clone, Copy)]
 pub struct Rules {
-    /// Crates by floor, bottom up: a crate depends on crates of lower floors only.
+    /// Crates by floor, bottom up: a crate depends on crates of lower floors only. `folder/*` are the crates of a
+    /// folder that no rule names.
     pub floors: &'static [&'static [&'static str]],
     /// Crates that few others may depend on, with these.
     pub only: &'static [(&'static [&'static str], &'static [&'static str])],
@@ -70,12 +71,32 @@ fn excuse(mut faults: Vec<Fault>, known: &[(&str, &str)]) -> Vec<Fault> {
     faults
 }
 
+/// The crates that entries of a list stand for: by their names, or by `folder/*` those of a folder that none of the
+/// `named` ones is.
+fn expand<'a>(entries: &[&'a str], packages: &'a [Package], named: &[&str]) -> Vec<&'a str> {
+    let mut crates = Vec::new();
+    for entry in entries {
+        let Some(folder) = entry.strip_suffix("/*") else {
+            crates.push(*entry);
+            continue;
+        };
+        let within = packages
+            .iter()
+            .filter(|package| package.folder.parent() == Some(Path::new(folder)));
+        let names = within.map(|package| package.name.as_str());
+        crates.extend(names.filter(|name| !named.contains(name)));
+    }
+    crates
+}
+
 fn floors(packages: &[Package], rules: &Rules) -> Vec<Fault> {
+    let named = rules.floors.concat();
     let floor_of: BTreeMap<&str, usize> = rules
         .floors
         .iter()
+        .map(|entries| expand(entries, packages, &named))
         .enumerate()
-        .flat_map(|(i, crates)| crates.iter().map(move |name| (*name, i + 1)))
+        .flat_map(|(i, crates)| crates.into_iter().map(move |name| (name, i + 1)))
         .collect();
     let mut faults = Vec::new();
     for name in floor_of.keys() {
@@ -120,11 +141,14 @@ fn floors(packages: &[Package], rules: &Rules) -> Vec<Fault> {
 }
 
 fn only(packages: &[Package], rules: &Rules) -> Vec<Fault> {
+    let mut named = rules.floors.concat();
+    named.extend(rules.only.iter().flat_map(|(crates, _)| *crates));
     let mut faults = Vec::new();
     for package in packages {
         for dependency in &package.dependencies {
             for (crates, users) in rules.only {
                 let name = package.name.as_str();
+                let crates = expand(crates, packages, &named);
                 let reserved = crates.contains(&dependency.name.as_str());
                 if reserved && !users.contains(&name) {
                     faults.push(Fault {

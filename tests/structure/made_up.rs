@@ -123,6 +123,25 @@ fn a_crate_without_a_floor_is_a_fault() {
 }
 
 #[test]
+fn the_crates_of_a_folder_follow_its_rules_unless_they_have_their_own() {
+    let rules = Rules {
+        floors: &[&["wire"], &["processes/*"], &["other"], &["program"]],
+        only: &[(&["processes/*"], &["other"])],
+        ..RULES
+    };
+    let of_other = |text| ("processes/other/Cargo.toml", text);
+    let uses = "[package]\nname = \"other\"\n[dependencies]\nprocess.workspace = true\n";
+    let faults = |files: &[(&str, &str)]| check(workspace(files).path(), &rules);
+    assert_eq!(faults(&[of_other(uses)]), []);
+    let program = "[package]\nname = \"program\"\n[dependencies]\nprocess.workspace = true\n";
+    let found = faults(&[("program/Cargo.toml", program)]);
+    assert!(found.len() == 1 && found[0].message.contains("only other may"));
+    let process = "[package]\nname = \"process\"\n[dependencies]\nother.workspace = true\n";
+    let found = faults(&[("processes/process/Cargo.toml", process)]);
+    assert!(found.len() == 1 && found[0].message.contains("`other` on floor 3"));
+}
+
+#[test]
 fn a_floor_without_its_crate_is_a_fault() {
     let tree = workspace(&[]);
     std::fs::remove_dir_all(tree.path().join("processes/process")).unwrap();
