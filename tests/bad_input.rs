@@ -191,7 +191,7 @@ fn robots_that_are_not_there_or_stand_where_they_cannot() {
         &[
             "robot `cop` starts in a wall",
             "--> small.toml:19:9 (robots.cop.start)",
-            "= value: x = 2, y = 0.5 [m]",
+            "= value: x = 2, y = 0.5 (m)",
             "= expected: ",
             "at least 0.105 m from every wall",
         ],

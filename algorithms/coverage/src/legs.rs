@@ -94,16 +94,16 @@ impl Rounding {
         };
         let positive = |value: f64| value.is_finite() && value > 0.0;
         if !positive(v) {
-            return refuse("v", v, "a finite number > 0 [m/s]");
+            return refuse("v", v, "a finite number > 0 (m/s)");
         }
         if !positive(omega) {
-            return refuse("omega", omega, "a finite number > 0 [rad/s]");
+            return refuse("omega", omega, "a finite number > 0 (rad/s)");
         }
         if !positive(most_miss) {
-            return refuse("most_miss", most_miss, "a finite number > 0 [m]");
+            return refuse("most_miss", most_miss, "a finite number > 0 (m)");
         }
         if !(positive(least_radius) || least_radius == 0.0) {
-            return refuse("least_radius", least_radius, "a finite number ≥ 0 [m]");
+            return refuse("least_radius", least_radius, "a finite number ≥ 0 (m)");
         }
         Ok(Self {
             v,

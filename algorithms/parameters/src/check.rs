@@ -27,55 +27,59 @@ impl Parameters for () {}
 /// Checks the range of every field, in the order of declaration, then the relations between fields.
 ///
 /// # Errors
-/// [`ParamsError`] with the path, the value and what was expected, for the first field that is out
-/// of range.
+/// [`ParamsError`] with the path, the value and what was expected: the first of [`faults`].
 pub fn check<P: Parameters>(params: &P) -> Result<(), ParamsError> {
-    check_ranges(params)?;
-    params.check_relations()
+    match faults(params).into_iter().next() {
+        Some(fault) => Err(fault),
+        None => Ok(()),
+    }
 }
 
-/// Checks the range of every field, in the order of declaration.
-///
-/// # Errors
-/// As [`check`].
-pub(crate) fn check_ranges<P: Serialize + JsonSchema + 'static>(
-    params: &P,
-) -> Result<(), ParamsError> {
-    let data = Data::serialized(params)
-        .map_err(|error| ParamsError::new("", &error, "values that have a text form"))?;
-    check_value(&data, schema::inline::<P>(), &mut Vec::new())
+/// Every field that is out of its range, in the order of declaration; if there is none, what the
+/// relations between fields refuse.
+pub fn faults<P: Parameters>(params: &P) -> Vec<ParamsError> {
+    let data = match Data::serialized(params) {
+        Ok(data) => data,
+        Err(error) => return vec![ParamsError::new("", &error, "values that have a text form")],
+    };
+    let mut found = Vec::new();
+    check_value(&data, schema::inline::<P>(), "", &mut found);
+    if found.is_empty() {
+        found.extend(params.check_relations().err());
+    }
+    found
 }
 
 /// Checks one value against its schema; `path` leads to it.
-fn check_value(data: &Data, schema: &Value, path: &mut Vec<String>) -> Result<(), ParamsError> {
+fn check_value(data: &Data, schema: &Value, path: &str, found: &mut Vec<ParamsError>) {
     let Some(schema) = schema.as_object() else {
-        return Ok(());
+        return;
     };
     if let Some(branches) = branches(schema) {
         // The value has its type already: one of the branches is its own.
-        return match branches.iter().find(|branch| accepts(branch, data)) {
-            Some(branch) => check_value(data, branch, path),
-            None => Ok(()),
-        };
+        if let Some(branch) = branches.iter().find(|branch| accepts(branch, data)) {
+            check_value(data, branch, path, found);
+        }
+        return;
     }
     match data {
-        Data::Integer(n) => number(data, &i128::from(*n), Kind::Whole, schema, path),
-        Data::Float(x) => number(data, x, Kind::Real, schema, path),
+        Data::Integer(n) => {
+            found.extend(number(data, &i128::from(*n), Kind::Whole, schema, path));
+        }
+        Data::Float(x) => found.extend(number(data, x, Kind::Real, schema, path)),
         Data::Array(elements) => {
             let range = Range(schema);
             if !range.contains_length(elements.len()) {
-                let found = format!("a list of {}", elements.len());
-                return Err(ParamsError::new(&path.concat(), &found, range.lengths()));
+                let length = format!("a list of {}", elements.len());
+                found.push(ParamsError::new(path, &length, range.lengths()));
+                return;
             }
             for (i, element) in elements.iter().enumerate() {
                 let prefix = schema.get("prefixItems").and_then(|items| items.get(i));
                 if let Some(schema) = prefix.or_else(|| schema.get("items")) {
-                    path.push(format!("[{i}]"));
-                    check_value(element, schema, path)?;
-                    path.pop();
+                    check_value(element, schema, &format!("{path}[{i}]"), found);
                 }
             }
-            Ok(())
         }
         Data::Map(entries) => {
             for (key, value) in entries {
@@ -85,14 +89,11 @@ fn check_value(data: &Data, schema: &Value, path: &mut Vec<String>) -> Result<()
                 let known = schema.get("properties").and_then(|p| p.get(key));
                 if let Some(schema) = known.or_else(|| schema.get("additionalProperties")) {
                     let dot = if path.is_empty() { "" } else { "." };
-                    path.push(format!("{dot}{key}"));
-                    check_value(value, schema, path)?;
-                    path.pop();
+                    check_value(value, schema, &format!("{path}{dot}{key}"), found);
                 }
             }
-            Ok(())
         }
-        _ => Ok(()),
+        _ => {}
     }
 }
 
@@ -101,13 +102,11 @@ fn number(
     text: &dyn core::fmt::Display,
     kind: Kind,
     schema: &Map<String, Value>,
-    path: &[String],
-) -> Result<(), ParamsError> {
+    path: &str,
+) -> Option<ParamsError> {
     let range = Range(schema);
-    if range.contains(data) {
-        return Ok(());
-    }
-    Err(ParamsError::new(&path.concat(), text, range.numbers(kind)))
+    let refused = !range.contains(data);
+    refused.then(|| ParamsError::new(path, text, range.numbers(kind)))
 }
 
 /// The alternatives of a schema that has some.

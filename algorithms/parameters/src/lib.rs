@@ -36,7 +36,7 @@
 //! );
 //! ```
 //!
-//! [`fn@check`] compares every value with its range, in the order of declaration; what is left to
+//! [`fn@check`] and [`faults`] compare every value with its range, in the order of declaration; what is left to
 //! write by hand are relations between fields ([`Parameters::check_relations`]). [`Reference`] writes
 //! the same declarations as tables in Markdown, [`schema_generator`] for editors.
 
@@ -53,7 +53,7 @@ mod reference;
 mod schema;
 
 pub use bounds::{Bounds, above, at_least, between, each, unit};
-pub use check::{Parameters, check};
+pub use check::{Parameters, check, faults};
 pub use error::{Fault, ParamsError, not_negative, positive, require, within};
 pub use fidelity::Fidelity;
 pub use publish::{for_people, schema_generator};

@@ -278,7 +278,7 @@ fn check_speed(v: f64) -> Result<(), AlphaError> {
     Err(AlphaError::Value {
         field: "v_max",
         value: v,
-        expected: "a finite number above 0 [m/s]",
+        expected: "a finite number above 0 (m/s)",
     })
 }
 

@@ -68,7 +68,7 @@ pub enum ContourError {
         count: usize,
     },
     /// A coordinate that is no number.
-    #[error("`contour[{index}]` is ({x}, {y}), but must be two finite numbers [m]")]
+    #[error("`contour[{index}]` is ({x}, {y}), but must be two finite numbers (m)")]
     NotFinite {
         /// Index of the waypoint.
         index: usize,

@@ -32,7 +32,7 @@ pub enum FreeSpaceError {
     Bounds(Aabb),
     /// The side of the grid's cells is not usable.
     #[error(
-        "resolution = {resolution}: expected a number > 0 [m] that makes at most {MAX_CELLS} cells"
+        "resolution = {resolution}: expected a number > 0 (m) that makes at most {MAX_CELLS} cells"
     )]
     Resolution {
         /// Side of a cell (m).

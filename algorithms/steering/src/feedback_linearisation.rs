@@ -37,7 +37,7 @@ const REVERSE_FRACTION: f64 = 0.1;
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct FeedbackParams {
-    /// [`Fidelity::Ours`]: the inverse of the kinematics, with the field taken at the control point. A
+    /// Variant of the law. [`Fidelity::Ours`]: the inverse of the kinematics, with the field taken at the control point. A
     /// command beyond the limits loses speed and keeps the wanted direction, and a robot turns at its
     /// full rate towards what lies behind it.
     ///

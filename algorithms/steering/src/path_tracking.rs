@@ -31,11 +31,11 @@ pub struct TrackingParams {
     /// Distance along the path to the point looked at, while standing.
     #[schemars(transform = above(0).unit("m"))]
     pub look_ahead: f64,
-    /// What is added to it per speed.
+    /// Increase of `look_ahead` per speed.
     #[schemars(transform = at_least(0).unit("s"))]
     pub look_ahead_time_s: f64,
-    /// Shortest look-ahead, taken where the way to a farther point is not clear and at
-    /// most `look_ahead`.
+    /// Shortest look-ahead, at most `look_ahead`: for places where the way to a farther point is not
+    /// clear.
     #[schemars(transform = above(0).unit("m"))]
     pub least_look_ahead: f64,
     /// Bearing of the point looked at beyond which the robot turns on the spot.

@@ -86,7 +86,7 @@ pub struct FilterParams {
     /// Whether an unseen hypothesis that would drive into an obstacle turns away from it (true) or is
     /// ruled out (false, as in the paper: then those that hardly move outlive the others).
     pub turn_at_walls: bool,
-    /// [`Fidelity::Published`]: walks that stay at the ends of their ranges, equal weights before
+    /// Variant of the filter. [`Fidelity::Published`]: walks that stay at the ends of their ranges, equal weights before
     /// snapping, and a belief that is given up only when no particle is possible.
     pub fidelity: Fidelity,
 }

@@ -1,6 +1,7 @@
 //! How a plan shall be made.
 
 use nalgebra::Point2;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::curve::bspline_basis::MAX_DEGREE;
@@ -12,7 +13,7 @@ use crate::problem::{MAX_NUMBER, ProblemError};
 pub const MAX_CONTROL_POINTS: usize = 64;
 
 /// From what path a method starts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Guess {
     /// The exact shortest path.
@@ -23,7 +24,7 @@ pub enum Guess {
 }
 
 /// Where along the curve obstacles are looked at.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Constraints {
     /// Everywhere, dense enough for nothing to be overlooked.
@@ -98,7 +99,7 @@ impl Options {
             return Err(ProblemError {
                 field: "reference_point".to_owned(),
                 value: format!("({}, {})", p.x, p.y),
-                expected: format!("coordinates of at most {MAX_NUMBER:e} [m] in size"),
+                expected: format!("coordinates of at most {MAX_NUMBER:e} (m) in size"),
             });
         }
         Ok(())

@@ -198,7 +198,7 @@ impl Problem {
         not_negative("start_tolerance", self.start_tolerance)?;
         number("clearance", self.clearance)?;
         if self.clearance < MIN_CLEARANCE {
-            let expected = format!("at least {MIN_CLEARANCE} [m]");
+            let expected = format!("at least {MIN_CLEARANCE} (m)");
             return Err(ProblemError::new("clearance", self.clearance, expected));
         }
         self.validate_speeds()?;
@@ -210,7 +210,7 @@ impl Problem {
         let turn = self.start_turn_rate.unwrap_or(0.0);
         number("start_turn_rate", turn)?;
         if turn.abs() > limits.top_turn_rate() {
-            let expected = format!("at most {} [rad/s] in size", limits.top_turn_rate());
+            let expected = format!("at most {} (rad/s) in size", limits.top_turn_rate());
             return Err(ProblemError::new("start_turn_rate", turn, expected));
         }
         let wheels = |omega: f64| {
@@ -227,7 +227,7 @@ impl Problem {
             // Rounding of a measured speed must fit in.
             let most = limits.v_max.min(wheels(omega)).max(0.0);
             if speed > most * (1.0 + 1e-9) {
-                let expected = format!("at most {most} [m/s], what the limits allow");
+                let expected = format!("at most {most} (m/s), what the limits allow");
                 return Err(ProblemError::new(field, speed, expected));
             }
         }

@@ -246,7 +246,7 @@ pub fn nanoseconds(option: &str, time: Option<f64>) -> Result<Option<u64>, LogRe
         None => Ok(None),
         Some(t) if (0.0..=1e10).contains(&t) => Ok(Some((t * 1e9).round() as u64)),
         Some(t) => Err(LogReadError::Argument(format!(
-            "{option} {t}: expected a time from 0 to 1e10 [s]"
+            "{option} {t}: expected a time from 0 to 1e10 (s)"
         ))),
     }
 }

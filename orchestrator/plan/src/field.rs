@@ -64,7 +64,7 @@ impl Range {
 
 /// A number where one must be.
 fn number(value: Option<&Loose>, field: &str, range: Range, unit: &str) -> Result<f64, FieldError> {
-    let expected = || format!("{} [{unit}]", range.words());
+    let expected = || format!("{} ({unit})", range.words());
     let number = match value {
         Some(Loose::Number(v)) => *v,
         Some(other) => return Err(FieldError::new(field, other, expected())),
@@ -139,7 +139,7 @@ fn in_metres(instance: &Instance) -> Result<(), FieldError> {
 }
 
 fn bounds(from: &Loose) -> Result<[f64; 4], FieldError> {
-    const EXPECTED: &str = "[x, y, x, y] [px] of the lower and the upper corner";
+    const EXPECTED: &str = "[x, y, x, y] (px) of the lower and the upper corner";
     let value = from.get("bounds_px");
     let Some(Loose::List(list, 4)) = value else {
         let found = value.map_or_else(|| "nothing".to_owned(), ToString::to_string);
@@ -168,12 +168,12 @@ fn wheels(from: &Loose) -> Result<Option<[f64; 2]>, FieldError> {
         (Some(_), None) => Err(FieldError::new(
             "wheel_separation_px",
             "nothing",
-            "a number > 0 [px] beside wheel_speed_px_s",
+            "a number > 0 (px) beside wheel_speed_px_s",
         )),
         (None, Some(_)) => Err(FieldError::new(
             "wheel_speed_px_s",
             "nothing",
-            "a number > 0 [px/s] beside wheel_separation_px",
+            "a number > 0 (px/s) beside wheel_separation_px",
         )),
     }
 }
@@ -215,7 +215,7 @@ fn obstacle(index: usize, value: &Loose) -> Result<Body, FieldError> {
 }
 
 fn polygon(field: &str, value: &Loose) -> Result<Body, FieldError> {
-    let expected = || format!("a list of 3 to {MAX_CORNERS} corners [x, y] [px]");
+    let expected = || format!("a list of 3 to {MAX_CORNERS} corners [x, y] (px)");
     let Loose::List(list, count) = value else {
         return Err(FieldError::new(field, value, expected()));
     };
@@ -226,7 +226,7 @@ fn polygon(field: &str, value: &Loose) -> Result<Body, FieldError> {
     for (i, corner) in list.iter().enumerate() {
         let field = format!("{field}[{i}]");
         let Loose::List(pair, 2) = corner else {
-            return Err(FieldError::new(field, corner, "a corner [x, y] [px]"));
+            return Err(FieldError::new(field, corner, "a corner [x, y] (px)"));
         };
         let at = |k: usize| number(pair.get(k), &format!("{field}[{k}]"), Range::Any, "px");
         corners.push([at(0)?, at(1)?]);

@@ -4,16 +4,18 @@
 //! recipes that differ in one range give problems that differ in little else.
 
 use core::f64::consts::TAU;
+use core::fmt::Display;
 
 use geometry::math;
 use navigation::tangent_graph::ShortestPath;
+use parameters::{Parameters, ParamsError, at_least, between, each, require};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value as Json, json};
 use sim_backend::random::Stream;
 use trajectory::obstacle_field::ObstacleField;
 use trajectory::{PlanError, lower_bound};
 
-use super::field::FieldError;
 use super::instance::{Body, Instance};
 
 /// Stream of the random numbers, besides those of missions.
@@ -40,7 +42,7 @@ const DRIVEN: f64 = 0.36;
 const TRIES: usize = 1000;
 
 /// What kind of problem.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
     /// From one corner of the board to the opposite one among discs (§ 4.3 of the paper).
@@ -53,18 +55,21 @@ pub enum Kind {
     PopUp,
 }
 
-/// How problems are made up.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+/// Random problems.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Recipe {
-    /// What kind of problem.
+    /// Kind of problem.
     pub kind: Kind,
-    /// Least and greatest number of discs (known ones, of [`Kind::PopUp`]).
+    /// Least and greatest number of discs (of `pop_up`: of those that are known).
+    #[schemars(transform = each(at_least(0).at_most(1000)))]
     pub obstacles: [u32; 2],
-    /// Least and greatest radius of a disc (px).
+    /// Least and greatest radius of a disc.
+    #[schemars(transform = each(between(0, 200).unit("px")))]
     pub radius: [f64; 2],
-    /// Least and greatest heading at the start (°): in the board's frame for [`Kind::Corner`],
-    /// off the straight line to the goal otherwise.
+    /// Least and greatest heading at the start: in the board's frame for `corner`, off the straight
+    /// line to the goal otherwise.
+    #[schemars(transform = each(between(-360, 360).unit("°")))]
     pub angle: [f64; 2],
 }
 
@@ -76,6 +81,20 @@ impl Default for Recipe {
             radius: [5.0, 15.0],
             angle: [40.0, 45.0],
         }
+    }
+}
+
+impl Parameters for Recipe {
+    fn check_relations(&self) -> Result<(), ParamsError> {
+        let least = |pair: [f64; 2], field: &str, value: &dyn Display| {
+            let expected = "two numbers, the first one not above the second";
+            require(pair[0] <= pair[1], field, value, expected)
+        };
+        let text = |pair: [f64; 2]| format!("{pair:?}");
+        let counts = self.obstacles;
+        least(counts.map(f64::from), "obstacles", &format!("{counts:?}"))?;
+        least(self.radius, "radius", &text(self.radius))?;
+        least(self.angle, "angle", &text(self.angle))
     }
 }
 
@@ -122,32 +141,6 @@ impl Recipe {
             "t4b" => anywhere(Kind::PopUp, [3, 3]),
             _ => return None,
         })
-    }
-
-    /// Checks the ranges.
-    ///
-    /// # Errors
-    /// [`FieldError`] names the first that is none.
-    pub fn validate(&self) -> Result<(), FieldError> {
-        let [least, most] = self.obstacles;
-        if least > most || most > 1000 {
-            let value = format!("{:?}", self.obstacles);
-            let expected = "least and greatest number of discs, at most 1000";
-            return Err(FieldError::new("obstacles", value, expected));
-        }
-        let [low, high] = self.radius;
-        if !(low >= 0.0 && low <= high && high <= 200.0) {
-            let value = format!("{:?}", self.radius);
-            let expected = "least and greatest radius [px], 0 to 200";
-            return Err(FieldError::new("radius", value, expected));
-        }
-        let [low, high] = self.angle;
-        if !(low >= -360.0 && low <= high && high <= 360.0) {
-            let value = format!("{:?}", self.angle);
-            let expected = "least and greatest angle [°], -360 to 360";
-            return Err(FieldError::new("angle", value, expected));
-        }
-        Ok(())
     }
 
     /// The problem that belongs to a seed.

@@ -1,29 +1,38 @@
 //! How plans shall be made, with lengths in pixels.
 
 use nalgebra::Point2;
+use parameters::{Parameters, ParamsError, between, each};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use trajectory::options::{Constraints, Guess};
+use trajectory::curve::bspline_basis::MAX_DEGREE;
+use trajectory::curve::lgl_nodes::MAX_NODES;
+use trajectory::options::{Constraints, Guess, MAX_CONTROL_POINTS};
+use trajectory::problem::MAX_NUMBER;
 use trajectory::{Method, Options, ProblemError};
 
-/// How plans shall be made; absent numbers are the optimiser's own.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+/// Options of the optimiser, with lengths in pixels.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PlanOptions {
     /// The method.
     pub method: Method,
-    /// From what path it starts.
+    /// Path that the search starts from.
     pub guess: Guess,
-    /// Where along the curve obstacles are looked at.
+    /// Places along the curve where obstacles are looked at.
     pub constraints: Constraints,
     /// Whether other ways are tried where the curve asked for is of no use.
     pub fallbacks: bool,
-    /// Degree of the B-spline.
+    /// Degree of the B-spline; the method's own if absent.
+    #[schemars(transform = between(2, MAX_DEGREE))]
     pub degree: Option<usize>,
-    /// Number of its control points.
+    /// Number of its control points, more than `degree`; as many as the path needs if absent.
+    #[schemars(transform = between(3, MAX_CONTROL_POINTS))]
     pub control_points: Option<usize>,
-    /// N of the N + 1 Legendre–Gauss–Lobatto nodes.
+    /// N of the N + 1 Legendre–Gauss–Lobatto nodes; 15 if absent.
+    #[schemars(transform = between(2, MAX_NODES))]
     pub nodes: Option<usize>,
-    /// Reference point of `vmc` (px).
+    /// Reference point of `vmc`, x and y; far beyond the lower corner of the board if absent.
+    #[schemars(transform = each(between(-MAX_NUMBER, MAX_NUMBER).unit("px")))]
     pub reference_point: Option<[f64; 2]>,
 }
 
@@ -67,5 +76,12 @@ impl PlanOptions {
     /// [`ProblemError`] names the first option that is out of range.
     pub fn validate(&self) -> Result<(), ProblemError> {
         self.scaled(1.0).validate()
+    }
+}
+
+impl Parameters for PlanOptions {
+    fn check_relations(&self) -> Result<(), ParamsError> {
+        self.validate()
+            .map_err(|error| ParamsError::new(&error.field, &error.value, error.expected))
     }
 }

@@ -86,7 +86,7 @@ fn everything_that_may_be_there_is_read() {
 fn what_is_wrong_is_named_with_field_value_and_expectation() {
     let many: Vec<Json> = vec![json!({ "x": 1, "y": 2, "r": 3 }); 5000];
     for (path, value, words) in [
-        ("/cm_per_px", json!(0), ["cm_per_px = 0", "> 0 [cm/px]"]),
+        ("/cm_per_px", json!(0), ["cm_per_px = 0", "> 0 (cm/px)"]),
         (
             "/cm_per_px",
             json!(1e300),
@@ -102,7 +102,7 @@ fn what_is_wrong_is_named_with_field_value_and_expectation() {
             json!(null),
             ["wmax_rad_s = nothing", "rad/s"],
         ),
-        ("/buffer_px", json!(-1), ["buffer_px = -1", "≥ 0 [px]"]),
+        ("/buffer_px", json!(-1), ["buffer_px = -1", "≥ 0 (px)"]),
         (
             "/bounds_px",
             json!([0, 0, 1]),
@@ -122,15 +122,15 @@ fn what_is_wrong_is_named_with_field_value_and_expectation() {
         (
             "/start/theta",
             json!([]),
-            ["start.theta = a list of 0", "[rad]"],
+            ["start.theta = a list of 0", "(rad)"],
         ),
         (
             "/start_speed",
             json!(21),
             ["start_speed = 0.15", "at most 0.15"],
         ),
-        ("/goal/x", json!("é"), ["goal.x = \"é\"", "[px]"]),
-        ("/goal/theta", json!({}), ["goal.theta", "[rad]"]),
+        ("/goal/x", json!("é"), ["goal.x = \"é\"", "(px)"]),
+        ("/goal/theta", json!({}), ["goal.theta", "(rad)"]),
         (
             "/wheel_speed_px_s",
             json!(5),
@@ -251,7 +251,7 @@ fn a_million_obstacles_are_refused_with_the_limit() {
 fn the_same_seed_gives_the_same_instance_within_its_ranges() {
     for name in NAMES {
         let recipe = Recipe::by_name(name).unwrap();
-        recipe.validate().unwrap();
+        parameters::check(&recipe).unwrap();
         for seed in 1..=20 {
             let instance = recipe.instance("i".into(), seed);
             assert_eq!(instance, recipe.instance("i".into(), seed));

@@ -1,7 +1,7 @@
 //! What every part of the resolution needs: the texts, the tree, and somewhere to complain.
 
 use config::{Code, Diagnostic, Diagnostics, FieldPath, Node, Origin, Sources, problem_at, read};
-use parameters::{Fault, Parameters, ParamsError, check};
+use parameters::{Fault, Parameters, ParamsError, faults};
 use serde::de::DeserializeOwned;
 
 use super::kind::Kind;
@@ -56,9 +56,9 @@ impl Context<'_> {
 
     /// Checks ranges and relations of a top-level table; its path stands in the messages.
     pub fn check_section<T: Parameters>(&mut self, key: &str, value: &T) {
-        if let Err(e) = check(value) {
+        for fault in faults(value) {
             let root = self.root.clone();
-            self.refuse(&root, &FieldPath::default(), e.within(key));
+            self.refuse(&root, &FieldPath::default(), fault.within(key));
         }
     }
 
@@ -81,28 +81,17 @@ impl Context<'_> {
 
     /// Reports a value that a type's own check refused.
     pub fn refuse(&mut self, node: &Node, base: &FieldPath, found: ParamsError) {
-        let ParamsError { field, fault } = found;
-        let message = match &fault {
-            Fault::Refused(message) => message.clone(),
-            Fault::Value { .. } if field.is_empty() => "value out of range".to_owned(),
-            Fault::Value { .. } => format!("`{field}` is out of range"),
-        };
-        let mut problem = self.problem(node, base, &field, Code::OutOfRange, message);
-        if let Fault::Value { found, expected } = fault {
-            problem = problem.value(found).expected(expected);
-        }
-        self.problems.push(problem);
+        self.problems.push(refusal(&self.sources, node, base, found));
     }
 
     /// Checks ranges and relations of a value that a node says; whether they hold.
     pub fn check<T: Parameters>(&mut self, node: &Node, base: &FieldPath, value: &T) -> bool {
-        match check(value) {
-            Ok(()) => true,
-            Err(e) => {
-                self.refuse(node, base, e);
-                false
-            }
+        let faults = faults(value);
+        let holds = faults.is_empty();
+        for fault in faults {
+            self.refuse(node, base, fault);
         }
+        holds
     }
 
     /// A problem at a node as a whole, shown at its first line.
@@ -116,5 +105,26 @@ impl Context<'_> {
         Diagnostic::new(code, message)
             .at(self.sources.place(origin))
             .field(path)
+    }
+}
+
+/// The problem that a declaration's check finds with a value below a node.
+pub fn refusal(sources: &Sources, node: &Node, base: &FieldPath, found: ParamsError) -> Diagnostic {
+    let ParamsError { field, fault } = found;
+    let message = match &fault {
+        Fault::Refused(message) => message.clone(),
+        Fault::Value { .. } if field.is_empty() => "value out of range".to_owned(),
+        Fault::Value { .. } => format!("`{field}` is out of range"),
+    };
+    let below = if field.is_empty() {
+        FieldPath::default()
+    } else {
+        FieldPath::parse(&field)
+    };
+    let problem = problem_at(sources, node, &below, Code::OutOfRange, message);
+    let problem = problem.field(base.join(&below));
+    match fault {
+        Fault::Value { found, expected } => problem.value(found).expected(expected),
+        Fault::Refused(_) => problem,
     }
 }

@@ -155,7 +155,7 @@ fn check_walls(ctx: &mut Context<'_>, ground: &WorldMap, robots: &[Robot]) -> bo
         };
         let problem = ctx
             .problem(&robot.node, &robot.path, "start", Code::Geometry, message)
-            .value(format!("x = {}, y = {} [m]", at.x, at.y))
+            .value(format!("x = {}, y = {} (m)", at.x, at.y))
             .expected(format!("a place at least {radius} m from every wall"));
         ctx.problems.push(problem);
         fine = false;
@@ -179,7 +179,7 @@ fn check_overlaps(ctx: &mut Context<'_>, robots: &[Robot]) -> bool {
             let at = robot.spec.start;
             let problem = ctx
                 .problem(&robot.node, &robot.path, "start", Code::Geometry, message)
-                .value(format!("x = {}, y = {} [m]", at.x, at.y))
+                .value(format!("x = {}, y = {} (m)", at.x, at.y))
                 .expected(format!("centres more than {least:.3} m apart"));
             ctx.problems.push(problem);
             fine = false;
@@ -228,7 +228,7 @@ fn check_exits(ctx: &mut Context<'_>, ground: &WorldMap, robots: &[Robot], rules
                 Code::Geometry,
                 "no evader can reach this exit",
             )
-            .value(format!("exit at x = {}, y = {} [m]", center.x, center.y))
+            .value(format!("exit at x = {}, y = {} (m)", center.x, center.y))
             .expected(format!(
                 "a way for a robot of radius {slimmest} m from the start of an evader"
             ));
@@ -251,7 +251,7 @@ fn check_goals(ctx: &mut Context<'_>, ground: &WorldMap, robots: &[Robot]) {
         let message = format!("robot `{}` cannot reach its goal", robot.spec.name);
         let problem = ctx
             .problem(&robot.node, &robot.path, "goal", Code::Geometry, message)
-            .value(format!("goal at x = {}, y = {} [m]", center.x, center.y))
+            .value(format!("goal at x = {}, y = {} (m)", center.x, center.y))
             .expected(format!(
                 "a way for a robot of radius {radius} m from its start"
             ));

@@ -59,7 +59,7 @@ impl Kind {
     /// Reads and checks parameters; those that are not given have their defaults.
     ///
     /// # Errors
-    /// The first parameter that cannot be read or is refused.
+    /// The first parameter that cannot be read, or all that are refused.
     pub fn read(&self, params: &Node) -> Result<ConfiguredKind, ParamsProblem> {
         (self.read)(params)
     }
@@ -92,14 +92,17 @@ pub enum ParamsProblem {
     /// They do not fit their type.
     Read(ReadError),
     /// The check of the kind refuses them.
-    Fault(ParamsError),
+    Faults(Vec<ParamsError>),
     /// They cannot be written as JSON.
     Write(String),
 }
 
 fn read<K: ProcessKind>(node: &Node) -> Result<ConfiguredKind, ParamsProblem> {
     let params: K::Params = read_once(node).map_err(ParamsProblem::Read)?;
-    parameters::check(&params).map_err(ParamsProblem::Fault)?;
+    let faults = parameters::faults(&params);
+    if !faults.is_empty() {
+        return Err(ParamsProblem::Faults(faults));
+    }
     serde_json::to_value(&params).map_err(|e| ParamsProblem::Write(e.to_string()))?;
     Ok(ConfiguredKind::new::<K>(params))
 }

@@ -36,6 +36,7 @@ mod world;
 #[cfg(test)]
 mod tests;
 
+pub use context::refusal;
 pub use draft::Draft;
 pub use events::{EventSpec, Moment};
 pub use failure::Supervision;

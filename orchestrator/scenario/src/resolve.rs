@@ -118,7 +118,7 @@ fn check_ticks(ctx: &mut Context<'_>, run: &RunSpec, rules: &RulesSpec) {
         .at(ctx.sources.place(ctx.root.origin_along(&path)))
         .field(&path)
         .value(format!(
-            "{limit} [s] in ticks of run.dt = {} [s]: {:e} ticks",
+            "{limit} (s) in ticks of run.dt = {} (s): {:e} ticks",
             run.dt,
             limit / run.dt
         ))
@@ -144,6 +144,6 @@ fn check_end(ctx: &mut Context<'_>, map: &MapSpec, robots: &[Robot], rules: &Rul
         .at(ctx.sources.place(ctx.root.origin_along(&path)))
         .field(&path)
         .expected("a time limit, a robot with a goal, or evaders that can escape or be caught")
-        .help("set rules.time_limit = 60.0 [s]");
+        .help("set rules.time_limit = 60.0 (s)");
     ctx.problems.push(problem);
 }

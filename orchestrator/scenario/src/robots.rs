@@ -2,7 +2,7 @@
 
 use config::{Code, FieldPath, Node, Value};
 use geometry::pose::Pose2;
-use parameters::{check, within};
+use parameters::faults;
 use sim_backend::spec::RobotSpec;
 use sim_backend::team::Team;
 
@@ -165,7 +165,7 @@ fn read_robot(ctx: &mut Context<'_>, node: Node, path: FieldPath) -> Option<Robo
         missing(
             ctx,
             "start",
-            "start = { x = 0.0, y = 0.0, theta = 0.0 } [m, m, rad]",
+            "start = { x = 0.0, y = 0.0, theta = 0.0 } (m, m, rad)",
         );
     }
     let (name, team, start): (String, Team, Pose2) = (block.name?, block.team?, block.start?);
@@ -183,16 +183,13 @@ fn read_robot(ctx: &mut Context<'_>, node: Node, path: FieldPath) -> Option<Robo
         odometry: block.odometry,
         goal: block.goal,
     };
-    if !ctx.check(&node, &path, &spec) {
-        return None;
+    let spec_ok = ctx.check(&node, &path, &spec);
+    let jitter = block.start_jitter.as_ref().map(faults).unwrap_or_default();
+    let jitter_ok = jitter.is_empty();
+    for fault in jitter {
+        ctx.refuse(&node, &path, fault.within("start_jitter"));
     }
-    let jitter = block.start_jitter.as_ref().map_or(Ok(()), check);
-    let jitter = jitter.map_err(within("start_jitter"));
-    let jitter_ok = jitter.is_ok();
-    if let Err(e) = jitter {
-        ctx.refuse(&node, &path, e);
-    }
-    (name_ok && jitter_ok).then_some(Robot {
+    (name_ok && spec_ok && jitter_ok).then_some(Robot {
         spec,
         jitter: block.start_jitter,
         node,

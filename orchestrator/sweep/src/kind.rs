@@ -1,9 +1,10 @@
 //! The kinds of missions that an experiment can have.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// What the missions of an experiment are.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
     /// Missions of robots.

@@ -48,12 +48,14 @@ mod reader;
 mod results;
 mod row;
 pub mod runner;
+pub mod schema;
 mod seeds;
 pub mod shard;
 pub mod spec;
 mod subject;
 pub mod summary;
 mod table;
+mod task;
 
 #[cfg(test)]
 mod tests;

@@ -1,6 +1,7 @@
 //! What a figure shows of a cell: name, unit, axis label and value of each metric in one place.
 
 use draw::figures::Unit;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use statistics::{Mean, Sample, Z95};
 
@@ -25,7 +26,9 @@ struct Definition {
 macro_rules! metrics {
     ($($(#[$attribute:meta])* $name:ident: $unit:ident, $label:literal, $value:expr;)*) => {
         /// What a figure shows of each cell.
-        #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+        #[derive(
+            Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema,
+        )]
         #[serde(rename_all = "snake_case")]
         pub enum Metric {
             $($(#[$attribute])* $name,)*

@@ -34,13 +34,8 @@ pub(super) fn read_seeds(reader: &mut Reader, options: &LoadOptions) -> Option<S
         }
         Some(node) => {
             let spec: SeedsSpec = reader.read(&node, &path)?;
-            let seeds = (spec.count <= MAX_MISSIONS as u64)
-                .then(|| Seeds::range(spec.first, spec.count))
-                .flatten();
-            if seeds.is_none() {
-                let expected = format!("a count of at most {MAX_MISSIONS}, seeds below 2^63");
-                reader.refuse(&path, Code::OutOfRange, "too many seeds", &expected);
-            }
+            reader.check(&node, &path, &spec);
+            let seeds = Seeds::range(spec.first, spec.count.min(MAX_MISSIONS as u64));
             seeds
         }
     };
@@ -61,16 +56,7 @@ pub(super) fn read_run(reader: &mut Reader) -> Option<RunSpec> {
         return Some(RunSpec::default());
     };
     let run: RunSpec = reader.read(&node, &path)?;
-    if !(1.0..=1e6).contains(&run.timeout_s) {
-        let path = path.then("timeout_s");
-        let message = "`run.timeout_s` is out of range";
-        reader.refuse(
-            &path,
-            Code::OutOfRange,
-            message,
-            "a number from 1 to 1000000 [s]",
-        );
-    }
+    reader.check(&node, &path, &run);
     Some(run)
 }
 

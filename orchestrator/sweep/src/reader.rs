@@ -4,6 +4,8 @@ use config::{
     Code, Diagnostic, Diagnostics, FieldPath, Node, SourceKind, Sources, parse_document,
     problem_at, read,
 };
+use parameters::{Parameters, faults};
+use scenario::refusal;
 use serde::de::DeserializeOwned;
 
 /// The text being read.
@@ -36,6 +38,14 @@ impl Reader {
     /// Reads a node into a type; everything wrong with it is reported.
     pub fn read<T: DeserializeOwned>(&mut self, node: &Node, path: &FieldPath) -> Option<T> {
         read(&self.sources, node, path, &mut self.problems)
+    }
+
+    /// Checks ranges and relations of a value that a node says; everything wrong is reported.
+    pub fn check<T: Parameters>(&mut self, node: &Node, path: &FieldPath, value: &T) {
+        for fault in faults(value) {
+            let problem = refusal(&self.sources, node, path, fault);
+            self.problems.push(problem);
+        }
     }
 
     /// A top-level table with the names in it; something else in its place is reported.

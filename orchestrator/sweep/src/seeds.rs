@@ -2,8 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
+/// Most missions (cells times seeds) of one experiment.
+pub const MAX_MISSIONS: usize = 1_000_000;
 /// Largest seed that a scenario takes.
-const MAX_SEED: u64 = i64::MAX as u64;
+pub(super) const MAX_SEED: u64 = i64::MAX as u64;
 
 /// A set of seeds, in ascending order.
 ///
@@ -53,7 +55,7 @@ impl Seeds {
             None => (number(text)?, number(text)?),
         };
         let count = last.checked_sub(first).ok_or_else(refused)?;
-        if count >= super::spec::MAX_MISSIONS as u64 {
+        if count >= MAX_MISSIONS as u64 {
             return Err(refused());
         }
         Self::range(first, count + 1).ok_or_else(refused)
@@ -83,7 +85,7 @@ impl Seeds {
 
 impl From<Vec<(u64, u64)>> for Seeds {
     fn from(ranges: Vec<(u64, u64)>) -> Self {
-        let most = super::spec::MAX_MISSIONS;
+        let most = MAX_MISSIONS;
         Self::of(
             ranges
                 .into_iter()

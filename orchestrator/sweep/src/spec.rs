@@ -1,74 +1,123 @@
 //! What an experiment file may contain, beside the overrides (`set`) and the values of the grid.
 
+use std::collections::BTreeMap;
+
+use parameters::{Parameters, ParamsError, at_least, between, require};
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
 
 use super::kind::Kind;
 use super::metrics::Metric;
+pub use super::seeds::MAX_MISSIONS;
+use super::seeds::{MAX_SEED, Seeds};
+use super::task::Task;
 
 /// Most cells (combinations of case and parameters) of one experiment.
 pub const MAX_CELLS: usize = 10_000;
-/// Most missions (cells times seeds) of one experiment.
-pub const MAX_MISSIONS: usize = 1_000_000;
 
-/// The top level of an experiment file.
-#[derive(Debug, Clone, Default, Deserialize)]
+/// An experiment: what its missions do, what is varied, and with which seeds.
+#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct TopLevel {
-    pub kind: Kind,
+    /// Short name, 1 to 64 of a–z, A–Z, 0–9, `_`, `-`: of the directory of its results; the file's
+    /// name if absent.
     pub name: Option<String>,
+    /// Kind of its missions.
+    pub kind: Kind,
+    /// One line for people; the name if absent.
     pub title: Option<String>,
+    /// Some lines for people.
     pub description: Option<String>,
+    /// Scenario of the cases that do not name one: `"builtin:NAME"`, or a path in the folder of the
+    /// file or below. Not with `kind = "planning"`.
     pub scenario: Option<String>,
     // Read piece by piece, each with its own path.
+    /// Task of all cells, with `kind = "planning"` only.
     #[serde(rename = "task")]
+    #[schemars(with = "Option<Task>")]
     pub _task: Option<IgnoredAny>,
+    /// Seeds, the same in every cell. Required, unless `--seeds` gives them.
     #[serde(rename = "seeds")]
+    #[schemars(with = "Option<SeedsSpec>")]
     pub _seeds: Option<IgnoredAny>,
+    /// Methods that are compared; one, named by the scenario, if absent.
     #[serde(rename = "cases")]
+    #[schemars(with = "Option<Vec<CaseSpec>>")]
     pub _cases: Option<IgnoredAny>,
+    /// Parameters that are varied, by the name of their column in the results.
     #[serde(rename = "parameters")]
+    #[schemars(with = "Option<BTreeMap<String, ParameterSpec>>")]
     pub _parameters: Option<IgnoredAny>,
+    /// List of values for each parameter; all their combinations are run. Required if there are
+    /// parameters.
     #[serde(rename = "grid")]
+    #[schemars(with = "Option<BTreeMap<String, Vec<Value>>>")]
     pub _grid: Option<IgnoredAny>,
+    /// How the missions are carried out; it changes no result.
     #[serde(rename = "run")]
+    #[schemars(with = "Option<RunSpec>")]
     pub _run: Option<IgnoredAny>,
+    /// Figures that are drawn from the results.
     #[serde(rename = "figures")]
+    #[schemars(with = "Option<Vec<FigureSpec>>")]
     pub _figures: Option<IgnoredAny>,
 }
 
-/// `[[cases]]`: one method that is compared with the others.
-#[derive(Debug, Clone, Deserialize)]
+/// One method that is compared with the others.
+#[derive(Debug, Clone, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct CaseSpec {
+    /// Name in the column `case`; characters as for the experiment's.
     pub name: String,
+    /// Name for people; `name` if absent.
     #[serde(default)]
     pub title: Option<String>,
+    /// Scenario instead of the experiment's.
     #[serde(default, rename = "scenario")]
     pub _scenario: Option<String>,
+    /// Overrides of the scenario, or of the task.
     #[serde(default, rename = "set")]
+    #[schemars(with = "Option<Map<String, Value>>")]
     pub _set: Option<IgnoredAny>,
 }
 
-/// `[parameters.NAME]`: a column of the results and what it changes.
-#[derive(Debug, Clone, Default, Deserialize)]
+/// One parameter: a column of the results, and what its values change.
+#[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct ParameterSpec {
+    /// Name for people, with the unit; the name of the column if absent.
     pub title: Option<String>,
+    /// Key of the scenario that takes the value. This or `levels`.
     #[serde(rename = "set")]
+    #[schemars(with = "Option<String>")]
     pub _set: Option<IgnoredAny>,
+    /// Factor of the value: a number, or a key of the scenario that holds one after the case's
+    /// overrides; 1 if absent.
     #[serde(rename = "scale")]
+    #[schemars(schema_with = "number_or_text")]
     pub _scale: Option<IgnoredAny>,
+    /// Table of overrides for each value; the values are the names of these tables.
     #[serde(rename = "levels")]
+    #[schemars(with = "Option<BTreeMap<String, Map<String, Value>>>")]
     pub _levels: Option<IgnoredAny>,
 }
 
-/// `seeds = { first = 1, count = 200 }`.
-#[derive(Debug, Clone, Deserialize)]
+fn number_or_text(_: &mut SchemaGenerator) -> Schema {
+    json_schema!({ "type": ["number", "string"] })
+}
+
+/// Range of seeds.
+#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SeedsSpec {
+    /// First seed.
     #[serde(default = "one")]
+    #[schemars(transform = at_least(0).at_most(MAX_SEED))]
     pub first: u64,
+    /// Number of seeds.
+    #[schemars(transform = at_least(0).at_most(MAX_MISSIONS))]
     pub count: u64,
 }
 
@@ -76,13 +125,23 @@ fn one() -> u64 {
     1
 }
 
-/// `[run]`: how the missions are carried out; none of it changes what they result in.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+impl Parameters for SeedsSpec {
+    fn check_relations(&self) -> Result<(), ParamsError> {
+        let is_known = Seeds::range(self.first, self.count).is_some();
+        require(is_known, "count", &self.count, "seeds below 2^63")
+    }
+}
+
+/// How the missions are carried out; none of it changes what they result in.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct RunSpec {
-    /// Real time after which a mission is given up and counts as failed (s), 1 to 10⁶.
+    /// Wall-clock time after which a mission is given up and counts as failed.
+    #[schemars(transform = between(1.0, 1e6).unit("s"))]
     pub timeout_s: f64,
 }
+
+impl Parameters for RunSpec {}
 
 impl Default for RunSpec {
     fn default() -> Self {
@@ -102,22 +161,22 @@ pub enum LogPolicy {
     All,
 }
 
-/// `[[figures]]`: a figure to be drawn from the results.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+/// A figure of the results.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FigureSpec {
     /// Name of its files.
     pub name: String,
-    /// Its heading.
+    /// Heading of the figure.
     #[serde(default)]
     pub title: String,
     /// Parameter along the horizontal axis.
     pub x: String,
-    /// What stands on the vertical axis.
+    /// Quantity on the vertical axis.
     #[serde(default)]
     pub metric: Metric,
-    /// CSV file with the columns `series`, `x`, `y` and optionally `low`, `high`: published points to
-    /// be shown beside ours. A path beside the experiment file.
+    /// Path, below the folder of the experiment file, of a CSV file with the columns `series`, `x`, `y`
+    /// and optionally `low`, `high`: points to compare with. None if absent.
     #[serde(default)]
     pub compare: Option<String>,
 }

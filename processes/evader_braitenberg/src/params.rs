@@ -28,7 +28,7 @@ pub struct BraitenbergParams {
     /// Backward speed allowed, as a fraction of the highest forward speed.
     #[schemars(transform = between(0, 1))]
     pub reverse_fraction: f64,
-    /// [`Fidelity::Ours`]: the vehicle turns on the spot when it is blocked ahead. With the bare
+    /// Variant of the vehicle. [`Fidelity::Ours`]: it turns on the spot when it is blocked ahead. With the bare
     /// formula of [`Fidelity::Published`] a robot that faces a wall squarely neither drives nor turns,
     /// for ever.
     pub fidelity: Fidelity,

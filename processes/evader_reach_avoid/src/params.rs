@@ -29,11 +29,10 @@ pub struct ReachAvoidParams {
     /// to the exit.
     #[schemars(transform = at_least(0))]
     pub exit_weight: f64,
-    /// How far along its way it looks for the point to head for.
+    /// Largest distance along its way to the point that it heads for.
     #[schemars(transform = above(0).unit("m"))]
     pub sight: f64,
-    /// Distance kept from obstacles beyond the robot's radius, when it cuts corners of its way,
-    ///.
+    /// Distance kept from obstacles beyond the robot's radius where the way is cut short at corners.
     #[schemars(transform = at_least(0).unit("m"))]
     pub margin: f64,
     /// How finely plans are computed.

@@ -185,7 +185,7 @@ impl Parameters for ArcParams {}
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct TimingParams {
-    /// Simulated time that an iteration takes A plan holds `iterations` times this after
+    /// Simulated time that an iteration takes. A plan holds `iterations` times this after
     /// it was begun; until then the last one is followed. With 0 the world stands still while the
     /// evader plans (the paper's experiments). The default is about ten times what the search takes
     /// on a desktop processor: a small robot's.

@@ -84,8 +84,8 @@ pub struct NavigatorParams {
     /// Distance kept from obstacles beyond the radius: covers the tracking error.
     #[schemars(transform = above(0).unit("m"))]
     pub margin: f64,
-    /// Distance from where the robot should be beyond which it stops and plans anew and at
-    /// most `margin`.
+    /// Largest tracking error, at most `margin`: a robot that is farther from where it should be stops
+    /// and plans anew.
     #[schemars(transform = above(0).unit("m"))]
     pub max_error: f64,
     /// Share of the robot's speed limits that plans use: the rest is for corrections.

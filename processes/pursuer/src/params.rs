@@ -56,7 +56,7 @@ pub enum AssignmentMethod {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct AssignmentParams {
-    /// Who chases whom.
+    /// Assignment of pursuers to evaders.
     pub method: AssignmentMethod,
     /// What positions of the evaders the assignment goes by.
     pub knowledge: Knowledge,
@@ -87,14 +87,14 @@ impl Default for AssignmentParams {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PursuerParams {
-    /// Where knowledge of the target's pose comes from.
+    /// Source of the target's pose.
     pub knowledge: Knowledge,
-    /// What of a belief attracts.
+    /// Part of a belief that attracts.
     pub belief_goals: BeliefGoals,
     /// Most hypotheses used as goals; of more, evenly spaced ones are taken.
     #[schemars(transform = at_least(1))]
     pub max_particles: usize,
-    /// Who chases whom.
+    /// Assignment of pursuers to evaders.
     pub assignment: AssignmentParams,
     /// Who does something else.
     pub roles: RoleParams,
@@ -111,7 +111,7 @@ pub struct PursuerParams {
     /// way.
     #[schemars(transform = at_least(0))]
     pub wreck_weight: f64,
-    /// [`Fidelity::Published`]: a pursuer repels itself too, a constant push along its heading, and
+    /// Variant of the method. [`Fidelity::Published`]: a pursuer repels itself too, a constant push along its heading, and
     /// the goal ahead of a target may lie inside a block or beyond the arena's wall.
     pub fidelity: Fidelity,
     /// Repulsion from obstacles.

@@ -152,7 +152,7 @@ fn limits_that_no_robot_has_are_refused() {
     let error = Rounding::new(0.0, 1.0, 1.0, 0.0).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "v = 0: expected a finite number > 0 [m/s]"
+        "v = 0: expected a finite number > 0 (m/s)"
     );
     assert_eq!(
         Rounding::new(1.0, f64::NAN, 1.0, 0.0).unwrap_err().field,

@@ -10,13 +10,13 @@ use super::{LEAST_TOLERANCE, MAX_RECTANGLES};
 pub enum WorkplaceError {
     /// The bounds are empty, reversed or not finite.
     #[error(
-        "workplace from ({}, {}) to ({}, {}): expected finite corners [m], the first one below and \
+        "workplace from ({}, {}) to ({}, {}): expected finite corners (m), the first one below and \
          left of the second", .0.min.x, .0.min.y, .0.max.x, .0.max.y
     )]
     Bounds(Aabb),
     /// The robot does not fit.
     #[error(
-        "radius = {radius}: expected a number ≥ 0 and below {limit} [m], half the shorter side of \
+        "radius = {radius}: expected a number ≥ 0 and below {limit} (m), half the shorter side of \
          the workplace; enlarge the workplace or take a smaller robot"
     )]
     Radius {
@@ -26,7 +26,7 @@ pub enum WorkplaceError {
         limit: f64,
     },
     /// The tolerance of the conversion is not a length.
-    #[error("tolerance = {tolerance}: expected a finite number of at least {LEAST_TOLERANCE} [m]")]
+    #[error("tolerance = {tolerance}: expected a finite number of at least {LEAST_TOLERANCE} (m)")]
     Tolerance {
         /// Tolerance found (m).
         tolerance: f64,
@@ -40,7 +40,7 @@ pub enum WorkplaceError {
         source: ShapeError,
     },
     /// A piece of the map is not finite.
-    #[error("piece {index} of the obstacles has coordinates that are not finite [m]")]
+    #[error("piece {index} of the obstacles has coordinates that are not finite (m)")]
     NotFinite {
         /// Which piece, from 0.
         index: usize,

@@ -166,7 +166,7 @@ impl RosMap {
                     let value = number(
                         f64::MIN_POSITIVE,
                         MAX_COORDINATE,
-                        "a number > 0 and ≤ 1e5 [m]",
+                        "a number > 0 and ≤ 1e5 (m)",
                     )?;
                     resolution.replace(value).is_some()
                 }
@@ -174,7 +174,7 @@ impl RosMap {
                     let pose = parse_origin(value).ok_or_else(|| {
                         bad(
                             &format!("origin = {value}"),
-                            "[x, y, yaw] with x and y within ±1e5 [m] and yaw = 0 [rad] (turned \
+                            "[x, y, yaw] with x and y within ±1e5 (m) and yaw = 0 (rad) (turned \
                              maps are not read)",
                         )
                     })?;

@@ -21,7 +21,7 @@ pub enum CoverageError {
     },
     /// A robot that is larger than its workplace, or no robot.
     #[error(
-        "radius = {radius}: expected a number ≥ 0 and below {limit} [m], half the shorter side of \
+        "radius = {radius}: expected a number ≥ 0 and below {limit} (m), half the shorter side of \
          the workplace; enlarge the workplace or take a smaller robot"
     )]
     Radius {
@@ -32,7 +32,7 @@ pub enum CoverageError {
     },
     /// Cells that are no cells, or too many of them.
     #[error(
-        "cell side = {side}: expected a number > 0 [m] that divides the workplace into at most \
+        "cell side = {side}: expected a number > 0 (m) that divides the workplace into at most \
          {MAX_CELLS} cells",
         MAX_CELLS = super::MAX_CELLS
     )]
@@ -50,7 +50,7 @@ pub enum CoverageError {
         side: f64,
     },
     /// Points along a path that are no distance apart.
-    #[error("step = {step}: expected a number > 0 [m], the distance between points of the path")]
+    #[error("step = {step}: expected a number > 0 (m), the distance between points of the path")]
     Step {
         /// Step found (m).
         step: f64,

@@ -76,7 +76,7 @@ pub const MAX_TANGENTS: usize = 1 << 20;
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum GraphError {
     /// The radius is not usable.
-    #[error("radius = {0}: expected a number of at least {MIN_RADIUS} [m]")]
+    #[error("radius = {0}: expected a number of at least {MIN_RADIUS} (m)")]
     Radius(f64),
     /// The map has too many corners.
     #[error("the map has more than {MAX_SITES} corners and discs for a robot to bend around")]

@@ -163,6 +163,20 @@ fn the_first_field_declared_is_reported_and_relations_come_last() {
 }
 
 #[test]
+fn every_field_out_of_range_is_found() {
+    let sample = Sample {
+        zeta: -1.0,
+        half_open: 10.0,
+        times_s: vec![0.0, 1.0, -2.0],
+        inner: Inner { low: 1, high: 0 },
+        ..Sample::default()
+    };
+    let fields: Vec<String> = faults(&sample).into_iter().map(|e| e.field).collect();
+    let want = ["zeta", "half_open", "times_s[0]", "times_s[2]", "inner.low"];
+    assert_eq!(fields, want);
+}
+
+#[test]
 fn a_whole_number_is_compared_exactly() {
     #[derive(Debug, Default, Serialize, Deserialize, JsonSchema)]
     struct Large {

@@ -1,20 +1,19 @@
 //! Declarations as tables of a reference in Markdown: a section per type, a row per key.
 
 mod table;
+mod types;
 mod words;
 
 use std::collections::BTreeMap;
 
 use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
-use serde_json::{Map, Value};
+use serde_json::Value;
 
 use crate::publish::plain_text;
 use table::Table;
+use types::{Types, referred};
 use words::is_table;
-
-/// Where a generator keeps the types that have a name.
-const DEFINITIONS: &str = "#/$defs/";
 
 /// Tables of parameters in Markdown, written from their declarations.
 ///
@@ -80,7 +79,7 @@ impl Reference {
             let (heading, text) = (section.heading.clone(), section.text.clone());
             sections.push((heading, text, &section.name));
         }
-        for (name, heading) in types.shared(&self.sections) {
+        for (name, heading) in shared(&types, &self.sections) {
             sections.push((heading, String::new(), name));
         }
         let links: BTreeMap<&str, &str> = sections
@@ -102,63 +101,46 @@ impl Reference {
     }
 }
 
-/// The types that have a name.
-struct Types<'a> {
-    read: &'a Map<String, Value>,
-    order: &'a Map<String, Value>,
-}
-
-impl<'a> Types<'a> {
-    /// A schema, or the type that it refers to, with its name.
-    fn resolve(&self, schema: &'a Value) -> (Option<&'a str>, &'a Value) {
-        let named = referred(schema).and_then(|name| self.read.get_key_value(name));
-        match named {
-            Some((name, schema)) => (Some(name), schema),
-            None => (None, schema),
+/// The tables without a section that occur in several places, and a heading for each: the key
+/// under which it stands first, or its name if it stands in lists only.
+fn shared<'a>(types: &Types<'a>, sections: &[Section]) -> Vec<(&'a str, String)> {
+    let mut places: Vec<Place<'a>> = Vec::new();
+    let mut seen: Vec<&str> = Vec::new();
+    let mut ahead: Vec<&str> = sections.iter().rev().map(|s| s.name.as_str()).collect();
+    while let Some(name) = ahead.pop() {
+        if seen.contains(&name) {
+            continue;
         }
+        seen.push(name);
+        let Some((_, schema)) = types.read.get_key_value(name) else {
+            continue;
+        };
+        let before = places.len();
+        find_places(schema, None, &mut places);
+        ahead.extend(places[before..].iter().rev().map(|place| place.name));
     }
-
-    /// The tables without a section that occur in several places, and a heading for each: the key
-    /// under which it stands first, or its name if it stands in lists only.
-    fn shared(&self, sections: &[Section]) -> Vec<(&'a str, String)> {
-        let mut places: Vec<Place<'a>> = Vec::new();
-        let mut seen: Vec<&str> = Vec::new();
-        let mut ahead: Vec<&str> = sections.iter().rev().map(|s| s.name.as_str()).collect();
-        while let Some(name) = ahead.pop() {
-            if seen.contains(&name) {
-                continue;
-            }
-            seen.push(name);
-            let Some((_, schema)) = self.read.get_key_value(name) else {
-                continue;
-            };
-            let before = places.len();
-            find_places(schema, None, &mut places);
-            ahead.extend(places[before..].iter().rev().map(|place| place.name));
+    let mut shared: Vec<(&str, String)> = Vec::new();
+    for Place { name, .. } in &places {
+        let of_type: Vec<&Place<'_>> = places.iter().filter(|p| p.name == *name).collect();
+        let has_section = sections.iter().any(|section| section.name == *name);
+        let is_known = shared.iter().any(|(known, _)| known == name);
+        let Some(schema) = types.read.get(*name) else {
+            continue;
+        };
+        if of_type.len() < 2 || has_section || is_known || !is_table(types, schema) {
+            continue;
         }
-        let mut shared: Vec<(&str, String)> = Vec::new();
-        for Place { name, .. } in &places {
-            let of_type: Vec<&Place<'_>> = places.iter().filter(|p| p.name == *name).collect();
-            let has_section = sections.iter().any(|section| section.name == *name);
-            let is_known = shared.iter().any(|(known, _)| known == name);
-            let Some(schema) = self.read.get(*name) else {
-                continue;
-            };
-            if of_type.len() < 2 || has_section || is_known || !is_table(self, schema) {
-                continue;
-            }
-            let key = of_type.iter().find_map(|place| place.key);
-            let heading = key.map_or_else(|| format!("`{name}`"), |key| format!("`{key}`"));
-            let is_taken = shared.iter().any(|(_, taken)| *taken == heading);
-            let heading = if is_taken {
-                format!("{heading} ({name})")
-            } else {
-                heading
-            };
-            shared.push((name, heading));
-        }
-        shared
+        let key = of_type.iter().find_map(|place| place.key);
+        let heading = key.map_or_else(|| format!("`{name}`"), |key| format!("`{key}`"));
+        let is_taken = shared.iter().any(|(_, taken)| *taken == heading);
+        let heading = if is_taken {
+            format!("{heading} ({name})")
+        } else {
+            heading
+        };
+        shared.push((name, heading));
     }
+    shared
 }
 
 /// A place where a type with a name occurs.
@@ -194,12 +176,6 @@ fn find_places<'a>(schema: &'a Value, key: Option<&'a str>, places: &mut Vec<Pla
         }
         _ => {}
     }
-}
-
-/// The name of the type that a schema refers to.
-fn referred(schema: &Value) -> Option<&str> {
-    let target = schema.get("$ref")?.as_str()?;
-    target.strip_prefix(DEFINITIONS)
 }
 
 #[cfg(test)]

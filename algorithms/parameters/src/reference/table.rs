@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use serde_json::{Map, Value};
 
-use super::Types;
+use super::types::Types;
 use super::words::{Choice, alternatives, choice_tables, default_of, description, difference};
 use super::words::{numbers_of, properties_of, toml, type_name, types};
 use crate::publish::plain_text;

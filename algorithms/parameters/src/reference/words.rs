@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value};
 
-use super::Types;
+use super::types::Types;
 use crate::publish::plain_text;
 
 /// The alternatives of a schema with the names of their types, that of being absent left out;

@@ -9,14 +9,14 @@ use crate::danger::DangerZoneError;
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum AwgError {
     /// A time that is none.
-    #[error("`t_max` is {value}, but must be a number above 0 and of at most {MAX_T_MAX} [s]")]
+    #[error("`t_max` is {value}, but must be a number above 0 and of at most {MAX_T_MAX} (s)")]
     TMax {
         /// The time given (s).
         value: f64,
     },
     /// A width that is none.
     #[error(
-        "`alpha` is {value}, but must be a finite number above 0 [m]; leave it out to have it chosen"
+        "`alpha` is {value}, but must be a finite number above 0 (m); leave it out to have it chosen"
     )]
     Alpha {
         /// The width given (m).

@@ -42,13 +42,13 @@ pub enum Falloff {
 pub struct RepulsionParams {
     /// How it weakens with distance.
     pub falloff: Falloff,
-    /// The distance the fall-off is measured in.
+    /// Distance in which the fall-off is measured.
     #[schemars(transform = above(0).unit("m"))]
     pub reach: f64,
     /// Magnitude that the sum approaches but never exceeds.
     #[schemars(transform = above(0).unit("m/s"))]
     pub speed: f64,
-    /// [`Fidelity::Published`] multiplies the sum once more with the mean weight of the repulsors:
+    /// Variant of the sum. [`Fidelity::Published`] multiplies it once more with the mean weight of the repulsors:
     /// weights then count twice, and adding a weak repulsor weakens the others.
     pub fidelity: Fidelity,
 }

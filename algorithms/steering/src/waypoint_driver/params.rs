@@ -16,7 +16,7 @@ pub const LEAST_TIME_S: f64 = 1.0;
 pub struct DriverParams {
     /// How points are driven to; `go_to.arrived` is the tolerance of a waypoint.
     pub go_to: GoToParams,
-    /// Time allowed for a waypoint, as a multiple of what it takes without obstacles The
+    /// Time allowed for a waypoint, as a multiple of what it takes without obstacles. The
     /// cat-map patrol paper (§3) suggests 2.
     #[schemars(transform = above(0))]
     pub time_limit_factor: f64,

@@ -104,8 +104,8 @@ fn parameters_out_of_range_name_their_field() {
     ] {
         let kind = find(KINDS, kind).unwrap();
         match kind.read(&Node::from_json(&params).unwrap()) {
-            Err(ParamsProblem::Fault(found)) => {
-                assert_eq!(found.field, field);
+            Err(ParamsProblem::Faults(found)) => {
+                assert_eq!(found[0].field, field);
             }
             other => panic!("{}: {other:?}", kind.name),
         }

@@ -55,7 +55,7 @@ fn parse_way(text: &str) -> Result<f64, String> {
     if way > 0.0 && way <= 1e7 {
         Ok(way)
     } else {
-        Err("expected a length above 0 and at most 10000000 [m]".into())
+        Err("expected a length above 0 and at most 10000000 (m)".into())
     }
 }
 

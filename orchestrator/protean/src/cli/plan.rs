@@ -134,7 +134,7 @@ fn parse_point(text: &str) -> Result<[f64; 2], String> {
         let point = [x.trim().parse().ok()?, y.trim().parse().ok()?];
         point.iter().all(|v: &f64| v.is_finite()).then_some(point)
     };
-    read().ok_or_else(|| "expected two numbers [px], for example -1800,-1800".to_owned())
+    read().ok_or_else(|| "expected two numbers (px), for example -1800,-1800".to_owned())
 }
 
 impl HowArgs {

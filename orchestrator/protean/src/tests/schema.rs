@@ -1,9 +1,8 @@
-//! The JSON Schema of scenario files against the scenarios that there are.
+//! The JSON Schemas of files against the scenarios and experiments that there are.
 
 use std::fs;
 use std::path::Path;
 
-use scenario::schema::schema;
 use serde_json::Value as Json;
 
 use kinds::KINDS;
@@ -110,19 +109,26 @@ fn has_type(name: &Json, value: &Json) -> bool {
     }
 }
 
-fn refused(text: &str) -> Vec<String> {
-    let schema = schema(KINDS).to_value();
+fn refused_scenario(text: &str) -> Vec<String> {
+    refused(&scenario::schema::schema(KINDS).to_value(), text)
+}
+
+fn refused_experiment(text: &str) -> Vec<String> {
+    refused(&sweep::schema::schema().to_value(), text)
+}
+
+fn refused(schema: &Json, text: &str) -> Vec<String> {
     let document = serde_json::to_value(toml::from_str::<toml::Table>(text).unwrap()).unwrap();
     let mut found = Vec::new();
-    refusals(&schema, &schema, &document, "", &mut found);
+    refusals(schema, schema, &document, "", &mut found);
     found
 }
 
-#[test]
-fn every_scenario_of_the_repository_fits_the_schema() {
-    let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios");
+/// Checks every file of a folder.
+fn check_folder(folder: &str, refused: fn(&str) -> Vec<String>) {
+    let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let mut count = 0;
-    for entry in fs::read_dir(directory).unwrap() {
+    for entry in fs::read_dir(directory.join(folder)).unwrap() {
         let path = entry.unwrap().path();
         if path.extension().is_some_and(|e| e == "toml") {
             let text = fs::read_to_string(&path).unwrap();
@@ -134,9 +140,46 @@ fn every_scenario_of_the_repository_fits_the_schema() {
 }
 
 #[test]
+fn every_scenario_of_the_repository_fits_the_schema() {
+    check_folder("scenarios", refused_scenario);
+}
+
+#[test]
+fn every_experiment_of_the_repository_fits_the_schema() {
+    check_folder("experiments", refused_experiment);
+}
+
+#[test]
+fn a_wrong_value_of_an_experiment_is_refused() {
+    let right = "kind = 'planning'\nseeds = { count = 3 }\nrun = { timeout_s = 5 }\ngrid = { speed = [3] }\n\
+                 parameters.speed = { scale = 'key' }\n[[cases]]\nname = 'first'\n[[figures]]\nname = 'a'\n\
+                 x = 'speed'\n[task]\noptions.nodes = 2\ninstances.radius = [5, 200]";
+    assert_eq!(refused_experiment(right), [""; 0]);
+    for (text, field) in [
+        ("seeds = { count = -1 }", ".seeds"),
+        ("seeds = { count = 1000001 }", ".seeds"),
+        ("seeds = { first = 1 }", ".seeds"),
+        ("kind = 'games'", ".kind"),
+        ("run = { timeout_s = 0.5 }", ".run"),
+        ("run = { timeout = 10 }", ".run"),
+        ("grid = { speed = 3 }", ".grid"),
+        ("parameters.speed = { scale = true }", ".parameters"),
+        ("[[cases]]\ntitle = 'first'", ".cases"),
+        ("[[figures]]\nname = 'a'\nx = 'b'\nmetric = 'luck'", ".figures"),
+        ("task.options.nodes = 1", ".task"),
+        ("task.instances.radius = [5, 201]", ".task"),
+        ("scenarios = 'chase'", ".scenarios"),
+    ] {
+        let found = refused_experiment(text);
+        let at_field = found.iter().any(|refusal| refusal.starts_with(field));
+        assert!(at_field, "{text}: {found:?}");
+    }
+}
+
+#[test]
 fn params_are_those_of_the_kind() {
     let process = |kind: &str, params: &str| {
-        refused(&format!(
+        refused_scenario(&format!(
             "[[processes]]\nkind = \"{kind}\"\n[processes.params]\n{params}\n"
         ))
     };
@@ -162,7 +205,7 @@ fn params_are_those_of_the_kind() {
 
 #[test]
 fn descriptions_end_with_range_and_unit() {
-    let schema = serde_json::to_string(&schema(KINDS)).unwrap();
+    let schema = serde_json::to_string(&scenario::schema::schema(KINDS)).unwrap();
     assert!(schema.contains(
         "Time between two assignments of the cut-off method.\\n\\nA finite number above 0 (s)."
     ));

@@ -144,7 +144,7 @@ fn too_early(event: &EventSpec, time_s: f64, latest_s: f64) -> Impossible {
             "obstacle `{}` changes at {time_s} s, behind a change at {latest_s} s",
             event.obstacle
         ),
-        expected: Some(format!("a time of at least {latest_s} [s]")),
+        expected: Some(format!("a time of at least {latest_s} (s)")),
         help: Some(IN_TURN.to_owned()),
     }
 }

@@ -4,7 +4,7 @@ use config::{Code, FieldPath, Node, list_choices, nearest};
 use geometry::extent::MAX_COORDINATE;
 use geometry::map::MapSpec;
 use geometry::math;
-use parameters::{Parameters, above, at_least, between, check, each};
+use parameters::{above, at_least, between, each};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use sim_backend::spec::Condition;
@@ -88,18 +88,15 @@ pub(super) fn resolve(
                 let message = "`after_s` delays an event with `when`, not one with `time_s`";
                 return say.no("after_s", Code::Requirement, message, "a later `time_s`");
             }
-            say.duration("time_s", time_s, "a simulated time")?;
             Some(Moment::At { time_s })
         }
         (None, Some(block)) => {
             let after_s = after_s.unwrap_or(0.0);
-            let delay = say.duration("after_s", after_s, "a delay");
             let condition = block.condition(&mut say);
             let index = say.robot(&block.robot, robots);
             let condition = condition?;
             let robot = robots?.get(index?)?;
             say.possible(&condition, robot, map)?;
-            delay?;
             let when = Trigger {
                 robot: block.robot,
                 index: index?,
@@ -113,19 +110,17 @@ pub(super) fn resolve(
         }
         (None, None) => {
             let message = "neither `time_s` nor `when` says when the event happens";
-            let expected = "time_s = 10.0 [s], or when = { robot = \"…\", travelled = 1.5 } [m]";
+            let expected = "time_s = 10.0 (s), or when = { robot = \"…\", travelled = 1.5 } (m)";
             say.no("time_s", Code::MissingKey, message, expected)
         }
     }
 }
 
-impl Parameters for WhenBlock {}
-
 impl WhenBlock {
     /// The one condition that is written.
     fn condition(&self, say: &mut Say<'_, '_>) -> Option<Condition> {
         const ONE: &str =
-            "`travelled` [m], `progress` (0 to 1), or `within` [m] together with `of`";
+            "`travelled` (m), `progress` (0 to 1), or `within` (m) together with `of`";
         let Self {
             travelled,
             progress,
@@ -147,7 +142,7 @@ impl WhenBlock {
             return say.no(&field, Code::Requirement, &message, &expected);
         }
         if of.is_some() && within.is_none() {
-            let expected = "within = 0.8 [m] beside it";
+            let expected = "within = 0.8 (m) beside it";
             let message = "`of` is the point that a robot comes `within` a distance of";
             return say.no("when.of", Code::Requirement, message, expected);
         }
@@ -158,20 +153,14 @@ impl WhenBlock {
         } else if let Some(within) = within {
             let Some(of) = of else {
                 let message = "missing key `of`";
-                let expected = "of = [x, y], the point that the robot comes near [m]";
+                let expected = "of = [x, y], the point that the robot comes near (m)";
                 return say.no("when.of", Code::MissingKey, message, expected);
             };
             Condition::Within { within, of }
         } else {
             return say.no("when", Code::MissingKey, "`when` has no condition", ONE);
         };
-        match check(self) {
-            Ok(()) => Some(condition),
-            Err(e) => {
-                say.ctx.refuse(say.node, say.path, e.within("when"));
-                None
-            }
-        }
+        Some(condition)
     }
 }
 
@@ -191,16 +180,6 @@ impl Say<'_, '_> {
             .expected(expected);
         self.ctx.problems.push(problem);
         None
-    }
-
-    /// Checks a time (s).
-    fn duration(&mut self, field: &str, value: f64, what: &str) -> Option<()> {
-        if (0.0..=MAX_TIME_S).contains(&value) {
-            return Some(());
-        }
-        let message = format!("`{field}` is out of range");
-        let expected = format!("{what} from 0 to 1e9 [s]");
-        self.no(field, Code::OutOfRange, &message, &expected)
     }
 
     /// The index of a robot; nothing is reported of robots that are wrong themselves.
@@ -261,7 +240,7 @@ impl Say<'_, '_> {
                         "no place of the map is within {within} m of {of:?}: it ends {far:.3} m from there"
                     );
                     let expected = format!(
-                        "a point in or near x = {} to {}, y = {} to {} [m]",
+                        "a point in or near x = {} to {}, y = {} to {} (m)",
                         min[0], max[0], min[1], max[1]
                     );
                     self.no("when.of", Code::Geometry, &message, &expected)

@@ -3,9 +3,9 @@
 use config::{Code, FieldPath, Node};
 use geometry::map::MapSpec;
 use geometry::shape::Shape;
-use parameters::between;
+use parameters::{Parameters, between};
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::moment::{self, MAX_TIME_S, WhenBlock};
 use super::{Action, EventSpec, MAX_EVENT_VERTICES};
@@ -14,7 +14,7 @@ use crate::robots::Robot;
 use crate::world::shape_problem;
 
 /// One change of an obstacle: it appears, moves or disappears.
-#[derive(Deserialize, JsonSchema)]
+#[derive(Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct EventBlock {
     /// Simulated time of the event: it happens at the first tick at or after it. This or `when`.
@@ -33,9 +33,12 @@ pub(crate) struct EventBlock {
     /// Name of the obstacle: one of the map's, or one that appears.
     obstacle: String,
     /// Its shape and place, as in maps; a polygon has at most 16 corners. Not for `"disappear"`.
-    #[serde(default)]
+    // It is checked with what holds between its corners.
+    #[serde(default, skip_serializing)]
     shape: Option<Shape>,
 }
+
+impl Parameters for EventBlock {}
 
 /// Reads one event; everything wrong with it is reported.
 pub(super) fn event(
@@ -45,6 +48,8 @@ pub(super) fn event(
     map: Option<&MapSpec>,
     robots: Option<&[Robot]>,
 ) -> Option<EventSpec> {
+    let block: EventBlock = ctx.read(node, path)?;
+    let mut fine = ctx.check(node, path, &block);
     let EventBlock {
         time_s,
         when,
@@ -52,9 +57,8 @@ pub(super) fn event(
         action,
         obstacle,
         shape,
-    } = ctx.read(node, path)?;
+    } = block;
     let moment = moment::resolve(ctx, node, path, (time_s, when, after_s), map, robots);
-    let mut fine = true;
     let mut complain = |ctx: &mut Context<'_>, field: &str, code, message: &str, expected: &str| {
         let problem = ctx
             .problem(node, path, field, code, message)

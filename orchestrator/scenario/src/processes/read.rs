@@ -194,7 +194,11 @@ fn read_params(
             let mut left = params.clone();
             report_all(ctx, kind, &mut left, &path);
         }
-        Err(ParamsProblem::Fault(found)) => ctx.refuse(params, &path, found),
+        Err(ParamsProblem::Faults(faults)) => {
+            for fault in faults {
+                ctx.refuse(params, &path, fault);
+            }
+        }
         Err(ParamsProblem::Write(message)) => {
             let problem = ctx.problem(params, &path, "", Code::OutOfRange, message);
             ctx.problems.push(problem);

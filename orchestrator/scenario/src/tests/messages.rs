@@ -224,7 +224,7 @@ fn robots_must_stand_free_and_apart() {
         &[
             "robot `cop` starts in a wall",
             "small.toml:20:9 (robots.cop.start)",
-            "value: x = 0, y = 0.5 [m]",
+            "value: x = 0, y = 0.5 (m)",
         ],
     );
     refused(
@@ -301,5 +301,31 @@ fn exits_and_goals_must_be_reachable() {
     contains(
         &load(&evader).unwrap_err(),
         &["\"cop\" cannot reach any exit", "(robots.cop.start)"],
+    );
+}
+
+#[test]
+fn every_value_out_of_range_is_named_with_its_line() {
+    let text = GOOD.replacen(
+        "[run]",
+        "[run]\nhang_timeout_s = 0.0\nready_timeout_s = 0.0",
+        1,
+    );
+    assert_ne!(text, GOOD);
+    let overrides = [
+        "defaults.robot.start_jitter={ x = -1.0, theta = 9.0 }",
+        "defaults.robot.limits={ v_max = -1.0, omega_max = -1.0 }",
+    ];
+    let error = load_with(&text, &overrides).unwrap_err();
+    contains(
+        &error,
+        &[
+            "`run.hang_timeout_s` is out of range",
+            "`run.ready_timeout_s` is out of range",
+            "`start_jitter.x` is out of range",
+            "`start_jitter.theta` is out of range",
+            "`limits.v_max` is out of range",
+            "`limits.omega_max` is out of range",
+        ],
     );
 }

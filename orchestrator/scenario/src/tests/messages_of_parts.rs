@@ -178,7 +178,7 @@ fn events_must_be_possible() {
             "`time_s` is out of range",
             "small.toml:40:10 (events[1].time_s)",
             "value: -2.5",
-            "from 0 to 1e9 [s]",
+            "a number between 0 and 1000000000 (s)",
         ],
     );
     refused(
@@ -241,7 +241,7 @@ fn logs_and_ends_are_checked() {
         &[
             "nothing ever ends this run",
             "(rules.time_limit)",
-            "rules.time_limit = 60.0 [s]",
+            "rules.time_limit = 60.0 (s)",
         ],
     );
 }

@@ -8,14 +8,13 @@
 mod row;
 mod subject;
 pub mod summary;
-mod task;
 
 #[cfg(test)]
 mod tests;
 
 pub use row::PlanRow;
 pub use subject::{PlanExperiment, is_planning};
-pub use task::Task;
+pub use crate::task::Task;
 
 use super::results::Results;
 

@@ -6,7 +6,7 @@ use std::path::Path;
 use config::{Code, Diagnostic, FieldPath, Node};
 
 use super::row::PlanRow;
-use super::task::{Draft, Task};
+use crate::task::{Draft, Task};
 use crate::assignments::{self, Assignment};
 use crate::cases::CaseDraft;
 use crate::cell::{Cell, Value, describe};
@@ -170,7 +170,7 @@ fn made(assignments: &[Assignment]) -> Result<Task, (String, String)> {
     }
     let whole = |what: String| ("task".to_owned(), what);
     let task = draft.task().map_err(whole)?;
-    task.validate().map_err(whole)?;
+    parameters::check(&task).map_err(|error| whole(error.to_string()))?;
     Ok(task)
 }
 

@@ -127,7 +127,7 @@ fn what_is_wrong_with_an_experiment_is_said_at_its_line() {
         (
             "fallbacks = false",
             "degree = 77",
-            ["options.degree = 77", "2 to"],
+            ["`options.degree` is 77", "between 2 and 8"],
         ),
         (
             "\"tangent\"\n[param",
@@ -137,7 +137,7 @@ fn what_is_wrong_with_an_experiment_is_said_at_its_line() {
         (
             "[5, 15]",
             "[15, 5]",
-            ["instances.radius", "least and greatest"],
+            ["`instances.radius`", "the first one not above the second"],
         ),
         ("[5, 15]", "[5, 15, 2]", ["radius", "small.toml"]),
         ("[task]", "[tusk]", ["tusk", "task"]),

@@ -54,7 +54,7 @@ fn broken_yaml_names_file_line_value_and_expectation() {
     let message = |from: &str, to: &str| parse(&YAML.replace(from, to)).unwrap_err().to_string();
     assert_eq!(
         message("resolution: 0.5", "resolution: -1"),
-        "map maps/office.yaml, line 2: resolution = -1: expected a number > 0 and ≤ 1e5 [m]"
+        "map maps/office.yaml, line 2: resolution = -1: expected a number > 0 and ≤ 1e5 (m)"
     );
     assert!(message("0.0]", "0.3]").contains("line 3: origin = [-1.0, 2.0, 0.3]"));
     assert!(message("0.0]", "0.3]").contains("yaw = 0"));

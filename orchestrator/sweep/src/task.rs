@@ -1,22 +1,24 @@
 //! What a mission does: which problem is made up from its seed, and how it is planned.
 
+use parameters::{Parameters, ParamsError, within};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use plan::{PlanOptions, Recipe};
 
-/// What a mission does.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+/// What a mission does: one random problem, planned once.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Task {
-    /// How the problem is made up.
+    /// Random problems.
     pub instances: Recipe,
-    /// How it is planned.
+    /// Options of the optimiser.
     pub options: PlanOptions,
 }
 
 /// A task while keys of it are set.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Draft(toml::Table);
+pub(crate) struct Draft(toml::Table);
 
 impl Draft {
     /// Applies `key.key=value`.
@@ -58,15 +60,10 @@ impl Draft {
     }
 }
 
-impl Task {
-    /// Checks the ranges.
-    ///
-    /// # Errors
-    /// The first key that is out of range, its value and what was expected.
-    pub fn validate(&self) -> Result<(), String> {
-        let instances = self.instances.validate();
-        instances.map_err(|e| format!("instances.{e}"))?;
-        let options = self.options.validate();
-        options.map_err(|e| format!("options.{e}"))
+impl Parameters for Task {
+    fn check_relations(&self) -> Result<(), ParamsError> {
+        let instances = self.instances.check_relations();
+        instances.map_err(within("instances"))?;
+        self.options.check_relations().map_err(within("options"))
     }
 }
