@@ -81,7 +81,8 @@ impl Context<'_> {
 
     /// Reports a value that a type's own check refused.
     pub fn refuse(&mut self, node: &Node, base: &FieldPath, found: ParamsError) {
-        self.problems.push(refusal(&self.sources, node, base, found));
+        self.problems
+            .push(refusal(&self.sources, node, base, found));
     }
 
     /// Checks ranges and relations of a value that a node says; whether they hold.

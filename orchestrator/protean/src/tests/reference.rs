@@ -46,7 +46,12 @@ fn the_reference_of_experiments_is_what_the_code_declares() {
     let text = "The keys of an experiment file; [experiments](experiment.md) says how they are used. \
                 A key without a default (–) may be absent.";
     let tables = sweep::schema::reference();
-    compare("experiment-keys.md", "Keys of experiment files", text, &tables);
+    compare(
+        "experiment-keys.md",
+        "Keys of experiment files",
+        text,
+        &tables,
+    );
 }
 
 #[test]

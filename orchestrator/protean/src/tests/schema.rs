@@ -165,7 +165,10 @@ fn a_wrong_value_of_an_experiment_is_refused() {
         ("grid = { speed = 3 }", ".grid"),
         ("parameters.speed = { scale = true }", ".parameters"),
         ("[[cases]]\ntitle = 'first'", ".cases"),
-        ("[[figures]]\nname = 'a'\nx = 'b'\nmetric = 'luck'", ".figures"),
+        (
+            "[[figures]]\nname = 'a'\nx = 'b'\nmetric = 'luck'",
+            ".figures",
+        ),
         ("task.options.nodes = 1", ".task"),
         ("task.instances.radius = [5, 201]", ".task"),
         ("scenarios = 'chase'", ".scenarios"),

@@ -12,9 +12,9 @@ pub mod summary;
 #[cfg(test)]
 mod tests;
 
+pub use crate::task::Task;
 pub use row::PlanRow;
 pub use subject::{PlanExperiment, is_planning};
-pub use crate::task::Task;
 
 use super::results::Results;
 

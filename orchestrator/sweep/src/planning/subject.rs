@@ -6,7 +6,6 @@ use std::path::Path;
 use config::{Code, Diagnostic, FieldPath, Node};
 
 use super::row::PlanRow;
-use crate::task::{Draft, Task};
 use crate::assignments::{self, Assignment};
 use crate::cases::CaseDraft;
 use crate::cell::{Cell, Value, describe};
@@ -17,6 +16,7 @@ use crate::options::LoadOptions;
 use crate::parameters::Parameter;
 use crate::reader::Reader;
 use crate::subject::{Ended, Pinning, Subject};
+use crate::task::{Draft, Task};
 use plan::solve;
 use scenario::files::read_text;
 
