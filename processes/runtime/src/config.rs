@@ -7,7 +7,7 @@ use geometry::pose::Pose2;
 use geometry::region::Region;
 use ipc_types::bus::{BusError, BusOptions, RunSpace};
 use ipc_types::topics::RunSize;
-use serde::de::{DeserializeOwned, IgnoredAny};
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use sim_backend::spec::RobotModel;
 use sim_backend::team::Team;
@@ -144,15 +144,25 @@ pub enum ConfigError {
 /// # Errors
 /// [`ConfigError`] names the file and the place in it.
 pub fn load<P: DeserializeOwned>(path: &Path) -> Result<(ProcessConfig, P), ConfigError> {
+    let (config, params) = load_untyped(path)?;
+    let params = serde_json::from_value(params).map_err(|source| ConfigError::Syntax {
+        path: path.to_owned(),
+        source,
+    })?;
+    Ok((config, params))
+}
+
+/// Apart from [`load`], so that it is compiled once and not for every type of parameters.
+fn load_untyped(path: &Path) -> Result<(ProcessConfig, serde_json::Value), ConfigError> {
     let text = std::fs::read_to_string(path).map_err(|source| ConfigError::File {
         path: path.to_owned(),
         source,
     })?;
-    let read = |source| ConfigError::Syntax {
-        path: path.to_owned(),
-        source,
-    };
-    let document: Document<ProcessConfig, P> = serde_json::from_str(&text).map_err(read)?;
+    let document: Document<ProcessConfig, serde_json::Value> = serde_json::from_str(&text)
+        .map_err(|source| ConfigError::Syntax {
+            path: path.to_owned(),
+            source,
+        })?;
     Ok((document.config, document.params))
 }
 
@@ -167,7 +177,7 @@ impl ProcessConfig {
     /// # Errors
     /// [`ConfigError`] names the file and the place in it.
     pub fn load(path: &Path) -> Result<Self, ConfigError> {
-        Ok(load::<IgnoredAny>(path)?.0)
+        Ok(load_untyped(path)?.0)
     }
 
     /// The robots this process drives, with their indices; an index without a robot is left out.

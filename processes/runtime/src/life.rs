@@ -12,7 +12,7 @@ use serde::de::DeserializeOwned;
 use crate::config::{self, Clock, ProcessConfig};
 use crate::error::ProcessError;
 use crate::guard;
-use crate::kind::{self, ProcessKind};
+use crate::kind::{self, Process, ProcessKind};
 use crate::lockstep::{Participant, Phase, SlotState, Turn, TurnPage};
 use crate::logging;
 use crate::status::Heartbeat;
@@ -124,7 +124,9 @@ impl Setup {
 pub fn run<K: ProcessKind>(config: &Path) -> ExitCode {
     run_with(config, |config, params| {
         let setup = Setup::new(config)?;
-        live::<K>(config, params, setup)
+        live(config, setup, &|bus| {
+            Ok(Box::new(kind::open::<K>(config, params, bus)?))
+        })
     })
 }
 
@@ -163,14 +165,13 @@ fn name_process(name: &str) {
     }
 }
 
-fn live<K: ProcessKind>(
-    config: &ProcessConfig,
-    params: &K::Params,
-    mut setup: Setup,
-) -> Result<(), ProcessError> {
+/// Opens the ports of a process and sets up its algorithm.
+type Open<'a> = &'a dyn Fn(&Bus) -> Result<Box<dyn Process>, ProcessError>;
+
+fn live(config: &ProcessConfig, mut setup: Setup, open: Open<'_>) -> Result<(), ProcessError> {
     let seat = setup.participant(config);
     let joins_late = seat.joins_late();
-    let mut process = kind::open::<K>(config, params, &setup.bus)?;
+    let mut process = open(&setup.bus)?;
     seat.set_state(SlotState::Ready);
     let keep_going = || !setup.stop.load(Ordering::Relaxed);
     if !seat.wait_for_phase(Phase::Connect, keep_going) {
