@@ -7,10 +7,10 @@ use crate::support::history::{History, Robot, State};
 use crate::support::sandbox::signal;
 use crate::support::{SOON, Sandbox, until, wait_for_tick};
 use ipc_types::messages::world::WorldEvent;
-use runtime::lockstep::TurnPage;
+use runtime::lockstep::TickBarrier;
 use rustix::process::Signal;
 
-/// Place of the only planner of `hello` on the turn page, behind the simulator.
+/// Place of the only planner of `hello` on the tick barrier, behind the simulator.
 const PLANNER: usize = 1;
 
 /// Judged by what is in the log alone: how fast this machine is makes no difference.
@@ -28,7 +28,7 @@ fn a_robot_whose_planner_stands_still_stops_at_its_deadline() {
         .start();
     let run = sandbox.next_run(&BTreeSet::new());
     wait_for_tick(&run, 10);
-    let page = TurnPage::open(&Sandbox::prefix(&run)).unwrap();
+    let page = TickBarrier::open(&Sandbox::prefix(&run)).unwrap();
     let answered = |tick: u64| {
         until("answers of the planner", SOON, || {
             (page.ticks_done(PLANNER) >= tick).then_some(())

@@ -15,7 +15,7 @@ mod surroundings;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-use runtime::lockstep::{SlotState, TurnPage};
+use runtime::lockstep::{SlotState, TickBarrier};
 use rustix::process::Signal;
 use serde_json::Value as Json;
 
@@ -75,14 +75,14 @@ fn kill(sandbox: &Sandbox, name: &str) {
 
 /// Kills a process of a run in real time, and waits for the one that is started in its place.
 fn replace(sandbox: &Sandbox, run: &str, name: &str, slot: usize) {
-    let page = TurnPage::open(&Sandbox::prefix(run)).unwrap();
+    let page = TickBarrier::open(&Sandbox::prefix(run)).unwrap();
     let victim = sandbox.process(name);
     signal(victim.pid, Signal::KILL);
     await_successor(sandbox, &page, &victim, slot);
 }
 
 /// Waits until the successor of a process takes part, and the log tells.
-fn await_successor(sandbox: &Sandbox, page: &TurnPage, victim: &Process, slot: usize) {
+fn await_successor(sandbox: &Sandbox, page: &TickBarrier, victim: &Process, slot: usize) {
     until("its successor", SOON, || {
         let now = sandbox.processes();
         let is_there = now.iter().any(|p| p.name == victim.name && p != victim);
@@ -248,7 +248,7 @@ fn in_real_time_those_that_fail_are_replaced_or_done_without() {
         let now = sandbox.processes();
         (!now.contains(&evader) && !now.contains(&pursuer)).then_some(())
     });
-    let page = TurnPage::open(&Sandbox::prefix(&run)).unwrap();
+    let page = TickBarrier::open(&Sandbox::prefix(&run)).unwrap();
     await_successor(&sandbox, &page, &pursuer, 2);
     // Others learn what they need of the map and of the world again.
     replace(&sandbox, &run, "perception", 1);

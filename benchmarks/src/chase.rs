@@ -99,7 +99,7 @@ struct Moment {
 impl Moment {
     fn now(orchestrator: u32, view: &View) -> Self {
         let mut moment = Self {
-            tick: view.page.ticks_posted(),
+            tick: view.barrier.ticks_posted(),
             cpu: BTreeMap::new(),
         };
         let mut add = |name: &str, ns: u64| {
@@ -128,7 +128,7 @@ fn cpu() -> Result<Vec<Figure>> {
             view = View::find(session.pid());
         }
         let Some(view) = &view else { return };
-        if view.page.phase() == Phase::Stop || view.page.is_over() {
+        if view.barrier.phase() == Phase::Stop || view.barrier.is_over() {
             return;
         }
         let moment = Moment::now(session.pid(), view);

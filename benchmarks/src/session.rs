@@ -5,7 +5,7 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use runtime::config::ProcessConfig;
-use runtime::lockstep::TurnPage;
+use runtime::lockstep::TickBarrier;
 use rustix::process::{Pid, Signal};
 use serde_json::Value as Json;
 use tempfile::TempDir;
@@ -88,23 +88,23 @@ impl Drop for Session {
     }
 }
 
-/// A run as seen from outside: its processes and its turn page.
+/// A run as seen from outside: its processes and its tick barrier.
 #[derive(Debug)]
 pub struct View {
     /// The processes, the orchestrator not among them.
     pub members: Vec<Member>,
-    /// The turn page.
-    pub page: TurnPage,
+    /// The tick barrier.
+    pub barrier: TickBarrier,
 }
 
 impl View {
-    /// Looks for the run of this orchestrator; `None` while it has no processes or page yet.
+    /// Looks for the run of this orchestrator; `None` while it has no processes or barrier yet.
     pub fn find(orchestrator: u32) -> Option<Self> {
         let members = probe::members(orchestrator);
         let config = ProcessConfig::load(&members.first()?.config).ok()?;
-        let page = TurnPage::open(&config.run.prefix).ok()?;
+        let barrier = TickBarrier::open(&config.run.prefix).ok()?;
         // Not all of them have been started, or executed, yet.
-        (members.len() == page.processes()).then_some(Self { members, page })
+        (members.len() == barrier.processes()).then_some(Self { members, barrier })
     }
 }
 

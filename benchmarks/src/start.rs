@@ -22,7 +22,7 @@ const MEMORY_TICK: u64 = 100;
 /// Moments of a start, from outside (s after the run's executable was started).
 #[derive(Debug, Clone, Copy, Default)]
 struct Parts {
-    /// All processes have been started and the turn page exists.
+    /// All processes have been started and the tick barrier exists.
     launched: f64,
     /// Every process has opened its ports.
     ready: f64,
@@ -91,7 +91,7 @@ fn start_once() -> Result<(Parts, f64)> {
             view = View::find(session.pid());
             parts.launched = now;
         }
-        let Some(View { page, .. }) = &view else {
+        let Some(View { barrier, .. }) = &view else {
             return;
         };
         let take = |part: &mut f64, reached: bool| {
@@ -99,11 +99,11 @@ fn start_once() -> Result<(Parts, f64)> {
                 *part = now;
             }
         };
-        take(&mut parts.ready, page.phase() >= Phase::Connect);
-        take(&mut parts.connected, page.phase() >= Phase::Prepare);
-        take(&mut parts.running, page.phase() >= Phase::Run);
-        take(&mut parts.first_tick, page.ticks_posted() >= 1);
-        take(&mut parts.answered, page.ticks_posted() >= 2);
+        take(&mut parts.ready, barrier.phase() >= Phase::Connect);
+        take(&mut parts.connected, barrier.phase() >= Phase::Prepare);
+        take(&mut parts.running, barrier.phase() >= Phase::Run);
+        take(&mut parts.first_tick, barrier.ticks_posted() >= 1);
+        take(&mut parts.answered, barrier.ticks_posted() >= 2);
     })?;
     if view.is_none() {
         return Err("the run ended before its processes were seen".into());
@@ -122,7 +122,7 @@ fn memory_and_log() -> Result<Vec<Figure>> {
             view = View::find(session.pid());
         }
         let Some(view) = &view else { return };
-        if !seen.is_empty() || view.page.ticks_posted() < MEMORY_TICK {
+        if !seen.is_empty() || view.barrier.ticks_posted() < MEMORY_TICK {
             return;
         }
         for member in &view.members {

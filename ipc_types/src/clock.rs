@@ -41,9 +41,9 @@ impl StampClock {
 /// When the turn of a process began, for the stamps of everything that it sends in it. Clones share
 /// the one value.
 #[derive(Debug, Clone, Default)]
-pub struct TurnStart(Arc<AtomicU64>);
+pub struct StepStart(Arc<AtomicU64>);
 
-impl TurnStart {
+impl StepStart {
     /// The turn begins at this time (ns).
     pub fn set(&self, now_ns: u64) {
         self.0.store(now_ns, Ordering::Relaxed);

@@ -344,7 +344,7 @@ topics! {
         qos |_s| per_tick 16, publishers 1, subscribers 1 + ONLOOKERS;
 }
 
-/// Event that tells a process without the turn page that it is its turn; the id is its index.
+/// Event that tells a process without the tick barrier that it is its turn; the id is its index.
 pub const TURN_EVENT: &str = "run/turn";
 /// Event with which such a process says that it has done its turn; the id is its index.
 pub const DONE_EVENT: &str = "run/done";

@@ -13,7 +13,7 @@ type Tell = fn(&mut Rig);
 
 /// Ways in which a process is told to end, and the exit code that follows.
 const ENDINGS: [(&str, Tell); 3] = [
-    ("phase", |rig| rig.overseer.set_phase(Phase::Stop)),
+    ("phase", |rig| rig.monitor.set_phase(Phase::Stop)),
     ("SIGTERM", |rig| rig.process.signal(Signal::TERM)),
     ("orphaned", |rig| drop(rig.process.stdin.take())),
 ];
@@ -44,7 +44,7 @@ fn every_process_ends_when_told_or_orphaned_in_the_air() {
             assert_eq!(rig.state(), SlotState::Stopped, "{name}, {how}");
         }
         let drivers = Drivers::take_off(Rig::new(ROOM, "simulator"));
-        drivers.rig.overseer.set_phase(Phase::Run);
+        drivers.rig.monitor.set_phase(Phase::Run);
         drivers.turn(0);
         let mut rig = drivers.rig;
         tell(&mut rig);
@@ -58,7 +58,7 @@ fn every_process_ends_when_told_or_orphaned_in_the_air() {
         assert_eq!(status.code(), Some(1), "simulator, {how}: {words}");
         assert!(words.contains("in the middle of the run"), "{words}");
         assert_eq!(rig.state(), SlotState::Failed, "simulator, {how}");
-        assert!(!rig.overseer.page().is_over(), "simulator, {how}");
+        assert!(!rig.monitor.barrier().is_over(), "simulator, {how}");
     }
 }
 

@@ -5,7 +5,7 @@ use ipc_types::messages::robot::Command;
 use ipc_types::messages::world::{ObstacleEvent, RobotState, WorldEvent};
 use ipc_types::stamp::PlainHeader;
 use ipc_types::topics::{Commands, ObstacleEvents, WorldEvents, WorldMap, WorldState};
-use runtime::lockstep::{Participant, Phase, SlotState, Turn};
+use runtime::lockstep::{BarrierMember, Phase, SlotState, TickWait};
 
 use super::{COP, EYES, ROOM, THIEF};
 use crate::support::rig::Rig;
@@ -13,7 +13,7 @@ use crate::support::rig::Rig;
 /// The simulator in the air, with the test as its planners.
 pub struct Drivers {
     pub rig: Rig,
-    seats: Vec<Participant>,
+    members: Vec<BarrierMember>,
     states: Subscriber<WorldState>,
     events: Subscriber<WorldEvents>,
 }
@@ -21,22 +21,22 @@ pub struct Drivers {
 impl Drivers {
     pub fn take_off(mut rig: Rig) -> Self {
         let slots: Vec<usize> = (1..rig.plan.launches.len()).collect();
-        let seats: Vec<Participant> = slots
+        let members: Vec<BarrierMember> = slots
             .iter()
             .map(|&slot| {
-                rig.overseer.seat(slot, true, false);
-                Participant::new(rig.open_page(), slot, Vec::new())
+                rig.monitor.assign_slot(slot, true, false);
+                BarrierMember::new(rig.open_page(), slot, Vec::new())
             })
             .collect();
         let (states, events) = (rig.subscriber(), rig.subscriber());
         rig.take_off();
         rig.prepare();
-        for seat in &seats {
-            seat.set_state(SlotState::Prepared);
+        for member in &members {
+            member.set_state(SlotState::Prepared);
         }
         Self {
             rig,
-            seats,
+            members,
             states,
             events,
         }
@@ -46,10 +46,10 @@ impl Drivers {
     #[track_caller]
     pub fn turn(&self, tick: u64) -> (Vec<RobotState>, Vec<WorldEvent>) {
         loop {
-            match self.seats[0].wait_turn(tick) {
-                Turn::Tick(_) => break,
-                Turn::Idle => {}
-                Turn::Stop => panic!("nobody stops this run"),
+            match self.members[0].wait_tick(tick) {
+                TickWait::Tick(_) => break,
+                TickWait::Idle => {}
+                TickWait::Stop => panic!("nobody stops this run"),
             }
         }
         let state = self.states.receive().unwrap().expect("a state");
@@ -64,10 +64,10 @@ impl Drivers {
     }
 
     fn done(&self, tick: u64) {
-        for seat in &self.seats {
-            seat.done(tick);
+        for member in &self.members {
+            member.done(tick);
         }
-        self.rig.overseer.recorded(tick);
+        self.rig.monitor.recorded(tick);
     }
 }
 
@@ -104,7 +104,7 @@ fn the_simulator_obeys_the_driver_of_a_robot_and_nobody_else() {
         }]
     };
     let ahead = |robot| command(robot, 0.1, 0.0);
-    drivers.rig.overseer.set_phase(Phase::Run);
+    drivers.rig.monitor.set_phase(Phase::Run);
     let (first, _) = drivers.turn(0);
     let at = |robots: &[RobotState], i: usize| (robots[i].x, robots[i].y, robots[i].theta);
 
@@ -246,7 +246,7 @@ fn the_simulator_applies_obstacles_at_their_tick_and_refuses_impossible_ones() {
             ..sound
         },
     ];
-    drivers.rig.overseer.set_phase(Phase::Run);
+    drivers.rig.monitor.set_phase(Phase::Run);
     let mut revisions = Vec::new();
     for tick in 0..8 {
         if (3..7).contains(&tick) {

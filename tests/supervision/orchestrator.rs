@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
-use runtime::lockstep::TurnPage;
+use runtime::lockstep::TickBarrier;
 use rustix::process::Signal;
 
 use crate::support::history::History;
@@ -58,7 +58,7 @@ fn costs_a_second_at_most(words: &[&str], kills: u32, after_ms: Range<u64>) {
         let run = sandbox.next_run(&known);
         known.insert(run.clone());
         wait_for_tick(&run, 1);
-        let page = TurnPage::open(&Sandbox::prefix(&run)).unwrap();
+        let page = TickBarrier::open(&Sandbox::prefix(&run)).unwrap();
         moment = moment
             .wrapping_mul(6_364_136_223_846_793_005)
             .wrapping_add(1);
@@ -138,7 +138,7 @@ fn the_tick_in_which_the_world_stands_still_is_in_the_log_before_it_ends() {
         let run = sandbox.next_run(&known);
         known.insert(run.clone());
         wait_for_tick(&run, 20);
-        let page = TurnPage::open(&Sandbox::prefix(&run)).unwrap();
+        let page = TickBarrier::open(&Sandbox::prefix(&run)).unwrap();
         let planner = sandbox.process("evader_potential");
         stop(planner.pid);
         // Its seat is the one behind the simulator's.
@@ -206,7 +206,7 @@ fn by_the_clock_the_last_ticks_of_a_world_that_stands_still_are_in_the_log_too()
         .start();
     let run = sandbox.next_run(&BTreeSet::new());
     wait_for_tick(&run, 5);
-    let page = TurnPage::open(&Sandbox::prefix(&run)).unwrap();
+    let page = TickBarrier::open(&Sandbox::prefix(&run)).unwrap();
     stop(sandbox.process("simulator").pid);
     let posted = page.ticks_posted();
     let history = until("the state in the log", SOON, || {

@@ -17,7 +17,7 @@ pub mod ways;
 
 use std::time::{Duration, Instant};
 
-use runtime::lockstep::TurnPage;
+use runtime::lockstep::TickBarrier;
 
 pub use sandbox::Sandbox;
 
@@ -46,7 +46,7 @@ pub fn until<T>(what: &str, time: Duration, mut done: impl FnMut() -> Option<T>)
 #[track_caller]
 pub fn wait_for_tick(run: &str, ticks: u64) {
     let prefix = Sandbox::prefix(run);
-    let page = until("the turn page", SOON, || TurnPage::open(&prefix).ok());
+    let page = until("the tick barrier", SOON, || TickBarrier::open(&prefix).ok());
     until("the first ticks", SOON, || {
         (page.ticks_posted() >= ticks).then_some(())
     });

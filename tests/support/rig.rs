@@ -1,5 +1,5 @@
 //! One real process, with the test in the place of everybody else: it creates the services and the
-//! turn page as the orchestrator does, and says what the others would.
+//! tick barrier as the orchestrator does, and says what the others would.
 
 use std::io::Read as _;
 use std::os::fd::OwnedFd;
@@ -19,18 +19,18 @@ use ipc_types::topics::{
     WorldShapes, WorldState, for_each_topic,
 };
 use mission::plan::Plan;
-use runtime::lockstep::{Conductor, Overseer, Phase, SlotState, TurnEnd, TurnPage};
+use runtime::lockstep::{BarrierLeader, BarrierMonitor, Phase, SlotState, TickBarrier, TickEnd};
 use rustix::process::{Pid, PidfdFlags, Signal};
 use scenario::ResolvedScenario;
 
 use super::call::wait;
 use super::{PROTEAN, SOON, until};
 
-/// The bus, the page and one process; everything goes when it is dropped.
+/// The bus, the barrier and one process; everything goes when it is dropped.
 pub struct Rig {
     pub scenario: ResolvedScenario,
     pub plan: Plan,
-    pub overseer: Overseer,
+    pub monitor: BarrierMonitor,
     pub bus: Bus,
     pub process: Process,
     status: Subscriber<Status>,
@@ -101,14 +101,14 @@ impl Rig {
                 services.push(bus.create_event(event).unwrap());
             }
         }
-        let page = TurnPage::create(space.prefix(), plan.launches.len()).unwrap();
-        let overseer = Overseer::new(Arc::new(page));
+        let barrier = TickBarrier::create(space.prefix(), plan.launches.len()).unwrap();
+        let monitor = BarrierMonitor::new(Arc::new(barrier));
         let slot = plan
             .launches
             .iter()
             .position(|l| l.config.name == name)
             .unwrap();
-        overseer.seat(slot, slot != 0, plan.launches[slot].watched);
+        monitor.assign_slot(slot, slot != 0, plan.launches[slot].watched);
         let config = space.root().join("process.json");
         let launch = &plan.launches[slot];
         std::fs::write(&config, serde_json::to_vec(launch).unwrap()).unwrap();
@@ -122,7 +122,7 @@ impl Rig {
             process,
             scenario,
             plan,
-            overseer,
+            monitor,
             bus,
             status,
             newest: std::cell::Cell::new(ProcessStatus::default()),
@@ -144,27 +144,27 @@ impl Rig {
         self.bus.subscriber().unwrap()
     }
 
-    pub fn page(&self) -> &TurnPage {
-        self.overseer.page()
+    pub fn barrier(&self) -> &TickBarrier {
+        self.monitor.barrier()
     }
 
-    /// A mapping of the page of one's own.
-    pub fn open_page(&self) -> Arc<TurnPage> {
-        Arc::new(TurnPage::open(self.space.0.prefix()).unwrap())
+    /// A mapping of the barrier of one's own.
+    pub fn open_page(&self) -> Arc<TickBarrier> {
+        Arc::new(TickBarrier::open(self.space.0.prefix()).unwrap())
     }
 
     /// Waits until the process is this far.
     #[track_caller]
     pub fn wait_for(&mut self, state: SlotState) {
         let deadline = Instant::now() + SOON;
-        while self.page().state(self.slot) != state {
+        while self.barrier().state(self.slot) != state {
             if let Some(status) = self.process.child.try_wait().unwrap() {
                 panic!("{status}: {}", self.process.words());
             }
             assert!(
                 Instant::now() < deadline,
                 "{:?}",
-                self.page().state(self.slot)
+                self.barrier().state(self.slot)
             );
             std::thread::park_timeout(std::time::Duration::from_millis(1));
         }
@@ -174,7 +174,7 @@ impl Rig {
     #[track_caller]
     pub fn take_off(&mut self) {
         self.wait_for(SlotState::Ready);
-        self.overseer.set_phase(Phase::Connect);
+        self.monitor.set_phase(Phase::Connect);
         self.wait_for(SlotState::Connected);
         self.status.update_connections().unwrap();
     }
@@ -182,7 +182,7 @@ impl Rig {
     /// The hand-shake from the map to the first tick.
     #[track_caller]
     pub fn prepare(&mut self) {
-        self.overseer.set_phase(Phase::Prepare);
+        self.monitor.set_phase(Phase::Prepare);
         self.wait_for(SlotState::Prepared);
     }
 
@@ -206,7 +206,7 @@ impl Rig {
 
     /// How the process stands at its end, once that comes.
     pub fn state(&self) -> SlotState {
-        self.page().state(self.slot)
+        self.barrier().state(self.slot)
     }
 }
 
@@ -265,7 +265,7 @@ pub struct World {
     pub states: Publisher<WorldState>,
     pub maps: Publisher<WorldMap>,
     pub shapes: Publisher<WorldShapes>,
-    conductor: Conductor,
+    leader: BarrierLeader,
     /// The robots as the next state says.
     pub robots: Vec<RobotState>,
     period_ns: u64,
@@ -297,7 +297,7 @@ impl World {
             states: rig.publisher(0, robots.len() + 1),
             maps: rig.publisher(0, cells),
             shapes: rig.publisher(0, 4096),
-            conductor: Conductor::new(rig.open_page(), 0, 1 << 20),
+            leader: BarrierLeader::new(rig.open_page(), 0, 1 << 20),
             robots,
             period_ns: rig.plan.run.tick_period_ns,
             cells,
@@ -312,7 +312,7 @@ impl World {
         self.shapes.update_connections().unwrap();
         maps(self, rig);
         rig.prepare();
-        rig.overseer.set_phase(Phase::Run);
+        rig.monitor.set_phase(Phase::Run);
     }
 
     pub fn header(&self, tick: u64) -> WorldHeader {
@@ -363,14 +363,14 @@ impl World {
     /// Gives everybody the turn and waits until they have taken it; false if somebody died instead.
     #[track_caller]
     pub fn turn(&self, rig: &Rig, tick: u64) -> bool {
-        self.conductor.post(tick);
+        self.leader.post(tick);
         let deadline = Instant::now() + SOON;
         loop {
-            match self.conductor.wait(tick) {
-                TurnEnd::Complete => return true,
-                TurnEnd::Idle if !rig.state().is_alive() => return false,
-                TurnEnd::Stop => panic!("nobody stops this run"),
-                TurnEnd::Idle => assert!(Instant::now() < deadline, "no answer to tick {tick}"),
+            match self.leader.wait(tick) {
+                TickEnd::Complete => return true,
+                TickEnd::Idle if !rig.state().is_alive() => return false,
+                TickEnd::Stop => panic!("nobody stops this run"),
+                TickEnd::Idle => assert!(Instant::now() < deadline, "no answer to tick {tick}"),
             }
         }
     }

@@ -1,5 +1,5 @@
 //! Lock-step ticks per second of eight trivial planner processes: the runtime against bare iceoryx2 and
-//! a bare futex page.
+//! a bare futex barrier.
 //!
 //! Both do the same exchange with messages of the same size: publish the state, post the tick, wait
 //! for all, take eight commands. Both sets of processes are alive all the time and asleep while the
@@ -24,7 +24,7 @@ use mission::process_group::ProcessGroup;
 use mission::run_directory::RunDirectory;
 use runtime::config::{Clock, ProcessConfig, RobotInfo, RunConfig, document};
 use runtime::inputs::{StateInput, reply_stamp};
-use runtime::lockstep::{Conductor, Overseer, Phase, SlotState, TurnEnd, TurnPage};
+use runtime::lockstep::{BarrierLeader, BarrierMonitor, Phase, SlotState, TickBarrier, TickEnd};
 use runtime::{Process, ProcessError, ProcessKind};
 use serde::Serialize;
 use sim_backend::spec::Preset;
@@ -32,7 +32,7 @@ use sim_backend::team::Team;
 use statistics::{Spread, paired_ratio};
 
 pub use self::raw::planner as raw_planner;
-use self::raw::{PLANNERS, RawConductor, RawConfig};
+use self::raw::{PLANNERS, RawConfig, RawLeader};
 use super::report::{Figure, Goal};
 use super::{Options, Result, say};
 
@@ -172,9 +172,9 @@ fn start_planners(
 
 /// The exchange over the runtime.
 struct RuntimeExchange {
-    overseer: Overseer,
+    monitor: BarrierMonitor,
     planners: ProcessGroup,
-    conductor: Conductor,
+    leader: BarrierLeader,
     state_out: Publisher<WorldState>,
     commands_in: Subscriber<Commands>,
     states: Vec<RobotState>,
@@ -194,10 +194,10 @@ impl RuntimeExchange {
             bus.create::<Commands>()?,
             bus.create::<Status>()?,
         ];
-        let page = Arc::new(TurnPage::create(space.space().prefix(), PLANNERS + 1)?);
-        let overseer = Overseer::new(Arc::clone(&page));
+        let barrier = Arc::new(TickBarrier::create(space.space().prefix(), PLANNERS + 1)?);
+        let monitor = BarrierMonitor::new(Arc::clone(&barrier));
         for slot in 0..=PLANNERS {
-            overseer.seat(slot, slot != 0, false);
+            monitor.assign_slot(slot, slot != 0, false);
         }
         let state_out = bus.publisher(PublisherOptions::new(0, PLANNERS))?;
         let commands_in = bus.subscriber()?;
@@ -214,9 +214,9 @@ impl RuntimeExchange {
         let configs: Vec<_> = configs.iter().map(|c| document(c, ())).collect();
         let planners = start_planners(&space, KIT_PLANNER, &configs)?;
         let mut exchange = Self {
-            overseer,
+            monitor,
             planners,
-            conductor: Conductor::new(page, 0, usize::MAX),
+            leader: BarrierLeader::new(barrier, 0, usize::MAX),
             state_out,
             commands_in,
             states: (0..PLANNERS as u32)
@@ -231,21 +231,21 @@ impl RuntimeExchange {
             _space: space,
         };
         exchange.reach(SlotState::Ready)?;
-        exchange.overseer.set_phase(Phase::Connect);
+        exchange.monitor.set_phase(Phase::Connect);
         exchange.state_out.update_connections()?;
         exchange.commands_in.update_connections()?;
         exchange.reach(SlotState::Connected)?;
         exchange.state_out.update_connections()?;
         exchange.commands_in.update_connections()?;
-        exchange.overseer.set_phase(Phase::Prepare);
+        exchange.monitor.set_phase(Phase::Prepare);
         exchange.reach(SlotState::Prepared)?;
-        exchange.overseer.set_phase(Phase::Run);
+        exchange.monitor.set_phase(Phase::Run);
         Ok(exchange)
     }
 
     fn reach(&mut self, state: SlotState) -> Result<()> {
-        let page = self.overseer.page();
-        let reached = || (1..=PLANNERS).all(|slot| page.state(slot) == state);
+        let barrier = self.monitor.barrier();
+        let reached = || (1..=PLANNERS).all(|slot| barrier.state(slot) == state);
         Ok(self.planners.wait(READY_WITHIN, reached)?)
     }
 
@@ -253,12 +253,12 @@ impl RuntimeExchange {
         let mut header = WorldHeader::default();
         header.stamp.tick = self.tick;
         self.state_out.send(header, &self.states)?;
-        self.conductor.post(self.tick);
+        self.leader.post(self.tick);
         loop {
-            match self.conductor.wait(self.tick) {
-                TurnEnd::Complete => break,
-                TurnEnd::Idle => self.planners.check()?,
-                TurnEnd::Stop => return Err("stopped".into()),
+            match self.leader.wait(self.tick) {
+                TickEnd::Complete => break,
+                TickEnd::Idle => self.planners.check()?,
+                TickEnd::Stop => return Err("stopped".into()),
             }
         }
         let mut commands = 0;
@@ -275,7 +275,7 @@ impl RuntimeExchange {
 
 impl Drop for RuntimeExchange {
     fn drop(&mut self) {
-        self.overseer.set_phase(Phase::Stop);
+        self.monitor.set_phase(Phase::Stop);
     }
 }
 
@@ -367,18 +367,18 @@ pub fn kit_planner(config: &Path) -> ExitCode {
     runtime::run::<TrivialPlanner>(config)
 }
 
-/// The exchange over bare iceoryx2 and a bare futex page.
+/// The exchange over bare iceoryx2 and a bare futex barrier.
 struct RawExchange {
-    // Ended before the ports of the conductor close.
+    // Ended before the ports of the barrier leader close.
     planners: ProcessGroup,
-    conductor: RawConductor,
+    leader: RawLeader,
     _space: RunDirectory,
 }
 
 impl RawExchange {
     fn start() -> Result<Self> {
         let space = RunDirectory::create()?;
-        let conductor = RawConductor::create(space.space())?;
+        let leader = RawLeader::create(space.space())?;
         let configs: Vec<_> = (0..PLANNERS as u32)
             .map(|index| RawConfig {
                 root: space.space().root().to_owned(),
@@ -388,32 +388,32 @@ impl RawExchange {
             .collect();
         let planners = start_planners(&space, RAW_PLANNER, &configs)?;
         let mut exchange = Self {
-            conductor,
+            leader,
             planners,
             _space: space,
         };
         exchange.reach(PLANNERS)?;
-        exchange.conductor.connect()?;
+        exchange.leader.connect()?;
         exchange.reach(2 * PLANNERS)?;
-        exchange.conductor.connect()?;
+        exchange.leader.connect()?;
         Ok(exchange)
     }
 
     fn reach(&mut self, said: usize) -> Result<()> {
-        let conductor = &self.conductor;
+        let leader = &self.leader;
         Ok(self
             .planners
-            .wait(READY_WITHIN, || conductor.said_ready() >= said)?)
+            .wait(READY_WITHIN, || leader.said_ready() >= said)?)
     }
 
     fn tick(&mut self) -> Result<()> {
         let planners = &mut self.planners;
-        self.conductor.tick(|| Ok(planners.check()?))
+        self.leader.tick(|| Ok(planners.check()?))
     }
 }
 
 impl Drop for RawExchange {
     fn drop(&mut self) {
-        self.conductor.stop();
+        self.leader.stop();
     }
 }

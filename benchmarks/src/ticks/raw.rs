@@ -45,7 +45,7 @@ struct RawCommand {
 const TICK: usize = 0;
 /// Answers so far.
 const ARRIVED: usize = LINE;
-/// Answers at which the conductor is woken.
+/// Answers at which the barrier leader is woken.
 const TARGET: usize = 2 * LINE;
 /// Planners that have opened their ports.
 const READY: usize = 3 * LINE;
@@ -55,7 +55,7 @@ const STAGE: usize = 4 * LINE;
 /// What is wrong when a message did not arrive.
 const LOST: &str = "raw iceoryx2: a message is missing";
 /// Longest sleep before looking whether to end.
-const LOOK_UP: Duration = Duration::from_millis(100);
+const POLL_INTERVAL: Duration = Duration::from_millis(100);
 
 /// What a raw process is told.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -134,7 +134,7 @@ fn planner_with(config: &Path) -> Result<()> {
     page.word(READY).fetch_add(1, Ordering::SeqCst);
     let stage = page.word(STAGE);
     while stage.load(Ordering::SeqCst) == 0 && !stop.load(Ordering::Relaxed) {
-        sleep_while(stage, 0, LOOK_UP);
+        sleep_while(stage, 0, POLL_INTERVAL);
     }
     connect(&state_in, &command_out)?;
     page.word(READY).fetch_add(1, Ordering::SeqCst);
@@ -144,7 +144,7 @@ fn planner_with(config: &Path) -> Result<()> {
     while stage.load(Ordering::Relaxed) == 1 && !stop.load(Ordering::Relaxed) {
         let posted = tick.load(Ordering::SeqCst);
         if posted == done {
-            sleep_while(tick, posted, LOOK_UP);
+            sleep_while(tick, posted, POLL_INTERVAL);
             continue;
         }
         let state = state_in.receive().map_err(raw("receive"))?.ok_or(LOST)?;
@@ -177,9 +177,9 @@ fn connect(
     command_out.update_connections().map_err(raw("connect"))
 }
 
-/// The raw conductor: publishes states, posts ticks, waits, takes commands.
+/// The raw barrier leader: publishes states, posts ticks, waits, takes commands.
 #[derive(Debug)]
-pub struct RawConductor {
+pub struct RawLeader {
     page: SharedWords,
     state_out: Publisher<ipc::Service, RawState, ()>,
     commands_in: Subscriber<ipc::Service, RawCommand, ()>,
@@ -188,7 +188,7 @@ pub struct RawConductor {
     tick: u32,
 }
 
-impl RawConductor {
+impl RawLeader {
     /// Creates page, services and ports; the planners may start then.
     pub fn create(space: &RunSpace) -> Result<Self> {
         let node = raw_node(space)?;
@@ -249,7 +249,7 @@ impl RawConductor {
             if seen == target {
                 break;
             }
-            sleep_while(arrived, seen, LOOK_UP);
+            sleep_while(arrived, seen, POLL_INTERVAL);
             if arrived.load(Ordering::SeqCst) == seen {
                 idle()?;
             }

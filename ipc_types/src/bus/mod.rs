@@ -24,7 +24,7 @@ use core::any::Any;
 use std::rc::Rc;
 use std::sync::Arc;
 
-use crate::clock::{StampClock, TurnStart};
+use crate::clock::{StampClock, StepStart};
 use crate::schema;
 use crate::topics::{MAX_EVENT_ID, Qos, RunSize, Service, Topic};
 use crate::transport::{self, Agreed, Home, Limits};
@@ -70,7 +70,7 @@ pub const LOOP_TICKS: usize = 4;
 pub struct Bus {
     backend: Backend,
     options: BusOptions,
-    turn: TurnStart,
+    turn: StepStart,
 }
 
 #[derive(Debug)]
@@ -95,7 +95,7 @@ impl Bus {
                 space: space.clone(),
             },
             options,
-            turn: TurnStart::default(),
+            turn: StepStart::default(),
         })
     }
 
@@ -107,7 +107,7 @@ impl Bus {
         Self {
             backend: Backend::Local(Rc::new(Hub::new(commons))),
             options,
-            turn: TurnStart::default(),
+            turn: StepStart::default(),
         }
     }
 

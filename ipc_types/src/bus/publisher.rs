@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::{BusError, BusOptions, Hub, SendError, agreed, local};
-use crate::clock::{TurnStart, monotonic_ns};
+use crate::clock::{StepStart, monotonic_ns};
 use crate::schema;
 use crate::stamp::Header;
 use crate::topics::Topic;
@@ -53,7 +53,7 @@ pub struct Publisher<T: Topic> {
     port: Port<T>,
     options: PublisherOptions,
     sequence: Cell<u64>,
-    turn: TurnStart,
+    turn: StepStart,
 }
 
 /// A publisher of one of the buses.
@@ -67,7 +67,7 @@ impl<T: Topic> Publisher<T> {
         node: &dyn Home,
         bus: &BusOptions,
         options: PublisherOptions,
-        turn: TurnStart,
+        turn: StepStart,
     ) -> Result<Self, BusError> {
         let sender = SenderOptions {
             capacity: options.capacity,
@@ -94,7 +94,7 @@ impl<T: Topic> Publisher<T> {
             port: Port::Local(local::Sender::open(hub.channel(bus)?)?),
             options,
             sequence: Cell::new(0),
-            turn: TurnStart::default(),
+            turn: StepStart::default(),
         })
     }
 

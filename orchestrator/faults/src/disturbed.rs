@@ -9,7 +9,7 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use platform::{descriptors, proc, program};
-use runtime::lockstep::TurnPage;
+use runtime::lockstep::TickBarrier;
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value as Json;
 use tempfile::TempDir;
@@ -194,7 +194,7 @@ impl Mission {
     fn look_at_ticks(&mut self) {
         let mut prefixes = self.runs().into_iter().map(|run| prefix(&run));
         // The page goes with the run.
-        let page = prefixes.find_map(|prefix| TurnPage::open(&prefix).ok());
+        let page = prefixes.find_map(|prefix| TickBarrier::open(&prefix).ok());
         let ticks = page.map_or(0, |page| page.ticks_posted());
         let known = self.posts.last().map_or(0, |&(ticks, _)| ticks);
         if ticks > known {

@@ -5,7 +5,7 @@ use std::time::Duration;
 use ipc_types::bus::{BusError, ReceiveError, SendError};
 use mcap_log::LogWriteError;
 use runtime::ProcessError;
-use runtime::lockstep::PageError;
+use runtime::lockstep::BarrierError;
 use viewer::LiveError;
 
 use super::child_process::ChildError;
@@ -29,9 +29,9 @@ pub enum MissionError {
     /// The bus cannot be set up.
     #[error(transparent)]
     Bus(#[from] BusError),
-    /// The turn page cannot be set up.
+    /// The tick barrier cannot be set up.
     #[error(transparent)]
-    Page(#[from] PageError),
+    Barrier(#[from] BarrierError),
     /// The log cannot be created.
     #[error(transparent)]
     Log(#[from] LogWriteError),

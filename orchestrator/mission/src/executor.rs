@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use ipc_types::messages::process::ProcessEvent;
-use runtime::lockstep::{Overseer, Phase};
+use runtime::lockstep::{BarrierMonitor, Phase};
 
 use super::child_process::{ChildError, RunningProcess};
 use super::decide::{Action, Event, Moment, Seen};
@@ -21,7 +21,7 @@ use super::shm_usage;
 pub(super) struct Executor<'a> {
     resources: &'a RunResources,
     launches: &'a [Launch],
-    overseer: Overseer,
+    monitor: BarrierMonitor,
     bridge: Option<ExternalBridge>,
     processes: ProcessGroup,
     /// Where events and lines go, if anywhere.
@@ -31,7 +31,7 @@ pub(super) struct Executor<'a> {
 }
 
 impl<'a> Executor<'a> {
-    /// Gives each of these processes its slot at the page.
+    /// Gives each of these processes its slot at the barrier.
     ///
     /// # Errors
     /// [`MissionError`] if the turns of external programs cannot be bridged.
@@ -40,16 +40,16 @@ impl<'a> Executor<'a> {
         launches: &'a [Launch],
         echo: bool,
     ) -> Result<Self, MissionError> {
-        let overseer = Overseer::new(Arc::clone(&resources.page));
+        let monitor = BarrierMonitor::new(Arc::clone(&resources.barrier));
         for launch in launches {
             let slot = launch.config.index as usize;
-            overseer.seat(slot, slot != 0, launch.watched);
+            monitor.assign_slot(slot, slot != 0, launch.watched);
         }
-        let bridge = ExternalBridge::start(launches, &resources.bus, &resources.page)?;
+        let bridge = ExternalBridge::start(launches, &resources.bus, &resources.barrier)?;
         Ok(Self {
             resources,
             launches,
-            overseer,
+            monitor,
             bridge: Some(bridge),
             processes: ProcessGroup::default(),
             log: None,
@@ -88,16 +88,16 @@ impl<'a> Executor<'a> {
 
     /// Moves the run on.
     pub(super) fn enter(&self, phase: Phase) {
-        self.overseer.set_phase(phase);
+        self.monitor.set_phase(phase);
     }
 
     /// The processes as they are now.
     pub(super) fn see(&self) -> Vec<Seen> {
-        let page = self.overseer.page();
+        let barrier = self.monitor.barrier();
         let bridge = self.bridge.as_ref();
         let see = |process: &RunningProcess| Seen {
-            state: page.state(process.slot),
-            done: page.ticks_done(process.slot),
+            state: barrier.state(process.slot),
+            done: barrier.ticks_done(process.slot),
             is_vacant: bridge.is_none_or(|bridge| bridge.is_vacant(process.slot)),
         };
         self.processes.iter().map(see).collect()
@@ -121,16 +121,16 @@ impl<'a> Executor<'a> {
 
     /// Ticks that have been posted.
     pub(super) fn ticks_posted(&self) -> u64 {
-        self.overseer.page().ticks_posted()
+        self.monitor.barrier().ticks_posted()
     }
 
     /// Now, as a process sees it.
     pub(super) fn moment(&self, index: usize) -> Moment {
-        let page = self.overseer.page();
+        let barrier = self.monitor.barrier();
         Moment {
             now: Instant::now(),
             posted: self.ticks_posted(),
-            done: page.ticks_done(self.processes[index].slot),
+            done: barrier.ticks_done(self.processes[index].slot),
         }
     }
 
@@ -154,16 +154,16 @@ impl<'a> Executor<'a> {
                 process.kill();
                 return Ok(Some(Event::Ended(how_it_ended(process))));
             }
-            Action::Stop => self.overseer.set_phase(Phase::Stop),
+            Action::Stop => self.monitor.set_phase(Phase::Stop),
             Action::FreeDead => {
                 if let Some(log) = &self.log {
                     log.drain();
                 }
                 self.resources.bus.clean_up_dead();
             }
-            Action::MarkDead => self.overseer.bury(process.slot),
+            Action::MarkDead => self.monitor.mark_dead(process.slot),
             Action::Restart => {
-                self.overseer.reseat(process.slot);
+                self.monitor.reset_slot(process.slot);
                 match self.launch(index) {
                     Ok(process) => self.processes[index] = process,
                     Err(error) => return Ok(Some(Event::NotStarted(error.of_it()))),
@@ -202,7 +202,7 @@ impl<'a> Executor<'a> {
 
     /// Ends all processes, and hands on what they wrote last.
     pub(super) fn stop(&mut self) {
-        self.overseer.set_phase(Phase::Stop);
+        self.monitor.set_phase(Phase::Stop);
         for name in self.processes.end() {
             tracing::warn!("process {name} did not end and was killed");
         }

@@ -1,7 +1,7 @@
-//! Turns for processes that do not know the turn page: executables of the user's, in any language
+//! Turns for processes that do not know the tick barrier: executables of the user's, in any language
 //! that iceoryx2 speaks.
 //!
-//! A thread per such process sits at the page in its place and passes the turn on through two
+//! A thread per such process waits at the tick barrier in its place and passes the turn on through two
 //! events: [`TURN_EVENT`] with the process's index says "your turn", the process answers each with
 //! [`DONE_EVENT`] and its index. The first answer comes unasked (ports open), the second answers
 //! the turn in which it connects its ports; then there is a turn per tick. [`END_OF_TURNS`] added to
@@ -15,7 +15,7 @@ use std::time::Duration;
 use ipc_types::bus::{Bus, Listener, Notifier, TopicHolder};
 use ipc_types::topics::{DONE_EVENT, END_OF_TURNS, TURN_EVENT};
 use runtime::config::{Clock, ProcessConfig};
-use runtime::lockstep::{LOOK_UP, Participant, Phase, SlotState, Turn, TurnPage};
+use runtime::lockstep::{BarrierMember, POLL_INTERVAL, Phase, SlotState, TickBarrier, TickWait};
 
 use super::child_process::Executable;
 use super::error::MissionError;
@@ -31,21 +31,21 @@ const SOON: Duration = Duration::from_millis(5);
 pub struct ExternalBridge {
     threads: Vec<JoinHandle<Result<(), MissionError>>>,
     stop: Arc<AtomicBool>,
-    /// The seats whose processes are gone, as far as their threads have noticed.
+    /// The slots whose processes are gone, as far as their threads have noticed.
     vacant: Vec<(usize, Arc<AtomicBool>)>,
     /// Held while the bridge stands.
     events: Vec<TopicHolder>,
 }
 
 impl ExternalBridge {
-    /// Takes a seat for every external process among these. Call before they are started.
+    /// Takes a slot for every external process among these. Call before they are started.
     ///
     /// # Errors
     /// [`MissionError`] if the events cannot be created.
     pub fn start(
         launches: &[Launch],
         bus: &Bus,
-        page: &Arc<TurnPage>,
+        barrier: &Arc<TickBarrier>,
     ) -> Result<Self, MissionError> {
         let stop = Arc::new(AtomicBool::new(false));
         let external: Vec<&ProcessConfig> = launches
@@ -65,9 +65,9 @@ impl ExternalBridge {
         bridge.events = vec![bus.create_event(TURN_EVENT)?, bus.create_event(DONE_EVENT)?];
         let options = *bus.options();
         for config in external {
-            let (space, page, stop) = (
+            let (space, barrier, stop) = (
                 config.run.space()?,
-                Arc::clone(page),
+                Arc::clone(barrier),
                 Arc::clone(&bridge.stop),
             );
             let config = config.clone();
@@ -81,9 +81,9 @@ impl ExternalBridge {
                 .spawn(move || {
                     // Ports belong to the thread that opened them.
                     let bus = Bus::join(&space, options, "bridge")?;
-                    let seat = Seat::open(&config, &bus, page, stop, vacant)?;
+                    let member = ExternalMember::open(&config, &bus, barrier, stop, vacant)?;
                     let _ = tell.send(());
-                    seat.serve()
+                    member.serve()
                 })
                 .map_err(|source| MissionError::System {
                     what: "cannot start a bridge's thread".into(),
@@ -96,12 +96,12 @@ impl ExternalBridge {
         Ok(bridge)
     }
 
-    /// Whether nobody waits for the process of a seat any more, so that its successor can be
-    /// started; always so for seats that are not the bridge's.
+    /// Whether nobody waits for the process of a slot any more, so that its successor can be
+    /// started; always so for slots that are not the bridge's.
     pub fn is_vacant(&self, slot: usize) -> bool {
-        let mut seats = self.vacant.iter();
-        seats
-            .find(|(seat, _)| *seat == slot)
+        let mut members = self.vacant.iter();
+        members
+            .find(|(member, _)| *member == slot)
             .is_none_or(|(_, vacant)| vacant.load(Ordering::SeqCst))
     }
 
@@ -124,10 +124,10 @@ impl ExternalBridge {
     }
 }
 
-/// One external process's place at the page.
-struct Seat {
-    participant: Participant,
-    page: Arc<TurnPage>,
+/// One external process's place at the barrier.
+struct ExternalMember {
+    member: BarrierMember,
+    barrier: Arc<TickBarrier>,
     index: usize,
     turn: Notifier,
     done: Listener,
@@ -137,19 +137,19 @@ struct Seat {
     vacant: Arc<AtomicBool>,
 }
 
-impl Seat {
+impl ExternalMember {
     fn open(
         config: &ProcessConfig,
         bus: &Bus,
-        page: Arc<TurnPage>,
+        barrier: Arc<TickBarrier>,
         stop: Arc<AtomicBool>,
         vacant: Arc<AtomicBool>,
     ) -> Result<Self, MissionError> {
         let index = config.index as usize;
         let upstream = config.upstream.iter().map(|&u| u as usize).collect();
         Ok(Self {
-            participant: Participant::new(Arc::clone(&page), index, upstream),
-            page,
+            member: BarrierMember::new(Arc::clone(&barrier), index, upstream),
+            barrier,
             index,
             turn: bus.notifier(TURN_EVENT)?,
             done: bus.listener(DONE_EVENT)?,
@@ -162,18 +162,19 @@ impl Seat {
 
     /// Whether the process whose turns these were is gone.
     fn is_lost(&self) -> bool {
-        self.page.state(self.index) == SlotState::Dead
+        self.barrier.state(self.index) == SlotState::Dead
     }
 
     fn stopping(&self) -> bool {
-        self.stop.load(Ordering::SeqCst) || self.page.phase() == Phase::Stop
+        self.stop.load(Ordering::SeqCst) || self.barrier.phase() == Phase::Stop
     }
 
     /// Waits for the process's answer; false if the run stops first.
     fn answered(&self) -> Result<bool, MissionError> {
         loop {
             let mut answered = false;
-            self.done.wait(LOOK_UP, |id| answered |= id == self.index)?;
+            self.done
+                .wait(POLL_INTERVAL, |id| answered |= id == self.index)?;
             if answered {
                 return Ok(true);
             }
@@ -193,7 +194,7 @@ impl Seat {
         result
     }
 
-    /// Waits for the process that takes the seat after one that is gone; false if the run stops.
+    /// Waits for the process that takes the slot after one that is gone; false if the run stops.
     fn wait_for_successor(&self) -> Result<bool, MissionError> {
         // What the last one said is not for the next one's turns.
         self.done.wait(DRAIN, |_| {})?;
@@ -202,7 +203,7 @@ impl Seat {
             if self.stopping() {
                 return Ok(false);
             }
-            if self.page.state(self.index) == SlotState::Starting {
+            if self.barrier.state(self.index) == SlotState::Starting {
                 self.vacant.store(false, Ordering::SeqCst);
                 return Ok(true);
             }
@@ -212,13 +213,13 @@ impl Seat {
     }
 
     fn take_turns(&self) -> Result<(), MissionError> {
-        let joins_late = self.participant.joins_late();
+        let joins_late = self.member.joins_late();
         if !self.answered()? {
             return Ok(());
         }
-        self.participant.set_state(SlotState::Ready);
+        self.member.set_state(SlotState::Ready);
         if !self
-            .participant
+            .member
             .wait_for_phase(Phase::Connect, || !self.stopping())
         {
             return Ok(());
@@ -228,19 +229,19 @@ impl Seat {
             return Ok(());
         }
         let on = || !self.stopping() && !self.is_lost();
-        if joins_late && !self.participant.join(on) {
+        if joins_late && !self.member.join(on) {
             return Ok(());
         }
-        self.participant.set_state(SlotState::Connected);
+        self.member.set_state(SlotState::Connected);
         // Whatever the process does with the map, it does in its first turn.
         if self
-            .participant
+            .member
             .wait_for_phase(Phase::Prepare, || !self.stopping())
         {
-            self.participant.set_state(SlotState::Prepared);
+            self.member.set_state(SlotState::Prepared);
         }
         let mut next = if joins_late {
-            self.participant.ticks_posted()
+            self.member.ticks_posted()
         } else {
             0
         };
@@ -249,23 +250,23 @@ impl Seat {
                 return Ok(());
             }
             let turn = match self.clock {
-                Clock::LockStep => self.participant.wait_turn(next),
+                Clock::LockStep => self.member.wait_tick(next),
                 Clock::RealTime { factor, .. } => {
                     let patience = (self.tick_period / factor.max(1e-3) * 0.5).min(1.0);
-                    self.participant
+                    self.member
                         .wait_newest(next, Duration::from_secs_f64(patience))
                 }
             };
             match turn {
-                Turn::Stop => return Ok(()),
-                Turn::Idle if self.stopping() => return Ok(()),
-                Turn::Idle => {}
-                Turn::Tick(tick) => {
+                TickWait::Stop => return Ok(()),
+                TickWait::Idle if self.stopping() => return Ok(()),
+                TickWait::Idle => {}
+                TickWait::Tick(tick) => {
                     self.turn.notify(self.index)?;
                     if !self.answered()? {
                         return Ok(());
                     }
-                    self.participant.done(tick);
+                    self.member.done(tick);
                     next = tick + 1;
                 }
             }

@@ -261,11 +261,11 @@ mod tests {
 
     #[test]
     fn everybody_that_a_scenario_may_have_finds_a_seat() {
-        use runtime::lockstep::TurnPage;
+        use runtime::lockstep::TickBarrier;
         let prefix = format!("protean_seats{}_", std::process::id());
-        let page = TurnPage::create(&prefix, spec::MAX_PROCESSES + 1);
-        let path = TurnPage::path_for(&prefix);
-        let found = page.map(|page| page.processes());
+        let barrier = TickBarrier::create(&prefix, spec::MAX_PROCESSES + 1);
+        let path = TickBarrier::path_for(&prefix);
+        let found = barrier.map(|barrier| barrier.processes());
         let _ = std::fs::remove_file(path);
         assert_eq!(found.unwrap(), spec::MAX_PROCESSES + 1);
     }

@@ -1,4 +1,4 @@
-//! The recorder of a run in a thread of its own, which sleeps at the turn page until there is something to record.
+//! The recorder of a run in a thread of its own, which sleeps at the tick barrier until there is something to record.
 
 use std::os::fd::OwnedFd;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -8,12 +8,12 @@ use std::time::{Duration, Instant};
 
 use ipc_types::bus::Bus;
 use runtime::config::Clock;
-use runtime::lockstep::Overseer;
+use runtime::lockstep::BarrierMonitor;
 
 use super::error::MissionError;
 use super::progress::EventPrinter;
 use super::resources::RunResources;
-use recorder::{Gate, Recorder, RecorderError, Recording, Summary};
+use recorder::{Recorder, RecorderError, Recording, Summary, Wakeup};
 
 /// Requests to the recorder to take what has been sent, out of its turn. It sleeps for many ticks, and what a dead
 /// process has sent goes when the process is cleaned up, unless the recorder has connected to it before.
@@ -52,23 +52,23 @@ impl DrainRequests {
 
 /// Lets the recorder sleep until there is something to record, and hold the simulator back.
 #[derive(Debug, Clone)]
-struct PageGate {
-    overseer: Overseer,
+struct BarrierWakeup {
+    monitor: BarrierMonitor,
     clock: Clock,
     ended: Arc<AtomicBool>,
     requests: Arc<DrainRequests>,
 }
 
-impl PageGate {
-    /// A gate over the page; `ended` is set once no process of the run sends any more.
+impl BarrierWakeup {
+    /// A wakeup over the barrier; `ended` is set once no process of the run sends any more.
     fn new(
-        overseer: Overseer,
+        monitor: BarrierMonitor,
         clock: Clock,
         ended: Arc<AtomicBool>,
         requests: Arc<DrainRequests>,
     ) -> Self {
         Self {
-            overseer,
+            monitor,
             clock,
             ended,
             requests,
@@ -76,30 +76,30 @@ impl PageGate {
     }
 }
 
-impl Gate for PageGate {
+impl Wakeup for BarrierWakeup {
     fn wait(&self, timeout: Duration) {
         if self.ended() {
             return;
         }
         if self.clock != Clock::LockStep
-            && let Some(tick) = self.overseer.completed_tick()
+            && let Some(tick) = self.monitor.completed_tick()
         {
             // In real time nothing waits for the log: the recorder is woken for what it has not
             // taken, not for what is not written.
-            self.overseer.recorded(tick);
+            self.monitor.recorded(tick);
         }
-        self.overseer.wait_for_records(timeout);
+        self.monitor.wait_for_records(timeout);
     }
 
     fn completed_tick(&self) -> Option<u64> {
         if self.clock != Clock::LockStep {
             return None;
         }
-        self.overseer.completed_tick()
+        self.monitor.completed_tick()
     }
 
     fn recorded(&self, tick: u64) {
-        self.overseer.recorded(tick);
+        self.monitor.recorded(tick);
     }
 
     fn calls(&self) -> u64 {
@@ -147,8 +147,8 @@ impl RecorderThread {
         let (connect, do_connect) = mpsc::channel();
         let (tell, connected) = mpsc::channel();
         let ended = Arc::new(AtomicBool::new(false));
-        let gate = PageGate::new(
-            Overseer::new(Arc::clone(&resources.page)),
+        let wakeup = BarrierWakeup::new(
+            BarrierMonitor::new(Arc::clone(&resources.barrier)),
             run.clock,
             Arc::clone(&ended),
             Arc::clone(&requests),
@@ -170,7 +170,7 @@ impl RecorderThread {
                 }
                 let _ = tell.send(());
                 requests.open(true);
-                let recorded = recorder.run(&gate, &mut printer);
+                let recorded = recorder.run(&wakeup, &mut printer);
                 requests.open(false);
                 recorded
             })

@@ -1,4 +1,4 @@
-//! Resources that the processes of a run share: directory, bus, topics and turn page.
+//! Resources that the processes of a run share: directory, bus, topics and tick barrier.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -7,7 +7,7 @@ use ipc_types::bus::{Bus, BusError, BusOptions, TopicHolder};
 use ipc_types::topics::{
     OptimiserPlan, PLAN_ANSWERED_EVENT, PLAN_ASKED_EVENT, Topic, TopicVisitor, for_each_topic,
 };
-use runtime::lockstep::TurnPage;
+use runtime::lockstep::TickBarrier;
 
 use super::error::MissionError;
 use super::plan::Plan;
@@ -21,8 +21,8 @@ pub struct RunResources {
     pub plan: Plan,
     /// The orchestrator's connection to the topics.
     pub bus: Bus,
-    /// The page by which the processes take turns.
-    pub page: Arc<TurnPage>,
+    /// The barrier by which the processes take turns.
+    pub barrier: Arc<TickBarrier>,
     topics: Vec<TopicHolder>,
     // Last: nothing of the run may be in use when it is wiped.
     directory: RunDirectory,
@@ -47,11 +47,11 @@ impl RunResources {
         let plan = Plan::new(scenario, space.root(), space.prefix(), log_level)?;
         let bus = Bus::join(space, bus(plan.run.bus_options()), "orchestrator")?;
         let topics = create_topics(&bus, &plan)?;
-        let page = Arc::new(TurnPage::create(space.prefix(), plan.launches.len())?);
+        let barrier = Arc::new(TickBarrier::create(space.prefix(), plan.launches.len())?);
         Ok(Self {
             plan,
             bus,
-            page,
+            barrier,
             topics,
             directory,
         })

@@ -201,10 +201,10 @@ impl ActiveRun<'_> {
 
     /// Watches the run until the game is over, the run is interrupted, or something fails.
     fn supervise(&mut self, supervisor: &mut Supervisor<'_>) -> Result<Ended, MissionError> {
-        let page = &self.resources.page;
+        let barrier = &self.resources.barrier;
         loop {
-            let ticks = page.ticks_posted();
-            let over = page.is_over();
+            let ticks = barrier.ticks_posted();
+            let over = barrier.is_over();
             let tick_period = self.resources.plan.run.tick_period();
             self.progress.at(ticks as f64 * tick_period);
             if over || self.recorder.is_finished() {

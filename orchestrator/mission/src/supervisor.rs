@@ -17,7 +17,7 @@ use super::resources::RunResources;
 use super::shm_usage;
 
 /// Time between two looks while a process is awaited, at the start or after a failure. Processes say how far they
-/// are on the page; a few milliseconds are nothing against what starting a process takes.
+/// are on the barrier; a few milliseconds are nothing against what starting a process takes.
 const QUICK_BEAT: Duration = Duration::from_millis(2);
 /// Time between two looks at other times. The end of a process wakes at once.
 const BEAT: Duration = Duration::from_millis(10);
@@ -29,7 +29,7 @@ pub struct Supervisor<'a> {
 }
 
 impl<'a> Supervisor<'a> {
-    /// Takes up these processes of the run, each of which gets its slot at the page; with `echo` their stderr is
+    /// Takes up these processes of the run, each of which gets its slot at the barrier; with `echo` their stderr is
     /// shown.
     ///
     /// # Errors

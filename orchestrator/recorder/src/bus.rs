@@ -7,12 +7,12 @@ use ipc_types::consumer::Consumer;
 use ipc_types::topics::{Topic, TopicVisitor, for_each_topic};
 
 use super::error::RecorderError;
-use super::gate::Gate;
 use super::recording::Recording;
 use super::summary::Summary;
+use super::wakeup::Wakeup;
 
 /// Longest sleep between two looks at the bus. Messages gather meanwhile, so that the recorder is
-/// woken per batch and not per tick; a gate wakes it earlier when the simulator is about to be
+/// woken per batch and not per tick; a wakeup wakes it earlier when the simulator is about to be
 /// held back.
 const NAP: Duration = Duration::from_millis(10);
 
@@ -64,25 +64,25 @@ impl Recorder {
             .map_err(RecorderError::from)
     }
 
-    /// Records until the gate says that the run has ended.
+    /// Records until the wakeup says that the run has ended.
     ///
     /// # Errors
     /// [`RecorderError`]; what was written before stays readable.
     pub fn run(
         mut self,
-        gate: &dyn Gate,
+        wakeup: &dyn Wakeup,
         observer: &mut dyn Consumer,
     ) -> Result<Summary, RecorderError> {
         let mut recorded = None;
         loop {
-            // What the gate says must be known before the buffers are looked at: then every
+            // What the wakeup says must be known before the buffers are looked at: then every
             // message that it speaks of is in them.
-            let ended = gate.ended();
-            let completed = gate.completed_tick();
-            let calls = gate.calls();
+            let ended = wakeup.ended();
+            let completed = wakeup.completed_tick();
+            let calls = wakeup.calls();
             let empty = self.drain()?;
             if empty {
-                gate.answer(calls);
+                wakeup.answer(calls);
                 if ended {
                     break;
                 }
@@ -91,13 +91,13 @@ impl Recorder {
                 if completed > recorded
                     && let Some(tick) = completed
                 {
-                    gate.recorded(tick);
+                    wakeup.recorded(tick);
                     recorded = completed;
                 }
             }
             self.recording.flush_if_due()?;
             if empty {
-                gate.wait(NAP);
+                wakeup.wait(NAP);
             }
         }
         Ok(self.recording.finish(observer)?)

@@ -5,7 +5,7 @@
 //! * [`Recording`] checks, counts and fingerprints messages, and hands them on in their order: to the
 //!   outcome of the run, to the log, to an observer. A run without a log has the same, but for the
 //!   log;
-//! * [`mcap_log::LogWriter`] is the MCAP file; [`Gate`] is the seam to the run.
+//! * [`mcap_log::LogWriter`] is the MCAP file; [`Wakeup`] is the seam to the run.
 //!
 //! Lossless topics are ROS 2 CDR whose body is the message's bytes (`ipc_types::cdr`); beside them
 //! stand the channels that [`DerivedTopics`] makes from the messages, such as those for viewers. Log
@@ -22,7 +22,6 @@ mod covered;
 mod derived;
 mod digest;
 mod error;
-mod gate;
 mod happened;
 mod intake;
 mod judged;
@@ -38,6 +37,7 @@ mod run_info;
 mod sequence;
 mod summary;
 mod visits;
+mod wakeup;
 
 #[cfg(test)]
 mod tests;
@@ -50,10 +50,10 @@ pub use beginnings::Beginnings;
 pub use bus::Recorder;
 pub use derived::{DerivedChannel, DerivedMessages, DerivedTopics};
 pub use error::RecorderError;
-pub use gate::Gate;
 pub use recording::Recording;
 pub use run_info::{ProcessInfo, RobotInfo, RunInfo};
 pub use summary::{
     CoverageByWay, CoverageOutcome, EventEntry, LapFigures, Outage, PredictionOutcome,
     ProcessOutcome, RobotOutcome, Summary, TopicCount, WaypointOutcome, status_name, team_name,
 };
+pub use wakeup::Wakeup;

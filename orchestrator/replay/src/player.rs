@@ -15,7 +15,7 @@ use mcap_log::known;
 use mcap_log::source::{Logged, Source};
 use platform::eprintln;
 use runtime::config::Clock;
-use runtime::lockstep::{Conductor, Overseer, Phase};
+use runtime::lockstep::{BarrierLeader, BarrierMonitor, Phase};
 
 use super::broadcast::Broadcast;
 use super::create_resources;
@@ -92,8 +92,8 @@ struct Player<'a> {
     options: &'a ReplayOptions,
     publishers: TopicPublishers,
     control: Publisher<Control>,
-    overseer: Overseer,
-    conductor: Conductor,
+    monitor: BarrierMonitor,
+    leader: BarrierLeader,
     broadcast: Option<Broadcast>,
     /// A log time, and when it is or was due.
     anchor: (u64, Instant),
@@ -120,7 +120,7 @@ impl<'a> Player<'a> {
             .transpose()
             .map_err(MissionError::from)?;
         let resources = create_resources(scenario)?;
-        let overseer = Overseer::new(Arc::clone(&resources.page));
+        let monitor = BarrierMonitor::new(Arc::clone(&resources.barrier));
         for launch in &resources.plan.launches {
             let launch = joining(launch, options.rate);
             let slot = launch.config.index as usize;
@@ -140,7 +140,7 @@ impl<'a> Player<'a> {
             }
             Ok::<(), ReplayError>(())
         })?;
-        overseer.set_phase(Phase::Run);
+        monitor.set_phase(Phase::Run);
         if !options.quiet {
             eprintln!(
                 "playing {}: root {}, prefix {}",
@@ -154,8 +154,8 @@ impl<'a> Player<'a> {
             options,
             publishers,
             control,
-            conductor: Conductor::new(Arc::clone(&resources.page), 0, 1 << 20),
-            overseer,
+            leader: BarrierLeader::new(Arc::clone(&resources.barrier), 0, 1 << 20),
+            monitor,
             broadcast,
             anchor: (0, Instant::now()),
             now: (0, 0),
@@ -219,7 +219,7 @@ impl<'a> Player<'a> {
                 self.say(message)?;
             }
             if let Some(stamp) = stamp {
-                self.conductor.post_without_waiting(stamp.tick);
+                self.leader.post_without_waiting(stamp.tick);
             }
         }
         Ok(true)
@@ -316,7 +316,7 @@ impl<'a> Player<'a> {
     /// Ends the run; what was played.
     fn end(mut self) -> Replayed {
         self.linger(LINGER);
-        self.overseer.set_phase(Phase::Stop);
+        self.monitor.set_phase(Phase::Stop);
         self.report.live = self.broadcast.take().map(Broadcast::finish);
         let counts = NAMES
             .iter()

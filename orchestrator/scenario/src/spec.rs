@@ -14,7 +14,7 @@ use sim_backend::team::Team;
 
 /// Most robots in one scenario.
 pub const MAX_ROBOTS: usize = 64;
-/// Most processes in one scenario, the simulator not counted: every one has a seat at the turn page.
+/// Most processes in one scenario, the simulator not counted: every one has a seat at the tick barrier.
 pub const MAX_PROCESSES: usize = 63;
 /// Most cells of the map's grid.
 pub const MAX_CELLS: usize = 25_000_000;

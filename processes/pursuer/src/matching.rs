@@ -32,23 +32,23 @@ pub fn balanced(costs: &[i64], rows: usize, columns: usize) -> Vec<(usize, usize
     }
     let share = rows / columns;
     let surplus = usize::from(!rows.is_multiple_of(columns));
-    let seats = columns * (share + surplus);
-    let mut weights = Vec::with_capacity(rows * seats);
+    let slots = columns * (share + surplus);
+    let mut weights = Vec::with_capacity(rows * slots);
     for row in costs.chunks_exact(columns) {
         // Seat number s is the (s / columns)-th place at evader s % columns.
-        weights.extend((0..seats).map(|seat| {
-            let beyond = share > 0 && seat / columns >= share;
-            row[seat % columns] + if beyond { SURPLUS_MS } else { 0 }
+        weights.extend((0..slots).map(|slot| {
+            let beyond = share > 0 && slot / columns >= share;
+            row[slot % columns] + if beyond { SURPLUS_MS } else { 0 }
         }));
     }
-    let Ok(weights) = Matrix::from_vec(rows, seats, weights) else {
+    let Ok(weights) = Matrix::from_vec(rows, slots, weights) else {
         return Vec::new();
     };
     let (_, chosen) = kuhn_munkres_min(&weights);
     chosen
         .into_iter()
         .enumerate()
-        .map(|(row, seat)| (row, seat % columns))
+        .map(|(row, slot)| (row, slot % columns))
         .collect()
 }
 

@@ -21,7 +21,7 @@ pub struct ProcessConfig {
     pub name: String,
     /// Kind of the process.
     pub kind: String,
-    /// Index of the process: its slot of the turn page, and the source in its stamps.
+    /// Index of the process: its slot of the tick barrier, and the source in its stamps.
     pub index: u32,
     /// Indices of the robots it drives or observes for.
     pub robots: Vec<u32>,

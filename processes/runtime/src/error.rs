@@ -3,7 +3,7 @@
 use ipc_types::bus::{BusError, ReceiveError, SendError};
 
 use crate::config::ConfigError;
-use crate::lockstep::PageError;
+use crate::lockstep::BarrierError;
 
 /// Why a process cannot go on.
 #[derive(Debug, thiserror::Error)]
@@ -30,9 +30,9 @@ pub enum ProcessError {
     /// A message cannot be received.
     #[error(transparent)]
     Receive(#[from] ReceiveError),
-    /// The turn page cannot be used.
+    /// The tick barrier cannot be used.
     #[error(transparent)]
-    Page(#[from] PageError),
+    Barrier(#[from] BarrierError),
     /// A system call failed.
     #[error("{what}: {source}")]
     System {

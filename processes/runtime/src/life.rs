@@ -13,7 +13,7 @@ use crate::config::{self, Clock, ProcessConfig};
 use crate::error::ProcessError;
 use crate::guard;
 use crate::kind::{self, Process, ProcessKind};
-use crate::lockstep::{Participant, Phase, SlotState, Turn, TurnPage};
+use crate::lockstep::{BarrierMember, Phase, SlotState, TickBarrier, TickWait};
 use crate::logging;
 use crate::status::Heartbeat;
 
@@ -24,8 +24,8 @@ pub struct Setup {
     pub stop: Arc<AtomicBool>,
     /// The bus of the run.
     pub bus: Bus,
-    /// The turn page of the run.
-    pub page: Arc<TurnPage>,
+    /// The tick barrier of the run.
+    pub barrier: Arc<TickBarrier>,
     /// The heartbeat.
     pub heartbeat: Heartbeat,
 }
@@ -53,12 +53,12 @@ impl Setup {
             rustix::thread::sched_setaffinity(None, &set)
                 .map_err(|e| ProcessError::system("cannot pin to the processor asked for", e))?;
         }
-        let page = Arc::new(TurnPage::open(&config.run.prefix)?);
-        if config.index as usize >= page.processes() {
+        let barrier = Arc::new(TickBarrier::open(&config.run.prefix)?);
+        if config.index as usize >= barrier.processes() {
             return Err(ProcessError::Protocol(format!(
                 "process index {} in a run of {} processes",
                 config.index,
-                page.processes()
+                barrier.processes()
             )));
         }
         let bus = Bus::join(&config.run.space()?, config.run.bus_options(), &config.name)?;
@@ -66,15 +66,15 @@ impl Setup {
         Ok(Self {
             stop,
             bus,
-            page,
+            barrier,
             heartbeat,
         })
     }
 
-    /// The seat of a process in the loop.
-    pub fn participant(&self, config: &ProcessConfig) -> Participant {
-        Participant::new(
-            Arc::clone(&self.page),
+    /// The slot of a process in the loop.
+    pub fn member(&self, config: &ProcessConfig) -> BarrierMember {
+        BarrierMember::new(
+            Arc::clone(&self.barrier),
             config.index as usize,
             config.upstream.iter().map(|&u| u as usize).collect(),
         )
@@ -82,7 +82,7 @@ impl Setup {
 }
 
 /// Runs a process whose configuration lies in a file, to its end; returns its exit code. Errors go
-/// to stderr, to the heartbeat and to the turn page.
+/// to stderr, to the heartbeat and to the tick barrier.
 ///
 /// ```
 /// use std::path::Path;
@@ -148,10 +148,10 @@ pub fn run_with<P: DeserializeOwned>(
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             tracing::error!("{error}");
-            if let Ok(page) = TurnPage::open(&config.run.prefix) {
-                let page = Arc::new(page);
+            if let Ok(barrier) = TickBarrier::open(&config.run.prefix) {
+                let barrier = Arc::new(barrier);
                 let slot = config.index as usize;
-                Participant::new(page, slot, Vec::new()).set_state(SlotState::Failed);
+                BarrierMember::new(barrier, slot, Vec::new()).set_state(SlotState::Failed);
             }
             ExitCode::FAILURE
         }
@@ -169,50 +169,50 @@ fn name_process(name: &str) {
 type Open<'a> = &'a dyn Fn(&Bus) -> Result<Box<dyn Process>, ProcessError>;
 
 fn live(config: &ProcessConfig, mut setup: Setup, open: Open<'_>) -> Result<(), ProcessError> {
-    let seat = setup.participant(config);
-    let joins_late = seat.joins_late();
+    let member = setup.member(config);
+    let joins_late = member.joins_late();
     let mut process = open(&setup.bus)?;
-    seat.set_state(SlotState::Ready);
+    member.set_state(SlotState::Ready);
     let keep_going = || !setup.stop.load(Ordering::Relaxed);
-    if !seat.wait_for_phase(Phase::Connect, keep_going) {
-        seat.set_state(SlotState::Stopped);
+    if !member.wait_for_phase(Phase::Connect, keep_going) {
+        member.set_state(SlotState::Stopped);
         return Ok(());
     }
     process.connect()?;
     setup.heartbeat.connect()?;
     setup.heartbeat.beat(0, 2, None)?;
     // The others opened their ports long before these, and sent the map.
-    if joins_late && !seat.join(keep_going) {
-        seat.set_state(SlotState::Stopped);
+    if joins_late && !member.join(keep_going) {
+        member.set_state(SlotState::Stopped);
         return Ok(());
     }
-    seat.set_state(SlotState::Connected);
-    if seat.wait_for_phase(Phase::Prepare, keep_going) {
+    member.set_state(SlotState::Connected);
+    if member.wait_for_phase(Phase::Prepare, keep_going) {
         process.prepare()?;
-        seat.set_state(SlotState::Prepared);
+        member.set_state(SlotState::Prepared);
     }
 
-    let mut next = if joins_late { seat.ticks_posted() } else { 0 };
+    let mut next = if joins_late { member.ticks_posted() } else { 0 };
     let mut overruns = 0;
     loop {
         if setup.stop.load(Ordering::Relaxed) {
             break;
         }
         let turn = match config.run.clock {
-            Clock::LockStep => seat.wait_turn(next),
+            Clock::LockStep => member.wait_tick(next),
             Clock::RealTime { factor, .. } => {
                 let period = config.run.tick_period() / factor.max(1e-3);
-                seat.wait_newest(next, Duration::from_secs_f64((period * 0.5).min(1.0)))
+                member.wait_newest(next, Duration::from_secs_f64((period * 0.5).min(1.0)))
             }
         };
         match turn {
-            Turn::Stop => break,
-            Turn::Idle => {
+            TickWait::Stop => break,
+            TickWait::Idle => {
                 if setup.heartbeat.is_due() {
                     setup.heartbeat.beat(next, 3, None)?;
                 }
             }
-            Turn::Tick(tick) => {
+            TickWait::Tick(tick) => {
                 overruns += tick - next;
                 setup.bus.begin_turn();
                 let start = Instant::now();
@@ -226,13 +226,13 @@ fn live(config: &ProcessConfig, mut setup: Setup, open: Open<'_>) -> Result<(), 
                 if setup.heartbeat.is_due_at(end) {
                     setup.heartbeat.beat(tick, 3, None)?;
                 }
-                seat.done(tick);
+                member.done(tick);
                 next = tick + 1;
             }
         }
     }
-    // The ports close with `process` and `setup`, the seat is given up last.
+    // The ports close with `process` and `setup`, the slot is given up last.
     drop(process);
-    seat.set_state(SlotState::Stopped);
+    member.set_state(SlotState::Stopped);
     Ok(())
 }

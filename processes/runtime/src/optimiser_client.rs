@@ -10,7 +10,7 @@ use ipc_types::topics::{OptimiserPlan, PLAN_ANSWERED_EVENT, PLAN_ASKED_EVENT};
 use crate::error::ProcessError;
 
 /// How long a wake-up that was lost may go unnoticed.
-const LOOK_UP: Duration = Duration::from_millis(50);
+const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
 /// An answer of the optimiser: header and samples.
 pub type PlanAnswer = Answer<OptimiserPlan>;
@@ -121,7 +121,7 @@ impl OptimiserClient {
             }
             if let Some(woken) = &self.woken {
                 // Whoever else is answered wakes this one, too.
-                woken.wait(left.min(LOOK_UP), |_| {})?;
+                woken.wait(left.min(POLL_INTERVAL), |_| {})?;
             }
         }
     }

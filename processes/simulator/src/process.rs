@@ -17,7 +17,7 @@ use ipc_types::stamp::{PlainHeader, Stamp};
 use ipc_types::topics::{
     Commands, Coverage, Scan, WorldEvents, WorldMap as MapTopic, WorldShapes, WorldState,
 };
-use runtime::lockstep::{Conductor, Phase, SlotState};
+use runtime::lockstep::{BarrierLeader, Phase, SlotState};
 use runtime::maps::{Ground, Maps};
 use runtime::{Clock, ProcessConfig, ProcessError, Setup, shapes};
 use sim_backend::robot::Robot;
@@ -37,44 +37,45 @@ pub fn run(config: &Path) -> ExitCode {
     runtime::run_with(config, |config, params: &SimulatorParams| {
         let mut setup = Setup::new(config)?;
         let mut simulator = Simulator::open(config, params, &setup.bus)?;
-        let seat = setup.participant(config);
-        seat.set_state(SlotState::Ready);
+        let member = setup.member(config);
+        member.set_state(SlotState::Ready);
         let stop = Arc::clone(&setup.stop);
         let running = || !stop.load(Ordering::Relaxed);
-        if seat.wait_for_phase(Phase::Connect, running) {
+        if member.wait_for_phase(Phase::Connect, running) {
             simulator.connect()?;
             setup.heartbeat.connect()?;
             setup.heartbeat.beat(0, 2, None)?;
-            seat.set_state(SlotState::Connected);
-            if seat.wait_for_phase(Phase::Prepare, running) {
-                seat.set_state(SlotState::Prepared);
+            member.set_state(SlotState::Connected);
+            if member.wait_for_phase(Phase::Prepare, running) {
+                member.set_state(SlotState::Prepared);
             }
-            if seat.wait_for_phase(Phase::Run, running) {
+            if member.wait_for_phase(Phase::Run, running) {
                 let lag = (config.run.recorder_ticks as usize).saturating_sub(2);
-                let conductor = Conductor::new(Arc::clone(&setup.page), config.index as usize, lag);
+                let leader =
+                    BarrierLeader::new(Arc::clone(&setup.barrier), config.index as usize, lag);
                 match config.run.clock {
                     Clock::LockStep => {
                         let pace = config.run.pace;
-                        simulator.lock_step(&conductor, &mut setup, pace)?;
+                        simulator.lock_step(&leader, &mut setup, pace)?;
                     }
                     Clock::RealTime {
                         factor,
                         deadline_ns,
                     } => {
-                        simulator.real_time(&conductor, &mut setup, factor, deadline_ns)?;
+                        simulator.real_time(&leader, &mut setup, factor, deadline_ns)?;
                     }
                 }
-                if !running() && !conductor.stopping() {
+                if !running() && !leader.stopping() {
                     // The game is not over because somebody ends its world.
                     return Err(ProcessError::Terminated);
                 }
-                conductor.finish();
+                leader.finish();
             }
             // The ports stay open until everybody has taken what is in them.
-            seat.wait_for_phase(Phase::Stop, running);
+            member.wait_for_phase(Phase::Stop, running);
         }
         drop(simulator);
-        seat.set_state(SlotState::Stopped);
+        member.set_state(SlotState::Stopped);
         Ok(())
     })
 }

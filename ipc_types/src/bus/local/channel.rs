@@ -42,7 +42,7 @@ impl<T: Topic> Channel<T> {
     /// Makes room for a publisher; returns its number.
     pub(super) fn add_publisher(&self) -> Result<usize, BusError> {
         let mut histories = self.histories.borrow_mut();
-        check_seats::<T>("publisher", histories.len(), self.qos.publishers)?;
+        check_capacity::<T>("publisher", histories.len(), self.qos.publishers)?;
         let number = self.next.replace(self.next.get() + 1);
         histories.push((number, VecDeque::with_capacity(self.qos.history + 1)));
         Ok(number)
@@ -56,7 +56,7 @@ impl<T: Topic> Channel<T> {
     /// Makes a queue that holds `ticks` ticks of every publisher, with their histories in it.
     pub(super) fn add_subscriber(&self, ticks: usize) -> Result<Rc<Queue<T>>, BusError> {
         let mut queues = self.queues.borrow_mut();
-        check_seats::<T>("subscriber", queues.len(), self.qos.subscribers)?;
+        check_capacity::<T>("subscriber", queues.len(), self.qos.subscribers)?;
         let per_publisher = buffer(&self.qos, ticks);
         let histories = self.histories.borrow();
         let messages = histories.iter().flat_map(|(_, sent)| sent).cloned();
@@ -103,13 +103,17 @@ impl<T: Topic> Channel<T> {
     }
 }
 
-fn check_seats<T: Topic>(port: &'static str, taken: usize, seats: usize) -> Result<(), BusError> {
-    if taken < seats {
+fn check_capacity<T: Topic>(
+    port: &'static str,
+    taken: usize,
+    capacity: usize,
+) -> Result<(), BusError> {
+    if taken < capacity {
         return Ok(());
     }
     Err(BusError::Port {
         topic: T::NAME,
         port,
-        reason: format!("all {seats} are taken"),
+        reason: format!("all {capacity} are taken"),
     })
 }

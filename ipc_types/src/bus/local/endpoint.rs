@@ -23,24 +23,24 @@ impl<S: Service> Default for Endpoint<S> {
 }
 
 impl<S: Service> Endpoint<S> {
-    /// Takes the one seat of who answers.
+    /// Takes the one place of who answers.
     pub(in crate::bus) fn serve(&self, handler: Handler<S>) -> Result<(), BusError> {
-        let mut seat = self.handler.borrow_mut();
-        if seat.is_some() {
+        let mut installed = self.handler.borrow_mut();
+        if installed.is_some() {
             return Err(BusError::Port {
                 topic: S::NAME,
                 port: "server",
                 reason: "all 1 are taken".to_owned(),
             });
         }
-        *seat = Some(handler);
+        *installed = Some(handler);
         Ok(())
     }
 
     /// Nobody answers any more.
     pub(in crate::bus) fn close(&self) {
-        if let Ok(mut seat) = self.handler.try_borrow_mut() {
-            *seat = None;
+        if let Ok(mut installed) = self.handler.try_borrow_mut() {
+            *installed = None;
         }
     }
 
@@ -50,7 +50,7 @@ impl<S: Service> Endpoint<S> {
         header: &S::RequestHeader,
         elements: &[S::RequestElement],
     ) -> Option<Answer<S>> {
-        let mut seat = self.handler.try_borrow_mut().ok()?;
-        seat.as_mut().map(|handler| handler(header, elements))
+        let mut installed = self.handler.try_borrow_mut().ok()?;
+        installed.as_mut().map(|handler| handler(header, elements))
     }
 }

@@ -26,7 +26,7 @@ use super::{
 };
 
 /// Longest sleep before looking whether to end.
-const LOOK_UP: Duration = Duration::from_millis(100);
+const POLL_INTERVAL: Duration = Duration::from_millis(100);
 
 /// Runs the receiving side to its end.
 pub fn sink(config: &Path) -> ExitCode {
@@ -123,7 +123,7 @@ impl Sink {
                 return Ok(());
             }
             let Some(transport) = Transport::of_word(mode) else {
-                sleep_while(self.page.word(MODE), mode, LOOK_UP);
+                sleep_while(self.page.word(MODE), mode, POLL_INTERVAL);
                 continue;
             };
             let sent = self.page.word(SENT).load(Ordering::SeqCst);
@@ -137,7 +137,7 @@ impl Sink {
                     self.wait(transport, sent, misses)?;
                 }
                 // The mode changes now.
-                Next::EndOfBlock => sleep_while(self.page.word(MODE), mode, LOOK_UP),
+                Next::EndOfBlock => sleep_while(self.page.word(MODE), mode, POLL_INTERVAL),
                 Next::Closed => return Ok(()),
             }
         }
@@ -163,9 +163,9 @@ impl Sink {
     /// Waits for a message in the way of this transport; `sent` was read before there was none.
     fn wait(&self, transport: Transport, sent: u32, misses: u32) -> Result<(), LinkError> {
         match transport {
-            Transport::Bus => sleep_while(self.page.word(SENT), sent, LOOK_UP),
+            Transport::Bus => sleep_while(self.page.word(SENT), sent, POLL_INTERVAL),
             Transport::RawWoken => {
-                let waited = self.raw_event.timed_wait(|_| {}, LOOK_UP);
+                let waited = self.raw_event.timed_wait(|_| {}, POLL_INTERVAL);
                 waited.map_err(LinkError::raw("wait"))?;
             }
             _ if self.yields || misses.is_multiple_of(4096) => std::thread::yield_now(),

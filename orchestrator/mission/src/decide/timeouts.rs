@@ -9,7 +9,7 @@ use super::{Event, Process, Standing, State};
 /// A process as it is seen from outside.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Seen {
-    /// What the page says of it.
+    /// What the barrier says of it.
     pub(crate) state: SlotState,
     /// Ticks that it has done.
     pub(crate) done: u64,

@@ -11,7 +11,7 @@ use ipc_types::topics::{
 use mcap_log::LogOptions;
 
 use super::made_up::{FIRST_ROBOT, PERCEPTION, ROBOTS, SIMULATOR, Sent, recording, run};
-use crate::{Gate, Recorder};
+use crate::{Recorder, Wakeup};
 
 /// A run space that is wiped when the test ends, also by a panic.
 struct Space(RunSpace, tempfile::TempDir);
@@ -39,7 +39,7 @@ enum Clock {
     RealTime,
 }
 
-/// A gate between two threads; 0 stands for "no tick yet".
+/// A wakeup between two threads; 0 stands for "no tick yet".
 struct Turns {
     clock: Clock,
     completed: AtomicU64,
@@ -47,7 +47,7 @@ struct Turns {
     ended: AtomicBool,
 }
 
-impl Gate for Turns {
+impl Wakeup for Turns {
     fn wait(&self, timeout: Duration) {
         if self.clock == Clock::RealTime {
             let completed = self.completed.load(Ordering::Acquire);

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use mcap_log::LogReadError;
-use runtime::lockstep::{Conductor, TurnEnd};
+use runtime::lockstep::{BarrierLeader, TickEnd};
 
 use crate::ReplayError;
 use mission::MissionError;
@@ -39,7 +39,7 @@ impl ProcessesUnderTest for LocalProcesses {
 /// Processes of their own, whose turns this process posts in place of the simulator.
 pub(super) struct Processes<'a> {
     supervisor: Supervisor<'a>,
-    conductor: Conductor,
+    leader: BarrierLeader,
     interrupted: &'a AtomicBool,
 }
 
@@ -52,7 +52,7 @@ impl<'a> Processes<'a> {
     ) -> Result<Self, ReplayError> {
         let mut processes = Self {
             supervisor,
-            conductor: Conductor::new(Arc::clone(&resources.page), 0, 1 << 20),
+            leader: BarrierLeader::new(Arc::clone(&resources.barrier), 0, 1 << 20),
             interrupted,
         };
         or_interrupted(processes.supervisor.start(interrupted))?;
@@ -72,12 +72,12 @@ impl ProcessesUnderTest for Processes<'_> {
     }
 
     fn turn(&mut self, tick: u64) -> Result<(), ReplayError> {
-        self.conductor.post(tick);
+        self.leader.post(tick);
         loop {
-            match self.conductor.wait(tick) {
-                TurnEnd::Complete => return Ok(()),
-                TurnEnd::Stop => return Err(LogReadError::Interrupted.into()),
-                TurnEnd::Idle => self.supervisor.attend()?,
+            match self.leader.wait(tick) {
+                TickEnd::Complete => return Ok(()),
+                TickEnd::Stop => return Err(LogReadError::Interrupted.into()),
+                TickEnd::Idle => self.supervisor.attend()?,
             }
             if self.interrupted.load(Ordering::SeqCst) {
                 return Err(LogReadError::Interrupted.into());

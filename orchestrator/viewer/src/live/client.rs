@@ -21,7 +21,7 @@ const HANDSHAKE_WITHIN: Duration = Duration::from_secs(5);
 /// Time in which a viewer may take the rest when the run has ended.
 const END_WITHIN: Duration = Duration::from_secs(2);
 /// How often the thread looks up without being woken.
-const LOOK_UP: Duration = Duration::from_millis(200);
+const POLL_INTERVAL: Duration = Duration::from_millis(200);
 /// Bytes that are handed to the connection at once.
 const BATCH_BYTES: usize = 256 << 10;
 /// Longest message that a viewer may send: subscriptions to thousands of topics.
@@ -227,11 +227,11 @@ fn unless_full(result: Result<(), Error>) -> Result<bool, Error> {
     }
 }
 
-/// Until something happens, or [`LOOK_UP`] is over.
+/// Until something happens, or [`POLL_INTERVAL`] is over.
 fn wait(fds: &mut [PollFd<'_>]) -> io::Result<()> {
     let timeout = Timespec {
         tv_sec: 0,
-        tv_nsec: LOOK_UP.subsec_nanos().into(),
+        tv_nsec: POLL_INTERVAL.subsec_nanos().into(),
     };
     match poll(fds, Some(&timeout)) {
         Ok(_) | Err(rustix::io::Errno::INTR) => Ok(()),

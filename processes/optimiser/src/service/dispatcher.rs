@@ -20,7 +20,7 @@ use super::recent_plans::Memory;
 use crate::wire::{Refusal, decode_request, encode_answer};
 
 /// How long a lost wake-up, a client that has gone, or the end of the run may go unnoticed.
-const LOOK_UP: Duration = Duration::from_millis(50);
+const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
 /// What the dispatcher is given.
 #[derive(Debug, Clone)]
@@ -165,7 +165,8 @@ impl Desk {
             }
             self.answer_what_is_done()?;
             self.drop_unwanted();
-            self.asked.wait_or(self.pool.bell(), LOOK_UP, |_| {})?;
+            self.asked
+                .wait_or(self.pool.bell(), POLL_INTERVAL, |_| {})?;
         }
         for open in &self.open {
             open.cancelled.store(true, Ordering::Relaxed);

@@ -4,7 +4,7 @@ use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use ipc_types::clock;
-use runtime::lockstep::{Conductor, TurnEnd};
+use runtime::lockstep::{BarrierLeader, TickEnd};
 use runtime::{ProcessError, Setup};
 
 use super::Simulator;
@@ -40,7 +40,7 @@ impl Simulator {
     /// they are due.
     pub(super) fn lock_step(
         &mut self,
-        conductor: &Conductor,
+        leader: &BarrierLeader,
         setup: &mut Setup,
         pace: Option<f64>,
     ) -> Result<(), ProcessError> {
@@ -49,22 +49,22 @@ impl Simulator {
             let start = Instant::now();
             let over = self.publish()?;
             if over {
-                conductor.complete(self.tick);
+                leader.complete(self.tick);
                 return Ok(());
             }
-            conductor.post(self.tick);
+            leader.post(self.tick);
             loop {
                 if setup.stop.load(Ordering::Relaxed) {
                     return Ok(());
                 }
-                match conductor.wait(self.tick) {
-                    TurnEnd::Complete => break,
-                    TurnEnd::Idle => {
+                match leader.wait(self.tick) {
+                    TickEnd::Complete => break,
+                    TickEnd::Idle => {
                         if setup.heartbeat.is_due() {
                             setup.heartbeat.beat(self.tick, 3, None)?;
                         }
                     }
-                    TurnEnd::Stop => return Ok(()),
+                    TickEnd::Stop => return Ok(()),
                 }
             }
             setup.bus.begin_turn();
@@ -75,12 +75,12 @@ impl Simulator {
             if setup.heartbeat.is_due() {
                 setup.heartbeat.beat(self.tick, 3, None)?;
             }
-            if !conductor.complete(self.tick) {
+            if !leader.complete(self.tick) {
                 return Ok(());
             }
             self.advance(0);
             if let Some(schedule) = &mut schedule
-                && !conductor.sleep(schedule.until_next())
+                && !leader.sleep(schedule.until_next())
             {
                 return Ok(());
             }
@@ -90,7 +90,7 @@ impl Simulator {
     /// Ticks that come by the clock.
     pub(super) fn real_time(
         &mut self,
-        conductor: &Conductor,
+        leader: &BarrierLeader,
         setup: &mut Setup,
         factor: f64,
         deadline_ns: u64,
@@ -99,17 +99,17 @@ impl Simulator {
         let max_age = runtime::config::ticks_within(deadline_ns, self.tick_period);
         let mut overruns = 0;
         loop {
-            conductor.admit(|| self.connect_ports())?;
+            leader.admit(|| self.connect_ports())?;
             let start = Instant::now();
             let over = self.publish()?;
-            conductor.post_without_waiting(self.tick);
+            leader.post_without_waiting(self.tick);
             if over {
-                conductor.complete_without_waiting(self.tick);
+                leader.complete_without_waiting(self.tick);
                 return Ok(());
             }
             let left = schedule.until_next();
             overruns += u64::from(left.is_zero());
-            if !conductor.sleep(left) || setup.stop.load(Ordering::Relaxed) {
+            if !leader.sleep(left) || setup.stop.load(Ordering::Relaxed) {
                 return Ok(());
             }
             setup.bus.begin_turn();
@@ -120,7 +120,7 @@ impl Simulator {
             if setup.heartbeat.is_due() {
                 setup.heartbeat.beat(self.tick, 3, None)?;
             }
-            conductor.complete_without_waiting(self.tick);
+            leader.complete_without_waiting(self.tick);
             self.advance(max_age);
         }
     }

@@ -4,8 +4,8 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
-use super::LOOK_UP;
-use super::page::{Phase, SlotState, TurnPage, sleep_while, wake_all};
+use super::POLL_INTERVAL;
+use super::barrier::{Phase, SlotState, TickBarrier, sleep_while, wake_all};
 
 /// How often the recorder is woken at the least (ticks): waking it costs a context switch, so it
 /// works in batches.
@@ -13,7 +13,7 @@ const RECORD_BATCH: u32 = 32;
 
 /// What the wait for a tick ended with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum TurnEnd {
+pub enum TickEnd {
     /// Everybody alive has done the tick.
     Complete,
     /// Not yet; look after the heartbeat and wait again.
@@ -22,19 +22,19 @@ pub enum TurnEnd {
     Stop,
 }
 
-/// The simulator's seat: posts ticks and waits for everybody.
+/// The simulator's slot: posts ticks and waits for everybody.
 #[derive(Debug)]
-pub struct Conductor {
-    page: Arc<TurnPage>,
+pub struct BarrierLeader {
+    barrier: Arc<TickBarrier>,
     slot: usize,
     lag: u32,
 }
 
-impl Conductor {
-    /// Takes the seat. The simulator may run at most `lag` ticks ahead of the recorder.
-    pub fn new(page: Arc<TurnPage>, slot: usize, lag: usize) -> Self {
+impl BarrierLeader {
+    /// Takes the slot. The simulator may run at most `lag` ticks ahead of the recorder.
+    pub fn new(barrier: Arc<TickBarrier>, slot: usize, lag: usize) -> Self {
         Self {
-            page,
+            barrier,
             slot,
             lag: lag.max(1) as u32,
         }
@@ -42,8 +42,8 @@ impl Conductor {
 
     /// The slots that take part in tick barriers, in order.
     fn members(&self) -> impl Iterator<Item = usize> + '_ {
-        (0..self.page.processes()).filter(|&slot| {
-            slot != self.slot && self.page.slot(slot).in_loop.load(Ordering::Relaxed) != 0
+        (0..self.barrier.processes()).filter(|&slot| {
+            slot != self.slot && self.barrier.slot(slot).in_loop.load(Ordering::Relaxed) != 0
         })
     }
 
@@ -53,9 +53,9 @@ impl Conductor {
     fn waiting_for(&self, wanted: u32) -> u32 {
         self.members()
             .filter(|&slot| {
-                let state = self.page.state(slot);
+                let state = self.barrier.state(slot);
                 (state.takes_part() || matches!(state, SlotState::Stopped | SlotState::Failed))
-                    && self.page.slot(slot).done.load(Ordering::SeqCst) < wanted
+                    && self.barrier.slot(slot).done.load(Ordering::SeqCst) < wanted
             })
             .count() as u32
     }
@@ -66,7 +66,7 @@ impl Conductor {
     /// # Errors
     /// Those of `connect`.
     pub fn admit<E>(&self, connect: impl FnOnce() -> Result<(), E>) -> Result<(), E> {
-        let words = self.page.words();
+        let words = self.barrier.words();
         let joins = words.joins.0.load(Ordering::SeqCst);
         if joins != words.joined.0.load(Ordering::SeqCst) {
             connect()?;
@@ -78,7 +78,7 @@ impl Conductor {
 
     /// Posts tick `tick`: its state has been published, everybody may step it.
     pub fn post(&self, tick: u64) {
-        let words = self.page.words();
+        let words = self.barrier.words();
         let wanted = (tick + 1) as u32;
         self.retarget(wanted);
         words.tick.0.store(wanted, Ordering::SeqCst);
@@ -87,7 +87,7 @@ impl Conductor {
 
     /// Lets the last of those still missing wake the simulator.
     fn retarget(&self, wanted: u32) {
-        let words = self.page.words();
+        let words = self.barrier.words();
         // A member stores `done` before it raises the counter, and the counter is read here before
         // the members are: whoever is counted as arrived is never counted as missing too. So the
         // target may come out too small (a member between its two stores: one needless wake-up),
@@ -100,10 +100,10 @@ impl Conductor {
             .store(arrived.wrapping_add(missing), Ordering::SeqCst);
     }
 
-    /// Waits until everybody alive has done tick `tick`; returns [`TurnEnd::Idle`] after
-    /// [`LOOK_UP`] without progress.
-    pub fn wait(&self, tick: u64) -> TurnEnd {
-        let words = self.page.words();
+    /// Waits until everybody alive has done tick `tick`; returns [`TickEnd::Idle`] after
+    /// [`POLL_INTERVAL`] without progress.
+    pub fn wait(&self, tick: u64) -> TickEnd {
+        let words = self.barrier.words();
         let wanted = (tick + 1) as u32;
         let mut slept = false;
         loop {
@@ -111,14 +111,14 @@ impl Conductor {
             let missing = self.waiting_for(wanted);
             // Asked last: when a run stops its members leave, and that nobody is missing any more
             // does not mean that the tick was done.
-            if self.page.phase() == Phase::Stop {
-                return TurnEnd::Stop;
+            if self.barrier.phase() == Phase::Stop {
+                return TickEnd::Stop;
             }
             if missing == 0 {
-                return TurnEnd::Complete;
+                return TickEnd::Complete;
             }
             if slept {
-                return TurnEnd::Idle;
+                return TickEnd::Idle;
             }
             let target = words.target.0.load(Ordering::SeqCst);
             if (seen.wrapping_sub(target) as i32) >= 0 {
@@ -127,7 +127,7 @@ impl Conductor {
                 self.retarget(wanted);
                 continue;
             }
-            sleep_while(&words.arrived.0, seen, LOOK_UP);
+            sleep_while(&words.arrived.0, seen, POLL_INTERVAL);
             slept = words.arrived.0.load(Ordering::SeqCst) == seen && self.waiting_for(wanted) != 0;
             if self.waiting_for(wanted) != 0 {
                 // Somebody may have died since: the number to wait for has changed.
@@ -139,26 +139,26 @@ impl Conductor {
     /// Says that every message of tick `tick` has been sent, wakes the recorder when a batch is
     /// due, and sleeps while the recorder is too far behind. False if the run stops meanwhile.
     pub fn complete(&self, tick: u64) -> bool {
-        let words = self.page.words();
+        let words = self.barrier.words();
         let completed = self.complete_without_waiting(tick);
         loop {
             let recorded = words.recorded.0.load(Ordering::SeqCst);
             if completed.saturating_sub(recorded) < self.lag {
                 return true;
             }
-            if self.page.phase() == Phase::Stop {
+            if self.barrier.phase() == Phase::Stop {
                 return false;
             }
             self.wake_recorder();
-            sleep_while(&words.recorded.0, recorded, LOOK_UP);
+            sleep_while(&words.recorded.0, recorded, POLL_INTERVAL);
         }
     }
 
-    /// As [`Conductor::complete`], in real time: the recorder never holds the world back.
+    /// As [`BarrierLeader::complete`], in real time: the recorder never holds the world back.
     /// Returns the number of completed ticks.
     pub fn complete_without_waiting(&self, tick: u64) -> u32 {
         let completed = (tick + 1) as u32;
-        self.page
+        self.barrier
             .words()
             .completed
             .0
@@ -171,25 +171,25 @@ impl Conductor {
 
     /// Says that the game is over: after the completed ticks there will be no more.
     pub fn finish(&self) {
-        let words = self.page.words();
+        let words = self.barrier.words();
         words.over.0.store(1, Ordering::SeqCst);
         self.wake_recorder();
     }
 
     fn wake_recorder(&self) {
-        let due = &self.page.words().record_due.0;
+        let due = &self.barrier.words().record_due.0;
         due.fetch_add(1, Ordering::SeqCst);
         wake_all(due);
     }
 
     /// Whether the run is to end.
     pub fn stopping(&self) -> bool {
-        self.page.phase() == Phase::Stop
+        self.barrier.phase() == Phase::Stop
     }
 
     /// Posts tick `tick` in real time: nobody is waited for.
     pub fn post_without_waiting(&self, tick: u64) {
-        let words = self.page.words();
+        let words = self.barrier.words();
         words.tick.0.store((tick + 1) as u32, Ordering::SeqCst);
         wake_all(&words.tick.0);
     }
@@ -198,7 +198,7 @@ impl Conductor {
     pub fn sleep(&self, time: Duration) -> bool {
         let end = std::time::Instant::now() + time;
         loop {
-            let phase = self.page.phase();
+            let phase = self.barrier.phase();
             if phase == Phase::Stop {
                 return false;
             }
@@ -206,7 +206,7 @@ impl Conductor {
             if left.is_zero() {
                 return true;
             }
-            sleep_while(&self.page.words().phase.0, phase as u32, left);
+            sleep_while(&self.barrier.words().phase.0, phase as u32, left);
         }
     }
 }

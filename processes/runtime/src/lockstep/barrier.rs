@@ -1,4 +1,4 @@
-//! The page itself: its words, who writes them, and how it is shared.
+//! The barrier itself: its words, who writes them, and how it is shared.
 
 use std::fs::{File, OpenOptions};
 use std::os::unix::fs::OpenOptionsExt;
@@ -12,14 +12,14 @@ use rustix::thread::futex;
 /// Most processes of a run, the simulator included.
 pub const MAX_SLOTS: usize = 64;
 
-/// Says that the file is a turn page of this layout.
+/// Says that the file is a tick barrier of this layout.
 const MAGIC: u32 = 0x5052_5433;
 
-/// Why the page cannot be used.
+/// Why the barrier cannot be used.
 #[derive(Debug, thiserror::Error)]
-pub enum PageError {
+pub enum BarrierError {
     /// The file cannot be created, opened or mapped.
-    #[error("turn page {path}: {source}")]
+    #[error("tick barrier {path}: {source}")]
     File {
         /// The file in shared memory.
         path: PathBuf,
@@ -27,14 +27,14 @@ pub enum PageError {
         source: std::io::Error,
     },
     /// The file is something else.
-    #[error("turn page {path}: not a turn page of this version ({reason})")]
+    #[error("tick barrier {path}: not a tick barrier of this version ({reason})")]
     Layout {
         /// The file in shared memory.
         path: PathBuf,
         /// What differs.
         reason: String,
     },
-    /// The run has more processes than the page has slots.
+    /// The run has more processes than the barrier has slots.
     #[error("{processes} processes, but a run has at most {MAX_SLOTS}")]
     TooManyProcesses {
         /// Processes of the run.
@@ -151,29 +151,29 @@ pub(super) struct Words {
 #[repr(C, align(64))]
 pub(super) struct Line(pub AtomicU32);
 
-/// A mapping of the page.
-pub struct TurnPage {
+/// A mapping of the barrier.
+pub struct TickBarrier {
     map: MmapRaw,
     path: PathBuf,
 }
 
-impl TurnPage {
-    /// Where the page of a run with this prefix lies.
+impl TickBarrier {
+    /// Where the barrier of a run with this prefix lies.
     pub fn path_for(prefix: &str) -> PathBuf {
         Path::new("/dev/shm").join(format!("{prefix}turn"))
     }
 
-    /// Creates the page for a run (orchestrator only), readable by the current user only.
+    /// Creates the barrier for a run (orchestrator only), readable by the current user only.
     ///
     /// # Errors
-    /// [`PageError::File`] if it exists or shared memory is not available,
-    /// [`PageError::TooManyProcesses`] if the run does not fit.
-    pub fn create(prefix: &str, processes: usize) -> Result<Self, PageError> {
+    /// [`BarrierError::File`] if it exists or shared memory is not available,
+    /// [`BarrierError::TooManyProcesses`] if the run does not fit.
+    pub fn create(prefix: &str, processes: usize) -> Result<Self, BarrierError> {
         if processes > MAX_SLOTS {
-            return Err(PageError::TooManyProcesses { processes });
+            return Err(BarrierError::TooManyProcesses { processes });
         }
         let path = Self::path_for(prefix);
-        let failed = |source| PageError::File {
+        let failed = |source| BarrierError::File {
             path: path.clone(),
             source,
         };
@@ -192,21 +192,22 @@ impl TurnPage {
             size_of::<Words>() as u64,
         )
         .map_err(|e| failed(e.into()))?;
-        let page = Self::map(&file, path)?;
-        page.words()
+        let barrier = Self::map(&file, path)?;
+        barrier
+            .words()
             .slots
             .store(processes as u32, Ordering::Relaxed);
-        page.words().magic.store(MAGIC, Ordering::Release);
-        Ok(page)
+        barrier.words().magic.store(MAGIC, Ordering::Release);
+        Ok(barrier)
     }
 
-    /// Opens the page of a run.
+    /// Opens the barrier of a run.
     ///
     /// # Errors
-    /// [`PageError::File`] if it does not exist, [`PageError::Layout`] if it is of another version.
-    pub fn open(prefix: &str) -> Result<Self, PageError> {
+    /// [`BarrierError::File`] if it does not exist, [`BarrierError::Layout`] if it is of another version.
+    pub fn open(prefix: &str) -> Result<Self, BarrierError> {
         let path = Self::path_for(prefix);
-        let failed = |source| PageError::File {
+        let failed = |source| BarrierError::File {
             path: path.clone(),
             source,
         };
@@ -218,25 +219,25 @@ impl TurnPage {
         let length = file.metadata().map_err(failed)?.len();
         if length != size_of::<Words>() as u64 {
             let reason = format!("{length} bytes, expected {}", size_of::<Words>());
-            return Err(PageError::Layout { path, reason });
+            return Err(BarrierError::Layout { path, reason });
         }
-        let page = Self::map(&file, path)?;
-        let magic = page.words().magic.load(Ordering::Acquire);
+        let barrier = Self::map(&file, path)?;
+        let magic = barrier.words().magic.load(Ordering::Acquire);
         if magic != MAGIC {
             let reason = format!("magic {magic:#x}, expected {MAGIC:#x}");
-            return Err(PageError::Layout {
-                path: page.path.clone(),
+            return Err(BarrierError::Layout {
+                path: barrier.path.clone(),
                 reason,
             });
         }
-        Ok(page)
+        Ok(barrier)
     }
 
-    fn map(file: &File, path: PathBuf) -> Result<Self, PageError> {
+    fn map(file: &File, path: PathBuf) -> Result<Self, BarrierError> {
         let map = MmapOptions::new()
             .len(size_of::<Words>())
             .map_raw(file)
-            .map_err(|source| PageError::File {
+            .map_err(|source| BarrierError::File {
                 path: path.clone(),
                 source,
             })?;
@@ -248,10 +249,10 @@ impl TurnPage {
         (self.words().slots.load(Ordering::Relaxed) as usize).min(MAX_SLOTS)
     }
 
-    // A mapping starts at a page boundary, which is a multiple of every alignment up to 4096.
+    // A mapping starts at a barrier boundary, which is a multiple of every alignment up to 4096.
     #[allow(clippy::cast_ptr_alignment)]
     pub(super) fn words(&self) -> &Words {
-        // SAFETY: the mapping is page-aligned (≥ the alignment of `Words`), exactly
+        // SAFETY: the mapping is barrier-aligned (≥ the alignment of `Words`), exactly
         // `size_of::<Words>()` bytes long and lives as long as `self`. `Words` consists of
         // `AtomicU32` only, for which every bit pattern is valid and concurrent access from other
         // processes is defined. The file is never truncated while mapped: only the owner of the run
@@ -261,7 +262,7 @@ impl TurnPage {
 
     pub(super) fn slot(&self, index: usize) -> &Slot {
         // Indices come from the run's configuration, checked against `processes` at start-up; a
-        // wrong one must not read past the page.
+        // wrong one must not read past the barrier.
         &self.words().slot[index.min(MAX_SLOTS - 1)]
     }
 
@@ -297,7 +298,7 @@ impl TurnPage {
     }
 }
 
-impl core::fmt::Debug for TurnPage {
+impl core::fmt::Debug for TickBarrier {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.debug_struct("TurnPage")
             .field("path", &self.path)

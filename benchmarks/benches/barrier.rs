@@ -1,8 +1,8 @@
-//! What one turn of the page costs: post, everybody does the tick, the conductor goes on. Threads
+//! What one turn of the barrier costs: post, everybody does the tick, the barrier leader goes on. Threads
 //! stand in for processes, each with a mapping of its own, and do nothing in their turn; beside the
 //! same on a standard library barrier, which threads of one process could use instead.
 //!
-//! Measured before with processes on one core of another machine of this kind: a futex page turns
+//! Measured before with processes on one core of another machine of this kind: a futex barrier turns
 //! 39 000 to 42 000 ticks/s with 8 of them, data included; events 19 000.
 
 use std::hint::black_box;
@@ -12,17 +12,17 @@ use std::time::{Duration, Instant};
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use runtime::lockstep::{
-    Conductor, Overseer, Participant, Phase, SlotState, Turn, TurnEnd, TurnPage,
+    BarrierLeader, BarrierMember, BarrierMonitor, Phase, SlotState, TickBarrier, TickEnd, TickWait,
 };
 
-/// How many take part beside the conductor.
+/// How many take part beside the barrier leader.
 const MEMBERS: [usize; 4] = [1, 2, 4, 8];
 
-/// A page of its own, with members at work on it; both go when it is dropped.
+/// A barrier of its own, with members at work on it; both go when it is dropped.
 struct Table {
     prefix: String,
-    overseer: Overseer,
-    conductor: Conductor,
+    monitor: BarrierMonitor,
+    leader: BarrierLeader,
     next: u64,
     members: Vec<std::thread::JoinHandle<()>>,
 }
@@ -30,60 +30,60 @@ struct Table {
 impl Table {
     fn lay(members: usize) -> Self {
         let prefix = format!("pbench_{}_{members}_", std::process::id());
-        let page = TurnPage::create(&prefix, members + 1).expect("a page");
-        let overseer = Overseer::new(Arc::new(page));
+        let barrier = TickBarrier::create(&prefix, members + 1).expect("a page");
+        let monitor = BarrierMonitor::new(Arc::new(barrier));
         for slot in 1..=members {
-            overseer.seat(slot, true, false);
+            monitor.assign_slot(slot, true, false);
         }
-        let open = || Arc::new(TurnPage::open(&prefix).expect("a page"));
+        let open = || Arc::new(TickBarrier::open(&prefix).expect("a page"));
         let threads = (1..=members)
             .map(|slot| {
-                let seat = Participant::new(open(), slot, Vec::new());
-                std::thread::spawn(move || take_part(&seat))
+                let member = BarrierMember::new(open(), slot, Vec::new());
+                std::thread::spawn(move || take_part(&member))
             })
             .collect();
         let table = Self {
-            conductor: Conductor::new(open(), 0, usize::MAX),
-            overseer,
+            leader: BarrierLeader::new(open(), 0, usize::MAX),
+            monitor,
             prefix,
             next: 0,
             members: threads,
         };
-        let page = table.overseer.page();
-        while (1..=members).any(|slot| page.state(slot) != SlotState::Connected) {
+        let barrier = table.monitor.barrier();
+        while (1..=members).any(|slot| barrier.state(slot) != SlotState::Connected) {
             std::thread::yield_now();
         }
         table
     }
 
     fn turn(&mut self) {
-        self.conductor.post(self.next);
-        while self.conductor.wait(self.next) != TurnEnd::Complete {}
+        self.leader.post(self.next);
+        while self.leader.wait(self.next) != TickEnd::Complete {}
         self.next += 1;
     }
 }
 
 impl Drop for Table {
     fn drop(&mut self) {
-        self.overseer.set_phase(Phase::Stop);
+        self.monitor.set_phase(Phase::Stop);
         for member in self.members.drain(..) {
             let _ = member.join();
         }
-        let _ = std::fs::remove_file(TurnPage::path_for(&self.prefix));
+        let _ = std::fs::remove_file(TickBarrier::path_for(&self.prefix));
     }
 }
 
-fn take_part(seat: &Participant) {
-    seat.set_state(SlotState::Connected);
+fn take_part(member: &BarrierMember) {
+    member.set_state(SlotState::Connected);
     let mut next = 0;
     loop {
-        match seat.wait_turn(next) {
-            Turn::Tick(tick) => {
-                seat.done(black_box(tick));
+        match member.wait_tick(next) {
+            TickWait::Tick(tick) => {
+                member.done(black_box(tick));
                 next += 1;
             }
-            Turn::Idle => {}
-            Turn::Stop => return,
+            TickWait::Idle => {}
+            TickWait::Stop => return,
         }
     }
 }

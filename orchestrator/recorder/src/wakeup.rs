@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 /// The recorder's side of the machinery that drives a run.
-pub trait Gate {
+pub trait Wakeup {
     /// Sleeps until the time is over; returns earlier when the run ended or when the simulator is
     /// about to be held back because too much is unrecorded. (To return at every tick is correct,
     /// but wakes the recorder's thread, and perhaps another core, per tick instead of per batch.)
