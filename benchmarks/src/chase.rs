@@ -19,7 +19,7 @@ const RATE_HZ: f64 = 20.0;
 const GOAL: f64 = 200.0;
 /// How often CPU times are looked at: often enough for runs of some tenths of a second, seldom
 /// enough to cost little itself.
-const BEAT: Duration = Duration::from_millis(10);
+const POLL_INTERVAL: Duration = Duration::from_millis(10);
 /// Ticks after which maps are built and caches are filled.
 const WARM_TICKS: u64 = 20;
 
@@ -123,7 +123,7 @@ fn cpu() -> Result<Vec<Figure>> {
     let session = Session::start("chase", &arguments(1, "none"))?;
     let mut view = None;
     let (mut first, mut warm, mut last) = (None, None, None);
-    session.finish(BEAT, |session| {
+    session.finish(POLL_INTERVAL, |session| {
         if view.is_none() {
             view = View::find(session.pid());
         }

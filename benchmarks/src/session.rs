@@ -58,17 +58,17 @@ impl Session {
         self.begun.elapsed()
     }
 
-    /// Waits for the end, calling `look` every `beat`; returns what `protean run --json` printed.
+    /// Waits for the end, calling `look` every `poll_interval`; returns what `protean run --json` printed.
     ///
     /// # Errors
     /// What the run said when it failed.
-    pub fn finish(mut self, beat: Duration, mut look: impl FnMut(&Self)) -> Result<Json> {
+    pub fn finish(mut self, poll_interval: Duration, mut look: impl FnMut(&Self)) -> Result<Json> {
         let status = loop {
             if let Some(status) = self.child.try_wait()? {
                 break status;
             }
             look(&self);
-            std::thread::sleep(beat);
+            std::thread::sleep(poll_interval);
         };
         let read = |name: &str| std::fs::read_to_string(self.folder.path().join(name));
         if !status.success() {

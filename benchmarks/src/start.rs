@@ -15,7 +15,7 @@ const ITEM: &str = "start";
 /// Real time within which the first tick should come (s).
 const GOAL_S: f64 = 0.5;
 /// How often a starting run is looked at.
-const BEAT: Duration = Duration::from_micros(500);
+const POLL_INTERVAL: Duration = Duration::from_micros(500);
 /// Tick at which memory is read: maps and caches are built by then.
 const MEMORY_TICK: u64 = 100;
 
@@ -85,7 +85,7 @@ fn start_once() -> Result<(Parts, f64)> {
     let session = Session::start("chase", &arguments)?;
     let mut parts = Parts::default();
     let mut view = None;
-    let report = session.finish(BEAT, |session| {
+    let report = session.finish(POLL_INTERVAL, |session| {
         let now = session.age().as_secs_f64();
         if view.is_none() {
             view = View::find(session.pid());

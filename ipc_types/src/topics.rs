@@ -65,7 +65,7 @@ pub struct Qos {
     pub per_tick: usize,
     /// How many processes may publish.
     pub publishers: usize,
-    /// How many processes may subscribe, the recorder and four onlookers included.
+    /// How many processes may subscribe, the recorder and four external subscribers included.
     pub subscribers: usize,
 }
 
@@ -81,12 +81,12 @@ pub struct RunSize {
 }
 
 /// Seats kept free on every topic for people who look on (viewers, the command-line tool).
-pub const ONLOOKERS: usize = 4;
+pub const EXTERNAL_SUBSCRIBERS: usize = 4;
 
 impl RunSize {
     fn readers(&self) -> usize {
-        // Every process, the recorder, and onlookers.
-        self.processes + 1 + ONLOOKERS
+        // Every process, the recorder, and external subscribers.
+        self.processes + 1 + EXTERNAL_SUBSCRIBERS
     }
 }
 
@@ -265,7 +265,7 @@ topics! {
     ObstacleEvents = "world/obstacle_event": One, "event", PlainHeader, ObstacleEvent,
         simulated true, latched false, timed false,
         may_be_infinite [],
-        qos |s| per_tick s.events.max(1), publishers 2, subscribers 2 + ONLOOKERS;
+        qos |s| per_tick s.events.max(1), publishers 2, subscribers 2 + EXTERNAL_SUBSCRIBERS;
     /// Range scan of one robot: simulator → planners.
     Scan = "robot/scan": Many, "ranges", ScanHeader, f32,
         simulated true, latched false, timed true,
@@ -287,7 +287,7 @@ topics! {
     Commands = "robot/command": One, "command", PlainHeader, Command,
         simulated true, latched false, timed true,
         may_be_infinite [],
-        qos |s| per_tick s.robots, publishers s.processes, subscribers 2 + ONLOOKERS;
+        qos |s| per_tick s.robots, publishers s.processes, subscribers 2 + EXTERNAL_SUBSCRIBERS;
     /// Waypoints or trajectory of one robot: planners → all.
     Plan = "robot/plan": Many, "points", PlanHeader, PlanPoint,
         simulated true, latched false, timed true,
@@ -297,7 +297,7 @@ topics! {
     Tree = "robot/tree": Many, "edges", TreeHeader, TreeEdge,
         simulated true, latched false, timed true,
         may_be_infinite [],
-        qos |s| per_tick s.robots, publishers s.processes, subscribers 1 + ONLOOKERS;
+        qos |s| per_tick s.robots, publishers s.processes, subscribers 1 + EXTERNAL_SUBSCRIBERS;
     /// Waypoints that ended at this tick: planners that visit waypoints → all.
     Waypoints = "robot/waypoint": Many, "waypoints", PlainHeader, WaypointEnd,
         simulated true, latched false, timed true,
@@ -326,7 +326,7 @@ topics! {
     Status = "process/status": One, "status", PlainHeader, ProcessStatus,
         simulated false, latched true, timed false,
         may_be_infinite [],
-        qos |s| per_tick 1, publishers s.processes, subscribers 2 + ONLOOKERS;
+        qos |s| per_tick 1, publishers s.processes, subscribers 2 + EXTERNAL_SUBSCRIBERS;
     /// What the run does: orchestrator → all.
     Control = "run/control": One, "control", PlainHeader, RunControl,
         simulated false, latched true, timed false,
@@ -336,12 +336,12 @@ topics! {
     ProcessEvents = "process/event": One, "event", PlainHeader, ProcessEvent,
         simulated false, latched false, timed false,
         may_be_infinite [],
-        qos |s| per_tick 2 * s.processes, publishers 1, subscribers 1 + ONLOOKERS;
+        qos |s| per_tick 2 * s.processes, publishers 1, subscribers 1 + EXTERNAL_SUBSCRIBERS;
     /// What the processes wrote to stderr, by lines: orchestrator → recorder.
     ProcessLog = "process/log": Many, "text", LogHeader, u8,
         simulated false, latched false, timed false,
         may_be_infinite [],
-        qos |_s| per_tick 16, publishers 1, subscribers 1 + ONLOOKERS;
+        qos |_s| per_tick 16, publishers 1, subscribers 1 + EXTERNAL_SUBSCRIBERS;
 }
 
 /// Event that tells a process without the tick barrier that it is its turn; the id is its index.

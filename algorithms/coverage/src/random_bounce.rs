@@ -13,7 +13,7 @@ use crate::space::point_in;
 use crate::wander::{Rule, Wander, Wanderer};
 
 /// Legs shorter than this (m) would run into the wall that the robot stands at.
-const SHORTEST_LEG: f64 = 0.01;
+const MIN_LEG: f64 = 0.01;
 
 /// Headings tried before a place is given up as too narrow.
 const ATTEMPTS: u32 = 256;
@@ -33,7 +33,7 @@ impl Rule for Bouncing {
         for _ in 0..ATTEMPTS {
             let (sin, cos) = sincos(wander.draws.unit() * TAU);
             let to = wander.space.ray_end(from, Vector2::new(cos, sin));
-            if (to - from).norm() >= SHORTEST_LEG && wander.space.contains(to) {
+            if (to - from).norm() >= MIN_LEG && wander.space.contains(to) {
                 return Some(wander.sub_goal(to, None));
             }
         }

@@ -22,7 +22,7 @@ use nalgebra::{Point2, Vector2};
 pub const MAX_RECTANGLES: usize = 4096;
 
 /// Least tolerance of the conversion to rectangles (m); well above the rounding of coordinates.
-pub const LEAST_TOLERANCE: f64 = 1e-6;
+pub const MIN_TOLERANCE: f64 = 1e-6;
 
 /// A workplace for one size of robot.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,7 +38,7 @@ pub struct Workplace {
 impl Workplace {
     /// The workplace within `bounds` (m) of a robot of `radius` (m) among obstacles; those that are
     /// no rectangles along the axes become rectangles that stick out of them by at most `tolerance`
-    /// (m), ≥ [`LEAST_TOLERANCE`].
+    /// (m), ≥ [`MIN_TOLERANCE`].
     ///
     /// # Errors
     /// [`WorkplaceError`] names the obstacle or value that cannot be used and what to change.
@@ -86,7 +86,7 @@ impl Workplace {
         if !fits {
             return Err(WorkplaceError::Radius { radius, limit });
         }
-        let usable = tolerance >= LEAST_TOLERANCE && tolerance.is_finite();
+        let usable = tolerance >= MIN_TOLERANCE && tolerance.is_finite();
         if !usable {
             return Err(WorkplaceError::Tolerance { tolerance });
         }

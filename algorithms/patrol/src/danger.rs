@@ -11,7 +11,7 @@ use crate::contour::{Contour, Segment};
 
 /// Stretches of a contour shorter than this (m), inside or between zones, count with their
 /// neighbours: nobody can enter and leave within them, and they would make waypoints that coincide.
-pub const SHORTEST_STRETCH: f64 = 1e-6;
+pub const MIN_STRETCH: f64 = 1e-6;
 
 /// Where a patrol is under threat.
 ///
@@ -91,7 +91,7 @@ impl DangerZones {
 }
 
 /// The parts of a segment inside convex pieces, as distances from its start (m): in order, apart
-/// from each other and longer than [`SHORTEST_STRETCH`].
+/// from each other and longer than [`MIN_STRETCH`].
 fn inside(segment: &Segment, zones: &[Convex]) -> Vec<(f64, f64)> {
     let length = segment.length;
     let mut found: Vec<(f64, f64)> = zones
@@ -108,20 +108,20 @@ fn inside(segment: &Segment, zones: &[Convex]) -> Vec<(f64, f64)> {
     let mut merged: Vec<(f64, f64)> = Vec::with_capacity(found.len());
     for (enter, leave) in found {
         match merged.last_mut() {
-            Some(last) if enter - last.1 <= SHORTEST_STRETCH => last.1 = last.1.max(leave),
+            Some(last) if enter - last.1 <= MIN_STRETCH => last.1 = last.1.max(leave),
             _ => merged.push((enter, leave)),
         }
     }
     // A gap at an end that nobody can stand in goes to the zone; a zone as short goes to the gap.
     for (enter, leave) in &mut merged {
-        if *enter <= SHORTEST_STRETCH {
+        if *enter <= MIN_STRETCH {
             *enter = 0.0;
         }
-        if length - *leave <= SHORTEST_STRETCH {
+        if length - *leave <= MIN_STRETCH {
             *leave = length;
         }
     }
-    merged.retain(|(enter, leave)| leave - enter > SHORTEST_STRETCH.min(0.5 * length));
+    merged.retain(|(enter, leave)| leave - enter > MIN_STRETCH.min(0.5 * length));
     merged
 }
 

@@ -25,7 +25,7 @@ use crate::awg::{Awg, Laps, Leg};
 const LATTICE: u32 = 6;
 
 /// Fewest waypoints from which a share is taken.
-const FEWEST: u32 = 3;
+const MIN_WAYPOINTS: u32 = 3;
 
 /// How a leg is protected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -203,7 +203,7 @@ impl<S: Source> MixedLaps<S> {
             *record = Record::default();
         }
         let share = f64::from(record.dropped) / f64::from(record.ended.max(1));
-        let enough = record.ended >= FEWEST.min(leg.inserted);
+        let enough = record.ended >= MIN_WAYPOINTS.min(leg.inserted);
         let failed = enough && share > self.params.dropped_share;
         *record = Record::default();
         if failed {

@@ -258,7 +258,7 @@ impl<'a> March<'a> {
 
     /// Coordinates of a line and its grid up to this (cells) are off by less than half of
     /// [`March::UNSURE`] when they come out of a dozen roundings by 2⁻⁵³.
-    const LARGEST: f64 = 1e5;
+    const MAX_COORDINATE: f64 = 1e5;
 
     /// Added to a number, rounds it to a whole one, which then stands in the lowest bits.
     const TO_WHOLE: f64 = 1.5 * (1_u64 << 52) as f64;
@@ -270,7 +270,7 @@ impl<'a> March<'a> {
         let per_metre = 1.0 / resolution;
         let largest = from.coords.amax().max(origin.coords.amax()).max(length);
         // Also refuses a line without length.
-        let slope = if largest * per_metre < Self::LARGEST && length > 0.0 {
+        let slope = if largest * per_metre < Self::MAX_COORDINATE && length > 0.0 {
             line * (per_metre / length)
         } else {
             Vector2::repeat(f64::NAN)

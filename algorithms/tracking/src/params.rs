@@ -67,7 +67,7 @@ impl Default for SensorParams {
 #[serde(deny_unknown_fields, default)]
 pub struct FilterParams {
     /// Number of particles.
-    #[schemars(transform = between(1, MOST_PARTICLES))]
+    #[schemars(transform = between(1, MAX_PARTICLES))]
     pub particles: usize,
     /// Random walk of the speed hypothesis.
     #[schemars(transform = at_least(0).unit("largest speed per √s"))]
@@ -160,7 +160,7 @@ impl Parameters for SensorParams {
 }
 
 /// Most particles of a filter.
-pub const MOST_PARTICLES: usize = 1_000_000;
+pub const MAX_PARTICLES: usize = 1_000_000;
 
 impl Parameters for FilterParams {}
 

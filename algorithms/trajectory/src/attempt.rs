@@ -23,7 +23,7 @@ use crate::problem::Problem;
 use crate::refine::Refinement;
 
 /// Most times that a curve is made anew because it is too near to an obstacle between its samples.
-const MOST_REPAIRS: u32 = 8;
+const MAX_REPAIRS: u32 = 8;
 /// How near (relative) to the shortest path a curve is good enough.
 const ENOUGH: f64 = 1e-5;
 /// How far beyond the bounds' corner the reference point lies by default, in their diagonals.
@@ -185,7 +185,7 @@ impl Attempts<'_> {
             search.only_at = Some(nodes.iter().map(|x| 0.5 * (x + 1.0)).collect());
         }
         let mut result = None;
-        for _ in 0..=MOST_REPAIRS {
+        for _ in 0..=MAX_REPAIRS {
             let z = search.run(from.take(), ENOUGH, stop);
             let Some(z) = z else { break };
             let Some(points) = sample_curve::path(curve, &z, frame, theta, &self.problem.limits)

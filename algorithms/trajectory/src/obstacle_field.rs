@@ -16,7 +16,7 @@ const CELLS: f64 = 16.0;
 /// How deep (m) a goal may lie in a grown obstacle or beyond the bounds: rounding.
 const GOAL_TOLERANCE: f64 = 1e-6;
 /// By how much (m) an obstacle is cut back beyond the start that lies in it: rounding.
-const HAIR: f64 = 1e-9;
+const START_MARGIN: f64 = 1e-9;
 /// Radius (m) given to discs without one: the exact geometry wants pieces with an inside.
 const MIN_RADIUS: f64 = 1e-7;
 
@@ -219,10 +219,10 @@ fn cut_back(
     clearance: f64,
 ) -> Option<Convex> {
     if let Convex::Disc { center, radius } = obstacle {
-        let radius = radius - (clearance - contact.distance) - HAIR;
+        let radius = radius - (clearance - contact.distance) - START_MARGIN;
         return (radius > 0.0).then(|| Convex::disc(*center, radius));
     }
-    let line = p - contact.normal * (clearance + HAIR);
+    let line = p - contact.normal * (clearance + START_MARGIN);
     let height = |corner: Point2<f64>| (corner - line).dot(&contact.normal);
     let corners = obstacle.corners();
     let mut left = Vec::with_capacity(corners.len() + 1);

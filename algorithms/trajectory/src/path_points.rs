@@ -40,7 +40,7 @@ pub fn of_samples(samples: &[Sample]) -> Vec<PathPoint> {
 /// Largest distance between points of a path (m).
 pub const SPACING: f64 = 0.015;
 /// Longest path that is planned (m): some hundred thousand points.
-pub const LONGEST: f64 = 2e3;
+pub const MAX_LENGTH: f64 = 2e3;
 /// How far (m) a chord between two points may be from the path.
 const SAGITTA: f64 = 5e-5;
 

@@ -23,10 +23,10 @@ const GOOD: f64 = 1e-3;
 /// begins there: what is longer goes another way.
 const DETOUR: f64 = 1.03;
 /// Most of these costs that is allowed, relative to the lower bound.
-const MOST_TURNING: f64 = 1.5e-3;
+const MAX_TURNING: f64 = 1.5e-3;
 
 /// How often the breaks of splines are halved at most.
-const MOST_LEVEL: u32 = 1;
+const MAX_LEVEL: u32 = 1;
 
 /// Plans; `stop` is asked now and then whether to answer with what there is.
 ///
@@ -47,7 +47,7 @@ pub fn plan(
     let exact = ground.exact()?;
     let way = exact.shortest(problem.start.position(), problem.goal)?;
     let shortest = way.length;
-    if shortest > path_points::LONGEST {
+    if shortest > path_points::MAX_LENGTH {
         return Err(PlanError::Infeasible("the way is longer than 2 km"));
     }
     let bound = lower_bound(problem, shortest);
@@ -62,7 +62,7 @@ pub fn plan(
         && let Some(guide) = &guide
     {
         let inertia = !problem.limits.is_without_inertia();
-        let good = bound * (1.0 + GOOD) + turning_time(problem, guide).min(MOST_TURNING * bound);
+        let good = bound * (1.0 + GOOD) + turning_time(problem, guide).min(MAX_TURNING * bound);
         let bench = Attempts {
             problem,
             ground: &ground,
@@ -215,7 +215,7 @@ fn variants(problem: &Problem) -> impl Iterator<Item = Variant> {
     let may_turn_at_start = !(moves || turns);
     let may_turn_at_goal = problem.goal_heading.is_some() && !leaves;
     let either = |may: bool| [Some(false), may.then_some(true)].into_iter().flatten();
-    (0..=MOST_LEVEL).flat_map(move |level| {
+    (0..=MAX_LEVEL).flat_map(move |level| {
         either(may_turn_at_goal).flat_map(move |turn_at_goal| {
             either(may_turn_at_start).map(move |turn_at_start| Variant {
                 turn_at_start,

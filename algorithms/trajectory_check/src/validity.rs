@@ -9,16 +9,16 @@ use crate::violation::Violation;
 
 /// Largest magnitude of a number (m, rad, s and what they are divided by) that is taken seriously.
 /// With all numbers below it, no product in this crate overflows.
-const LARGEST: f64 = 1e9;
+const MAX_NUMBER: f64 = 1e9;
 
 /// Smallest area of a polygon (m²): a square of a micrometre.
-const SMALLEST_AREA: f64 = 1e-12;
+const MIN_AREA: f64 = 1e-12;
 
 /// Sine of the turn to the right that rounding may cause at a corner of a convex polygon.
 const FLAT: f64 = 1e-9;
 
 fn usable(value: f64) -> bool {
-    value.abs() <= LARGEST
+    value.abs() <= MAX_NUMBER
 }
 
 /// Records the first thing wrong with the contract, and the first with the samples.
@@ -136,7 +136,7 @@ fn polygon_fault(vertices: &[Point2<f64>]) -> Option<Violation> {
     }
     let once = (turning - core::f64::consts::TAU).abs() < 0.1;
     fault(
-        area > SMALLEST_AREA,
+        area > MIN_AREA,
         "signed area of a polygon",
         area,
         "above 0 (counter-clockwise)",

@@ -44,9 +44,9 @@ pub struct BusOptions {
 }
 
 /// Nodes that a run of this many processes needs: theirs, the bridge's for those that are not our
-/// own, the orchestrator's, its recorder's, and the onlookers'.
+/// own, the orchestrator's, its recorder's, and the external subscribers'.
 fn nodes(size: &RunSize) -> usize {
-    2 * size.processes + 2 + crate::topics::ONLOOKERS
+    2 * size.processes + 2 + crate::topics::EXTERNAL_SUBSCRIBERS
 }
 
 /// Buffer that a subscriber needs to hold `ticks` ticks of one publisher.

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use mcap_log::{DerivedError, Watch};
 use serde_json::Value as Json;
 
-use super::disturbed::{self, Baseline, Ended, Mission};
+use super::faulty_run::{self, Baseline, Ended, Mission};
 use super::{ChaosError, FaultKind, Outcome};
 use log_tools::{LogInfo, recover};
 use mission::child_process::exit_words;
@@ -124,7 +124,7 @@ impl Check<'_> {
             self.broke(format!("the directory of run {run} is left"));
         }
         for run in runs {
-            let segments = disturbed::names(Path::new("/dev/shm"), &disturbed::prefix(run));
+            let segments = faulty_run::names(Path::new("/dev/shm"), &faulty_run::prefix(run));
             if let Some(first) = segments.first() {
                 let count = segments.len();
                 self.broke(format!(
@@ -136,7 +136,7 @@ impl Check<'_> {
 
     /// The log is whole, or can be recovered and lacks no more than the last second.
     fn log(&mut self, mission: &Mission, killed: Option<Instant>) {
-        let log = mission.path().join(disturbed::LOG);
+        let log = mission.path().join(faulty_run::LOG);
         let mut kept = 0;
         if log.exists() {
             let recovered = mission.path().join("recovered.mcap");

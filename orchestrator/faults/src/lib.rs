@@ -2,14 +2,14 @@
 //! and afterwards the promises of a run (`docs/reference/guarantees.md`) are checked from outside: by
 //! `/proc`, `/dev/shm`, the exit code, the summary and the log.
 //!
-//! * `disturbed`: a run as a program of its own, with a runtime directory of its own;
+//! * `faulty_run`: a run as a program of its own, with a runtime directory of its own;
 //! * `check`: the promises.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
 
 mod check;
-mod disturbed;
+mod faulty_run;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -21,7 +21,7 @@ use serde::Serialize;
 
 use scenario::ResolvedScenario;
 
-use self::disturbed::Baseline;
+use self::faulty_run::Baseline;
 
 /// Kinds of faults.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]

@@ -15,7 +15,7 @@ use serde::Serialize;
 use recorder::RobotOutcome;
 
 /// Most senders of one topic whose numbers are followed.
-const MOST_SOURCES: usize = 4096;
+const MAX_SOURCES: usize = 4096;
 
 /// What a log holds.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -148,7 +148,7 @@ impl Tally {
             None => (0, u64::from(header.sequence)),
         };
         self.numbered |= sequence != 0 || self.stamped;
-        let full = self.next.len() >= MOST_SOURCES;
+        let full = self.next.len() >= MAX_SOURCES;
         // A log of somebody else, or a part of one, may begin with any number.
         let next = match self.next.get_mut(&source) {
             Some(next) => next,

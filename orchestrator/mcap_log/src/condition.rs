@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 /// Most faults that are described; more are only counted.
-const MOST_FAULTS: usize = 64;
+const MAX_FAULTS: usize = 64;
 
 /// Something that is wrong with a file, and what of it could not be read.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -67,7 +67,7 @@ impl Condition {
     }
 
     pub(super) fn fault(&mut self, at: u64, what: impl Into<String>) {
-        if self.faults.len() < MOST_FAULTS {
+        if self.faults.len() < MAX_FAULTS {
             let what = what.into();
             self.faults.push(Fault { at, what });
         } else {

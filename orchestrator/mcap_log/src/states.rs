@@ -9,7 +9,7 @@ use mcap::records::MessageHeader;
 use crate::LogReadError;
 
 /// Most states that are kept.
-const MOST_STATES: usize = 4096;
+const MAX_STATES: usize = 4096;
 /// Most bytes that they may take.
 const STATES_LIMIT: usize = 512 << 20;
 
@@ -33,7 +33,7 @@ impl States {
         data: &[u8],
     ) -> Result<(), LogReadError> {
         let key = (header.channel_id, source);
-        if !self.last.contains_key(&key) && self.last.len() >= MOST_STATES {
+        if !self.last.contains_key(&key) && self.last.len() >= MAX_STATES {
             return Ok(());
         }
         self.bytes += data.len();

@@ -18,9 +18,9 @@ use super::shm_usage;
 
 /// Time between two looks while a process is awaited, at the start or after a failure. Processes say how far they
 /// are on the barrier; a few milliseconds are nothing against what starting a process takes.
-const QUICK_BEAT: Duration = Duration::from_millis(2);
+const SHORT_POLL_INTERVAL: Duration = Duration::from_millis(2);
 /// Time between two looks at other times. The end of a process wakes at once.
-const BEAT: Duration = Duration::from_millis(10);
+const POLL_INTERVAL: Duration = Duration::from_millis(10);
 
 /// Processes of a run: started, supervised, and stopped at the latest when this is dropped.
 pub struct Supervisor<'a> {
@@ -105,7 +105,7 @@ impl<'a> Supervisor<'a> {
                 StartStep::Late(index) => self.happened(index, Event::NotReady)?,
                 StartStep::Waiting => {}
             }
-            self.executor.sleep(None, QUICK_BEAT);
+            self.executor.sleep(None, SHORT_POLL_INTERVAL);
         }
     }
 
@@ -147,8 +147,12 @@ impl<'a> Supervisor<'a> {
     /// Sleeps until it is time to look at the processes again, one has ended, or `wake` is readable.
     pub(super) fn sleep(&self, wake: BorrowedFd<'_>) {
         let is_awaited = self.state.is_expecting();
-        let beat = if is_awaited { QUICK_BEAT } else { BEAT };
-        self.executor.sleep(Some(wake), beat);
+        let poll_interval = if is_awaited {
+            SHORT_POLL_INTERVAL
+        } else {
+            POLL_INTERVAL
+        };
+        self.executor.sleep(Some(wake), poll_interval);
     }
 
     /// Whether a process has failed and the run went on.

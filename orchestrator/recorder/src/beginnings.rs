@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use super::parts::Parts;
 
 /// Most maps that are kept; beyond it the one that came first goes.
-const MOST: usize = 16;
+const MAX_MAPS: usize = 16;
 
 /// The first messages of runs in this process, with the state of the fingerprint behind them.
 ///
@@ -58,7 +58,7 @@ impl Beginnings {
             hasher,
         });
         let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
-        if known.len() >= MOST {
+        if known.len() >= MAX_MAPS {
             known.remove(0);
         }
         known.push(beginning);

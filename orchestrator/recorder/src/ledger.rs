@@ -16,7 +16,7 @@ use super::sequence::Sequences;
 use super::summary::TopicCount;
 
 /// A tick this far beyond the newest world state is not believed: its message would wait for ever.
-const FARTHEST_AHEAD: u64 = 1024;
+const MAX_TICKS_AHEAD: u64 = 1024;
 
 /// Stands for every source that is not a process of the run.
 const STRANGER: u32 = u32::MAX;
@@ -75,7 +75,7 @@ impl Ledger {
         let source = if known { stamp.source } else { STRANGER };
         // Obstacle events are announced: all but those that a robot brings about come before the
         // first tick.
-        let farthest = self.newest.unwrap_or(0).saturating_add(FARTHEST_AHEAD);
+        let farthest = self.newest.unwrap_or(0).saturating_add(MAX_TICKS_AHEAD);
         let plausible = topic == TopicId::ObstacleEvents || stamp.tick <= farthest;
         let holds = known
             && plausible

@@ -10,7 +10,7 @@ use metrics::prediction::ErrorStatistics;
 use super::summary::{OutcomePart, PredictionOutcome, Summary};
 
 /// Most errors that are kept per method and time ahead; what comes later is in the log only.
-const MOST_ERRORS: usize = 1_000_000;
+const MAX_ERRORS: usize = 1_000_000;
 
 /// The predictions of one method for one time ahead so far.
 #[derive(Debug, Default)]
@@ -56,7 +56,7 @@ impl Predicted {
             prediction.horizon_s.to_bits(),
         );
         let series = self.0.entry(key).or_default();
-        if prediction.due != 0 && series.errors.len() < MOST_ERRORS {
+        if prediction.due != 0 && series.errors.len() < MAX_ERRORS {
             series.errors.push(prediction.error);
         }
         series.goals_observed = prediction.goals_observed;

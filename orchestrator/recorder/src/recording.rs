@@ -26,7 +26,7 @@ use super::summary::{OutcomePart, Summary, TopicCount};
 
 /// How long a tick that began waits for its messages before what there is of it is written: in real
 /// time, where nothing says that a tick is complete, and when the world stands still within one.
-const LONGEST_WAIT: Duration = Duration::from_millis(250);
+const MAX_WAIT: Duration = Duration::from_millis(250);
 
 /// Checks, counts and fingerprints the messages of a run as they come, puts them in order, and hands
 /// them to their consumers: the outcome, the observer and, if there is one, the log.
@@ -37,7 +37,7 @@ pub struct Recording {
     ledger: Ledger,
     latencies: Chain,
     intake: Intake,
-    /// Ticks that began, and when that was seen; those of the last [`LONGEST_WAIT`], in order.
+    /// Ticks that began, and when that was seen; those of the last [`MAX_WAIT`], in order.
     begun: VecDeque<(Instant, u64)>,
     output: Output,
     /// The first messages of other runs in this process.
@@ -163,7 +163,7 @@ impl Recording {
     }
 
     /// Writes what is ready, in order: the messages of the ticks up to `completed`, all of which have
-    /// been sent, and of those that began `LONGEST_WAIT` before `now`. What comes of such a tick
+    /// been sent, and of those that began `MAX_WAIT` before `now`. What comes of such a tick
     /// later is written at the next look. Before the first world state nothing is ready, so that it
     /// comes first.
     ///
@@ -180,7 +180,7 @@ impl Recording {
         {
             self.begun.push_back((now, newest));
         }
-        let waited = |at: Instant| now.saturating_duration_since(at) >= LONGEST_WAIT;
+        let waited = |at: Instant| now.saturating_duration_since(at) >= MAX_WAIT;
         let due = self.begun.partition_point(|&(at, _)| waited(at));
         // The last of them stays, so that it is not taken for a new one.
         self.begun.drain(..due.saturating_sub(1));

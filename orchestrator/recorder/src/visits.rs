@@ -12,7 +12,7 @@ use super::run_info::RobotInfo;
 use super::summary::{LapFigures, OutcomePart, Summary, WaypointOutcome};
 
 /// Most waypoints, and most places of a robot, that are kept; what comes later is in the log only.
-const MOST_POINTS: usize = 4_000_000;
+const MAX_POINTS: usize = 4_000_000;
 
 /// A lap that has been completed.
 #[derive(Debug)]
@@ -111,7 +111,7 @@ impl Visits {
 
     /// Takes up where the robot is at a time (s).
     fn state(&mut self, time_s: f64, at: Point2<f64>) {
-        if self.keeps_track && self.track.points().len() < MOST_POINTS {
+        if self.keeps_track && self.track.points().len() < MAX_POINTS {
             self.track.push(time_s, at);
         }
     }
@@ -124,7 +124,7 @@ impl Visits {
         if end.outcome == 0 {
             self.farthest = self.farthest.max(end.closest);
         }
-        if self.waypoints >= MOST_POINTS {
+        if self.waypoints >= MAX_POINTS {
             return;
         }
         self.waypoints += 1;

@@ -39,7 +39,7 @@ const LINGER: Duration = Duration::from_millis(250);
 /// Time between two looks whether there is still a subscriber.
 const LINGER_LOOK: Duration = Duration::from_millis(1);
 /// How often those who came late are connected, and those who died are removed.
-const BEAT: Duration = Duration::from_millis(50);
+const POLL_INTERVAL: Duration = Duration::from_millis(50);
 /// The command of `run/control` with which a replay ends.
 const STOP: u32 = 4;
 
@@ -99,7 +99,7 @@ struct Player<'a> {
     anchor: (u64, Instant),
     /// Tick and log time of now.
     now: (u64, u64),
-    beat: Instant,
+    last_poll: Instant,
     report: Replayed,
     by_rank: Vec<u64>,
     first: Option<Instant>,
@@ -159,7 +159,7 @@ impl<'a> Player<'a> {
             broadcast,
             anchor: (0, Instant::now()),
             now: (0, 0),
-            beat: Instant::now(),
+            last_poll: Instant::now(),
             report: Replayed::default(),
             by_rank: vec![0; NAMES.len()],
             first: None,
@@ -237,15 +237,15 @@ impl<'a> Player<'a> {
                 return Ok(false);
             }
             let now = Instant::now();
-            if now.saturating_duration_since(self.beat) >= BEAT {
-                self.beat = now;
+            if now.saturating_duration_since(self.last_poll) >= POLL_INTERVAL {
+                self.last_poll = now;
                 self.look_after_listeners()?;
             }
             let left = due.saturating_duration_since(now);
             if left.is_zero() {
                 return Ok(true);
             }
-            std::thread::sleep(left.min(BEAT));
+            std::thread::sleep(left.min(POLL_INTERVAL));
         }
     }
 

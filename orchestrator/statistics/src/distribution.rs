@@ -6,7 +6,7 @@ use hdrhistogram::Histogram;
 use serde::{Deserialize, Serialize};
 
 /// Longest time that is told apart (ns); longer ones count as this.
-const LONGEST_NS: u64 = 3_600_000_000_000;
+const MAX_TIME_NS: u64 = 3_600_000_000_000;
 
 /// Percentiles of a time.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
@@ -67,7 +67,7 @@ impl Distribution {
     /// A measurement (ns).
     pub fn record(&mut self, ns: u64) {
         // Grows to the value; nothing above an hour is left to refuse.
-        let _ = self.histogram.record(ns.min(LONGEST_NS));
+        let _ = self.histogram.record(ns.min(MAX_TIME_NS));
         self.max = self.max.max(ns);
         if let Some(last) = self.last.replace(ns) {
             self.moved = self.moved.saturating_add(last.abs_diff(ns));

@@ -21,7 +21,7 @@ use super::spec::LogPolicy;
 use super::subject::{Ended, Pinning, Subject};
 
 /// How often interruptions and time-outs are looked at.
-const BEAT: Duration = Duration::from_millis(50);
+const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
 /// How missions are carried out.
 #[derive(Debug, Clone)]
@@ -186,7 +186,7 @@ fn collect<S: Subject>(
     carried_out: &mut usize,
 ) -> Result<(), SweepError> {
     loop {
-        match done.recv_timeout(BEAT) {
+        match done.recv_timeout(POLL_INTERVAL) {
             Ok(Done {
                 mission,
                 ended: Some(Ended { row, cpu_ms }),

@@ -15,7 +15,7 @@ use parquet::schema::types::Type as Node;
 use super::{Cell, Column, Rows, Type};
 
 /// Cells that are kept before they are written.
-const MOST_CELLS: usize = 1 << 18;
+const MAX_CELLS: usize = 1 << 18;
 
 pub struct ParquetRows<W: Write + Send> {
     writer: SerializedFileWriter<W>,
@@ -70,7 +70,7 @@ impl<W: Write + Send> Rows<W> for ParquetRows<W> {
             column.push(cell.clone());
         }
         self.rows += 1;
-        if self.rows * self.kinds.len() >= MOST_CELLS {
+        if self.rows * self.kinds.len() >= MAX_CELLS {
             self.write().map_err(io::Error::other)?;
         }
         Ok(())

@@ -6,7 +6,7 @@ use geometry::math;
 use planner_view::view::ScanView;
 
 /// Ranges below this (m) are taken as this: the vehicle divides by them.
-const LEAST_RANGE: f64 = 1.0e-3;
+const MIN_RANGE: f64 = 1.0e-3;
 
 /// The reading of each cone (m); `None` where the scan has no usable beam.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -95,7 +95,7 @@ fn usable(range: f32, scan: &ScanView<'_>) -> Option<f64> {
         };
         f64::from(range)
             .max(shortest)
-            .max(LEAST_RANGE)
+            .max(MIN_RANGE)
             .min(scan.range_max)
     })
 }

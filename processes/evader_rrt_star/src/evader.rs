@@ -23,7 +23,7 @@ use crate::route::Route;
 use crate::tree::NONE;
 
 /// Distance by which a start that touches an obstacle may be moved to be free (m).
-const MOST_PUSH: f64 = 1.0;
+const MAX_PUSH: f64 = 1.0;
 
 /// Times nearer than this are the same (s).
 const SAME_TIME: f64 = 1e-9;
@@ -350,7 +350,7 @@ impl RrtStarEvader {
         let Some(ground) = (if self.is_tight { tight } else { wide }) else {
             return;
         };
-        let Some(place) = ground.free_place(start.position(), MOST_PUSH) else {
+        let Some(place) = ground.free_place(start.position(), MAX_PUSH) else {
             return;
         };
         let mut towards = ground.towards(goals);

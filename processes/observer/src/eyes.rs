@@ -13,7 +13,7 @@ use crate::moment::Seen;
 use crate::params::EyesParams;
 
 /// Visibility below which a robot is not seen.
-const LEAST_VISIBILITY: f64 = 1e-3;
+const MIN_VISIBILITY: f64 = 1e-3;
 
 /// The places from which is looked, at one tick.
 #[derive(Debug, Clone)]
@@ -70,7 +70,7 @@ impl Eyes {
             sigma,
             heading_sigma,
         };
-        let well = visibility >= LEAST_VISIBILITY;
+        let well = visibility >= MIN_VISIBILITY;
         (visibility, well.then_some(seen))
     }
 }

@@ -17,7 +17,7 @@ use nalgebra::{Point2, Vector2};
 use crate::moment::{Look, ReachedGoal, Seen};
 
 /// Changes of heading below this (rad) are none.
-const LEAST_TURN: f64 = 0.02;
+const MIN_TURN: f64 = 0.02;
 /// The same in standard deviations of the heading.
 const TURN_SIGMAS: f64 = 5.0;
 /// A turn at the end of a short leg is at least this many times as large.
@@ -28,7 +28,7 @@ const SHORT: usize = 4;
 /// heading: a change takes three of them.
 const JUMP_SIGMAS: f64 = 8.0;
 /// Way that makes a leg of poses with one heading (m), and more of it in standard deviations.
-const LEAST_LEG: f64 = 0.01;
+const MIN_LEG: f64 = 0.01;
 const LEG_SIGMAS: f64 = 4.0;
 /// Poses of a leg's end that are averaged.
 const END: usize = 8;
@@ -41,7 +41,7 @@ const EXACT: f64 = 1e-3;
 
 /// Error of a goal in standard deviations of a position, and without any (m).
 const NOISE_KEPT: f64 = 1.2;
-const LEAST_ERROR: f64 = 0.003;
+const MIN_ERROR: f64 = 0.003;
 
 #[derive(Debug, Clone, Copy)]
 struct Sample {
@@ -53,7 +53,7 @@ struct Sample {
 fn reached(sample: Sample, point: Point2<f64>, way: f64) -> ReachedGoal {
     // Anywhere in the way of a tick: way²/12 along it.
     let noise = NOISE_KEPT * sample.seen.sigma;
-    let variance = way * way / 24.0 + noise * noise + LEAST_ERROR * LEAST_ERROR;
+    let variance = way * way / 24.0 + noise * noise + MIN_ERROR * MIN_ERROR;
     ReachedGoal {
         time: sample.time,
         point,
@@ -159,7 +159,7 @@ impl Legs {
         self.age += 1;
         if let Some(first) = self.samples.front() {
             let way = (sample.seen.position - first.seen.position).norm();
-            self.straight |= way > LEAST_LEG + LEG_SIGMAS * sample.seen.sigma;
+            self.straight |= way > MIN_LEG + LEG_SIGMAS * sample.seen.sigma;
         }
         None
     }
@@ -201,7 +201,7 @@ impl Legs {
             return 0.0;
         }
         let off = math::angle_difference(sample.seen.heading, self.heading());
-        off.abs() / LEAST_TURN.max(TURN_SIGMAS * sample.seen.heading_sigma)
+        off.abs() / MIN_TURN.max(TURN_SIGMAS * sample.seen.heading_sigma)
     }
 
     /// Whether the robot suddenly turns faster, or the other way.
@@ -212,7 +212,7 @@ impl Legs {
         let turn =
             |from: &Sample, to: &Sample| math::angle_difference(to.seen.heading, from.seen.heading);
         let (was, is) = (turn(&older, &newest), turn(&newest, sample));
-        let least = LEAST_TURN.max(JUMP_SIGMAS * sample.seen.heading_sigma);
+        let least = MIN_TURN.max(JUMP_SIGMAS * sample.seen.heading_sigma);
         let same_way = if was < 0.0 { -is } else { is };
         let jump = self.slowing && (same_way > was.abs() + least || same_way < -least);
         self.slowing |= is.abs() < least || is.abs() < was.abs() - 0.5 * least;

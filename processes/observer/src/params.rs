@@ -8,9 +8,9 @@ use tracking::params::FilterParams;
 use crate::knowledge::{CatKnowledge, ChebyshevKnowledge};
 
 /// Most times ahead.
-const MOST_HORIZONS: usize = 32;
+const MAX_HORIZONS: usize = 32;
 /// Longest time ahead (s).
-const LONGEST_HORIZON: f64 = 600.0;
+const MAX_HORIZON: f64 = 600.0;
 
 /// A method that needs no knowledge of how goals are made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -84,7 +84,7 @@ pub struct ObserverParams {
     #[schemars(transform = above(0).unit("s"))]
     pub period_s: f64,
     /// How far ahead it predicts, rounded to whole ticks.
-    #[schemars(length(min = 1, max = MOST_HORIZONS), transform = each(above(0).at_most(LONGEST_HORIZON).unit("s")))]
+    #[schemars(length(min = 1, max = MAX_HORIZONS), transform = each(above(0).at_most(MAX_HORIZON).unit("s")))]
     pub horizons_s: Vec<f64>,
     /// By which methods, besides those that the knowledge below allows.
     pub methods: Vec<Method>,

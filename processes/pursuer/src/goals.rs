@@ -16,7 +16,7 @@ use crate::params::{BeliefGoals, Knowledge};
 const LOOK_AHEAD_RATIO: f64 = 0.7;
 
 /// Longest distance ahead (m).
-const LONGEST_LOOK_AHEAD: f64 = 5.0;
+const MAX_LOOK_AHEAD: f64 = 5.0;
 
 /// Side of the squares in which hypotheses are counted to find the heaviest cluster (m).
 const MODE_CELL: f64 = 1.0;
@@ -80,7 +80,7 @@ pub fn look_ahead(
     fidelity: Fidelity,
 ) -> Point2<f64> {
     let from = pose.position();
-    let ahead = pose.forward() * (LOOK_AHEAD_RATIO * distance).min(LONGEST_LOOK_AHEAD);
+    let ahead = pose.forward() * (LOOK_AHEAD_RATIO * distance).min(MAX_LOOK_AHEAD);
     let to = from + ahead;
     let length = ahead.norm();
     if fidelity.is_published() || length <= 0.0 {

@@ -180,7 +180,7 @@ fn live(config: &ProcessConfig, mut setup: Setup, open: Open<'_>) -> Result<(), 
     }
     process.connect()?;
     setup.heartbeat.connect()?;
-    setup.heartbeat.beat(0, 2, None)?;
+    setup.heartbeat.send_if_due(0, 2, None)?;
     // The others opened their ports long before these, and sent the map.
     if joins_late && !member.join(keep_going) {
         member.set_state(SlotState::Stopped);
@@ -209,7 +209,7 @@ fn live(config: &ProcessConfig, mut setup: Setup, open: Open<'_>) -> Result<(), 
             TickWait::Stop => break,
             TickWait::Idle => {
                 if setup.heartbeat.is_due() {
-                    setup.heartbeat.beat(next, 3, None)?;
+                    setup.heartbeat.send_if_due(next, 3, None)?;
                 }
             }
             TickWait::Tick(tick) => {
@@ -217,14 +217,16 @@ fn live(config: &ProcessConfig, mut setup: Setup, open: Open<'_>) -> Result<(), 
                 setup.bus.begin_turn();
                 let start = Instant::now();
                 if let Err(error) = process.step(tick) {
-                    let _ = setup.heartbeat.beat(tick, 5, Some(&error.to_string()));
+                    let _ = setup
+                        .heartbeat
+                        .send_if_due(tick, 5, Some(&error.to_string()));
                     return Err(error);
                 }
                 let end = Instant::now();
                 let took = u64::try_from((end - start).as_nanos()).unwrap_or(u64::MAX);
                 setup.heartbeat.stepped(took, overruns, process.rejected());
                 if setup.heartbeat.is_due_at(end) {
-                    setup.heartbeat.beat(tick, 3, None)?;
+                    setup.heartbeat.send_if_due(tick, 3, None)?;
                 }
                 member.done(tick);
                 next = tick + 1;

@@ -13,7 +13,7 @@ use ipc_types::messages::world::{MapCell, MapHeader};
 
 /// Most maps that are kept; beyond it the one that was made first goes. With the trees of ways that its
 /// planners keep, a map may take some 100 MB in a sweep of thousands of runs.
-const MOST: usize = 16;
+const MAX_MAPS: usize = 16;
 
 /// What a map message is made of.
 #[derive(Debug, Clone, PartialEq)]
@@ -65,7 +65,7 @@ impl Maps {
         if let Some(known) = drawn.iter().find(|drawn| drawn.ground == *ground) {
             return Ok((known.header, Arc::clone(&known.cells)));
         }
-        if drawn.len() >= MOST {
+        if drawn.len() >= MAX_MAPS {
             drawn.remove(0);
         }
         drawn.push(Drawn {
@@ -197,7 +197,7 @@ mod tests {
     #[test]
     fn the_oldest_map_goes_when_there_are_too_many() {
         let (maps, mut drawn) = (Maps::default(), 0);
-        for width in 0..=MOST {
+        for width in 0..=MAX_MAPS {
             cells(&maps, &ground(4.0 + width as f64), &mut drawn);
         }
         let before = drawn;

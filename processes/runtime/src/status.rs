@@ -8,7 +8,7 @@ use ipc_types::stamp::PlainHeader;
 use ipc_types::topics::Status;
 
 /// Longest time between two heartbeats.
-pub const BEAT: Duration = Duration::from_millis(100);
+pub const HEARTBEAT_INTERVAL: Duration = Duration::from_millis(100);
 
 /// Publishes the status of a process.
 #[derive(Debug)]
@@ -62,14 +62,19 @@ impl Heartbeat {
     /// Whether a heartbeat is due at a moment that is known already.
     pub fn is_due_at(&self, now: Instant) -> bool {
         self.last
-            .is_none_or(|last| now.saturating_duration_since(last) >= BEAT)
+            .is_none_or(|last| now.saturating_duration_since(last) >= HEARTBEAT_INTERVAL)
     }
 
     /// Sends a heartbeat that belongs to tick `tick` (the one being done, or the next one).
     ///
     /// # Errors
     /// [`SendError`] if the transport fails.
-    pub fn beat(&mut self, tick: u64, phase: u32, error: Option<&str>) -> Result<(), SendError> {
+    pub fn send_if_due(
+        &mut self,
+        tick: u64,
+        phase: u32,
+        error: Option<&str>,
+    ) -> Result<(), SendError> {
         self.status.phase = phase;
         if let Some(error) = error {
             self.status.set_error(error);

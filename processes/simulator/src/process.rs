@@ -44,7 +44,7 @@ pub fn run(config: &Path) -> ExitCode {
         if member.wait_for_phase(Phase::Connect, running) {
             simulator.connect()?;
             setup.heartbeat.connect()?;
-            setup.heartbeat.beat(0, 2, None)?;
+            setup.heartbeat.send_if_due(0, 2, None)?;
             member.set_state(SlotState::Connected);
             if member.wait_for_phase(Phase::Prepare, running) {
                 member.set_state(SlotState::Prepared);

@@ -53,7 +53,7 @@ pub fn limit(model: &RobotModel, current: Twist2, command: Twist2, dt: f64) -> T
 }
 
 /// The twist that results when the drive is not perfect; within the robot's limits.
-pub(crate) fn disturb(
+pub(crate) fn perturb(
     model: &RobotModel,
     actuator: &ActuatorSpec,
     twist: Twist2,
@@ -187,8 +187,8 @@ mod tests {
             let current = Twist2::new(v0, w0);
             let next = limit(&model, current, Twist2::new(v, omega), dt);
             let actuator = ActuatorSpec { noise: 0.5, angular_noise: 0.5, veer: 1.0, ..Default::default() };
-            let disturbed = disturb(&model, &actuator, next, &mut Stream::new(seed, 0, 0));
-            for twist in [next, disturbed] {
+            let perturbed = perturb(&model, &actuator, next, &mut Stream::new(seed, 0, 0));
+            for twist in [next, perturbed] {
                 prop_assert!((-0.5..=1.0).contains(&twist.v) && twist.omega.abs() <= 4.0);
                 prop_assert!(twist.v.abs() + twist.omega.abs() * 0.1 <= 1.2 + 1e-12);
             }

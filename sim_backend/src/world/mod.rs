@@ -229,7 +229,7 @@ impl World {
             if let Some(actuator) = &extra.actuator {
                 let stream = stream_number(i, Purpose::Actuator);
                 let mut noise = Stream::new(self.seed, stream, self.tick);
-                twist = drive::disturb(&robot.model, actuator, twist, &mut noise);
+                twist = drive::perturb(&robot.model, actuator, twist, &mut noise);
             }
             self.twists[i] = twist;
             if first_invalid {

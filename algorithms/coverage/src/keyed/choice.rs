@@ -8,7 +8,7 @@ use crate::freshness::Freshness;
 use crate::space::Space;
 
 /// Legs shorter than this (m) are none.
-const SHORTEST_LEG: f64 = 0.01;
+const MIN_LEG: f64 = 0.01;
 
 /// Candidates per depth of foresight that are followed further.
 const WIDTHS: [usize; 3] = [10, 4, 2];
@@ -94,7 +94,7 @@ impl Choice<'_> {
             for _ in 0..per_order {
                 let to = self.space.clear_to(from, self.draw(from, *order, draws));
                 let length = (to - from).norm();
-                if length >= SHORTEST_LEG {
+                if length >= MIN_LEG {
                     let score = self.freshness.worth_of(from, to) - self.cost() * length;
                     candidates.push(Candidate { to, score });
                 }

@@ -25,7 +25,7 @@ fn every_sub_goal_lies_on_a_wall() {
         let to = planner.next_goal(from).unwrap().waypoint.point;
         let depth = (to.x - 0.1).min(9.9 - to.x).min(to.y - 0.1).min(9.9 - to.y);
         assert!(depth.abs() < 1e-9, "{to}");
-        assert!((to - from).norm() >= SHORTEST_LEG);
+        assert!((to - from).norm() >= MIN_LEG);
         from = to;
     }
 }

@@ -15,7 +15,7 @@ use planner_view::limits::Limits;
 use planner_view::waypoint::{WaypointOutcome, WaypointReport};
 use steering::go_to::distance_to_segment;
 use steering::path_tracking::{Path, PathTracker, TrackingParams};
-use steering::waypoint_driver::{Driving, LEAST_TIME_S, Situation};
+use steering::waypoint_driver::{Driving, MIN_TIME_S, Situation};
 
 use crate::sub_goals::params::FollowParams;
 
@@ -23,10 +23,10 @@ use crate::sub_goals::params::FollowParams;
 const STEP: f64 = 0.02;
 
 /// Least radius of an arc (m): at a corner with less room the robot turns on the spot.
-const LEAST_RADIUS: f64 = 0.02;
+const MIN_RADIUS: f64 = 0.02;
 
 /// Most sub-goals that may end in a tick.
-const MOST_PER_TICK: usize = 64;
+const MAX_PER_TICK: usize = 64;
 
 /// A sub-goal and the way to it, up to the end of the arc there.
 #[derive(Debug, Clone)]
@@ -81,7 +81,7 @@ impl ArcDriver {
         Ok(Self {
             limits,
             tracking,
-            rounding: Rounding::new(v, omega, params.most_miss, LEAST_RADIUS)?,
+            rounding: Rounding::new(v, omega, params.most_miss, MIN_RADIUS)?,
             half_turn_s: core::f64::consts::PI / omega,
             time_limit_factor: params.driver.time_limit_factor,
             rounder: None,
@@ -119,7 +119,7 @@ impl ArcDriver {
         }
         let here = pose.position();
         let from = self.before.replace(here).unwrap_or(here);
-        for _ in 0..MOST_PER_TICK {
+        for _ in 0..MAX_PER_TICK {
             self.fill(next, here);
             if self.leg.is_none() && !self.set_out(time_s) {
                 return stop;
@@ -220,7 +220,7 @@ impl ArcDriver {
         let path = Path::new(stretch.points.iter().chain(beyond).copied());
         // It may have to turn first: where it is is not quite where the path says.
         let expected = stretch.duration + self.half_turn_s;
-        let allowed = (self.time_limit_factor * expected).max(LEAST_TIME_S);
+        let allowed = (self.time_limit_factor * expected).max(MIN_TIME_S);
         self.leg = Some(Leg {
             started_s: time_s,
             until_s: time_s + allowed,

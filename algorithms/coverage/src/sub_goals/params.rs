@@ -1,6 +1,6 @@
 //! Parameters that all planners of sub-goals share.
 
-use crate::workplace::LEAST_TOLERANCE;
+use crate::workplace::MIN_TOLERANCE;
 use parameters::{Parameters, ParamsError, above, at_least, positive, within};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -26,7 +26,7 @@ pub enum Interpolation {
 #[serde(deny_unknown_fields, default)]
 pub struct FollowParams {
     /// How far rectangles may stick out of the obstacles that they stand for.
-    #[schemars(transform = at_least(LEAST_TOLERANCE).unit("m"))]
+    #[schemars(transform = at_least(MIN_TOLERANCE).unit("m"))]
     pub tolerance: f64,
     /// Distance that the robot's body keeps from obstacles and walls where it is planned to be: a
     /// robot on wheels strays from its legs.

@@ -3,7 +3,7 @@
 use geometry::shape::{Aabb, ShapeError};
 use thiserror::Error;
 
-use super::{LEAST_TOLERANCE, MAX_RECTANGLES};
+use super::{MAX_RECTANGLES, MIN_TOLERANCE};
 
 /// Why a workplace cannot be used; each text says what to change.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -26,7 +26,7 @@ pub enum WorkplaceError {
         limit: f64,
     },
     /// The tolerance of the conversion is not a length.
-    #[error("tolerance = {tolerance}: expected a finite number of at least {LEAST_TOLERANCE} (m)")]
+    #[error("tolerance = {tolerance}: expected a finite number of at least {MIN_TOLERANCE} (m)")]
     Tolerance {
         /// Tolerance found (m).
         tolerance: f64,

@@ -7,7 +7,7 @@ use nalgebra::Point2;
 const HALVINGS: usize = 50;
 
 /// Appends rectangles that together contain a convex piece and of which no point is farther than
-/// `tolerance` (m) (≥ [`LEAST_TOLERANCE`](super::LEAST_TOLERANCE)) from it; a rectangle along the axes stays what it is. Stops early beyond `most`
+/// `tolerance` (m) (≥ [`MIN_TOLERANCE`](super::MIN_TOLERANCE)) from it; a rectangle along the axes stays what it is. Stops early beyond `most`
 /// rectangles in `out`.
 ///
 /// The piece is cut across the axis that needs fewer cuts. Each slab is as thick as the tolerance

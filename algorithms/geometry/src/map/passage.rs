@@ -8,7 +8,7 @@ use crate::grid::{Grid, GridFrame};
 use crate::region::Region;
 
 /// Most sets of passages that a map keeps: robots come in few sizes.
-const MOST: usize = 8;
+const MAX_PASSAGE_SETS: usize = 8;
 
 /// Cells that a disc may pass, and which of them are joined from side to side (not across corners).
 ///
@@ -160,7 +160,7 @@ impl KnownPassages {
             return Arc::clone(passages);
         }
         let passages = Arc::new(Passages::new(clearance, needed));
-        if known.len() >= MOST {
+        if known.len() >= MAX_PASSAGE_SETS {
             known.remove(0);
         }
         known.push((key, Arc::clone(&passages)));
@@ -238,10 +238,10 @@ mod tests {
         let known = KnownPassages::default();
         let first = known.get(&map, 0.5);
         assert!(Arc::ptr_eq(&first, &known.clone().get(&map, 0.5)));
-        for size in 0..2 * MOST {
+        for size in 0..2 * MAX_PASSAGE_SETS {
             known.get(&map, size as f64);
         }
-        assert_eq!(known.0.lock().unwrap().len(), MOST);
+        assert_eq!(known.0.lock().unwrap().len(), MAX_PASSAGE_SETS);
     }
 
     proptest! {

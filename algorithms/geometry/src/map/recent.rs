@@ -9,9 +9,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 use super::{MapError, MapSpec, WorldMap};
 
 /// Most maps that are kept.
-const MOST: usize = 8;
+const MAX_MAPS: usize = 8;
 /// Most cells of a map that is kept: about 10 MB each.
-const MOST_CELLS: usize = 1 << 20;
+const MAX_CELLS: usize = 1 << 20;
 
 /// The newest stands last.
 static RECENT: Mutex<Vec<(MapSpec, Arc<WorldMap>)>> = Mutex::new(Vec::new());
@@ -31,9 +31,9 @@ impl WorldMap {
         }
         // Not under the lock: others need other maps meanwhile.
         let map = Arc::new(Self::new(spec)?);
-        if map.frame().len() <= MOST_CELLS {
+        if map.frame().len() <= MAX_CELLS {
             let mut recent = lock();
-            if recent.len() >= MOST {
+            if recent.len() >= MAX_MAPS {
                 recent.remove(0);
             }
             recent.push((spec.clone(), Arc::clone(&map)));

@@ -5,7 +5,7 @@ use core::f64::consts::PI;
 use nalgebra::{Point2, Vector2};
 
 /// Legs no longer than this (m) have no heading.
-const SHORTEST_LEG: f64 = 1e-12;
+const MIN_LEG: f64 = 1e-12;
 
 /// Headings (rad) in [−π, π] of the legs that are longer than 1e-12 m, in order.
 pub fn headings(path: &[Point2<f64>]) -> Vec<f64> {
@@ -15,7 +15,7 @@ pub fn headings(path: &[Point2<f64>]) -> Vec<f64> {
 fn legs(path: &[Point2<f64>]) -> impl Iterator<Item = Vector2<f64>> + '_ {
     path.windows(2)
         .map(|pair| pair[1] - pair[0])
-        .filter(|leg| leg.norm() > SHORTEST_LEG)
+        .filter(|leg| leg.norm() > MIN_LEG)
 }
 
 /// The turns of a path, each wrapped to [−π, π); counter-clockwise is positive.

@@ -9,13 +9,13 @@ use super::graph::{self, Graph};
 use planner_view::free_space::Arc;
 
 /// Legs shorter than this (m) are left out: joints that rounding makes.
-const SHORTEST: f64 = 1e-12;
+const MIN_LEG: f64 = 1e-12;
 
 /// Adds the way through these points.
 pub(super) fn straight(points: &[Point2<f64>], path: &mut Vec<PathLeg>) {
     for pair in points.windows(2) {
         if let &[from, to] = pair
-            && (to - from).norm() > SHORTEST
+            && (to - from).norm() > MIN_LEG
         {
             path.push(PathLeg::Segment { from, to });
         }
@@ -26,7 +26,7 @@ pub(super) fn straight(points: &[Point2<f64>], path: &mut Vec<PathLeg>) {
 pub(super) fn arc(graph: &Graph, (track, from): (u32, f64), to: f64, path: &mut Vec<PathLeg>) {
     let site = graph.site(track);
     let angle = graph.arc(track, from, to).unwrap_or(0.0);
-    if angle * site.radius > SHORTEST {
+    if angle * site.radius > MIN_LEG {
         let turn = graph::turn(track);
         let place = if turn > 0.0 {
             from

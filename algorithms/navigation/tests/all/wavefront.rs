@@ -66,7 +66,7 @@ fn in_the_open_times_are_those_of_straight_lines() {
 
 /// Lengths of shortest ways from (−4.5, 7.5) for a radius of 0.105 m, by Dijkstra on the visibility
 /// graph of the corners, their arcs drawn with 48 corners each.
-const SHORTEST: [(f64, f64, f64); 14] = [
+const EXACT_LENGTHS: [(f64, f64, f64); 14] = [
     (9.0, 0.0, 16.986),
     (1.6852, -1.5805, 12.281),
     (4.5245, -1.3748, 14.361),
@@ -87,13 +87,13 @@ const SHORTEST: [(f64, f64, f64); 14] = [
 fn in_the_city_times_are_those_of_the_shortest_ways() {
     let wave = spread(&CITY, &[Source::new(Point2::new(-4.5, 7.5), 1.0, 0)]);
     let mut sum = 0.0;
-    for (x, y, truth) in SHORTEST {
+    for (x, y, truth) in EXACT_LENGTHS {
         let error = wave.time_at(CITY.1.lattice(), Point2::new(x, y)) / truth - 1.0;
         println!("({x}, {y}): {error:.4}");
         assert!(error.abs() < 0.02, "({x}, {y}): {error}");
         sum += error.abs();
     }
-    let mean = sum / SHORTEST.len() as f64;
+    let mean = sum / EXACT_LENGTHS.len() as f64;
     assert!(mean < 0.005, "{mean}");
 }
 

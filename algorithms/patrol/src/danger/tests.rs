@@ -174,16 +174,16 @@ proptest! {
             for share in [0.1, 0.3, 0.5, 0.7, 0.9] {
                 let p = from + along * (length * share);
                 if stretch.threatened {
-                    prop_assert!(depth(p) <= SHORTEST_STRETCH, "{}", depth(p));
+                    prop_assert!(depth(p) <= MIN_STRETCH, "{}", depth(p));
                 } else {
-                    prop_assert!(depth(p) >= -SHORTEST_STRETCH, "{}", depth(p));
+                    prop_assert!(depth(p) >= -MIN_STRETCH, "{}", depth(p));
                 }
             }
             // Where the threat begins or ends within a segment lies the border of a zone.
             for end in [from, to] {
                 if !contour.points().contains(&end) {
                     let off = parts.iter().map(|z| z.contact(end).distance.abs());
-                    prop_assert!(off.fold(f64::INFINITY, f64::min) < 2.0 * SHORTEST_STRETCH);
+                    prop_assert!(off.fold(f64::INFINITY, f64::min) < 2.0 * MIN_STRETCH);
                 }
             }
         }

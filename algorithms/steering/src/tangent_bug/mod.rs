@@ -36,11 +36,11 @@ const NO_NEARER: f64 = 0.087;
 const ENCLOSED_LOOKS: u32 = 60;
 /// Times that a goal in sight is believed to be reachable: between obstacles that leave just too little
 /// room for the robot it may come into sight at every turn, and for ever.
-const MOST_SIGHTINGS: u32 = 5;
+const MAX_SIGHTINGS: u32 = 5;
 /// What the other side of an obstacle must save before the side is changed, in grown radii.
 const SIDE_HOLD: f64 = 1.5;
 /// Changes of mode within one look: towards the goal, to the boundary, away from it, once each.
-const MOST_CHANGES: usize = 4;
+const MAX_CHANGES: usize = 4;
 
 /// Kept free between the robot's edge and obstacles (m). It covers what the drive strays from the advice
 /// and what the sensor errs; passages narrower than the robot and twice this count as closed.
@@ -171,7 +171,7 @@ impl TangentBug {
         let margin = MARGIN;
         self.view.look(pose, scan, self.grown - margin, margin);
         let sight = Sight::new(&self.view, pose, goal, tolerance.max(0.0));
-        for _ in 0..MOST_CHANGES {
+        for _ in 0..MAX_CHANGES {
             let state = core::mem::replace(&mut self.state, State::Unreachable);
             match self.answer(state, &sight) {
                 Change::Answer(advice) => return Some(advice),
@@ -244,7 +244,7 @@ impl TangentBug {
 
     /// Whether a goal in sight is reason enough to leave a boundary.
     fn may_trust(&self) -> bool {
-        self.sightings < MOST_SIGHTINGS
+        self.sightings < MAX_SIGHTINGS
     }
 
     /// Boundary following.

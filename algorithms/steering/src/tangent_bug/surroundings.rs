@@ -17,7 +17,7 @@ use planner_view::view::ScanView;
 pub(super) const DIRECTIONS: usize = 360;
 
 /// Largest lean away from an obstacle that is too near (sine of the angle).
-const MOST_LEAN: f64 = 0.3;
+const MAX_LEAN: f64 = 0.3;
 
 /// Shares of the margin that are tried where there is too little room.
 const MARGINS: [f64; 3] = [1.0, 0.5, 0.1];
@@ -155,7 +155,7 @@ impl Surroundings {
         let along = echo.dot(&unit);
         if distance <= self.radius {
             // Too near already: no nearer, and away if clearly so.
-            let lean = ((self.lean_below - distance) / (0.5 * self.radius)).clamp(0.0, MOST_LEAN);
+            let lean = ((self.lean_below - distance) / (0.5 * self.radius)).clamp(0.0, MAX_LEAN);
             return if along > (1e-9 - lean) * distance {
                 0.0
             } else {

@@ -3,7 +3,7 @@
 use nalgebra::{Point2, Vector2};
 
 /// Longest trail kept; at 5 cm per mark 3 km of boundary.
-const MOST_MARKS: usize = 1 << 16;
+const MAX_MARKS: usize = 1 << 16;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Mark {
@@ -44,7 +44,7 @@ impl Trail {
         if since_mark < pitch {
             return false;
         }
-        if self.marks.len() >= MOST_MARKS {
+        if self.marks.len() >= MAX_MARKS {
             return true;
         }
         // The way around the smallest obstacle is 2π radii.

@@ -16,7 +16,7 @@ use nalgebra::{Point2, Vector2};
 use parameters::{ParamsError, check, positive};
 
 use guard::Guard;
-pub use params::{DriverParams, LEAST_TIME_S};
+pub use params::{DriverParams, MIN_TIME_S};
 pub use time_model::{lap_time, time_without_obstacles};
 
 use crate::go_to::{GoToParams, distance_to_segment, go_to};
@@ -28,7 +28,7 @@ use planner_view::waypoint::{Waypoint, WaypointKind, WaypointOutcome, WaypointRe
 
 /// Most waypoints that are taken up in a tick: a source whose points are all left out shall not
 /// hold up the robot for ever.
-const MOST_PER_TICK: usize = 64;
+const MAX_PER_TICK: usize = 64;
 
 /// What a robot knows in one tick.
 #[derive(Debug, Clone, Copy)]
@@ -169,7 +169,7 @@ impl WaypointDriver {
         let before = self.before.replace(here).unwrap_or(here);
         // Only the first waypoint of a tick was on the way when the robot drove the last segment.
         let mut from = before;
-        for _ in 0..MOST_PER_TICK {
+        for _ in 0..MAX_PER_TICK {
             let Some(leg) = self.leg.as_mut() else {
                 match self.take_up(next, situation) {
                     None => return Driving::STOP,
@@ -214,7 +214,7 @@ impl WaypointDriver {
         let go_to = &self.params.go_to;
         let expected = time_without_obstacles(&situation.pose, point, &self.limits, go_to)
             + self.params.ramps_s(&self.limits);
-        let allowed = (self.params.time_limit_factor * expected).max(LEAST_TIME_S);
+        let allowed = (self.params.time_limit_factor * expected).max(MIN_TIME_S);
         let leg = Leg {
             waypoint,
             started_s: time_s,

@@ -8,7 +8,7 @@ use crate::go_to::GoToParams;
 use planner_view::limits::Limits;
 
 /// Least time allowed for a waypoint (s).
-pub const LEAST_TIME_S: f64 = 1.0;
+pub const MIN_TIME_S: f64 = 1.0;
 
 /// Parameters of a [`WaypointDriver`](super::WaypointDriver).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -8,7 +8,7 @@ use crate::go_to::{GoToParams, bearing, coast, distance_to_segment, go_to};
 use planner_view::limits::Limits;
 
 /// Longest lap that is simulated (ticks).
-const MOST_TICKS: f64 = 1e7;
+const MAX_TICKS: f64 = 1e7;
 
 /// The time a robot needs to a point without obstacles (s): it turns to it on the spot at its
 /// highest rate, then drives straight at the highest speed it is allowed.
@@ -59,7 +59,7 @@ pub fn lap_time(
         let most = ticks + 10.0 + 4.0 * time_without_obstacles(&pose, point, limits, params) / dt;
         loop {
             ticks += 1.0;
-            if ticks > MOST_TICKS || ticks > most.max(100.0 + along) {
+            if ticks > MAX_TICKS || ticks > most.max(100.0 + along) {
                 return Err(ParamsError::new(
                     "dt",
                     &dt,

@@ -10,7 +10,7 @@ use crate::space::Space;
 const STEP: f64 = 0.1;
 
 /// Most steps; longer times ahead take longer steps.
-const MOST_STEPS: f64 = 1000.0;
+const MAX_STEPS: f64 = 1000.0;
 
 impl ParticleFilter {
     /// Mean of the particles `horizon` (s) from now, if none is seen until then: each moves on as
@@ -21,7 +21,7 @@ impl ParticleFilter {
         let mut cloud = self.particles.clone();
         let n = cloud.len();
         if horizon > 0.0 && horizon.is_finite() {
-            let steps = (horizon / STEP).ceil().clamp(1.0, MOST_STEPS);
+            let steps = (horizon / STEP).ceil().clamp(1.0, MAX_STEPS);
             let motion = Motion::new(&self.params, self.limits, horizon / steps).quiet();
             let silence = vec![0; 4 * n];
             let (mut x, mut y) = (Vec::new(), Vec::new());

@@ -20,18 +20,18 @@ use crate::obstacle_field::ObstacleField;
 /// Cost of a unit by which an obstacle is entered.
 const SLACK_COST: f64 = 10.0;
 /// Most cost.
-const MOST_SLACK_COST: f64 = 1e5;
+const MAX_SLACK_COST: f64 = 1e5;
 /// What is kept beside the sag (m).
-const HAIR: f64 = 3e-5;
+const SAG_TOLERANCE: f64 = 3e-5;
 /// Most sag (m) between samples: at first, and once it is known about where the curve goes.
 const SAG: [f64; 2] = [5e-4, 1e-4];
 /// Samples are not nearer to each other (m).
-const FINEST: [f64; 2] = [0.01, 0.006];
+const MIN_SPACING: [f64; 2] = [0.01, 0.006];
 /// Nor farther apart (m).
-const COARSEST: f64 = 0.04;
+const MAX_SPACING: f64 = 0.04;
 /// Depth in a grown obstacle, as a part of its size, from which on the nearest side may be the wrong
 /// one.
-const DEEP: f64 = 0.15;
+const DEEP_PENETRATION: f64 = 0.15;
 /// Margin per way from an end of the path.
 const GROWTH: f64 = 0.05;
 /// Distance (m) from a grown obstacle within which the curve is held by it: at first, and once it
@@ -42,9 +42,9 @@ const EDGE_REACH: f64 = 0.2;
 /// Relative change of the cost that ends the iteration.
 const CONVERGED: f64 = 1e-4;
 /// Most programs of one iteration.
-const MOST: u32 = 25;
+const MAX_PROGRAMS: u32 = 25;
 /// Smallest speed at the ends as a part of the mean speed: the curve has a direction there.
-const LEAST_SPEED: f64 = 0.005;
+const MIN_SPEED: f64 = 0.005;
 
 /// A search for a curve.
 pub struct CurveSearch<'a> {
@@ -110,7 +110,7 @@ impl<'a> CurveSearch<'a> {
     ) -> Option<Vec<f64>> {
         let mut z = from;
         let mut last_cost = z.as_deref().map_or(f64::INFINITY, |z| self.energy(z));
-        for round in 0..MOST {
+        for round in 0..MAX_PROGRAMS {
             let start = z
                 .clone()
                 .unwrap_or_else(|| vec![0.0; self.curve.variables()]);
@@ -142,7 +142,7 @@ impl<'a> CurveSearch<'a> {
                 break;
             }
             if (last_cost - cost).abs() <= CONVERGED * cost {
-                if clean || obstacles == 0 || self.slack_cost >= MOST_SLACK_COST {
+                if clean || obstacles == 0 || self.slack_cost >= MAX_SLACK_COST {
                     break;
                 }
                 self.slack_cost *= 10.0;
@@ -206,7 +206,7 @@ impl<'a> CurveSearch<'a> {
             None => self.near.unwrap_or(self.guide).at(at),
         };
         // Positions on a coarse grid say which obstacles matter where.
-        let count = (length / COARSEST).ceil().max(8.0) as usize;
+        let count = (length / MAX_SPACING).ceil().max(8.0) as usize;
         let grid: Vec<Point2<f64>> = (0..=count)
             .map(|i| place(i as f64 / count as f64))
             .collect();
@@ -226,9 +226,9 @@ impl<'a> CurveSearch<'a> {
             };
             let spacing = (8.0 * SAG[known] * radius / 1.1)
                 .sqrt()
-                .clamp(FINEST[known], COARSEST);
+                .clamp(MIN_SPACING[known], MAX_SPACING);
             let sag = 1.1 * spacing * spacing / (8.0 * radius);
-            let margin = HAIR + sag.min(SAG[0]) + self.margins[index];
+            let margin = SAG_TOLERANCE + sag.min(SAG[0]) + self.margins[index];
             let parts = (length / count as f64 / spacing).ceil().max(1.0) as usize;
             for (i, p) in grid.iter().enumerate().take(count) {
                 if obstacle.distance(*p) - clearance > REACH[known] + step {
@@ -277,7 +277,7 @@ impl<'a> CurveSearch<'a> {
                 0.5 * (around.max - around.min).norm() + self.ground.clearance
             }
         };
-        if contact.distance - self.ground.clearance > -DEEP * size {
+        if contact.distance - self.ground.clearance > -DEEP_PENETRATION * size {
             return (p, contact);
         }
         let guide = self.guide.at(at);
@@ -350,7 +350,7 @@ impl<'a> CurveSearch<'a> {
             .into_iter()
             .flatten()
         {
-            program.at_most([(var, -1.0)], -LEAST_SPEED * UNITS);
+            program.at_most([(var, -1.0)], -MIN_SPEED * UNITS);
         }
         if known {
             for (var, most) in self.curve.step_bounds() {

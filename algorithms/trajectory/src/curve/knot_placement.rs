@@ -9,7 +9,7 @@ use crate::guide::Guide;
 /// that must begin in another heading than the guide's turns into it.
 const TURN_IN: [f64; 3] = [3.0, 8.0, 20.0];
 /// Shortest distance (m) that these are counted in.
-const SHORTEST_TURN: f64 = 5e-3;
+const MIN_TURN: f64 = 5e-3;
 /// Headings that differ by less (rad) need no breaks.
 const SAME_HEADING: f64 = 2e-3;
 /// Part of an arc's radius by which breaks lie before and behind its ends.
@@ -37,7 +37,7 @@ pub struct Headings {
 pub fn breaks(guide: &Guide, headings: Headings, turning: f64, level: u32) -> Vec<f64> {
     let length = guide.length();
     let mut at: Vec<f64> = Vec::new();
-    let unit = turning.max(SHORTEST_TURN).min(0.05 * length);
+    let unit = turning.max(MIN_TURN).min(0.05 * length);
     let differs = |asked: f64, u: nalgebra::Vector2<f64>| {
         math::angle_difference(asked, math::atan2(u.y, u.x)).abs() > SAME_HEADING
     };
@@ -75,7 +75,7 @@ pub fn breaks(guide: &Guide, headings: Headings, turning: f64, level: u32) -> Ve
             at.extend((1..=count as usize).map(|i| a + d + inside * i as f64 / (count + 1.0)));
         }
     }
-    let near = 0.5 * unit.max(0.4 * SHORTEST_TURN).min(length / 64.0);
+    let near = 0.5 * unit.max(0.4 * MIN_TURN).min(length / 64.0);
     at.retain(|&s| s > near && s < length - near);
     at.sort_by(f64::total_cmp);
     at.dedup_by(|b, a| *b - *a < near);

@@ -14,9 +14,9 @@ const LOOKS: usize = 6;
 /// both say, relative to how far it could turn at most.
 const MISMATCH: f64 = 3e-4;
 /// How often the way between two points is halved at most.
-const MOST_HALVES: usize = 16;
+const MAX_HALVES: usize = 16;
 /// Most points of a path before that: a curve that needs more writhes.
-const MOST_POINTS: usize = 20_000;
+const MAX_POINTS: usize = 20_000;
 
 /// The points of a curve, its first heading the representative nearest to `theta` (rad); `None` if
 /// the curve has a cusp.
@@ -58,7 +58,7 @@ pub fn path(
             let [v, w] = [a.kappa, next.kappa].map(|kappa| limits.speed_at(kappa));
             let told = (a.kappa * v + next.kappa * w) / (v + w) * way;
             if (told - turn).abs() > MISMATCH * way / turning + 1e-8 {
-                if ahead.len() >= MOST_HALVES || points.len() >= MOST_POINTS {
+                if ahead.len() >= MAX_HALVES || points.len() >= MAX_POINTS {
                     return None;
                 }
                 ahead.push((at, next));

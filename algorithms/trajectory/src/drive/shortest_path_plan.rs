@@ -23,7 +23,7 @@ use crate::problem::{Problem, RobotLimits};
 
 /// Most that a robot may turn while it sheds its turning rate (rad): what spins on for longer is
 /// not waited for.
-const MOST_SPIN: f64 = 100.0;
+const MAX_SPIN: f64 = 100.0;
 /// Speeds (m/s, rad/s) that count as standing.
 const STANDING: f64 = 1e-9;
 
@@ -77,7 +77,7 @@ fn brake(
     let start = problem.start;
     let duration = if rolls { linear.max(angular) } else { angular };
     let too_long =
-        0.5 * v * duration > path_points::LONGEST || 0.5 * omega.abs() * duration > MOST_SPIN;
+        0.5 * v * duration > path_points::MAX_LENGTH || 0.5 * omega.abs() * duration > MAX_SPIN;
     if too_long && (rolls || turns) {
         return Err(PlanError::Infeasible(
             "the robot takes too long to stop or to stop turning",

@@ -11,7 +11,7 @@ use crate::problem::Problem;
 /// How far (m) start and goal may be from the old plan.
 const NEAR: f64 = 0.05;
 /// How deep (m) it may lead through obstacles: deeper, it may pass on the wrong side.
-const DEEP: f64 = 0.03;
+const MAX_PENETRATION: f64 = 0.03;
 
 /// What is left of a plan, from where it passes the start.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,7 +47,7 @@ pub fn rest(problem: &Problem, ground: &ObstacleField, plan: &Plan) -> Option<Re
     }
     let points = path_points::of_samples(&samples);
     let depths = ground.depths(&points);
-    if depths.iter().any(|(_, depth)| *depth > DEEP) {
+    if depths.iter().any(|(_, depth)| *depth > MAX_PENETRATION) {
         return None;
     }
     let corners: Vec<Point2<f64>> = points.iter().map(|p| p.at).collect();

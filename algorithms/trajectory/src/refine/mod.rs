@@ -24,11 +24,11 @@ use step_dynamics::Node;
 const STEPS: [f64; 2] = [24.0, 120.0];
 const STEP_TIME: f64 = 0.15;
 /// Most programs of a search.
-const MOST: u32 = 40;
+const MAX_PROGRAMS: u32 = 40;
 /// Largest change of a heading (rad) and (relative) of the duration in one program at first.
 const TRUST: f64 = 0.4;
 /// It never gets smaller.
-const LEAST_TRUST: f64 = 1e-3;
+const MIN_TRUST: f64 = 1e-3;
 /// Relative change of the duration that ends the search.
 const CONVERGED: f64 = 1e-4;
 /// Difference (m) of poses from node to node that is none.
@@ -49,7 +49,7 @@ const CALM: f64 = 1e-4;
 const KEPT: [f64; 2] = [0.3, 0.8];
 /// Most samples of a trajectory: with more of them its steps are too long for the search to see
 /// what lies between nodes.
-const MOST_SAMPLES: f64 = 2e5;
+const MAX_SAMPLES: f64 = 2e5;
 /// Largest turn (rad) between two samples.
 const TURN_SPACING: f64 = 0.05;
 
@@ -99,7 +99,7 @@ impl<'a> Refinement<'a> {
         let mut trust = TRUST;
         // The first trajectory need not keep ends and limits; whatever does is better.
         let mut merit = f64::INFINITY;
-        while self.programs < MOST {
+        while self.programs < MAX_PROGRAMS {
             if stop() {
                 return None;
             }
@@ -124,7 +124,7 @@ impl<'a> Refinement<'a> {
                 (self.nodes, self.time) = (nodes, time);
                 trust *= 0.4;
                 self.proximal *= 10.0;
-                if trust < LEAST_TRUST {
+                if trust < MIN_TRUST {
                     break;
                 }
                 continue;
@@ -223,7 +223,7 @@ impl<'a> Refinement<'a> {
             .windows(2)
             .map(|pair| parts(&pair[0], &pair[1]))
             .sum();
-        if all > MOST_SAMPLES {
+        if all > MAX_SAMPLES {
             return None;
         }
         let sample = |t: f64, node: &Node| Sample {

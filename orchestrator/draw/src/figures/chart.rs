@@ -50,7 +50,7 @@ impl Scale {
 
     /// Whether a value has a place.
     fn has(self, value: f64) -> bool {
-        self == Self::Linear || value >= SMALLEST
+        self == Self::Linear || value >= MIN_LOG_VALUE
     }
 }
 
@@ -77,9 +77,9 @@ pub struct Series {
 }
 
 /// Smallest number that is drawn on a logarithmic axis.
-const SMALLEST: f64 = 1e-100;
+const MIN_LOG_VALUE: f64 = 1e-100;
 /// Largest number that is drawn.
-const LARGEST: f64 = 1e100;
+const MAX_VALUE: f64 = 1e100;
 
 /// One point of a curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -98,7 +98,7 @@ impl Point {
         let (low, high) = self.interval.unwrap_or((self.y, self.y));
         [self.x, self.y, low, high]
             .iter()
-            .all(|v| v.abs() <= LARGEST)
+            .all(|v| v.abs() <= MAX_VALUE)
             && chart.x_scale.has(self.x)
             && [self.y, low, high].iter().all(|v| chart.y_scale.has(*v))
     }

@@ -12,7 +12,7 @@ pub(super) struct Ticks {
 }
 
 /// Values beyond are not told apart: their differences could not be computed.
-const FARTHEST: f64 = 1e150;
+const MAX_MAGNITUDE: f64 = 1e150;
 
 impl Ticks {
     /// Some `count` steps of 1, 2, 2.5 or 5 times a power of ten over the values, whose ends are
@@ -20,7 +20,7 @@ impl Ticks {
     pub(super) fn over(low: f64, high: f64, count: f64) -> Self {
         let finite = |v: f64, other: f64| {
             let v = if v.is_finite() { v } else { other };
-            v.clamp(-FARTHEST, FARTHEST)
+            v.clamp(-MAX_MAGNITUDE, MAX_MAGNITUDE)
         };
         let (low, high) = (finite(low, 0.0), finite(high, 1.0));
         let (low, high) = if low < high {
@@ -45,7 +45,7 @@ impl Ticks {
     /// These values, with a little room beyond the outer ones.
     pub(super) fn at(mut values: Vec<f64>) -> Self {
         for value in &mut values {
-            *value = value.clamp(-FARTHEST, FARTHEST);
+            *value = value.clamp(-MAX_MAGNITUDE, MAX_MAGNITUDE);
         }
         values.sort_by(f64::total_cmp);
         values.dedup();

@@ -7,10 +7,10 @@ use mcap_log::ros2::{Cdr, Count, DecodeError, Field, Kind, Number, Schema, Schem
 use tables::{Cell, Column, Type};
 
 /// Most columns of a table.
-const MOST_COLUMNS: usize = 2048;
+const MAX_COLUMNS: usize = 2048;
 /// Longest array of numbers, and of messages, that has a column for every number.
-const LONGEST_NUMBERS: usize = 64;
-const LONGEST_MESSAGES: usize = 16;
+const MAX_ARRAY_NUMBERS: usize = 64;
+const MAX_ARRAY_MESSAGES: usize = 16;
 
 /// How the messages of a topic become rows.
 #[derive(Debug)]
@@ -116,8 +116,8 @@ fn form(field: &Field) -> Form {
     match (field.count, &field.kind) {
         (Count::One, _) => Form::One,
         (_, Kind::Number(Number::U8)) => Form::Bytes,
-        (Count::Fixed(n), Kind::Number(_)) if n <= LONGEST_NUMBERS => Form::Each(n),
-        (Count::Fixed(n), Kind::Message(_)) if n <= LONGEST_MESSAGES => Form::Each(n),
+        (Count::Fixed(n), Kind::Number(_)) if n <= MAX_ARRAY_NUMBERS => Form::Each(n),
+        (Count::Fixed(n), Kind::Message(_)) if n <= MAX_ARRAY_MESSAGES => Form::Each(n),
         _ => Form::Json,
     }
 }
@@ -154,8 +154,8 @@ fn flatten_one(kind: &Kind, name: &str, columns: &mut Vec<Column>) -> Result<(),
 }
 
 fn add(column: Column, columns: &mut Vec<Column>) -> Result<(), SchemaError> {
-    if columns.len() >= MOST_COLUMNS {
-        return Err(SchemaError(format!("more than {MOST_COLUMNS} columns")));
+    if columns.len() >= MAX_COLUMNS {
+        return Err(SchemaError(format!("more than {MAX_COLUMNS} columns")));
     }
     columns.push(column);
     Ok(())

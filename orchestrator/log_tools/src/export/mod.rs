@@ -20,7 +20,7 @@ use tables::{self, Cell, Format, Rows};
 use self::columns::Layout;
 
 /// Most tables that are written at once: each is an open file.
-const MOST_TABLES: usize = 500;
+const MAX_TABLES: usize = 500;
 
 /// Which tables are written, and how.
 #[derive(Debug, Clone)]
@@ -186,9 +186,9 @@ impl Export<'_> {
             Some(Fate::Table(open)) => {
                 if open.sink.is_none() {
                     self.tables += 1;
-                    if self.tables > MOST_TABLES {
+                    if self.tables > MAX_TABLES {
                         return Err(LogReadError::Argument(format!(
-                            "--topics: the log has more than {MOST_TABLES} topics; choose some"
+                            "--topics: the log has more than {MAX_TABLES} topics; choose some"
                         ))
                         .into());
                     }

@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Deepest nesting of messages.
-const DEEPEST: usize = 16;
+const MAX_NESTING: usize = 16;
 /// Most fields of a definition with everything that is nested in it.
-const MOST_FIELDS: usize = 4096;
+const MAX_FIELDS: usize = 4096;
 /// Longest definition (bytes).
-const LONGEST: usize = 4 << 20;
+const MAX_DEFINITION_BYTES: usize = 4 << 20;
 
 /// Why a schema cannot be used.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -118,8 +118,10 @@ impl Schema {
     /// # Errors
     /// [`SchemaError`] says what is not understood.
     pub fn parse(text: &[u8]) -> Result<Self, SchemaError> {
-        if text.len() > LONGEST {
-            return Err(SchemaError(format!("longer than {LONGEST} bytes")));
+        if text.len() > MAX_DEFINITION_BYTES {
+            return Err(SchemaError(format!(
+                "longer than {MAX_DEFINITION_BYTES} bytes"
+            )));
         }
         let text = str::from_utf8(text).map_err(|e| SchemaError(e.to_string()))?;
         let mut sections: Vec<(String, Vec<&str>)> = vec![(String::new(), Vec::new())];
@@ -158,8 +160,8 @@ struct Parser<'a> {
 
 impl Parser<'_> {
     fn fields(&mut self, lines: &[&str], depth: usize) -> Result<Arc<[Field]>, SchemaError> {
-        if depth > DEEPEST {
-            return Err(SchemaError(format!("nested deeper than {DEEPEST}")));
+        if depth > MAX_NESTING {
+            return Err(SchemaError(format!("nested deeper than {MAX_NESTING}")));
         }
         let mut fields = Vec::new();
         for line in lines {
@@ -176,8 +178,8 @@ impl Parser<'_> {
                 continue;
             }
             self.fields += 1;
-            if self.fields > MOST_FIELDS {
-                return Err(SchemaError(format!("more than {MOST_FIELDS} fields")));
+            if self.fields > MAX_FIELDS {
+                return Err(SchemaError(format!("more than {MAX_FIELDS} fields")));
             }
             let (kind, count) = match kind.strip_suffix(']').and_then(|k| k.split_once('[')) {
                 None => (kind, Count::One),

@@ -32,7 +32,7 @@ pub enum Extent {
 }
 
 /// Most sub-goals that are planned.
-const MOST_GOALS: u64 = 10_000_000;
+const MAX_GOALS: u64 = 10_000_000;
 
 /// A planned coverage.
 #[derive(Debug)]
@@ -165,7 +165,7 @@ impl Order<'_> {
             meter.goal(here);
         }
         let mut goals = Vec::new();
-        while (goals.len() as u64) < MOST_GOALS {
+        while (goals.len() as u64) < MAX_GOALS {
             let Some(goal) = source.next_goal(here) else {
                 break;
             };

@@ -93,7 +93,7 @@ pub struct Answers {
 pub const TICK_JITTER: &str = "tick off its time";
 
 /// Passages that are kept one by one.
-const MOST_PASSAGES: usize = 200_000;
+const MAX_PASSAGES: usize = 200_000;
 
 /// What is told of a log beside its hops and steps.
 #[derive(Debug, Default)]
@@ -207,7 +207,7 @@ impl Chain {
             }
         }
         self.stages.record(REACTION, passage.reaction_ns);
-        if detail.passages.len() < MOST_PASSAGES {
+        if detail.passages.len() < MAX_PASSAGES {
             detail.passages.push(passage);
         }
     }

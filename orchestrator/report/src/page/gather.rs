@@ -21,7 +21,7 @@ use crate::picture::logged::LoggedScenario;
 use scenario::kind::Kind;
 
 /// Most states of robots that are kept.
-const MOST_STATES: usize = 400_000;
+const MAX_STATES: usize = 400_000;
 
 /// The state of the world at a tick.
 #[derive(Debug, Clone, PartialEq)]
@@ -80,7 +80,7 @@ impl Gathered {
         watch: &mut Watch,
     ) -> Result<Self, LogReadError> {
         let weigh = |frame: &Frame| frame.robots.len();
-        let mut frames = Frames(Sampled::new(0, MOST_STATES, weigh));
+        let mut frames = Frames(Sampled::new(0, MAX_STATES, weigh));
         let (mut layers, mut happened) = (Layers::default(), Happened::default());
         let (mut measured, mut timing) = (Measured::default(), Timing::new(kinds));
         let mut run = LoggedRun::read(

@@ -9,9 +9,9 @@ use serde::Serialize;
 /// Stands for "nothing" where places and values are packed.
 pub(super) const NONE: u16 = u16::MAX;
 /// Largest number that stands for a place or a value.
-const LARGEST: f64 = 65_534.0;
+const MAX_VALUE: f64 = 65_534.0;
 /// Smallest step between two places (m).
-const FINEST: f64 = 1e-3;
+const MIN_STEP: f64 = 1e-3;
 
 /// How places become whole numbers: millimetres, or coarser in a world larger than 65 m.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -30,7 +30,7 @@ impl Raster {
         let whole = extent + 2.0 * margin;
         Self {
             origin: [min[0] - margin, min[1] - margin],
-            step: (whole / LARGEST).max(FINEST),
+            step: (whole / MAX_VALUE).max(MIN_STEP),
         }
     }
 
@@ -39,7 +39,7 @@ impl Raster {
         [0, 1].map(|i| {
             let number = ((p[i] - self.origin[i]) / self.step).round();
             // Saturates; "not a number" becomes 0.
-            number.clamp(0.0, LARGEST) as u16
+            number.clamp(0.0, MAX_VALUE) as u16
         })
     }
 
@@ -47,7 +47,7 @@ impl Raster {
     pub(super) fn pack_if_inside(&self, p: [f64; 2]) -> [u16; 2] {
         let inside = [0, 1].iter().all(|&i| {
             let number = (p[i] - self.origin[i]) / self.step;
-            (-0.5..=LARGEST + 0.5).contains(&number)
+            (-0.5..=MAX_VALUE + 0.5).contains(&number)
         });
         if inside { self.pack(p) } else { [NONE; 2] }
     }
@@ -96,9 +96,9 @@ impl Range {
         }
         let span = self.max - self.min;
         if span > 0.0 {
-            ((value - self.min) / span * LARGEST)
+            ((value - self.min) / span * MAX_VALUE)
                 .round()
-                .clamp(0.0, LARGEST) as u16
+                .clamp(0.0, MAX_VALUE) as u16
         } else {
             0
         }

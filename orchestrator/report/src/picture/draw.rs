@@ -18,11 +18,11 @@ use super::trace::{Mark, RunTrace};
 use super::trail::{TrailPoint, simplify};
 
 /// Smallest radius of a robot on the page (px): smaller ones are drawn larger.
-const SMALLEST_DISC: f64 = 8.0;
+const MIN_DISC: f64 = 8.0;
 /// Most points of all trails together.
-const MOST_TRAIL_POINTS: usize = 5000;
+const MAX_TRAIL_POINTS: usize = 5000;
 /// Most dots of all beliefs together.
-const MOST_DOTS: usize = 2000;
+const MAX_DOTS: usize = 2000;
 /// Font size of names (px).
 const NAME_SIZE: f64 = 14.0;
 /// A belief whose mean is nearer than this to its robot (px) needs no name of its own.
@@ -58,7 +58,7 @@ pub fn draw(trace: &RunTrace) -> String {
         discs: trace
             .robots
             .iter()
-            .map(|robot| (robot.radius * layout.scale).max(SMALLEST_DISC))
+            .map(|robot| (robot.radius * layout.scale).max(MIN_DISC))
             .collect(),
         trace,
         layout,
@@ -265,7 +265,7 @@ impl Picture<'_> {
         let bands = loop {
             let bands: Vec<_> = trails.iter().map(|trail| split(trail, tolerance)).collect();
             let points: usize = bands.iter().flatten().map(Vec::len).sum();
-            if points <= MOST_TRAIL_POINTS {
+            if points <= MAX_TRAIL_POINTS {
                 break bands;
             }
             tolerance *= 1.5;
@@ -302,7 +302,7 @@ impl Picture<'_> {
 
     fn beliefs(&mut self, canvas: &mut Canvas) {
         let all: usize = self.trace.beliefs.iter().map(|b| b.particles.len()).sum();
-        let step = all.div_ceil(MOST_DOTS).max(1);
+        let step = all.div_ceil(MAX_DOTS).max(1);
         canvas.add(format_args!(
             "<g class=\"beliefs\" fill=\"none\" stroke=\"{}\" stroke-width=\"4.4\" \
              stroke-opacity=\"0.75\" stroke-linecap=\"round\">\n",
@@ -360,7 +360,7 @@ impl Picture<'_> {
             .collect();
         for (i, robot) in self.trace.robots.iter().enumerate() {
             let color = palette::team(robot.team);
-            let radius = self.discs.get(i).copied().unwrap_or(SMALLEST_DISC);
+            let radius = self.discs.get(i).copied().unwrap_or(MIN_DISC);
             let (at, text) = match fates.get(&i) {
                 Some(mark) => {
                     let words = mark.kind.words();

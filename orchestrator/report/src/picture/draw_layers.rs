@@ -8,11 +8,11 @@ use super::layout::Layout;
 use super::trace::RunTrace;
 
 /// Most edges of all trees together.
-const MOST_EDGES: usize = 2500;
+const MAX_EDGES: usize = 2500;
 /// Most points of all plans together, besides their ends.
-const MOST_POINTS: usize = 2000;
+const MAX_POINTS: usize = 2000;
 /// Most rectangles of one side's cells.
-const MOST_RECTANGLES: usize = 500;
+const MAX_RECTANGLES: usize = 500;
 
 /// Draws who reaches which cells first; lies under everything that drives.
 pub(super) fn dominance(canvas: &mut Canvas, layout: &Layout, trace: &RunTrace) {
@@ -36,7 +36,7 @@ fn fill(canvas: &mut Canvas, layout: &Layout, cells: &Cells, color: &str, opacit
     canvas.add(format_args!(
         "<path fill=\"{color}\" fill-opacity=\"{opacity}\" d=\""
     ));
-    for [min, max] in cells.at_most(MOST_RECTANGLES) {
+    for [min, max] in cells.at_most(MAX_RECTANGLES) {
         let ([left, bottom], [right, top]) = (layout.at(min), layout.at(max));
         let (left, bottom) = (Num(left), Num(bottom));
         let (right, top) = (Num(right), Num(top));
@@ -54,7 +54,7 @@ pub(super) fn plans(canvas: &mut Canvas, layout: &Layout, trace: &RunTrace) {
         robot.map_or(palette::FAINT_INK, |r| palette::team(r.team))
     };
     let edges: usize = trace.trees.iter().map(|tree| tree.edges.len()).sum();
-    let step = edges.div_ceil(MOST_EDGES).max(1);
+    let step = edges.div_ceil(MAX_EDGES).max(1);
     canvas.add(format_args!(
         "<g class=\"trees\" clip-path=\"url(#map)\" fill=\"none\" stroke-width=\"0.7\" \
          stroke-opacity=\"0.45\">\n"
@@ -74,7 +74,7 @@ pub(super) fn plans(canvas: &mut Canvas, layout: &Layout, trace: &RunTrace) {
          stroke-dasharray=\"6 4\">\n"
     ));
     let points: usize = trace.plans.iter().map(|plan| plan.points.len()).sum();
-    let step = points.div_ceil(MOST_POINTS).max(1);
+    let step = points.div_ceil(MAX_POINTS).max(1);
     for plan in &trace.plans {
         canvas.add(format_args!("<path stroke=\"{}\" d=\"", color(plan.robot)));
         let inner = plan.points.len().saturating_sub(1);

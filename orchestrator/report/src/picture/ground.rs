@@ -9,11 +9,11 @@ use geometry::shape::Shape;
 use ipc_types::messages::world::{MapCell, MapHeader};
 
 /// Most corners that the obstacles of a vector map may have together to be drawn as vectors.
-const MOST_CORNERS: usize = 2500;
+const MAX_CORNERS: usize = 2500;
 /// Most cells per side of the grid that is drawn of any other map.
-const MOST_CELLS: usize = 1024;
+const MAX_CELLS: usize = 1024;
 /// Most rectangles that such a grid is drawn with.
-const MOST_RECTANGLES: usize = 2500;
+const MAX_RECTANGLES: usize = 2500;
 
 /// What does not drive.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -72,7 +72,7 @@ impl Ground {
             }
         };
         let corners: usize = map.obstacles.iter().map(|o| corner_count(&o.shape)).sum();
-        let obstacles = if corners > MOST_CORNERS {
+        let obstacles = if corners > MAX_CORNERS {
             BTreeMap::new()
         } else {
             // An obstacle's number in the world is its place in the map.
@@ -134,7 +134,7 @@ impl Ground {
             width,
             occupied: cells.iter().map(|cell| cell.occupied != 0).collect(),
         };
-        let factor = width.max(height).div_ceil(MOST_CELLS);
+        let factor = width.max(height).div_ceil(MAX_CELLS);
         self.cells = Some(if factor > 1 {
             fine.coarser(factor)
         } else {
@@ -167,7 +167,7 @@ impl Cells {
     /// Rectangles (smallest and largest corner (m)) that cover the occupied cells; of a grid too
     /// ragged for a drawing, those of a coarser one.
     pub(crate) fn rectangles(&self) -> Vec<[[f64; 2]; 2]> {
-        self.at_most(MOST_RECTANGLES)
+        self.at_most(MAX_RECTANGLES)
     }
 
     /// As [`Cells::rectangles`], with at most `most` of them.
@@ -323,7 +323,7 @@ mod tests {
             occupied,
         };
         let rectangles = cells.rectangles();
-        assert!(rectangles.len() <= MOST_RECTANGLES);
+        assert!(rectangles.len() <= MAX_RECTANGLES);
         assert_eq!(covered(&rectangles, 20.02, 20.02), 1);
     }
 

@@ -8,11 +8,11 @@ use ipc_types::messages::robot::{PlanPoint, TreeEdge};
 use super::ground::Cells;
 
 /// Most points of a plan and most edges of a tree that are kept.
-const MOST_PARTS: usize = 4000;
+const MAX_PARTS: usize = 4000;
 /// Most cells of dominance that are kept: those of the largest map that a scenario may have.
-const MOST_CELLS: usize = 64 << 20;
+const MAX_CELLS: usize = 64 << 20;
 /// Coordinates beyond this (m) are not those of a world of ours.
-const FARTHEST: f32 = 1e6;
+const MAX_COORDINATE: f32 = 1e6;
 
 /// The way that a robot means to go.
 #[derive(Debug, Clone, PartialEq)]
@@ -59,7 +59,7 @@ impl Layers {
             // What does not fit an f32 is infinite, and refused.
             .map(|p| [p.x as f32, p.y as f32])
             .filter(|&p| near(p))
-            .take(MOST_PARTS)
+            .take(MAX_PARTS)
             .collect();
         self.plans.insert(robot, PlanTrace { robot, points });
     }
@@ -70,7 +70,7 @@ impl Layers {
             .iter()
             .map(|e| [[e.from_x, e.from_y], [e.to_x, e.to_y]])
             .filter(|&[from, to]| near(from) && near(to))
-            .take(MOST_PARTS)
+            .take(MAX_PARTS)
             .collect();
         self.trees.insert(robot, TreeTrace { robot, edges });
     }
@@ -78,13 +78,13 @@ impl Layers {
     /// Replaces who dominates what; cells that are not those of the header change nothing.
     pub(super) fn dominance(&mut self, header: &DominanceHeader, cells: &[DominanceCell]) {
         let (width, height) = (header.width as usize, header.height as usize);
-        let sound = cells.len() <= MOST_CELLS
+        let sound = cells.len() <= MAX_CELLS
             && width > 0
             && width.checked_mul(height) == Some(cells.len())
             && header.resolution > 0.0
             && header.resolution <= 1e5
-            && header.origin_x.abs() <= f64::from(FARTHEST)
-            && header.origin_y.abs() <= f64::from(FARTHEST);
+            && header.origin_x.abs() <= f64::from(MAX_COORDINATE)
+            && header.origin_y.abs() <= f64::from(MAX_COORDINATE);
         if !sound {
             return;
         }
@@ -121,7 +121,7 @@ impl Layers {
 }
 
 fn near(p: [f32; 2]) -> bool {
-    p.iter().all(|c| c.abs() <= FARTHEST)
+    p.iter().all(|c| c.abs() <= MAX_COORDINATE)
 }
 
 #[cfg(test)]

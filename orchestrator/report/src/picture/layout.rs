@@ -3,9 +3,9 @@
 use super::labels::Area;
 
 /// Largest width and height of the map on the page (px).
-const LARGEST: f64 = 760.0;
+const MAX_SIDE_PX: f64 = 760.0;
 /// Smallest of either, so that there is room for something (px).
-const SMALLEST: f64 = 60.0;
+const MIN_SIDE_PX: f64 = 60.0;
 /// Empty border of the page (px).
 const MARGIN: f64 = 28.0;
 /// Height of the title above the map (px).
@@ -44,8 +44,8 @@ impl Layout {
                 1.0
             }
         });
-        let scale = LARGEST / size[0].max(size[1]);
-        let [w, h] = size.map(|s| (s * scale).max(SMALLEST));
+        let scale = MAX_SIDE_PX / size[0].max(size[1]);
+        let [w, h] = size.map(|s| (s * scale).max(MIN_SIDE_PX));
         let map = Area {
             left: MARGIN,
             top: MARGIN + HEADER,

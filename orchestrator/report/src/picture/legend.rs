@@ -15,7 +15,7 @@ const SMALL: f64 = 12.5;
 /// Font size of the story (px).
 const STORY: f64 = 13.5;
 /// Most lines of the story.
-const MOST_LINES: usize = 14;
+const MAX_LINES: usize = 14;
 /// Distance of two lines of a row (px).
 const LINE: f64 = 19.0;
 /// Space between two rows (px).
@@ -25,7 +25,7 @@ const SIGN: f64 = 34.0;
 /// Space for the scale bar at the end (px).
 const SCALE_BAR: f64 = 64.0;
 /// A team has its members' fates listed up to this many.
-const MOST_FATES: usize = 8;
+const MAX_FATES: usize = 8;
 
 /// A row of the legend.
 struct Row {
@@ -99,7 +99,7 @@ impl Legend {
                     mark.time_s
                 ))
             });
-            let fates = fates.take(MOST_FATES);
+            let fates = fates.take(MAX_FATES);
             row.lines.extend(fates.map(|fate| (fate, true)));
             rows.push(row);
         }
@@ -154,8 +154,8 @@ impl Legend {
         }
         // A long story is told in the scenario.
         let mut story = wrap(&trace.description, STORY, LEGEND);
-        if story.len() > MOST_LINES {
-            story.truncate(MOST_LINES);
+        if story.len() > MAX_LINES {
+            story.truncate(MAX_LINES);
             if let Some(last) = story.last_mut() {
                 last.push_str(" …");
             }

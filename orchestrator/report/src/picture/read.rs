@@ -17,9 +17,9 @@ use super::trail::{Trail, TrailPoint};
 use scenario::spec::MAX_ROBOTS;
 
 /// Maximum number of events that are marked.
-const MOST_MARKS: usize = 64;
+const MAX_MARKS: usize = 64;
 /// Maximum number of particles that are kept of a belief.
-const MOST_PARTICLES: usize = 1000;
+const MAX_PARTICLES: usize = 1000;
 
 impl RunTrace {
     /// Reads what a picture of the run at simulated time `at` (s) needs, or of its end if `at` is `None`.
@@ -136,7 +136,7 @@ impl Marks {
             "goal_reached" => MarkKind::GoalReached,
             _ => return,
         };
-        if self.0.len() < MOST_MARKS && is_near([event.x, event.y]) {
+        if self.0.len() < MAX_MARKS && is_near([event.x, event.y]) {
             self.0.push(Mark {
                 kind,
                 robot: event.robot as usize,
@@ -187,7 +187,7 @@ impl Moment {
         if robot >= MAX_ROBOTS || !is_near([header.mean_x, header.mean_y]) {
             return;
         }
-        let step = particles.len().div_ceil(MOST_PARTICLES).max(1);
+        let step = particles.len().div_ceil(MAX_PARTICLES).max(1);
         let belief = BeliefTrace {
             robot,
             mean: [header.mean_x, header.mean_y],

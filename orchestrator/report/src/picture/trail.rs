@@ -3,9 +3,9 @@
 use geometry::math;
 
 /// Most points that a trail keeps while a log is read.
-const MOST_POINTS: usize = 8192;
+const MAX_POINTS: usize = 8192;
 /// A robot that has moved less than this since the last point (m) adds none.
-const LEAST_STEP: f64 = 0.002;
+const MIN_STEP: f64 = 0.002;
 
 /// A place on a trail.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,11 +57,11 @@ impl Trail {
         let moved = self
             .points
             .last()
-            .is_none_or(|last| last.distance(&point) >= LEAST_STEP);
+            .is_none_or(|last| last.distance(&point) >= MIN_STEP);
         if !taken || !moved {
             return;
         }
-        if self.points.len() >= MOST_POINTS {
+        if self.points.len() >= MAX_POINTS {
             let mut index = 0;
             self.points.retain(|_| {
                 index += 1;
@@ -140,7 +140,7 @@ mod tests {
             trail.push(point(f64::from(i), 0.0));
         }
         let points = trail.points();
-        assert!(points.len() <= MOST_POINTS + 1, "{}", points.len());
+        assert!(points.len() <= MAX_POINTS + 1, "{}", points.len());
         assert_eq!(points[0], point(0.0, 0.0));
         assert_eq!(points[points.len() - 1], point(999_999.0, 0.0));
     }

@@ -15,7 +15,7 @@ const MAX_DRAWS: u32 = 24;
 const MEMORY: f64 = 1.0 / 256.0;
 
 /// Least share of free space for which a radius is made.
-const LEAST_USEFUL: f64 = 1e-4;
+const MIN_USEFUL: f64 = 1e-4;
 
 impl<M: Motion> Search<M> {
     pub(super) fn iterate(&mut self, scene: &Scene<'_>) {
@@ -46,7 +46,7 @@ impl<M: Motion> Search<M> {
             let p = scene.sampler.draw(scene.space, &mut self.rng)?;
             let is_useful = self.bound.can_beat(p, self.best.0);
             let hit = f64::from(u8::from(is_useful));
-            self.useful = (self.useful + (hit - self.useful) * MEMORY).max(LEAST_USEFUL);
+            self.useful = (self.useful + (hit - self.useful) * MEMORY).max(MIN_USEFUL);
             if is_useful {
                 return Some(p);
             }

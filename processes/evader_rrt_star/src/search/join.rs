@@ -9,7 +9,7 @@ use crate::tree::{NONE, ROOT};
 
 /// Nodes behind a node beyond which primitives with a heading do not rewire it: every way behind
 /// it would have to be laid and checked anew.
-const MOST_MOVED: usize = 64;
+const MAX_MOVED: usize = 64;
 
 /// A possible parent.
 #[derive(Debug, Clone, Copy)]
@@ -274,7 +274,7 @@ impl<M: Motion> Search<M> {
                     break;
                 };
                 moved.push(values);
-                if M::HAS_HEADING && moved.len() > MOST_MOVED {
+                if M::HAS_HEADING && moved.len() > MAX_MOVED {
                     sound = false;
                     break;
                 }

@@ -14,7 +14,7 @@ const GROWTH: usize = 2;
 const GAIN: f64 = 0.98;
 
 /// Fewest nodes worth looking through.
-const FEWEST: usize = 512;
+const MIN_NODES: usize = 512;
 
 /// Nodes taken over from the last tree, at most (those on its best way besides).
 const MAX_KEPT: usize = 1500;
@@ -24,8 +24,9 @@ impl<M: Motion> Search<M> {
     pub(super) fn prune(&mut self) {
         let (size, cost) = self.pruned;
         let nodes = self.tree.len();
-        let is_due = nodes >= size.saturating_mul(GROWTH).max(FEWEST) || self.best.0 < GAIN * cost;
-        if !self.best.0.is_finite() || !is_due || nodes < FEWEST {
+        let is_due =
+            nodes >= size.saturating_mul(GROWTH).max(MIN_NODES) || self.best.0 < GAIN * cost;
+        if !self.best.0.is_finite() || !is_due || nodes < MIN_NODES {
             return;
         }
         let best = self.best.0;

@@ -14,7 +14,7 @@ use crate::sampler::uniform;
 use crate::tree::ROOT;
 
 /// Least share of the cost that a change must gain: below it nodes pile up for nothing.
-const LEAST_GAIN: f64 = 2e-6;
+const MIN_GAIN: f64 = 2e-6;
 
 /// Changes reach from the size of an edge down by this many factors of e.
 const DEPTH: f64 = 7.0;
@@ -78,7 +78,7 @@ impl<M: Motion> Search<M> {
 
     /// Leads the way from `a` to `b` over these points instead of `v`, if that is cheaper and free.
     fn detour(&mut self, scene: &Scene<'_>, [a, v, b]: [u32; 3], over: &[Point2<f64>]) -> bool {
-        let most = self.tree.node(b).cost - LEAST_GAIN * self.best.0;
+        let most = self.tree.node(b).cost - MIN_GAIN * self.best.0;
         let from = *self.tree.node(a);
         let (mut pose, mut cost, mut length) = (from.pose, from.cost, from.length);
         let end = self.tree.node(b).at();

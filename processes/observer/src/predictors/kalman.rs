@@ -6,7 +6,7 @@ use super::Predictor;
 use crate::moment::Moment;
 
 /// Measurements are never taken for better than this (m): the covariance stays regular.
-const LEAST_SIGMA: f64 = 1e-6;
+const MIN_SIGMA: f64 = 1e-6;
 
 /// A Kalman filter of position and velocity. Both axes have the same noise, hence one covariance.
 #[derive(Debug, Clone)]
@@ -26,7 +26,7 @@ impl Kalman {
     pub fn new(density: f64, v_max: f64) -> Self {
         Self {
             density,
-            speed_sigma: v_max.max(LEAST_SIGMA),
+            speed_sigma: v_max.max(MIN_SIGMA),
             state: None,
             covariance: Matrix2::zeros(),
         }
@@ -59,7 +59,7 @@ impl Predictor for Kalman {
     fn observe(&mut self, moment: &Moment<'_>) {
         self.advance(moment.look.dt);
         let Some(seen) = moment.look.seen else { return };
-        let variance = seen.sigma.max(LEAST_SIGMA) * seen.sigma.max(LEAST_SIGMA);
+        let variance = seen.sigma.max(MIN_SIGMA) * seen.sigma.max(MIN_SIGMA);
         let Some(state) = &mut self.state else {
             self.state = Some([
                 Vector2::new(seen.position.x, 0.0),

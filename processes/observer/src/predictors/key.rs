@@ -34,11 +34,11 @@ const MARGIN_OF_CLAIM: f64 = 10.0;
 /// seen in the last bits only.
 const SAME: f64 = 1e-9;
 /// Guesses followed at a time.
-const MOST_GUESSES: usize = 24;
+const MAX_GUESSES: usize = 24;
 /// Guesses that agree on so many of the last goals are not told apart.
 const RECENT: usize = 3;
 /// Largest deviation of a goal from where it is known to be (standard deviations).
-const MOST_DEVIATION: f64 = 4.5;
+const MAX_DEVIATION: f64 = 4.5;
 /// Goals that are computed ahead.
 const AHEAD: usize = 64;
 
@@ -218,12 +218,12 @@ impl<F: Finder> KeyHunter<F> {
                 let area = self.layout.area();
                 let spread = core::f64::consts::TAU * goal.sd * goal.sd / area;
                 let cost = 0.5 * off * off + geometry::math::ln(spread);
-                (off <= MOST_DEVIATION).then(|| (finder.clone(), cost))
+                (off <= MAX_DEVIATION).then(|| (finder.clone(), cost))
             }
             Slot::Drawn(frame) => {
                 let (output, sd) = (frame.output(goal.point)?, sd_of(frame, goal));
                 let inside = (0..2).all(|k| {
-                    let slack = MOST_DEVIATION * sd[k];
+                    let slack = MAX_DEVIATION * sd[k];
                     (-slack..=1.0 + slack).contains(&output[k])
                 });
                 let mut finder = finder.clone();
@@ -324,9 +324,9 @@ fn sd_of(frame: &Frame, goal: &ReachedGoal) -> [f64; 2] {
 fn likeliest<F: Finder>(mut guesses: Vec<Guess<F>>) -> Vec<Guess<F>> {
     guesses.sort_by(|a, b| a.score().total_cmp(&b.score()));
     let limit = guesses.first().map_or(0.0, Guess::score) + MARGIN;
-    let mut kept: Vec<Guess<F>> = Vec::with_capacity(MOST_GUESSES);
+    let mut kept: Vec<Guess<F>> = Vec::with_capacity(MAX_GUESSES);
     for guess in guesses {
-        if guess.score() > limit || kept.len() == MOST_GUESSES {
+        if guess.score() > limit || kept.len() == MAX_GUESSES {
             break;
         }
         let known =

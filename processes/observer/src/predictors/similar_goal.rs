@@ -8,7 +8,7 @@ use crate::moment::Moment;
 use crate::travel::{Pace, along};
 
 /// Goals that are looked ahead at most.
-const MOST_GOALS: usize = 64;
+const MAX_GOALS: usize = 64;
 
 /// The nearest neighbour on the history of goals, and the way through the goals that it foretells.
 #[derive(Debug, Clone)]
@@ -42,7 +42,7 @@ impl Predictor for SimilarGoal {
         let mut next = self.neighbour.predict();
         while let Some(goal) = next
             && way < length
-            && goals.len() < MOST_GOALS
+            && goals.len() < MAX_GOALS
         {
             way += (goal - at).norm();
             at = goal;

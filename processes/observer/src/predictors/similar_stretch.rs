@@ -6,7 +6,7 @@ use super::Predictor;
 use crate::moment::Moment;
 
 /// Most samples that are kept; the oldest are forgotten.
-pub const MOST_SAMPLES: usize = 50_000;
+pub const MAX_SAMPLES: usize = 50_000;
 
 /// The nearest neighbour on the history of positions: the past stretch that is nearest to the last
 /// one, point by point, and the displacement that followed it.
@@ -99,8 +99,8 @@ impl Predictor for SimilarStretch {
         }
         self.since = 0.0;
         self.due = Some(due.max(look.time - self.step) + self.step);
-        if self.samples.len() == MOST_SAMPLES {
-            self.samples.drain(..MOST_SAMPLES / 10);
+        if self.samples.len() == MAX_SAMPLES {
+            self.samples.drain(..MAX_SAMPLES / 10);
         }
         self.samples.push(look.seen.map(|seen| seen.position));
     }

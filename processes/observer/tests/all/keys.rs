@@ -7,7 +7,7 @@ use observer::layout::{Layout, Slot};
 use observer::predictors::Predictor;
 use observer::predictors::key::{Finder, KeyHunter};
 
-use crate::support::{ARRIVAL, Onlooker, Robot};
+use crate::support::{ARRIVAL, NoisyObserver, Robot};
 
 const GOAL_ERROR: f64 = 0.03;
 
@@ -58,17 +58,17 @@ fn hunt<F: Finder>(
     most: usize,
 ) -> Hunt {
     let mut robot = Robot::new(start, goals(layout.clone(), source));
-    let mut onlooker = Onlooker::new(sigma, heading_sigma, 7);
+    let mut noisy = NoisyObserver::new(sigma, heading_sigma, 7);
     let mut hunter = KeyHunter::new(layout.clone(), finder, ARRIVAL, GOAL_ERROR);
     let (mut recovered_after, mut errors) = (None, Vec::new());
     let mut pending: Vec<(u64, Point2<f64>)> = Vec::new();
     for tick in 0_u64.. {
         robot.tick();
-        onlooker.look(robot.pose, true, &mut hunter);
+        noisy.look(robot.pose, true, &mut hunter);
         if hunter.key_recovered() && recovered_after.is_none() {
             recovered_after = Some(robot.reached.len());
         }
-        if let Some(at) = onlooker.predict(&hunter, 5.0) {
+        if let Some(at) = noisy.predict(&hunter, 5.0) {
             assert!(hunter.key_recovered());
             pending.push((tick + 100, at));
         }

@@ -6,7 +6,7 @@ use nalgebra::Point2;
 use observer::predictors::kalman::Kalman;
 use observer::predictors::similar_stretch::SimilarStretch;
 
-use crate::support::{DT, Onlooker, Robot};
+use crate::support::{DT, NoisyObserver, Robot};
 
 fn straight(tick: u64) -> Pose2 {
     let t = tick as f64 * DT;
@@ -16,19 +16,19 @@ fn straight(tick: u64) -> Pose2 {
 #[test]
 fn a_straight_way_at_constant_speed_is_foretold_without_error_through_gaps() {
     let mut kalman = Kalman::new(1.0, 2.0);
-    let mut onlooker = Onlooker::new(0.0, 0.0, 1);
-    assert_eq!(onlooker.predict(&kalman, 1.0), None);
+    let mut noisy = NoisyObserver::new(0.0, 0.0, 1);
+    assert_eq!(noisy.predict(&kalman, 1.0), None);
     for tick in 0..100 {
-        onlooker.look(straight(tick), true, &mut kalman);
+        noisy.look(straight(tick), true, &mut kalman);
     }
     let (sharp, _) = kalman.variances();
     for tick in 100..200 {
-        onlooker.look(straight(tick), false, &mut kalman);
+        noisy.look(straight(tick), false, &mut kalman);
     }
     let (blurred, speed) = kalman.variances();
     assert!(blurred > 10.0 * sharp && speed > 1.0);
     for (horizon, ticks) in [(0.5, 10), (5.0, 100)] {
-        let at = onlooker.predict(&kalman, horizon).unwrap();
+        let at = noisy.predict(&kalman, horizon).unwrap();
         let error = (at - straight(199 + ticks).position()).norm();
         assert!(error < 1e-6, "{horizon} {error}");
     }
@@ -37,12 +37,12 @@ fn a_straight_way_at_constant_speed_is_foretold_without_error_through_gaps() {
 #[test]
 fn noise_is_smoothed() {
     let mut kalman = Kalman::new(0.01, 2.0);
-    let mut onlooker = Onlooker::new(0.05, 0.0, 2);
+    let mut noisy = NoisyObserver::new(0.05, 0.0, 2);
     let mut squares = 0.0;
     for tick in 0..1000 {
-        onlooker.look(straight(tick), true, &mut kalman);
+        noisy.look(straight(tick), true, &mut kalman);
         if tick >= 100 {
-            let at = onlooker.predict(&kalman, 1.0).unwrap();
+            let at = noisy.predict(&kalman, 1.0).unwrap();
             squares += (at - straight(tick + 20).position()).norm_squared();
         }
     }
@@ -60,13 +60,13 @@ fn a_way_that_repeats_is_foretold_by_its_past_and_a_first_lap_is_not() {
         Pose2::new(3.0 * cos, 2.0 * math::sin(2.0 * angle) + sin, 0.0)
     };
     let mut similar = SimilarStretch::new(2.0, 0.25);
-    let mut onlooker = Onlooker::new(0.0, 0.0, 3);
+    let mut noisy = NoisyObserver::new(0.0, 0.0, 3);
     for tick in 0..600 {
-        onlooker.look(pose(tick), true, &mut similar);
+        noisy.look(pose(tick), true, &mut similar);
     }
-    // The onlooker's moments for predictions are out of sight: so is the robot.
-    assert_eq!(onlooker.predict(&similar, 1.0), None);
-    let at = onlooker.predict_seen(&similar, pose(599), 2.0).unwrap();
+    // The noisy's moments for predictions are out of sight: so is the robot.
+    assert_eq!(noisy.predict(&similar, 1.0), None);
+    let at = noisy.predict_seen(&similar, pose(599), 2.0).unwrap();
     let error = (at - pose(639).position()).norm();
     assert!(error < 0.3, "{error}");
 }
@@ -77,11 +77,11 @@ fn goals_are_made_out_from_noisy_poses_to_half_a_tick() {
     let ring = (1..).map(|k: usize| corners[k % 4]);
     let mut robot = Robot::new(corners[0], ring);
     let mut kalman = Kalman::new(1.0, 1.0);
-    let mut onlooker = Onlooker::new(0.005, 0.005, 4);
+    let mut noisy = NoisyObserver::new(0.005, 0.005, 4);
     let mut made_out = Vec::new();
     while robot.reached.len() < 40 {
         robot.tick();
-        made_out.extend(onlooker.look(robot.pose, true, &mut kalman));
+        made_out.extend(noisy.look(robot.pose, true, &mut kalman));
     }
     assert!(made_out.len() >= 39, "{}", made_out.len());
     // None is made up, few are overlooked.

@@ -79,7 +79,7 @@ impl<G: Iterator<Item = Point2<f64>>> Robot<G> {
 }
 
 /// Looks on with noise, and hands what it sees to a predictor.
-pub struct Onlooker {
+pub struct NoisyObserver {
     pub legs: Legs,
     pub sigma: f64,
     pub heading_sigma: f64,
@@ -88,7 +88,7 @@ pub struct Onlooker {
     tick: u64,
 }
 
-impl Onlooker {
+impl NoisyObserver {
     pub fn new(sigma: f64, heading_sigma: f64, seed: u64) -> Self {
         Self {
             legs: Legs::new(ARRIVAL),

@@ -43,7 +43,7 @@ impl BarrierMember {
         let alive = |now| (now != SlotState::Dead as u32).then_some(state as u32);
         let word = &self.barrier.slot(self.slot).state;
         let _ = word.fetch_update(Ordering::SeqCst, Ordering::SeqCst, alive);
-        // The orchestrator looks at the states on its own beat; the simulator sleeps on arrivals.
+        // The orchestrator looks at the states on its own send if due; the simulator sleeps on arrivals.
         wake_all(&self.barrier.words().arrived.0);
         wake_all(&self.barrier.slot(self.slot).done);
     }

@@ -61,7 +61,7 @@ impl Simulator {
                     TickEnd::Complete => break,
                     TickEnd::Idle => {
                         if setup.heartbeat.is_due() {
-                            setup.heartbeat.beat(self.tick, 3, None)?;
+                            setup.heartbeat.send_if_due(self.tick, 3, None)?;
                         }
                     }
                     TickEnd::Stop => return Ok(()),
@@ -73,7 +73,7 @@ impl Simulator {
                 .heartbeat
                 .stepped(clock::elapsed_ns(start), 0, self.refused_commands);
             if setup.heartbeat.is_due() {
-                setup.heartbeat.beat(self.tick, 3, None)?;
+                setup.heartbeat.send_if_due(self.tick, 3, None)?;
             }
             if !leader.complete(self.tick) {
                 return Ok(());
@@ -118,7 +118,7 @@ impl Simulator {
                 .heartbeat
                 .stepped(clock::elapsed_ns(start), overruns, self.refused_commands);
             if setup.heartbeat.is_due() {
-                setup.heartbeat.beat(self.tick, 3, None)?;
+                setup.heartbeat.send_if_due(self.tick, 3, None)?;
             }
             leader.complete_without_waiting(self.tick);
             self.advance(max_age);
