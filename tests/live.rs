@@ -148,13 +148,13 @@ impl Viewer {
     }
 
     /// The next message; `None` when the server has closed the connection.
-    fn hear(&mut self) -> Option<Heard> {
+    fn hear(&mut self) -> Option<Received> {
         loop {
             match self.0.read() {
                 Ok(Message::Text(text)) => {
-                    return Some(Heard::Text(serde_json::from_str(&text).unwrap()));
+                    return Some(Received::Text(serde_json::from_str(&text).unwrap()));
                 }
-                Ok(Message::Binary(bytes)) => return Some(Heard::of(&bytes)),
+                Ok(Message::Binary(bytes)) => return Some(Received::of(&bytes)),
                 Ok(Message::Close(_)) | Err(Error::ConnectionClosed) => return None,
                 Ok(_) => {}
                 Err(error) => panic!("{error}"),
@@ -164,13 +164,13 @@ impl Viewer {
 
     /// The first words: what the server is, and its channels by topic.
     fn greeted(&mut self) -> (Json, BTreeMap<String, Json>) {
-        let Some(Heard::Text(info)) = self.hear() else {
+        let Some(Received::Text(info)) = self.hear() else {
             panic!("no greeting");
         };
-        assert!(matches!(self.hear(), Some(Heard::Time(_))));
+        assert!(matches!(self.hear(), Some(Received::Time(_))));
         let mut channels = BTreeMap::new();
         while !channels.contains_key("/viewer/log") || !channels.contains_key("world/state") {
-            if let Some(Heard::Text(text)) = self.hear() {
+            if let Some(Received::Text(text)) = self.hear() {
                 assert_eq!(text["op"], "advertise");
                 for channel in text["channels"].as_array().unwrap() {
                     let topic = channel["topic"].as_str().unwrap().to_owned();
@@ -192,7 +192,7 @@ impl Viewer {
     }
 }
 
-enum Heard {
+enum Received {
     Text(Json),
     Time(u64),
     Message {
@@ -202,7 +202,7 @@ enum Heard {
     },
 }
 
-impl Heard {
+impl Received {
     fn of(bytes: &[u8]) -> Self {
         let number = |at: usize| u64::from_le_bytes(bytes[at..at + 8].try_into().unwrap());
         match bytes[0] {
@@ -303,12 +303,12 @@ fn a_viewer_sees_what_the_log_holds_and_the_run_stays_the_same() {
     let mut now = 0;
     while let Some(message) = viewer.hear() {
         match message {
-            Heard::Text(text) => assert_eq!(text["op"], "advertise"),
-            Heard::Time(time_ns) => {
+            Received::Text(text) => assert_eq!(text["op"], "advertise"),
+            Received::Time(time_ns) => {
                 assert!(time_ns >= now);
                 now = time_ns;
             }
-            Heard::Message {
+            Received::Message {
                 subscription,
                 time_ns,
                 data,
@@ -372,7 +372,7 @@ fn strangers_stay_outside_and_viewers_of_all_ages_come_in() {
     let subscription = subscription(&channels["/viewer/map"]);
     loop {
         match old.hear() {
-            Some(Heard::Message {
+            Some(Received::Message {
                 subscription: s, ..
             }) if s == subscription => break,
             Some(_) => {}

@@ -62,11 +62,11 @@ fn assert_same(heard: &BTreeMap<String, Vec<Vec<u8>>>, expected: &BTreeMap<Strin
 }
 
 /// Hears one topic of a run.
-trait Ear {
+trait TopicSubscriber {
     fn hear(&self, heard: &mut BTreeMap<String, Vec<Vec<u8>>>);
 }
 
-impl<T: Topic> Ear for Subscriber<T> {
+impl<T: Topic> TopicSubscriber for Subscriber<T> {
     fn hear(&self, heard: &mut BTreeMap<String, Vec<Vec<u8>>>) {
         while let Some(message) = self.receive().unwrap() {
             let mut data = Vec::new();
@@ -78,13 +78,13 @@ impl<T: Topic> Ear for Subscriber<T> {
 
 /// Somebody who has joined the run that a replay is.
 struct Listener {
-    ears: Vec<Box<dyn Ear>>,
+    ears: Vec<Box<dyn TopicSubscriber>>,
     _bus: Bus,
 }
 
 impl Listener {
     fn join(sandbox: &Sandbox, run: &str) -> Self {
-        struct Open<'a>(&'a Bus, Vec<Box<dyn Ear>>);
+        struct Open<'a>(&'a Bus, Vec<Box<dyn TopicSubscriber>>);
         impl TopicVisitor for Open<'_> {
             type Error = BusError;
             fn visit<T: Topic>(&mut self) -> Result<(), BusError> {

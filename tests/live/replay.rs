@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde_json::json;
 use tungstenite::http::StatusCode;
 
-use super::{Heard, Log, Messages, NOW, SECOND, Viewer, Watched, subscription};
+use super::{Log, Messages, NOW, Received, SECOND, Viewer, Watched, subscription};
 use crate::support::Sandbox;
 
 /// A short chase in `run.mcap`.
@@ -22,10 +22,10 @@ fn pass(viewer: &mut Viewer) -> BTreeMap<u32, Messages> {
     let (mut heard, mut now): (BTreeMap<u32, Messages>, _) = (BTreeMap::new(), 0);
     loop {
         match viewer.hear().expect("the replay goes on") {
-            Heard::Text(_) => {}
-            Heard::Time(time_ns) if time_ns < now => return heard,
-            Heard::Time(time_ns) => now = time_ns,
-            Heard::Message {
+            Received::Text(_) => {}
+            Received::Time(time_ns) if time_ns < now => return heard,
+            Received::Time(time_ns) => now = time_ns,
+            Received::Message {
                 subscription,
                 time_ns,
                 data,

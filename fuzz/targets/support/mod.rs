@@ -6,7 +6,7 @@ use std::os::fd::AsRawFd as _;
 use std::os::unix::fs::FileExt as _;
 use std::path::{Path, PathBuf};
 
-use mcap_log::Watch;
+use mcap_log::ReadProgress;
 use rustix::fs::{MemfdFlags, memfd_create};
 
 thread_local! {
@@ -31,6 +31,6 @@ pub fn with_log(bytes: &[u8], read: impl FnOnce(&Path)) {
 }
 
 /// Nobody looks on.
-pub fn watch() -> Watch {
-    Watch::new(std::sync::Arc::default(), true)
+pub fn watch() -> ReadProgress {
+    ReadProgress::new(std::sync::Arc::default(), true)
 }

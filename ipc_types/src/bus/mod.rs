@@ -28,7 +28,7 @@ use crate::clock::{StampClock, StepStart};
 use crate::schema;
 use crate::topics::{MAX_EVENT_ID, Qos, RunSize, Service, Topic};
 use crate::transport::{self, Agreed, Home, Limits};
-use local::Hub;
+use local::LocalTopics;
 
 /// How the buffers of a run are laid out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -79,7 +79,7 @@ enum Backend {
         node: Box<dyn Home>,
         space: RunSpace,
     },
-    Local(Rc<Hub>),
+    Local(Rc<LocalTopics>),
 }
 
 impl Bus {
@@ -105,7 +105,7 @@ impl Bus {
     /// `commons` is what they share besides messages, for [`Bus::commons`].
     pub fn local(options: BusOptions, commons: Option<Arc<dyn Any + Send + Sync>>) -> Self {
         Self {
-            backend: Backend::Local(Rc::new(Hub::new(commons))),
+            backend: Backend::Local(Rc::new(LocalTopics::new(commons))),
             options,
             turn: StepStart::default(),
         }
@@ -135,7 +135,9 @@ impl Bus {
     pub fn commons<S: Any + Send + Sync>(&self) -> Option<Arc<S>> {
         match &self.backend {
             Backend::Ipc { .. } => None,
-            Backend::Local(hub) => Arc::clone(hub.commons.as_ref()?).downcast().ok(),
+            Backend::Local(local_topics) => {
+                Arc::clone(local_topics.commons.as_ref()?).downcast().ok()
+            }
         }
     }
 
@@ -190,9 +192,9 @@ impl Bus {
                 let schema = schema::hash::<T>();
                 (T::ports().create)(node.node(), &agreed(T::NAME, &schema), &limits)
             }
-            // The hub holds it already.
-            Backend::Local(hub) => {
-                hub.channel::<T>(&self.options)?;
+            // The local topics holds it already.
+            Backend::Local(local_topics) => {
+                local_topics.channel::<T>(&self.options)?;
                 Ok(TopicHolder::new(T::NAME, ()))
             }
         }
@@ -212,9 +214,9 @@ impl Bus {
                 let agreed = agreed(S::NAME, &layout);
                 (S::ports().create)(node.node(), &agreed, clients, nodes(size))
             }
-            // The hub holds it already.
-            Backend::Local(hub) => {
-                hub.endpoint::<S>()?;
+            // The local topics holds it already.
+            Backend::Local(local_topics) => {
+                local_topics.endpoint::<S>()?;
                 Ok(TopicHolder::new(S::NAME, ()))
             }
         }
@@ -244,7 +246,9 @@ impl Bus {
             Backend::Ipc { node, .. } => {
                 Publisher::open(&**node, &self.options, options, self.turn.clone())
             }
-            Backend::Local(hub) => Publisher::open_local(hub, &self.options, options),
+            Backend::Local(local_topics) => {
+                Publisher::open_local(local_topics, &self.options, options)
+            }
         }
     }
 
@@ -267,7 +271,9 @@ impl Bus {
     fn subscribe<T: Topic>(&self, ticks: usize) -> Result<Subscriber<T>, BusError> {
         match &self.backend {
             Backend::Ipc { node, .. } => Subscriber::open(&**node, &self.options, ticks),
-            Backend::Local(hub) => Subscriber::open_local(hub, &self.options, ticks),
+            Backend::Local(local_topics) => {
+                Subscriber::open_local(local_topics, &self.options, ticks)
+            }
         }
     }
 
@@ -279,7 +285,11 @@ impl Bus {
     pub fn client<S: Service>(&self, source: u32, capacity: usize) -> Result<Client<S>, BusError> {
         match &self.backend {
             Backend::Ipc { node, .. } => Client::open(&**node, source, capacity),
-            Backend::Local(hub) => Ok(Client::open_local(hub.endpoint()?, source, capacity)),
+            Backend::Local(local_topics) => Ok(Client::open_local(
+                local_topics.endpoint()?,
+                source,
+                capacity,
+            )),
         }
     }
 
@@ -302,14 +312,14 @@ impl Bus {
         &self,
         handler: impl FnMut(&S::RequestHeader, &[S::RequestElement]) -> Answer<S> + 'static,
     ) -> Result<Attendant<S>, BusError> {
-        let Backend::Local(hub) = &self.backend else {
+        let Backend::Local(local_topics) = &self.backend else {
             return Err(BusError::Port {
                 topic: S::NAME,
                 port: "attendant",
                 reason: "only a bus in memory calls who answers".to_owned(),
             });
         };
-        let endpoint = hub.endpoint::<S>()?;
+        let endpoint = local_topics.endpoint::<S>()?;
         endpoint.serve(Box::new(handler))?;
         Ok(Attendant::new(endpoint))
     }

@@ -4,7 +4,7 @@ use core::cell::Cell;
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::{BusError, BusOptions, Hub, SendError, agreed, local};
+use super::{BusError, BusOptions, LocalTopics, SendError, agreed, local};
 use crate::clock::{StepStart, monotonic_ns};
 use crate::schema;
 use crate::stamp::Header;
@@ -86,12 +86,12 @@ impl<T: Topic> Publisher<T> {
     }
 
     pub(super) fn open_local(
-        hub: &Hub,
+        local_topics: &LocalTopics,
         bus: &BusOptions,
         options: PublisherOptions,
     ) -> Result<Self, BusError> {
         Ok(Self {
-            port: Port::Local(local::Sender::open(hub.channel(bus)?)?),
+            port: Port::Local(local::Sender::open(local_topics.channel(bus)?)?),
             options,
             sequence: Cell::new(0),
             turn: StepStart::default(),

@@ -3,7 +3,7 @@
 use std::rc::Rc;
 use std::sync::Arc;
 
-use super::{BusError, BusOptions, Hub, ReceiveError, agreed, buffer, local};
+use super::{BusError, BusOptions, LocalTopics, ReceiveError, agreed, buffer, local};
 use crate::schema;
 use crate::topics::Topic;
 use crate::transport::{Home, Loan, Receiver};
@@ -34,11 +34,11 @@ impl<T: Topic> Subscriber<T> {
     }
 
     pub(super) fn open_local(
-        hub: &Hub,
+        local_topics: &LocalTopics,
         options: &BusOptions,
         ticks: usize,
     ) -> Result<Self, BusError> {
-        let receiver = local::Receiver::open(hub.channel(options)?, ticks)?;
+        let receiver = local::Receiver::open(local_topics.channel(options)?, ticks)?;
         Ok(Self {
             port: Port::Local(receiver),
         })

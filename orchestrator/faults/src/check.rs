@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use mcap_log::{DerivedError, Watch};
+use mcap_log::{DerivedError, ReadProgress};
 use serde_json::Value as Json;
 
 use super::faulty_run::{self, Baseline, Ended, Mission};
@@ -166,6 +166,6 @@ impl Check<'_> {
     }
 }
 
-fn watch() -> Watch {
-    Watch::new(std::sync::Arc::default(), true)
+fn watch() -> ReadProgress {
+    ReadProgress::new(std::sync::Arc::default(), true)
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use mcap_log::Watch;
+use mcap_log::ReadProgress;
 
 use super::error::LatencyError;
 use super::of_log::{Measured, of_log};
@@ -55,6 +55,6 @@ pub fn run(
         },
     )?;
     // Ctrl-C has ended the mission; what it has left is read all the same.
-    let mut watch = Watch::new(Arc::default(), options.quiet);
+    let mut watch = ReadProgress::new(Arc::default(), options.quiet);
     Ok((of_log(&log, kinds, &mut watch)?, report.interrupted))
 }

@@ -9,7 +9,7 @@ use ipc_types::topics::{Commands, Status, Topic as _, TopicId, WorldState};
 use mcap_log::Origin;
 use mcap_log::output::MANIFEST;
 use mcap_log::reader::{Channel, Item, Reader};
-use mcap_log::{Condition, LogReadError, Watch, known};
+use mcap_log::{Condition, LogReadError, ReadProgress, known};
 use statistics::{Distribution, Distributions};
 
 use super::error::LatencyError;
@@ -90,7 +90,11 @@ impl Measured {
 /// # Errors
 /// [`LatencyError`]: the log cannot be read, is not ours or of another version, or nothing in it
 /// was stamped or answered.
-pub fn of_log(log: &Path, kinds: &[Kind], watch: &mut Watch) -> Result<Measured, LatencyError> {
+pub fn of_log(
+    log: &Path,
+    kinds: &[Kind],
+    watch: &mut ReadProgress,
+) -> Result<Measured, LatencyError> {
     let mut reader = Reader::open(log, Some(watch))?;
     let mut reading = Reading::default();
     while let Some(item) = reader.next()? {

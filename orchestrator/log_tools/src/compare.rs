@@ -7,8 +7,8 @@ use std::path::Path;
 use ipc_types::stamp::Stamp;
 use ipc_types::topics::TopicId;
 use mcap_log::LogReadError;
+use mcap_log::ReadProgress;
 use mcap_log::Topics;
-use mcap_log::Watch;
 use mcap_log::known;
 use mcap_log::ros2::field_at;
 use mcap_log::source::{Logged, Source};
@@ -67,7 +67,7 @@ pub struct Comparison {
 
 /// A message of the simulated history.
 #[derive(Clone, Copy)]
-struct Said<'a> {
+struct SimulatedMessage<'a> {
     /// Log time (ns).
     time: u64,
     stamp: Stamp,
@@ -111,7 +111,7 @@ impl Comparison {
                 continue;
             };
             let of = |said: &BTreeMap<_, Vec<_>>| said.get(&key).cloned().unwrap_or_default();
-            let (logged, again): (Vec<Said<'_>>, Vec<_>) = (of(&logged), of(&again));
+            let (logged, again): (Vec<SimulatedMessage<'_>>, Vec<_>) = (of(&logged), of(&again));
             let last = logged.last().map_or(0, |said| said.stamp.tick);
             self.last_tick = self.last_tick.max(last);
             let topic = self.topics.entry(id.name()).or_default();
@@ -128,7 +128,10 @@ impl Comparison {
     }
 
     /// Those of these messages that are compared, by topic and sender.
-    fn history<'m>(&self, messages: &'m [Logged]) -> BTreeMap<(usize, u32), Vec<Said<'m>>> {
+    fn history<'m>(
+        &self,
+        messages: &'m [Logged],
+    ) -> BTreeMap<(usize, u32), Vec<SimulatedMessage<'m>>> {
         let mut history: BTreeMap<_, Vec<_>> = BTreeMap::new();
         for message in messages {
             let (time, data) = (message.time, message.data.as_slice());
@@ -142,7 +145,7 @@ impl Comparison {
             // What was announced for a time that never came is kept in a log at its end.
             if is_wanted && stamp.time_ns <= time {
                 let of_sender = history.entry((message.rank, stamp.source)).or_default();
-                of_sender.push(Said { time, stamp, data });
+                of_sender.push(SimulatedMessage { time, stamp, data });
             }
         }
         history
@@ -154,11 +157,11 @@ impl TopicComparison {
     fn add(
         &mut self,
         topic: TopicId,
-        logged: Option<&Said<'_>>,
-        again: Option<&Said<'_>>,
+        logged: Option<&SimulatedMessage<'_>>,
+        again: Option<&SimulatedMessage<'_>>,
         with_fields: bool,
     ) {
-        let Some(Said { stamp, time, .. }) = logged.or(again).copied() else {
+        let Some(SimulatedMessage { stamp, time, .. }) = logged.or(again).copied() else {
             return;
         };
         let at = match (logged, again) {
@@ -180,7 +183,7 @@ impl TopicComparison {
             return;
         }
         // The field in question, and its value.
-        let value = |said: Option<&Said<'_>>| match (said, at) {
+        let value = |said: Option<&SimulatedMessage<'_>>| match (said, at) {
             (None, _) => None,
             (Some(said), None) => {
                 let number = format!("message {}", said.stamp.sequence);
@@ -222,9 +225,9 @@ pub fn compare(
     again: &Path,
     before: u64,
     cut: bool,
-    watch: &mut Watch,
+    watch: &mut ReadProgress,
 ) -> Result<Comparison, LogReadError> {
-    let open = |path: &Path, watch: &mut Watch| {
+    let open = |path: &Path, watch: &mut ReadProgress| {
         let mut source = Source::open(path, &Topics::default(), before, false)?;
         source.seek(0, watch)?;
         Ok::<_, LogReadError>(source)

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use mcap_log::Condition;
 use mcap_log::MessageHeader;
+use mcap_log::ReadProgress;
 use mcap_log::Topics;
-use mcap_log::Watch;
 use mcap_log::known;
 use mcap_log::output::{FILTERED, MANIFEST, Output, no_longer_whole};
 use mcap_log::reader::{Channel, Item, Reader};
@@ -55,7 +55,7 @@ pub fn filter(
     log: &Path,
     out: &Path,
     options: &FilterOptions,
-    watch: &mut Watch,
+    watch: &mut ReadProgress,
 ) -> Result<Filtered, DerivedError> {
     let mut part = Part::new(log, options, watch)?;
     let mut reader = Reader::open(log, Some(watch))?;
@@ -118,7 +118,7 @@ impl<'a> Part<'a> {
     fn new(
         log: &'a Path,
         options: &'a FilterOptions,
-        watch: &mut Watch,
+        watch: &mut ReadProgress,
     ) -> Result<Self, LogReadError> {
         let (start, end) = (
             nanoseconds("--start", options.start_s)?,
@@ -253,7 +253,7 @@ pub fn nanoseconds(option: &str, time: Option<f64>) -> Result<Option<u64>, LogRe
 
 /// The log time that counts as 0: that of the start of the run in logs of ours, else that of the
 /// first message.
-fn zero(log: &Path, watch: &mut Watch) -> Result<u64, LogReadError> {
+fn zero(log: &Path, watch: &mut ReadProgress) -> Result<u64, LogReadError> {
     let mut reader = Reader::open(log, Some(watch))?;
     let mut first = u64::MAX;
     while let Some(item) = reader.next()? {

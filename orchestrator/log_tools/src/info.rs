@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use mcap_log::Condition;
 use mcap_log::LogReadError;
 use mcap_log::MessageHeader;
-use mcap_log::Watch;
+use mcap_log::ReadProgress;
 use mcap_log::known;
 use mcap_log::output::{FILTERED, MANIFEST, RECOVERED, RESULT, RUN_DIGEST};
 use mcap_log::reader::{Channel, Item, Reader};
@@ -114,7 +114,7 @@ pub struct TopicInfo {
 
 /// What is known of a channel so far.
 #[derive(Debug, Default)]
-struct Tally {
+struct ChannelStats {
     info: TopicInfo,
     stamped: bool,
     first: u64,
@@ -129,7 +129,7 @@ struct Tally {
     numbered: bool,
 }
 
-impl Tally {
+impl ChannelStats {
     fn take(&mut self, header: &MessageHeader, data: &[u8]) {
         let info = &mut self.info;
         let time = header.log_time;
@@ -202,7 +202,7 @@ impl LogInfo {
     /// # Errors
     /// [`LogReadError`] if it cannot be read or is not an MCAP file. Whatever else is wrong with it is
     /// in [`LogInfo::condition`].
-    pub fn read(path: &Path, watch: &mut Watch) -> Result<Self, LogReadError> {
+    pub fn read(path: &Path, watch: &mut ReadProgress) -> Result<Self, LogReadError> {
         let mut reader = Reader::open(path, Some(watch))?;
         let Contents {
             profile,
@@ -275,7 +275,7 @@ impl LogInfo {
 struct Contents {
     profile: String,
     library: String,
-    tallies: BTreeMap<u16, Tally>,
+    tallies: BTreeMap<u16, ChannelStats>,
     /// Our metadata, by name.
     records: BTreeMap<String, BTreeMap<String, String>>,
     /// Names of all metadata.
@@ -319,14 +319,14 @@ impl Contents {
     }
 }
 
-fn new_tally(channel: &Channel, schema: String) -> Tally {
-    Tally {
+fn new_tally(channel: &Channel, schema: String) -> ChannelStats {
+    ChannelStats {
         stamped: known::topic_of(channel).is_some(),
         info: TopicInfo {
             schema,
             encoding: channel.message_encoding.clone(),
             ..TopicInfo::default()
         },
-        ..Tally::default()
+        ..ChannelStats::default()
     }
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use mcap_log::Condition;
 use mcap_log::DerivedError;
-use mcap_log::Watch;
+use mcap_log::ReadProgress;
 use mcap_log::output::{Output, RECOVERED, no_longer_whole};
 use mcap_log::reader::{Item, Reader};
 use serde::Serialize;
@@ -38,7 +38,7 @@ pub fn recover(
     log: &Path,
     out: &Path,
     force: bool,
-    watch: &mut Watch,
+    watch: &mut ReadProgress,
 ) -> Result<Recovered, DerivedError> {
     let mut reader = Reader::open(log, Some(watch))?;
     let mut output: Option<Output> = None;

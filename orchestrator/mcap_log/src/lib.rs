@@ -47,11 +47,11 @@ mod newest_state;
 mod origin;
 pub mod output;
 mod pattern;
+mod read_progress;
 pub mod reader;
 pub mod ros2;
 pub mod source;
 pub mod states;
-mod watch;
 mod writer;
 
 pub use condition::{Chunks, Condition, Fault};
@@ -62,10 +62,10 @@ pub use mcap::records::{AttachmentHeader, MessageHeader, Metadata};
 pub use newest_state::newest_state;
 pub use origin::Origin;
 pub use pattern::Topics;
-pub use watch::Watch;
+pub use read_progress::ReadProgress;
 pub use writer::{
-    ChannelId, ChannelSpec, ChannelTotals, Compression, LogOptions, LogTotals, LogWriteError,
-    LogWriter, Manifest, ManifestFile, Mirror,
+    ChannelId, ChannelSpec, ChannelTotals, Compression, LogObserver, LogOptions, LogTotals,
+    LogWriteError, LogWriter, Manifest, ManifestFile,
 };
 
 /// Nanoseconds in seconds.

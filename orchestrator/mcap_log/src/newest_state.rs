@@ -8,14 +8,17 @@ use ipc_types::topics::TopicId;
 use super::known;
 use super::reader::{Item, Reader};
 use crate::LogReadError;
-use crate::Watch;
+use crate::ReadProgress;
 
 /// Tick of the newest world state in a log; `None` if there is none.
 ///
 /// # Errors
 /// [`LogReadError`] if the log cannot be read at all; damaged ones are read as far as they go.
-pub fn newest_state(log: &Path, watch: &mut Watch) -> Result<Option<u64>, LogReadError> {
-    let mut reader = Reader::open(log, Some(watch))?;
+pub fn newest_state(
+    log: &Path,
+    read_progress: &mut ReadProgress,
+) -> Result<Option<u64>, LogReadError> {
+    let mut reader = Reader::open(log, Some(read_progress))?;
     let mut states: BTreeSet<u16> = BTreeSet::new();
     let mut newest = None;
     while let Some(item) = reader.next()? {

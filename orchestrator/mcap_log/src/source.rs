@@ -15,16 +15,16 @@ use super::reader::{Channel, ChunkPlace, Item, Reader, Schema};
 use super::states::{States, is_latched};
 use crate::LogReadError;
 use crate::Origin;
+use crate::ReadProgress;
 use crate::Topics;
-use crate::Watch;
 
 /// Chunks that are looked through for the last words of every sender of a topic that several send.
 const LOOK_BACK: u32 = 32;
 
 /// Messages that are looked at beforehand for who speaks.
-const AUDITION: usize = 4096;
+const FIRST_MESSAGES: usize = 4096;
 /// Bytes of messages after which that ends.
-const AUDITION_BYTES: usize = 8 << 20;
+const FIRST_MESSAGES_BYTES: usize = 8 << 20;
 
 /// Most bytes that the messages of one time may take.
 const TICK_LIMIT: usize = 512 << 20;
@@ -50,7 +50,7 @@ pub struct Logged {
 
 impl Logged {
     /// Index of the process that sent it.
-    pub fn speaker(&self) -> u32 {
+    pub fn sender(&self) -> u32 {
         known::stamp(&self.data).map_or(0, |stamp| stamp.source)
     }
 
@@ -220,7 +220,11 @@ impl Source {
     ///
     /// # Errors
     /// The log cannot be read: [`LogReadError`].
-    pub fn seek(&mut self, from: u64, watch: &mut Watch) -> Result<Vec<Logged>, LogReadError> {
+    pub fn seek(
+        &mut self,
+        from: u64,
+        read_progress: &mut ReadProgress,
+    ) -> Result<Vec<Logged>, LogReadError> {
         self.ahead = None;
         let mut older = States::default();
         match &self.index {
@@ -250,7 +254,7 @@ impl Source {
                 let source = played.sender(data);
                 newer.keep(self.reader.path(), source, header, data)?;
             }
-            watch.at(0)?;
+            read_progress.at(0)?;
         }
         newer.fill_from(self.reader.path(), older)?;
         Ok(newer
@@ -378,21 +382,21 @@ impl Source {
     ///
     /// # Errors
     /// The log cannot be read, or `visit` fails.
-    pub fn audition<E: From<LogReadError>>(
+    pub fn visit_senders<E: From<LogReadError>>(
         &mut self,
-        watch: &mut Watch,
+        read_progress: &mut ReadProgress,
         visit: &mut dyn FnMut(usize, u32) -> Result<(), E>,
     ) -> Result<(), E> {
-        self.seek(0, watch)?;
+        self.seek(0, read_progress)?;
         let mut message = Logged::default();
         let mut bytes = 0;
-        for _ in 0..AUDITION {
-            if bytes > AUDITION_BYTES || !self.next(&mut message)? {
+        for _ in 0..FIRST_MESSAGES {
+            if bytes > FIRST_MESSAGES_BYTES || !self.next(&mut message)? {
                 break;
             }
             bytes += message.data.len();
             if message.is_ours() {
-                visit(message.rank, message.speaker())?;
+                visit(message.rank, message.sender())?;
             }
         }
         Ok(())

@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use ipc_types::messages::process::ProcessEvent;
 
 use self::process::{Process, Standing};
-pub(super) use self::timeouts::{Seen, StartStep};
+pub(super) use self::timeouts::{Observation, StartStep};
 use super::error::MissionError;
 use super::plan::Launch;
 use scenario::OnFailure;

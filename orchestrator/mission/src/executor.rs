@@ -8,7 +8,7 @@ use ipc_types::messages::process::ProcessEvent;
 use runtime::lockstep::{BarrierMonitor, Phase};
 
 use super::child_process::{ChildError, RunningProcess};
-use super::decide::{Action, Event, Moment, Seen};
+use super::decide::{Action, Event, Moment, Observation};
 use super::error::MissionError;
 use super::external_bridge::ExternalBridge;
 use super::plan::Launch;
@@ -92,10 +92,10 @@ impl<'a> Executor<'a> {
     }
 
     /// The processes as they are now.
-    pub(super) fn see(&self) -> Vec<Seen> {
+    pub(super) fn see(&self) -> Vec<Observation> {
         let barrier = self.monitor.barrier();
         let bridge = self.bridge.as_ref();
-        let see = |process: &RunningProcess| Seen {
+        let see = |process: &RunningProcess| Observation {
             state: barrier.state(process.slot),
             done: barrier.ticks_done(process.slot),
             is_vacant: bridge.is_none_or(|bridge| bridge.is_vacant(process.slot)),

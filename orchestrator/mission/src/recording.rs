@@ -4,13 +4,15 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use mcap_log::{Compression, LogOptions, LogWriteError, LogWriter, Manifest, ManifestFile, Mirror};
+use mcap_log::{
+    Compression, LogObserver, LogOptions, LogWriteError, LogWriter, Manifest, ManifestFile,
+};
 
 use super::error::MissionError;
 use super::plan::Plan;
 use super::report;
 use crate::fields_of_view;
-use recorder::{Beginnings, ProcessInfo, Recording, RobotInfo, RunInfo};
+use recorder::{DigestPrefixes, ProcessInfo, Recording, RobotInfo, RunInfo};
 use scenario::ResolvedScenario;
 use scenario::spec;
 use viewer::{ViewerOptions, viewer_topics};
@@ -35,11 +37,11 @@ pub(super) fn create(
     scenario: &ResolvedScenario,
     plan: &Plan,
     log: Option<LogFile<'_>>,
-    beginnings: Arc<Beginnings>,
-    mirror: Option<Box<dyn Mirror>>,
+    digest_prefixes: Arc<DigestPrefixes>,
+    mirror: Option<Box<dyn LogObserver>>,
 ) -> Result<Recording, MissionError> {
     let run = run_info(plan);
-    let recording = Recording::new(&run, beginnings);
+    let recording = Recording::new(&run, digest_prefixes);
     let Some(log) = log else {
         return Ok(recording);
     };

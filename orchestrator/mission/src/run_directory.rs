@@ -18,9 +18,9 @@ use super::orphans;
 
 /// File that the orchestrator of a run keeps locked.
 const LOCK: &str = "lock";
-/// Beginning of the names of directories of runs.
+/// DigestPrefix of the names of directories of runs.
 const RUN: &str = "r";
-/// Beginning of the names of directories that are being made.
+/// DigestPrefix of the names of directories that are being made.
 const NEW: &str = "tmp-";
 /// Attempts to make a directory, each of which may meet a `clean` that takes it for abandoned.
 const ATTEMPTS: u32 = 100;
@@ -227,7 +227,7 @@ fn run_space(root: &Path) -> Result<RunSpace, BusError> {
 
 /// A run directory as `clean` finds it.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Found {
+pub enum FoundDirectory {
     /// Its orchestrator lives: left alone.
     Alive(PathBuf),
     /// Its orchestrator was gone; everything of it has been removed.
@@ -245,12 +245,12 @@ pub enum Found {
 ///
 /// # Errors
 /// [`RunDirectoryError`] if the base directory cannot be used; what cannot be removed is in the result.
-pub fn clean() -> Result<Vec<Found>, RunDirectoryError> {
+pub fn clean() -> Result<Vec<FoundDirectory>, RunDirectoryError> {
     clean_below(&base())
 }
 
 /// As [`clean`], of the runs in one directory.
-fn clean_below(base: &Path) -> Result<Vec<Found>, RunDirectoryError> {
+fn clean_below(base: &Path) -> Result<Vec<FoundDirectory>, RunDirectoryError> {
     check_above(base)?;
     let entries = match std::fs::read_dir(base) {
         // No run has ever begun.
@@ -268,7 +268,7 @@ fn clean_below(base: &Path) -> Result<Vec<Found>, RunDirectoryError> {
 }
 
 /// Cleans a directory if its orchestrator is gone; `None` for one that is no run (yet), or no more.
-fn clean_one(root: PathBuf) -> Option<Found> {
+fn clean_one(root: PathBuf) -> Option<FoundDirectory> {
     let name = root.file_name()?.to_string_lossy();
     if name.starts_with(NEW) {
         match lock_of(&root) {
@@ -284,7 +284,7 @@ fn clean_one(root: PathBuf) -> Option<Found> {
     }
     let lock = lock_of(&root);
     if matches!(lock, Lock::Held) {
-        return Some(Found::Alive(root));
+        return Some(FoundDirectory::Alive(root));
     }
     if !root.is_dir() {
         // It ended in order just now.
@@ -295,8 +295,8 @@ fn clean_one(root: PathBuf) -> Option<Found> {
         .map_err(|e| e.to_string())
         .and_then(|space| space.wipe().map_err(|e| e.to_string()));
     Some(match wiped {
-        Ok(()) => Found::Removed { root, killed },
-        Err(reason) => Found::Failed(root, reason),
+        Ok(()) => FoundDirectory::Removed { root, killed },
+        Err(reason) => FoundDirectory::Failed(root, reason),
     })
 }
 

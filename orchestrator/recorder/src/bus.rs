@@ -23,7 +23,7 @@ const TURN: usize = 16_384;
 ///
 /// The ports of the bus belong to one thread: open the recorder on the thread that runs it.
 pub struct Recorder {
-    taps: Vec<Box<dyn Tap>>,
+    taps: Vec<Box<dyn AnySubscriber>>,
     /// Whether messages stay as they are sent: those of one thread.
     in_place: bool,
     recording: Recording,
@@ -36,7 +36,7 @@ impl Recorder {
     /// # Errors
     /// [`RecorderError::Subscribe`].
     pub fn open(bus: &Bus, recording: Recording) -> Result<Self, RecorderError> {
-        struct Open<'a>(&'a Bus, Vec<Box<dyn Tap>>);
+        struct Open<'a>(&'a Bus, Vec<Box<dyn AnySubscriber>>);
         impl TopicVisitor for Open<'_> {
             type Error = BusError;
             fn visit<T: Topic>(&mut self) -> Result<(), BusError> {
@@ -146,13 +146,13 @@ impl core::fmt::Debug for Recorder {
 }
 
 /// A subscriber without its type.
-trait Tap {
+trait AnySubscriber {
     fn connect(&self) -> Result<(), ReceiveError>;
     /// Takes messages; `false` if there may be more.
     fn drain(&self, recording: &mut Recording, in_place: bool) -> Result<bool, ReceiveError>;
 }
 
-impl<T: Topic> Tap for Subscriber<T> {
+impl<T: Topic> AnySubscriber for Subscriber<T> {
     fn connect(&self) -> Result<(), ReceiveError> {
         self.update_connections()
     }

@@ -14,28 +14,28 @@
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
 
-mod beginnings;
 mod bus;
 pub mod chain;
 mod checks;
 mod covered;
 mod derived;
 mod digest;
+mod digest_prefixes;
 mod error;
-mod happened;
-mod intake;
-mod judged;
-mod ledger;
+mod event_list;
 mod log;
+mod message_audit;
 mod outages;
 mod outcome;
 mod parts;
 mod predicted;
 mod recording;
+mod reorder_buffer;
 mod robots;
 mod run_info;
 mod sequence;
 mod summary;
+mod verdicts;
 mod visits;
 mod wakeup;
 
@@ -46,9 +46,9 @@ mod tests;
 #[cfg(test)]
 extern crate self as recorder;
 
-pub use beginnings::Beginnings;
 pub use bus::Recorder;
 pub use derived::{DerivedChannel, DerivedMessages, DerivedTopics};
+pub use digest_prefixes::DigestPrefixes;
 pub use error::RecorderError;
 pub use recording::Recording;
 pub use run_info::{ProcessInfo, RobotInfo, RunInfo};

@@ -3,13 +3,13 @@
 use ipc_types::consumer::Consumers;
 
 use super::covered::Covered;
-use super::happened::Happened;
-use super::judged::AllJudged;
+use super::event_list::EventList;
 use super::outages::Outages;
 use super::predicted::Predicted;
 use super::robots::Robots;
 use super::run_info::{ProcessInfo, RobotInfo};
 use super::summary::OutcomePart;
+use super::verdicts::VerdictTotals;
 use super::visits::AllVisits;
 
 /// The parts of a run's outcome, before its first tick.
@@ -21,9 +21,9 @@ pub(super) fn parts(
     Consumers::new(vec![
         // First: the others complete the entries that it makes.
         Box::new(Robots::new(robots, tick_period_ns)),
-        Box::new(Happened::new(robots)),
+        Box::new(EventList::new(robots)),
         Box::new(Covered::default()),
-        Box::new(AllJudged::new(robots.len())),
+        Box::new(VerdictTotals::new(robots.len())),
         Box::new(AllVisits::new(robots)),
         Box::new(Predicted::default()),
         Box::new(Outages::new(processes, tick_period_ns)),

@@ -12,15 +12,15 @@ use ipc_types::topics::{Topic, TopicId};
 use mcap_log::{LogWriteError, LogWriter};
 use zerocopy::IntoBytes as _;
 
-use super::beginnings::Beginnings;
 use super::chain::Chain;
 use super::checks::is_decodable;
 use super::derived::DerivedTopics;
-use super::intake::{Entry, Intake};
-use super::ledger::Ledger;
+use super::digest_prefixes::DigestPrefixes;
 use super::log::Log;
+use super::message_audit::MessageAudit;
 use super::outcome;
 use super::parts::Parts;
+use super::reorder_buffer::{Entry, ReorderBuffer};
 use super::run_info::RunInfo;
 use super::summary::{OutcomePart, Summary, TopicCount};
 
@@ -34,14 +34,14 @@ const MAX_WAIT: Duration = Duration::from_millis(250);
 /// Messages may be pushed in any order that keeps the order of each source; the log, the digest
 /// and the summary do not depend on how those of different sources interleave.
 pub struct Recording {
-    ledger: Ledger,
+    audit: MessageAudit,
     latencies: Chain,
-    intake: Intake,
+    reorder_buffer: ReorderBuffer,
     /// Ticks that began, and when that was seen; those of the last [`MAX_WAIT`], in order.
     begun: VecDeque<(Instant, u64)>,
     output: Output,
     /// The first messages of other runs in this process.
-    beginnings: Arc<Beginnings>,
+    digest_prefixes: Arc<DigestPrefixes>,
 }
 
 /// What gets the messages in their order.
@@ -54,14 +54,14 @@ struct Output {
 }
 
 impl Recording {
-    /// Comes to the summary alone, without a log. `beginnings` is what other runs in this process know
+    /// Comes to the summary alone, without a log. `digest_prefixes` is what other runs in this process know
     /// of their maps.
-    pub fn new(run: &RunInfo, beginnings: Arc<Beginnings>) -> Self {
+    pub fn new(run: &RunInfo, digest_prefixes: Arc<DigestPrefixes>) -> Self {
         let (processes, tick_period_ns) = (&run.processes, run.tick_period_ns);
         Self {
-            ledger: Ledger::new(processes, tick_period_ns),
+            audit: MessageAudit::new(processes, tick_period_ns),
             latencies: Chain::new(processes),
-            intake: Intake::default(),
+            reorder_buffer: ReorderBuffer::default(),
             begun: VecDeque::new(),
             output: Output {
                 outcome: outcome::parts(&run.robots, processes, tick_period_ns),
@@ -69,7 +69,7 @@ impl Recording {
                 tick_period_ns,
                 tick: 0,
             },
-            beginnings,
+            digest_prefixes,
         }
     }
 
@@ -103,26 +103,26 @@ impl Recording {
             elements.len(),
         );
         let Some(shared) = message.shared() else {
-            self.ledger.enter(T::ID, stamp, &parts, None);
+            self.audit.enter(T::ID, stamp, &parts, None);
             return;
         };
-        let known = self.beginnings.find(shared, &parts);
-        let verdict = self.ledger.enter(T::ID, stamp, &parts, known.as_deref());
+        let known = self.digest_prefixes.find(shared, &parts);
+        let verdict = self.audit.enter(T::ID, stamp, &parts, known.as_deref());
         if known.is_none()
             && verdict.holds
-            && let Some(hasher) = self.ledger.beginning(T::ID, stamp.source)
+            && let Some(hasher) = self.audit.beginning(T::ID, stamp.source)
         {
-            self.beginnings.keep(shared, &parts, hasher);
+            self.digest_prefixes.keep(shared, &parts, hasher);
         }
     }
 
     /// Takes a copy of a message.
     pub fn push<T: Topic>(&mut self, header: &T::Header, elements: &[T::Element]) {
-        let (newest, stamp) = (self.ledger.newest().unwrap_or(0), *header.stamp());
+        let (newest, stamp) = (self.audit.newest().unwrap_or(0), *header.stamp());
         // From here on only the copy counts: a hostile sender could still write to the original.
-        let bytes = self.intake.copy::<T>(header, elements);
+        let bytes = self.reorder_buffer.copy::<T>(header, elements);
         let parts = Parts::of_cdr(T::ID, bytes, elements.len());
-        let verdict = self.ledger.enter(T::ID, &stamp, &parts, None);
+        let verdict = self.audit.enter(T::ID, &stamp, &parts, None);
         if verdict.holds && T::ID.facts().timed {
             let message = LoggedMessage {
                 topic: T::ID,
@@ -140,13 +140,13 @@ impl Recording {
             } else {
                 stamp.tick
             };
-            self.intake.keep(tick, T::ID, stamp, !verdict.holds);
+            self.reorder_buffer.keep(tick, T::ID, stamp, !verdict.holds);
         }
     }
 
     /// Bytes of messages whose tick has not been written yet.
     pub fn waiting_bytes(&self) -> usize {
-        self.intake.waiting_bytes()
+        self.reorder_buffer.waiting_bytes()
     }
 
     /// Writes the messages of all ticks up to `completed`, in order.
@@ -175,7 +175,7 @@ impl Recording {
         now: Instant,
         observer: &mut dyn Consumer,
     ) -> Result<(), LogWriteError> {
-        if let Some(newest) = self.ledger.newest()
+        if let Some(newest) = self.audit.newest()
             && self.begun.back().is_none_or(|&(_, tick)| tick < newest)
         {
             self.begun.push_back((now, newest));
@@ -199,7 +199,7 @@ impl Recording {
     fn write(&mut self, last: u64, observer: &mut dyn Consumer) -> Result<(), LogWriteError> {
         let output = &mut self.output;
         output.tick = output.tick.max(last);
-        self.intake.take(Some(last), |entry, bytes| {
+        self.reorder_buffer.take(Some(last), |entry, bytes| {
             output.message(entry, bytes, observer)
         })
     }
@@ -220,8 +220,8 @@ impl Recording {
     /// # Errors
     /// [`LogWriteError`]; what was written before stays readable.
     pub fn finish(mut self, observer: &mut dyn Consumer) -> Result<Summary, LogWriteError> {
-        let (output, newest) = (&mut self.output, self.ledger.newest().unwrap_or(0));
-        self.intake.take(None, |entry, bytes| {
+        let (output, newest) = (&mut self.output, self.audit.newest().unwrap_or(0));
+        self.reorder_buffer.take(None, |entry, bytes| {
             // Announced for a time that never came: kept, but neither shown nor at that time.
             let too_late = entry.tick > newest && entry.topic.facts().simulated;
             let mut entry = *entry;
@@ -230,14 +230,14 @@ impl Recording {
             output.message(&entry, bytes, observer)
         })?;
         let topics = self
-            .ledger
+            .audit
             .counts()
             .filter(|(_, count)| *count != TopicCount::default())
             .map(|(name, count)| (name.to_owned(), count))
             .collect();
         let Output { outcome, log, .. } = self.output;
         let mut summary = Summary {
-            digest: self.ledger.digest(),
+            digest: self.audit.digest(),
             topics,
             latency_us: self.latencies.percentiles(),
             ..Summary::default()
@@ -253,7 +253,7 @@ impl Recording {
 }
 
 impl Output {
-    /// Whether messages of this topic go to anything but the ledger and the latencies.
+    /// Whether messages of this topic go to anything but the audit and the latencies.
     fn wants(&self, topic: TopicId) -> bool {
         self.log.is_some() || self.outcome.take(topic)
     }
@@ -293,7 +293,7 @@ impl Output {
 impl core::fmt::Debug for Recording {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.debug_struct("Recording")
-            .field("newest", &self.ledger.newest())
+            .field("newest", &self.audit.newest())
             .finish_non_exhaustive()
     }
 }

@@ -4,13 +4,13 @@
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
 
-mod broadcast;
 mod error;
+mod live_replay;
 pub mod origin;
-mod played;
 mod player;
 mod publishers;
 mod recorded;
+mod replay_report;
 mod rerun;
 mod verify;
 
@@ -18,9 +18,9 @@ mod verify;
 mod tests;
 
 pub use error::ReplayError;
-pub use played::{ReplayOptions, Replayed};
 pub use player::replay;
-pub use recorded::Left;
+pub use recorded::ProcessExit;
+pub use replay_report::{ReplayOptions, Replayed};
 pub use rerun::{Rerun, RerunOptions, rerun};
 pub use verify::{Verified, VerifyOptions, verify};
 

@@ -10,17 +10,17 @@ use ipc_types::messages::process::RunControl;
 use ipc_types::stamp::PlainHeader;
 use ipc_types::topics::{Control, NAMES, Topic as _};
 use mcap_log::LogReadError;
-use mcap_log::Watch;
+use mcap_log::ReadProgress;
 use mcap_log::known;
 use mcap_log::source::{Logged, Source};
 use platform::eprintln;
 use runtime::config::Clock;
 use runtime::lockstep::{BarrierLeader, BarrierMonitor, Phase};
 
-use super::broadcast::Broadcast;
 use super::create_resources;
-use super::played::{ReplayOptions, Replayed};
+use super::live_replay::LiveReplay;
 use super::publishers::TopicPublishers;
+use super::replay_report::{ReplayOptions, Replayed};
 use crate::ReplayError;
 use crate::origin::scenario_of;
 use log_tools::nanoseconds;
@@ -52,7 +52,7 @@ pub fn replay(
     log: &Path,
     kinds: &[Kind],
     options: &ReplayOptions,
-    watch: &mut Watch,
+    watch: &mut ReadProgress,
 ) -> Result<Replayed, ReplayError> {
     let start = Instant::now();
     let (from, to) = (
@@ -79,9 +79,9 @@ pub fn replay(
     // A sleep ends when it should, not up to 50 µs later.
     let _ = rustix::thread::set_current_timer_slack(std::num::NonZeroU64::new(1));
     let mut player = Player::open(&mut source, &scenario, options, watch)?;
-    let played = player.play(from, start, watch);
+    let replay_report = player.play(from, start, watch);
     let mut report = player.end();
-    played?;
+    replay_report?;
     report.scenario.clone_from(&scenario.name);
     report.faults = source.faults();
     Ok(report)
@@ -94,7 +94,7 @@ struct Player<'a> {
     control: Publisher<Control>,
     monitor: BarrierMonitor,
     leader: BarrierLeader,
-    broadcast: Option<Broadcast>,
+    live_replay: Option<LiveReplay>,
     /// A log time, and when it is or was due.
     anchor: (u64, Instant),
     /// Tick and log time of now.
@@ -112,11 +112,11 @@ impl<'a> Player<'a> {
         source: &'a mut Source,
         scenario: &ResolvedScenario,
         options: &'a ReplayOptions,
-        watch: &mut Watch,
+        watch: &mut ReadProgress,
     ) -> Result<Self, ReplayError> {
-        let broadcast = options
+        let live_replay = options
             .live
-            .map(|port| Broadcast::start(port, source))
+            .map(|port| LiveReplay::start(port, source))
             .transpose()
             .map_err(MissionError::from)?;
         let resources = create_resources(scenario)?;
@@ -134,9 +134,9 @@ impl<'a> Player<'a> {
             .map_err(MissionError::from)?;
         let mut publishers = TopicPublishers::new();
         // Whoever speaks at the beginning has a port before anybody comes to listen.
-        source.audition(watch, &mut |rank, speaker| {
+        source.visit_senders(watch, &mut |rank, sender| {
             if NAMES.get(rank) != Some(&Control::NAME) {
-                publishers.open(&resources.bus, rank, speaker)?;
+                publishers.open(&resources.bus, rank, sender)?;
             }
             Ok::<(), ReplayError>(())
         })?;
@@ -156,7 +156,7 @@ impl<'a> Player<'a> {
             control,
             leader: BarrierLeader::new(Arc::clone(&resources.barrier), 0, 1 << 20),
             monitor,
-            broadcast,
+            live_replay,
             anchor: (0, Instant::now()),
             now: (0, 0),
             last_poll: Instant::now(),
@@ -168,7 +168,12 @@ impl<'a> Player<'a> {
     }
 
     /// Plays from log time `from` on, once or again and again; `start` is when the replay was asked for.
-    fn play(&mut self, from: u64, start: Instant, watch: &mut Watch) -> Result<(), ReplayError> {
+    fn play(
+        &mut self,
+        from: u64,
+        start: Instant,
+        watch: &mut ReadProgress,
+    ) -> Result<(), ReplayError> {
         loop {
             let before = Instant::now();
             let lasting = self.source.seek(from, watch)?;
@@ -177,8 +182,8 @@ impl<'a> Player<'a> {
                 self.report.start_up_s = start.elapsed().as_secs_f64();
             }
             self.now = (from / self.resources.plan.run.tick_period_ns.max(1), from);
-            if let Some(broadcast) = &mut self.broadcast {
-                broadcast.jump(from);
+            if let Some(live_replay) = &mut self.live_replay {
+                live_replay.jump(from);
             }
             for message in &lasting {
                 self.report.restored += u64::from(self.say(message)?);
@@ -201,7 +206,7 @@ impl<'a> Player<'a> {
     }
 
     /// Plays from where the source stands to its end; false if interrupted.
-    fn play_on(&mut self, watch: &Watch) -> Result<bool, ReplayError> {
+    fn play_on(&mut self, watch: &ReadProgress) -> Result<bool, ReplayError> {
         // Read whole before it is due: what is in a chunk takes its time.
         let mut tick = Vec::new();
         while self.source.tick(&mut tick)? {
@@ -227,7 +232,7 @@ impl<'a> Player<'a> {
 
     /// Waits until the messages of a time are due, and looks after the listeners meanwhile; false if
     /// interrupted.
-    fn wait(&mut self, time: u64, watch: &Watch) -> Result<bool, ReplayError> {
+    fn wait(&mut self, time: u64, watch: &ReadProgress) -> Result<bool, ReplayError> {
         let after = time.saturating_sub(self.anchor.0) as f64 * 1e-9 / self.options.rate;
         // A log may claim to last longer than clocks go.
         let after = Duration::try_from_secs_f64(after.min(1e9)).unwrap_or_default();
@@ -278,16 +283,16 @@ impl<'a> Player<'a> {
     /// Shows a message to viewers, and sends it; false if it is for viewers only, is none, or is what
     /// the replay says itself.
     fn say(&mut self, message: &Logged) -> Result<bool, ReplayError> {
-        if let Some(broadcast) = &mut self.broadcast {
-            broadcast.show(self.source, message);
+        if let Some(live_replay) = &mut self.live_replay {
+            live_replay.show(self.source, message);
         }
         if !message.is_ours() || NAMES.get(message.rank) == Some(&Control::NAME) {
             return Ok(false);
         }
-        let speaker = message.speaker();
+        let sender = message.sender();
         if self
             .publishers
-            .open(&self.resources.bus, message.rank, speaker)?
+            .open(&self.resources.bus, message.rank, sender)?
         {
             self.linger(INTRODUCTION);
         }
@@ -317,7 +322,7 @@ impl<'a> Player<'a> {
     fn end(mut self) -> Replayed {
         self.linger(LINGER);
         self.monitor.set_phase(Phase::Stop);
-        self.report.live = self.broadcast.take().map(Broadcast::finish);
+        self.report.live = self.live_replay.take().map(LiveReplay::finish);
         let counts = NAMES
             .iter()
             .zip(&self.by_rank)

@@ -9,7 +9,7 @@ use ipc_types::stamp::PlainHeader;
 use ipc_types::topics::TopicId;
 use mcap_log::LogReadError;
 use mcap_log::Origin;
-use mcap_log::Watch;
+use mcap_log::ReadProgress;
 use mcap_log::known::ENCAPSULATION;
 use mcap_log::output::{FILTERED, MANIFEST, RESULT};
 use mcap_log::reader::{Item, Reader};
@@ -18,7 +18,7 @@ use zerocopy::FromBytes as _;
 
 /// A process that left its run.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Left {
+pub struct ProcessExit {
     /// Its name.
     pub process: String,
     /// The first tick that it did not do.
@@ -41,7 +41,7 @@ pub(super) struct Recorded {
     pub(super) whole: bool,
     /// The first process of interest that failed. What came of it depends on when it happened within its
     /// tick, which no log says: from that tick on nothing is compared.
-    pub(super) left: Option<Left>,
+    pub(super) left: Option<ProcessExit>,
 }
 
 impl Recorded {
@@ -52,7 +52,7 @@ impl Recorded {
     pub(super) fn read(
         log: &Path,
         of_interest: impl Fn(&str) -> bool,
-        watch: &mut Watch,
+        watch: &mut ReadProgress,
     ) -> Result<Self, LogReadError> {
         let mut recorded = Self::default();
         let mut reader = Reader::open(log, Some(watch))?;
@@ -119,7 +119,7 @@ impl Recorded {
         let name = names.nth(event.process as usize).map(str::to_owned);
         let process = name.unwrap_or_else(|| format!("process {}", event.process));
         if of_interest(&process) {
-            self.left = Some(Left {
+            self.left = Some(ProcessExit {
                 process,
                 tick: event.tick,
                 reason: event.reason_text(),

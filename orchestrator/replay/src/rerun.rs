@@ -5,12 +5,12 @@ use std::path::Path;
 use std::sync::Arc;
 
 use mcap_log::LogReadError;
-use mcap_log::Watch;
+use mcap_log::ReadProgress;
 use mcap_log::output::RUN_DIGEST;
 use serde::{Serialize, Serializer};
 
 use super::origin::refuse_external;
-use super::recorded::{Left, Recorded};
+use super::recorded::{ProcessExit, Recorded};
 use crate::ReplayError;
 use crate::origin::scenario_of;
 use log_tools::{Comparison, Difference, compare};
@@ -45,7 +45,7 @@ pub struct Rerun {
     pub digest: String,
     /// The first process that failed in the run of the log: from its tick on nothing is compared.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub left: Option<Left>,
+    pub left: Option<ProcessExit>,
     /// Whether the log holds the whole run, without a failure.
     pub whole: bool,
     /// Whether the two runs are the same, as far as the log goes.
@@ -90,7 +90,7 @@ pub fn rerun(
     log: &Path,
     kinds: &[Kind],
     options: RerunOptions,
-    watch: &mut Watch,
+    watch: &mut ReadProgress,
 ) -> Result<Rerun, ReplayError> {
     let recorded = Recorded::read(log, |_| true, watch)?;
     let mut scenario = scenario_of(
@@ -147,7 +147,7 @@ fn run_again(
     scenario: &ResolvedScenario,
     out: &Path,
     in_process: bool,
-    watch: &Watch,
+    watch: &ReadProgress,
 ) -> Result<MissionReport, MissionError> {
     let (out, interrupted) = (Some(out.to_owned()), Arc::clone(&watch.interrupted));
     if in_process {

@@ -15,5 +15,5 @@ mod topics;
 mod tests;
 
 pub use field_of_view::{FieldOfView, ViewOrigin};
-pub use live::{Hub, HubTap, LiveError, LiveServer, LiveTotals};
+pub use live::{BroadcastHandle, Broadcaster, LiveError, LiveServer, LiveTotals};
 pub use topics::{ViewerOptions, viewer_topics};

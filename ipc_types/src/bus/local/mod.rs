@@ -27,7 +27,7 @@ use crate::schema;
 use crate::topics::{Service, Topic};
 
 /// The topics of one run in memory.
-pub(super) struct Hub {
+pub(super) struct LocalTopics {
     /// Every topic's [`Channel`], by its name.
     channels: RefCell<BTreeMap<&'static str, Rc<dyn Any>>>,
     /// Every service's [`Endpoint`], by its name.
@@ -36,7 +36,7 @@ pub(super) struct Hub {
     pub(super) commons: Option<Arc<dyn Any + Send + Sync>>,
 }
 
-impl Hub {
+impl LocalTopics {
     pub(super) fn new(commons: Option<Arc<dyn Any + Send + Sync>>) -> Self {
         Self {
             channels: RefCell::default(),
@@ -79,7 +79,7 @@ impl Hub {
     }
 }
 
-impl core::fmt::Debug for Hub {
+impl core::fmt::Debug for LocalTopics {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.debug_struct("Hub")
             .field("topics", &self.channels.borrow().len())

@@ -7,8 +7,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use mcap_log::Condition;
+use mcap_log::ReadProgress;
 use mcap_log::Topics;
-use mcap_log::Watch;
 use mcap_log::derived;
 use mcap_log::reader::{Channel, Item, Reader};
 use mcap_log::ros2::Schema;
@@ -84,7 +84,7 @@ pub fn export(
     log: &Path,
     out: &Path,
     options: &ExportOptions,
-    watch: &mut Watch,
+    watch: &mut ReadProgress,
 ) -> Result<Exported, DerivedError> {
     let mut reader = Reader::open(log, Some(watch))?;
     let folder = Folder::make(out, options.force)?;

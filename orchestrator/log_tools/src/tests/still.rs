@@ -4,7 +4,7 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use mcap_log::{LogOptions, Watch};
+use mcap_log::{LogOptions, ReadProgress};
 use recorder::Recording;
 
 use super::made_up::{PERIOD_NS, Sent, recording, run};
@@ -23,7 +23,7 @@ fn is_command(sent: &Sent) -> bool {
 /// The messages of a log in which chunks are closed at every look, but for those of viewers.
 fn lossless(path: &Path) -> Vec<Read> {
     let out = path.with_extension("saved");
-    let mut watch = Watch::new(std::sync::Arc::default(), true);
+    let mut watch = ReadProgress::new(std::sync::Arc::default(), true);
     recover(path, &out, true, &mut watch).unwrap();
     let info = LogInfo::read(&out, &mut watch).unwrap();
     assert!(info.condition.is_whole(), "{:?}", info.condition);

@@ -8,7 +8,7 @@ use mcap::sans_io::LinearReaderOptions;
 use mcap::{Attachment, WriteOptions};
 use mcap_log::output::Output;
 use mcap_log::reader::{Channel, Item, Reader, Schema};
-use mcap_log::{Condition, Watch};
+use mcap_log::{Condition, ReadProgress};
 use tempfile::TempDir;
 
 /// A message: topic, sequence, log time, bytes.
@@ -152,6 +152,6 @@ pub fn rewrite(
     output.finish().unwrap();
 }
 
-pub fn watch() -> Watch {
-    Watch::new(std::sync::Arc::default(), true)
+pub fn watch() -> ReadProgress {
+    ReadProgress::new(std::sync::Arc::default(), true)
 }

@@ -8,7 +8,7 @@ use lz4_flex::frame::FrameDecoder;
 
 use super::super::fields::Fields;
 use super::Reader;
-use super::item::Found;
+use super::item::ItemLocation;
 use super::limits::LIMIT;
 use super::record::PREFIX;
 use crate::LogReadError;
@@ -29,7 +29,7 @@ pub(super) struct OpenChunk {
 
 impl Reader<'_> {
     /// The next record of the open chunk; `None` behind its last.
-    pub(super) fn next_in_chunk(&mut self) -> Result<Option<Found>, LogReadError> {
+    pub(super) fn next_in_chunk(&mut self) -> Result<Option<ItemLocation>, LogReadError> {
         let Some(mut chunk) = self.chunk else {
             return Ok(None);
         };

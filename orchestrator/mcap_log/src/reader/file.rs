@@ -5,17 +5,17 @@ use std::os::unix::fs::FileExt as _;
 use mcap::records::op;
 
 use super::Reader;
-use super::item::Found;
+use super::item::ItemLocation;
 use super::limits::LIMIT;
 use super::record::{PREFIX, name_of};
 use crate::LogReadError;
 
 impl Reader<'_> {
     /// The next record of the file; `None` if it is nothing to hand out.
-    pub(super) fn next_in_file(&mut self) -> Result<Option<Found>, LogReadError> {
+    pub(super) fn next_in_file(&mut self) -> Result<Option<ItemLocation>, LogReadError> {
         let at = self.next;
-        if let Some(watch) = &mut self.watch {
-            watch.at(at)?;
+        if let Some(read_progress) = &mut self.read_progress {
+            read_progress.at(at)?;
         }
         let mut prefix = [0; PREFIX as usize];
         if self.length.saturating_sub(at) < PREFIX {
@@ -132,8 +132,8 @@ impl Reader<'_> {
                 .map_err(|e| self.failed(e))?;
             hasher.update(part);
             at += wanted as u64;
-            if let Some(watch) = &mut self.watch {
-                watch.at(0)?;
+            if let Some(read_progress) = &mut self.read_progress {
+                read_progress.at(0)?;
             }
         }
         if hasher.finalize() != expected {

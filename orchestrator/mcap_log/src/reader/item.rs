@@ -56,7 +56,7 @@ pub enum Item<'a> {
 
 /// Where the bytes of an item stand.
 #[derive(Debug)]
-pub(super) enum Found {
+pub(super) enum ItemLocation {
     Header(String, String),
     Schema(u16, Rc<Schema>),
     Channel(Rc<Channel>),

@@ -27,11 +27,11 @@ use mcap::records::MessageHeader;
 
 use self::chunk::OpenChunk;
 pub(super) use self::index::ChunkPlace;
-use self::item::Found;
+use self::item::ItemLocation;
 pub use self::item::{Channel, Item, Schema};
 use crate::Condition;
 use crate::LogReadError;
-use crate::Watch;
+use crate::ReadProgress;
 
 /// See the module's text.
 pub struct Reader<'w> {
@@ -53,7 +53,7 @@ pub struct Reader<'w> {
     chunks: u64,
     done: bool,
     condition: Condition,
-    watch: Option<&'w mut Watch>,
+    read_progress: Option<&'w mut ReadProgress>,
 }
 
 impl<'w> Reader<'w> {
@@ -61,7 +61,10 @@ impl<'w> Reader<'w> {
     ///
     /// # Errors
     /// The log cannot be read: [`LogReadError`].
-    pub fn open(path: &Path, mut watch: Option<&'w mut Watch>) -> Result<Self, LogReadError> {
+    pub fn open(
+        path: &Path,
+        mut read_progress: Option<&'w mut ReadProgress>,
+    ) -> Result<Self, LogReadError> {
         let failed = |source| LogReadError::Open {
             path: path.to_owned(),
             source,
@@ -82,8 +85,8 @@ impl<'w> Reader<'w> {
                 empty: length == 0,
             });
         }
-        if let Some(watch) = &mut watch {
-            watch.begin(length);
+        if let Some(read_progress) = &mut read_progress {
+            read_progress.begin(length);
         }
         Ok(Self {
             path: path.to_owned(),
@@ -104,7 +107,7 @@ impl<'w> Reader<'w> {
                 file_bytes: length,
                 ..Condition::default()
             },
-            watch,
+            read_progress,
         })
     }
 
@@ -143,8 +146,8 @@ impl<'w> Reader<'w> {
                     break found;
                 }
             } else if self.done {
-                if let Some(watch) = &mut self.watch {
-                    watch.end();
+                if let Some(read_progress) = &mut self.read_progress {
+                    read_progress.end();
                 }
                 return Ok(None);
             } else if let Some(found) = self.next_in_file()? {
@@ -152,17 +155,17 @@ impl<'w> Reader<'w> {
             }
         };
         self.last = match &found {
-            Found::Message(header, range) => Some((*header, range.clone())),
+            ItemLocation::Message(header, range) => Some((*header, range.clone())),
             _ => None,
         };
         let bytes = |range| self.buffer.get::<Range<usize>>(range).unwrap_or_default();
         Ok(Some(match found {
-            Found::Header(profile, library) => Item::Header { profile, library },
-            Found::Schema(id, schema) => Item::Schema(id, schema),
-            Found::Channel(channel) => Item::Channel(channel),
-            Found::Message(header, range) => Item::Message(header, bytes(range)),
-            Found::Attachment(header, range) => Item::Attachment(header, bytes(range)),
-            Found::Metadata(metadata) => Item::Metadata(metadata),
+            ItemLocation::Header(profile, library) => Item::Header { profile, library },
+            ItemLocation::Schema(id, schema) => Item::Schema(id, schema),
+            ItemLocation::Channel(channel) => Item::Channel(channel),
+            ItemLocation::Message(header, range) => Item::Message(header, bytes(range)),
+            ItemLocation::Attachment(header, range) => Item::Attachment(header, bytes(range)),
+            ItemLocation::Metadata(metadata) => Item::Metadata(metadata),
         }))
     }
 

@@ -7,7 +7,7 @@ use mcap::records::{AttachmentHeader, MessageHeader, Metadata, op};
 
 use super::super::fields::Fields;
 use super::Reader;
-use super::item::{Channel, Found, Schema};
+use super::item::{Channel, ItemLocation, Schema};
 use super::limits::DESCRIPTIONS_LIMIT;
 use crate::LogReadError;
 
@@ -21,7 +21,7 @@ impl Reader<'_> {
         opcode: u8,
         place: Range<usize>,
         at: u64,
-    ) -> Result<Option<Found>, LogReadError> {
+    ) -> Result<Option<ItemLocation>, LogReadError> {
         // The buffer is put back below: nothing is copied.
         let buffer = core::mem::take(&mut self.buffer);
         let body = buffer.get(place.clone()).unwrap_or_default();
@@ -42,7 +42,7 @@ impl Reader<'_> {
         &mut self,
         body: &[u8],
         at: u64,
-    ) -> Result<Result<Option<Found>, ()>, LogReadError> {
+    ) -> Result<Result<Option<ItemLocation>, ()>, LogReadError> {
         let mut fields = Fields(body);
         let mut read = || {
             let id = fields.u16().filter(|id| *id != 0)?;
@@ -70,7 +70,7 @@ impl Reader<'_> {
                 self.describe(body.len())?;
                 let schema = Rc::new(schema);
                 self.schemas.insert(id, Rc::clone(&schema));
-                Ok(Ok(Some(Found::Schema(id, schema))))
+                Ok(Ok(Some(ItemLocation::Schema(id, schema))))
             }
         }
     }
@@ -79,7 +79,7 @@ impl Reader<'_> {
         &mut self,
         body: &[u8],
         at: u64,
-    ) -> Result<Result<Option<Found>, ()>, LogReadError> {
+    ) -> Result<Result<Option<ItemLocation>, ()>, LogReadError> {
         let mut fields = Fields(body);
         let mut read = || {
             Some(Channel {
@@ -116,7 +116,7 @@ impl Reader<'_> {
                 self.describe(body.len())?;
                 let channel = Rc::new(channel);
                 self.channels.insert(id, Rc::clone(&channel));
-                Ok(Ok(Some(Found::Channel(channel))))
+                Ok(Ok(Some(ItemLocation::Channel(channel))))
             }
         }
     }
@@ -139,7 +139,7 @@ impl Reader<'_> {
         body: &[u8],
         place: Range<usize>,
         at: u64,
-    ) -> Result<Option<Found>, ()> {
+    ) -> Result<Option<ItemLocation>, ()> {
         let mut fields = Fields(body);
         match opcode {
             op::MESSAGE => {
@@ -161,22 +161,22 @@ impl Reader<'_> {
                     return Ok(None);
                 }
                 let start = place.end - fields.0.len();
-                Ok(Some(Found::Message(header, start..place.end)))
+                Ok(Some(ItemLocation::Message(header, start..place.end)))
             }
             op::HEADER => {
                 let profile = fields.text().ok_or(())?;
                 let library = fields.text().ok_or(())?;
-                Ok(Some(Found::Header(profile, library)))
+                Ok(Some(ItemLocation::Header(profile, library)))
             }
             op::ATTACHMENT => {
                 let (header, data) = attachment(body).ok_or(())?;
                 let data = place.start + data.start..place.start + data.end;
-                Ok(Some(Found::Attachment(header, data)))
+                Ok(Some(ItemLocation::Attachment(header, data)))
             }
             op::METADATA => {
                 let name = fields.text().ok_or(())?;
                 let metadata = fields.map().ok_or(())?;
-                Ok(Some(Found::Metadata(Metadata { name, metadata })))
+                Ok(Some(ItemLocation::Metadata(Metadata { name, metadata })))
             }
             op::DATA_END => {
                 self.data_end = Some((at, fields.u32().ok_or(())?));

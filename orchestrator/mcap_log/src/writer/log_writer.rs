@@ -11,8 +11,8 @@ use mcap::{Attachment, McapError, WriteOptions};
 
 use super::channel::ChannelSpec;
 use super::log_file::{self, LogFile, Readable};
+use crate::LogObserver;
 use crate::LogWriteError;
-use crate::Mirror;
 use crate::writer::storage::Storage;
 
 /// How the chunks of a log are compressed.
@@ -117,7 +117,7 @@ pub struct LogWriter {
     /// Uncompressed bytes of the open chunk.
     open_bytes: u64,
     channels: Vec<Channel>,
-    mirror: Option<Box<dyn Mirror>>,
+    log_observer: Option<Box<dyn LogObserver>>,
 }
 
 impl LogWriter {
@@ -170,7 +170,7 @@ impl LogWriter {
             last_flush: Instant::now(),
             open_bytes: 0,
             channels: Vec::new(),
-            mirror: None,
+            log_observer: None,
         };
         log.metadata("protean", manifest.entries.clone())?;
         for file in &manifest.attachments {
@@ -186,8 +186,8 @@ impl LogWriter {
     }
 
     /// Lets somebody have everything that is added and written from now on.
-    pub fn mirror_to(&mut self, mirror: Box<dyn Mirror>) {
-        self.mirror = Some(mirror);
+    pub fn mirror_to(&mut self, log_observer: Box<dyn LogObserver>) {
+        self.log_observer = Some(log_observer);
     }
 
     /// Adds a channel.
@@ -214,8 +214,8 @@ impl LogWriter {
             totals,
             last_log_time: 0,
         });
-        if let Some(mirror) = &mut self.mirror {
-            mirror.channel(spec);
+        if let Some(log_observer) = &mut self.log_observer {
+            log_observer.channel(spec);
         }
         Ok(ChannelId(self.channels.len() - 1))
     }
@@ -251,8 +251,8 @@ impl LogWriter {
         };
         let result = self.writer.write_to_known_channel(&header, data);
         self.check(result)?;
-        if let Some(mirror) = &mut self.mirror {
-            mirror.message(id.0, log_time, data);
+        if let Some(log_observer) = &mut self.log_observer {
+            log_observer.message(id.0, log_time, data);
         }
         self.open_bytes += data.len() as u64;
         if self.open_bytes >= self.chunk_bytes {

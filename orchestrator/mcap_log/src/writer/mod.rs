@@ -3,8 +3,8 @@
 mod channel;
 mod error;
 mod log_file;
+mod log_observer;
 mod log_writer;
-mod mirror;
 mod storage;
 
 #[cfg(test)]
@@ -12,7 +12,7 @@ mod tests;
 
 pub use channel::ChannelSpec;
 pub use error::LogWriteError;
+pub use log_observer::LogObserver;
 pub use log_writer::{
     ChannelId, ChannelTotals, Compression, LogOptions, LogTotals, LogWriter, Manifest, ManifestFile,
 };
-pub use mirror::Mirror;

@@ -161,8 +161,8 @@ fn a_process_leaves_at_the_tick_that_it_owes_and_the_world_at_its_last() {
 }
 
 /// Processes that take part and have done so many ticks, the simulator first.
-fn seen(done: [u64; 4]) -> [Seen; 4] {
-    done.map(|done| Seen {
+fn seen(done: [u64; 4]) -> [Observation; 4] {
+    done.map(|done| Observation {
         state: SlotState::Prepared,
         done,
         is_vacant: true,
@@ -237,7 +237,7 @@ fn a_restart_waits_for_its_time_and_a_vacant_place_and_has_its_own_timeout() {
     let mut seen = seen([8; 4]);
     seen[1].state = SlotState::Starting;
     let due = now + RESTART_AFTER;
-    let look = |state: &mut State, now: Instant, seen: &[Seen]| {
+    let look = |state: &mut State, now: Instant, seen: &[Observation]| {
         let events = state.look(now, 8, seen, |_| false);
         events
             .into_iter()

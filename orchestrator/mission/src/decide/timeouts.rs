@@ -8,7 +8,7 @@ use super::{Event, Process, Standing, State};
 
 /// A process as it is seen from outside.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Seen {
+pub(crate) struct Observation {
     /// What the barrier says of it.
     pub(crate) state: SlotState,
     /// Ticks that it has done.
@@ -35,9 +35,9 @@ impl State {
         &self,
         wanted: SlotState,
         taken: Duration,
-        seen: &[Seen],
+        seen: &[Observation],
     ) -> StartStep {
-        let is_behind = |seen: &Seen| match wanted {
+        let is_behind = |seen: &Observation| match wanted {
             SlotState::Ready => seen.state == SlotState::Starting,
             SlotState::Connected => {
                 matches!(seen.state, SlotState::Starting | SlotState::Ready)
@@ -57,7 +57,7 @@ impl State {
         &mut self,
         now: Instant,
         posted: u64,
-        seen: &[Seen],
+        seen: &[Observation],
         is_stopped: impl Fn(usize) -> bool,
     ) -> Vec<(usize, Event)> {
         let mut events = Vec::new();
@@ -85,7 +85,7 @@ impl State {
         &mut self,
         now: Instant,
         posted: u64,
-        seen: &[Seen],
+        seen: &[Observation],
         is_stopped: impl Fn(usize) -> bool,
     ) -> Vec<usize> {
         if posted != self.last_posted {
@@ -124,7 +124,7 @@ impl State {
     fn culprit(
         &self,
         tick: u64,
-        seen: &[Seen],
+        seen: &[Observation],
         is_stopped: impl Fn(usize) -> bool,
     ) -> Option<usize> {
         let owes = |index: usize| {

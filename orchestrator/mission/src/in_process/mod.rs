@@ -30,7 +30,7 @@ use super::plan::Plan;
 use super::progress::{EventPrinter, Progress};
 use super::recording::{self, LogFile};
 use super::report::MissionReport;
-use recorder::{Beginnings, Recorder};
+use recorder::{DigestPrefixes, Recorder};
 use scenario::ResolvedScenario;
 use scenario::spec::Mode;
 
@@ -58,13 +58,13 @@ pub struct InProcessOptions {
 #[derive(Debug, Default)]
 pub struct Cache {
     maps: Arc<Maps>,
-    beginnings: Arc<Beginnings>,
+    digest_prefixes: Arc<DigestPrefixes>,
 }
 
 impl Cache {
     /// Messages of the maps, as the recorder knows them.
-    fn beginnings(&self) -> Arc<Beginnings> {
-        Arc::clone(&self.beginnings)
+    fn digest_prefixes(&self) -> Arc<DigestPrefixes> {
+        Arc::clone(&self.digest_prefixes)
     }
 
     /// The maps, as the processes of a run find them on their bus.
@@ -123,8 +123,8 @@ fn execute(
         path: Some(path),
         force: options.force,
     });
-    let beginnings = options.cache.beginnings();
-    let recording = recording::create(scenario, &plan, log, beginnings, None)?;
+    let digest_prefixes = options.cache.digest_prefixes();
+    let recording = recording::create(scenario, &plan, log, digest_prefixes, None)?;
     let mut recorder = Recorder::open(&bus, recording)?;
     let obstacles: Publisher<ObstacleEvents> =
         bus.publisher(PublisherOptions::new(plan.orchestrator_index(), 1))?;
@@ -133,7 +133,7 @@ fn execute(
     plan.send_obstacle_changes(&obstacles)?;
     processes.prepare()?;
 
-    let mut show = options.show.then(|| Show::new(scenario, &plan));
+    let mut show = options.show.then(|| ProgressDisplay::new(scenario, &plan));
     let first_tick = Instant::now();
     let interrupted = loop {
         let over = processes.turn()?;
@@ -173,12 +173,12 @@ fn execute(
 }
 
 /// What a person sees meanwhile.
-struct Show {
+struct ProgressDisplay {
     progress: Progress,
     events: EventPrinter,
 }
 
-impl Show {
+impl ProgressDisplay {
     fn new(scenario: &ResolvedScenario, plan: &Plan) -> Self {
         let progress = Progress::new(scenario.world.rules.time_limit, false);
         let robots = plan.run.robots.iter().map(|r| r.name.clone()).collect();

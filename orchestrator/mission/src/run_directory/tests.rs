@@ -20,7 +20,10 @@ fn a_run_is_alive_until_its_owner_ends_and_leaves_nothing() {
     assert_eq!(clean_below(&base).unwrap(), []);
     let owned = RunDirectory::create_in(&base).unwrap();
     let root = owned.space().root().to_owned();
-    assert_eq!(clean_below(&base).unwrap(), [Found::Alive(root.clone())]);
+    assert_eq!(
+        clean_below(&base).unwrap(),
+        [FoundDirectory::Alive(root.clone())]
+    );
     assert!(root.join(LOCK).exists());
     drop(owned);
     assert_eq!(names(&base), [] as [&str; 0]);
@@ -47,11 +50,15 @@ fn only_a_lock_that_is_free_or_missing_means_that_a_run_is_abandoned() {
     File::create(half_made.join(LOCK)).unwrap();
     root("tmp-5");
     root("other");
-    let removed = |root| Found::Removed {
+    let removed = |root| FoundDirectory::Removed {
         root,
         killed: Vec::new(),
     };
-    let expected = [Found::Alive(unknown), removed(free), removed(missing)];
+    let expected = [
+        FoundDirectory::Alive(unknown),
+        removed(free),
+        removed(missing),
+    ];
     assert_eq!(clean_below(&base).unwrap(), expected);
     assert_eq!(names(&base), ["other", "r1"]);
 }
@@ -67,7 +74,7 @@ fn runs_are_made_while_others_clean() {
         scope.spawn(|| {
             while !stop.load(Ordering::SeqCst) {
                 for found in clean_below(&base).unwrap() {
-                    assert!(!matches!(found, Found::Failed(..)), "{found:?}");
+                    assert!(!matches!(found, FoundDirectory::Failed(..)), "{found:?}");
                 }
             }
         });

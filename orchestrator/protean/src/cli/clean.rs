@@ -6,7 +6,7 @@ use platform::eprintln;
 use serde_json::json;
 
 use super::output::{EXIT_FAILED, print, print_json};
-use mission::run_directory::{self, Found};
+use mission::run_directory::{self, FoundDirectory};
 
 /// Removes what dead runs have left and says what that was.
 pub fn clean(as_json: bool) -> ExitCode {
@@ -17,16 +17,18 @@ pub fn clean(as_json: bool) -> ExitCode {
             return ExitCode::from(EXIT_FAILED);
         }
     };
-    let failed = found.iter().any(|f| matches!(f, Found::Failed(..)));
+    let failed = found
+        .iter()
+        .any(|f| matches!(f, FoundDirectory::Failed(..)));
     if as_json {
         let runs: Vec<_> = found
             .iter()
             .map(|f| match f {
-                Found::Alive(root) => json!({ "run": root, "state": "alive" }),
-                Found::Removed { root, killed } => {
+                FoundDirectory::Alive(root) => json!({ "run": root, "state": "alive" }),
+                FoundDirectory::Removed { root, killed } => {
                     json!({ "run": root, "state": "removed", "killed": killed })
                 }
-                Found::Failed(root, reason) => {
+                FoundDirectory::Failed(root, reason) => {
                     json!({ "run": root, "state": "failed", "reason": reason })
                 }
             })
@@ -37,18 +39,18 @@ pub fn clean(as_json: bool) -> ExitCode {
     } else {
         for f in &found {
             print(&match f {
-                Found::Alive(root) => format!("{}: alive, left alone", root.display()),
-                Found::Removed { root, killed } if killed.is_empty() => {
+                FoundDirectory::Alive(root) => format!("{}: alive, left alone", root.display()),
+                FoundDirectory::Removed { root, killed } if killed.is_empty() => {
                     format!("{}: removed", root.display())
                 }
-                Found::Removed { root, killed } => {
+                FoundDirectory::Removed { root, killed } => {
                     format!(
                         "{}: removed, {} processes killed",
                         root.display(),
                         killed.len()
                     )
                 }
-                Found::Failed(root, reason) => format!("{}: {reason}", root.display()),
+                FoundDirectory::Failed(root, reason) => format!("{}: {reason}", root.display()),
             });
         }
     }

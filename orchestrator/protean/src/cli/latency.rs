@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use mcap_log::{DerivedError, Watch, derived};
+use mcap_log::{DerivedError, ReadProgress, derived};
 use platform::atomic_file::Readers;
 use platform::eprintln;
 
@@ -124,7 +124,7 @@ fn measure(
     let mut report = Report::new();
     let mut code = 0;
     if let Some(log) = &log {
-        let mut watch = Watch::new(Arc::clone(interrupted), args.quiet);
+        let mut watch = ReadProgress::new(Arc::clone(interrupted), args.quiet);
         let measured = of_log(log, kinds, &mut watch).map_err(|error| refusal(&error))?;
         if !measured.condition.data {
             eprintln!("warning: {} is not whole", log.display());

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use mcap_log::{Condition, DerivedError, LogReadError, Topics, Watch};
+use mcap_log::{Condition, DerivedError, LogReadError, ReadProgress, Topics};
 use platform::eprintln;
 
 use super::output::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL};
@@ -49,14 +49,14 @@ pub(super) struct PartArgs {
 /// Does something with a log that can be interrupted, and says how it ended.
 pub(super) fn command(
     quiet: bool,
-    work: impl FnOnce(&mut Watch) -> Result<ExitCode, CommandError>,
+    work: impl FnOnce(&mut ReadProgress) -> Result<ExitCode, CommandError>,
 ) -> ExitCode {
     let interrupted = Arc::new(AtomicBool::new(false));
     if let Err(error) = handle_signals(&interrupted) {
         eprintln!("error: cannot handle signals: {error}");
         return ExitCode::from(EXIT_FAILED);
     }
-    let mut watch = Watch::new(interrupted, quiet);
+    let mut watch = ReadProgress::new(interrupted, quiet);
     work(&mut watch).unwrap_or_else(|error| {
         eprintln!("error: {error}");
         ExitCode::from(error.exit_code())

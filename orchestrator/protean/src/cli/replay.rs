@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use mcap_log::Watch;
+use mcap_log::ReadProgress;
 use platform::eprintln;
 
 use super::logs::{self, CommandError, PartArgs};
@@ -94,7 +94,11 @@ pub fn run(kinds: &[Kind], args: ReplayArgs) -> ExitCode {
     })
 }
 
-fn play(kinds: &[Kind], args: ReplayArgs, watch: &mut Watch) -> Result<ExitCode, CommandError> {
+fn play(
+    kinds: &[Kind],
+    args: ReplayArgs,
+    watch: &mut ReadProgress,
+) -> Result<ExitCode, CommandError> {
     let options = ReplayOptions {
         rate: if args.as_fast_as_possible {
             f64::INFINITY
@@ -126,7 +130,11 @@ fn play(kinds: &[Kind], args: ReplayArgs, watch: &mut Watch) -> Result<ExitCode,
     })
 }
 
-fn test(kinds: &[Kind], args: ReplayArgs, watch: &mut Watch) -> Result<ExitCode, CommandError> {
+fn test(
+    kinds: &[Kind],
+    args: ReplayArgs,
+    watch: &mut ReadProgress,
+) -> Result<ExitCode, CommandError> {
     let options = VerifyOptions {
         processes: args.test,
         changes: args.set,

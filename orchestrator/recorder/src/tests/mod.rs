@@ -4,7 +4,7 @@ mod bus;
 mod derived;
 mod kill;
 mod round_trip;
-mod strangers;
+mod unknown_sources;
 
 // Each crate that includes it uses parts of it.
 #[allow(dead_code)]

@@ -6,26 +6,26 @@
 
 mod capture;
 mod processes;
-mod tested;
-mod trial;
+mod test_bus;
+mod test_selection;
 
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
 use ipc_types::bus::Bus;
+use mcap_log::ReadProgress;
 use mcap_log::Topics;
-use mcap_log::Watch;
 use mcap_log::source::Source;
 use serde::Serialize;
 
 use self::processes::Processes;
-use self::tested::Tested;
-use self::trial::Trial;
+use self::test_bus::TestBus;
+use self::test_selection::TestSelection;
 use super::create_resources;
 use crate::ReplayError;
 use crate::origin::scenario_of;
-use crate::recorded::{Left, Recorded};
+use crate::recorded::{ProcessExit, Recorded};
 use log_tools::nanoseconds;
 use log_tools::{Comparison, Difference};
 use mission::MissionError;
@@ -34,7 +34,7 @@ use mission::plan::Plan;
 use mission::supervisor::Supervisor;
 use scenario::kind::Kind;
 
-/// What is tested, and how.
+/// What is under test, and how.
 #[derive(Debug, Clone, Default)]
 pub struct VerifyOptions {
     /// Names of the processes under test.
@@ -75,7 +75,7 @@ pub struct Verified {
     pub whole: bool,
     /// The first of them that failed in the run of the log: only what was said before is compared.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub left: Option<Left>,
+    pub left: Option<ProcessExit>,
     /// What they said, then and now.
     #[serde(flatten)]
     pub comparison: Comparison,
@@ -96,15 +96,20 @@ impl Verified {
 /// Runs processes of the run in a log against what they heard, and compares what they say.
 ///
 /// # Errors
-/// [`ReplayError`]: the log cannot be read, the processes cannot be tested against it, or one fails.
+/// [`ReplayError`]: the log cannot be read, the processes cannot be under test against it, or one fails.
 pub fn verify(
     log: &Path,
     kinds: &[Kind],
     options: &VerifyOptions,
-    watch: &mut Watch,
+    watch: &mut ReadProgress,
 ) -> Result<Verified, ReplayError> {
     let to = nanoseconds("--end", options.end_s)?.unwrap_or(u64::MAX);
-    let is_tested = |name: &str| options.processes.iter().any(|tested| tested == name);
+    let is_tested = |name: &str| {
+        options
+            .processes
+            .iter()
+            .any(|test_selection| test_selection == name)
+    };
     let recorded = Recorded::read(log, is_tested, watch)?;
     let scenario = scenario_of(
         &recorded.origin,
@@ -124,25 +129,35 @@ pub fn verify(
     };
     if options.in_process {
         let plan = Plan::new(&scenario, Path::new(""), "", "warn").map_err(MissionError::from)?;
-        let tested = Tested::new(&plan, &recorded.origin, options)?;
+        let test_selection = TestSelection::new(&plan, &recorded.origin, options)?;
         let bus = Bus::local(plan.run.bus_options(), None);
-        let mut trial = Trial::open(&bus, &plan, &tested, &mut source, watch)?;
+        let mut test_bus = TestBus::open(&bus, &plan, &test_selection, &mut source, watch)?;
         let mut members =
-            LocalProcesses::open(&tested.launches, &bus).map_err(MissionError::from)?;
-        trial.run(&mut members, &mut source, watch, &mut done)?;
-        done.helpers = tested.helpers;
+            LocalProcesses::open(&test_selection.launches, &bus).map_err(MissionError::from)?;
+        test_bus.run(&mut members, &mut source, watch, &mut done)?;
+        done.helpers = test_selection.helpers;
     } else {
         let resources = create_resources(&scenario)?;
-        let tested = Tested::new(&resources.plan, &recorded.origin, options)?;
-        let mut trial = Trial::open(&resources.bus, &resources.plan, &tested, &mut source, watch)?;
+        let test_selection = TestSelection::new(&resources.plan, &recorded.origin, options)?;
+        let mut test_bus = TestBus::open(
+            &resources.bus,
+            &resources.plan,
+            &test_selection,
+            &mut source,
+            watch,
+        )?;
         let hang_timeout = Duration::from_secs_f64(scenario.run.hang_timeout_s);
-        let supervisor =
-            Supervisor::new(&resources, &tested.launches, hang_timeout, !options.quiet)?;
+        let supervisor = Supervisor::new(
+            &resources,
+            &test_selection.launches,
+            hang_timeout,
+            !options.quiet,
+        )?;
         let interrupted = Arc::clone(&watch.interrupted);
         let mut processes = Processes::start(&resources, supervisor, &interrupted)?;
-        trial.run(&mut processes, &mut source, watch, &mut done)?;
-        drop((processes, trial));
-        done.helpers = tested.helpers;
+        test_bus.run(&mut processes, &mut source, watch, &mut done)?;
+        drop((processes, test_bus));
+        done.helpers = test_selection.helpers;
     }
     done.whole &= recorded.left.is_none();
     done.left = recorded.left;

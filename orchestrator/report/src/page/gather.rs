@@ -7,7 +7,7 @@ use geometry::map::ObstacleChange;
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::world::RobotState;
 use ipc_types::topics::TopicId;
-use mcap_log::{Condition, LogReadError, Watch};
+use mcap_log::{Condition, LogReadError, ReadProgress};
 
 use super::happened::Happened;
 use super::layers::Layers;
@@ -77,7 +77,7 @@ impl Gathered {
     pub(super) fn read(
         log: &Path,
         kinds: &'static [Kind],
-        watch: &mut Watch,
+        watch: &mut ReadProgress,
     ) -> Result<Self, LogReadError> {
         let weigh = |frame: &Frame| frame.robots.len();
         let mut frames = Frames(Sampled::new(0, MAX_STATES, weigh));

@@ -25,7 +25,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use mcap_log::derived;
-use mcap_log::{Condition, DerivedError, Watch};
+use mcap_log::{Condition, DerivedError, ReadProgress};
 use platform::atomic_file::Readers;
 use serde::Serialize;
 
@@ -68,7 +68,7 @@ pub fn report(
     kinds: &'static [Kind],
     out: &Path,
     force: bool,
-    watch: &mut Watch,
+    watch: &mut ReadProgress,
 ) -> Result<Report, DerivedError> {
     // Whether the page may stand there is known before the log has been read.
     let mut file = derived::create(out, log, force, Readers::Owner)?;

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use mcap_log::{DerivedError, LogReadError, Topics, Watch};
+use mcap_log::{DerivedError, LogReadError, ReadProgress, Topics};
 use serde_json::Value as Json;
 
 use super::{Report, report};
@@ -11,8 +11,8 @@ use log_tools::{FilterOptions, filter};
 use mission::in_process::{self, InProcessOptions};
 use recorder::Summary;
 
-fn watch() -> Watch {
-    Watch::new(std::sync::Arc::default(), true)
+fn watch() -> ReadProgress {
+    ReadProgress::new(std::sync::Arc::default(), true)
 }
 
 /// A short chase with a log.

@@ -39,11 +39,11 @@ const BANDS: [(f64, f64, f64); 3] = [(0.6, 2.0, 0.40), (0.85, 2.6, 0.65), (1.0, 
 /// ```no_run
 /// use std::path::Path;
 ///
-/// use mcap_log::Watch;
+/// use mcap_log::ReadProgress;
 /// use report::picture::{RunTrace, draw};
 ///
 /// let log = Path::new("logs/chase-1.mcap");
-/// let (trace, _condition) = RunTrace::read(log, None, &mut Watch::default())?;
+/// let (trace, _condition) = RunTrace::read(log, None, &mut ReadProgress::default())?;
 /// std::fs::write("chase.svg", draw(&trace))?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

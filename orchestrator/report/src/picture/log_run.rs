@@ -11,7 +11,7 @@ use ipc_types::topics::{ObstacleEvents, Topic, TopicId, WorldMap, WorldState};
 use mcap_log::MessageHeader;
 use mcap_log::known;
 use mcap_log::reader::{Channel, Item, Reader};
-use mcap_log::{Condition, LogReadError, Watch};
+use mcap_log::{Condition, LogReadError, ReadProgress};
 
 use super::log_facts::LogFacts;
 use scenario::spec::{MAX_EVENTS, MAX_ROBOTS};
@@ -72,7 +72,7 @@ impl LoggedRun {
         log: &Path,
         purpose: Purpose,
         consumers: Vec<Box<dyn Consumer<Self> + '_>>,
-        watch: &mut Watch,
+        watch: &mut ReadProgress,
     ) -> Result<Self, LogReadError> {
         let mut reader = Reader::open(log, Some(watch))?;
         let mut run = Self {

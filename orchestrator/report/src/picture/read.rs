@@ -8,7 +8,7 @@ use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::perception::{BeliefHeader, Particle};
 use ipc_types::messages::world::{RobotState, WorldEvent};
 use ipc_types::topics::{Belief, Dominance, Plan, TopicId, Tree, WorldEvents};
-use mcap_log::{Condition, LogReadError, Watch};
+use mcap_log::{Condition, LogReadError, ReadProgress};
 
 use super::layers::Layers;
 use super::log_run::{LoggedRun, Purpose, is_near};
@@ -32,7 +32,7 @@ impl RunTrace {
     pub fn read(
         log: &Path,
         at: Option<f64>,
-        watch: &mut Watch,
+        watch: &mut ReadProgress,
     ) -> Result<(Self, Condition), LogReadError> {
         // A tick's time is rounded to a nanosecond: half a microsecond more reaches it.
         let until_ns = at.map_or(u64::MAX, |at| (at * 1e9 + 500.0) as u64);

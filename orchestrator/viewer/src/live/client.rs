@@ -12,8 +12,8 @@ use tungstenite::handshake::server::{ErrorResponse, Request, Response};
 use tungstenite::protocol::WebSocketConfig;
 use tungstenite::{Error, Message, WebSocket, accept_hdr_with_config};
 
-use super::door::{self, Token};
-use super::hub::{Frame, Hub};
+use super::broadcaster::{Broadcaster, Frame};
+use super::handshake::{self, Token};
 use super::wire;
 
 /// Time for the handshake.
@@ -29,9 +29,9 @@ const REQUEST_BYTES: usize = 1 << 20;
 
 /// What all connections have in common.
 #[derive(Debug, Clone)]
-pub(super) struct House {
+pub(super) struct ServerState {
     /// Where what is to be sent comes from.
-    pub(super) hub: Arc<Hub>,
+    pub(super) broadcaster: Arc<Broadcaster>,
     /// What lets viewers in.
     pub(super) token: Token,
     /// What they call this server.
@@ -41,25 +41,25 @@ pub(super) struct House {
 }
 
 /// Serves one connection to its end; the stream does not block.
-pub(super) fn serve(house: &House, stream: TcpStream, wake: OwnedFd) {
-    let hub = &*house.hub;
-    let Some(socket) = handshake(hub, &house.token, stream) else {
+pub(super) fn serve(server_state: &ServerState, stream: TcpStream, wake: OwnedFd) {
+    let broadcaster = &*server_state.broadcaster;
+    let Some(socket) = handshake(broadcaster, &server_state.token, stream) else {
         return;
     };
     let wake = Arc::new(wake);
-    let Some(id) = hub.join(&house.session, Arc::clone(&wake)) else {
+    let Some(id) = broadcaster.join(&server_state.session, Arc::clone(&wake)) else {
         return;
     };
     let mut client = Client {
-        hub,
-        patience: house.patience,
+        broadcaster,
+        patience: server_state.patience,
         id,
         socket,
         wake,
         unsent_since: None,
     };
     let stalled = matches!(client.run(), Ok(End::Stalled));
-    hub.leave(id, stalled);
+    broadcaster.leave(id, stalled);
 }
 
 /// Why a connection ended.
@@ -70,11 +70,15 @@ enum End {
     Stalled,
 }
 
-fn handshake(hub: &Hub, token: &Token, stream: TcpStream) -> Option<WebSocket<TcpStream>> {
+fn handshake(
+    broadcaster: &Broadcaster,
+    token: &Token,
+    stream: TcpStream,
+) -> Option<WebSocket<TcpStream>> {
     let deadline = Instant::now() + HANDSHAKE_WITHIN;
     #[expect(clippy::result_large_err, reason = "the library's own signature")]
     let judge = |request: &Request, response: Response| -> Result<Response, ErrorResponse> {
-        door::answer(token, request, response)
+        handshake::answer(token, request, response)
     };
     let config = WebSocketConfig::default()
         .max_message_size(Some(REQUEST_BYTES))
@@ -86,7 +90,7 @@ fn handshake(hub: &Hub, token: &Token, stream: TcpStream) -> Option<WebSocket<Tc
             // Refused, with a reason that was sent; or not a viewer at all.
             Err(HandshakeError::Failure(_)) => return None,
             Err(HandshakeError::Interrupted(half)) => {
-                if Instant::now() >= deadline || hub.is_closed() {
+                if Instant::now() >= deadline || broadcaster.is_closed() {
                     return None;
                 }
                 // Answers are short enough for every buffer: what is missing is the question.
@@ -99,7 +103,7 @@ fn handshake(hub: &Hub, token: &Token, stream: TcpStream) -> Option<WebSocket<Tc
 }
 
 struct Client<'a> {
-    hub: &'a Hub,
+    broadcaster: &'a Broadcaster,
     patience: Duration,
     id: u64,
     socket: WebSocket<TcpStream>,
@@ -113,7 +117,7 @@ impl Client<'_> {
         let mut last_call: Option<Instant> = None;
         loop {
             let idle = self.send()?;
-            if self.hub.is_closed() {
+            if self.broadcaster.is_closed() {
                 let since = *last_call.get_or_insert_with(Instant::now);
                 if idle || since.elapsed() >= END_WITHIN {
                     return self.say_goodbye(since + END_WITHIN);
@@ -136,7 +140,7 @@ impl Client<'_> {
             if self.unsent_since.is_some() && !self.flush()? {
                 return Ok(false);
             }
-            let frames = self.hub.take(self.id, BATCH_BYTES);
+            let frames = self.broadcaster.take(self.id, BATCH_BYTES);
             if frames.is_empty() {
                 return Ok(true);
             }
@@ -179,10 +183,10 @@ impl Client<'_> {
             };
             match wire::request(&text) {
                 Some(wire::Request::Subscribe { subscriptions }) => {
-                    self.hub.subscribe(self.id, &subscriptions);
+                    self.broadcaster.subscribe(self.id, &subscriptions);
                 }
                 Some(wire::Request::Unsubscribe { subscription_ids }) => {
-                    self.hub.unsubscribe(self.id, &subscription_ids);
+                    self.broadcaster.unsubscribe(self.id, &subscription_ids);
                 }
                 None => {}
             }

@@ -1,8 +1,8 @@
 //! Live viewers, over the Foxglove `WebSocket` protocol.
 //!
 //! * [`LiveServer`] listens on the loopback address and serves all viewers that connect;
-//! * the tap of its [`Hub`] mirrors a log: same topics, same schemas, same bytes, same times;
-//! * `door` accepts or refuses connections, `wire` is the protocol, `client` one viewer and its thread.
+//! * the tap of its [`Broadcaster`] mirrors a log: same topics, same schemas, same bytes, same times;
+//! * `handshake` accepts or refuses connections, `wire` is the protocol, `client` one viewer and its thread.
 //!
 //! The server only sends. It offers the capability `time` and nothing else, so that a viewer can
 //! neither publish nor change parameters, call services or move the time; the server ignores whatever
@@ -13,13 +13,13 @@
 //! the web in a browser on this machine included; a proxy in front of it would leave its own port
 //! open. So the handshake is ours, and the messages are that crate's.
 
+mod broadcaster;
 mod client;
-mod door;
 mod error;
-mod hub;
+mod handshake;
 mod server;
 mod wire;
 
+pub use broadcaster::{BroadcastHandle, Broadcaster, LiveTotals};
 pub use error::LiveError;
-pub use hub::{Hub, HubTap, LiveTotals};
 pub use server::LiveServer;

@@ -9,10 +9,10 @@ use std::time::Duration;
 
 use rustix::event::{EventfdFlags, PollFd, PollFlags, Timespec, eventfd, poll};
 
-use super::client::{self, House};
-use super::door::Token;
+use super::broadcaster::{BroadcastHandle, Broadcaster, LiveTotals};
+use super::client::{self, ServerState};
 use super::error::LiveError;
-use super::hub::{Hub, HubTap, LiveTotals};
+use super::handshake::Token;
 
 /// Most connections at a time.
 const CONNECTIONS: usize = 32;
@@ -28,7 +28,7 @@ const CLOSED_FOR: Timespec = Timespec {
 /// Serves viewers on the loopback address until it is finished or dropped.
 #[derive(Debug)]
 pub struct LiveServer {
-    hub: Arc<Hub>,
+    broadcaster: Arc<Broadcaster>,
     address: SocketAddr,
     token: Token,
     /// Readable when all is over.
@@ -58,10 +58,10 @@ impl LiveServer {
         listener.set_nonblocking(true).map_err(listen)?;
         let address = listener.local_addr().map_err(listen)?;
         let end = Arc::new(wake_up().map_err(system("no event"))?);
-        let hub = Arc::new(Hub::default());
-        let door = Door {
-            house: House {
-                hub: Arc::clone(&hub),
+        let broadcaster = Arc::new(Broadcaster::default());
+        let handshake = Acceptor {
+            server_state: ServerState {
+                broadcaster: Arc::clone(&broadcaster),
                 token: token.clone(),
                 session: session.text().to_owned(),
                 patience,
@@ -70,10 +70,10 @@ impl LiveServer {
         };
         let thread = std::thread::Builder::new()
             .name("live".into())
-            .spawn(move || door.keep(&listener))
+            .spawn(move || handshake.keep(&listener))
             .map_err(system("no thread"))?;
         Ok(Self {
-            hub,
+            broadcaster,
             address,
             token,
             end,
@@ -87,23 +87,23 @@ impl LiveServer {
     }
 
     /// The end that takes what goes into the log.
-    pub fn tap(&self) -> HubTap {
-        self.hub.tap()
+    pub fn tap(&self) -> BroadcastHandle {
+        self.broadcaster.tap()
     }
 
     /// What viewers got so far.
     pub fn totals(&self) -> LiveTotals {
-        self.hub.totals()
+        self.broadcaster.totals()
     }
 
     /// Sends what still waits, says good-bye to everybody, and says what they got.
     pub fn finish(mut self) -> LiveTotals {
         self.stop();
-        self.hub.totals()
+        self.broadcaster.totals()
     }
 
     fn stop(&mut self) {
-        self.hub.close();
+        self.broadcaster.close();
         let _ = rustix::io::write(&*self.end, &1_u64.to_ne_bytes());
         if let Some(thread) = self.thread.take() {
             let _ = thread.join();
@@ -122,30 +122,30 @@ fn wake_up() -> io::Result<OwnedFd> {
 }
 
 /// What the thread that accepts connections has.
-struct Door {
-    house: House,
+struct Acceptor {
+    server_state: ServerState,
     end: Arc<OwnedFd>,
 }
 
-/// Who was at the door.
-enum Knock {
+/// Who was at the handshake.
+enum ConnectionAttempt {
     Viewer(JoinHandle<()>),
     Nobody,
     /// Somebody whom the system does not let in now.
     Stuck,
 }
 
-impl Door {
+impl Acceptor {
     /// Lets people in until all is over and everybody has gone.
     fn keep(&self, listener: &TcpListener) {
         let mut threads: Vec<JoinHandle<()>> = Vec::new();
         let mut stuck = false;
-        while !self.house.hub.is_closed() {
+        while !self.server_state.broadcaster.is_closed() {
             let mut fds = [
                 PollFd::new(&*self.end, PollFlags::IN),
                 PollFd::new(listener, PollFlags::IN),
             ];
-            // Who waits at a door that is stuck would wake it again and again.
+            // Who waits at a handshake that is stuck would wake it again and again.
             let (wanted, limit) = if stuck {
                 (1, Some(&CLOSED_FOR))
             } else {
@@ -156,9 +156,9 @@ impl Door {
             threads.retain(|thread| !thread.is_finished());
             stuck = loop {
                 match self.admit(listener, threads.len()) {
-                    Knock::Viewer(thread) => threads.push(thread),
-                    Knock::Nobody => break false,
-                    Knock::Stuck => break true,
+                    ConnectionAttempt::Viewer(thread) => threads.push(thread),
+                    ConnectionAttempt::Nobody => break false,
+                    ConnectionAttempt::Stuck => break true,
                 }
             };
         }
@@ -168,13 +168,15 @@ impl Door {
     }
 
     /// Starts a thread for the next connection, if there is one. One too many is closed at once.
-    fn admit(&self, listener: &TcpListener, there: usize) -> Knock {
+    fn admit(&self, listener: &TcpListener, there: usize) -> ConnectionAttempt {
         loop {
             let (stream, _) = match listener.accept() {
                 Ok(accepted) => accepted,
                 Err(e) if e.kind() == io::ErrorKind::ConnectionAborted => continue,
-                Err(e) if e.kind() == io::ErrorKind::WouldBlock => return Knock::Nobody,
-                Err(_) => return Knock::Stuck,
+                Err(e) if e.kind() == io::ErrorKind::WouldBlock => {
+                    return ConnectionAttempt::Nobody;
+                }
+                Err(_) => return ConnectionAttempt::Stuck,
             };
             if there >= CONNECTIONS
                 || stream.set_nonblocking(true).is_err()
@@ -185,11 +187,11 @@ impl Door {
             let Ok(wake) = wake_up() else {
                 continue;
             };
-            let house = self.house.clone();
-            let serve = move || client::serve(&house, stream, wake);
+            let server_state = self.server_state.clone();
+            let serve = move || client::serve(&server_state, stream, wake);
             let thread = std::thread::Builder::new().name("viewer".into());
             if let Ok(thread) = thread.spawn(serve) {
-                return Knock::Viewer(thread);
+                return ConnectionAttempt::Viewer(thread);
             }
         }
     }
@@ -201,7 +203,7 @@ mod tests {
     use std::net::TcpStream;
     use std::time::Instant;
 
-    use mcap_log::{ChannelSpec, Mirror as _};
+    use mcap_log::{ChannelSpec, LogObserver as _};
     use tungstenite::client::IntoClientRequest as _;
     use tungstenite::{Message, WebSocket};
 

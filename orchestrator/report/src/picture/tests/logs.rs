@@ -13,7 +13,7 @@ use ipc_types::stamp::PlainHeader;
 use ipc_types::topics::{Belief, ObstacleEvents, Plan, Topic, WorldEvents, WorldMap, WorldState};
 use ipc_types::{cdr, schema};
 use mcap_log::{ChannelId, ChannelSpec, LogOptions, LogWriter, Manifest, ManifestFile};
-use mcap_log::{Condition, LogReadError, Watch};
+use mcap_log::{Condition, LogReadError, ReadProgress};
 use tempfile::TempDir;
 
 use crate::picture::{MarkKind, RunTrace};
@@ -173,7 +173,7 @@ impl Log {
 }
 
 fn read(path: &Path, at: Option<f64>) -> Result<(RunTrace, Condition), LogReadError> {
-    RunTrace::read(path, at, &mut Watch::default())
+    RunTrace::read(path, at, &mut ReadProgress::default())
 }
 
 fn drawn(path: &Path, at: Option<f64>) -> RunTrace {

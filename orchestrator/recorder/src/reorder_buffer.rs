@@ -24,7 +24,7 @@ pub(super) struct Entry {
 /// Holds messages, in their CDR form, until their tick is written, and hands them out ordered by
 /// tick, topic, source and sequence: the same order in every run, however they arrived.
 #[derive(Debug, Default)]
-pub(super) struct Intake {
+pub(super) struct ReorderBuffer {
     entries: Vec<Entry>,
     bytes: Vec<u8>,
     /// Bytes of the messages that are held; behind them stands one that was copied.
@@ -34,8 +34,8 @@ pub(super) struct Intake {
     arrivals: u64,
 }
 
-impl Intake {
-    /// Copies a message out of shared memory; returns its CDR form, which is held if [`Intake::keep`]
+impl ReorderBuffer {
+    /// Copies a message out of shared memory; returns its CDR form, which is held if [`ReorderBuffer::keep`]
     /// follows.
     pub(super) fn copy<T: Topic>(&mut self, header: &T::Header, elements: &[T::Element]) -> &[u8] {
         self.bytes.truncate(self.kept);
@@ -110,7 +110,13 @@ mod tests {
 
     use super::*;
 
-    fn push(intake: &mut Intake, rank: usize, tick: u64, source: u32, sequence: u64) {
+    fn push(
+        reorder_buffer: &mut ReorderBuffer,
+        rank: usize,
+        tick: u64,
+        source: u32,
+        sequence: u64,
+    ) {
         let mut header = PlainHeader::default();
         header.stamp.tick = tick;
         header.stamp.source = source;
@@ -119,13 +125,16 @@ mod tests {
             v: (tick * 100 + u64::from(source)) as f64,
             ..Command::default()
         };
-        intake.copy::<Commands>(&header, &[command]);
-        intake.keep(tick, TopicId::ALL[rank], header.stamp, false);
+        reorder_buffer.copy::<Commands>(&header, &[command]);
+        reorder_buffer.keep(tick, TopicId::ALL[rank], header.stamp, false);
     }
 
-    fn take(intake: &mut Intake, completed: Option<u64>) -> Vec<(u64, usize, u32, u64)> {
+    fn take(
+        reorder_buffer: &mut ReorderBuffer,
+        completed: Option<u64>,
+    ) -> Vec<(u64, usize, u32, u64)> {
         let mut out = Vec::new();
-        let Ok(()) = intake.take::<Infallible>(completed, |entry, bytes| {
+        let Ok(()) = reorder_buffer.take::<Infallible>(completed, |entry, bytes| {
             let (_, commands) = cdr::decode::<Commands>(bytes).unwrap();
             let expected = entry.tick * 100 + u64::from(entry.stamp.source);
             assert_eq!(
@@ -145,7 +154,7 @@ mod tests {
 
     #[test]
     fn complete_ticks_are_handed_out_in_order_and_the_rest_waits() {
-        let mut intake = Intake::default();
+        let mut reorder_buffer = ReorderBuffer::default();
         for (topic, tick, source, sequence) in [
             (7, 2, 3, 0),
             (7, 1, 3, 0),
@@ -154,16 +163,19 @@ mod tests {
             (7, 1, 2, 0),
             (7, 1, 2, 1),
         ] {
-            push(&mut intake, topic, tick, source, sequence);
+            push(&mut reorder_buffer, topic, tick, source, sequence);
         }
-        assert_eq!(take(&mut intake, Some(0)), []);
+        assert_eq!(take(&mut reorder_buffer, Some(0)), []);
         assert_eq!(
-            take(&mut intake, Some(1)),
+            take(&mut reorder_buffer, Some(1)),
             [(1, 0, 0, 0), (1, 7, 2, 0), (1, 7, 2, 1), (1, 7, 3, 0)]
         );
-        assert!(intake.waiting_bytes() > 0);
-        assert_eq!(take(&mut intake, None), [(2, 0, 0, 1), (2, 7, 3, 0)]);
-        assert_eq!(intake.waiting_bytes(), 0);
+        assert!(reorder_buffer.waiting_bytes() > 0);
+        assert_eq!(
+            take(&mut reorder_buffer, None),
+            [(2, 0, 0, 1), (2, 7, 3, 0)]
+        );
+        assert_eq!(reorder_buffer.waiting_bytes(), 0);
     }
 
     proptest! {
@@ -180,22 +192,22 @@ mod tests {
                 state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
                 arrival.swap(i, (state >> 33) as usize % (i + 1));
             }
-            let mut intake = Intake::default();
+            let mut reorder_buffer = ReorderBuffer::default();
             let cut = cut.min(arrival.len());
             for &(tick, topic, source) in &arrival[..cut] {
-                push(&mut intake, topic, tick, source, tick);
+                push(&mut reorder_buffer, topic, tick, source, tick);
             }
             // Complete is only what nothing earlier can follow.
             let completed = arrival[cut..].iter().map(|k| k.0).min();
             let mut out = match completed {
                 Some(0) => Vec::new(),
-                Some(tick) => take(&mut intake, Some(tick - 1)),
-                None => take(&mut intake, None),
+                Some(tick) => take(&mut reorder_buffer, Some(tick - 1)),
+                None => take(&mut reorder_buffer, None),
             };
             for &(tick, topic, source) in &arrival[cut..] {
-                push(&mut intake, topic, tick, source, tick);
+                push(&mut reorder_buffer, topic, tick, source, tick);
             }
-            out.extend(take(&mut intake, None));
+            out.extend(take(&mut reorder_buffer, None));
             prop_assert_eq!(out, sorted);
         }
     }

@@ -13,7 +13,7 @@ const MEGABYTE: u64 = 1_000_000;
 
 /// Told how far a file has been read.
 #[derive(Default)]
-pub struct Watch {
+pub struct ReadProgress {
     /// Set from outside (Ctrl-C) to give up.
     pub interrupted: Arc<AtomicBool>,
     /// Whether nothing is shown.
@@ -21,7 +21,7 @@ pub struct Watch {
     shown: Option<(Progress, u64)>,
 }
 
-impl Watch {
+impl ReadProgress {
     /// Shows progress unless `quiet`, and gives up when `interrupted` is set.
     pub fn new(interrupted: Arc<AtomicBool>, quiet: bool) -> Self {
         Self {

@@ -3,31 +3,31 @@
 use std::collections::BTreeMap;
 
 use mcap_log::source::{Logged, Source};
-use mcap_log::{ChannelSpec, Mirror as _};
+use mcap_log::{ChannelSpec, LogObserver as _};
 use platform::eprintln;
-use viewer::{HubTap, LiveError, LiveServer, LiveTotals};
+use viewer::{BroadcastHandle, LiveError, LiveServer, LiveTotals};
 
 /// Serves what is played: the topics of the log under their schemas, byte for byte.
-pub(super) struct Broadcast {
+pub(super) struct LiveReplay {
     server: LiveServer,
-    tap: HubTap,
+    tap: BroadcastHandle,
     /// What viewers know a channel of the log as.
     channels: BTreeMap<u16, usize>,
 }
 
-impl Broadcast {
+impl LiveReplay {
     /// Listens on this port, and says where on stderr.
     pub(super) fn start(port: u16, source: &Source) -> Result<Self, LiveError> {
         let server = LiveServer::start(port)?;
-        let mut broadcast = Self {
+        let mut live_replay = Self {
             tap: server.tap(),
             server,
             channels: BTreeMap::new(),
         };
-        broadcast.announce(source);
+        live_replay.announce(source);
         // Shown however quiet the replay is: without it nobody can look.
-        eprintln!("live: {}", broadcast.server.url());
-        Ok(broadcast)
+        eprintln!("live: {}", live_replay.server.url());
+        Ok(live_replay)
     }
 
     /// Tells viewers of the channels that are known by now; those of a log without an index are

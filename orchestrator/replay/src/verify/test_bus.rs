@@ -6,7 +6,7 @@ use ipc_types::bus::Bus;
 use ipc_types::messages::world::WorldHeader;
 use ipc_types::topics::{Control, NAMES, Topic as _, WorldMap, WorldShapes, WorldState};
 use mcap_log::LogReadError;
-use mcap_log::Watch;
+use mcap_log::ReadProgress;
 use mcap_log::known::ENCAPSULATION;
 use mcap_log::source::{Logged, Source};
 use zerocopy::FromBytes as _;
@@ -15,7 +15,7 @@ use super::super::publishers::TopicPublishers;
 use super::Verified;
 use super::capture::OutputCapture;
 use super::processes::ProcessesUnderTest;
-use super::tested::Tested;
+use super::test_selection::TestSelection;
 use crate::ReplayError;
 use log_tools::Comparison;
 use mission::MissionError;
@@ -41,48 +41,48 @@ impl Moment {
 }
 
 /// The bus of a test, with publishers for every process that is not under test.
-pub(super) struct Trial<'a> {
+pub(super) struct TestBus<'a> {
     bus: &'a Bus,
-    tested: &'a Tested,
+    test_selection: &'a TestSelection,
     publishers: TopicPublishers,
     capture: OutputCapture,
     period_ns: u64,
 }
 
-impl<'a> Trial<'a> {
+impl<'a> TestBus<'a> {
     /// Opens the ports of everybody who is not under test, and of who listens to those who are.
     pub(super) fn open(
         bus: &'a Bus,
         plan: &Plan,
-        tested: &'a Tested,
+        test_selection: &'a TestSelection,
         source: &mut Source,
-        watch: &mut Watch,
+        watch: &mut ReadProgress,
     ) -> Result<Self, ReplayError> {
-        let mut trial = Self {
+        let mut test_bus = Self {
             bus,
-            tested,
+            test_selection,
             publishers: TopicPublishers::new(),
             capture: OutputCapture::open(bus).map_err(MissionError::from)?,
             period_ns: plan.run.tick_period_ns.max(1),
         };
-        source.audition(watch, &mut |rank, speaker| {
-            trial.open_port(rank, speaker).map(drop)
+        source.visit_senders(watch, &mut |rank, sender| {
+            test_bus.open_port(rank, sender).map(drop)
         })?;
         source.seek(0, watch)?;
-        Ok(trial)
+        Ok(test_bus)
     }
 
-    /// Opens the port that a speaker needs; false if it is not played.
-    fn open_port(&mut self, rank: usize, speaker: u32) -> Result<bool, ReplayError> {
-        if self.tested.is_silent(speaker) || NAMES.get(rank) == Some(&Control::NAME) {
+    /// Opens the port that a sender needs; false if it is not played.
+    fn open_port(&mut self, rank: usize, sender: u32) -> Result<bool, ReplayError> {
+        if self.test_selection.is_silent(sender) || NAMES.get(rank) == Some(&Control::NAME) {
             return Ok(false);
         }
-        self.publishers.open(self.bus, rank, speaker)?;
+        self.publishers.open(self.bus, rank, sender)?;
         Ok(true)
     }
 
     fn say(&mut self, message: &Logged) -> Result<(), ReplayError> {
-        if !self.open_port(message.rank, message.speaker())? {
+        if !self.open_port(message.rank, message.sender())? {
             return Ok(());
         }
         // What is no message of its topic nobody could take up then.
@@ -105,14 +105,14 @@ impl<'a> Trial<'a> {
         &mut self,
         processes: &mut dyn ProcessesUnderTest,
         source: &mut Source,
-        watch: &Watch,
+        watch: &ReadProgress,
         done: &mut Verified,
     ) -> Result<(), ReplayError> {
         self.publishers.connect().map_err(MissionError::from)?;
         processes.connect()?;
         self.publishers.connect().map_err(MissionError::from)?;
         self.capture.connect().map_err(MissionError::from)?;
-        let mut comparison = Comparison::of(self.tested.speakers.clone());
+        let mut comparison = Comparison::of(self.test_selection.senders.clone());
         let mut moment = self.next(source)?;
         // Everybody builds what it needs of the map before time starts.
         if let Some(first) = &mut moment {
@@ -146,8 +146,8 @@ impl<'a> Trial<'a> {
             over = state.phase == WorldHeader::OVER;
             moment = self.next(source)?;
             for message in &now.said {
-                let speaker = message.speaker();
-                if self.tested.before.contains(&speaker) {
+                let sender = message.sender();
+                if self.test_selection.before.contains(&sender) {
                     self.say(message)?;
                 }
             }
@@ -156,12 +156,12 @@ impl<'a> Trial<'a> {
             }
             done.ticks += 1;
             // The last tick of a log that was cut may lack something.
-            let captured = self.capture.take(&self.tested.speakers, now.time);
+            let captured = self.capture.take(&self.test_selection.senders, now.time);
             let captured = captured.map_err(MissionError::from)?;
             comparison.add(&now.said, &captured, moment.is_none() && !over);
             for message in &now.said {
-                let speaker = message.speaker();
-                if !self.tested.before.contains(&speaker) {
+                let sender = message.sender();
+                if !self.test_selection.before.contains(&sender) {
                     self.say(message)?;
                 }
             }

@@ -5,7 +5,7 @@ use std::os::fd::OwnedFd;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use mcap_log::states::is_latched;
-use mcap_log::{ChannelSpec, Mirror};
+use mcap_log::{ChannelSpec, LogObserver};
 use serde::Serialize;
 use serde_json::Value as Json;
 
@@ -29,7 +29,7 @@ pub struct LiveTotals {
 
 /// Everything that is there to see, and everybody who looks.
 #[derive(Debug, Default)]
-pub struct Hub {
+pub struct Broadcaster {
     state: Mutex<State>,
 }
 
@@ -92,15 +92,15 @@ impl Frame {
     }
 }
 
-impl Hub {
+impl Broadcaster {
     fn lock(&self) -> MutexGuard<'_, State> {
         // Nothing in here can be left half done by a panic that would matter to viewers.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The end that takes what goes into the log.
-    pub fn tap(self: &Arc<Self>) -> HubTap {
-        HubTap(Arc::clone(self))
+    pub fn tap(self: &Arc<Self>) -> BroadcastHandle {
+        BroadcastHandle(Arc::clone(self))
     }
 
     /// Adds a viewer, to whom everything is announced; `wake` is written when there is something to
@@ -295,9 +295,9 @@ impl Viewer {
 
 /// Takes what goes into the log.
 #[derive(Debug)]
-pub struct HubTap(Arc<Hub>);
+pub struct BroadcastHandle(Arc<Broadcaster>);
 
-impl HubTap {
+impl BroadcastHandle {
     /// What is shown goes on at another time (simulated ns), which may be an earlier one. What held
     /// until now does so no longer: what holds there is to be said next.
     pub fn jump(&mut self, time_ns: u64) {
@@ -305,7 +305,7 @@ impl HubTap {
     }
 }
 
-impl Mirror for HubTap {
+impl LogObserver for BroadcastHandle {
     fn channel(&mut self, spec: &ChannelSpec<'_>) {
         let mut state = self.0.lock();
         // A log holds no more than 65 535 channels.
@@ -342,29 +342,29 @@ mod tests {
         }
     }
 
-    fn hub() -> (Arc<Hub>, HubTap) {
-        let hub = Arc::new(Hub::default());
-        let mut tap = hub.tap();
+    fn broadcaster() -> (Arc<Broadcaster>, BroadcastHandle) {
+        let broadcaster = Arc::new(Broadcaster::default());
+        let mut tap = broadcaster.tap();
         tap.channel(&spec("/viewer/map"));
         tap.channel(&spec("/viewer/log"));
-        (hub, tap)
+        (broadcaster, tap)
     }
 
-    fn join(hub: &Hub) -> u64 {
+    fn join(broadcaster: &Broadcaster) -> u64 {
         let wake = rustix::event::eventfd(0, rustix::event::EventfdFlags::NONBLOCK).unwrap();
-        hub.join("session", Arc::new(wake)).unwrap()
+        broadcaster.join("session", Arc::new(wake)).unwrap()
     }
 
-    fn subscribe(hub: &Hub, viewer: u64) {
+    fn subscribe(broadcaster: &Broadcaster, viewer: u64) {
         let both = [0, 1, 99].map(|channel_id| Subscription {
             id: 10 + channel_id,
             channel_id,
         });
-        hub.subscribe(viewer, &both);
+        broadcaster.subscribe(viewer, &both);
     }
 
-    fn messages(hub: &Hub, viewer: u64) -> Vec<(u32, u64, Vec<u8>)> {
-        let frames = hub.take(viewer, usize::MAX);
+    fn messages(broadcaster: &Broadcaster, viewer: u64) -> Vec<(u32, u64, Vec<u8>)> {
+        let frames = broadcaster.take(viewer, usize::MAX);
         let message = |frame| match frame {
             Frame::Message {
                 subscription,
@@ -379,44 +379,47 @@ mod tests {
 
     #[test]
     fn late_viewers_get_what_holds_and_no_old_news() {
-        let (hub, mut tap) = hub();
+        let (broadcaster, mut tap) = broadcaster();
         tap.message(0, 5, b"old map");
         tap.message(0, 6, b"map");
         tap.message(1, 7, b"news");
-        let viewer = join(&hub);
-        let hello = hub.take(viewer, usize::MAX);
+        let viewer = join(&broadcaster);
+        let hello = broadcaster.take(viewer, usize::MAX);
         assert!(matches!(
             &hello[..],
             [Frame::Text(_), Frame::Time(7), Frame::Text(_)]
         ));
-        subscribe(&hub, viewer);
-        assert_eq!(messages(&hub, viewer), [(10, 6, b"map".to_vec())]);
+        subscribe(&broadcaster, viewer);
+        assert_eq!(messages(&broadcaster, viewer), [(10, 6, b"map".to_vec())]);
         tap.message(1, 8, b"more news");
-        assert_eq!(messages(&hub, viewer), [(11, 8, b"more news".to_vec())]);
-        hub.unsubscribe(viewer, &[11]);
+        assert_eq!(
+            messages(&broadcaster, viewer),
+            [(11, 8, b"more news".to_vec())]
+        );
+        broadcaster.unsubscribe(viewer, &[11]);
         tap.message(1, 9, b"nobody hears");
-        assert_eq!(messages(&hub, viewer), []);
+        assert_eq!(messages(&broadcaster, viewer), []);
     }
 
     #[test]
     fn a_jump_sets_the_clock_back_and_late_viewers_get_what_holds_there() {
-        let (hub, mut tap) = hub();
-        let early = join(&hub);
-        subscribe(&hub, early);
+        let (broadcaster, mut tap) = broadcaster();
+        let early = join(&broadcaster);
+        subscribe(&broadcaster, early);
         tap.message(0, 5, b"map");
         tap.message(1, 7, b"news");
-        hub.take(early, usize::MAX);
+        broadcaster.take(early, usize::MAX);
         tap.jump(3);
-        let late = join(&hub);
-        subscribe(&hub, late);
-        let told = hub.take(late, usize::MAX);
+        let late = join(&broadcaster);
+        subscribe(&broadcaster, late);
+        let told = broadcaster.take(late, usize::MAX);
         assert!(
             matches!(&told[..], [Frame::Text(_), Frame::Time(3), Frame::Text(_)]),
             "{told:?}"
         );
         tap.message(0, 2, b"older map");
         tap.message(1, 4, b"old news");
-        let frames = hub.take(early, usize::MAX);
+        let frames = broadcaster.take(early, usize::MAX);
         let times = frames.iter().map(|frame| match frame {
             Frame::Time(time_ns) | Frame::Message { time_ns, .. } => *time_ns,
             Frame::Text(_) => u64::MAX,
@@ -424,7 +427,7 @@ mod tests {
         // The clock, what holds there, the clock, what comes.
         assert_eq!(times.collect::<Vec<_>>(), [3, 2, 4, 4]);
         assert_eq!(
-            messages(&hub, late),
+            messages(&broadcaster, late),
             [
                 (10, 2, b"older map".to_vec()),
                 (11, 4, b"old news".to_vec())
@@ -434,34 +437,34 @@ mod tests {
 
     #[test]
     fn a_slow_viewer_misses_old_messages_that_are_counted_but_not_what_holds() {
-        let (hub, mut tap) = hub();
-        let [slow, fast] = [join(&hub), join(&hub)];
-        subscribe(&hub, slow);
-        subscribe(&hub, fast);
+        let (broadcaster, mut tap) = broadcaster();
+        let [slow, fast] = [join(&broadcaster), join(&broadcaster)];
+        subscribe(&broadcaster, slow);
+        subscribe(&broadcaster, fast);
         tap.message(0, 1, b"map");
         let large = vec![0; 1 << 20];
         let mut heard = 0;
         for time_ns in 2..102 {
             tap.message(1, time_ns, &large);
-            heard += messages(&hub, fast).len() as u64;
+            heard += messages(&broadcaster, fast).len() as u64;
         }
         assert_eq!(heard, 101, "the fast one misses nothing");
-        let got = messages(&hub, slow);
+        let got = messages(&broadcaster, slow);
         assert_eq!(got[0], (10, 1, b"map".to_vec()));
         let last = got.last().unwrap();
         assert_eq!((last.0, last.1), (11, 101), "the newest are kept");
-        let totals = hub.totals();
+        let totals = broadcaster.totals();
         assert_eq!(totals.left_out, 101 - got.len() as u64);
         assert!(totals.left_out >= 100 - 32, "{totals:?}");
         assert_eq!(totals.messages, heard + got.len() as u64);
-        assert_eq!(hub.lock().viewers[&slow].queued_bytes, 0);
+        assert_eq!(broadcaster.lock().viewers[&slow].queued_bytes, 0);
     }
 
     #[test]
     fn nobody_comes_in_after_the_end() {
-        let (hub, _tap) = hub();
-        hub.close();
+        let (broadcaster, _tap) = broadcaster();
+        broadcaster.close();
         let wake = rustix::event::eventfd(0, rustix::event::EventfdFlags::NONBLOCK).unwrap();
-        assert_eq!(hub.join("session", Arc::new(wake)), None);
+        assert_eq!(broadcaster.join("session", Arc::new(wake)), None);
     }
 }

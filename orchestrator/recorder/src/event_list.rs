@@ -12,13 +12,13 @@ const MAX_EVENTS: usize = 100_000;
 
 /// The events so far.
 #[derive(Debug)]
-pub(super) struct Happened {
+pub(super) struct EventList {
     robots: Vec<String>,
     events: Vec<EventEntry>,
     omitted: u64,
 }
 
-impl Happened {
+impl EventList {
     /// In a run with these robots.
     pub(super) fn new(robots: &[RobotInfo]) -> Self {
         Self {
@@ -45,7 +45,7 @@ impl Happened {
     }
 }
 
-impl Consumer for Happened {
+impl Consumer for EventList {
     fn topics(&self) -> &[TopicId] {
         &[TopicId::WorldEvents]
     }
@@ -57,7 +57,7 @@ impl Consumer for Happened {
     }
 }
 
-impl OutcomePart for Happened {
+impl OutcomePart for EventList {
     fn finish(self: Box<Self>, summary: &mut Summary) {
         summary.events = self.events;
         summary.events_omitted = self.omitted;

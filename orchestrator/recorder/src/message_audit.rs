@@ -7,9 +7,9 @@ use ipc_types::stamp::Stamp;
 use ipc_types::topics::TopicId;
 use zerocopy::FromBytes;
 
-use super::beginnings::Beginning;
 use super::checks::{Finite, is_decodable};
 use super::digest::Digest;
+use super::digest_prefixes::DigestPrefix;
 use super::parts::Parts;
 use super::run_info::ProcessInfo;
 use super::sequence::Sequences;
@@ -19,13 +19,13 @@ use super::summary::TopicCount;
 const MAX_TICKS_AHEAD: u64 = 1024;
 
 /// Stands for every source that is not a process of the run.
-const STRANGER: u32 = u32::MAX;
+const UNKNOWN_SOURCE: u32 = u32::MAX;
 
 /// Checks, counts and fingerprints messages.
 #[derive(Debug)]
-pub(super) struct Ledger {
+pub(super) struct MessageAudit {
     /// By the rank of their topics.
-    accounts: Vec<Account>,
+    accounts: Vec<TopicStats>,
     digest: Digest,
     sources: BTreeSet<u32>,
     tick_period_ns: u64,
@@ -35,7 +35,7 @@ pub(super) struct Ledger {
 
 /// What is known of a topic's messages.
 #[derive(Debug, Default)]
-struct Account {
+struct TopicStats {
     sequences: Sequences,
     count: TopicCount,
 }
@@ -49,11 +49,11 @@ pub(super) struct Verdict {
     pub(super) plausible: bool,
 }
 
-impl Ledger {
+impl MessageAudit {
     /// For a run of these processes, with this much simulated time between two ticks (ns).
     pub(super) fn new(processes: &[ProcessInfo], tick_period_ns: u64) -> Self {
         Self {
-            accounts: TopicId::ALL.iter().map(|_| Account::default()).collect(),
+            accounts: TopicId::ALL.iter().map(|_| TopicStats::default()).collect(),
             digest: Digest::default(),
             sources: processes.iter().map(|p| p.index).collect(),
             tick_period_ns,
@@ -67,12 +67,12 @@ impl Ledger {
         topic: TopicId,
         stamp: &Stamp,
         message: &Parts<'_>,
-        beginning: Option<&Beginning>,
+        beginning: Option<&DigestPrefix>,
     ) -> Verdict {
         let account = &mut self.accounts[topic.rank()];
         let simulated = topic.facts().simulated;
         let known = self.sources.contains(&stamp.source);
-        let source = if known { stamp.source } else { STRANGER };
+        let source = if known { stamp.source } else { UNKNOWN_SOURCE };
         // Obstacle events are announced: all but those that a robot brings about come before the
         // first tick.
         let farthest = self.newest.unwrap_or(0).saturating_add(MAX_TICKS_AHEAD);

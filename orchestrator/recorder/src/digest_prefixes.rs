@@ -16,27 +16,27 @@ const MAX_MAPS: usize = 16;
 /// Only messages whose elements are shared in memory are known again, by the place of their elements:
 /// two messages with the same elements and the same header are the same bytes.
 #[derive(Debug, Default)]
-pub struct Beginnings {
-    known: Mutex<Vec<Arc<Beginning>>>,
+pub struct DigestPrefixes {
+    known: Mutex<Vec<Arc<DigestPrefix>>>,
 }
 
 /// A message that passed the checks, and the state of its stream's hash behind it.
 #[derive(Debug)]
-pub(super) struct Beginning {
+pub(super) struct DigestPrefix {
     /// An `Arc<[E]>`.
     elements: Box<dyn Any + Send + Sync>,
     header: Vec<u8>,
     pub(super) hasher: blake3::Hasher,
 }
 
-impl Beginnings {
+impl DigestPrefixes {
     /// What is known of a message with these elements.
     pub(super) fn find<E: Send + Sync + 'static>(
         &self,
         elements: &Arc<[E]>,
         message: &Parts<'_>,
-    ) -> Option<Arc<Beginning>> {
-        let is_the_same = |known: &Beginning| {
+    ) -> Option<Arc<DigestPrefix>> {
+        let is_the_same = |known: &DigestPrefix| {
             let of_known = known.elements.downcast_ref::<Arc<[E]>>();
             of_known.is_some_and(|of_known| Arc::ptr_eq(of_known, elements))
                 && known.header == header(message)
@@ -52,7 +52,7 @@ impl Beginnings {
         message: &Parts<'_>,
         hasher: blake3::Hasher,
     ) {
-        let beginning = Arc::new(Beginning {
+        let beginning = Arc::new(DigestPrefix {
             elements: Box::new(Arc::clone(elements)),
             header: header(message),
             hasher,

@@ -12,16 +12,16 @@ use mission::plan::{Launch, Plan, Role};
 use scenario::{OnFailure, Program};
 
 /// Who is under test.
-pub(super) struct Tested {
+pub(super) struct TestSelection {
     pub(super) launches: Vec<Launch>,
     pub(super) helpers: Vec<String>,
     /// Whose words are compared.
-    pub(super) speakers: BTreeSet<u32>,
+    pub(super) senders: BTreeSet<u32>,
     /// Who speaks before the turn: the world, and whom they wait for.
     pub(super) before: BTreeSet<u32>,
 }
 
-impl Tested {
+impl TestSelection {
     pub(super) fn new(
         plan: &Plan,
         origin: &Origin,
@@ -33,14 +33,14 @@ impl Tested {
             .iter()
             .map(|name| launch_of(plan, name, options.allow_external).cloned())
             .collect::<Result<Vec<_>, _>>()?;
-        let speakers: BTreeSet<u32> = launches.iter().map(|l| l.config.index).collect();
+        let senders: BTreeSet<u32> = launches.iter().map(|l| l.config.index).collect();
         let needs_plans =
             |launch: &Launch| launch.kind().is_some_and(|kind| kind.needs(Need::Plans));
         let mut helpers = Vec::new();
         if launches.iter().any(needs_plans) {
             // Requests and answers are in no log.
             for launch in &plan.launches {
-                if launch.makes(Product::Plans) && !speakers.contains(&launch.config.index) {
+                if launch.makes(Product::Plans) && !senders.contains(&launch.config.index) {
                     helpers.push(launch.config.name.clone());
                     launches.push(launch.clone());
                 }
@@ -61,7 +61,7 @@ impl Tested {
         Ok(Self {
             launches,
             helpers,
-            speakers,
+            senders,
             before,
         })
     }

@@ -7,16 +7,16 @@ use super::summary::{OutcomePart, Summary};
 
 /// The verdicts on all robots so far.
 #[derive(Debug)]
-pub(super) struct AllJudged(Vec<Judged>);
+pub(super) struct VerdictTotals(Vec<RobotVerdicts>);
 
-impl AllJudged {
+impl VerdictTotals {
     /// Of so many robots.
     pub(super) fn new(robots: usize) -> Self {
-        Self(vec![Judged::default(); robots])
+        Self(vec![RobotVerdicts::default(); robots])
     }
 }
 
-impl Consumer for AllJudged {
+impl Consumer for VerdictTotals {
     fn topics(&self) -> &[TopicId] {
         &[TopicId::Verdicts]
     }
@@ -24,44 +24,47 @@ impl Consumer for AllJudged {
     fn message(&mut self, message: &LoggedMessage<'_>, (): &mut ()) {
         if let Some((_, verdicts)) = message.view::<Verdicts>() {
             for verdict in verdicts {
-                if let Some(judged) = self.0.get_mut(verdict.robot as usize) {
-                    judged.add(message.time_s(), verdict.escape_possible != 0);
+                if let Some(verdicts) = self.0.get_mut(verdict.robot as usize) {
+                    verdicts.add(message.time_s(), verdict.escape_possible != 0);
                 }
             }
         }
     }
 }
 
-impl OutcomePart for AllJudged {
+impl OutcomePart for VerdictTotals {
     fn finish(self: Box<Self>, summary: &mut Summary) {
         // The last of them decides; one that could escape, or did, leaves none.
         let mut last = Some(f64::NEG_INFINITY);
-        for (robot, judged) in summary.robots.iter_mut().zip(&self.0) {
-            robot.escape_possible_fraction = judged.fraction();
-            robot.escape_impossible_from_s = judged
+        for (robot, verdicts) in summary.robots.iter_mut().zip(&self.0) {
+            robot.escape_possible_fraction = verdicts.fraction();
+            robot.escape_impossible_from_s = verdicts
                 .impossible_from
                 .filter(|_| robot.outcome != "escaped");
-            if judged.verdicts > 0 {
+            if verdicts.verdicts > 0 {
                 let from = robot.escape_impossible_from_s;
                 last = last.and_then(|last| Some(last.max(from?)));
             }
         }
         summary.escape_impossible_from_s = last.filter(|from| from.is_finite());
-        let all = self.0.iter().fold(Judged::default(), Judged::and);
+        let all = self
+            .0
+            .iter()
+            .fold(RobotVerdicts::default(), RobotVerdicts::and);
         summary.escape_possible_fraction = all.fraction();
     }
 }
 
 /// The verdicts on one robot so far.
 #[derive(Debug, Clone, Copy, Default)]
-struct Judged {
+struct RobotVerdicts {
     verdicts: u64,
     possible: u64,
     /// Time of the first of the verdicts "not possible" since the last other one (s).
     impossible_from: Option<f64>,
 }
 
-impl Judged {
+impl RobotVerdicts {
     /// Takes up a verdict of a moment (s).
     fn add(&mut self, time_s: f64, possible: bool) {
         self.verdicts += 1;
@@ -106,13 +109,13 @@ mod tests {
     }
 
     fn summary(robots: &[(u8, &[(f64, bool)])]) -> Summary {
-        let mut judged = Box::new(AllJudged::new(robots.len()));
+        let mut verdicts = Box::new(VerdictTotals::new(robots.len()));
         let mut judge = |time_s: f64, verdict: Verdict| {
             let mut bytes = Vec::new();
             cdr::encode::<Verdicts>(&PlainHeader::default(), &[verdict], &mut bytes);
             let time_ns = (time_s * 1e9) as u64;
             let message = LoggedMessage::new(TopicId::Verdicts, time_ns, &bytes).unwrap();
-            judged.message(&message, &mut ());
+            verdicts.message(&message, &mut ());
         };
         for (robot, (_, verdicts)) in (0..).zip(robots) {
             for &(time_s, possible) in *verdicts {
@@ -129,7 +132,7 @@ mod tests {
             robots: robots.collect(),
             ..Summary::default()
         };
-        judged.finish(&mut summary);
+        verdicts.finish(&mut summary);
         summary
     }
 

@@ -4,7 +4,7 @@ use super::channel::ChannelSpec;
 
 /// Gets what goes into a log, as it goes in and in its order. Runs on the recorder's thread: be
 /// quick.
-pub trait Mirror: Send {
+pub trait LogObserver: Send {
     /// A channel was added; the first is channel 0, the next channel 1, and so on.
     fn channel(&mut self, spec: &ChannelSpec<'_>);
 
