@@ -31,7 +31,7 @@ fn ally(sandbox: &Sandbox, words: &[&str]) -> Json {
     sandbox.protean(all).json()
 }
 
-/// Whether a waypoint of the log is the one that was foretold, to the bit.
+/// Whether a waypoint of the log is the one that was predicted, to the bit.
 fn is_foretold(end: &Visit, waypoint: &Json) -> bool {
     let same = |key: &str, value: f64| waypoint[key].as_f64().unwrap().to_bits() == value.to_bits();
     waypoint["number"] == end.number
@@ -42,7 +42,7 @@ fn is_foretold(end: &Visit, waypoint: &Json) -> bool {
 }
 
 #[test]
-fn an_ally_with_the_key_foretells_the_octagon_and_nobody_else_does() {
+fn an_ally_with_the_key_predicts_the_octagon_and_nobody_else_does() {
     let sandbox = Sandbox::new();
     let drive = Drive::run(&sandbox, "patrol_octagon", &["rules.time_limit=250"]);
     let ends = &drive.history.waypoints;
@@ -62,8 +62,8 @@ fn an_ally_with_the_key_foretells_the_octagon_and_nobody_else_does() {
     let key = ally(&sandbox, &plan)["key"].as_str().unwrap().to_owned();
     let elsewhere = ["--seed", "77", "--laps", "3"];
     let with_key = [&plan[..], &elsewhere, &["--key", &key]].concat();
-    let foretold = ally(&sandbox, &with_key[..]);
-    let waypoints = foretold["waypoints"].as_array().unwrap();
+    let predicted = ally(&sandbox, &with_key[..]);
+    let waypoints = predicted["waypoints"].as_array().unwrap();
     assert!(ends.len() > 240 && waypoints.len() > ends.len());
     for (end, waypoint) in ends.iter().zip(waypoints) {
         assert!(is_foretold(end, waypoint), "{end:?} {waypoint}");
@@ -100,7 +100,7 @@ fn an_ally_with_the_key_foretells_the_octagon_and_nobody_else_does() {
     );
 
     // The width of the plan is as far as the robot strays, and no farther but for its turns.
-    let alpha = foretold["alpha"].as_f64().unwrap();
+    let alpha = predicted["alpha"].as_f64().unwrap();
     let farthest = drive
         .track()
         .into_iter()

@@ -54,7 +54,7 @@ fn room_with_scanner() -> String {
 }
 
 /// Indices of the processes in the room.
-const EYES: u32 = 1;
+const VIEWPOINTS: u32 = 1;
 const COP: u32 = 2;
 const THIEF: u32 = 3;
 

@@ -3,7 +3,7 @@
 use ipc_types::messages::perception::Particle;
 use ipc_types::topics::{Belief, Sightings};
 
-use super::{EYES, ROOM, send_map};
+use super::{ROOM, VIEWPOINTS, send_map};
 use crate::support::rig::{Rig, World};
 
 #[test]
@@ -24,7 +24,7 @@ fn perception_tells_what_is_seen_and_believed_at_every_tick() {
         let stamp = message.header().stamp;
         assert_eq!(
             (stamp.tick, stamp.source, stamp.sequence),
-            (tick, EYES, tick)
+            (tick, VIEWPOINTS, tick)
         );
         if tick >= 40 {
             assert_eq!(message.elements().len(), 0);

@@ -6,7 +6,7 @@ use ipc_types::messages::world::RobotState;
 use ipc_types::topics::{Belief, Scan};
 use runtime::lockstep::SlotState;
 
-use super::{Answers, COP, EYES, ROOM, THIEF, planner, room_with_scanner, send_map};
+use super::{Answers, COP, ROOM, THIEF, VIEWPOINTS, planner, room_with_scanner, send_map};
 use crate::support::rig::{Rig, World};
 
 /// What makes a belief one to be rejected.
@@ -38,7 +38,7 @@ fn still(command: &Command) -> bool {
 fn a_pursuer_answers_every_tick_with_one_command_and_one_plan() {
     let mut rig = Rig::new(ROOM, "cop");
     let (world, answers) = (World::open(&rig), Answers::open(&rig));
-    let beliefs = rig.publisher::<Belief>(EYES, 100);
+    let beliefs = rig.publisher::<Belief>(VIEWPOINTS, 100);
     rig.take_off();
     beliefs.update_connections().unwrap();
     world.begin(&mut rig, send_map);
@@ -60,7 +60,7 @@ fn a_pursuer_answers_every_tick_with_one_command_and_one_plan() {
 fn hostile_beliefs_are_rejected_and_counted() {
     let mut rig = Rig::new(ROOM, "cop");
     let (world, answers) = (World::open(&rig), Answers::open(&rig));
-    let beliefs = rig.publisher::<Belief>(EYES, 100);
+    let beliefs = rig.publisher::<Belief>(VIEWPOINTS, 100);
     rig.take_off();
     beliefs.update_connections().unwrap();
     world.begin(&mut rig, send_map);

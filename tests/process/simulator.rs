@@ -7,7 +7,7 @@ use ipc_types::stamp::PlainHeader;
 use ipc_types::topics::{Commands, ObstacleEvents, WorldEvents, WorldMap, WorldState};
 use runtime::lockstep::{BarrierMember, Phase, SlotState, TickWait};
 
-use super::{COP, EYES, ROOM, THIEF};
+use super::{COP, ROOM, THIEF, VIEWPOINTS};
 use crate::support::rig::Rig;
 
 /// The simulator in the air, with the test as its planners.
@@ -84,7 +84,7 @@ fn the_simulator_obeys_the_driver_of_a_robot_and_nobody_else() {
     let rig = Rig::new(ROOM, "simulator");
     let cop = rig.publisher::<Commands>(COP, 1);
     let thief = rig.publisher::<Commands>(THIEF, 1);
-    let eyes = rig.publisher::<Commands>(EYES, 1);
+    let eyes = rig.publisher::<Commands>(VIEWPOINTS, 1);
     let drivers = Drivers::take_off(rig);
     for port in [&cop, &thief, &eyes] {
         port.update_connections().unwrap();

@@ -1,4 +1,4 @@
-//! A keyed stream: points that nobody foretells without the key, even who knows the method.
+//! A keyed stream: points that nobody predicts without the key, even who knows the method.
 
 use rand::{Rng as _, SeedableRng as _};
 use rand_chacha::ChaCha20Rng;

@@ -1,4 +1,4 @@
-//! Boustrophedon: parallel lanes to and fro, the measure of efficiency and the easiest to foretell.
+//! Boustrophedon: parallel lanes to and fro, the measure of efficiency and the easiest to predict.
 
 #[cfg(test)]
 mod tests;

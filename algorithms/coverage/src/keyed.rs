@@ -1,7 +1,7 @@
-//! Keyed coverage: fast to cover, hard to foretell even for who knows the method and all of its
+//! Keyed coverage: fast to cover, hard to predict even for who knows the method and all of its
 //! state but the key.
 //!
-//! Goals that are independent and uniform cannot be foretold but cover badly; the leg that sweeps
+//! Goals that are independent and uniform cannot be predicted but cover badly; the leg that sweeps
 //! the most new ground covers well but is known to who has watched. Here the key orders roughly
 //! where to go, whatever has been covered, and the planner is free only within that order:
 //!
@@ -48,7 +48,7 @@ const RARITY: f64 = 1.5;
 
 /// Legs beyond the next that are planned along with it, by orders that only the holder of the key
 /// knows. More cover faster and are no easier to predict, but take time.
-const FORESIGHT: usize = 2;
+const LOOK_AHEAD: usize = 2;
 
 /// Idle legs in a row after which a fresh cell is headed for.
 const PATIENCE: u32 = 4;
@@ -164,7 +164,7 @@ impl KeyedCoverage {
 
     /// The same planner, going by where the robot really was ([`GoalSource::driven`]) instead of the
     /// legs that it was sent along: what a robot on wheels misses is seen to. The sub-goals then
-    /// follow from key and robot, and an ally with the key alone cannot foretell them.
+    /// follow from key and robot, and an ally with the key alone cannot predict them.
     #[must_use]
     pub fn tracking(mut self) -> Self {
         self.tracked = true;
@@ -183,7 +183,7 @@ impl KeyedCoverage {
     }
 
     fn fill_orders(&mut self) {
-        while self.orders.len() <= FORESIGHT {
+        while self.orders.len() <= LOOK_AHEAD {
             let orders = draw_orders(&self.params, &mut self.wander.draws);
             self.orders.push_back(orders);
         }

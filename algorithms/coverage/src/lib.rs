@@ -15,7 +15,7 @@
 //! Planners of sub-goals of any kind have the one interface [`goal::GoalSource`]. Besides the plan of
 //! the paper:
 //!
-//! - [`keyed`]: fast, and hard to foretell for who knows the method but not the key;
+//! - [`keyed`]: fast, and hard to predict for who knows the method but not the key;
 //! - [`boustrophedon`], [`random_bounce`], [`uniform`]: baselines, from the most efficient to the
 //!   least predictable.
 //!

@@ -1,4 +1,4 @@
-//! Independent uniform sub-goals: nothing to foretell, and no memory of what is covered.
+//! Independent uniform sub-goals: nothing to predict, and no memory of what is covered.
 
 #[cfg(test)]
 mod tests;

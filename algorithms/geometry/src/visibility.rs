@@ -64,9 +64,9 @@ pub struct RayEnd {
 ///     free.cells[frame.index(10, row)] = false;
 /// }
 /// let field = VisibilityField::new(&BlurredMap::new(&free, 0.1)?);
-/// let eye = Point2::new(0.5, 1.5);
-/// assert!(field.visibility(eye, Point2::new(0.5, 0.5)) > 0.9);
-/// assert!(!field.is_visible(eye, Point2::new(1.5, 1.5)));
+/// let viewpoint = Point2::new(0.5, 1.5);
+/// assert!(field.visibility(viewpoint, Point2::new(0.5, 0.5)) > 0.9);
+/// assert!(!field.is_visible(viewpoint, Point2::new(1.5, 1.5)));
 /// # Ok::<(), geometry::blur::BlurError>(())
 /// ```
 #[derive(Debug, Clone)]

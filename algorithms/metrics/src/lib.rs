@@ -5,7 +5,7 @@
 //! - [`path`]: a path against its reference (MAE, ANDC, MAA, RA);
 //! - [`driven`]: the path that a robot really drove;
 //! - [`coverage`]: how much of a workplace a path has covered, and how evenly;
-//! - [`prediction`]: how well somebody foretold where a robot would be.
+//! - [`prediction`]: how well somebody predicted where a robot would be.
 //!
 //! ```
 //! use metrics::path::mae_lap;

@@ -1,4 +1,4 @@
-//! How well somebody foretold where a robot would be, or which goal it would take next.
+//! How well somebody predicted where a robot would be, or which goal it would take next.
 //!
 //! - [`statistics`]: mean, median, root mean square and quantiles of errors, by horizon;
 //! - [`next_goal`]: the next goal by the most similar past one, which no map with a short formula

@@ -1,6 +1,6 @@
 //! Sequences of numbers and points: how fast close orbits of a map part, and how points spread.
 //!
-//! None of these measures how hard a sequence is to foretell: both papers' maps have large
+//! None of these measures how hard a sequence is to predict: both papers' maps have large
 //! exponents and are known exactly after a hundred points.
 
 use core::f64::consts::PI;

@@ -17,8 +17,8 @@
 //! inputs give the same bits on every machine.
 
 mod cloud;
-mod foresee;
 mod predict;
+mod predict_mean;
 mod recover;
 mod resample;
 mod weigh;

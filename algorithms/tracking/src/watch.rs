@@ -9,7 +9,7 @@ use crate::params::SensorParams;
 
 /// One observer: a place in free space and what its sensor covers.
 #[derive(Debug, Clone)]
-struct Eye {
+struct Viewpoint {
     index: usize,
     end: RayEnd,
     position: Point2<f64>,
@@ -20,7 +20,7 @@ struct Eye {
 /// over all of them (chasing-game paper, section III.C).
 #[derive(Debug, Clone)]
 pub struct Watch {
-    eyes: Vec<Eye>,
+    viewpoints: Vec<Viewpoint>,
     range_squared: f64,
     /// Cosine of half the field of view.
     cone: f64,
@@ -35,7 +35,7 @@ impl Watch {
             .field_of_view
             .map_or(-1.0, |angle| math::cos(0.5 * angle));
         Self {
-            eyes: Vec::new(),
+            viewpoints: Vec::new(),
             range_squared: range * range,
             cone,
             limited: sensor.range.is_some() || cone > -1.0,
@@ -44,11 +44,11 @@ impl Watch {
 
     /// Sets the observers' poses. One that is not in free space sees nothing.
     pub fn set(&mut self, field: &VisibilityField, observers: &[Pose2]) {
-        self.eyes.clear();
+        self.viewpoints.clear();
         for (index, pose) in observers.iter().enumerate() {
             if let Some(end) = field.end(pose.position()) {
                 let (position, forward) = (pose.position(), pose.forward());
-                self.eyes.push(Eye {
+                self.viewpoints.push(Viewpoint {
                     index,
                     end,
                     position,
@@ -62,10 +62,14 @@ impl Watch {
     /// that has it (the first of equals); `None` if nobody sees the point.
     pub fn best(&self, field: &VisibilityField, p: Point2<f64>) -> Option<(f64, usize)> {
         let mut best: Option<(f64, usize)> = None;
-        for eye in self.eyes.iter().filter(|eye| self.covers(eye, p)) {
-            let v = field.visibility(eye.position, p);
+        for viewpoint in self
+            .viewpoints
+            .iter()
+            .filter(|viewpoint| self.covers(viewpoint, p))
+        {
+            let v = field.visibility(viewpoint.position, p);
             if v > best.map_or(0.0, |(v, _)| v) {
-                best = Some((v, eye.index));
+                best = Some((v, viewpoint.index));
             }
         }
         best
@@ -75,21 +79,21 @@ impl Watch {
     #[inline]
     pub(crate) fn visibility(&self, field: &VisibilityField, p: Point2<f64>, end: RayEnd) -> f32 {
         let mut best = 0.0_f32;
-        for eye in &self.eyes {
-            if !self.limited || self.covers(eye, p) {
-                best = best.max(field.between(eye.end, end));
+        for viewpoint in &self.viewpoints {
+            if !self.limited || self.covers(viewpoint, p) {
+                best = best.max(field.between(viewpoint.end, end));
             }
         }
         best
     }
 
     /// Whether a point lies within an observer's range and field of view.
-    fn covers(&self, eye: &Eye, p: Point2<f64>) -> bool {
-        let offset = p - eye.position;
+    fn covers(&self, viewpoint: &Viewpoint, p: Point2<f64>) -> bool {
+        let offset = p - viewpoint.position;
         let distance_squared = offset.norm_squared();
         distance_squared <= self.range_squared
             && (self.cone <= -1.0
-                || eye.forward.dot(&offset) >= self.cone * distance_squared.sqrt())
+                || viewpoint.forward.dot(&offset) >= self.cone * distance_squared.sqrt())
     }
 }
 
@@ -133,26 +137,26 @@ mod tests {
             assert_eq!(single > 0.0, double.is_some());
             double.is_some()
         };
-        let eye = Pose2::new(-3.0, 2.0, 0.0);
+        let viewpoint = Pose2::new(-3.0, 2.0, 0.0);
         let near = SensorParams {
             range: Some(2.0),
             ..SensorParams::default()
         };
-        assert!(seen(&near, eye, Point2::new(-1.1, 2.0)));
-        assert!(!seen(&near, eye, Point2::new(-0.9, 2.0)));
+        assert!(seen(&near, viewpoint, Point2::new(-1.1, 2.0)));
+        assert!(!seen(&near, viewpoint, Point2::new(-0.9, 2.0)));
         let cone = SensorParams {
             field_of_view: Some(1.0),
             ..SensorParams::default()
         };
-        assert!(seen(&cone, eye, Point2::new(0.0, 2.0 + 3.0 * 0.25)));
-        assert!(seen(&cone, eye, Point2::new(0.0, 2.0 - 3.0 * 0.25)));
-        assert!(!seen(&cone, eye, Point2::new(-3.2, 2.0)));
-        assert!(!seen(&cone, eye, Point2::new(-2.5, 1.0)));
+        assert!(seen(&cone, viewpoint, Point2::new(0.0, 2.0 + 3.0 * 0.25)));
+        assert!(seen(&cone, viewpoint, Point2::new(0.0, 2.0 - 3.0 * 0.25)));
+        assert!(!seen(&cone, viewpoint, Point2::new(-3.2, 2.0)));
+        assert!(!seen(&cone, viewpoint, Point2::new(-2.5, 1.0)));
         let wide = SensorParams {
             field_of_view: Some(6.0),
             ..SensorParams::default()
         };
-        assert!(seen(&wide, eye, Point2::new(-3.2, 2.05)));
-        assert!(!seen(&wide, eye, Point2::new(-3.2, 2.0)));
+        assert!(seen(&wide, viewpoint, Point2::new(-3.2, 2.05)));
+        assert!(!seen(&wide, viewpoint, Point2::new(-3.2, 2.0)));
     }
 }

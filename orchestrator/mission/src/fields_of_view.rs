@@ -1,7 +1,7 @@
 //! The fields of view of a run, which viewers and reports draw.
 
 use geometry::visibility::polygon::SightLimits;
-use runtime::kind::Lookout;
+use runtime::kind::ViewSpec;
 use scenario::ResolvedScenario;
 use sim_backend::spec::RobotSpec;
 use sim_backend::team::Team;
@@ -21,7 +21,7 @@ pub fn of_scenario(scenario: &ResolvedScenario) -> Vec<FieldOfView> {
 /// they saw all round and without limits.
 pub fn fields_of_view<'a>(
     robots: &[RobotSpec],
-    lookouts: impl IntoIterator<Item = (&'a str, Lookout)>,
+    lookouts: impl IntoIterator<Item = (&'a str, ViewSpec)>,
 ) -> Vec<FieldOfView> {
     let name = |robot: usize| robots.get(robot).map_or("", |robot| robot.name.as_str());
     let mut fields: Vec<FieldOfView> = Vec::new();

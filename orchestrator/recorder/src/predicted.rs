@@ -1,4 +1,4 @@
-//! How well observers foretold where robots would be, over a run.
+//! How well observers predicted where robots would be, over a run.
 
 use std::collections::BTreeMap;
 

@@ -34,7 +34,7 @@ pub struct Summary {
     /// The area visited, if the rules account for it: as last reported.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coverage: Option<CoverageOutcome>,
-    /// How well observers foretold where robots would be, by observer, robot, method and time ahead;
+    /// How well observers predicted where robots would be, by observer, robot, method and time ahead;
     /// absent unless one ran.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub predictions: Option<Vec<PredictionOutcome>>,
@@ -178,7 +178,7 @@ pub struct CoverageByWay {
     pub coverable_fraction: f64,
 }
 
-/// How well one method foretold where one robot would be, for one time ahead.
+/// How well one method predicted where one robot would be, for one time ahead.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PredictionOutcome {
     /// Index of the observer's process.

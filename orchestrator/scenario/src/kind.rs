@@ -9,7 +9,7 @@ use std::sync::Arc;
 use config::{Node, ReadError, read_once};
 use ipc_types::bus::Bus;
 use parameters::ParamsError;
-use runtime::kind::{Lookout, Need, Process, ProcessKind, Product, Task, TaskFault};
+use runtime::kind::{Need, Process, ProcessKind, Product, Task, TaskFault, ViewSpec};
 use runtime::{ProcessConfig, ProcessError};
 use schemars::{Schema, SchemaGenerator};
 use serde_json::Value as Json;
@@ -148,7 +148,7 @@ impl ConfiguredKind {
     }
 
     /// As [`ProcessKind::lookout`].
-    pub fn lookout(&self, given: &[usize], robots: &[RobotSpec]) -> Option<Lookout> {
+    pub fn lookout(&self, given: &[usize], robots: &[RobotSpec]) -> Option<ViewSpec> {
         self.0.lookout(given, robots)
     }
 
@@ -187,7 +187,7 @@ trait Configured: fmt::Debug + Send + Sync {
     fn json(&self) -> Json;
     fn needs(&self) -> Vec<Need>;
     fn belief_particles(&self) -> usize;
-    fn lookout(&self, given: &[usize], robots: &[RobotSpec]) -> Option<Lookout>;
+    fn lookout(&self, given: &[usize], robots: &[RobotSpec]) -> Option<ViewSpec>;
     fn check_task(&self, task: &Task<'_>) -> Result<(), TaskFault>;
     fn open(&self, config: &ProcessConfig, bus: &Bus) -> Result<Box<dyn Process>, ProcessError>;
 }
@@ -229,7 +229,7 @@ impl<K: ProcessKind> Configured for Typed<K> {
         K::belief_particles(&self.params)
     }
 
-    fn lookout(&self, given: &[usize], robots: &[RobotSpec]) -> Option<Lookout> {
+    fn lookout(&self, given: &[usize], robots: &[RobotSpec]) -> Option<ViewSpec> {
         K::lookout(&self.params, given, robots)
     }
 

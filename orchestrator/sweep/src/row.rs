@@ -84,7 +84,7 @@ pub struct Row {
     pub escape_impossible_from_s: Option<f64>,
     /// The area visited, if the rules account for it.
     pub coverage: Option<CoverageOutcome>,
-    /// How well observers foretold where robots would be, if there were any.
+    /// How well observers predicted where robots would be, if there were any.
     pub predictions: Vec<PredictionOutcome>,
     /// Fingerprint of the simulated history.
     pub digest: String,

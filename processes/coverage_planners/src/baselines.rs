@@ -33,7 +33,7 @@ pub struct Boustrophedon;
 impl Design for Boustrophedon {
     const NAME: &'static str = "coverage_boustrophedon";
     const SUMMARY: &'static str =
-        "covers a workplace in parallel lanes: the fastest, and the easiest to foretell";
+        "covers a workplace in parallel lanes: the fastest, and the easiest to predict";
 
     type Params = BoustrophedonParams;
     type Goals = boustrophedon::Boustrophedon;

@@ -22,7 +22,7 @@ pub struct Keyed;
 impl Design for Keyed {
     const NAME: &'static str = "keyed_coverage";
     const SUMMARY: &'static str =
-        "covers a workplace fast, by sub-goals that only its key foretells";
+        "covers a workplace fast, by sub-goals that only its key predicts";
 
     type Params = KeyedCoverageParams;
     type Goals = KeyedCoverage;

@@ -42,7 +42,7 @@ impl Method {
 /// How well an observer sees.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
-pub struct EyesParams {
+pub struct PoseSensorParams {
     /// Standard deviation of x and of y.
     #[schemars(transform = at_least(0).unit("m"))]
     pub noise: f64,
@@ -54,9 +54,9 @@ pub struct EyesParams {
     pub range: Option<f64>,
 }
 
-impl Parameters for EyesParams {}
+impl Parameters for PoseSensorParams {}
 
-impl Default for EyesParams {
+impl Default for PoseSensorParams {
     fn default() -> Self {
         Self {
             noise: 0.005,
@@ -79,7 +79,7 @@ pub struct ObserverParams {
     /// Names of the robots from which it looks.
     pub from_robots: Vec<String>,
     /// How well it sees.
-    pub eyes: EyesParams,
+    pub eyes: PoseSensorParams,
     /// Time between two messages, rounded to whole ticks.
     #[schemars(transform = above(0).unit("s"))]
     pub period_s: f64,
@@ -108,7 +108,7 @@ impl Default for ObserverParams {
             watch: Vec::new(),
             from_points: Vec::new(),
             from_robots: Vec::new(),
-            eyes: EyesParams::default(),
+            eyes: PoseSensorParams::default(),
             period_s: 0.25,
             horizons_s: vec![0.5, 1.0, 2.0, 5.0],
             methods: Method::ALL.to_vec(),

@@ -1,4 +1,4 @@
-//! Ways to foretell where a robot will be, behind one trait.
+//! Ways to predict where a robot will be, behind one trait.
 
 pub mod kalman;
 pub mod key;

@@ -11,21 +11,21 @@ use nalgebra::Point2;
 use rand_chacha::ChaCha8Rng;
 use runtime::grids::{blurred_map, map_grids};
 use runtime::inputs::{MapInput, StateInput, reply_stamp};
-use runtime::kind::Lookout;
+use runtime::kind::ViewSpec;
 use runtime::{Clock, Process, ProcessConfig, ProcessError, ProcessKind};
 use sim_backend::spec::RobotSpec;
 use tracking::particle_filter::MotionLimits;
 use tracking::space::Space;
 
-use crate::eyes::Eyes;
 use crate::moment::Look;
 use crate::params::{Method, ObserverParams};
+use crate::pose_sensor::PoseSensor;
 use crate::predictors::kalman::Kalman;
 use crate::predictors::key::KeyHunter;
 use crate::predictors::particles::Particles;
 use crate::predictors::similar_goal::SimilarGoal;
 use crate::predictors::similar_stretch::SimilarStretch;
-use crate::watched::{Foretold, Watched};
+use crate::watched::{MethodPrediction, Watched};
 
 /// Greatest error with which goals are made out (m).
 const GOAL_ERROR: f64 = 0.03;
@@ -49,7 +49,7 @@ pub struct ObserverProcess {
     /// Robots that are watched, and from which it looks.
     robots: Vec<usize>,
     from_robots: Vec<usize>,
-    eyes: Eyes,
+    eyes: PoseSensor,
     space: Option<Space>,
     targets: Vec<Target>,
     state: StateInput,
@@ -70,9 +70,9 @@ impl ProcessKind for ObserverProcess {
     type Params = ObserverParams;
 
     /// It looks from its robots and places; without any it is told everything.
-    fn lookout(params: &ObserverParams, _: &[usize], robots: &[RobotSpec]) -> Option<Lookout> {
+    fn lookout(params: &ObserverParams, _: &[usize], robots: &[RobotSpec]) -> Option<ViewSpec> {
         let looks = |&robot: &usize| params.from_robots.contains(&robots[robot].name);
-        Some(Lookout {
+        Some(ViewSpec {
             robots: (0..robots.len()).filter(looks).collect(),
             points: params.from_points.clone(),
             limits: SightLimits {
@@ -122,7 +122,7 @@ impl ProcessKind for ObserverProcess {
         let capacity = robots.len() * methods * params.horizons_s.len();
         let limited = !(params.from_points.is_empty() && from_robots.is_empty());
         Ok(Self {
-            eyes: Eyes::new(&params.eyes, limited),
+            eyes: PoseSensor::new(&params.eyes, limited),
             every: ticks(params.period_s, run.tick_period()),
             state: StateInput::open(bus, run.robots.len())?,
             map: MapInput::open(bus)?,
@@ -226,8 +226,8 @@ impl Process for ObserverProcess {
             }
             let (robot, visible) = (target.robot, target.visible);
             let scene = (space, self.eyes.watch());
-            target.watched.report(newest, scene, |foretold| {
-                report.push(prediction(robot, visible, &foretold));
+            target.watched.report(newest, scene, |predicted| {
+                report.push(prediction(robot, visible, &predicted));
             });
         }
         if !report.is_empty() {
@@ -330,21 +330,21 @@ fn ticks(time_s: f64, tick_s: f64) -> u64 {
     ((time_s / tick_s).round() as u64).max(1)
 }
 
-fn prediction(robot: usize, visible: bool, foretold: &Foretold) -> Prediction {
-    let position = foretold
+fn prediction(robot: usize, visible: bool, predicted: &MethodPrediction) -> Prediction {
+    let position = predicted
         .position
         .unwrap_or(Point2::new(f64::INFINITY, f64::INFINITY));
     Prediction {
-        horizon_s: foretold.horizon,
+        horizon_s: predicted.horizon,
         x: position.x,
         y: position.y,
-        error: foretold.error.unwrap_or(f64::INFINITY),
+        error: predicted.error.unwrap_or(f64::INFINITY),
         robot: robot as u32,
-        goals_observed: foretold.goals_observed,
-        method: foretold.method,
-        due: u8::from(foretold.error.is_some()),
+        goals_observed: predicted.goals_observed,
+        method: predicted.method,
+        due: u8::from(predicted.error.is_some()),
         visible: u8::from(visible),
-        key_recovered: u8::from(foretold.key_recovered),
+        key_recovered: u8::from(predicted.key_recovered),
         ..Prediction::default()
     }
 }

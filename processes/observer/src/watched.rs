@@ -18,7 +18,7 @@ struct Entry {
 
 /// What one method says for one time ahead.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Foretold {
+pub struct MethodPrediction {
     /// Code of the method.
     pub method: u8,
     /// How far ahead (s).
@@ -105,7 +105,7 @@ impl Watched {
         &mut self,
         tick: u64,
         (space, watch): (&Space, &Watch),
-        mut with: impl FnMut(Foretold),
+        mut with: impl FnMut(MethodPrediction),
     ) {
         let Some(look) = self.look else { return };
         let moment = Moment {
@@ -121,7 +121,7 @@ impl Watched {
                 let position = predictor
                     .predict(horizon, &moment)
                     .filter(|p| p.x.is_finite() && p.y.is_finite());
-                with(Foretold {
+                with(MethodPrediction {
                     method: entry.method,
                     horizon,
                     position,

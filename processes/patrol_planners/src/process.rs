@@ -30,7 +30,7 @@ pub struct PatrolAwgPlanner(PatrolAwg);
 
 impl Planner for PatrolAwgPlanner {
     const NAME: &'static str = "patrol_awg";
-    const SUMMARY: &'static str = "patrols a contour along a zig-zag that only its key foretells";
+    const SUMMARY: &'static str = "patrols a contour along a zig-zag that only its key predicts";
 
     type Params = PatrolAwgParams;
 

@@ -9,7 +9,7 @@ use ipc_types::stamp::{PlainHeader, Stamp};
 use ipc_types::topics::{Belief, Sightings};
 use runtime::grids::{blurred_map, map_grids};
 use runtime::inputs::{MapInput, StateInput, reply_stamp};
-use runtime::kind::{Lookout, Product};
+use runtime::kind::{Product, ViewSpec};
 use runtime::{Clock, Process, ProcessConfig, ProcessError, ProcessKind};
 use sim_backend::spec::RobotSpec;
 use sim_backend::team::Team;
@@ -53,9 +53,9 @@ impl ProcessKind for PerceptionProcess {
         params: &PerceptionParams,
         given: &[usize],
         robots: &[RobotSpec],
-    ) -> Option<Lookout> {
+    ) -> Option<ViewSpec> {
         let police = || (0..robots.len()).filter(|&robot| robots[robot].team == Team::Police);
-        Some(Lookout {
+        Some(ViewSpec {
             robots: if given.is_empty() {
                 police().collect()
             } else {
@@ -80,7 +80,7 @@ impl ProcessKind for PerceptionProcess {
                 .filter(|&i| robots[i].team == team)
                 .collect::<Vec<_>>()
         };
-        // Without a list of its own it sees with the eyes of all Police.
+        // Without a list of its own it sees with the viewpoints of all Police.
         let observers = if config.robots.is_empty() {
             of_team(Team::Police)
         } else {
@@ -164,7 +164,7 @@ impl Process for PerceptionProcess {
             })
             .collect();
         // The best view is named by its place among the active observers.
-        let eyes: Vec<u32> = self
+        let viewpoints: Vec<u32> = self
             .observers
             .iter()
             .filter(active)
@@ -180,7 +180,7 @@ impl Process for PerceptionProcess {
             .send_with(PlainHeader { stamp }, count, |_| {
                 active_tracks
                     .next()
-                    .map(|track| sighting(track, &eyes))
+                    .map(|track| sighting(track, &viewpoints))
                     .unwrap_or_default()
             })?;
         for track in tracks.iter().filter(|track| track.is_active()) {
@@ -243,7 +243,7 @@ impl PerceptionProcess {
     }
 }
 
-fn sighting(track: &Track, eyes: &[u32]) -> Sighting {
+fn sighting(track: &Track, viewpoints: &[u32]) -> Sighting {
     let seen = track.sighting();
     let mut message = Sighting {
         sigma: f64::INFINITY,
@@ -251,7 +251,7 @@ fn sighting(track: &Track, eyes: &[u32]) -> Sighting {
         robot: track.robot() as u32,
         observer: seen
             .observer
-            .and_then(|at| eyes.get(at).copied())
+            .and_then(|at| viewpoints.get(at).copied())
             .unwrap_or(WorldEvent::NONE),
         ..Sighting::default()
     };

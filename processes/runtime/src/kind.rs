@@ -79,7 +79,7 @@ pub trait ProcessKind: Process + Sized + 'static {
 
     /// Where it looks from, and how far; `None` for a process that does not look. `given` are the
     /// robots that the scenario gives to it, by their indices in `robots`.
-    fn lookout(params: &Self::Params, given: &[usize], robots: &[RobotSpec]) -> Option<Lookout> {
+    fn lookout(params: &Self::Params, given: &[usize], robots: &[RobotSpec]) -> Option<ViewSpec> {
         let _ = (params, given, robots);
         None
     }
@@ -144,7 +144,7 @@ pub enum Product {
 
 /// Where a process looks from, and how far.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Lookout {
+pub struct ViewSpec {
     /// The robots that look, by index.
     pub robots: Vec<usize>,
     /// Fixed places (m).

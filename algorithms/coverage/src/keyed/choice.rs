@@ -10,7 +10,7 @@ use crate::space::Space;
 /// Legs shorter than this (m) are none.
 const MIN_LEG: f64 = 0.01;
 
-/// Candidates per depth of foresight that are followed further.
+/// Candidates per depth of look-ahead that are followed further.
 const WIDTHS: [usize; 3] = [10, 4, 2];
 
 /// Strips into which the workplace is cut along each axis. An order names an axis and a strip.

@@ -16,7 +16,7 @@ pub struct KeyedParams {
     #[schemars(transform = above(0).unit("m"))]
     pub cell: f64,
     /// Orders drawn per sub-goal, of which the best is followed; 1.4 draws one or two by
-    /// turns of the key. The trade-off: more cover faster and are easier to foretell.
+    /// turns of the key. The trade-off: more cover faster and are easier to predict.
     #[schemars(transform = between(1, 4))]
     pub choices: f64,
     /// Points looked at per order.

@@ -1,7 +1,7 @@
 //! What is seen from a place, as a polygon: for people who look on.
 //!
 //! The sides of free cells that border on occupied ones (or on the end of the grid) are joined to
-//! straight walls. Around the eye, between the directions of two neighbouring wall ends, one wall is
+//! straight walls. Around the viewpoint, between the directions of two neighbouring wall ends, one wall is
 //! the nearest all along: walls do not cross. So the polygon is exact, and has as many corners as
 //! there are walls to be seen, not as there are rays.
 //!
@@ -24,12 +24,12 @@ use crate::math;
 
 /// Directions closer to each other than this are one (rad).
 const SAME_DIRECTION: f64 = 1e-9;
-/// Least distance of an eye to the sides of its cell, in cells.
+/// Least distance of an viewpoint to the sides of its cell, in cells.
 const OFF_THE_WALL: f64 = 1e-6;
 
 /// A place to look from.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Eye {
+pub struct Viewpoint {
     /// Where it is (m).
     pub position: Point2<f64>,
     /// Where it looks (rad).
@@ -58,18 +58,18 @@ impl SightLimits {
 ///
 /// ```
 /// use geometry::grid::{Grid, GridFrame};
-/// use geometry::visibility::polygon::{Eye, SightLimits, Walls};
+/// use geometry::visibility::polygon::{Viewpoint, SightLimits, Walls};
 /// use nalgebra::Point2;
 ///
 /// let frame = GridFrame { width: 4, height: 3, resolution: 1.0, origin: Point2::origin() };
 /// let walls = Walls::new(Grid::filled(frame, false));
-/// let eye = Eye {
+/// let viewpoint = Viewpoint {
 ///     position: Point2::new(1.5, 1.5),
 ///     heading: 0.0,
 ///     limits: SightLimits::default(),
 /// };
 /// // The four corners of the room, and where the border begins.
-/// assert_eq!(walls.seen_from(&eye).len(), 5);
+/// assert_eq!(walls.seen_from(&viewpoint).len(), 5);
 /// ```
 #[derive(Debug, Clone)]
 pub struct Walls {
@@ -149,16 +149,19 @@ impl Walls {
         &self.occupied.frame
     }
 
-    /// The border of what an eye sees, counter-clockwise, as seen from it; it can be cut into
-    /// triangles that all begin at the eye. Empty if the eye is not in free space. With a field of
+    /// The border of what an viewpoint sees, counter-clockwise, as seen from it; it can be cut into
+    /// triangles that all begin at the viewpoint. Empty if the viewpoint is not in free space. With a field of
     /// view of less than a full turn the first and the last point are the ends of its opening, and
-    /// the polygon closes over the eye.
-    pub fn seen_from(&self, eye: &Eye) -> Vec<Point2<f64>> {
-        let Some(place) = self.stand(eye.position) else {
+    /// the polygon closes over the viewpoint.
+    pub fn seen_from(&self, viewpoint: &Viewpoint) -> Vec<Point2<f64>> {
+        let Some(place) = self.stand(viewpoint.position) else {
             return Vec::new();
         };
-        let turn = eye.limits.field_of_view.map_or(TAU, |angle| angle.min(TAU));
-        let begin = eye.heading - 0.5 * turn;
+        let turn = viewpoint
+            .limits
+            .field_of_view
+            .map_or(TAU, |angle| angle.min(TAU));
+        let begin = viewpoint.heading - 0.5 * turn;
         let (spans, corners) = self.spans(place, begin);
         let mut directions = Vec::with_capacity(corners.len() + 2);
         directions.push(0.0);
@@ -170,7 +173,7 @@ impl Walls {
         );
         directions.push(turn);
         directions.dedup_by(|a, b| *a - *b < SAME_DIRECTION);
-        let range = eye.limits.range.unwrap_or(f64::INFINITY);
+        let range = viewpoint.limits.range.unwrap_or(f64::INFINITY);
         let mut view = View::new(place, begin, range);
         let mut sweep = Sweep::new(begin, spans);
         let mut coming = corners.iter().peekable();
@@ -200,10 +203,10 @@ impl Walls {
         if let Some((span, from, to)) = run {
             view.add(sweep.span(span), from, to);
         }
-        view.finish(eye.limits.is_all_round())
+        view.finish(viewpoint.limits.is_all_round())
     }
 
-    /// Where an eye is that stands here, off the sides of its cell; `None` if that is not free.
+    /// Where an viewpoint is that stands here, off the sides of its cell; `None` if that is not free.
     fn stand(&self, place: Point2<f64>) -> Option<Point2<f64>> {
         let frame = self.frame();
         let (column, row) = frame.cell_at(place)?;

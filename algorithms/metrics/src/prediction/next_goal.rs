@@ -81,7 +81,7 @@ impl NearestNeighbour {
     }
 }
 
-/// How well the goals after a stretch of history were foretold.
+/// How well the goals after a stretch of history were predicted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NextGoal {
     /// Distance of the predicted goal from the real one.
@@ -91,7 +91,7 @@ pub struct NextGoal {
 }
 
 /// Errors of next-goal prediction: `observed` goals are history, then every following goal is
-/// foretold from all before it. `None` if nothing is left to foretell, or nothing to learn from.
+/// predicted from all before it. `None` if nothing is left to predict, or nothing to learn from.
 pub fn next_goal_errors(goals: &[Point2<f64>], observed: usize, view: View) -> Option<NextGoal> {
     let history = goals.get(..observed)?;
     let mut neighbour = NearestNeighbour {
@@ -118,7 +118,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_repeats_is_foretold_and_the_first_of_equals_counts() {
+    fn what_repeats_is_predicted_and_the_first_of_equals_counts() {
         let cycle = [[0.0, 0.0], [1.0, 0.5], [0.3, 0.9]].map(Point2::from);
         let goals: Vec<_> = (0..12).map(|k| cycle[k % 3]).collect();
         for view in [View::Plane, View::PerAxis] {

@@ -107,7 +107,7 @@ fn by_distance_the_robot_is_that_far_along_its_waypoints() {
 }
 
 #[test]
-fn what_cannot_be_foretold_is_refused() {
+fn what_cannot_be_predicted_is_refused() {
     let awg = awg(&octagon(), 120.0, 1.7, Mode::default());
     let forecast = Forecast::new(awg.clone(), catp());
     for t in [-1.0, f64::NAN, f64::INFINITY] {

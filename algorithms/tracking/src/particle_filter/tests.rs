@@ -70,8 +70,8 @@ fn the_belief_moves_on_along_the_heading_and_stops_at_walls() {
     assert!((now - pose.position()).norm() < 1e-5);
     assert_eq!(now, filter.mean_after(&space, f64::NAN));
     let ahead = drive(pose, 0.45, 0.0, 2.0).position();
-    let foreseen = filter.mean_after(&space, 2.0);
-    assert!((foreseen - ahead).norm() < 0.15, "{foreseen} {ahead}");
+    let predicted = filter.mean_after(&space, 2.0);
+    assert!((predicted - ahead).norm() < 0.15, "{predicted} {ahead}");
     // The room ends at x = 4: nothing drives on.
     let stopped = filter.mean_after(&space, 60.0);
     assert!(stopped.x < 4.0 && space.is_valid(stopped), "{stopped}");

@@ -112,7 +112,7 @@ pub(super) fn laps(row: &Row, driven: bool) -> Option<&LapFigures> {
     }
 }
 
-/// The least mean error of all methods that foretold, `horizon` (s) ahead, where the robot would be
+/// The least mean error of all methods that predicted, `horizon` (s) ahead, where the robot would be
 /// (m).
 pub(super) fn least_error(row: &Row, horizon: f64) -> Option<f64> {
     let of_horizon = row.predictions.iter().filter(|p| p.horizon_s == horizon);

@@ -150,7 +150,7 @@ enum Command {
     /// The sub-goals of a coverage, the rectangles that they lie in, and what they cover
     #[command(subcommand)]
     Coverage(coverage::CoverageCommand),
-    /// The waypoints of a patrol: plan laps, foretell them with the key
+    /// The waypoints of a patrol: plan laps, predict them with the key
     #[command(subcommand)]
     Patrol(patrol::PatrolCommand),
     /// Run an experiment: many missions from one file, and one table of results

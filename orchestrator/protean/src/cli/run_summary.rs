@@ -163,13 +163,13 @@ fn failures_text(process: &ProcessOutcome) -> String {
     text
 }
 
-/// How well observers foretold robots: a row per robot and method, the mean errors side by side.
+/// How well observers predicted robots: a row per robot and method, the mean errors side by side.
 fn predictions_table(predictions: &[PredictionOutcome]) -> Table {
     let mut ahead: Vec<f64> = predictions.iter().map(|p| p.horizon_s).collect();
     ahead.sort_by(f64::total_cmp);
     ahead.dedup();
     let columns: Vec<String> = ahead.iter().map(|s| format!("{s} s ahead [m]")).collect();
-    let mut header = vec!["foretold", "by"];
+    let mut header = vec!["predicted", "by"];
     header.extend(columns.iter().map(String::as_str));
     let keys = predictions.iter().any(|p| p.key_recovered_s.is_some());
     if keys {

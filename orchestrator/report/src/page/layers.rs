@@ -62,7 +62,7 @@ pub(super) struct Beams {
 
 /// Where a robot will be, as one method says.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Foretold {
+pub(super) struct MethodPrediction {
     pub(super) method: u8,
     /// Number of the time ahead in [`Layers::horizons_s`].
     pub(super) horizon: u8,
@@ -77,7 +77,7 @@ pub(super) struct Layers {
     pub(super) plans: Sampled<Vec<[f64; 2]>>,
     pub(super) trees: Sampled<Vec<Edge>>,
     pub(super) scans: Sampled<Beams>,
-    pub(super) predictions: Sampled<Vec<Foretold>>,
+    pub(super) predictions: Sampled<Vec<MethodPrediction>>,
     /// The times ahead of predictions (s).
     pub(super) horizons_s: Vec<f64>,
 }
@@ -192,7 +192,7 @@ impl Layers {
     }
 
     fn predictions(&mut self, time_ns: u64, predictions: &[Prediction]) {
-        let mut by_robot: std::collections::BTreeMap<u32, Vec<Foretold>> =
+        let mut by_robot: std::collections::BTreeMap<u32, Vec<MethodPrediction>> =
             std::collections::BTreeMap::new();
         for prediction in predictions {
             if (prediction.robot as usize) >= MAX_ROBOTS {
@@ -213,7 +213,7 @@ impl Layers {
             by_robot
                 .entry(prediction.robot)
                 .or_default()
-                .push(Foretold {
+                .push(MethodPrediction {
                     method: prediction.method,
                     horizon: horizon as u8,
                     at: [prediction.x, prediction.y],

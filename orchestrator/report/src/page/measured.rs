@@ -186,7 +186,7 @@ impl Measured {
             if full || !prediction.error.is_finite() {
                 continue;
             }
-            // One error says little beside the next: the mean shows who foretells better.
+            // One error says little beside the next: the mean shows who predicts better.
             let (sum, count) = self.errors.entry((figure, curve)).or_default();
             *sum += prediction.error;
             *count += 1;

@@ -3,7 +3,7 @@
 use geometry::pose::Pose2;
 
 use super::gather::{Frame, Gathered};
-use super::layers::{Beams, Cloud, Edge, Foretold, Layers};
+use super::layers::{Beams, Cloud, Edge, Layers, MethodPrediction};
 use super::pack::{Lists, Raster, pack_angle, pack_time};
 use super::sampled::Sample;
 use crate::picture::Cells;
@@ -30,7 +30,7 @@ pub(super) fn pack(gathered: &mut Gathered, raster: Raster, lists: &mut Lists) {
     plan_points(&plans.finish(), raster, lists);
     edges(&trees.finish(), raster, lists);
     beams(&scans.finish(), lists);
-    foretold(&predictions.finish(), raster, lists);
+    predicted(&predictions.finish(), raster, lists);
     waypoints(gathered, raster, lists);
     rectangles(gathered, raster, lists);
 }
@@ -187,7 +187,7 @@ fn beams(all: &[Sample<Beams>], lists: &mut Lists) {
     lists.u16("scans.range", ranges, 1);
 }
 
-fn foretold(all: &[Sample<Vec<Foretold>>], raster: Raster, lists: &mut Lists) {
+fn predicted(all: &[Sample<Vec<MethodPrediction>>], raster: Raster, lists: &mut Lists) {
     index("predictions", all, Vec::len, lists);
     let each = || all.iter().flat_map(|s| &s.item);
     lists.u8("predictions.method", each().map(|p| p.method).collect(), 0);

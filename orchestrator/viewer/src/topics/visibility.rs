@@ -8,7 +8,7 @@ use foxglove::messages::{
 };
 use geometry::grid::{Grid, GridFrame};
 use geometry::pose::Pose2;
-use geometry::visibility::polygon::{Eye, Walls};
+use geometry::visibility::polygon::{Viewpoint, Walls};
 use ipc_types::consumer::{Consumer, LoggedMessage};
 use ipc_types::messages::world::{MapCell, MapHeader, RobotState};
 use ipc_types::topics::{TopicId, WorldMap};
@@ -82,7 +82,7 @@ struct DrawnField {
     shown: bool,
     /// What was seen last and from where: the same again from most fixed places, and from robots that
     /// wait.
-    last: Option<(Eye, Vec<Point2<f64>>)>,
+    last: Option<(Viewpoint, Vec<Point2<f64>>)>,
 }
 
 impl DrawnField {
@@ -96,14 +96,14 @@ impl DrawnField {
 
     /// The border of what is seen from a pose.
     fn seen(&mut self, at: Pose2, walls: &Walls) -> &[Point2<f64>] {
-        let eye = Eye {
+        let viewpoint = Viewpoint {
             position: at.position(),
             heading: at.theta,
             limits: self.field.limits(),
         };
-        let last = self.last.take().filter(|(from, _)| *from == eye);
-        let seen = last.map_or_else(|| walls.seen_from(&eye), |(_, seen)| seen);
-        &self.last.insert((eye, seen)).1
+        let last = self.last.take().filter(|(from, _)| *from == viewpoint);
+        let seen = last.map_or_else(|| walls.seen_from(&viewpoint), |(_, seen)| seen);
+        &self.last.insert((viewpoint, seen)).1
     }
 }
 

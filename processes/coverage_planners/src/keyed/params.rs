@@ -16,7 +16,7 @@ pub struct KeyedCoverageParams {
     /// How sub-goals are chosen.
     pub goals: KeyedParams,
     /// Whether the planner goes by where the robot really was instead of by the legs that it was
-    /// sent along: covers what was missed, but an ally with the key alone cannot foretell it.
+    /// sent along: covers what was missed, but an ally with the key alone cannot predict it.
     pub track: bool,
     /// What all planners of sub-goals share.
     pub follow: FollowParams,

@@ -1,5 +1,5 @@
 //! Whoever knows how goals are made from a generator's outputs can undo that, find the generator's
-//! state, and foretell every goal that follows: the attack on linear and on polynomial maps.
+//! state, and predict every goal that follows: the attack on linear and on polynomial maps.
 //!
 //! Goals are overlooked where the robot hardly turns at them, and some that are made out are none.
 //! Which goal of the route each one is is therefore not decided at once: all guesses that the
@@ -20,12 +20,12 @@ use crate::travel::{Pace, along};
 const OVERLOOKED: u64 = 4;
 /// What an overlooked goal costs, and one that is made out where there is none: minus the logarithm
 /// of the probability.
-const COST_OF_OVERLOOKED: f64 = 2.0;
-const COST_OF_STRANGER: f64 = 4.0;
+const MISSED_COST: f64 = 2.0;
+const OUTLIER_COST: f64 = 4.0;
 /// Goals that fit nowhere, one after the other, until a guess is given up.
-const STRANGERS: u32 = 6;
+const MAX_OUTLIERS: u32 = 6;
 /// The same when the key has been found.
-const STRANGERS_TO_KEY: u32 = 12;
+const OUTLIERS_THAT_DROP_KEY: u32 = 12;
 /// By how much a guess may cost more than the best one.
 const MARGIN: f64 = 20.0;
 /// The same for one that is believed.
@@ -68,7 +68,7 @@ struct Guess<F> {
     /// What it takes to be overlooked or no goal, and fixed goals.
     cost: f64,
     /// Goals made out since the last that fitted.
-    strangers: u32,
+    outliers: u32,
     /// The last ones: which of those made out is which of the route.
     recent: [(u32, u64); RECENT],
 }
@@ -85,7 +85,7 @@ impl<F: Finder> Guess<F> {
             at: number,
             finder,
             cost,
-            strangers: 0,
+            outliers: 0,
             recent: [b, c, (nth, number)],
         }
     }
@@ -113,7 +113,7 @@ pub struct KeyHunter<F> {
     upcoming: VecDeque<(u64, Point2<f64>)>,
     source: Option<AnySource>,
     /// Goals made out since one to come was reached.
-    strangers: u32,
+    outliers: u32,
 }
 
 impl<F: Finder> KeyHunter<F> {
@@ -133,7 +133,7 @@ impl<F: Finder> KeyHunter<F> {
             last: None,
             upcoming: VecDeque::new(),
             source: None,
-            strangers: 0,
+            outliers: 0,
         }
     }
 
@@ -145,7 +145,7 @@ impl<F: Finder> KeyHunter<F> {
     fn forget(&mut self) {
         self.guesses.clear();
         self.strange = 0.0;
-        self.strangers = 0;
+        self.outliers = 0;
         self.upcoming.clear();
         self.source = None;
     }
@@ -156,7 +156,7 @@ impl<F: Finder> KeyHunter<F> {
             at: number,
             finder,
             cost,
-            strangers: 0,
+            outliers: 0,
             recent: [(self.goals, number); RECENT],
         }
     }
@@ -172,12 +172,12 @@ impl<F: Finder> KeyHunter<F> {
     /// A goal before the key is known; after a time out of sight if `lost`.
     fn hunt(&mut self, goal: &ReachedGoal, lost: bool) {
         let mut next: Vec<Guess<F>> = Vec::new();
-        let overlooked = if lost { 0.0 } else { COST_OF_OVERLOOKED };
+        let overlooked = if lost { 0.0 } else { MISSED_COST };
         for guess in &self.guesses {
-            if guess.strangers + 1 < STRANGERS {
+            if guess.outliers + 1 < MAX_OUTLIERS {
                 next.push(Guess {
-                    cost: guess.cost + COST_OF_STRANGER,
-                    strangers: guess.strangers + 1,
+                    cost: guess.cost + OUTLIER_COST,
+                    outliers: guess.outliers + 1,
                     ..guess.clone()
                 });
             }
@@ -204,7 +204,7 @@ impl<F: Finder> KeyHunter<F> {
                 }
             }
         }
-        self.strange += COST_OF_STRANGER;
+        self.strange += OUTLIER_COST;
         self.guesses = likeliest(next);
     }
 
@@ -241,7 +241,7 @@ impl<F: Finder> KeyHunter<F> {
             .guesses
             .iter()
             .take_while(|guess| guess.score() <= best + MARGIN_OF_CLAIM)
-            .filter(|guess| guess.strangers == 0)
+            .filter(|guess| guess.outliers == 0)
             .filter_map(|guess| Some((guess.at, guess.finder.source()?)));
         let Some((at, source)) = found.next() else {
             return;
@@ -260,7 +260,7 @@ impl<F: Finder> KeyHunter<F> {
 
     /// A goal now that the key is known: which of the goals to come it is.
     fn follow(&mut self, goal: Point2<f64>, lost: bool) {
-        let window = if lost || self.strangers >= STRANGERS {
+        let window = if lost || self.outliers >= MAX_OUTLIERS {
             AHEAD
         } else {
             1 + OVERLOOKED as usize
@@ -274,8 +274,8 @@ impl<F: Finder> KeyHunter<F> {
             self.reach(found + 1);
             return;
         }
-        self.strangers += 1;
-        if self.strangers >= STRANGERS_TO_KEY {
+        self.outliers += 1;
+        if self.outliers >= OUTLIERS_THAT_DROP_KEY {
             self.forget();
             self.begin_at_fixed(goal);
         }
@@ -293,7 +293,7 @@ impl<F: Finder> KeyHunter<F> {
 
     /// Drops so many of the goals to come.
     fn reach(&mut self, count: usize) {
-        self.strangers = 0;
+        self.outliers = 0;
         let next = self.upcoming.back().map_or(0, |(number, _)| number + 1);
         self.upcoming.drain(..count.min(self.upcoming.len()));
         self.look_ahead(next);
@@ -330,7 +330,7 @@ fn likeliest<F: Finder>(mut guesses: Vec<Guess<F>>) -> Vec<Guess<F>> {
             break;
         }
         let known =
-            |other: &Guess<F>| other.recent == guess.recent && other.strangers == guess.strangers;
+            |other: &Guess<F>| other.recent == guess.recent && other.outliers == guess.outliers;
         if !kept.iter().any(known) {
             kept.push(guess);
         }

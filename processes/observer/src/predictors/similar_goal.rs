@@ -10,7 +10,7 @@ use crate::travel::{Pace, along};
 /// Goals that are looked ahead at most.
 const MAX_GOALS: usize = 64;
 
-/// The nearest neighbour on the history of goals, and the way through the goals that it foretells.
+/// The nearest neighbour on the history of goals, and the way through the goals that it predicts.
 #[derive(Debug, Clone)]
 pub struct SimilarGoal {
     neighbour: NearestNeighbour,

@@ -6,7 +6,7 @@
 //! contracts, the wraps before do. As soon as both are known better than the spacing of the
 //! integers, rounding gives the state.
 //!
-//! A Kalman filter foretells each point, so that wraps can be told even where points are missing:
+//! A Kalman filter predicts each point, so that wraps can be told even where points are missing:
 //! the error then grows by φ² with every step, but in one direction only, and few integers lie in so
 //! narrow a strip. All that do are followed until the next points decide.
 

@@ -30,7 +30,7 @@ const MAX_WINDOW: usize = 34;
 /// Steps over which an orbit can be followed without an observation.
 const MAX_STEPS: u32 = 4;
 
-/// Largest square of a deviation from what was foretold (variances).
+/// Largest square of a deviation from what was predicted (variances).
 const GATE: f64 = 18.0;
 
 /// By how much (variances of the fit, or tenths of those reckoned with) the sum of squares of every

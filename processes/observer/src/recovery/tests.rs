@@ -31,9 +31,9 @@ fn observations_of_cat(modulus: CatModulus, mut source: AnySource, sd: f64, seed
     for count in 1..=300 {
         recovery.observe(noisy(source.next_unit(), sd, &mut rng));
         if let Some(state) = recovery.state() {
-            let mut foretold = state.clone();
+            let mut predicted = state.clone();
             for _ in 0..1000 {
-                assert_eq!(foretold.next_unit(), source.next_unit());
+                assert_eq!(predicted.next_unit(), source.next_unit());
             }
             return count;
         }
@@ -93,9 +93,9 @@ fn observations_of_chebyshev(emission: Emission, sd: f64, seed: u64) -> usize {
     for count in 1..=300 {
         recovery.observe(noisy(source.next_symmetric(), sd, &mut rng));
         if let Some(state) = recovery.state() {
-            let mut foretold = state.clone();
+            let mut predicted = state.clone();
             for _ in 0..1000 {
-                let (expected, actual) = (foretold.next_symmetric(), source.next_symmetric());
+                let (expected, actual) = (predicted.next_symmetric(), source.next_symmetric());
                 // The state is known up to sign, which the cosine's last bits may show.
                 assert!(
                     (0..2).all(|axis| (expected[axis] - actual[axis]).abs() < 1e-12),

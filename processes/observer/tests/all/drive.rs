@@ -229,7 +229,7 @@ pub struct Found {
     pub after: Option<usize>,
     /// Goals made out per goal reached.
     pub made_out: f64,
-    /// Whether the goals foretold were others than those driven to.
+    /// Whether the goals predicted were others than those driven to.
     pub wrong: bool,
 }
 

@@ -91,7 +91,7 @@ fn median(errors: &[f64]) -> f64 {
 }
 
 #[test]
-fn the_key_of_a_cat_map_is_recovered_within_a_lap_and_foretells_the_way() {
+fn the_key_of_a_cat_map_is_recovered_within_a_lap_and_predicts_the_way() {
     for (kind, source) in [
         (
             CatKind::CatP,

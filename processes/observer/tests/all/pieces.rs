@@ -14,7 +14,7 @@ fn straight(tick: u64) -> Pose2 {
 }
 
 #[test]
-fn a_straight_way_at_constant_speed_is_foretold_without_error_through_gaps() {
+fn a_straight_way_at_constant_speed_is_predicted_without_error_through_gaps() {
     let mut kalman = Kalman::new(1.0, 2.0);
     let mut noisy = NoisyObserver::new(0.0, 0.0, 1);
     assert_eq!(noisy.predict(&kalman, 1.0), None);
@@ -52,7 +52,7 @@ fn noise_is_smoothed() {
 }
 
 #[test]
-fn a_way_that_repeats_is_foretold_by_its_past_and_a_first_lap_is_not() {
+fn a_way_that_repeats_is_predicted_by_its_past_and_a_first_lap_is_not() {
     let lap = 12.0;
     let pose = |tick: u64| {
         let angle = core::f64::consts::TAU * tick as f64 * DT / lap;

@@ -1,4 +1,4 @@
-//! A wall as seen from the eye, and directions in the order of the sweep.
+//! A wall as seen from the viewpoint, and directions in the order of the sweep.
 
 use core::f64::consts::TAU;
 
@@ -10,7 +10,7 @@ use crate::math;
 /// their distances decide.
 const CLEARLY: f64 = 1e-9;
 
-/// A wall as it is seen: from the eye, its ends in directions relative to where the sweep begins.
+/// A wall as it is seen: from the viewpoint, its ends in directions relative to where the sweep begins.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Span {
     pub(super) begins: f64,

@@ -8,19 +8,19 @@ use crate::blur::tests::city;
 use crate::blur::{BlurredMap, PAPER_SIGMA};
 use crate::visibility::VisibilityField;
 
-fn all_round(x: f64, y: f64) -> Eye {
-    Eye {
+fn all_round(x: f64, y: f64) -> Viewpoint {
+    Viewpoint {
         position: Point2::new(x, y),
         heading: 0.3,
         limits: SightLimits::default(),
     }
 }
 
-/// The border with the eye where it closes over it.
-fn polygon(walls: &Walls, eye: &Eye) -> Vec<Point2<f64>> {
-    let mut border = walls.seen_from(eye);
-    if !eye.limits.is_all_round() && !border.is_empty() {
-        border.push(eye.position);
+/// The border with the viewpoint where it closes over it.
+fn polygon(walls: &Walls, viewpoint: &Viewpoint) -> Vec<Point2<f64>> {
+    let mut border = walls.seen_from(viewpoint);
+    if !viewpoint.limits.is_all_round() && !border.is_empty() {
+        border.push(viewpoint.position);
     }
     border
 }
@@ -81,21 +81,21 @@ fn an_empty_room_is_seen_whole_and_its_walls_are_four() {
 #[test]
 fn range_and_field_of_view_cut_the_view() {
     let walls = Walls::new(room(400, 400, &[]));
-    let mut eye = all_round(90.0, 90.0);
-    eye.limits.range = Some(10.0);
-    let disc = area(&walls.seen_from(&eye));
+    let mut viewpoint = all_round(90.0, 90.0);
+    viewpoint.limits.range = Some(10.0);
+    let disc = area(&walls.seen_from(&viewpoint));
     // A polygon of 72 corners in the circle.
     assert!((disc / (PI * 100.0) - 1.0).abs() < 2e-3, "{disc}");
-    eye.limits.field_of_view = Some(1.0);
-    let sector = polygon(&walls, &eye);
+    viewpoint.limits.field_of_view = Some(1.0);
+    let sector = polygon(&walls, &viewpoint);
     assert!((area(&sector) / 50.0 - 1.0).abs() < 2e-3);
     assert!(contains(
         &sector,
-        eye.position + direction(0.3 + 0.49) * 9.0
+        viewpoint.position + direction(0.3 + 0.49) * 9.0
     ));
     assert!(!contains(
         &sector,
-        eye.position + direction(0.3 - 0.51) * 9.0
+        viewpoint.position + direction(0.3 - 0.51) * 9.0
     ));
     // A wall within the range: half of the disc beyond 5 m is gone.
     let mut near = all_round(4.0, 90.0);
@@ -116,13 +116,13 @@ fn on_a_wall_is_as_beside_it() {
     }
 }
 
-/// The border of what an eye sees, by comparing all walls in every direction.
-fn seen_by_comparing_all(walls: &Walls, eye: &Eye) -> Vec<Point2<f64>> {
-    let Some(place) = walls.stand(eye.position) else {
+/// The border of what an viewpoint sees, by comparing all walls in every direction.
+fn seen_by_comparing_all(walls: &Walls, viewpoint: &Viewpoint) -> Vec<Point2<f64>> {
+    let Some(place) = walls.stand(viewpoint.position) else {
         return Vec::new();
     };
-    let turn = eye.limits.field_of_view.unwrap_or(TAU);
-    let begin = eye.heading - 0.5 * turn;
+    let turn = viewpoint.limits.field_of_view.unwrap_or(TAU);
+    let begin = viewpoint.heading - 0.5 * turn;
     let (spans, _) = walls.spans(place, begin);
     let ends = spans.iter().flat_map(|span| [span.begins, span.ends]);
     let mut directions: Vec<f64> = ends
@@ -131,7 +131,11 @@ fn seen_by_comparing_all(walls: &Walls, eye: &Eye) -> Vec<Point2<f64>> {
         .collect();
     directions.sort_by(f64::total_cmp);
     directions.dedup_by(|a, b| *a - *b < SAME_DIRECTION);
-    let mut view = View::new(place, begin, eye.limits.range.unwrap_or(f64::INFINITY));
+    let mut view = View::new(
+        place,
+        begin,
+        viewpoint.limits.range.unwrap_or(f64::INFINITY),
+    );
     let nearest = |pair: &[f64]| {
         let middle = f64::midpoint(pair[0], pair[1]);
         let ray = direction(begin + middle);
@@ -146,7 +150,7 @@ fn seen_by_comparing_all(walls: &Walls, eye: &Eye) -> Vec<Point2<f64>> {
         let (&(span, from, _), &(_, _, to)) = (wall.first().unwrap(), wall.last().unwrap());
         view.add(span, from, to);
     }
-    view.finish(eye.limits.is_all_round())
+    view.finish(viewpoint.limits.is_all_round())
 }
 
 proptest! {
@@ -165,12 +169,12 @@ proptest! {
         field_of_view in prop::option::of(0.1..6.2),
     ) {
         let walls = Walls::new(room(24, 18, &cells));
-        let eye = Eye {
+        let viewpoint = Viewpoint {
             position: Point2::new(place.0, place.1),
             heading,
             limits: SightLimits { range, field_of_view },
         };
-        prop_assert_eq!(walls.seen_from(&eye), seen_by_comparing_all(&walls, &eye));
+        prop_assert_eq!(walls.seen_from(&viewpoint), seen_by_comparing_all(&walls, &viewpoint));
     }
 
     #[test]
@@ -195,7 +199,7 @@ proptest! {
     #[test]
     fn in_the_polygon_is_what_lines_of_sight_reach(
         cells in prop::collection::vec((0_usize..24, 0_usize..18), 0..60),
-        eye in (-1.0..11.0, -2.0..7.0),
+        viewpoint in (-1.0..11.0, -2.0..7.0),
         heading in -4.0..4.0,
         range in prop::option::of(0.3..12.0),
         field_of_view in prop::option::of(0.1..6.2),
@@ -210,19 +214,19 @@ proptest! {
         prop_assume!(map.is_ok());
         let field = VisibilityField::new(&map.unwrap());
         let walls = Walls::new(grid);
-        let eye = Eye {
-            position: Point2::new(eye.0, eye.1),
+        let viewpoint = Viewpoint {
+            position: Point2::new(viewpoint.0, viewpoint.1),
             heading,
             limits: SightLimits { range, field_of_view },
         };
-        let polygon = polygon(&walls, &eye);
+        let polygon = polygon(&walls, &viewpoint);
         for (x, y) in targets {
             let target = Point2::new(x, y);
-            let offset = target - eye.position;
+            let offset = target - viewpoint.position;
             let off = math::angle_difference(math::atan2(offset.y, offset.x), heading).abs();
             let covered = range.is_none_or(|range| offset.norm() <= range)
                 && field_of_view.is_none_or(|angle| off <= 0.5 * angle);
-            let seen = covered && field.is_visible(eye.position, target);
+            let seen = covered && field.is_visible(viewpoint.position, target);
             // Arcs are chords, and corners may be grazed.
             let doubtful = 0.001 + range.map_or(0.0, |range| 0.001 * range);
             if distance_to(&polygon, target) > doubtful {

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 
 use super::{MAX_STEPS, MAX_WINDOW};
 
-/// Largest square of a deviation from what was foretold (variances): one in eight thousand is larger.
+/// Largest square of a deviation from what was predicted (variances): one in eight thousand is larger.
 const GATE: f64 = 18.0;
 
 /// Largest deviation of an observed coordinate from a claimed orbit (standard deviations).

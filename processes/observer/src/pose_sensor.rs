@@ -10,23 +10,23 @@ use tracking::space::Space;
 use tracking::watch::Watch;
 
 use crate::moment::Seen;
-use crate::params::EyesParams;
+use crate::params::PoseSensorParams;
 
 /// Visibility below which a robot is not seen.
 const MIN_VISIBILITY: f64 = 1e-3;
 
 /// The places from which is looked, at one tick.
 #[derive(Debug, Clone)]
-pub struct Eyes {
-    params: EyesParams,
+pub struct PoseSensor {
+    params: PoseSensorParams,
     /// Whether lines of sight matter.
     limited: bool,
     watch: Watch,
 }
 
-impl Eyes {
+impl PoseSensor {
     /// With observers that `limited` says there are; without any, everything is seen always.
-    pub fn new(params: &EyesParams, limited: bool) -> Self {
+    pub fn new(params: &PoseSensorParams, limited: bool) -> Self {
         let sensor = SensorParams {
             range: params.range,
             ..SensorParams::default()
