@@ -134,7 +134,7 @@ fn answer(client: &mut OptimiserClient) -> PlanAnswer {
 
 /// An answer is a plan of what was asked, and keeps what it must by the check of its own.
 #[track_caller]
-fn is_honest(request: &PlanRequest, points: &[ShapePoint], answer: &PlanAnswer) {
+fn is_valid(request: &PlanRequest, points: &[ShapePoint], answer: &PlanAnswer) {
     let (header, samples) = answer;
     let reason = header.reason_text();
     assert!(header.is_plan(), "status {}: {reason}", header.status);
@@ -142,7 +142,7 @@ fn is_honest(request: &PlanRequest, points: &[ShapePoint], answer: &PlanAnswer) 
     let (problem, _) = optimiser::wire::decode_request(request, points).unwrap();
     let ground = trajectory::obstacle_field::ObstacleField::new(&problem).unwrap();
     let report = trajectory::validity_check::report(&problem, &ground, &as_samples(samples));
-    assert!(report.is_honest(), "{:?}", report.violations);
+    assert!(report.is_valid(), "{:?}", report.violations);
     assert!(header.lower_bound > 0.0 && header.final_time >= header.lower_bound - 1e-9);
     assert!(header.min_clearance >= -1e-3, "{}", header.min_clearance);
     assert!(header.length > 3.6, "{}", header.length);
@@ -190,9 +190,9 @@ fn two_clients_at_once_get_their_own_honest_plans() {
         };
         a.ask(of_a, &points).unwrap();
         b.ask(easy, &[]).unwrap();
-        is_honest(&easy, &[], &answer(&mut b));
+        is_valid(&easy, &[], &answer(&mut b));
         let first = answer(&mut a);
-        is_honest(&of_a, &points, &first);
+        is_valid(&of_a, &points, &first);
         assert!(first.0.solve_ns > 0);
         assert_eq!(first.0.stamp.source, rig.plan.launches[1].config.index);
         // What it knows of earlier requests makes no difference.
@@ -288,7 +288,7 @@ fn what_makes_no_sense_is_refused_by_its_name_and_counted() {
     client.ask(closed, &wall(0, 2.0)).unwrap();
     assert_eq!(answer(&mut client).0.status, PlanResponse::NO_PATH);
     client.ask(request(0), &obstacles()).unwrap();
-    is_honest(&request(0), &obstacles(), &answer(&mut client));
+    is_valid(&request(0), &obstacles(), &answer(&mut client));
     // It takes its turns all the while, and says then what it has refused.
     for tick in 0..3 {
         world.tick(&rig, tick);
@@ -348,13 +348,13 @@ fn a_newer_request_of_the_same_robot_cancels_the_older_one() {
     assert!(samples.is_empty() && cancelled.reason_text().contains("robot 1"));
     // What is being worked on is cancelled as well.
     busy.ask(request(0), &obstacles()).unwrap();
-    is_honest(&request(1), &obstacles(), &answer(&mut new));
-    is_honest(&request(0), &obstacles(), &answer(&mut busy));
+    is_valid(&request(1), &obstacles(), &answer(&mut new));
+    is_valid(&request(0), &obstacles(), &answer(&mut busy));
     // A client that goes takes its request along.
     busy.ask(long, &discs).unwrap();
     drop(busy);
     old.ask(request(1), &obstacles()).unwrap();
-    is_honest(&request(1), &obstacles(), &answer(&mut old));
+    is_valid(&request(1), &obstacles(), &answer(&mut old));
 }
 
 #[test]
@@ -370,7 +370,7 @@ fn when_the_time_is_over_the_answer_is_what_there_is() {
         client.ask(hurried, &discs).unwrap();
         let answer = answer(&mut client);
         if answer.0.is_plan() {
-            is_honest(&hurried, &discs, &answer);
+            is_valid(&hurried, &discs, &answer);
         } else {
             assert_eq!(answer.0.status, PlanResponse::OUT_OF_TIME);
         }
@@ -381,6 +381,6 @@ fn when_the_time_is_over_the_answer_is_what_there_is() {
     };
     client.ask(easy, &obstacles()).unwrap();
     let answer = answer(&mut client);
-    is_honest(&easy, &obstacles(), &answer);
+    is_valid(&easy, &obstacles(), &answer);
     assert_ne!(answer.0.status, PlanResponse::DEADLINE);
 }

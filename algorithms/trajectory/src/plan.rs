@@ -106,7 +106,7 @@ pub enum PlanError {
     Infeasible(&'static str),
     /// The curve asked for is not honest, and nothing else was to be tried.
     #[error("the method found no trajectory that passes the check")]
-    NotHonest,
+    InvalidTrajectory,
     /// It was told to stop before there was any plan.
     #[error("stopped before there was a plan")]
     Stopped,

@@ -97,7 +97,7 @@ pub fn plan(
             (certain, Method::Tangent, status)
         }
         None if tried.stopped => return Err(PlanError::Stopped),
-        None => return Err(PlanError::NotHonest),
+        None => return Err(PlanError::InvalidTrajectory),
     };
     Ok(Plan {
         status,
@@ -129,7 +129,7 @@ impl Checked {
         control_points: usize,
     ) -> Option<Self> {
         let report = validity_check::report(problem, ground, trajectory.samples());
-        report.is_honest().then_some(Self {
+        report.is_valid().then_some(Self {
             trajectory,
             min_clearance: report.min_clearance,
             control_points,

@@ -37,7 +37,7 @@ pub struct Report {
 
 impl Report {
     /// Whether the trajectory keeps the contract and does what it states.
-    pub fn is_honest(&self) -> bool {
+    pub fn is_valid(&self) -> bool {
         self.violations.is_empty()
     }
 
@@ -57,7 +57,7 @@ impl Report {
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.is_honest() {
+        if self.is_valid() {
             return write!(f, "honest: {:.3} s, {:.3} m", self.duration, self.length);
         }
         f.write_str("not honest")?;

@@ -24,7 +24,7 @@ pub enum Outcome {
     /// There are paths, but none on which the prescribed speeds can be kept: a right answer.
     Infeasible,
     /// The method found no trajectory that passes the check, and nothing else was to be tried.
-    NotHonest,
+    InvalidTrajectory,
     /// The instance is not one.
     Invalid,
     /// The planner broke down.
@@ -38,7 +38,7 @@ impl Outcome {
         Self::Fallback,
         Self::NoPath,
         Self::Infeasible,
-        Self::NotHonest,
+        Self::InvalidTrajectory,
         Self::Invalid,
         Self::Failed,
     ];
@@ -50,7 +50,7 @@ impl Outcome {
             Self::Fallback => "fallback",
             Self::NoPath => "no_path",
             Self::Infeasible => "infeasible",
-            Self::NotHonest => "not_honest",
+            Self::InvalidTrajectory => "not_honest",
             Self::Invalid => "invalid",
             Self::Failed => "failed",
         }
@@ -148,7 +148,7 @@ impl Answer {
         Self {
             id: instance.id.clone(),
             status,
-            honest: Some(report.is_honest()),
+            honest: Some(report.is_valid()),
             t_s: finite(plan.final_time),
             lower_bound_s: finite(plan.lower_bound),
             gap: finite(plan.gap()),
@@ -158,7 +158,7 @@ impl Answer {
             iterations: Some(plan.iterations),
             control_points: Some(plan.control_points),
             length: finite(plan.length / k),
-            error: (!report.is_honest()).then(|| report.to_string()),
+            error: (!report.is_valid()).then(|| report.to_string()),
             samples: Some(scaled.collect()),
         }
     }
@@ -203,7 +203,7 @@ pub fn solve(
             let status = match &error {
                 PlanError::NoPath => Outcome::NoPath,
                 PlanError::Infeasible(_) => Outcome::Infeasible,
-                PlanError::NotHonest => Outcome::NotHonest,
+                PlanError::InvalidTrajectory => Outcome::InvalidTrajectory,
                 PlanError::Invalid(_) => Outcome::Invalid,
                 PlanError::Stopped => Outcome::Failed,
             };

@@ -67,7 +67,11 @@ impl Summary {
             "invalid",
         ];
         let mut table = for_terminal(header, 2);
-        let none = [Outcome::Infeasible, Outcome::NotHonest, Outcome::Failed];
+        let none = [
+            Outcome::Infeasible,
+            Outcome::InvalidTrajectory,
+            Outcome::Failed,
+        ];
         let without: usize = none.into_iter().map(|o| self.count(o)).sum();
         table.add_row([
             name[0].to_owned(),

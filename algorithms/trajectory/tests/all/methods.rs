@@ -113,7 +113,7 @@ fn nodes_do_not_see_what_lies_between_them() {
         .map(|i| disc(0.53 * f64::from(i), 0.39 * f64::from(i) + 0.03, 0.04))
         .collect();
     let blind = plan(&problem, &strict(Constraints::Nodes));
-    assert_eq!(blind, Err(PlanError::NotHonest));
+    assert_eq!(blind, Err(PlanError::InvalidTrajectory));
     let dense = plan(&problem, &strict(Constraints::Dense)).unwrap();
     assert_eq!(faults(&problem, &dense), [""; 0]);
 }

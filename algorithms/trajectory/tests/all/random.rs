@@ -105,12 +105,12 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
 
     #[test]
-    fn plans_are_honest(problem in problem(), method in proptest::sample::select(&Method::ALL[..])) {
+    fn plans_are_valid(problem in problem(), method in proptest::sample::select(&Method::ALL[..])) {
         check(&problem, method)?;
     }
 
     #[test]
-    fn plans_of_the_papers_robot_are_honest(problem in problem()) {
+    fn plans_of_the_papers_robot_are_valid(problem in problem()) {
         let problem = Problem { limits: RobotLimits::simple(0.15, 16.0), start_speed: None, ..problem };
         for method in Method::ALL {
             check(&problem, method)?;

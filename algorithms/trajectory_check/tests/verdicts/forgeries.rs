@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use trajectory_check::{Violation, check};
 
 use crate::drive::{contract_of, finds};
-use crate::honest::any_drive;
+use crate::valid::any_drive;
 
 proptest! {
     #[test]
@@ -26,7 +26,7 @@ proptest! {
             _ => sample.t += lie,
         }
         let report = check(&contract, &forged);
-        prop_assert!(!report.is_honest(), "{field} of {index} by {lie}");
+        prop_assert!(!report.is_valid(), "{field} of {index} by {lie}");
     }
 
     #[test]

@@ -128,11 +128,11 @@ proptest! {
             prop_assert!(!report.min_clearance.is_nan() && !report.deepest.is_nan());
             prop_assert!(!report.length.is_nan() && !report.drift.is_nan());
         }
-        prop_assert_eq!(report.is_honest(), report.to_string().starts_with("honest"));
+        prop_assert_eq!(report.is_valid(), report.to_string().starts_with("honest"));
     }
 
     #[test]
-    fn junk_in_a_sound_contract_is_never_honest(samples in prop::collection::vec(sample(), 2..6)) {
-        prop_assert!(!check(&s_curve_contract(), &samples).is_honest());
+    fn junk_in_a_sound_contract_is_never_valid(samples in prop::collection::vec(sample(), 2..6)) {
+        prop_assert!(!check(&s_curve_contract(), &samples).is_valid());
     }
 }

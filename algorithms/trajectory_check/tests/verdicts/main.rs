@@ -2,6 +2,6 @@
 
 mod drive;
 mod forgeries;
-mod honest;
 mod hostile;
 mod lies;
+mod valid;

@@ -49,7 +49,7 @@ impl Plan {
     fn of(row: &PlanRow, cpu_ms: Option<f64>) -> Self {
         Self {
             unsolvable: row.is_unsolvable(),
-            time: row.t_s.filter(|_| row.is_honest()),
+            time: row.t_s.filter(|_| row.is_valid()),
             cpu_ms,
         }
     }

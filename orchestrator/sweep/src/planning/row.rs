@@ -59,7 +59,7 @@ impl PlanRow {
     }
 
     /// Whether there is a plan that keeps everything.
-    pub fn is_honest(&self) -> bool {
+    pub fn is_valid(&self) -> bool {
         self.honest == Some(true)
     }
 }

@@ -43,9 +43,9 @@ impl CellSummary {
     fn add(&mut self, row: &PlanRow, cpu_ms: Option<f64>) {
         self.plans += 1;
         self.no_path += u64::from(row.is_unsolvable());
-        self.honest += u64::from(row.is_honest());
-        self.failed += u64::from(!row.is_unsolvable() && !row.is_honest());
-        if row.is_honest() {
+        self.honest += u64::from(row.is_valid());
+        self.failed += u64::from(!row.is_unsolvable() && !row.is_valid());
+        if row.is_valid() {
             self.t_s.extend(row.t_s);
             self.gap.extend(row.gap);
             self.cpu_ms.extend(cpu_ms);

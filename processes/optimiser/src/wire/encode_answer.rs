@@ -47,7 +47,9 @@ impl Refusal {
         match self {
             Self::Request(_) | Self::Plan(PlanError::Invalid(_)) => PlanResponse::INVALID,
             Self::Plan(PlanError::NoPath) => PlanResponse::NO_PATH,
-            Self::Plan(PlanError::Infeasible(_) | PlanError::NotHonest) => PlanResponse::INFEASIBLE,
+            Self::Plan(PlanError::Infeasible(_) | PlanError::InvalidTrajectory) => {
+                PlanResponse::INFEASIBLE
+            }
             Self::Plan(PlanError::Stopped) => PlanResponse::OUT_OF_TIME,
             Self::Cancelled { .. } => PlanResponse::CANCELLED,
             Self::TooLong { .. } | Self::Failed(_) => PlanResponse::FAILED,

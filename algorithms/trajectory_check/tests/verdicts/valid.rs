@@ -7,16 +7,16 @@ use trajectory_check::{Contract, Obstacle, Sample, WheelLimit, check};
 use crate::drive::{OMEGA_MAX, Stretch, V_MAX, contract_of, drive, s_curve, s_curve_contract};
 
 #[track_caller]
-fn assert_honest(contract: &Contract, samples: &[Sample]) {
+fn assert_valid(contract: &Contract, samples: &[Sample]) {
     let report = check(contract, samples);
-    assert!(report.is_honest(), "{report}");
+    assert!(report.is_valid(), "{report}");
 }
 
 #[test]
 fn a_straight_line_at_full_speed() {
     let samples = drive([0.0; 3], &[Stretch(5.0, [V_MAX; 2], [0.0; 2])]);
     let report = check(&contract_of(&samples), &samples);
-    assert!(report.is_honest(), "{report}");
+    assert!(report.is_valid(), "{report}");
     assert!((report.duration - 5.0).abs() < 1e-12 && (report.length - 1.0).abs() < 1e-9);
     assert!((report.top_speed - V_MAX).abs() < 1e-6 && report.top_turn_rate < 1e-9);
     assert!(report.drift < 1e-9 && report.min_clearance == f64::INFINITY && report.deepest == 0.0);
@@ -29,16 +29,16 @@ fn a_turn_on_the_spot_and_then_an_arc() {
     let arc = Stretch(3.0, [V_MAX; 2], [-1.5; 2]);
     let samples = drive([1.0, 2.0, -3.0], &[turn, arc]);
     let mut contract = contract_of(&samples);
-    assert_honest(&contract, &samples);
+    assert_valid(&contract, &samples);
     contract.goal_heading = contract
         .goal_heading
         .map(|heading| heading - core::f64::consts::TAU);
-    assert_honest(&contract, &samples);
+    assert_valid(&contract, &samples);
 }
 
 #[test]
 fn an_s_curve_with_ramps_within_limited_accelerations() {
-    assert_honest(&s_curve_contract(), &s_curve());
+    assert_valid(&s_curve_contract(), &s_curve());
 }
 
 #[test]
@@ -52,7 +52,7 @@ fn turning_and_driving_within_the_limit_of_the_wheels() {
         wheel: Some(wheel),
         ..contract_of(&samples)
     };
-    assert_honest(&contract, &samples);
+    assert_valid(&contract, &samples);
 }
 
 #[test]
@@ -60,15 +60,15 @@ fn reversing_out_of_a_corner() {
     let back = Stretch(1.0, [-V_MAX; 2], [0.5; 2]);
     let change = Stretch(2.0, [-V_MAX, V_MAX], [0.5, -0.5]);
     let samples = drive([0.0; 3], &[back, change]);
-    assert_honest(&contract_of(&samples), &samples);
+    assert_valid(&contract_of(&samples), &samples);
 }
 
 #[test]
 fn a_robot_that_is_there_already_needs_one_sample_only() {
     let samples = drive([1.0, 2.0, 0.5], &[Stretch(0.0, [0.0; 2], [0.0; 2])]);
     let contract = contract_of(&samples);
-    assert_honest(&contract, &samples);
-    assert_honest(&contract, &samples[..1]);
+    assert_valid(&contract, &samples);
+    assert_valid(&contract, &samples[..1]);
     assert_eq!(check(&contract, &samples[..1]).duration, 0.0);
 }
 
@@ -85,7 +85,7 @@ fn an_arc_that_hugs_a_disc() {
         radius: 0.15,
     }];
     let report = check(&contract, &samples);
-    assert!(report.is_honest(), "{report}");
+    assert!(report.is_valid(), "{report}");
     assert!(
         report.min_clearance.abs() < 1.2e-5,
         "{}",
@@ -104,7 +104,7 @@ fn a_line_along_a_wall_and_the_bounds() {
         vertices: wall.to_vec(),
     }];
     let report = check(&contract, &samples);
-    assert!(report.is_honest(), "{report}");
+    assert!(report.is_valid(), "{report}");
     assert!(report.min_clearance.abs() < 1e-9);
 }
 
@@ -125,9 +125,9 @@ prop_compose! {
 
 proptest! {
     #[test]
-    fn any_drive_is_honest(samples in any_drive()) {
+    fn any_drive_is_valid(samples in any_drive()) {
         let report = check(&contract_of(&samples), &samples);
-        prop_assert!(report.is_honest(), "{report}");
+        prop_assert!(report.is_valid(), "{report}");
         prop_assert!(report.drift < 1e-6);
     }
 
