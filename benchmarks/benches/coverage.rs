@@ -49,8 +49,8 @@ fn coverage(criterion: &mut Criterion) {
 
     let space = Space::new(&workplace, &parts, start);
     let grid = workplace
-        .ground()
-        .and_then(|ground| CellGrid::new(&ground, 0.1));
+        .domain()
+        .and_then(|domain| CellGrid::new(&domain, 0.1));
     let grid = grid.expect("cells that suit the workplace");
     let mut freshness = Freshness::new(&grid, &space, RADIUS, 1.5, 2);
     let to = Point2::new(6.5, 4.0);

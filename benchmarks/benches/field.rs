@@ -11,7 +11,7 @@ use std::hint::black_box;
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use nalgebra::{Point2, Vector2};
 use navigation::bearing::Bearings;
-use navigation::routes::{NavGrid, RouteTree, Threat, Wayfinder};
+use navigation::routes::{NavGrid, RouteFinder, RouteTree, Threat};
 use parameters::Fidelity;
 use planner_view::map::PlannerMap;
 use steering::potential_field::{
@@ -45,7 +45,7 @@ fn field(criterion: &mut Criterion) {
     println!("baseline, paper's Python: 64 us with 1 goal, 389 us with 30 goals");
     let map = Arena::city().map();
     let here = Point2::new(7.45, 4.4);
-    let mut finder = Wayfinder::default();
+    let mut finder = RouteFinder::default();
     finder.prepare(&map, RADIUS);
     let routes = finder
         .routes(&map, 0, here, [Point2::new(-7.5, 7.5)])

@@ -11,8 +11,8 @@ use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use evader_rrt_star::bound::Bound;
+use evader_rrt_star::collision_map::CollisionMap;
 use evader_rrt_star::cost::CostModel;
-use evader_rrt_star::ground::Ground;
 use evader_rrt_star::index::BucketIndex;
 use evader_rrt_star::motion::{Arcs, Motion, Straight};
 use evader_rrt_star::params::{Algorithm, CostParams, SearchParams};
@@ -41,10 +41,10 @@ fn arcs(min_radius: f64) -> Arcs {
     }
 }
 
-fn scene<'a>(ground: &'a Ground, cost: &'a CostModel) -> Scene<'a> {
+fn scene<'a>(collision_map: &'a CollisionMap, cost: &'a CostModel) -> Scene<'a> {
     Scene {
-        space: &ground.space,
-        sampler: &ground.sampler,
+        space: &collision_map.space,
+        sampler: &collision_map.sampler,
         radius: RADIUS,
         cost,
         bodies: &[],
@@ -99,16 +99,16 @@ fn tries<M: Motion + Copy>(what: &str, scene: &Scene<'_>, motion: M, iterations:
 }
 
 /// Near neighbours in a tree that grows to 1500 points: the index beside a look at every point.
-fn neighbours(criterion: &mut Criterion, ground: &Ground) {
+fn neighbours(criterion: &mut Criterion, collision_map: &CollisionMap) {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
-    let draw = |_| ground.sampler.draw(&ground.space, &mut rng);
+    let draw = |_| collision_map.sampler.draw(&collision_map.space, &mut rng);
     let points: Vec<Point2<f64>> = (0..1500).filter_map(draw).collect();
     let radius = 1.0;
     let mut group = criterion.benchmark_group("near_1500");
     group.bench_function("buckets", |bencher| {
         let mut found = Vec::new();
         bencher.iter(|| {
-            let mut index = BucketIndex::new(*ground.space.bounds());
+            let mut index = BucketIndex::new(*collision_map.space.bounds());
             for &p in &points {
                 index.near(p, radius, &mut found);
                 black_box(&found);
@@ -134,7 +134,7 @@ fn neighbours(criterion: &mut Criterion, ground: &Ground) {
 fn planning(criterion: &mut Criterion) {
     println!("baseline, paper's Python: 3790 ms for 1500 iterations with 4 Police, found 19/20");
     let space = city();
-    let ground = Ground::new(&space, RADIUS, 1);
+    let collision_map = CollisionMap::new(&space, RADIUS, 1);
     let length = CostModel::new(CostParams::length(), Algorithm::Improved, 0.45);
     let paper = costs(CostParams::paper(), Algorithm::Published);
     let time_aware = costs(CostParams::default(), Algorithm::Improved);
@@ -142,28 +142,34 @@ fn planning(criterion: &mut Criterion) {
     let never = f64::INFINITY;
     tries(
         "1500 iterations, 4 Police, paper's cost",
-        &scene(&ground, &paper),
+        &scene(&collision_map, &paper),
         Straight,
         1500,
         never,
     );
     tries(
         "1500 iterations, 4 Police, time-aware",
-        &scene(&ground, &time_aware),
+        &scene(&collision_map, &time_aware),
         Straight,
         1500,
         never,
     );
     tries(
         "20 ms, no Police",
-        &scene(&ground, &length),
+        &scene(&collision_map, &length),
         Straight,
         u32::MAX,
         20.0,
     );
     for radius in [RADIUS * 1.5, 0.9, 1.8] {
         let what = format!("arcs from {radius:.2} m, 50 ms, 4 Police, paper's cost");
-        tries(&what, &scene(&ground, &paper), arcs(radius), u32::MAX, 50.0);
+        tries(
+            &what,
+            &scene(&collision_map, &paper),
+            arcs(radius),
+            u32::MAX,
+            50.0,
+        );
     }
 
     let mut group = criterion.benchmark_group("plan_1500");
@@ -172,7 +178,7 @@ fn planning(criterion: &mut Criterion) {
         ("paper", &paper),
         ("time_aware", &time_aware),
     ] {
-        let scene = scene(&ground, cost);
+        let scene = scene(&collision_map, cost);
         let mut seed = 0;
         group.bench_function(name, |bencher| {
             bencher.iter(|| {
@@ -181,7 +187,7 @@ fn planning(criterion: &mut Criterion) {
             });
         });
     }
-    let scene = scene(&ground, &paper);
+    let scene = scene(&collision_map, &paper);
     let mut seed = 0;
     group.bench_function("paper_arcs", |bencher| {
         bencher.iter(|| {
@@ -191,10 +197,10 @@ fn planning(criterion: &mut Criterion) {
     });
     group.finish();
 
-    neighbours(criterion, &ground);
+    neighbours(criterion, &collision_map);
 
     criterion.bench_function("prepare_map", |bencher| {
-        bencher.iter(|| black_box(Ground::new(&space, RADIUS, 1)));
+        bencher.iter(|| black_box(CollisionMap::new(&space, RADIUS, 1)));
     });
 }
 

@@ -107,8 +107,8 @@ fn main() -> ExitCode {
     let words: Vec<OsString> = std::env::args_os().skip(1).collect();
     let word = |at: usize| words.get(at).and_then(|word| word.to_str());
     match (word(0), word(1), words.get(3)) {
-        (Some("process"), Some(ticks::KIT_PLANNER), Some(config)) => {
-            ticks::kit_planner(Path::new(config))
+        (Some("process"), Some(ticks::RUNTIME_PLANNER), Some(config)) => {
+            ticks::runtime_planner(Path::new(config))
         }
         (Some("process"), Some(ticks::RAW_PLANNER), Some(config)) => {
             ticks::raw_planner(Path::new(config))

@@ -164,7 +164,7 @@ fn one_key(planner: &Planner, number: u64, guesses: usize) -> Result<Run, Failur
     };
     let workplace = Workplace::new(bounds, 0.1, &[], 0.01)?;
     let parts = Decomposition::new(&workplace)?;
-    let mut swept = Swept::new(CellGrid::new(&workplace.ground()?, 0.1)?, 0.1);
+    let mut swept = Swept::new(CellGrid::new(&workplace.domain()?, 0.1)?, 0.1);
     let secret = key(0, number, 0);
     let home = match planner {
         Planner::Boustrophedon => Point2::new(0.1, 0.1),

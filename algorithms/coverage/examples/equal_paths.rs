@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         max: Point2::new(10.0, 10.0),
     };
     let workplace = Workplace::from_parts(bounds, 0.1, &[], 0.1)?;
-    let meter = Meter::new(&workplace.ground()?, 0.125)?;
+    let meter = Meter::new(&workplace.domain()?, 0.125)?;
     println!("source               250 m   500 m  1000 m  2000 m   CV (1000 m, cells of 0.5 m)");
     for (name, kind) in [
         ("Chebyshev raw", KeyKind::ChebP(Emission::Raw)),

@@ -2,13 +2,13 @@
 //! state but the key.
 //!
 //! Goals that are independent and uniform cannot be predicted but cover badly; the leg that sweeps
-//! the most new ground covers well but is known to who has watched. Here the key orders roughly
+//! the most new domain covers well but is known to who has watched. Here the key orders roughly
 //! where to go, whatever has been covered, and the planner is free only within that order:
 //!
 //! 1. Every sub-goal gets one or two *orders* (the parameter `choices`) from the keyed stream: an
 //!    axis, and one of the strips across it other than the robot's own. Legs near two directions
 //!    only overlap least: k directions that each sweep a share a leave (1 − a)ᵏ.
-//! 2. Of random points that follow an order, that one is taken whose leg sweeps the most new ground
+//! 2. Of random points that follow an order, that one is taken whose leg sweeps the most new domain
 //!    less the cost of its length, where slivers count more ([`Freshness`]).
 //! 3. Orders are drawn ahead, so that legs are chosen along with the next ones. The holder of the
 //!    key gains from that; for an observer the orders to come are as unknown as this one.
@@ -115,7 +115,7 @@ impl KeyedCoverage {
             return Err(KeyedError::Cell { cell, radius });
         }
         let space = Space::new(workplace, decomposition, start);
-        let grid = CellGrid::new(&workplace.ground()?, cell)?;
+        let grid = CellGrid::new(&workplace.domain()?, cell)?;
         let freshness = Freshness::new(&grid, &space, radius, RARITY, NEIGHBOURHOOD);
         let mut planner = Self {
             params,

@@ -26,7 +26,7 @@ pub(crate) fn disc_coverage(
     start: Point2<f64>,
     lengths: &[f64],
 ) -> Vec<f64> {
-    let grid = CellGrid::new(&workplace.ground().unwrap(), 0.1).unwrap();
+    let grid = CellGrid::new(&workplace.domain().unwrap(), 0.1).unwrap();
     let mut swept = Swept::new(grid, workplace.radius());
     let (mut from, mut length) = (start, 0.0);
     swept.sweep(from, from);

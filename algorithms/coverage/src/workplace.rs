@@ -15,7 +15,7 @@ pub use error::WorkplaceError;
 pub use loss::ConversionLoss;
 
 use geometry::shape::{Aabb, Convex, Shape};
-use metrics::coverage::{CoverageError, Ground, Rectangle};
+use metrics::coverage::{CoverageDomain, CoverageError, Rectangle};
 use nalgebra::{Point2, Vector2};
 
 /// Most rectangles that the obstacles of a workplace may become.
@@ -161,9 +161,9 @@ impl Workplace {
     ///
     /// # Errors
     /// [`CoverageError`] never, for a workplace that could be made; returned rather than hidden.
-    pub fn ground(&self) -> Result<Ground, CoverageError> {
+    pub fn domain(&self) -> Result<CoverageDomain, CoverageError> {
         let rectangle = |aabb: &Aabb| Rectangle::new(aabb.min, aabb.max);
-        Ground::new(
+        CoverageDomain::new(
             rectangle(&self.bounds),
             self.radius,
             self.inflated.iter().map(rectangle).collect(),

@@ -12,8 +12,8 @@
 //! [`Meter`] keeps all of them for the usual sides of cells while a path grows, so that coverage
 //! can be read after any length of it.
 
+mod domain;
 mod grid;
-mod ground;
 mod meter;
 mod spans;
 mod swept;
@@ -21,8 +21,8 @@ mod swept;
 mod tests;
 mod visits;
 
+pub use domain::{CoverageDomain, CoverageError, Rectangle};
 pub use grid::CellGrid;
-pub use ground::{CoverageError, Ground, Rectangle};
 pub use meter::{CELL_SIDES, DISC_CELL_SIDE, Figures, Meter, Rate};
 pub use spans::{Axis, Lattice, Span};
 pub use swept::Swept;

@@ -130,7 +130,7 @@ pub fn alpha_max(
     check_laps(laps)?;
     check_speed(v_robot)?;
     awg.check_speed(v_robot)?;
-    let trial = Trial::new(awg, laps, source)?;
+    let trial = LapFamily::new(awg, laps, source)?;
     let wanted = v_robot * awg.params().t_max;
     let mut high = 1.0;
     while trial.mean_length(high) < wanted {
@@ -197,7 +197,7 @@ pub fn check_driven(
 
 /// The interval in which the width lies.
 struct Search<'r, R> {
-    trial: Trial,
+    trial: LapFamily,
     robot: &'r mut R,
     /// Time that a lap may take (s).
     limit_s: f64,
@@ -226,7 +226,7 @@ impl<'r, R: LapTimes> Search<'r, R> {
             });
         }
         awg.check_speed(v_max)?;
-        let trial = Trial::new(awg, laps, source)?;
+        let trial = LapFamily::new(awg, laps, source)?;
         let t_max = awg.params().t_max;
         let limit_s = t_max * (1.0 - margin);
         // A robot that rounds its corners drives less than the path's length: twice what that allows
@@ -283,11 +283,11 @@ fn check_speed(v: f64) -> Result<(), AlphaError> {
 }
 
 /// Laps as functions of the width: every waypoint is a point plus α times an offset.
-struct Trial {
+struct LapFamily {
     laps: Vec<Vec<(Point2<f64>, Vector2<f64>)>>,
 }
 
-impl Trial {
+impl LapFamily {
     fn new(awg: &Awg, laps: u32, source: &mut impl Source) -> Result<Self, AlphaError> {
         if awg.steps_per_lap() == 0 {
             return Err(AlphaError::NothingInserted);

@@ -1,6 +1,6 @@
 //! A patrol as a scenario orders it: contour, time and key; the key and the width may be left open.
 
-mod trial;
+mod simulated_drive;
 
 use chaotic_maps::{Key, KeyError, KeyKind};
 use nalgebra::Point2;
@@ -18,7 +18,7 @@ use crate::awg::{Awg, AwgError, AwgParams, MAX_T_MAX, Preset};
 use crate::contour::{Contour, ContourError};
 use crate::danger::DangerZones;
 
-pub use trial::TrialDrive;
+pub use simulated_drive::SimulatedDrive;
 
 /// Width with which a zig-zag is laid out before it is chosen (m); of no consequence.
 const LAYOUT_ALPHA: f64 = 1.0;
@@ -156,7 +156,7 @@ impl MissionParams {
     /// Chooses what was left open, for a robot and the seed of its process; the clock of the waypoints
     /// is made to run so fast that laps driven by it end within `t_max`.
     ///
-    /// The width is tried by driving the first laps ([`TrialDrive`]), so that what is chosen is a
+    /// The width is tried by driving the first laps ([`SimulatedDrive`]), so that what is chosen is a
     /// matter of scenario and key alone.
     ///
     /// # Errors
@@ -174,9 +174,16 @@ impl MissionParams {
         awg.check_speed(v_max)?;
         // Without additional waypoints there is nothing to choose, and no width does harm.
         if self.alpha.is_none() && awg.steps_per_lap() > 0 {
-            let mut trial = TrialDrive::new(drive, go_to);
+            let mut simulated_drive = SimulatedDrive::new(drive, go_to);
             let mut source = key.source()?;
-            let alpha = alpha_max_driven(&awg, v_max, self.margin, LAPS, &mut source, &mut trial)?;
+            let alpha = alpha_max_driven(
+                &awg,
+                v_max,
+                self.margin,
+                LAPS,
+                &mut source,
+                &mut simulated_drive,
+            )?;
             awg = awg.with_alpha(alpha)?;
         }
         // A lap ends some moments before or after it is due, and shall end in time all the same.
@@ -196,9 +203,16 @@ impl MissionParams {
         let v_max = drive.limits.v_max() * go_to.speed_fraction;
         awg.check_speed(v_max)?;
         if self.alpha.is_none() && awg.steps_per_lap() > 0 {
-            let mut trial = TrialDrive::new(drive, go_to);
+            let mut simulated_drive = SimulatedDrive::new(drive, go_to);
             let mut source = self.key_or(seed).source()?;
-            check_driven(&awg, v_max, self.margin, LAPS, &mut source, &mut trial)?;
+            check_driven(
+                &awg,
+                v_max,
+                self.margin,
+                LAPS,
+                &mut source,
+                &mut simulated_drive,
+            )?;
         }
         Ok(())
     }

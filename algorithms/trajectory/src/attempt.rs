@@ -56,8 +56,8 @@ pub struct Candidate {
 pub struct Attempts<'a> {
     /// The problem.
     pub problem: &'a Problem,
-    /// The ground.
-    pub ground: &'a ObstacleField,
+    /// The obstacle field.
+    pub obstacle_field: &'a ObstacleField,
     /// The path to begin with.
     pub guide: &'a Guide,
     /// Length of the shortest path (m).
@@ -128,7 +128,7 @@ impl Attempts<'_> {
         let rest = self.rest.as_ref().map(|rest| rest.samples.as_slice());
         let mut found = None;
         for samples in rest.into_iter().chain([candidate.trajectory.samples()]) {
-            let search = Refinement::new(self.problem, self.ground, samples);
+            let search = Refinement::new(self.problem, self.obstacle_field, samples);
             let Some(mut search) = search else { continue };
             found = search.run(stop);
             self.programs += search.programs;
@@ -175,7 +175,7 @@ impl Attempts<'_> {
         mut from: Option<Vec<f64>>,
         stop: &mut dyn FnMut() -> bool,
     ) -> Option<(Vec<f64>, Vec<PathPoint>)> {
-        let mut search = CurveSearch::new(self.ground, self.guide, *frame, curve);
+        let mut search = CurveSearch::new(self.obstacle_field, self.guide, *frame, curve);
         search.shortest = self.shortest;
         search.near = self.rest.as_ref().map(|rest| &rest.guide);
         let theta = self.problem.start.theta;
@@ -192,7 +192,7 @@ impl Attempts<'_> {
             else {
                 break;
             };
-            let deepest = grow_margins(&self.ground.depths(&points), &mut search.margins);
+            let deepest = grow_margins(&self.obstacle_field.depths(&points), &mut search.margins);
             if deepest <= NO_DEPTH || nodes_only {
                 result = Some((z, points));
                 break;

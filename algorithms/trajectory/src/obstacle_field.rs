@@ -20,7 +20,7 @@ const START_MARGIN: f64 = 1e-9;
 /// Radius (m) given to discs without one: the exact geometry wants pieces with an inside.
 const MIN_RADIUS: f64 = 1e-7;
 
-/// The ground of a problem.
+/// The obstacle field of a problem.
 #[derive(Debug, Clone)]
 pub struct ObstacleField {
     /// What the robot must not touch: the problem's obstacles, but where the start lies in a grown
@@ -35,7 +35,7 @@ pub struct ObstacleField {
 }
 
 impl ObstacleField {
-    /// Settles the ground of a problem that is valid ([`Problem::validate`]).
+    /// Settles the obstacle field of a problem that is valid ([`Problem::validate`]).
     ///
     /// # Errors
     /// [`ProblemError`] if the start is deeper in an obstacle than tolerated, or the goal in one or
@@ -43,16 +43,16 @@ impl ObstacleField {
     pub fn new(problem: &Problem) -> Result<Self, ProblemError> {
         let start = problem.start.position();
         let goal = problem.goal;
-        let mut ground = Self {
+        let mut obstacle_field = Self {
             obstacles: problem.obstacles.iter().map(with_inside).collect(),
             bounds: problem.bounds,
             clearance: problem.clearance,
             start,
             goal,
         };
-        ground.admit_start(problem.start_tolerance)?;
-        ground.check_goal()?;
-        Ok(ground)
+        obstacle_field.admit_start(problem.start_tolerance)?;
+        obstacle_field.check_goal()?;
+        Ok(obstacle_field)
     }
 
     fn admit_start(&mut self, tolerance: f64) -> Result<(), ProblemError> {
@@ -153,7 +153,7 @@ impl ObstacleField {
         found
     }
 
-    /// The ground as exact geometry.
+    /// The obstacle field as exact geometry.
     ///
     /// # Errors
     /// [`PlanError::Invalid`] for bounds that are too thin to be searched.
@@ -165,7 +165,7 @@ impl ObstacleField {
     }
 }
 
-/// The ground as exact geometry, with an index.
+/// The obstacle field as exact geometry, with an index.
 #[derive(Debug, Clone)]
 pub struct ExactObstacleField {
     /// The pieces.

@@ -20,7 +20,7 @@ pub const START_TOLERANCE: f64 = 5e-3;
 /// How fast the wheels can turn: |V| + |ω| b / 2 ≤ `speed`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wheels {
-    /// Largest speed of a wheel over ground (m/s), > 0.
+    /// Largest speed of a wheel over obstacle field (m/s), > 0.
     pub speed: f64,
     /// Distance b between the wheels (m), > 0.
     pub separation: f64,

@@ -43,8 +43,8 @@ pub fn plan(
 ) -> Result<Plan, PlanError> {
     problem.validate()?;
     options.validate()?;
-    let ground = ObstacleField::new(problem)?;
-    let exact = ground.exact()?;
+    let obstacle_field = ObstacleField::new(problem)?;
+    let exact = obstacle_field.exact()?;
     let way = exact.shortest(problem.start.position(), problem.goal)?;
     let shortest = way.length;
     if shortest > path_points::MAX_LENGTH {
@@ -57,7 +57,7 @@ pub fn plan(
         Guess::Wavefront => grid_guide::guide(&exact, problem.start.position(), problem.goal),
         Guess::Tangent => None,
     };
-    let mut tried = Tried::default();
+    let mut tried = CurveAttempt::default();
     if options.method != Method::Tangent
         && let Some(guide) = &guide
     {
@@ -65,12 +65,12 @@ pub fn plan(
         let good = bound * (1.0 + GOOD) + turning_time(problem, guide).min(MAX_TURNING * bound);
         let bench = Attempts {
             problem,
-            ground: &ground,
+            obstacle_field: &obstacle_field,
             guide: coarse.as_ref().unwrap_or(guide),
             shortest,
             options,
             rest: last
-                .and_then(|plan| previous_plan::rest(problem, &ground, plan))
+                .and_then(|plan| previous_plan::rest(problem, &obstacle_field, plan))
                 .filter(|rest| rest.guide.length() <= DETOUR * shortest),
             programs: 0,
         };
@@ -86,7 +86,7 @@ pub fn plan(
         Some(best) if tried.stopped => (best, options.method, Status::Deadline),
         Some(best) => (best, options.method, Status::Planned),
         None if options.method == Method::Tangent || guide.is_none() || options.fallbacks => {
-            let certain = certain(problem, &ground, &exact, guide.as_ref())?;
+            let certain = certain(problem, &obstacle_field, &exact, guide.as_ref())?;
             let status = match options.method {
                 Method::Tangent => Status::Planned,
                 // Where there is no way to go, there is no curve to find.
@@ -124,11 +124,11 @@ impl Checked {
     /// `None` if the trajectory does not pass.
     fn new(
         problem: &Problem,
-        ground: &ObstacleField,
+        obstacle_field: &ObstacleField,
         trajectory: Trajectory,
         control_points: usize,
     ) -> Option<Self> {
-        let report = validity_check::report(problem, ground, trajectory.samples());
+        let report = validity_check::report(problem, obstacle_field, trajectory.samples());
         report.is_valid().then_some(Self {
             trajectory,
             min_clearance: report.min_clearance,
@@ -139,7 +139,7 @@ impl Checked {
 
 /// What came of the curves of a method.
 #[derive(Default)]
-struct Tried {
+struct CurveAttempt {
     best: Option<Checked>,
     /// Convex programs solved.
     programs: u32,
@@ -148,8 +148,12 @@ struct Tried {
 }
 
 /// Tries one variant after the other until a plan takes no longer than `enough` (s).
-fn try_curves(mut bench: Attempts<'_>, enough: f64, stop: &mut dyn FnMut() -> bool) -> Tried {
-    let mut tried = Tried::default();
+fn try_curves(
+    mut bench: Attempts<'_>,
+    enough: f64,
+    stop: &mut dyn FnMut() -> bool,
+) -> CurveAttempt {
+    let mut tried = CurveAttempt::default();
     let inertia = !bench.problem.limits.is_without_inertia();
     let most = if bench.options.fallbacks {
         usize::MAX
@@ -172,7 +176,14 @@ fn try_curves(mut bench: Attempts<'_>, enough: f64, stop: &mut dyn FnMut() -> bo
             let best = tried.best.as_ref();
             let better = best.is_none_or(|best| time < best.trajectory.duration());
             let checked = better
-                .then(|| Checked::new(bench.problem, bench.ground, trajectory, control_points))
+                .then(|| {
+                    Checked::new(
+                        bench.problem,
+                        bench.obstacle_field,
+                        trajectory,
+                        control_points,
+                    )
+                })
                 .flatten();
             if checked.is_some() {
                 tried.best = checked;
@@ -229,12 +240,12 @@ fn variants(problem: &Problem) -> impl Iterator<Item = Variant> {
 /// The exact shortest path, driven and checked.
 fn certain(
     problem: &Problem,
-    ground: &ObstacleField,
+    obstacle_field: &ObstacleField,
     exact: &ExactObstacleField,
     guide: Option<&Guide>,
 ) -> Result<Checked, PlanError> {
     let trajectory = shortest_path_plan::trajectory(problem, exact, guide)?;
-    Checked::new(problem, ground, trajectory, 0).ok_or(PlanError::Infeasible(
+    Checked::new(problem, obstacle_field, trajectory, 0).ok_or(PlanError::Infeasible(
         "the shortest path cannot be driven within the limits",
     ))
 }

@@ -8,10 +8,10 @@ use crate::obstacle_field::ObstacleField;
 use crate::plan::Sample;
 use crate::problem::Problem;
 
-/// What a trajectory must keep to solve a problem on its ground.
-pub fn contract(problem: &Problem, ground: &ObstacleField) -> Contract {
+/// What a trajectory must keep to solve a problem on its obstacle field.
+pub fn contract(problem: &Problem, obstacle_field: &ObstacleField) -> Contract {
     let limits = &problem.limits;
-    let bounds = &ground.bounds;
+    let bounds = &obstacle_field.bounds;
     Contract {
         start: [problem.start.x, problem.start.y, problem.start.theta],
         start_speed: problem.start_speed,
@@ -27,8 +27,8 @@ pub fn contract(problem: &Problem, ground: &ObstacleField) -> Contract {
         }),
         acceleration_max: limits.acceleration,
         angular_acceleration_max: limits.angular_acceleration,
-        obstacles: ground.obstacles.iter().map(obstacle).collect(),
-        clearance: ground.clearance,
+        obstacles: obstacle_field.obstacles.iter().map(obstacle).collect(),
+        clearance: obstacle_field.clearance,
         bounds: Some([bounds.min.x, bounds.min.y, bounds.max.x, bounds.max.y]),
     }
 }
@@ -46,6 +46,6 @@ fn obstacle(obstacle: &Convex) -> Obstacle {
 }
 
 /// What the check finds.
-pub fn report(problem: &Problem, ground: &ObstacleField, samples: &[Sample]) -> Report {
-    trajectory_check::check(&contract(problem, ground), samples)
+pub fn report(problem: &Problem, obstacle_field: &ObstacleField, samples: &[Sample]) -> Report {
+    trajectory_check::check(&contract(problem, obstacle_field), samples)
 }

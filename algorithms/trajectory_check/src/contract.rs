@@ -82,7 +82,7 @@ pub enum Obstacle {
 /// What the wheels of a differential drive can do: |v| + |ω| · separation / 2 ≤ speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WheelLimit {
-    /// Highest speed of a wheel over the ground (m/s) (> 0).
+    /// Highest speed of a wheel over the obstacle field (m/s) (> 0).
     pub speed: f64,
     /// Distance between the two wheels (m) (> 0).
     pub separation: f64,

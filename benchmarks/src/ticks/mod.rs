@@ -37,7 +37,7 @@ use super::report::{Figure, Goal};
 use super::{Options, Result, say};
 
 /// Kinds of the processes of this measurement.
-pub const KIT_PLANNER: &str = "bench-planner";
+pub const RUNTIME_PLANNER: &str = "bench-planner";
 pub const RAW_PLANNER: &str = "raw-planner";
 
 const ITEM: &str = "ticks";
@@ -205,14 +205,14 @@ impl RuntimeExchange {
             .map(|index| ProcessConfig {
                 run: run.clone(),
                 name: format!("bench-{index}"),
-                kind: KIT_PLANNER.into(),
+                kind: RUNTIME_PLANNER.into(),
                 index,
                 robots: vec![index - 1],
                 upstream: Vec::new(),
             })
             .collect();
         let configs: Vec<_> = configs.iter().map(|c| document(c, ())).collect();
-        let planners = start_planners(&space, KIT_PLANNER, &configs)?;
+        let planners = start_planners(&space, RUNTIME_PLANNER, &configs)?;
         let mut exchange = Self {
             monitor,
             planners,
@@ -318,7 +318,7 @@ struct TrivialPlanner {
 }
 
 impl ProcessKind for TrivialPlanner {
-    const NAME: &'static str = KIT_PLANNER;
+    const NAME: &'static str = RUNTIME_PLANNER;
     const SUMMARY: &'static str = "answers every state with a command";
 
     type Params = ();
@@ -363,7 +363,7 @@ impl Process for TrivialPlanner {
 }
 
 /// Runs a trivial planner over the runtime to its end.
-pub fn kit_planner(config: &Path) -> ExitCode {
+pub fn runtime_planner(config: &Path) -> ExitCode {
     runtime::run::<TrivialPlanner>(config)
 }
 

@@ -1,8 +1,8 @@
 //! Single plans of the RRT* planners in the city of the chase, where nothing moves.
 
 use evader_rrt_star::RrtStarParams;
+use evader_rrt_star::collision_map::{CollisionMap, GOAL_TOLERANCE};
 use evader_rrt_star::cost::{CostModel, Pursuer};
-use evader_rrt_star::ground::{GOAL_TOLERANCE, Ground};
 use evader_rrt_star::params::Primitive;
 use evader_rrt_star::planning::{Planning, Task};
 use geometry::map::WorldMap;
@@ -59,14 +59,20 @@ pub fn measure(count: u32) -> Result<Plans, MeasureError> {
     let mut plans = Vec::new();
     for (case, params) in cases() {
         check(&params).map_err(failed)?;
-        let mut ground = Ground::new(&setting.space, setting.model.radius + params.margin, 1);
+        let mut collision_map =
+            CollisionMap::new(&setting.space, setting.model.radius + params.margin, 1);
         for scene in ["start", "random"] {
             for seed in seeds.clone() {
                 let police = match scene {
                     "start" => setting.police.clone(),
                     _ => setting.scattered(seed)?,
                 };
-                plans.push(setting.plan((case, scene, seed), &params, &mut ground, &police)?);
+                plans.push(setting.plan(
+                    (case, scene, seed),
+                    &params,
+                    &mut collision_map,
+                    &police,
+                )?);
             }
         }
     }
@@ -125,7 +131,7 @@ impl Setting {
         &self,
         (case, scene, seed): (&str, &str, u64),
         params: &RrtStarParams,
-        ground: &mut Ground,
+        collision_map: &mut CollisionMap,
         police: &[Point2<f64>],
     ) -> Result<Plan, MeasureError> {
         let model = &self.model;
@@ -139,12 +145,12 @@ impl Setting {
         let places = self
             .exits
             .iter()
-            .filter_map(|&e| ground.free_place(e, GOAL_TOLERANCE));
+            .filter_map(|&e| collision_map.free_place(e, GOAL_TOLERANCE));
         let goals: Vec<Point2<f64>> = places.collect();
-        let towards = ground.towards(&goals);
+        let towards = collision_map.towards(&goals);
         let route = Planning::new(params, &limits, seed)
             .plan(&Task {
-                ground,
+                collision_map,
                 bodies: &[],
                 cost: &cost,
                 start: self.start,

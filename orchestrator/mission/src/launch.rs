@@ -124,7 +124,7 @@ fn simulator(scenario: &ResolvedScenario, run: &RunConfig) -> Result<Launch, Obs
         world: scenario.world.clone(),
         blur_sigma: scenario.blur_sigma,
         drivers,
-        agenda: obstacle_schedule::agenda(&scenario.events, run.tick_period_ns)?,
+        event_schedule: obstacle_schedule::event_schedule(&scenario.events, run.tick_period_ns)?,
     };
     Ok(Launch {
         role: Role::Simulator(Box::new(params)),

@@ -2,7 +2,7 @@
 
 use ipc_types::messages::world::ObstacleEvent;
 use runtime::obstacle::{self, ObstacleMessageError};
-use simulator::agenda::{Due, PlannedChange};
+use simulator::event_schedule::{Due, PlannedChange};
 
 use scenario::{EventSpec, Moment};
 
@@ -43,8 +43,8 @@ fn first_tick(time_s: f64, tick_period_ns: u64) -> u64 {
         .max(0.0) as u64
 }
 
-/// The agenda of the simulator: all changes of the obstacles that wait for a robot with one of theirs.
-pub(super) fn agenda(
+/// The event schedule of the simulator: all changes of the obstacles that wait for a robot with one of theirs.
+pub(super) fn event_schedule(
     events: &[EventSpec],
     tick_period_ns: u64,
 ) -> Result<Vec<PlannedChange>, ObstacleMessageError> {
@@ -125,7 +125,11 @@ mod tests {
             within: 0.8,
             of: [4.5, 3.0],
         };
-        let due: Vec<Due> = params.agenda.iter().map(|planned| planned.due).collect();
+        let due: Vec<Due> = params
+            .event_schedule
+            .iter()
+            .map(|planned| planned.due)
+            .collect();
         assert_eq!(
             due,
             [
@@ -138,7 +142,12 @@ mod tests {
                 Due::Tick(200),
             ]
         );
-        assert!(params.agenda.iter().all(|p| p.obstacle == "road_works"));
+        assert!(
+            params
+                .event_schedule
+                .iter()
+                .all(|p| p.obstacle == "road_works")
+        );
         assert_eq!(plan.run.events, 5);
     }
 }

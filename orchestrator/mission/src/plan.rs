@@ -48,7 +48,7 @@ pub struct Plan {
     /// the first.
     pub launches: Vec<Launch>,
     /// The obstacle changes whose ticks are known, by tick; the others are on the simulator's
-    /// agenda.
+    /// event schedule.
     pub obstacle_changes: Vec<ScheduledChange>,
     /// The obstacles that stand from the beginning, for viewers.
     pub standing: Vec<ObstacleEvent>,

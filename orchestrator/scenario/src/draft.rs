@@ -9,7 +9,7 @@ use super::kind::Kind;
 use super::overrides;
 use super::resolve::resolve;
 use super::resolved::ResolvedScenario;
-use super::template::{Grounds, Template};
+use super::template::{MapCache, Template};
 
 /// A scenario's text with the overrides applied so far.
 ///
@@ -72,10 +72,10 @@ impl Draft<'_> {
     ///
     /// # Errors
     /// As [`Draft::resolve`].
-    pub fn template(mut self, grounds: &mut Grounds) -> Result<Template, Diagnostics> {
+    pub fn template(mut self, map_cache: &mut MapCache) -> Result<Template, Diagnostics> {
         self.apply("seed", "run.seed=0");
         let (scenario, placements) = self.resolve_all()?;
-        Template::new(scenario, placements, grounds)
+        Template::new(scenario, placements, map_cache)
     }
 
     fn resolve_all(self) -> Result<(ResolvedScenario, Vec<Placement>), Diagnostics> {

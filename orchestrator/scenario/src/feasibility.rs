@@ -23,8 +23,8 @@ pub fn resolve(
     rules: &RulesSpec,
     seed: u64,
 ) -> Option<Vec<Pose2>> {
-    let ground = match WorldMap::recent(map) {
-        Ok(ground) => ground,
+    let world_map = match WorldMap::recent(map) {
+        Ok(world_map) => world_map,
         Err(e) => {
             let path = FieldPath::key("world").then("map");
             let origin = ctx.root.origin_along(&path);
@@ -33,12 +33,12 @@ pub fn resolve(
             return None;
         }
     };
-    let fine = check_walls(ctx, &ground, robots) & check_overlaps(ctx, robots);
+    let fine = check_walls(ctx, &world_map, robots) & check_overlaps(ctx, robots);
     if !fine {
         return None;
     }
     let starts = jitter::place(&placements(robots), seed, |p, radius| {
-        ground.is_clear(p, radius)
+        world_map.is_clear(p, radius)
     });
     let starts = match starts {
         Ok(starts) => starts,
@@ -61,10 +61,10 @@ pub fn resolve(
             return None;
         }
     };
-    check_exits(ctx, &ground, robots, rules);
-    check_goals(ctx, &ground, robots);
+    check_exits(ctx, &world_map, robots, rules);
+    check_goals(ctx, &world_map, robots);
     if ctx.problems.is_empty() {
-        check_world(ctx, &ground, robots, &starts, rules, seed);
+        check_world(ctx, &world_map, robots, &starts, rules, seed);
     }
     Some(starts)
 }
@@ -84,7 +84,7 @@ pub fn placements(robots: &[Robot]) -> Vec<Placement> {
 /// The world has the last word: whatever it would refuse is reported here, before anything starts.
 fn check_world(
     ctx: &mut Context<'_>,
-    ground: &WorldMap,
+    world_map: &WorldMap,
     robots: &[Robot],
     starts: &[Pose2],
     rules: &RulesSpec,
@@ -95,7 +95,7 @@ fn check_world(
         spec.start = start;
         spec
     });
-    // The ground is made already; the specification's map is not looked at.
+    // The world map is made already; the specification's map is not looked at.
     let map = MapSpec::Vector(VectorMap::empty([0.0; 2], [1.0; 2], 1.0));
     let spec = WorldSpec {
         map,
@@ -103,7 +103,7 @@ fn check_world(
         rules: rules.clone(),
         seed,
     };
-    let e = match World::on_map(ground.clone(), spec) {
+    let e = match World::on_map(world_map.clone(), spec) {
         Ok(_) => return,
         Err(WorldError::Rules(e)) => {
             let path = FieldPath::key("rules");
@@ -135,16 +135,16 @@ fn check_world(
     ctx.problems.push(problem);
 }
 
-fn check_walls(ctx: &mut Context<'_>, ground: &WorldMap, robots: &[Robot]) -> bool {
+fn check_walls(ctx: &mut Context<'_>, world_map: &WorldMap, robots: &[Robot]) -> bool {
     let mut fine = true;
     for robot in robots {
         let at = robot.spec.start.position();
         let radius = robot.spec.model().radius;
-        if ground.is_clear(at, radius) {
+        if world_map.is_clear(at, radius) {
             continue;
         }
         let name = &robot.spec.name;
-        let distance = ground.distance(at);
+        let distance = world_map.distance(at);
         let message = if distance > 0.0 {
             format!(
                 "robot `{name}` starts in a wall: {distance:.3} m from its centre to the wall, \
@@ -189,7 +189,7 @@ fn check_overlaps(ctx: &mut Context<'_>, robots: &[Robot]) -> bool {
 }
 
 /// Every exit can be reached by some evader (if there are any).
-fn check_exits(ctx: &mut Context<'_>, ground: &WorldMap, robots: &[Robot], rules: &RulesSpec) {
+fn check_exits(ctx: &mut Context<'_>, world_map: &WorldMap, robots: &[Robot], rules: &RulesSpec) {
     let evaders: Vec<&Robot> = robots
         .iter()
         .filter(|r| r.spec.team == Team::Evader)
@@ -201,7 +201,7 @@ fn check_exits(ctx: &mut Context<'_>, ground: &WorldMap, robots: &[Robot], rules
     if evaders.is_empty() {
         return;
     }
-    let passages = passages(ground, slimmest);
+    let passages = passages(world_map, slimmest);
     let reach = passages.reach(evaders.iter().map(|r| r.spec.start.position()));
     let of_rules = rules.exits.iter().enumerate().map(|(i, exit)| {
         (
@@ -209,7 +209,7 @@ fn check_exits(ctx: &mut Context<'_>, ground: &WorldMap, robots: &[Robot], rules
             FieldPath::key("rules").then("exits").step(Step::Index(i)),
         )
     });
-    let of_map = ground
+    let of_map = world_map
         .exits()
         .iter()
         .map(|e| (e, FieldPath::key("world").then("map")));
@@ -237,13 +237,13 @@ fn check_exits(ctx: &mut Context<'_>, ground: &WorldMap, robots: &[Robot], rules
 }
 
 /// Every robot can reach its goal.
-fn check_goals(ctx: &mut Context<'_>, ground: &WorldMap, robots: &[Robot]) {
+fn check_goals(ctx: &mut Context<'_>, world_map: &WorldMap, robots: &[Robot]) {
     for robot in robots {
         let Some(goal) = robot.spec.goal else {
             continue;
         };
         let radius = robot.spec.model().radius;
-        let passages = passages(ground, radius);
+        let passages = passages(world_map, radius);
         if passages.reach([robot.spec.start.position()]).meets(&goal) {
             continue;
         }
@@ -261,7 +261,7 @@ fn check_goals(ctx: &mut Context<'_>, ground: &WorldMap, robots: &[Robot]) {
 
 /// The cells that a disc of this radius (m) can pass. A cell within one cell's diagonal of fitting
 /// counts as fitting, so that the grid never closes a gap that is open.
-fn passages(ground: &WorldMap, radius: f64) -> Arc<Passages> {
-    let enough = (radius - ground.frame().resolution * core::f64::consts::FRAC_1_SQRT_2) as f32;
-    ground.shapes().passages(f64::from(enough))
+fn passages(world_map: &WorldMap, radius: f64) -> Arc<Passages> {
+    let enough = (radius - world_map.frame().resolution * core::f64::consts::FRAC_1_SQRT_2) as f32;
+    world_map.shapes().passages(f64::from(enough))
 }

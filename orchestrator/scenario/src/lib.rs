@@ -43,4 +43,4 @@ pub use failure::Supervision;
 pub use load::{Listed, Loader, list};
 pub use resolved::{ProcessSpec, Program, ResolvedScenario};
 pub use spec::OnFailure;
-pub use template::{Grounds, Template};
+pub use template::{MapCache, Template};

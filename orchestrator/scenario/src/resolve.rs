@@ -68,22 +68,22 @@ pub(super) fn resolve(
     let run: Option<RunSpec> = ctx.section("run");
     let log: Option<LogSpec> = ctx.section("log");
     let rules: Option<RulesSpec> = ctx.section("rules");
-    let ground = world::resolve(ctx, base);
+    let map_setup = world::resolve(ctx, base);
     let robots = robots::resolve(ctx);
-    let map = ground.as_ref().map(|g| &g.map);
+    let map = map_setup.as_ref().map(|g| &g.map);
     let defaults = RunSpec::default();
     let read = run.as_ref().unwrap_or(&defaults);
     let processes = processes::resolve(ctx, robots.as_deref(), map, read);
     let events = events::resolve(ctx, map, robots.as_deref());
     let (top, run, log, rules) = (top?, run?, log?, rules?);
-    let (ground, robots) = (ground?, robots?);
+    let (map_setup, robots) = (map_setup?, robots?);
     if !ctx.problems.is_empty() {
         return None;
     }
     check_ticks(ctx, &run, &rules);
     let placements = feasibility::placements(&robots);
-    let starts = feasibility::resolve(ctx, &ground.map, &robots, &rules, run.seed)?;
-    check_end(ctx, &ground.map, &robots, &rules);
+    let starts = feasibility::resolve(ctx, &map_setup.map, &robots, &rules, run.seed)?;
+    check_end(ctx, &map_setup.map, &robots, &rules);
     let specs = robots.into_iter().zip(starts).map(|(r, start)| {
         let mut spec = r.spec;
         spec.start = start;
@@ -94,13 +94,13 @@ pub(super) fn resolve(
         title: top.title.unwrap_or_default(),
         description: top.description.unwrap_or_default().trim().to_owned(),
         world: WorldSpec {
-            map: ground.map,
+            map: map_setup.map,
             robots: specs.collect(),
             rules,
             seed: run.seed,
         },
         run,
-        blur_sigma: ground.blur_sigma,
+        blur_sigma: map_setup.blur_sigma,
         processes,
         events,
         log,

@@ -15,22 +15,22 @@ pub struct Template {
     scenario: ResolvedScenario,
     placements: Vec<Placement>,
     /// The map, if starts are drawn on it.
-    ground: Option<Arc<WorldMap>>,
+    world_map: Option<Arc<WorldMap>>,
 }
 
 /// Maps that templates share.
 #[derive(Debug, Default)]
-pub struct Grounds(Vec<(MapSpec, Arc<WorldMap>)>);
+pub struct MapCache(Vec<(MapSpec, Arc<WorldMap>)>);
 
-impl Grounds {
+impl MapCache {
     /// The map, made once.
     fn of(&mut self, spec: &MapSpec) -> Result<Arc<WorldMap>, geometry::map::MapError> {
-        if let Some((_, ground)) = self.0.iter().find(|(known, _)| known == spec) {
-            return Ok(Arc::clone(ground));
+        if let Some((_, world_map)) = self.0.iter().find(|(known, _)| known == spec) {
+            return Ok(Arc::clone(world_map));
         }
-        let ground = Arc::new(WorldMap::new(spec)?);
-        self.0.push((spec.clone(), Arc::clone(&ground)));
-        Ok(ground)
+        let world_map = Arc::new(WorldMap::new(spec)?);
+        self.0.push((spec.clone(), Arc::clone(&world_map)));
+        Ok(world_map)
     }
 }
 
@@ -38,12 +38,12 @@ impl Template {
     pub(super) fn new(
         scenario: ResolvedScenario,
         placements: Vec<Placement>,
-        grounds: &mut Grounds,
+        map_cache: &mut MapCache,
     ) -> Result<Self, Diagnostics> {
         let drawn = placements.iter().any(|p| p.jitter.is_some());
-        let ground = drawn.then(|| grounds.of(&scenario.world.map)).transpose();
+        let world_map = drawn.then(|| map_cache.of(&scenario.world.map)).transpose();
         Ok(Self {
-            ground: ground.map_err(|e| Diagnostic::new(Code::Geometry, e.to_string()))?,
+            world_map: world_map.map_err(|e| Diagnostic::new(Code::Geometry, e.to_string()))?,
             scenario,
             placements,
         })
@@ -62,11 +62,11 @@ impl Template {
         let mut scenario = self.scenario.clone();
         scenario.run.seed = seed;
         scenario.world.seed = seed;
-        let Some(ground) = &self.ground else {
+        let Some(world_map) = &self.world_map else {
             return Ok(scenario);
         };
         let starts = jitter::place(&self.placements, seed, |at, radius| {
-            ground.is_clear(at, radius)
+            world_map.is_clear(at, radius)
         });
         let starts = starts.map_err(|index| {
             let name = scenario

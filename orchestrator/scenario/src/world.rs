@@ -52,7 +52,7 @@ impl Default for WorldBlock {
 }
 
 /// What `[world]` says: the map, written out, and the blur's σ (m).
-pub struct Ground {
+pub struct MapSetup {
     /// Never [`MapSpec::File`].
     pub map: MapSpec,
     /// Standard deviation of the map's Gaussian blur (m).
@@ -60,7 +60,7 @@ pub struct Ground {
 }
 
 /// Reads `[world]` and the map; everything wrong is reported.
-pub fn resolve(ctx: &mut Context<'_>, base: &Base) -> Option<Ground> {
+pub fn resolve(ctx: &mut Context<'_>, base: &Base) -> Option<MapSetup> {
     let world = FieldPath::key("world");
     let Some(node) = ctx.root.get("world").cloned() else {
         let problem = ctx
@@ -118,7 +118,7 @@ pub fn resolve(ctx: &mut Context<'_>, base: &Base) -> Option<Ground> {
         }
     }
     check_size(ctx, &node, &map)?;
-    Some(Ground {
+    Some(MapSetup {
         map,
         blur_sigma: block.blur_sigma,
     })

@@ -15,7 +15,7 @@ pub(crate) fn check_task<D: Design>(
     seed: u64,
 ) -> Result<(), TaskFault> {
     let follow = D::follow(params);
-    let bounds = *task.ground.bounds();
+    let bounds = *task.world_map.bounds();
     let radius = task.robot.model().radius;
     if let MapSpec::Vector(map) = task.map {
         let shapes: Vec<Shape> = map.obstacles.iter().map(|o| o.shape.clone()).collect();
@@ -31,7 +31,7 @@ pub(crate) fn check_task<D: Design>(
         }
     }
     let here = task.robot.start.position();
-    Site::new(bounds, task.ground.parts(), radius, &follow, here)
+    Site::new(bounds, task.world_map.parts(), radius, &follow, here)
         .and_then(|site| D::goals(params, &site, seed, None).map(drop))
         .map_err(|message| TaskFault::param(field_of(&message), &message))
 }

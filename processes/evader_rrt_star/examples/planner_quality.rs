@@ -9,8 +9,8 @@ mod support;
 use std::sync::Arc;
 
 use evader_rrt_star::bound::Bound;
+use evader_rrt_star::collision_map::CollisionMap;
 use evader_rrt_star::cost::CostModel;
-use evader_rrt_star::ground::Ground;
 use evader_rrt_star::motion::Straight;
 use evader_rrt_star::params::{Algorithm, CostParams, SearchParams};
 use evader_rrt_star::search::{Scene, Search};
@@ -41,9 +41,9 @@ fn main() {
     let seeds = words.next().and_then(|w| w.parse().ok()).unwrap_or(21_u64);
     let budget_ms = words.next().and_then(|w| w.parse().ok()).unwrap_or(120.0);
 
-    let mut ground = Ground::new(&support::city(), RADIUS, 1);
+    let mut collision_map = CollisionMap::new(&support::city(), RADIUS, 1);
     let cost = CostModel::new(CostParams::length(), Algorithm::Improved, 0.45);
-    let Ok(graph) = TangentGraph::new(&ground.space, RADIUS) else {
+    let Ok(graph) = TangentGraph::new(&collision_map.space, RADIUS) else {
         eprintln!("the city has no tangent graph");
         return;
     };
@@ -56,10 +56,10 @@ fn main() {
     }
     for (query, [x0, y0, x1, y1]) in QUERIES.into_iter().enumerate() {
         let goal = Point2::new(x1, y1);
-        let towards: Vec<Arc<Towards>> = ground.towards(&[goal]);
+        let towards: Vec<Arc<Towards>> = collision_map.towards(&[goal]);
         let scene = Scene {
-            space: &ground.space,
-            sampler: &ground.sampler,
+            space: &collision_map.space,
+            sampler: &collision_map.sampler,
             radius: RADIUS,
             cost: &cost,
             bodies: &[],

@@ -13,9 +13,9 @@ use steering::feedback_linearisation::EPSILON;
 use steering::path_tracking::{PathTracker, TrackingParams};
 use steering::potential_evader::{Evader, EvaderParams};
 
+use crate::collision_map::{Body, CollisionMap, GOAL_TOLERANCE};
 use crate::cost::{CostModel, Pursuer};
 use crate::follow;
-use crate::ground::{Body, GOAL_TOLERANCE, Ground};
 use crate::params::{Follower, ReplanRule, RrtStarParams};
 use crate::planning::{Planning, Task};
 use crate::replan::{is_threatened, papers_safety};
@@ -80,7 +80,7 @@ pub struct RrtStarEvader {
     bodies: Vec<Body>,
     flight: Evader,
     /// The map with the margin, and without.
-    grounds: [Option<Ground>; 2],
+    grounds: [Option<CollisionMap>; 2],
     /// Whether the last plan found no way with the margin.
     is_tight: bool,
     /// What the last plan was made for: revision of the map, and the bodies.
@@ -209,29 +209,29 @@ impl RrtStarEvader {
         };
         let radius = radius + margin;
         let [wide, tight] = &mut self.grounds;
-        let ground = if self.is_tight { tight } else { wide };
-        if !ground
+        let collision_map = if self.is_tight { tight } else { wide };
+        if !collision_map
             .as_ref()
-            .is_some_and(|ground| ground.is_of(radius, revision))
+            .is_some_and(|collision_map| collision_map.is_of(radius, revision))
         {
-            *ground = Some(Ground::new(space, radius, revision));
+            *collision_map = Some(CollisionMap::new(space, radius, revision));
         }
     }
 
     /// The map as the next plan takes it.
-    fn ground(&self) -> Option<&Ground> {
+    fn collision_map(&self) -> Option<&CollisionMap> {
         let [wide, tight] = &self.grounds;
-        let ground = if self.is_tight { tight } else { wide };
-        ground.as_ref()
+        let collision_map = if self.is_tight { tight } else { wide };
+        collision_map.as_ref()
     }
 
     /// The exits, each moved to where the robot can be; those that cannot be are left out.
     fn goals(&self, view: &View<'_>) -> Vec<Point2<f64>> {
-        let Some(ground) = self.ground() else {
+        let Some(collision_map) = self.collision_map() else {
             return Vec::new();
         };
         view.usable_exits()
-            .filter_map(|exit| ground.free_place(exit, GOAL_TOLERANCE))
+            .filter_map(|exit| collision_map.free_place(exit, GOAL_TOLERANCE))
             .collect()
     }
 
@@ -259,7 +259,7 @@ impl RrtStarEvader {
 
     /// Drops a route that obstacles have come onto.
     fn drop_blocked(&mut self, own: &RobotView, revision: u64) {
-        let (Some(route), Some(ground)) = (&self.route, self.ground()) else {
+        let (Some(route), Some(collision_map)) = (&self.route, self.collision_map()) else {
             return;
         };
         let now = (revision, &self.bodies);
@@ -276,7 +276,7 @@ impl RrtStarEvader {
         let is_free = ahead
             .filter(|(_, along)| along.last().is_some_and(|&end| end > progress))
             .all(|(points, _)| match points {
-                &[a, b] => ground.is_free_line(a, b, own.radius - CHORD, &self.bodies),
+                &[a, b] => collision_map.is_free_line(a, b, own.radius - CHORD, &self.bodies),
                 _ => true,
             });
         if is_free {
@@ -347,13 +347,13 @@ impl RrtStarEvader {
         let takes_s = f64::from(iterations) * self.params.timing.time_per_iteration_s;
         let start = self.pose_in(takes_s, own);
         let [wide, tight] = &mut self.grounds;
-        let Some(ground) = (if self.is_tight { tight } else { wide }) else {
+        let Some(collision_map) = (if self.is_tight { tight } else { wide }) else {
             return;
         };
-        let Some(place) = ground.free_place(start.position(), MAX_PUSH) else {
+        let Some(place) = collision_map.free_place(start.position(), MAX_PUSH) else {
             return;
         };
-        let mut towards = ground.towards(goals);
+        let mut towards = collision_map.towards(goals);
         let mut goals = goals.to_vec();
         if !towards.is_empty() {
             // What cannot be reached at all is not searched for.
@@ -363,7 +363,7 @@ impl RrtStarEvader {
         self.cost.set_pursuers(self.pursuers.iter().copied());
         let now = (revision, self.bodies.clone());
         let task = Task {
-            ground,
+            collision_map,
             bodies: &self.bodies,
             cost: &self.cost,
             start: Pose2::new(place.x, place.y, start.theta),

@@ -9,10 +9,10 @@
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
 
 pub mod bound;
+pub mod collision_map;
 pub mod cost;
 pub mod evader;
 pub mod follow;
-pub mod ground;
 pub mod index;
 pub mod motion;
 pub mod params;

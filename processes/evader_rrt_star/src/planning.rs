@@ -9,8 +9,8 @@ use planner_view::limits::Limits;
 use steering::path_tracking::TrackingParams;
 
 use crate::bound::Bound;
+use crate::collision_map::{Body, CollisionMap};
 use crate::cost::CostModel;
-use crate::ground::{Body, Ground};
 use crate::motion::{Arcs, Motion, Straight};
 use crate::params::{Algorithm, Follower, Primitive, RrtStarParams};
 use crate::route::Route;
@@ -33,7 +33,7 @@ trait Engine: core::fmt::Debug + Send {
 #[derive(Debug, Clone, Copy)]
 pub struct Task<'a> {
     /// The map.
-    pub ground: &'a Ground,
+    pub collision_map: &'a CollisionMap,
     /// Robots that stand in the way.
     pub bodies: &'a [Body],
     /// What ways cost.
@@ -106,9 +106,9 @@ impl Planning {
 impl<M: Motion + core::fmt::Debug + Send> Engine for Search<M> {
     fn plan(&mut self, task: &Task<'_>) -> Option<Route> {
         let scene = Scene {
-            space: &task.ground.space,
-            sampler: &task.ground.sampler,
-            radius: task.ground.radius,
+            space: &task.collision_map.space,
+            sampler: &task.collision_map.sampler,
+            radius: task.collision_map.radius,
             cost: task.cost,
             bodies: task.bodies,
         };

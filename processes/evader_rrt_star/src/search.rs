@@ -13,8 +13,8 @@ use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
 
 use crate::bound::Bound;
+use crate::collision_map::Body;
 use crate::cost::CostModel;
-use crate::ground::Body;
 use crate::index::{BucketIndex, Near};
 use crate::motion::{Leg, Link, Motion};
 use crate::params::{Algorithm, SearchParams};

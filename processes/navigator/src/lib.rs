@@ -7,7 +7,6 @@
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
 
-pub mod ask;
 pub mod drive;
 pub mod follow;
 pub mod navigator;
@@ -16,9 +15,10 @@ pub mod process;
 pub mod tracking;
 pub mod traffic;
 pub mod trajectory;
+pub mod trajectory_request;
 pub mod wire;
 
-pub use ask::{Ask, Unplanned};
 pub use navigator::{Decision, Navigator};
 pub use params::NavigatorParams;
 pub use trajectory::{Trajectory, TrajectoryError};
+pub use trajectory_request::{PlanFailure, TrajectoryRequest};

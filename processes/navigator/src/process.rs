@@ -16,9 +16,9 @@ use runtime::config::{Clock, ProcessConfig, RobotInfo};
 use runtime::kind::Need;
 use runtime::optimiser_client::OptimiserClient;
 
-use crate::ask::Unplanned;
 use crate::navigator::Navigator;
 use crate::params::NavigatorParams;
+use crate::trajectory_request::PlanFailure;
 use crate::wire;
 
 /// One robot in its process.
@@ -170,7 +170,7 @@ impl NavigatorPlanner {
                 }
                 self.navigator.take(planned, space, view.time_s);
             } else if asked && !link.client.is_asking() {
-                let gone = Unplanned::NoAnswer("the optimiser is gone".to_owned());
+                let gone = PlanFailure::NoAnswer("the optimiser is gone".to_owned());
                 if self.navigator.is_news(&gone) {
                     tracing::warn!("{}: {gone}", self.name);
                 }

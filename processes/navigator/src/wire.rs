@@ -6,13 +6,13 @@ use ipc_types::messages::world::ShapePoint;
 use ipc_types::stamp::Stamp;
 use runtime::shapes;
 
-use crate::ask::{Ask, Unplanned};
 use crate::params::{Guess, Method, PlanningParams};
 use crate::trajectory::{Sample, Trajectory};
+use crate::trajectory_request::{PlanFailure, TrajectoryRequest};
 
 /// The request of a question; `last` as in [`PlanRequest::last`].
 pub fn encode(
-    ask: &Ask,
+    ask: &TrajectoryRequest,
     params: &PlanningParams,
     robot: u32,
     last: u64,
@@ -75,20 +75,20 @@ pub fn encode(
 /// The trajectory of an answer.
 ///
 /// # Errors
-/// [`Unplanned`] says why there is none.
+/// [`PlanFailure`] says why there is none.
 pub fn decode(
     header: &PlanResponse,
     samples: &[TrajectorySample],
-) -> Result<Trajectory, Unplanned> {
+) -> Result<Trajectory, PlanFailure> {
     let reason = header.reason_text();
     match header.status {
         _ if header.is_plan() => {}
-        PlanResponse::NO_PATH => return Err(Unplanned::NoPath),
-        PlanResponse::INFEASIBLE => return Err(Unplanned::Infeasible(reason)),
+        PlanResponse::NO_PATH => return Err(PlanFailure::NoPath),
+        PlanResponse::INFEASIBLE => return Err(PlanFailure::Infeasible(reason)),
         PlanResponse::CANCELLED | PlanResponse::OUT_OF_TIME => {
-            return Err(Unplanned::NoAnswer(reason));
+            return Err(PlanFailure::NoAnswer(reason));
         }
-        _ => return Err(Unplanned::Refused(reason)),
+        _ => return Err(PlanFailure::Refused(reason)),
     }
     let samples = samples.iter().map(|sample| Sample {
         t: sample.time_s,
@@ -99,5 +99,5 @@ pub fn decode(
         },
         twist: Twist2::new(sample.v, sample.omega),
     });
-    Trajectory::new(samples.collect()).map_err(|e| Unplanned::Refused(e.to_string()))
+    Trajectory::new(samples.collect()).map_err(|e| PlanFailure::Refused(e.to_string()))
 }

@@ -7,7 +7,7 @@ use nalgebra::{Point2, Vector2};
 use navigator::drive::Drive;
 use navigator::params::AtPopup;
 use navigator::trajectory::Sample;
-use navigator::{Ask, Navigator, NavigatorParams, Trajectory, Unplanned};
+use navigator::{Navigator, NavigatorParams, PlanFailure, Trajectory, TrajectoryRequest};
 use parameters::check;
 use planner_view::free_space::FreeSpace;
 use planner_view::view::{RobotView, View};
@@ -24,11 +24,11 @@ struct Rig {
     pose: Pose2,
     twist: Twist2,
     tick: u32,
-    asked: Option<Ask>,
+    asked: Option<TrajectoryRequest>,
     /// Everything that was asked, with the time (s).
-    asks: Vec<(f64, Ask)>,
+    asks: Vec<(f64, TrajectoryRequest)>,
     /// What is answered instead of a straight line.
-    refusal: Option<Unplanned>,
+    refusal: Option<PlanFailure>,
     /// Ticks that every answer comes too late.
     late: u32,
     overdue: u32,
@@ -46,7 +46,7 @@ fn space(discs: &[(f64, f64, f64)]) -> FreeSpace {
 }
 
 /// Turn on the spot, straight ahead at full speed.
-fn straight(ask: &Ask) -> Trajectory {
+fn straight(ask: &TrajectoryRequest) -> Trajectory {
     let way: Vector2<f64> = ask.goal - ask.start.position();
     let heading = math::atan2(way.y, way.x);
     let turn = math::angle_difference(heading, ask.start.theta);
@@ -224,7 +224,7 @@ fn at_a_popup_it_goes_on_as_far_as_the_way_is_free_or_stops_at_once() {
         rig.popup(&[(3.0, 1.0, 0.2)]);
         // Nobody answers for long.
         rig.late = 200;
-        rig.refusal = Some(Unplanned::NoPath);
+        rig.refusal = Some(PlanFailure::NoPath);
         rig.steps(9.0);
         let off = (rig.pose.x - stops_at).abs();
         assert!(off < 0.015, "{at_popup:?}: {:?}", rig.pose);
@@ -247,7 +247,7 @@ fn who_is_told_that_there_is_no_way_stands() {
     let mut rig = Rig::new(NavigatorParams::default(), &[[5.0, 1.0]], &[]);
     rig.steps(2.05);
     rig.popup(&[(3.0, 1.0, 0.2)]);
-    rig.refusal = Some(Unplanned::NoPath);
+    rig.refusal = Some(PlanFailure::NoPath);
     rig.steps(3.0);
     assert!(rig.pose.x < 1.47 && rig.twist.v == 0.0, "{:?}", rig.pose);
 }

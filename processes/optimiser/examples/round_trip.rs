@@ -10,7 +10,7 @@ use ipc_types::bus::{Bus, BusOptions, RunSpace};
 use ipc_types::messages::optimiser::PlanRequest;
 use ipc_types::messages::world::ShapePoint;
 use ipc_types::topics::{OptimiserPlan, PLAN_ANSWERED_EVENT, PLAN_ASKED_EVENT, RunSize};
-use optimiser::service::{Dispatcher, Given};
+use optimiser::service::{Dispatcher, DispatcherInput};
 use optimiser::wire::decode_request;
 use runtime::optimiser_client::OptimiserClient;
 use trajectory::Method;
@@ -64,7 +64,7 @@ fn measure(
         bus.create_event(PLAN_ASKED_EVENT)?,
         bus.create_event(PLAN_ANSWERED_EVENT)?,
     ];
-    let _dispatcher = Dispatcher::start(Given {
+    let _dispatcher = Dispatcher::start(DispatcherInput {
         space: space.clone(),
         options,
         name: "optimiser".to_owned(),

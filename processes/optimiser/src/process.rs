@@ -6,7 +6,7 @@ use runtime::kind::Product;
 use runtime::{Process, ProcessConfig, ProcessError, ProcessKind};
 
 use crate::params::OptimiserParams;
-use crate::service::{self, Dispatcher, Given, Memory};
+use crate::service::{self, Dispatcher, DispatcherInput, Memory};
 use crate::wire::{Refusal, decode_request, encode_answer};
 
 /// Serves `optimiser/plan`.
@@ -38,7 +38,7 @@ impl ProcessKind for OptimiserProcess {
         bus: &Bus,
     ) -> Result<Self, ProcessError> {
         let service = match bus.space() {
-            Some(space) => Service::Threads(Dispatcher::start(Given {
+            Some(space) => Service::Threads(Dispatcher::start(DispatcherInput {
                 space: space.clone(),
                 options: *bus.options(),
                 name: config.name.clone(),

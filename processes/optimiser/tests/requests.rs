@@ -56,8 +56,8 @@ fn serve(header: &PlanRequest, points: &[ShapePoint]) -> PlanResponse {
     let decoded = decode_request(header, points).map_err(Refusal::from);
     let result = decoded.and_then(|(problem, options)| {
         let plan = service::solve(&problem, &options, None, &mut stop)?;
-        let ground = ObstacleField::new(&problem).expect("it was planned on");
-        let report = validity_check::report(&problem, &ground, &plan.samples);
+        let world_map = ObstacleField::new(&problem).expect("it was planned on");
+        let report = validity_check::report(&problem, &world_map, &plan.samples);
         assert!(report.is_valid(), "{header:?}: {:?}", report.violations);
         assert!(plan.final_time >= plan.lower_bound - 1e-9, "{header:?}");
         Ok(plan)

@@ -14,7 +14,7 @@ pub(crate) fn check_task(
     seed: u64,
 ) -> Result<(), TaskFault> {
     let model = task.robot.model();
-    let bounds = task.ground.bounds();
+    let bounds = task.world_map.bounds();
     for (index, &[x, y]) in mission.contour.iter().enumerate() {
         let at = Point2::new(x, y);
         let (low, high) = (at - bounds.min, bounds.max - at);
@@ -28,7 +28,7 @@ pub(crate) fn check_task(
             );
             return Err(TaskFault::Param { field, message });
         }
-        if obstacles_known && !task.ground.is_clear(at, model.radius) {
+        if obstacles_known && !task.world_map.is_clear(at, model.radius) {
             let message = format!(
                 "`contour[{index}]` is ({x}, {y}), where an obstacle leaves no room for the robot of \
                  radius {} m, which knows the obstacles: move one of the two",

@@ -25,14 +25,14 @@ pub use params::{PatrolFtoParams, Protection};
 
 /// Where waypoints come from.
 #[derive(Debug, Clone)]
-enum Way {
+enum WaypointSource {
     /// The contour alone.
     Contour(Laps<AnySource>),
     /// The zig-zag, as far as it suits.
     Mixed(Box<MixedLaps<AnySource>>),
 }
 
-impl Way {
+impl WaypointSource {
     fn awg(&self) -> &Awg {
         match self {
             Self::Contour(laps) => laps.awg(),
@@ -67,7 +67,7 @@ impl Way {
 pub struct PatrolFto {
     mission: Mission,
     obstacles_known: bool,
-    way: Way,
+    way: WaypointSource,
     fto: Fto,
     /// Numbers of the waypoints handed to the driver that have not ended, and whether the way to
     /// them is protected by fictive obstacles.
@@ -95,10 +95,10 @@ impl PatrolFto {
         let source = mission.key.source().map_err(MissionError::Key)?;
         let laps = mission.awg.clone().laps(source);
         let way = match params.protection {
-            Protection::FictiveObstacles => Way::Contour(laps),
+            Protection::FictiveObstacles => WaypointSource::Contour(laps),
             Protection::Mixed => {
                 let mixed = MixedLaps::new(params.mixed, laps).map_err(within("mixed"))?;
-                Way::Mixed(Box::new(mixed))
+                WaypointSource::Mixed(Box::new(mixed))
             }
         };
         Ok(Self {
@@ -204,7 +204,7 @@ impl PatrolFto {
         for report in &self.reports {
             let ended = report.waypoint.number;
             self.handed.retain(|&(number, _)| number > ended);
-            if let Way::Mixed(laps) = &mut self.way
+            if let WaypointSource::Mixed(laps) = &mut self.way
                 && report.waypoint.kind == WaypointKind::Inserted
             {
                 laps.report(&report.waypoint, report.outcome);

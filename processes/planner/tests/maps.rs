@@ -8,7 +8,7 @@ use ipc_types::messages::world::{MapCell, MapHeader};
 use ipc_types::topics::{RunSize, WorldMap, WorldShapes};
 use planner::planner_map;
 use runtime::inputs::{MapInput, ShapesInput};
-use runtime::maps::{Ground, Maps};
+use runtime::maps::{MapState, Maps};
 use runtime::shapes;
 
 const CELLS: usize = 16;
@@ -40,7 +40,7 @@ fn header() -> MapHeader {
 fn processes_of_one_thread_make_a_map_once_for_what_it_knows() {
     let maps = Arc::new(Maps::default());
     let bus = bus(&maps);
-    let ground = Ground {
+    let map_state = MapState {
         spec: MapSpec::Vector(VectorMap::empty([0.0; 2], [2.0, 2.0], 0.5)),
         changes: Vec::new(),
         blur_sigma: 0.5,
@@ -51,7 +51,7 @@ fn processes_of_one_thread_make_a_map_once_for_what_it_knows() {
         ..MapCell::default()
     };
     let draw = || Ok::<_, core::convert::Infallible>((header(), vec![free; CELLS]));
-    let Ok((header, cells)) = maps.message(&ground, draw);
+    let Ok((header, cells)) = maps.message(&map_state, draw);
     let sender = bus
         .publisher::<WorldMap>(PublisherOptions::new(0, CELLS))
         .unwrap();
@@ -70,7 +70,7 @@ fn processes_of_one_thread_make_a_map_once_for_what_it_knows() {
         .publisher::<WorldShapes>(PublisherOptions::new(0, 64))
         .unwrap();
     let mut pieces = ShapesInput::open(&bus).unwrap();
-    let map = Map::new(&ground.spec).unwrap();
+    let map = Map::new(&map_state.spec).unwrap();
     let (header, points) = shapes::to_message(map.shapes(), 1, header.stamp, 64);
     shapes_out.send(header, &points).unwrap();
     assert!(pieces.update().unwrap());

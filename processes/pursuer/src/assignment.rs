@@ -7,12 +7,12 @@
 //! the cost of a switch until the next change of the teams.
 
 use nalgebra::Point2;
-use navigation::routes::Wayfinder;
+use navigation::routes::RouteFinder;
 use planner_view::map::PlannerMap;
 use planner_view::view::{RobotView, View};
 use sim_backend::team::Team;
 
-use crate::cut_off::{Blocker, CutSearch, Fugitive, allot};
+use crate::cut_off::{CutSearch, EvaderState, ExitBlocker, allot};
 use crate::exit_guard::ExitGuards;
 use crate::goals::estimate;
 use crate::interception::{Interceptor, meet_on_way};
@@ -71,7 +71,7 @@ impl Assigner {
     pub fn order(
         &mut self,
         map: &PlannerMap,
-        finder: &mut Wayfinder,
+        finder: &mut RouteFinder,
         interceptor: &mut Interceptor,
         view: &View<'_>,
         guards: &ExitGuards,
@@ -123,7 +123,7 @@ impl Assigner {
     fn matched(
         &mut self,
         map: &PlannerMap,
-        finder: &mut Wayfinder,
+        finder: &mut RouteFinder,
         interceptor: &mut Interceptor,
         view: &View<'_>,
         guards: &ExitGuards,
@@ -173,7 +173,7 @@ impl Assigner {
     fn cut_off(
         &mut self,
         map: &PlannerMap,
-        finder: &mut Wayfinder,
+        finder: &mut RouteFinder,
         view: &View<'_>,
         (pursuers, evaders): (&[&RobotView], &[(&RobotView, Point2<f64>)]),
         guarded: bool,
@@ -185,12 +185,12 @@ impl Assigner {
         let Some(&(evader, at)) = evaders.iter().find(|(robot, _)| robot.index == target) else {
             return;
         };
-        let (who, blockers): (Vec<usize>, Vec<Blocker>) = pursuers
+        let (who, blockers): (Vec<usize>, Vec<ExitBlocker>) = pursuers
             .iter()
             .enumerate()
             .filter(|(_, pursuer)| self.kept(pursuer.index) == Some(target))
             .map(|(row, pursuer)| {
-                let blocker = Blocker {
+                let blocker = ExitBlocker {
                     at: pursuer.pose.position(),
                     v_max: pursuer.v_max,
                     slot: slots::ASSIGNMENT + row,
@@ -199,7 +199,7 @@ impl Assigner {
             })
             .unzip();
         let radius = self.params.block_radius;
-        let fugitive = Fugitive {
+        let evader = EvaderState {
             at,
             v_max: evader.v_max,
             guarded,
@@ -207,7 +207,7 @@ impl Assigner {
         let exits = view.usable_exits();
         let cut = self
             .cuts
-            .cut(map, finder, exits, &fugitive, &blockers, radius);
+            .cut(map, finder, exits, &evader, &blockers, radius);
         let places = allot(map, finder, &blockers, &cut, at);
         self.places = who.into_iter().zip(places).collect();
     }
@@ -224,7 +224,7 @@ impl Assigner {
     fn costs(
         &self,
         map: &PlannerMap,
-        finder: &mut Wayfinder,
+        finder: &mut RouteFinder,
         interceptor: &mut Interceptor,
         view: &View<'_>,
         (pursuers, evaders): (&[&RobotView], &[(&RobotView, Point2<f64>)]),

@@ -2,7 +2,7 @@
 
 use nalgebra::{Point2, Vector2};
 use navigation::bearing::{Bearings, GoalField};
-use navigation::routes::{MARGIN, Wayfinder};
+use navigation::routes::{MARGIN, RouteFinder};
 use parameters::ParamsError;
 use planner_view::limits::Limits;
 use planner_view::map::PlannerMap;
@@ -16,7 +16,7 @@ use steering::potential_field::{
 };
 
 use crate::assignment::{Assigner, Order};
-use crate::exit_guard::{Duty, ExitGuards};
+use crate::exit_guard::{ExitGuards, GuardTask};
 use crate::goals::{Hypothesis, estimate, goals, hypotheses};
 use crate::interception::Interceptor;
 use crate::params::{GoalMethod, PursuerParams};
@@ -37,7 +37,7 @@ pub struct Pursuer {
     assigner: Assigner,
     guards: ExitGuards,
     interceptor: Interceptor,
-    finder: Wayfinder,
+    finder: RouteFinder,
     hypotheses: Vec<Hypothesis>,
     goals: Vec<Goal>,
 }
@@ -56,7 +56,7 @@ impl Pursuer {
             assigner: Assigner::new(params.assignment),
             guards: ExitGuards::new(params.roles),
             interceptor: Interceptor::new(params.goals.reach),
-            finder: Wayfinder::default(),
+            finder: RouteFinder::default(),
             hypotheses: Vec::new(),
             goals: Vec::new(),
         })
@@ -84,8 +84,10 @@ impl Pursuer {
                 .guards
                 .duty(map, finder, interceptor, view, &self.params)
             {
-                Some(Duty::Post(post)) => return self.stand(map, view, own, post),
-                Some(Duty::Capture(target)) => {
+                Some(GuardTask::GuardPose(guard_pose)) => {
+                    return self.stand(map, view, own, guard_pose);
+                }
+                Some(GuardTask::Capture(target)) => {
                     return self.pursue(map, view, own, target, GoalMethod::Interception);
                 }
                 None => {}
@@ -231,31 +233,31 @@ impl Pursuer {
         }
     }
 
-    /// Drives to a post and stands there.
+    /// Drives to a guard pose and stands there.
     ///
     /// With its centre, not the point ahead of it, and without what would push it off: colleagues
-    /// (who have posts of their own) and perturbation.
+    /// (who have guard poses of their own) and perturbation.
     fn stand(
         &mut self,
         map: &PlannerMap,
         view: &View<'_>,
         own: &RobotView,
-        post: Point2<f64>,
+        guard_pose: Point2<f64>,
     ) -> Steering {
         let params = &self.params;
         let here = own.pose.position();
         let goal = Goal {
-            at: post,
+            at: guard_pose,
             weight: 1.0,
         };
-        let bearings = bearings(&mut self.finder, params, map, here, [post]);
+        let bearings = bearings(&mut self.finder, params, map, here, [guard_pose]);
         let pull = attraction_to_rest(here, [goal], &bearings);
         let sum = pull + obstacle(map, here, params.obstacle.fidelity);
         let field = in_bounds(params, map, view, own, here, sum);
         Steering {
             command: command(field, own.pose.theta, &self.limits, &params.feedback),
             target: None,
-            aim: Some(post),
+            aim: Some(guard_pose),
             waypoint: waypoint(&[goal], here, pull, &bearings),
             field,
         }
@@ -289,7 +291,7 @@ fn in_bounds(
 
 /// The measure of bearings to these points that the parameters ask for.
 fn bearings<'a>(
-    finder: &'a mut Wayfinder,
+    finder: &'a mut RouteFinder,
     params: &PursuerParams,
     map: &'a PlannerMap,
     here: Point2<f64>,

@@ -24,7 +24,7 @@ use core::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use nalgebra::Point2;
-use navigation::routes::{NavGrid, RouteTree, Wayfinder};
+use navigation::routes::{NavGrid, RouteFinder, RouteTree};
 use planner_view::map::PlannerMap;
 
 use crate::matching::{milliseconds, one_each};
@@ -37,7 +37,7 @@ const NONE: u32 = u32::MAX;
 
 /// Whom to cut off.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Fugitive {
+pub struct EvaderState {
     /// Where it is (m).
     pub at: Point2<f64>,
     /// Its highest speed (m/s).
@@ -48,12 +48,12 @@ pub struct Fugitive {
 
 /// Someone who can take a place.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Blocker {
+pub struct ExitBlocker {
     /// Where it is (m).
     pub at: Point2<f64>,
     /// Its highest speed (m/s).
     pub v_max: f64,
-    /// Where the way-finder keeps its ways.
+    /// Where the route finder keeps its ways.
     pub slot: usize,
 }
 
@@ -91,10 +91,10 @@ impl CutSearch {
     pub fn cut(
         &mut self,
         map: &PlannerMap,
-        finder: &mut Wayfinder,
+        finder: &mut RouteFinder,
         exits: impl IntoIterator<Item = Point2<f64>>,
-        fugitive: &Fugitive,
-        blockers: &[Blocker],
+        evader: &EvaderState,
+        blockers: &[ExitBlocker],
         block_radius: f64,
     ) -> Cut {
         let most = blockers.len().saturating_sub(1);
@@ -107,12 +107,12 @@ impl CutSearch {
             .collect();
         let nodes = grid.len();
         self.prepare(map.revision(), grid, exits);
-        let Some(start) = grid.node_at(fugitive.at) else {
+        let Some(start) = grid.node_at(evader.at) else {
             return Cut::default();
         };
         let mut tight = None;
         for share in SHARES {
-            if fugitive.guarded && share >= 1.0 {
+            if evader.guarded && share >= 1.0 {
                 break;
             }
             self.blocked.clear();
@@ -123,7 +123,7 @@ impl CutSearch {
                 if cut.complete || cut.places.len() >= most {
                     break;
                 }
-                let place = self.place(map, finder, fugitive.v_max, blockers, share);
+                let place = self.place(map, finder, evader.v_max, blockers, share);
                 if let Some(grid) = finder.grid() {
                     self.block(grid, start, place, block_radius);
                 }
@@ -209,9 +209,9 @@ impl CutSearch {
     fn place(
         &self,
         map: &PlannerMap,
-        finder: &mut Wayfinder,
+        finder: &mut RouteFinder,
         v_max: f64,
-        blockers: &[Blocker],
+        blockers: &[ExitBlocker],
         share: f64,
     ) -> Point2<f64> {
         let last = self.way.len().saturating_sub(1);
@@ -257,8 +257,8 @@ impl CutSearch {
 /// for those that shall drive at the target at `at` (m) itself.
 pub fn allot(
     map: &PlannerMap,
-    finder: &mut Wayfinder,
-    blockers: &[Blocker],
+    finder: &mut RouteFinder,
+    blockers: &[ExitBlocker],
     cut: &Cut,
     at: Point2<f64>,
 ) -> Vec<Option<Point2<f64>>> {

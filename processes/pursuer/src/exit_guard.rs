@@ -1,19 +1,19 @@
 //! Guards of the exits.
 //!
 //! Chasers that all run after the nearest evader leave the exit open. Some pursuers stay there
-//! instead: each of them at the post of its exit from which it is least late for any target at any
+//! instead: each of them at the guard pose of its exit from which it is least late for any target at any
 //! entry ([`ExitSite`]). Who guards what, and where, follows from the world's state and the team's
 //! beliefs alone, so that every pursuer comes to the same answer without a word; the choice is kept
 //! until a pursuer drops out or the map changes.
 //!
-//! A guard leaves its post only for a certain capture: it sees a target (or knows all), meets it on
+//! A guard leaves its guard pose only for a certain capture: it sees a target (or knows all), meets it on
 //! its predicted course before it could be out; no other target could be out before the guard were
 //! back; and from where it is now it is still early at every entry for everybody, itself included.
 //! All of that with [`RoleParams::margin_s`] to spare. The last is asked again in every tick, so
 //! that a target that turns away in time finds the guard on its way back.
 
 use nalgebra::Point2;
-use navigation::routes::Wayfinder;
+use navigation::routes::RouteFinder;
 use planner_view::map::PlannerMap;
 use planner_view::view::{RobotView, View};
 use sim_backend::team::Team;
@@ -27,9 +27,9 @@ use crate::targets;
 
 /// What a guard does in a tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Duty {
-    /// It drives to its post (m), or stands there.
-    Post(Point2<f64>),
+pub enum GuardTask {
+    /// It drives to its guard pose (m), or stands there.
+    GuardPose(Point2<f64>),
     /// It captures this evader.
     Capture(usize),
 }
@@ -79,7 +79,7 @@ impl ExitGuards {
     /// One after the other, of the exits with the fewest guards and the pursuers that are free, the
     /// two that are closest together by driving time; of equal ones, those listed first. `finder`
     /// must have been prepared for the map.
-    pub fn choose(&mut self, map: &PlannerMap, finder: &mut Wayfinder, view: &View<'_>) {
+    pub fn choose(&mut self, map: &PlannerMap, finder: &mut RouteFinder, view: &View<'_>) {
         if self.params.exit_guard == 0 {
             return;
         }
@@ -128,20 +128,23 @@ impl ExitGuards {
     pub fn duty(
         &mut self,
         map: &PlannerMap,
-        finder: &mut Wayfinder,
+        finder: &mut RouteFinder,
         interceptor: &mut Interceptor,
         view: &View<'_>,
         params: &PursuerParams,
-    ) -> Option<Duty> {
+    ) -> Option<GuardTask> {
         let &(_, number) = self.guards.iter().find(|guard| guard.0 == view.me)?;
         let site = self.sites.get(number)?.clone();
         self.assess(map, finder, view, &site, params);
         if let Some(target) = self.capture(map, finder, interceptor, view, &site, params) {
-            return Some(Duty::Capture(target));
+            return Some(GuardTask::Capture(target));
         }
-        let posts = self.posts(view, number, &site, params.goals.reach);
-        let post = posts.iter().find(|post| post.0 == view.me)?.1;
-        Some(Duty::Post(post))
+        let guard_poses = self.guard_poses(view, number, &site, params.goals.reach);
+        let guard_pose = guard_poses
+            .iter()
+            .find(|guard_pose| guard_pose.0 == view.me)?
+            .1;
+        Some(GuardTask::GuardPose(guard_pose))
     }
 
     /// Looks at the exits again if they or the map have changed.
@@ -156,11 +159,18 @@ impl ExitGuards {
             .active(Team::Police)
             .map(|robot| robot.radius)
             .fold(0.0, f64::max);
-        let (circle, posts) = (self.params.exit_radius, self.params.post_radius);
+        let (circle, guard_poses) = (self.params.exit_radius, self.params.post_radius);
         let exits = wanted.1.iter().enumerate();
         self.sites = exits
             .map(|(number, &exit)| {
-                ExitSite::new(map, slots::EXITS + number, exit, radius, circle, posts)
+                ExitSite::new(
+                    map,
+                    slots::EXITS + number,
+                    exit,
+                    radius,
+                    circle,
+                    guard_poses,
+                )
             })
             .collect();
         self.sites_for = Some(wanted);
@@ -171,7 +181,7 @@ impl ExitGuards {
     fn assess(
         &mut self,
         map: &PlannerMap,
-        finder: &mut Wayfinder,
+        finder: &mut RouteFinder,
         view: &View<'_>,
         site: &ExitSite,
         params: &PursuerParams,
@@ -221,8 +231,8 @@ impl ExitGuards {
         deadlines
     }
 
-    /// The post of every guard of an exit (m).
-    fn posts(
+    /// The guard pose of every guard of an exit (m).
+    fn guard_poses(
         &self,
         view: &View<'_>,
         number: usize,
@@ -236,32 +246,33 @@ impl ExitGuards {
             .filter_map(|guard| view.robot(guard.0))
             .collect();
         let deadlines = self.deadlines(site.entries().len(), None);
-        let mut posts: Vec<(usize, Point2<f64>)> = Vec::with_capacity(team.len());
-        // Each finds the best post given the others'; once more, now that all have one.
+        let mut guard_poses: Vec<(usize, Point2<f64>)> = Vec::with_capacity(team.len());
+        // Each finds the best guard pose given the others'; once more, now that all have one.
         let rounds = if team.len() > 1 { 2 } else { 1 };
         for _ in 0..rounds {
             for guard in &team {
-                posts.retain(|post| post.0 != guard.index);
+                guard_poses.retain(|guard_pose| guard_pose.0 != guard.index);
                 let mut covered = vec![NEVER_S; site.entries().len()];
-                for (other, post) in &posts {
+                for (other, guard_pose) in &guard_poses {
                     let speed = view.robot(*other).map_or(0.0, |robot| robot.v_max);
                     for (time, &entry) in covered.iter_mut().zip(site.entries()) {
-                        *time = time.min(straight_time(*post, entry, speed, reach));
+                        *time = time.min(straight_time(*guard_pose, entry, speed, reach));
                     }
                 }
-                let others: Vec<_> = posts.iter().map(|post| post.1).collect();
-                let post = site.best_post(guard.v_max, reach, &deadlines, &covered, &others);
-                posts.push((guard.index, post));
+                let others: Vec<_> = guard_poses.iter().map(|guard_pose| guard_pose.1).collect();
+                let guard_pose =
+                    site.best_guard_pose(guard.v_max, reach, &deadlines, &covered, &others);
+                guard_poses.push((guard.index, guard_pose));
             }
         }
-        posts
+        guard_poses
     }
 
     /// The evader whose capture by `view.me` is certain, the first to be met of several.
     fn capture(
         &self,
         map: &PlannerMap,
-        finder: &mut Wayfinder,
+        finder: &mut RouteFinder,
         interceptor: &mut Interceptor,
         view: &View<'_>,
         site: &ExitSite,
@@ -310,7 +321,7 @@ impl ExitGuards {
 /// Time that a pursuer needs to an exit (s); as the crow flies if no way leads there.
 fn driving_time(
     map: &PlannerMap,
-    finder: &mut Wayfinder,
+    finder: &mut RouteFinder,
     site: &ExitSite,
     pursuer: &RobotView,
 ) -> f64 {
@@ -325,7 +336,7 @@ fn driving_time(
 /// When a guard that starts from `from` (m) has each entry in its reach (s); `None` without a way.
 fn times_from(
     map: &PlannerMap,
-    finder: &mut Wayfinder,
+    finder: &mut RouteFinder,
     site: &ExitSite,
     from: Point2<f64>,
     speed: f64,

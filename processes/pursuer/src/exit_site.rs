@@ -11,7 +11,7 @@
 //! with its reach ρ, its speed s, and T(e) the time that the targets need to e at least. What an
 //! entry lies inside the reach counts as time in hand, so that the guard does not stand at the rim
 //! of what it can hold. J(q) < 0 says that e lies in the guard's own part of a Voronoi diagram of arrival times, whichever entry
-//! the targets make for. The best post has the least J: between the threat and the exit when the
+//! the targets make for. The best guard pose has the least J: between the threat and the exit when the
 //! targets are near, in the middle of the entries when they are far.
 
 use core::f64::consts::TAU;
@@ -23,11 +23,11 @@ use planner_view::map::PlannerMap;
 /// Points on the circle that stand for the ways in.
 const ENTRIES: u32 = 24;
 
-/// Distance between two posts that a guard chooses from (m).
-const POST_PITCH: f64 = 0.1;
+/// Distance between two guard poses that a guard chooses from (m).
+const GUARD_POSE_PITCH: f64 = 0.1;
 
-/// Gap between the bodies of two guards at their posts (m).
-const POST_GAP: f64 = 0.2;
+/// Gap between the bodies of two guards at their guard poses (m).
+const GUARD_POSE_GAP: f64 = 0.2;
 
 /// A time that stands for "never" (s), small enough that differences of a nanosecond remain.
 pub const NEVER_S: f64 = 1.0e6;
@@ -42,15 +42,15 @@ pub struct ExitSite {
     entries: Vec<Point2<f64>>,
     /// Directions of the entries from the exit's centre (rad).
     bearings: Vec<f64>,
-    posts: Vec<Point2<f64>>,
+    guard_poses: Vec<Point2<f64>>,
 }
 
 impl ExitSite {
     /// The surroundings of an exit (m) that one is through within `exit_radius` (m) of, for guards
     /// of `robot_radius` (m) that stand no further than `post_radius` (m) from it. `slot` is where
-    /// the guards' way-finders keep the ways to it.
+    /// the guards' route finders keep the ways to it.
     ///
-    /// Entries and posts are places from which the exit can be reached straight.
+    /// Entries and guard poses are places from which the exit can be reached straight.
     pub fn new(
         map: &PlannerMap,
         slot: usize,
@@ -70,16 +70,16 @@ impl ExitSite {
         if entries.is_empty() {
             entries.push(exit);
         }
-        let steps = (post_radius / POST_PITCH).floor() as i32;
-        let mut posts: Vec<_> = (-steps..=steps)
+        let steps = (post_radius / GUARD_POSE_PITCH).floor() as i32;
+        let mut guard_poses: Vec<_> = (-steps..=steps)
             .flat_map(|row| (-steps..=steps).map(move |col| (col, row)))
-            .map(|(col, row)| Vector2::new(f64::from(col), f64::from(row)) * POST_PITCH)
+            .map(|(col, row)| Vector2::new(f64::from(col), f64::from(row)) * GUARD_POSE_PITCH)
             .filter(|offset| offset.norm() <= post_radius)
             .map(|offset| exit + offset)
             .filter(open)
             .collect();
-        if posts.is_empty() {
-            posts.push(exit);
+        if guard_poses.is_empty() {
+            guard_poses.push(exit);
         }
         let bearings = entries.iter().map(|entry| bearing(entry - exit)).collect();
         Self {
@@ -89,11 +89,11 @@ impl ExitSite {
             robot_radius,
             entries,
             bearings,
-            posts,
+            guard_poses,
         }
     }
 
-    /// Where a way-finder keeps the ways to the exit.
+    /// Where a route finder keeps the ways to the exit.
     pub fn slot(&self) -> usize {
         self.slot
     }
@@ -109,8 +109,8 @@ impl ExitSite {
     }
 
     /// The places where a guard may stand (m), never empty.
-    pub fn posts(&self) -> &[Point2<f64>] {
-        &self.posts
+    pub fn guard_poses(&self) -> &[Point2<f64>] {
+        &self.guard_poses
     }
 
     /// Lengths of the shortest ways from `from` (m) to each entry that come through no other (m),
@@ -145,13 +145,13 @@ impl ExitSite {
             .fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// The post with the least lateness for a guard of this speed (m/s) and reach (m), given for
+    /// The guard pose with the least lateness for a guard of this speed (m/s) and reach (m), given for
     /// each entry when targets may be there (s) and when other guards can (`covered` (s)), and
     /// where those stand.
     ///
-    /// Of equal posts the one where the guard alone is less late, then the one nearer to the exit,
+    /// Of equal guard poses the one where the guard alone is less late, then the one nearer to the exit,
     /// then the first.
-    pub fn best_post(
+    pub fn best_guard_pose(
         &self,
         speed: f64,
         reach: f64,
@@ -159,21 +159,24 @@ impl ExitSite {
         covered: &[f64],
         others: &[Point2<f64>],
     ) -> Point2<f64> {
-        let room = 2.0 * self.robot_radius + POST_GAP;
+        let room = 2.0 * self.robot_radius + GUARD_POSE_GAP;
         let mut best = (self.exit, [f64::INFINITY; 3]);
-        for &post in &self.posts {
-            if others.iter().any(|other| (post - other).norm() < room) {
+        for &guard_pose in &self.guard_poses {
+            if others
+                .iter()
+                .any(|other| (guard_pose - other).norm() < room)
+            {
                 continue;
             }
             let (mut alone, mut together) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
             for ((&entry, &deadline), &covered) in self.entries.iter().zip(deadlines).zip(covered) {
-                let time = straight_time(post, entry, speed, reach);
+                let time = straight_time(guard_pose, entry, speed, reach);
                 alone = alone.max(time - deadline);
                 together = together.max(time.min(covered) - deadline);
             }
-            let value = [together, alone, (post - self.exit).norm()];
+            let value = [together, alone, (guard_pose - self.exit).norm()];
             if value.partial_cmp(&best.1) == Some(core::cmp::Ordering::Less) {
-                best = (post, value);
+                best = (guard_pose, value);
             }
         }
         best.0
@@ -217,7 +220,7 @@ mod tests {
                 exit + Vector2::new(cos, sin) * 0.5
             })
             .collect();
-        let posts = (-10..=10)
+        let guard_poses = (-10..=10)
             .flat_map(|i| (-10..=10).map(move |j| (i, j)))
             .map(|(i, j)| exit + Vector2::new(f64::from(i), f64::from(j)) * 0.1)
             .collect();
@@ -228,7 +231,7 @@ mod tests {
             robot_radius: 0.1,
             bearings: entries.iter().map(|entry| bearing(entry - exit)).collect(),
             entries,
-            posts,
+            guard_poses,
         }
     }
 
@@ -265,16 +268,16 @@ mod tests {
             let direction = Vector2::new(cos, sin);
             let from = site.exit() + direction * 1.2;
             let near = deadlines(&site, from, 0.45);
-            let post = site.best_post(0.3, 0.3, &near, &never, &[]);
-            let off = post - site.exit();
-            assert!(off.dot(&direction) > 0.1, "{post} for {from}");
+            let guard_pose = site.best_guard_pose(0.3, 0.3, &near, &never, &[]);
+            let off = guard_pose - site.exit();
+            assert!(off.dot(&direction) > 0.1, "{guard_pose} for {from}");
             assert!(off.dot(&direction) < 1.2);
             let across = off - direction * off.dot(&direction);
-            assert!(across.norm() < 0.15, "{post} for {from}");
+            assert!(across.norm() < 0.15, "{guard_pose} for {from}");
         }
         let far = [40.0; 24];
-        let post = site.best_post(0.3, 0.3, &far, &never, &[]);
-        assert!((post - site.exit()).norm() < 0.05, "{post}");
+        let guard_pose = site.best_guard_pose(0.3, 0.3, &far, &never, &[]);
+        assert!((guard_pose - site.exit()).norm() < 0.05, "{guard_pose}");
     }
 
     #[test]
@@ -282,17 +285,17 @@ mod tests {
         let site = site();
         let never = [NEVER_S; 24];
         let deadlines = deadlines(&site, Point2::new(7.6, 0.9), 0.6);
-        let lateness = |post: Point2<f64>| {
+        let lateness = |guard_pose: Point2<f64>| {
             let times: Vec<_> = site
                 .entries()
                 .iter()
-                .map(|&entry| straight_time(post, entry, 0.3, 0.3))
+                .map(|&entry| straight_time(guard_pose, entry, 0.3, 0.3))
                 .collect();
             ExitSite::lateness(&times, &deadlines)
         };
-        let best = lateness(site.best_post(0.3, 0.3, &deadlines, &never, &[]));
-        for post in site.posts() {
-            assert!(lateness(*post) >= best - 1e-12);
+        let best = lateness(site.best_guard_pose(0.3, 0.3, &deadlines, &never, &[]));
+        for guard_pose in site.guard_poses() {
+            assert!(lateness(*guard_pose) >= best - 1e-12);
         }
     }
 
@@ -301,15 +304,15 @@ mod tests {
         let site = site();
         let never = [NEVER_S; 24];
         let far = [20.0; 24];
-        let first = site.best_post(0.3, 0.1, &far, &never, &[]);
-        let times = |post| {
+        let first = site.best_guard_pose(0.3, 0.1, &far, &never, &[]);
+        let times = |guard_pose| {
             let entries = site.entries().iter();
             entries
-                .map(|e| straight_time(post, *e, 0.3, 0.1))
+                .map(|e| straight_time(guard_pose, *e, 0.3, 0.1))
                 .collect::<Vec<_>>()
         };
         let covered = times(first);
-        let second = site.best_post(0.3, 0.1, &far, &covered, &[first]);
+        let second = site.best_guard_pose(0.3, 0.1, &far, &covered, &[first]);
         assert!((second - first).norm() >= 0.4);
         let both: Vec<_> = covered
             .iter()
@@ -324,8 +327,8 @@ mod tests {
         let site = site();
         let never = [NEVER_S; 24];
         for speed in [0.0, f64::NAN] {
-            let post = site.best_post(speed, 0.3, &[1.0; 24], &never, &[]);
-            assert!(post.x.is_finite());
+            let guard_pose = site.best_guard_pose(speed, 0.3, &[1.0; 24], &never, &[]);
+            assert!(guard_pose.x.is_finite());
         }
     }
 }

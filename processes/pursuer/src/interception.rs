@@ -22,7 +22,7 @@
 //! that of its own shortest way there, less ρ.
 
 use nalgebra::{Point2, Vector2};
-use navigation::routes::Wayfinder;
+use navigation::routes::RouteFinder;
 use planner_view::map::PlannerMap;
 use planner_view::view::RobotView;
 
@@ -110,7 +110,7 @@ pub fn meet_on_way(
     None
 }
 
-/// Predicts ways and finds meetings, for the robot whose way-finder it is given.
+/// Predicts ways and finds meetings, for the robot whose route finder it is given.
 #[derive(Debug, Clone, Default)]
 pub struct Interceptor {
     reach: f64,
@@ -133,7 +133,7 @@ impl Interceptor {
     pub fn meeting(
         &mut self,
         map: &PlannerMap,
-        finder: &mut Wayfinder,
+        finder: &mut RouteFinder,
         own: &RobotView,
         exits: impl IntoIterator<Item = Point2<f64>>,
         target: &Target,
@@ -174,7 +174,7 @@ impl Interceptor {
     pub fn predict(
         &mut self,
         map: &PlannerMap,
-        finder: &mut Wayfinder,
+        finder: &mut RouteFinder,
         exits: impl IntoIterator<Item = Point2<f64>>,
         at: Point2<f64>,
         v_max: f64,

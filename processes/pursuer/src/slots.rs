@@ -1,4 +1,4 @@
-//! Who keeps which trees in a pursuer's way-finder.
+//! Who keeps which trees in a pursuer's route finder.
 //!
 //! Trees are planted anew when another root comes to a slot, so a slot used for two things would
 //! cost time; it would never be wrong.

@@ -188,7 +188,7 @@ fn cell(cell: &Cell) -> DominanceCell {
     DominanceCell {
         margin: (cell.margin * STEPS).round() / STEPS,
         robot: match cell.owner {
-            Owner::Nobody => DominanceCell::NOBODY,
+            Owner::Neither => DominanceCell::NOBODY,
             _ => u16::try_from(cell.first).unwrap_or(DominanceCell::NOBODY),
         },
         owner: cell.owner.code(),
@@ -204,7 +204,7 @@ fn counted(stamp: Stamp, cells: &[Cell]) -> DominanceHeader {
     };
     for cell in cells {
         match cell.owner {
-            Owner::Nobody => {}
+            Owner::Neither => {}
             Owner::Police => header.police_cells += 1,
             Owner::Evader => header.evader_cells += 1,
             Owner::CutOff => header.cut_off_cells += 1,
@@ -236,7 +236,7 @@ mod tests {
             first: 3,
             margin: 1.23,
         };
-        let cells = [Owner::Police, Owner::Evader, Owner::Evader, Owner::Nobody].map(of);
+        let cells = [Owner::Police, Owner::Evader, Owner::Evader, Owner::Neither].map(of);
         let header = counted(Stamp::default(), &cells);
         assert_eq!(
             (

@@ -119,7 +119,7 @@ impl Referee {
             .cells(map, arena, &self.evaders, &mut self.cells);
         for cell in &mut self.cells {
             let robots = match cell.owner {
-                Owner::Nobody => continue,
+                Owner::Neither => continue,
                 Owner::Police => &self.police_robots,
                 Owner::Evader | Owner::CutOff => &self.evader_robots,
             };

@@ -161,7 +161,7 @@ pub struct Task<'a> {
     /// The map as the scenario describes it.
     pub map: &'a MapSpec,
     /// The same map, built.
-    pub ground: &'a WorldMap,
+    pub world_map: &'a WorldMap,
     /// Seed of the run.
     pub run_seed: u64,
 }

@@ -2,7 +2,7 @@
 //! runs in one process build once, however many robots and runs look at it.
 //!
 //! Found on the bus by [`Bus::commons`](ipc_types::bus::Bus::commons); there are none between
-//! processes. Everything here is a function of the ground's description and of the obstacle changes
+//! processes. Everything here is a function of the map state's description and of the obstacle changes
 //! since, so that it does not matter which run made it.
 
 use std::any::Any;
@@ -17,8 +17,8 @@ const MAX_MAPS: usize = 16;
 
 /// What a map message is made of.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Ground {
-    /// The ground at the start.
+pub struct MapState {
+    /// The map state at the start.
     pub spec: MapSpec,
     /// What has changed since, in order.
     pub changes: Vec<ObstacleChange>,
@@ -29,7 +29,7 @@ pub struct Ground {
 /// A map message without its stamp.
 #[derive(Debug, Clone)]
 struct Drawn {
-    ground: Ground,
+    map_state: MapState,
     header: MapHeader,
     cells: Arc<[MapCell]>,
     /// Whether a reader has checked the cells.
@@ -45,31 +45,35 @@ pub struct Maps {
 }
 
 impl Maps {
-    /// The message of a ground, drawn by `draw` if nobody has done it yet; its stamp is that of the
+    /// The message of a map state, drawn by `draw` if nobody has done it yet; its stamp is that of the
     /// one who drew it.
     ///
     /// # Errors
     /// Those of `draw`.
     pub fn message<E>(
         &self,
-        ground: &Ground,
+        map_state: &MapState,
         draw: impl FnOnce() -> Result<(MapHeader, Vec<MapCell>), E>,
     ) -> Result<(MapHeader, Arc<[MapCell]>), E> {
-        if let Some(known) = self.lock().iter().find(|drawn| drawn.ground == *ground) {
+        if let Some(known) = self
+            .lock()
+            .iter()
+            .find(|drawn| drawn.map_state == *map_state)
+        {
             return Ok((known.header, Arc::clone(&known.cells)));
         }
         let (header, cells) = draw()?;
         let cells = Arc::from(cells);
         let mut drawn = self.lock();
         // Another thread may have been faster: all must share the same cells.
-        if let Some(known) = drawn.iter().find(|drawn| drawn.ground == *ground) {
+        if let Some(known) = drawn.iter().find(|drawn| drawn.map_state == *map_state) {
             return Ok((known.header, Arc::clone(&known.cells)));
         }
         if drawn.len() >= MAX_MAPS {
             drawn.remove(0);
         }
         drawn.push(Drawn {
-            ground: ground.clone(),
+            map_state: map_state.clone(),
             header,
             cells: Arc::clone(&cells),
             is_checked: false,
@@ -127,36 +131,36 @@ mod tests {
 
     use super::*;
 
-    fn ground(width: f64) -> Ground {
-        Ground {
+    fn map_state(width: f64) -> MapState {
+        MapState {
             spec: MapSpec::Vector(VectorMap::empty([0.0; 2], [width, 2.0], 0.5)),
             changes: Vec::new(),
             blur_sigma: 0.5,
         }
     }
 
-    fn cells(maps: &Maps, ground: &Ground, drawn: &mut u32) -> Arc<[MapCell]> {
+    fn cells(maps: &Maps, map_state: &MapState, drawn: &mut u32) -> Arc<[MapCell]> {
         let draw = || {
             *drawn += 1;
             Ok::<_, Infallible>((MapHeader::default(), vec![MapCell::default(); 4]))
         };
-        let Ok((_, cells)) = maps.message(ground, draw);
+        let Ok((_, cells)) = maps.message(map_state, draw);
         cells
     }
 
     #[test]
     fn a_message_is_drawn_once_per_ground_and_change() {
         let (maps, mut drawn) = (Maps::default(), 0);
-        let first = cells(&maps, &ground(4.0), &mut drawn);
-        let again = cells(&maps, &ground(4.0), &mut drawn);
+        let first = cells(&maps, &map_state(4.0), &mut drawn);
+        let again = cells(&maps, &map_state(4.0), &mut drawn);
         assert!(Arc::ptr_eq(&first, &again) && drawn == 1);
-        let mut changed = ground(4.0);
+        let mut changed = map_state(4.0);
         changed
             .changes
             .push(ObstacleChange::Disappear { id: ObstacleId(3) });
-        for other in [ground(5.0), changed] {
+        for other in [map_state(5.0), changed] {
             let other = cells(&maps, &other, &mut drawn);
-            // Equal cells of another ground are not the same cells.
+            // Equal cells of another map state are not the same cells.
             assert!(!Arc::ptr_eq(&first, &other));
         }
         assert_eq!(drawn, 3);
@@ -165,13 +169,13 @@ mod tests {
     #[test]
     fn what_readers_make_is_kept_with_its_cells_by_its_type() {
         let (maps, mut drawn) = (Maps::default(), 0);
-        let known = cells(&maps, &ground(4.0), &mut drawn);
+        let known = cells(&maps, &map_state(4.0), &mut drawn);
         let first = maps.derived::<Mutex<u32>>(&known).unwrap();
         *first.lock().unwrap() = 7;
         let again = maps.derived::<Mutex<u32>>(&known).unwrap();
         assert!(Arc::ptr_eq(&first, &again) && *again.lock().unwrap() == 7);
         assert_eq!(*maps.derived::<u32>(&known).unwrap(), 0);
-        let other = cells(&maps, &ground(5.0), &mut drawn);
+        let other = cells(&maps, &map_state(5.0), &mut drawn);
         assert_eq!(
             *maps.derived::<Mutex<u32>>(&other).unwrap().lock().unwrap(),
             0
@@ -184,8 +188,8 @@ mod tests {
     #[test]
     fn cells_are_checked_once() {
         let (maps, mut drawn) = (Maps::default(), 0);
-        let known = cells(&maps, &ground(4.0), &mut drawn);
-        let other = cells(&maps, &ground(5.0), &mut drawn);
+        let known = cells(&maps, &map_state(4.0), &mut drawn);
+        let other = cells(&maps, &map_state(5.0), &mut drawn);
         assert!(!maps.is_checked(&known));
         maps.mark_checked(&known);
         assert!(maps.is_checked(&known) && !maps.is_checked(&other));
@@ -198,12 +202,12 @@ mod tests {
     fn the_oldest_map_goes_when_there_are_too_many() {
         let (maps, mut drawn) = (Maps::default(), 0);
         for width in 0..=MAX_MAPS {
-            cells(&maps, &ground(4.0 + width as f64), &mut drawn);
+            cells(&maps, &map_state(4.0 + width as f64), &mut drawn);
         }
         let before = drawn;
-        cells(&maps, &ground(5.0), &mut drawn);
+        cells(&maps, &map_state(5.0), &mut drawn);
         assert_eq!(drawn, before, "the second is still there");
-        cells(&maps, &ground(4.0), &mut drawn);
+        cells(&maps, &map_state(4.0), &mut drawn);
         assert_eq!(drawn, before + 1, "the first is not");
     }
 }

@@ -1,15 +1,15 @@
 //! The simulator process: drives `sim_backend::World` and owns the tick.
 //!
 //! * [`process`]: the loop, in lock-step and in real time;
-//! * [`agenda`]: changes of the obstacles that wait for robots or for each other;
+//! * [`event_schedule`]: changes of the obstacles that wait for robots or for each other;
 //! * [`commands`]: which command holds for which robot;
 //! * [`outputs`]: the world as messages.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
 
-pub mod agenda;
 pub mod commands;
+pub mod event_schedule;
 mod obstacles;
 pub mod outputs;
 pub mod params;

@@ -8,28 +8,32 @@ use ipc_types::topics::ObstacleEvents;
 use runtime::{ProcessError, obstacle};
 use sim_backend::world::World;
 
-use crate::agenda::{Agenda, PlannedChange};
+use crate::event_schedule::{EventSchedule, PlannedChange};
 
-/// The changes that are still to come: those announced for a tick, and those on the agenda.
+/// The changes that are still to come: those announced for a tick, and those on the event schedule.
 pub(crate) struct Obstacles {
     /// Changes by message, with their tick.
     announced: Vec<(u64, ObstacleEvent)>,
-    agenda: Agenda,
+    event_schedule: EventSchedule,
     /// Index of this process.
     index: u32,
     inbox: Subscriber<ObstacleEvents>,
-    /// Where changes from the agenda are told when they happen; none if there is no agenda.
+    /// Where changes from the event schedule are told when they happen; none if there is no event schedule.
     outbox: Option<Publisher<ObstacleEvents>>,
 }
 
 impl Obstacles {
-    pub(crate) fn open(bus: &Bus, index: u32, agenda: Agenda) -> Result<Self, ProcessError> {
-        let outbox = (!agenda.is_empty())
+    pub(crate) fn open(
+        bus: &Bus,
+        index: u32,
+        event_schedule: EventSchedule,
+    ) -> Result<Self, ProcessError> {
+        let outbox = (!event_schedule.is_empty())
             .then(|| bus.publisher(PublisherOptions::new(index, 1)))
             .transpose()?;
         Ok(Self {
             announced: Vec::new(),
-            agenda,
+            event_schedule,
             index,
             inbox: bus.subscriber()?,
             outbox,
@@ -44,7 +48,7 @@ impl Obstacles {
     }
 
     /// Applies what comes at the stamp's tick: first what was announced for it, then what the
-    /// agenda has for the robots as they stand then. `applied` gets every change that the world
+    /// event schedule has for the robots as they stand then. `applied` gets every change that the world
     /// took.
     pub(crate) fn apply(
         &mut self,
@@ -73,11 +77,11 @@ impl Obstacles {
                 Err(e) => refuse(tick, &e.to_string()),
             }
         }
-        if self.agenda.is_empty() {
+        if self.event_schedule.is_empty() {
             return Ok(());
         }
-        self.agenda.observe(tick, world.robots());
-        while let Some(planned) = self.agenda.take(tick) {
+        self.event_schedule.observe(tick, world.robots());
+        while let Some(planned) = self.event_schedule.take(tick) {
             let change = &planned.change;
             let event = match obstacle::to_message(change) {
                 Ok(event) => event,
@@ -93,7 +97,7 @@ impl Obstacles {
                 }
             }
         }
-        for planned in self.agenda.newly_held(tick) {
+        for planned in self.event_schedule.newly_held(tick) {
             tracing::warn!("tick {tick}: {}", held(planned));
         }
         Ok(())

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use sim_backend::spec::WorldSpec;
 
-use crate::agenda::PlannedChange;
+use crate::event_schedule::PlannedChange;
 
 /// Parameters of the simulator process.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -18,5 +18,5 @@ pub struct SimulatorParams {
     /// Changes of the obstacles that wait for robots or for each other, in their order. (Those that
     /// happen at a fixed time come over their topic.)
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub agenda: Vec<PlannedChange>,
+    pub event_schedule: Vec<PlannedChange>,
 }

@@ -18,13 +18,13 @@ use ipc_types::topics::{
     Commands, Coverage, Scan, WorldEvents, WorldMap as MapTopic, WorldShapes, WorldState,
 };
 use runtime::lockstep::{BarrierLeader, Phase, SlotState};
-use runtime::maps::{Ground, Maps};
+use runtime::maps::{MapState, Maps};
 use runtime::{Clock, ProcessConfig, ProcessError, Setup, shapes};
 use sim_backend::robot::Robot;
 use sim_backend::world::World;
 
-use crate::agenda::Agenda;
 use crate::commands::CommandBoard;
+use crate::event_schedule::EventSchedule;
 use crate::obstacles::Obstacles;
 use crate::outputs::{self, Flags};
 use crate::params::SimulatorParams;
@@ -112,7 +112,7 @@ pub struct Simulator {
     ranges: Vec<f32>,
     map_revision: Option<u32>,
     /// What the map is made of, where maps are shared.
-    shared: Option<(Arc<Maps>, Ground)>,
+    shared: Option<(Arc<Maps>, MapState)>,
     refused_commands: u64,
     state_out: Publisher<WorldState>,
     map_out: Publisher<MapTopic>,
@@ -137,20 +137,21 @@ impl Simulator {
             World::new(params.world.clone()).map_err(|e| refused(config, &e.to_string()))?;
         let maps: Option<Arc<Maps>> = bus.commons();
         let shared = maps.map(|maps| {
-            let ground = Ground {
+            let map_state = MapState {
                 spec: params.world.map.clone(),
                 changes: Vec::new(),
                 blur_sigma: params.blur_sigma,
             };
-            (maps, ground)
+            (maps, map_state)
         });
         let robots = world.robots().len();
         if params.drivers.len() != robots {
             let reason = format!("{} drivers for {robots} robots", params.drivers.len());
             return Err(refused(config, &reason));
         }
-        let agenda = Agenda::new(params.agenda.clone(), &params.world.robots)
-            .map_err(|e| refused(config, &e.to_string()))?;
+        let event_schedule =
+            EventSchedule::new(params.event_schedule.clone(), &params.world.robots)
+                .map_err(|e| refused(config, &e.to_string()))?;
         let port = |capacity: usize| PublisherOptions::new(config.index, capacity);
         let beams = config.run.robots.iter().map(|r| r.beams).max().unwrap_or(0);
         Ok(Self {
@@ -159,7 +160,7 @@ impl Simulator {
             blur_sigma: params.blur_sigma,
             tick_period: Duration::from_nanos(config.run.tick_period_ns),
             tick: 0,
-            obstacles: Obstacles::open(bus, config.index, agenda)?,
+            obstacles: Obstacles::open(bus, config.index, event_schedule)?,
             events: Vec::new(),
             states: Vec::with_capacity(robots),
             missing: vec![false; robots],
@@ -215,8 +216,8 @@ impl Simulator {
         if self.map_revision != Some(revision) {
             let draw = || outputs::map_message(self.world.map(), self.blur_sigma, stamp);
             let failed = |e: BlurError| ProcessError::Algorithm(e.to_string());
-            if let Some((maps, ground)) = &self.shared {
-                let (header, cells) = maps.message(ground, draw).map_err(failed)?;
+            if let Some((maps, map_state)) = &self.shared {
+                let (header, cells) = maps.message(map_state, draw).map_err(failed)?;
                 self.map_out
                     .send_shared(MapHeader { stamp, ..header }, &cells)?;
             } else {
@@ -332,8 +333,8 @@ impl Simulator {
         };
         let shared = &mut self.shared;
         self.obstacles.apply(&mut self.world, stamp, |change| {
-            if let Some((_, ground)) = shared {
-                ground.changes.push(change);
+            if let Some((_, map_state)) = shared {
+                map_state.changes.push(change);
             }
         })?;
         // They hold from this tick on, and are told with it.

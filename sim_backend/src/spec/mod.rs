@@ -22,7 +22,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WorldSpec {
-    /// The ground: a file, vectors, or an occupancy grid.
+    /// The world map: a file, vectors, or an occupancy grid.
     pub map: MapSpec,
     /// The robots; a robot's index in this list is its index everywhere.
     pub robots: Vec<RobotSpec>,

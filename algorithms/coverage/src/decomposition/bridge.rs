@@ -7,7 +7,7 @@ use thiserror::Error;
 
 use super::SAME;
 use super::cells::{Block, Cells};
-use super::merge::NOBODY;
+use super::merge::UNOWNED;
 use crate::workplace::Workplace;
 
 /// Why a bridge cannot be added.
@@ -93,8 +93,8 @@ pub(super) fn between(cells: &Cells, blocks: &[Block], owners: &[u32]) -> Vec<Br
     for (cell, &owner) in owners.iter().enumerate() {
         let right = (cell % width + 1 < width).then_some(cell + 1);
         for next in right.into_iter().chain([cell + width]) {
-            let other = owners.get(next).copied().unwrap_or(NOBODY);
-            if owner != other && owner != NOBODY && other != NOBODY {
+            let other = owners.get(next).copied().unwrap_or(UNOWNED);
+            if owner != other && owner != UNOWNED && other != UNOWNED {
                 pairs.insert([owner.min(other) as usize, owner.max(other) as usize]);
             }
         }

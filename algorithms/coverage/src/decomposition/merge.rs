@@ -4,7 +4,7 @@ use super::SAME;
 use super::cells::{Block, Cells};
 
 /// Cells that belong to no rectangle.
-pub(super) const NOBODY: u32 = u32::MAX;
+pub(super) const UNOWNED: u32 = u32::MAX;
 
 /// Disjoint blocks of all free cells, in the order in which they were taken, and the block of each
 /// cell.
@@ -22,7 +22,7 @@ pub(super) fn merge(cells: &Cells) -> (Vec<Block>, Vec<u32>) {
     for row in 0..cells.rows() {
         rest.measure(row);
     }
-    let mut owners = vec![NOBODY; cells.free().len()];
+    let mut owners = vec![UNOWNED; cells.free().len()];
     let mut blocks = Vec::new();
     let mut corners: Vec<Corner> = (0..cells.free().len())
         .filter(|&cell| rest.is_corner(cell))

@@ -15,7 +15,7 @@ fn scene(obstacles: &[Shape]) -> (Workplace, Space, CellGrid) {
     let workplace = Workplace::new(bounds, 0.15, obstacles, 0.01).unwrap();
     let parts = Decomposition::new(&workplace).unwrap();
     let space = Space::new(&workplace, &parts, bounds.center());
-    let grid = CellGrid::new(&workplace.ground().unwrap(), 0.1).unwrap();
+    let grid = CellGrid::new(&workplace.domain().unwrap(), 0.1).unwrap();
     (workplace, space, grid)
 }
 

@@ -16,7 +16,7 @@ const WIDTHS: [usize; 3] = [10, 4, 2];
 /// Strips into which the workplace is cut along each axis. An order names an axis and a strip.
 const STRIPS: usize = 4;
 
-/// New ground that a metre of path must be worth, as a share of what it sweeps at most; more makes
+/// New domain that a metre of path must be worth, as a share of what it sweeps at most; more makes
 /// shorter legs.
 const THRIFT: f64 = 0.65;
 
@@ -116,7 +116,7 @@ impl Choice<'_> {
     }
 
     /// What a metre of path must bring in (m²/m): falls with the root of what is left to cover, as
-    /// the best leg's share of new ground does.
+    /// the best leg's share of new domain does.
     fn cost(&self) -> f64 {
         2.0 * self.radius * THRIFT * self.freshness.mean_worth().sqrt()
     }

@@ -10,7 +10,7 @@
     reason = "what depends on the machine is the point here"
 )]
 
-use metrics::coverage::{CELL_SIDES, Ground, Meter, Rectangle};
+use metrics::coverage::{CELL_SIDES, CoverageDomain, Meter, Rectangle};
 use nalgebra::Point2;
 
 /// x after 1999 steps, if cosine and arc cosine are rounded as they were for the figures.
@@ -38,8 +38,8 @@ fn check(rows: &[Row], emit: fn(f64) -> f64) {
     assert_eq!(CELL_SIDES, [0.1, 0.25, 0.5]);
     for &(n, length, rates) in rows {
         let bounds = Rectangle::new(Point2::new(0.0, 0.0), Point2::new(10.0, 10.0));
-        let ground = Ground::new(bounds, 0.1, Vec::new()).unwrap();
-        let mut meter = Meter::new(&ground, 0.125).unwrap();
+        let domain = CoverageDomain::new(bounds, 0.1, Vec::new()).unwrap();
+        let mut meter = Meter::new(&domain, 0.125).unwrap();
         for point in orbit(n) {
             let [x, y] = point.map(|c| 5.0 + 4.9 * emit(c));
             meter.goal(Point2::new(x, y));

@@ -58,7 +58,7 @@ fn the_open_workplace_is_covered_as_known() {
         (Raw, 1_380.904_2, [0.3275, 0.6555, 0.9375, 0.9825, 0.9041]),
     ];
     for (emission, length, rates) in rows {
-        let mut meter = Meter::new(&workplace.ground().unwrap(), STEP).unwrap();
+        let mut meter = Meter::new(&workplace.domain().unwrap(), STEP).unwrap();
         let mut source = key(emission);
         for _ in 0..200 {
             meter.goal(map(source.next_symmetric(), &workplace.inner()));
@@ -81,7 +81,7 @@ fn drive(
 ) -> (u64, Figures) {
     let start = Point2::new(1.0, 8.0);
     let mut plan = CoveragePlan::new(decomposition, start, spec, key(emission)).unwrap();
-    let mut meter = Meter::new(&workplace.ground().unwrap(), STEP).unwrap();
+    let mut meter = Meter::new(&workplace.domain().unwrap(), STEP).unwrap();
     meter.goal(start);
     let (mut goals, mut last) = (0, start);
     while let Some(goal) = plan.step() {
@@ -191,7 +191,7 @@ fn the_papers_floating_point_orbit_covers_about_as_much_everywhere() {
     let workplace = workplace(&[]);
     for (emission, goals, length, (their_length, their_disc)) in rows {
         let mut source = chaotic_maps::ChebF64::new(0.1, 0.2, emission).unwrap();
-        let mut meter = Meter::new(&workplace.ground().unwrap(), STEP).unwrap();
+        let mut meter = Meter::new(&workplace.domain().unwrap(), STEP).unwrap();
         for _ in 0..goals {
             meter.goal(map(source.next_symmetric(), &workplace.inner()));
         }

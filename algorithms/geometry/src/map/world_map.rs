@@ -1,4 +1,4 @@
-//! The ground of a world: obstacles, their exact geometry, and the grids made from them.
+//! The static parts of a world: obstacles, their exact geometry, and the grids made from them.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -81,7 +81,7 @@ pub enum ObstacleError {
     },
 }
 
-/// The ground of a world.
+/// The static parts of a world.
 ///
 /// Exact geometry (see the queries: [`distance`](Self::distance), [`cast_ray`](Self::cast_ray) …)
 /// and grids describe the same obstacles at every [`revision`](Self::revision). The edge of the
@@ -109,15 +109,15 @@ pub enum ObstacleError {
 pub struct WorldMap {
     exits: Vec<Region>,
     /// Rectangles of an occupancy grid; they never change.
-    ground: Vec<Convex>,
+    static_parts: Vec<Convex>,
     obstacles: Vec<Obstacle>,
     revision: u64,
-    /// The pieces of ground and obstacles, in this order; clones share them until they change.
+    /// The pieces of static parts and obstacles, in this order; clones share them until they change.
     shapes: Arc<ShapeMap>,
 }
 
 impl WorldMap {
-    /// The ground that a specification describes; a file is read relative to the working directory
+    /// The static parts that a specification describes; a file is read relative to the working directory
     /// (load it before with [`MapSpec::load`] to say otherwise).
     ///
     /// # Errors
@@ -132,7 +132,7 @@ impl WorldMap {
         }
     }
 
-    /// The ground that vectors describe; its obstacles are numbered from 0 in their order.
+    /// The static parts that vectors describe; its obstacles are numbered from 0 in their order.
     ///
     /// # Errors
     /// As [`VectorMap::validate`].
@@ -165,13 +165,13 @@ impl WorldMap {
         ))
     }
 
-    /// The ground that an occupancy grid describes: its occupied cells, merged into rectangles.
+    /// The static parts that an occupancy grid describes: its occupied cells, merged into rectangles.
     ///
     /// # Errors
     /// As [`CellMap::validate`].
     pub fn from_cells(map: &CellMap) -> Result<Self, ParamsError> {
         let grid = map.to_grid()?;
-        let ground = cells::rectangles(&grid)
+        let static_parts = cells::rectangles(&grid)
             .into_iter()
             .map(Convex::Box)
             .collect();
@@ -185,7 +185,7 @@ impl WorldMap {
             frame,
             bounds,
             map.exits.clone(),
-            ground,
+            static_parts,
             Vec::new(),
         ))
     }
@@ -194,12 +194,12 @@ impl WorldMap {
         frame: GridFrame,
         bounds: Aabb,
         exits: Vec<Region>,
-        ground: Vec<Convex>,
+        static_parts: Vec<Convex>,
         obstacles: Vec<Obstacle>,
     ) -> Self {
         let mut map = Self {
             exits,
-            ground,
+            static_parts,
             obstacles,
             revision: 0,
             shapes: Arc::new(ShapeMap::new(
@@ -216,9 +216,9 @@ impl WorldMap {
         map
     }
 
-    /// Recomputes everything that follows from ground and obstacles.
+    /// Recomputes everything that follows from static parts and obstacles.
     fn rebuild(&mut self, bounds: Aabb, frame: GridFrame) {
-        let mut parts = self.ground.clone();
+        let mut parts = self.static_parts.clone();
         for obstacle in &self.obstacles {
             parts.extend_from_slice(&obstacle.parts);
         }

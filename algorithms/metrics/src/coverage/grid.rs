@@ -2,7 +2,7 @@
 
 use nalgebra::Point2;
 
-use super::{CoverageError, Ground, Lattice, MAX_CELLS, TOLERANCE};
+use super::{CoverageDomain, CoverageError, Lattice, MAX_CELLS, TOLERANCE};
 
 /// Square cells over a workplace, from its smaller corner; row after row.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,12 +17,12 @@ pub struct CellGrid {
 
 impl CellGrid {
     /// Cells of this side (m); those at the far borders may stick out. A cell is coverable if its
-    /// centre is free ([`Ground::is_free`]).
+    /// centre is free ([`CoverageDomain::is_free`]).
     ///
     /// # Errors
     /// [`CoverageError`] if there are too many cells or none is coverable.
-    pub fn new(ground: &Ground, side: f64) -> Result<Self, CoverageError> {
-        let bounds = ground.bounds();
+    pub fn new(domain: &CoverageDomain, side: f64) -> Result<Self, CoverageError> {
+        let bounds = domain.bounds();
         let size = bounds.max - bounds.min;
         let count = |length: f64| (length / side - TOLERANCE).ceil().max(1.0);
         let (columns, rows) = (count(size.x), count(size.y));
@@ -39,7 +39,7 @@ impl CellGrid {
             coverable_count: 0,
         };
         grid.coverable = (0..grid.len())
-            .map(|cell| ground.is_free(grid.center(cell)))
+            .map(|cell| domain.is_free(grid.center(cell)))
             .collect();
         grid.coverable_count = grid.coverable.iter().filter(|&&c| c).count();
         if grid.coverable_count == 0 {

@@ -2,7 +2,7 @@
 
 use nalgebra::Point2;
 
-use super::{CellGrid, CoverageError, Ground, Swept, Visits};
+use super::{CellGrid, CoverageDomain, CoverageError, Swept, Visits};
 
 /// Sides of the cells by which goals and path are counted (m).
 pub const CELL_SIDES: [f64; 3] = [0.1, 0.25, 0.5];
@@ -65,18 +65,18 @@ impl Meter {
     ///
     /// # Errors
     /// [`CoverageError`] if the step is not positive or no cell of some size can be covered.
-    pub fn new(ground: &Ground, step: f64) -> Result<Self, CoverageError> {
+    pub fn new(domain: &CoverageDomain, step: f64) -> Result<Self, CoverageError> {
         let usable = step > 0.0 && step.is_finite();
         if !usable {
             return Err(CoverageError::Step { step });
         }
-        let [a, b, c] = CELL_SIDES.map(|side| CellGrid::new(ground, side).map(Visits::new));
+        let [a, b, c] = CELL_SIDES.map(|side| CellGrid::new(domain, side).map(Visits::new));
         let visits = [a?, b?, c?];
         Ok(Self {
             step,
             goals: visits.clone(),
             path: visits,
-            disc: Swept::new(CellGrid::new(ground, DISC_CELL_SIDE)?, ground.radius()),
+            disc: Swept::new(CellGrid::new(domain, DISC_CELL_SIDE)?, domain.radius()),
             last: None,
             length: 0.0,
         })

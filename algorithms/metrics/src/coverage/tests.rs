@@ -7,20 +7,20 @@ fn rectangle(x0: f64, y0: f64, x1: f64, y1: f64) -> Rectangle {
     Rectangle::new(Point2::new(x0, y0), Point2::new(x1, y1))
 }
 
-fn ground(inflated: Vec<Rectangle>) -> Ground {
-    Ground::new(rectangle(0.0, 0.0, 10.0, 10.0), 0.1, inflated).unwrap()
+fn domain(inflated: Vec<Rectangle>) -> CoverageDomain {
+    CoverageDomain::new(rectangle(0.0, 0.0, 10.0, 10.0), 0.1, inflated).unwrap()
 }
 
-fn coverable(ground: &Ground) -> [usize; 3] {
-    CELL_SIDES.map(|side| CellGrid::new(ground, side).unwrap().coverable())
+fn coverable(domain: &CoverageDomain) -> [usize; 3] {
+    CELL_SIDES.map(|side| CellGrid::new(domain, side).unwrap().coverable())
 }
 
 #[test]
 fn the_papers_workplaces_have_the_known_numbers_of_coverable_cells() {
-    assert_eq!(coverable(&ground(vec![])), [9604, 1600, 400]);
-    let case_1 = ground(vec![rectangle(2.4, 2.4, 7.6, 7.6)]);
+    assert_eq!(coverable(&domain(vec![])), [9604, 1600, 400]);
+    let case_1 = domain(vec![rectangle(2.4, 2.4, 7.6, 7.6)]);
     assert_eq!(coverable(&case_1), [6900, 1200, 300]);
-    let case_2 = ground(vec![
+    let case_2 = domain(vec![
         rectangle(0.1, 3.4, 3.1, 6.6),
         rectangle(6.9, 3.4, 9.9, 6.6),
     ]);
@@ -29,7 +29,7 @@ fn the_papers_workplaces_have_the_known_numbers_of_coverable_cells() {
 
 #[test]
 fn points_on_a_border_belong_to_the_cell_above_it() {
-    let grid = CellGrid::new(&ground(vec![]), 0.1).unwrap();
+    let grid = CellGrid::new(&domain(vec![]), 0.1).unwrap();
     // 0.3 / 0.1 is less than 3 in floating point.
     assert_eq!(grid.cell_of(Point2::new(0.3, 0.0)), 3);
     assert_eq!(grid.cell_of(Point2::new(10.0, 10.0)), grid.len() - 1);
@@ -38,7 +38,7 @@ fn points_on_a_border_belong_to_the_cell_above_it() {
 
 #[test]
 fn a_leg_counts_its_start_once_and_whole_numbers_of_steps() {
-    let mut meter = Meter::new(&ground(vec![]), 0.125).unwrap();
+    let mut meter = Meter::new(&domain(vec![]), 0.125).unwrap();
     meter.goal(Point2::new(1.0, 1.0));
     meter.goal(Point2::new(2.0, 1.0));
     meter.goal(Point2::new(2.0, 1.0));
@@ -54,7 +54,7 @@ fn a_leg_counts_its_start_once_and_whole_numbers_of_steps() {
 
 #[test]
 fn a_path_can_be_cut_at_a_length() {
-    let mut meter = Meter::new(&ground(vec![]), 0.125).unwrap();
+    let mut meter = Meter::new(&domain(vec![]), 0.125).unwrap();
     meter.goal(Point2::new(1.0, 1.0));
     assert!(meter.goal_within(Point2::new(4.0, 1.0), 5.0));
     assert!(!meter.goal_within(Point2::new(9.0, 1.0), 5.0));
@@ -65,7 +65,7 @@ fn a_path_can_be_cut_at_a_length() {
 
 #[test]
 fn visits_that_are_the_same_everywhere_have_no_variation() {
-    let mut visits = Visits::new(CellGrid::new(&ground(vec![]), 0.5).unwrap());
+    let mut visits = Visits::new(CellGrid::new(&domain(vec![]), 0.5).unwrap());
     assert_eq!(visits.variation(), f64::INFINITY);
     for cell in 0..400 {
         visits.add(visits.grid().center(cell));
@@ -81,7 +81,7 @@ fn visits_that_are_the_same_everywhere_have_no_variation() {
 
 #[test]
 fn lanes_a_diameter_apart_sweep_everything() {
-    let mut meter = Meter::new(&ground(vec![]), 0.125).unwrap();
+    let mut meter = Meter::new(&domain(vec![]), 0.125).unwrap();
     for lane in 0..50 {
         let y = 0.1 + 0.2 * f64::from(lane);
         let (from, to) = if lane % 2 == 0 {
@@ -100,18 +100,18 @@ fn lanes_a_diameter_apart_sweep_everything() {
 #[test]
 fn unusable_workplaces_and_cells_are_refused_with_what_to_change() {
     let bounds = rectangle(0.0, 0.0, 10.0, 10.0);
-    let error = Ground::new(rectangle(0.0, 0.0, f64::NAN, 1.0), 0.1, vec![]).unwrap_err();
+    let error = CoverageDomain::new(rectangle(0.0, 0.0, f64::NAN, 1.0), 0.1, vec![]).unwrap_err();
     assert!(error.to_string().starts_with("workplace from (0, 0)"));
-    let error = Ground::new(bounds, 5.0, vec![]).unwrap_err();
+    let error = CoverageDomain::new(bounds, 5.0, vec![]).unwrap_err();
     assert!(error.to_string().contains("radius = 5"), "{error}");
-    let error = Ground::new(bounds, 0.1, vec![rectangle(3.0, 3.0, 2.0, 4.0)]).unwrap_err();
+    let error = CoverageDomain::new(bounds, 0.1, vec![rectangle(3.0, 3.0, 2.0, 4.0)]).unwrap_err();
     assert!(error.to_string().starts_with("inflated obstacle"));
-    let open = ground(vec![]);
+    let open = domain(vec![]);
     for side in [0.0, -1.0, f64::NAN, 1e-6] {
         let error = CellGrid::new(&open, side).unwrap_err();
         assert!(matches!(error, CoverageError::CellSide { .. }), "{error}");
     }
-    let full = ground(vec![bounds]);
+    let full = domain(vec![bounds]);
     let error = CellGrid::new(&full, 0.5).unwrap_err();
     assert_eq!(error, CoverageError::NothingCoverable { side: 0.5 });
     assert!(matches!(
@@ -126,7 +126,7 @@ proptest! {
         points in prop::collection::vec((0.0..10.0, 0.0..10.0), 2..6),
         radius in 0.0..0.6,
     ) {
-        let grid = CellGrid::new(&ground(vec![]), 0.25).unwrap();
+        let grid = CellGrid::new(&domain(vec![]), 0.25).unwrap();
         let mut swept = Swept::new(grid.clone(), radius);
         let points: Vec<_> = points.iter().map(|&(x, y)| Point2::new(x, y)).collect();
         for leg in points.windows(2) {

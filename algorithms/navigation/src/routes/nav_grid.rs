@@ -12,7 +12,7 @@ const PITCH: f64 = 0.25;
 pub const MARGIN: f64 = 0.05;
 
 /// How far along a way its straight first leg is looked for (m); a longer straight leg is driven in
-/// parts. In the open, where ways bend only because the graph knows eight directions, longer means
+/// parts. In the open, where routes bend only because the graph knows eight directions, longer means
 /// straighter and costs more time.
 pub(super) const SIGHT: f64 = 4.0;
 
@@ -36,7 +36,7 @@ const NEIGHBOURS: [(i64, i64); 8] = [
 
 /// A graph over blocks of map cells.
 ///
-/// Each block is represented by its point with the most clearance (so that ways run along the
+/// Each block is represented by its point with the most clearance (so that routes run along the
 /// middle of streets); a block is a node if the robot fits there. Neighbouring nodes are joined if
 /// the robot can travel straight between their points. Lengths are whole millimetres, so that sums
 /// and ties are exact.
@@ -143,7 +143,7 @@ impl NavGrid {
         &self.points
     }
 
-    /// The ways from a node to its neighbours.
+    /// The routes from a node to its neighbours.
     pub fn edges(&self, node: usize) -> &[Edge] {
         match (self.first_edge.get(node), self.first_edge.get(node + 1)) {
             (Some(&first), Some(&end)) => self

@@ -1,4 +1,4 @@
-//! The shortest ways from one place to everywhere.
+//! The shortest routes from one place to everywhere.
 
 use core::cmp::Reverse;
 use core::sync::atomic::{AtomicU32, Ordering};
@@ -15,7 +15,7 @@ const UNREACHED: u32 = u32::MAX;
 /// Largest factor by which a threat may lengthen an edge.
 const MAX_THREAT: f64 = 1000.0;
 
-/// Somewhere one would rather not pass: ways near it count as longer than they are.
+/// Somewhere one would rather not pass: routes near it count as longer than they are.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Threat {
     /// Where it is (m).
@@ -37,7 +37,7 @@ pub struct RouteLeg {
     pub beyond: f64,
 }
 
-/// Shortest ways between one or several roots and all nodes of a [`NavGrid`].
+/// Shortest routes between one or several roots and all nodes of a [`NavGrid`].
 ///
 /// Besides length and parent, a tree that was planted with gates knows every node's *gate*: the
 /// last node of the way to it up to which all of the way can be seen from the root, looking no
@@ -66,7 +66,7 @@ pub struct RouteTree {
     /// Extra cost of a node as a fraction of the length of its edges, in 1/256; [`NONE`] until it
     /// is needed; empty when nothing threatens.
     extra: Vec<u32>,
-    /// Nodes on the rim with what the ways to them cost (mm), the cheapest first, the lowest of several.
+    /// Nodes on the rim with what the routes to them cost (mm), the cheapest first, the lowest of several.
     queue: BinaryHeap<Reverse<(u32, u32)>>,
     /// Where the gates are seen from; nothing in a tree without gates.
     origin: Option<Point2<f64>>,
@@ -100,7 +100,7 @@ impl RouteTree {
 
     /// Plants the tree anew at several root nodes, without gates.
     ///
-    /// Ways lead to the cheapest root, and avoid `threats` as far as that is worth the longer way.
+    /// RouteTrees lead to the cheapest root, and avoid `threats` as far as that is worth the longer way.
     pub fn plant_without_gates(&mut self, grid: &NavGrid, roots: &[usize], threats: &[Threat]) {
         let nodes = grid.len();
         for (values, fill) in [
@@ -321,9 +321,9 @@ impl Clone for Gates {
     }
 }
 
-/// A tree together with its graph: shortest ways from a robot to points of the world.
+/// A tree together with its graph: shortest routes from a robot to points of the world.
 ///
-/// Answers for the points it was asked for (see [`super::Wayfinder::routes`]) and others that are
+/// Answers for the points it was asked for (see [`super::RouteFinder::routes`]) and others that are
 /// no further; of the rest it says that no way is known.
 #[derive(Debug, Clone, Copy)]
 pub struct Routes<'a> {

@@ -124,7 +124,7 @@ impl Inner {
                 if space.segment_is_free(touch, q, self.radius) {
                     return Some(finish);
                 }
-                // Nobody gets there by this tangent.
+                // Neither gets there by this tangent.
                 let track = scratch.goals[finish.goal as usize].track;
                 scratch.goal_of[track as usize ^ 1].0 = 0;
             } else if number >= START {

@@ -113,7 +113,7 @@ fn a_faster_evader_does_not_get_through_a_pursuer() {
     let mut cells = Vec::new();
     dominance.cells(&OPEN.0, &OPEN.1, &[evader], &mut cells);
     assert_eq!(cells.len(), OPEN.1.lattice().frame().len());
-    let counts = [Owner::Nobody, Owner::Police, Owner::Evader]
+    let counts = [Owner::Neither, Owner::Police, Owner::Evader]
         .map(|owner| cells.iter().filter(|cell| cell.owner == owner).count());
     assert!(
         counts[0] == 0 && counts[1] > 100 && counts[2] > 1000,
@@ -123,7 +123,7 @@ fn a_faster_evader_does_not_get_through_a_pursuer() {
         match cell.owner {
             Owner::Evader | Owner::CutOff => assert!(cell.margin > 0.0),
             Owner::Police => assert!(cell.margin <= 0.0),
-            Owner::Nobody => {}
+            Owner::Neither => {}
         }
     }
 }

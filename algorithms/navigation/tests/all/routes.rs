@@ -1,16 +1,16 @@
-//! Ways through the paper's city.
+//! RouteTrees through the paper's city.
 
 use crate::support::{Arena, EXIT, RADIUS};
 use geometry::blur::BlurredMap;
 use geometry::grid::{Grid, GridFrame};
 use nalgebra::Point2;
 use navigation::bearing::Bearings;
-use navigation::routes::{Threat, Wayfinder};
+use navigation::routes::{RouteFinder, Threat};
 use planner_view::map::PlannerMap;
 use proptest::prelude::*;
 
-fn wayfinder(map: &PlannerMap) -> Wayfinder {
-    let mut finder = Wayfinder::default();
+fn route_finder(map: &PlannerMap) -> RouteFinder {
+    let mut finder = RouteFinder::default();
     finder.prepare(map, RADIUS);
     finder
 }
@@ -18,7 +18,7 @@ fn wayfinder(map: &PlannerMap) -> Wayfinder {
 #[test]
 fn the_way_to_the_exit_has_the_length_of_the_street_grid() {
     let map = Arena::city().map();
-    let mut finder = wayfinder(&map);
+    let mut finder = route_finder(&map);
     let start = Point2::new(-4.5, 7.5);
     let routes = finder.routes(&map, 0, start, [EXIT]).unwrap();
     let length = routes.distance_to(EXIT).unwrap();
@@ -31,7 +31,7 @@ fn the_way_to_the_exit_has_the_length_of_the_street_grid() {
 fn every_point_of_a_way_has_room_for_the_robot() {
     let arena = Arena::city();
     let map = arena.map();
-    let mut finder = wayfinder(&map);
+    let mut finder = route_finder(&map);
     let routes = finder
         .routes(&map, 0, Point2::new(-4.5, 7.5), [EXIT])
         .unwrap();
@@ -52,7 +52,7 @@ fn every_point_of_a_way_has_room_for_the_robot() {
 fn the_first_leg_can_be_driven_straight_and_the_legs_end_at_the_goal() {
     let arena = Arena::city();
     let map = arena.map();
-    let mut finder = wayfinder(&map);
+    let mut finder = route_finder(&map);
     let mut at = Point2::new(-7.5, -7.5);
     let mut legs = 0;
     while (at - EXIT).norm() > 0.01 {
@@ -75,7 +75,7 @@ fn the_first_leg_can_be_driven_straight_and_the_legs_end_at_the_goal() {
 #[test]
 fn a_threat_on_the_shortest_way_makes_it_go_round() {
     let map = Arena::city().map();
-    let mut finder = wayfinder(&map);
+    let mut finder = route_finder(&map);
     let start = Point2::new(-7.5, 1.5);
     let goal = Point2::new(7.5, 1.5);
     let mut way = Vec::new();
@@ -109,7 +109,7 @@ fn a_threat_on_the_shortest_way_makes_it_go_round() {
 #[test]
 fn the_way_out_leads_to_the_nearest_exit_and_sees_it_when_it_can() {
     let map = Arena::city().map();
-    let mut finder = wayfinder(&map);
+    let mut finder = route_finder(&map);
     let (west, east) = (Point2::new(-7.5, -1.5), Point2::new(7.5, 1.5));
     let mut out = |from, exits: &[Point2<f64>]| {
         finder.way_out(&map, 0, from, exits.iter().copied(), &[], false)
@@ -131,7 +131,7 @@ fn a_place_that_is_walled_off_is_measured_straight() {
     let mut arena = Arena::city();
     arena.rectangles.push((8.0, 9.0, -1.25, 1.25));
     let map = arena.map();
-    let mut finder = wayfinder(&map);
+    let mut finder = route_finder(&map);
     let start = Point2::new(7.5, 0.0);
     assert!(
         finder
@@ -147,7 +147,7 @@ fn a_place_that_is_walled_off_is_measured_straight() {
 #[test]
 fn hostile_points_and_maps_have_no_ways_and_do_not_panic() {
     let map = Arena::city().map();
-    let mut finder = wayfinder(&map);
+    let mut finder = route_finder(&map);
     assert!(
         finder
             .routes(&map, 0, Point2::new(f64::NAN, 0.0), [EXIT])
@@ -172,7 +172,7 @@ fn hostile_points_and_maps_have_no_ways_and_do_not_panic() {
     };
     let blurred = BlurredMap::new(&Grid::filled(frame, false), 0.2).unwrap();
     let solid = PlannerMap::new(blurred, Grid::filled(frame, f32::NAN), 2).unwrap();
-    let mut finder = wayfinder(&solid);
+    let mut finder = route_finder(&solid);
     assert!(
         finder
             .routes(&solid, 0, Point2::new(0.1, 0.1), [])
@@ -184,7 +184,7 @@ fn hostile_points_and_maps_have_no_ways_and_do_not_panic() {
 fn a_new_revision_of_the_map_changes_the_way() {
     let mut arena = Arena::city();
     let map = arena.map();
-    let mut finder = wayfinder(&map);
+    let mut finder = route_finder(&map);
     let (start, goal) = (Point2::new(1.5, -1.5), Point2::new(1.5, 1.5));
     let before = finder
         .routes(&map, 0, start, [goal])
@@ -226,7 +226,7 @@ fn a_line_of_sight_ends_at_the_first_block() {
 #[test]
 fn ways_that_were_not_asked_for_are_unknown_until_they_are() {
     let map = Arena::city().map();
-    let mut finder = wayfinder(&map);
+    let mut finder = route_finder(&map);
     let start = Point2::new(-7.5, -7.5);
     let near = Point2::new(-7.5, -6.0);
     let routes = finder.routes(&map, 0, start, [near]).unwrap();
@@ -249,7 +249,7 @@ fn ways_that_were_not_asked_for_are_unknown_until_they_are() {
     assert_eq!(later, at_once);
 }
 
-/// One question to a way-finder: the slot, where from, whether with first legs, where to.
+/// One question to a route finder: the slot, where from, whether with first legs, where to.
 type Question = (usize, (f64, f64), bool, Vec<(f64, f64)>);
 
 fn place() -> impl Strategy<Value = (f64, f64)> {
@@ -261,10 +261,10 @@ fn question() -> impl Strategy<Value = Question> {
     (0..3_usize, place(), any::<bool>(), targets)
 }
 
-/// Everything that a way-finder says to a question, also about places it was not asked for.
+/// Everything that a route finder says to a question, also about places it was not asked for.
 fn answer(
     map: &PlannerMap,
-    finder: &mut Wayfinder,
+    finder: &mut RouteFinder,
     question: &Question,
     elsewhere: &[Point2<f64>],
 ) -> String {
@@ -302,8 +302,8 @@ proptest! {
     ) {
         let alone = Arena::city().map();
         let shared = Arena::city().map().shared();
-        let mut others: Vec<_> = (0..3).map(|_| wayfinder(&shared)).collect();
-        let mut own: Vec<_> = (0..3).map(|_| wayfinder(&alone)).collect();
+        let mut others: Vec<_> = (0..3).map(|_| route_finder(&shared)).collect();
+        let mut own: Vec<_> = (0..3).map(|_| route_finder(&alone)).collect();
         let elsewhere: Vec<_> = elsewhere.iter().map(|&(x, y)| Point2::new(x, y)).collect();
         for (who, question) in &questions {
             prop_assert_eq!(

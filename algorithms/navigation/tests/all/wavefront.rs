@@ -272,7 +272,7 @@ fn equal_waves_have_equal_bits_and_leave_nothing_behind() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 32, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Nobody is anywhere sooner than by a straight line, nor, from one cell to the next, later than
+    /// Neither is anywhere sooner than by a straight line, nor, from one cell to the next, later than
     /// by driving there; around a corner beside the source, by a diagonal.
     #[test]
     fn times_obey_the_triangle_inequality(x in -7.9_f64..7.9, y in -7.9_f64..7.9, speed in 0.1_f64..2.0) {

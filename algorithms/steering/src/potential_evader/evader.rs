@@ -6,7 +6,7 @@ use crate::potential_field::{
 };
 use nalgebra::Point2;
 use navigation::bearing::{Bearings, GoalField};
-use navigation::routes::{Threat, Wayfinder};
+use navigation::routes::{RouteFinder, Threat};
 use parameters::{ParamsError, check};
 use planner_view::limits::Limits;
 use planner_view::map::PlannerMap;
@@ -16,9 +16,9 @@ use sim_backend::team::Team;
 
 use super::params::{EvaderParams, ThreatParams};
 
-/// The way-finder's slot of the cheapest ways past the Police.
+/// The route finder's slot of the cheapest ways past the Police.
 const PAST_POLICE: usize = 0;
-/// The way-finder's slot of the shortest ways.
+/// The route finder's slot of the shortest ways.
 const SHORTEST_PATH_SLOT: usize = 1;
 /// Distance within which other robots are measured along the ways (m).
 const MEASURED: f64 = 4.0;
@@ -31,7 +31,7 @@ pub struct Evader {
     params: EvaderParams,
     limits: Limits,
     perturbation: Perturbation,
-    finder: Wayfinder,
+    finder: RouteFinder,
     looked_in: Option<i64>,
     threats: Vec<Threat>,
     repulsors: Vec<Repulsor>,
@@ -48,7 +48,7 @@ impl Evader {
             params,
             limits,
             perturbation: Perturbation::new(params.perturbation, seed),
-            finder: Wayfinder::default(),
+            finder: RouteFinder::default(),
             looked_in: None,
             threats: Vec::new(),
             repulsors: Vec::new(),

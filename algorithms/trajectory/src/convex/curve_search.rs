@@ -48,8 +48,8 @@ const MIN_SPEED: f64 = 0.005;
 
 /// A search for a curve.
 pub struct CurveSearch<'a> {
-    /// The ground.
-    pub ground: &'a ObstacleField,
+    /// The obstacle field.
+    pub obstacle_field: &'a ObstacleField,
     /// The path to begin with.
     pub guide: &'a Guide,
     /// The coordinates.
@@ -80,17 +80,17 @@ struct Hold {
 impl<'a> CurveSearch<'a> {
     /// A search that has not begun.
     pub fn new(
-        ground: &'a ObstacleField,
+        obstacle_field: &'a ObstacleField,
         guide: &'a Guide,
         frame: Scaling,
         curve: &'a dyn Curve,
     ) -> Self {
         Self {
-            ground,
+            obstacle_field,
             guide,
             frame,
             curve,
-            margins: vec![0.0; ground.obstacles.len()],
+            margins: vec![0.0; obstacle_field.obstacles.len()],
             shortest: guide.length(),
             near: None,
             programs: 0,
@@ -212,8 +212,8 @@ impl<'a> CurveSearch<'a> {
             .collect();
         let steps = grid.windows(2).map(|p| (p[1] - p[0]).norm());
         let step = steps.fold(0.0, f64::max);
-        let clearance = self.ground.clearance;
-        for (index, obstacle) in self.ground.obstacles.iter().enumerate() {
+        let clearance = self.obstacle_field.clearance;
+        for (index, obstacle) in self.obstacle_field.obstacles.iter().enumerate() {
             if let Some(places) = &self.only_at {
                 for &at in places {
                     holds.push(self.hold(index, at, place(at), 0.0));
@@ -249,8 +249,8 @@ impl<'a> CurveSearch<'a> {
 
     /// The half-plane that keeps the place `p` of the curve from an obstacle and a margin (m).
     fn hold(&self, index: usize, at: f64, p: Point2<f64>, margin: f64) -> Hold {
-        let obstacle = &self.ground.obstacles[index];
-        let clearance = self.ground.clearance;
+        let obstacle = &self.obstacle_field.obstacles[index];
+        let clearance = self.obstacle_field.clearance;
         let (p, contact) = self.outside(obstacle, p, at);
         let surface = surface(p, &contact);
         // The ends may lie on the obstacle: the margin grows with the way from them.
@@ -271,13 +271,13 @@ impl<'a> CurveSearch<'a> {
     fn outside(&self, obstacle: &Convex, p: Point2<f64>, at: f64) -> (Point2<f64>, Contact) {
         let contact = obstacle.contact(p);
         let size = match obstacle {
-            Convex::Disc { radius, .. } => *radius + self.ground.clearance,
+            Convex::Disc { radius, .. } => *radius + self.obstacle_field.clearance,
             other => {
                 let around = other.aabb();
-                0.5 * (around.max - around.min).norm() + self.ground.clearance
+                0.5 * (around.max - around.min).norm() + self.obstacle_field.clearance
             }
         };
-        if contact.distance - self.ground.clearance > -DEEP_PENETRATION * size {
+        if contact.distance - self.obstacle_field.clearance > -DEEP_PENETRATION * size {
             return (p, contact);
         }
         let guide = self.guide.at(at);
@@ -285,7 +285,7 @@ impl<'a> CurveSearch<'a> {
     }
 
     fn hold_in_bounds(&self, grid: &[Point2<f64>], holds: &mut Vec<Hold>) {
-        let bounds = &self.ground.bounds;
+        let bounds = &self.obstacle_field.bounds;
         let (min, max) = (self.frame.inward(bounds.min), self.frame.inward(bounds.max));
         let count = grid.len() - 1;
         for (i, p) in grid.iter().enumerate().take(count).skip(1) {
@@ -312,7 +312,7 @@ impl<'a> CurveSearch<'a> {
     /// entered. Returns how many of these there are, too.
     fn program(&self, z: &[f64], holds: &[Hold], known: bool) -> (QuadraticProgram, usize) {
         let variables = self.curve.variables();
-        let mut slack_of = vec![None; self.ground.obstacles.len()];
+        let mut slack_of = vec![None; self.obstacle_field.obstacles.len()];
         let mut slacks = 0;
         for hold in holds {
             if let Some(index) = hold.obstacle

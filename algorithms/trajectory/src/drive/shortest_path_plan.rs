@@ -35,15 +35,15 @@ const STANDING: f64 = 1e-9;
 /// robot can only stop where no path leads on.
 pub fn trajectory(
     problem: &Problem,
-    ground: &ExactObstacleField,
+    obstacle_field: &ExactObstacleField,
     guide: Option<&Guide>,
 ) -> Result<Trajectory, PlanError> {
     let mut trajectory = Trajectory::at(&problem.start);
     let braked;
-    let guide = match brake(problem, ground, &mut trajectory)? {
+    let guide = match brake(problem, obstacle_field, &mut trajectory)? {
         None => guide,
         Some(stop) => {
-            let path = ground.shortest(stop.position(), problem.goal)?;
+            let path = obstacle_field.shortest(stop.position(), problem.goal)?;
             braked = Guide::new(path.legs);
             braked.as_ref()
         }
@@ -61,7 +61,7 @@ pub fn trajectory(
 /// Sheds the prescribed speeds that cannot step: where the robot stands then, if it had any.
 fn brake(
     problem: &Problem,
-    ground: &ExactObstacleField,
+    obstacle_field: &ExactObstacleField,
     trajectory: &mut Trajectory,
 ) -> Result<Option<Pose2>, PlanError> {
     let limits = &problem.limits;
@@ -99,8 +99,14 @@ fn brake(
     let kappa = omega / v;
     let leg = leg_ahead(&start, length, kappa);
     let free = match &leg {
-        PathLeg::Segment { from, to } => ground.space.segment_is_free(*from, *to, ground.clearance),
-        PathLeg::Arc(arc) => ground.space.arc_is_free(arc, ground.clearance),
+        PathLeg::Segment { from, to } => {
+            obstacle_field
+                .space
+                .segment_is_free(*from, *to, obstacle_field.clearance)
+        }
+        PathLeg::Arc(arc) => obstacle_field
+            .space
+            .arc_is_free(arc, obstacle_field.clearance),
     };
     if !free {
         return Err(PlanError::Infeasible(

@@ -22,7 +22,7 @@ type Cell = (i32, i32);
 
 /// The grid: cells by their centres.
 struct Grid<'a> {
-    ground: &'a ExactObstacleField,
+    obstacle_field: &'a ExactObstacleField,
     origin: Point2<f64>,
     side: f64,
     width: i32,
@@ -59,19 +59,23 @@ impl Grid<'_> {
     }
 
     fn is_free(&self, a: Point2<f64>, b: Point2<f64>) -> bool {
-        self.ground
+        self.obstacle_field
             .space
-            .segment_is_free(a, b, self.ground.clearance)
+            .segment_is_free(a, b, self.obstacle_field.clearance)
     }
 }
 
 /// The path that a wavefront finds; `None` if the grid is too coarse for any.
-pub fn guide(ground: &ExactObstacleField, start: Point2<f64>, goal: Point2<f64>) -> Option<Guide> {
-    let bounds = ground.space.bounds();
+pub fn guide(
+    obstacle_field: &ExactObstacleField,
+    start: Point2<f64>,
+    goal: Point2<f64>,
+) -> Option<Guide> {
+    let bounds = obstacle_field.space.bounds();
     let size = bounds.max - bounds.min;
     let side = size.x.max(size.y) / CELLS;
     let grid = Grid {
-        ground,
+        obstacle_field,
         origin: bounds.min,
         side,
         width: (size.x / side).ceil() as i32,

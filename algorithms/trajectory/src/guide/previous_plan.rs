@@ -24,7 +24,7 @@ pub struct Rest {
 
 /// What is left of a plan, if it still leads from the problem's start to its goal past the obstacles
 /// that there are now.
-pub fn rest(problem: &Problem, ground: &ObstacleField, plan: &Plan) -> Option<Rest> {
+pub fn rest(problem: &Problem, obstacle_field: &ObstacleField, plan: &Plan) -> Option<Rest> {
     let start = problem.start.position();
     let distance = |s: &Sample| (Point2::new(s.x, s.y) - start).norm();
     let (first, _) = plan
@@ -46,7 +46,7 @@ pub fn rest(problem: &Problem, ground: &ObstacleField, plan: &Plan) -> Option<Re
         return None;
     }
     let points = path_points::of_samples(&samples);
-    let depths = ground.depths(&points);
+    let depths = obstacle_field.depths(&points);
     if depths.iter().any(|(_, depth)| *depth > MAX_PENETRATION) {
         return None;
     }

@@ -199,7 +199,7 @@ impl Refinement<'_> {
                 program.equal([(var, 1.0)], value);
             }
         }
-        let bounds = &self.ground.bounds;
+        let bounds = &self.obstacle_field.bounds;
         for k in 1..self.nodes.len() - 1 {
             for (offset, low, high) in [
                 (X, bounds.min.x, bounds.max.x),
@@ -213,10 +213,10 @@ impl Refinement<'_> {
 
     /// Nodes and the half-planes that keep them from the obstacles near them.
     fn holds(&self) -> Vec<(usize, HalfPlane)> {
-        let clearance = self.ground.clearance;
+        let clearance = self.obstacle_field.clearance;
         let step = self.problem.limits.top_speed() * self.step_time();
         let mut holds = Vec::new();
-        for (index, obstacle) in self.ground.obstacles.iter().enumerate() {
+        for (index, obstacle) in self.obstacle_field.obstacles.iter().enumerate() {
             let keep = clearance + self.margins[index];
             for (i, node) in self.inner().iter().enumerate() {
                 if obstacle.distance(node.at) > keep + REACH + step {

@@ -37,7 +37,7 @@ const CLOSED: f64 = 2e-8;
 /// in which the robot covers it.
 const PENALTY: f64 = 20.0;
 /// Cost of a step's square, at first and at least: keeps programs with many solutions (a robot on
-/// open ground can wiggle for nothing) from jumping between them.
+/// open obstacle field can wiggle for nothing) from jumping between them.
 const PROXIMAL: [f64; 2] = [1e-2, 1e-4];
 /// Distance (m) from an obstacle, besides what is driven in a step, within which it is looked at.
 const REACH: f64 = 0.15;
@@ -56,7 +56,7 @@ const TURN_SPACING: f64 = 0.05;
 /// A search for a faster trajectory.
 pub struct Refinement<'a> {
     problem: &'a Problem,
-    ground: &'a ObstacleField,
+    obstacle_field: &'a ObstacleField,
     nodes: Vec<Node>,
     /// Duration (s).
     time: f64,
@@ -71,7 +71,7 @@ impl<'a> Refinement<'a> {
     /// Begins with a trajectory that need not keep the limits; `None` for one without duration.
     pub fn new(
         problem: &'a Problem,
-        ground: &'a ObstacleField,
+        obstacle_field: &'a ObstacleField,
         samples: &[Sample],
     ) -> Option<Self> {
         let time = samples.last()?.t;
@@ -84,10 +84,10 @@ impl<'a> Refinement<'a> {
             .collect();
         Some(Self {
             problem,
-            ground,
+            obstacle_field,
             nodes,
             time,
-            margins: vec![0.0; ground.obstacles.len()],
+            margins: vec![0.0; obstacle_field.obstacles.len()],
             programs: 0,
             proximal: PROXIMAL[0],
         })
@@ -173,8 +173,8 @@ impl<'a> Refinement<'a> {
             let turn = pair[1].theta - pair[0].theta - step.turn;
             sum += price * (gap.x.abs() + gap.y.abs()) + turn_price * turn.abs();
         }
-        for (index, obstacle) in self.ground.obstacles.iter().enumerate() {
-            let keep = self.ground.clearance + self.margins[index];
+        for (index, obstacle) in self.obstacle_field.obstacles.iter().enumerate() {
+            let keep = self.obstacle_field.clearance + self.margins[index];
             for node in self.inner() {
                 let near = obstacle.distance(node.at);
                 if near < keep {
@@ -206,7 +206,7 @@ impl<'a> Refinement<'a> {
     /// Grows the obstacles that the way between nodes enters; how deep (m) it is at most.
     fn repair(&mut self) -> Option<f64> {
         let points = path_points::of_samples(&self.samples()?);
-        let depths = self.ground.depths(&points);
+        let depths = self.obstacle_field.depths(&points);
         Some(grow_margins(&depths, &mut self.margins))
     }
 

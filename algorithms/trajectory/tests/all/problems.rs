@@ -71,7 +71,7 @@ pub fn plan(problem: &Problem, options: &Options) -> Result<Plan, PlanError> {
 }
 
 /// What the checker says about a plan for the problem as it was asked (the optimiser checks it on the
-/// ground as it has settled it).
+/// obstacle field as it has settled it).
 pub fn faults(problem: &Problem, plan: &Plan) -> Vec<String> {
     let Aabb { min, max } = problem.bounds;
     let contract = Contract {

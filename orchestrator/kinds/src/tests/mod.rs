@@ -7,7 +7,7 @@ use runtime::kind::Need;
 use serde_json::{Value as Json, json};
 
 use scenario::kind::Kind;
-use scenario::{Grounds, Loader};
+use scenario::{Loader, MapCache};
 
 use crate::{KINDS, load};
 use scenario::kind::{ConfiguredKind, ParamsProblem, find};
@@ -114,10 +114,10 @@ fn parameters_out_of_range_name_their_field() {
 
 #[test]
 fn a_template_with_a_seed_is_the_scenario_with_that_seed() {
-    let mut grounds = Grounds::default();
+    let mut map_cache = MapCache::default();
     for name in ["chase", "chase_popup", "hello"] {
         let draft = Loader::new(KINDS).draft(name).unwrap();
-        let template = draft.template(&mut grounds).unwrap();
+        let template = draft.template(&mut map_cache).unwrap();
         for seed in [0, 1, 77, i64::MAX as u64] {
             let loaded = load(name, &[], Some(seed)).unwrap();
             assert_eq!(template.with_seed(seed).unwrap(), loaded, "{name} {seed}");

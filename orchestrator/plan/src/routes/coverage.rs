@@ -138,8 +138,8 @@ impl Order<'_> {
             margin: 0.0,
             ..follow
         };
-        let ground = self.site(&bare)?.workplace.ground();
-        let meter = ground.and_then(|ground| Meter::new(&ground, STEP)).ok();
+        let domain = self.site(&bare)?.workplace.domain();
+        let meter = domain.and_then(|domain| Meter::new(&domain, STEP)).ok();
         let seed = self.router.seed(self.scenario);
         let mut source = D::goals(params, &site, seed, None).map_err(|e| refused(&e))?;
         let (goals, figures) = self.take(site.start, &mut source, meter);

@@ -22,7 +22,7 @@ pub(super) enum PatrolCommand {
     /// Print the waypoints of the first laps, and what they measure
     Plan {
         #[command(flatten)]
-        which: WhichArgs,
+        which: PatrolArgs,
         /// How many laps
         #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=10_000))]
         laps: u32,
@@ -34,7 +34,7 @@ pub(super) enum PatrolCommand {
     #[command(after_long_help = PREDICT_HELP)]
     Predict {
         #[command(flatten)]
-        which: WhichArgs,
+        which: PatrolArgs,
         /// Time after the robot set out from the start of the contour (s); may be given several times
         #[arg(
             long,
@@ -62,7 +62,7 @@ let it: after a long stretch it is late until it has caught up.";
 
 /// Which patrol is meant.
 #[derive(Debug, clap::Args)]
-pub(super) struct WhichArgs {
+pub(super) struct PatrolArgs {
     /// A scenario file, or the name of a built-in scenario
     #[arg(default_value = DEFAULT)]
     scenario: String,
@@ -96,7 +96,7 @@ pub(super) fn patrol(kinds: &[Kind], command: PatrolCommand) -> ExitCode {
     }
 }
 
-fn find(kinds: &[Kind], which: &WhichArgs) -> Result<Patrol, Box<dyn std::error::Error>> {
+fn find(kinds: &[Kind], which: &PatrolArgs) -> Result<Patrol, Box<dyn std::error::Error>> {
     let scenario = Loader::new(kinds)
         .allow_outside(which.overrides.allow_outside)
         .load(&which.scenario, &which.overrides.set, which.overrides.seed)?;
@@ -106,7 +106,7 @@ fn find(kinds: &[Kind], which: &WhichArgs) -> Result<Patrol, Box<dyn std::error:
 
 fn plan(
     kinds: &[Kind],
-    which: &WhichArgs,
+    which: &PatrolArgs,
     count: u32,
     as_json: bool,
 ) -> Result<(), Box<dyn std::error::Error>> {
@@ -164,7 +164,7 @@ fn plan_text(patrol: &Patrol, laps: &Laps) -> String {
 
 fn predict(
     kinds: &[Kind],
-    which: &WhichArgs,
+    which: &PatrolArgs,
     times: &[f64],
     numbers: &[u64],
     as_json: bool,

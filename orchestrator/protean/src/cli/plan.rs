@@ -47,7 +47,7 @@ pub(super) struct PlanArgs {
     /// A JSON file of instances (see the end of --help)
     instances: PathBuf,
     #[command(flatten)]
-    how: HowArgs,
+    how: PlanMethodArgs,
     /// Only the first N instances
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     limit: Option<u32>,
@@ -73,7 +73,7 @@ pub(super) struct PlanArgs {
 
 /// How plans are made.
 #[derive(Debug, clap::Args)]
-struct HowArgs {
+struct PlanMethodArgs {
     /// The method
     #[arg(long, value_enum, default_value_t = MethodName::Bspline)]
     method: MethodName,
@@ -137,7 +137,7 @@ fn parse_point(text: &str) -> Result<[f64; 2], String> {
     read().ok_or_else(|| "expected two numbers (px), for example -1800,-1800".to_owned())
 }
 
-impl HowArgs {
+impl PlanMethodArgs {
     fn options(&self) -> PlanOptions {
         PlanOptions {
             method: match self.method {
@@ -190,7 +190,7 @@ pub(super) fn plan(args: &PlanArgs) -> ExitCode {
         jobs: args.jobs.map_or_else(processors, usize::from),
         repeat: args.repeat,
     };
-    let mut told = Told::new(args, elements.len());
+    let mut told = AnswerCounts::new(args, elements.len());
     let solved = solve_all(&elements, &settings, &interrupted, |index, answer| {
         told.tell(index, answer, &elements);
     });
@@ -204,7 +204,7 @@ pub(super) fn plan(args: &PlanArgs) -> ExitCode {
 }
 
 /// What has been said of the answers so far.
-struct Told<'a> {
+struct AnswerCounts<'a> {
     args: &'a PlanArgs,
     progress: Progress,
     summary: Summary,
@@ -217,7 +217,7 @@ struct Told<'a> {
     lines: String,
 }
 
-impl<'a> Told<'a> {
+impl<'a> AnswerCounts<'a> {
     fn new(args: &'a PlanArgs, total: usize) -> Self {
         Self {
             args,

@@ -13,7 +13,7 @@ use statistics::Percentiles;
 
 use super::gather::Gathered;
 use super::timing::PER_DECADE;
-use crate::picture::ground::corners;
+use crate::picture::static_scene::corners;
 use recorder::{RobotOutcome, status_name};
 use scenario::kind::Kind;
 
@@ -134,9 +134,9 @@ fn seconds(time_ns: u64) -> f64 {
 }
 
 /// What stands, and how it changes.
-fn ground(gathered: &Gathered) -> Json {
-    let ground = &gathered.ground;
-    let obstacles: Vec<Json> = ground
+fn static_scene(gathered: &Gathered) -> Json {
+    let static_scene = &gathered.static_scene;
+    let obstacles: Vec<Json> = static_scene
         .obstacles
         .iter()
         .map(|(id, standing)| with(shape(&standing.shape), "id", json!(id)))
@@ -159,9 +159,9 @@ fn ground(gathered: &Gathered) -> Json {
         })
         .collect();
     json!({
-        "min": ground.min,
-        "max": ground.max,
-        "exits": ground.exits.iter().map(region).collect::<Vec<_>>(),
+        "min": static_scene.min,
+        "max": static_scene.max,
+        "exits": static_scene.exits.iter().map(region).collect::<Vec<_>>(),
         "obstacles": obstacles,
         "changes": changes,
     })
@@ -242,7 +242,7 @@ pub(super) fn facts(gathered: &mut Gathered, kinds: &[Kind]) -> Json {
         "predictions": parsed("predictions"),
         "missing": missing(gathered),
         "topics": gathered.counts,
-        "ground": ground(gathered),
+        "ground": static_scene(gathered),
         "events": events(gathered),
         "event_kinds": WorldEvent::NAMES,
         "methods": Prediction::METHODS,

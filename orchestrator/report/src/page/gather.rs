@@ -14,7 +14,7 @@ use super::layers::Layers;
 use super::measured::Measured;
 use super::sampled::{Sample, Sampled};
 use super::timing::Timing;
-use crate::picture::Ground;
+use crate::picture::StaticScene;
 use crate::picture::log_facts::LogFacts;
 use crate::picture::log_run::{LoggedRun, Purpose};
 use crate::picture::logged::LoggedScenario;
@@ -42,7 +42,7 @@ pub(super) struct Gathered {
     /// Time of the last state, or of the last message if there is none (ns).
     pub(super) end_ns: u64,
     /// What stands from the beginning.
-    pub(super) ground: Ground,
+    pub(super) static_scene: StaticScene,
     /// How it changed, by time (ns).
     pub(super) changes: Vec<(u64, ObstacleChange)>,
     pub(super) layers: Layers,
@@ -96,7 +96,7 @@ impl Gathered {
             watch,
         )?;
         let scenario = run.facts.take_scenario(log)?;
-        let ground = run.facts.take_ground(&scenario);
+        let static_scene = run.facts.take_ground(&scenario);
         let tick_period_ns = if run.tick_period_ns == 0 {
             let period = run.facts.manifest.get("tick_period_ns");
             period.and_then(|p| p.parse().ok()).unwrap_or(0)
@@ -114,7 +114,7 @@ impl Gathered {
             } else {
                 run.end_ns
             },
-            ground,
+            static_scene,
             changes: run.changes,
             layers,
             happened,

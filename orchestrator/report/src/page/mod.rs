@@ -84,7 +84,7 @@ pub fn report(
 /// The page and what it says.
 fn page(gathered: &mut Gathered, kinds: &[Kind]) -> std::io::Result<(String, Report)> {
     fit_bounds(gathered);
-    let raster = Raster::of(gathered.ground.min, gathered.ground.max);
+    let raster = Raster::of(gathered.static_scene.min, gathered.static_scene.max);
     let frames = gathered.frames.len();
     let mut lists = Lists::default();
     let mut facts = facts::facts(gathered, kinds);
@@ -113,8 +113,8 @@ fn page(gathered: &mut Gathered, kinds: &[Kind]) -> std::io::Result<(String, Rep
 
 /// A world whose map is not in the log is as large as where its robots were.
 fn fit_bounds(gathered: &mut Gathered) {
-    let ground = &mut gathered.ground;
-    if ground.min != ground.max {
+    let static_scene = &mut gathered.static_scene;
+    if static_scene.min != static_scene.max {
         return;
     }
     let starts = gathered
@@ -124,7 +124,13 @@ fn fit_bounds(gathered: &mut Gathered) {
         .map(|r| (r.start.x, r.start.y));
     let states = gathered.frames.iter().flat_map(|f| &f.item.robots);
     for (x, y) in starts.chain(states.map(|s| (s.x, s.y))) {
-        ground.min = [ground.min[0].min(x - 1.0), ground.min[1].min(y - 1.0)];
-        ground.max = [ground.max[0].max(x + 1.0), ground.max[1].max(y + 1.0)];
+        static_scene.min = [
+            static_scene.min[0].min(x - 1.0),
+            static_scene.min[1].min(y - 1.0),
+        ];
+        static_scene.max = [
+            static_scene.max[0].max(x + 1.0),
+            static_scene.max[1].max(y + 1.0),
+        ];
     }
 }

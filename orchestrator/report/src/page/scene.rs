@@ -228,7 +228,7 @@ fn waypoints(gathered: &Gathered, raster: Raster, lists: &mut Lists) {
 
 /// The walls of a map that has no vectors: smallest and largest corner of rectangles.
 fn rectangles(gathered: &Gathered, raster: Raster, lists: &mut Lists) {
-    let cells = gathered.ground.cells.as_ref();
+    let cells = gathered.static_scene.cells.as_ref();
     let rectangles = cells.map(Cells::rectangles).unwrap_or_default();
     let corners = rectangles.iter().flatten().flat_map(|&p| raster.pack(p));
     lists.u16("walls", corners.collect(), 0);

@@ -9,11 +9,11 @@ use geometry::region::Region;
 use geometry::shape::Shape;
 
 use super::draw_layers;
-use super::ground::{corners, rectangle};
 use super::labels::{Area, Labels};
 use super::layout::Layout;
 use super::legend::{Legend, scale_bar};
 use super::signs::{HALO, MARK, Sign, disc, sign};
+use super::static_scene::{corners, rectangle};
 use super::trace::{Mark, RunTrace};
 use super::trail::{TrailPoint, simplify};
 
@@ -49,7 +49,11 @@ const BANDS: [(f64, f64, f64); 3] = [(0.6, 2.0, 0.40), (0.85, 2.6, 0.65), (1.0, 
 /// ```
 pub fn draw(trace: &RunTrace) -> String {
     let legend = Legend::of(trace);
-    let layout = Layout::new(trace.ground.min, trace.ground.max, legend.height());
+    let layout = Layout::new(
+        trace.static_scene.min,
+        trace.static_scene.max,
+        legend.height(),
+    );
     let (title, caption) = words(trace);
     let mut canvas = Canvas::new(layout.width, layout.height, &title, &caption);
     heading(&mut canvas, &layout, &title, &caption);
@@ -63,7 +67,7 @@ pub fn draw(trace: &RunTrace) -> String {
         trace,
         layout,
     };
-    picture.ground(&mut canvas);
+    picture.static_scene(&mut canvas);
     draw_layers::dominance(&mut canvas, &layout, trace);
     draw_layers::plans(&mut canvas, &layout, trace);
     picture.trails(&mut canvas);
@@ -150,7 +154,7 @@ impl Picture<'_> {
         self.discs.iter().zip(radii).map(factor).fold(1.0, f64::max)
     }
 
-    fn ground(&mut self, canvas: &mut Canvas) {
+    fn static_scene(&mut self, canvas: &mut Canvas) {
         let Area {
             left,
             top,
@@ -165,7 +169,7 @@ impl Picture<'_> {
             Num(right - left),
             Num(bottom - top)
         ));
-        if let Some(cells) = &self.trace.ground.cells {
+        if let Some(cells) = &self.trace.static_scene.cells {
             canvas.add(format_args!("<path fill=\"{}\" d=\"", palette::WALL));
             for [min, max] in cells.rectangles() {
                 self.outline(canvas, &[min, [max[0], min[1]], max, [min[0], max[1]]]);
@@ -177,7 +181,7 @@ impl Picture<'_> {
             (true, palette::OBSTACLE, palette::OBSTACLE),
         ] {
             let shapes = || {
-                let obstacles = self.trace.ground.obstacles.values();
+                let obstacles = self.trace.static_scene.obstacles.values();
                 obstacles.filter(move |o| o.came == came).map(|o| &o.shape)
             };
             if shapes().next().is_none() {
@@ -206,7 +210,7 @@ impl Picture<'_> {
              stroke-dasharray=\"5 4\">\n",
             c = palette::EXIT
         ));
-        for exit in &self.trace.ground.exits {
+        for exit in &self.trace.static_scene.exits {
             match *exit {
                 Region::Circle { center, radius } => self.circle(canvas, center, radius),
                 Region::Rectangle {
@@ -337,7 +341,7 @@ impl Picture<'_> {
     }
 
     fn names(&mut self, canvas: &mut Canvas) {
-        for exit in &self.trace.ground.exits {
+        for exit in &self.trace.static_scene.exits {
             let center = exit.center();
             let at = self.layout.at([center.x, center.y]);
             let radius = match exit {

@@ -3,8 +3,8 @@
 use draw::canvas::{Canvas, Num};
 use draw::palette;
 
-use super::ground::Cells;
 use super::layout::Layout;
+use super::static_scene::Cells;
 use super::trace::RunTrace;
 
 /// Most edges of all trees together.

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use ipc_types::messages::referee::{DominanceCell, DominanceHeader};
 use ipc_types::messages::robot::{PlanPoint, TreeEdge};
 
-use super::ground::Cells;
+use super::static_scene::Cells;
 
 /// Most points of a plan and most edges of a tree that are kept.
 const MAX_PARTS: usize = 4000;

@@ -134,7 +134,7 @@ impl Legend {
                 rows.push(Row::new(RowSign::Area(color), text));
             }
         }
-        if !trace.ground.exits.is_empty() {
+        if !trace.static_scene.exits.is_empty() {
             rows.push(Row::new(RowSign::Exit, "exit: who gets there is free"));
         }
         for (kind, text) in [
@@ -146,10 +146,10 @@ impl Legend {
                 rows.push(Row::new(RowSign::Mark(kind), text));
             }
         }
-        if trace.ground.has_vectors() || trace.ground.cells.is_some() {
+        if trace.static_scene.has_vectors() || trace.static_scene.cells.is_some() {
             rows.push(Row::new(RowSign::Wall, "walls and blocks"));
         }
-        if trace.ground.obstacles.values().any(|o| o.came) {
+        if trace.static_scene.obstacles.values().any(|o| o.came) {
             rows.push(Row::new(RowSign::Obstacle, "put there during the run"));
         }
         // A long story is told in the scenario.

@@ -8,8 +8,8 @@ use mcap_log::LogReadError;
 use mcap_log::output::{FILTERED, MANIFEST, RECOVERED, RESULT};
 use mcap_log::{AttachmentHeader, Metadata};
 
-use super::ground::Ground;
 use super::logged::LoggedScenario;
+use super::static_scene::StaticScene;
 
 /// Facts of a run, as far as the log has been read.
 #[derive(Debug, Default)]
@@ -26,7 +26,7 @@ pub(crate) struct LogFacts {
     pub(crate) scenario_text: String,
     scenario: Option<LoggedScenario>,
     /// Bounds and cells of map messages.
-    grid: Ground,
+    grid: StaticScene,
 }
 
 impl LogFacts {
@@ -95,12 +95,12 @@ impl LogFacts {
     }
 
     /// Takes out what does not drive: the scenario's vectors, or the cells of the map messages.
-    pub(crate) fn take_ground(&mut self, scenario: &LoggedScenario) -> Ground {
-        let mut ground = Ground::of(&scenario.world.map, &scenario.rules.exits);
-        if !ground.has_vectors() && self.grid.cells.is_some() {
-            (ground.min, ground.max) = (self.grid.min, self.grid.max);
-            ground.cells = self.grid.cells.take();
+    pub(crate) fn take_ground(&mut self, scenario: &LoggedScenario) -> StaticScene {
+        let mut static_scene = StaticScene::of(&scenario.world.map, &scenario.rules.exits);
+        if !static_scene.has_vectors() && self.grid.cells.is_some() {
+            (static_scene.min, static_scene.max) = (self.grid.min, self.grid.max);
+            static_scene.cells = self.grid.cells.take();
         }
-        ground
+        static_scene
     }
 }

@@ -7,7 +7,6 @@
 
 mod draw;
 mod draw_layers;
-pub(crate) mod ground;
 mod labels;
 mod layers;
 mod layout;
@@ -17,6 +16,7 @@ pub(crate) mod log_run;
 pub(crate) mod logged;
 mod read;
 mod signs;
+pub(crate) mod static_scene;
 mod trace;
 mod trail;
 
@@ -24,7 +24,7 @@ mod trail;
 mod tests;
 
 pub use draw::draw;
-pub use ground::{Cells, Ground, Standing};
 pub use layers::{DominanceTrace, PlanTrace, TreeTrace};
+pub use static_scene::{Cells, Standing, StaticScene};
 pub use trace::{BeliefTrace, Mark, MarkKind, RobotTrace, RunTrace};
 pub use trail::{Trail, TrailPoint};

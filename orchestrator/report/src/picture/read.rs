@@ -223,9 +223,9 @@ fn finish(
         path: log.to_owned(),
         missing: "message of world/state",
     })?;
-    let mut ground = run.facts.take_ground(&scenario);
+    let mut static_scene = run.facts.take_ground(&scenario);
     let changes = run.changes.into_iter();
-    changes.for_each(|(_, change)| ground.apply(change));
+    changes.for_each(|(_, change)| static_scene.apply(change));
 
     let robots: Vec<RobotTrace> = scenario
         .robots
@@ -255,7 +255,7 @@ fn finish(
         seed: entry("seed"),
         time_s: at.unwrap_or_else(|| seconds(now_ns)),
         end_s,
-        ground,
+        static_scene,
         robots,
         // Of a robot that is out of the game the last belief is an old one.
         beliefs: moment

@@ -3,8 +3,8 @@
 use geometry::pose::Pose2;
 use sim_backend::team::Team;
 
-use super::ground::Ground;
 use super::layers::{DominanceTrace, PlanTrace, TreeTrace};
+use super::static_scene::StaticScene;
 use super::trail::Trail;
 
 /// What a picture shows of a run, up to one moment of it.
@@ -23,7 +23,7 @@ pub struct RunTrace {
     /// When the run ended (simulated s).
     pub end_s: f64,
     /// What does not drive.
-    pub ground: Ground,
+    pub static_scene: StaticScene,
     /// The robots, by their index in the scenario.
     pub robots: Vec<RobotTrace>,
     /// What was believed at that moment; empty for a picture of the end.

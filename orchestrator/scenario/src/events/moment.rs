@@ -81,7 +81,7 @@ pub(super) fn resolve(
     map: Option<&MapSpec>,
     robots: Option<&[Robot]>,
 ) -> Option<Moment> {
-    let mut say = Say { ctx, node, path };
+    let mut say = EventProblems { ctx, node, path };
     match (time_s, when) {
         (Some(time_s), None) => {
             if after_s.is_some() {
@@ -118,7 +118,7 @@ pub(super) fn resolve(
 
 impl WhenBlock {
     /// The one condition that is written.
-    fn condition(&self, say: &mut Say<'_, '_>) -> Option<Condition> {
+    fn condition(&self, say: &mut EventProblems<'_, '_>) -> Option<Condition> {
         const ONE: &str =
             "`travelled` (m), `progress` (0 to 1), or `within` (m) together with `of`";
         let Self {
@@ -165,13 +165,13 @@ impl WhenBlock {
 }
 
 /// Where to say what is wrong with one event.
-struct Say<'a, 'c> {
+struct EventProblems<'a, 'c> {
     ctx: &'a mut Context<'c>,
     node: &'a Node,
     path: &'a FieldPath,
 }
 
-impl Say<'_, '_> {
+impl EventProblems<'_, '_> {
     /// Reports a problem; there is no result then.
     fn no<T>(&mut self, field: &str, code: Code, message: &str, expected: &str) -> Option<T> {
         let problem = self

@@ -12,7 +12,7 @@ use crate::robots::Robot;
 /// Reports what does not fit, the first thing of every process.
 pub fn check(ctx: &mut Context<'_>, map: &MapSpec, robots: &[Robot], read: &[Read], seed: u64) {
     // A map that cannot be made is reported with the robots' places.
-    let Ok(ground) = WorldMap::recent(map) else {
+    let Ok(world_map) = WorldMap::recent(map) else {
         return;
     };
     for r in read {
@@ -24,7 +24,7 @@ pub fn check(ctx: &mut Context<'_>, map: &MapSpec, robots: &[Robot], read: &[Rea
             .map(|robot| Task {
                 robot: &robot.spec,
                 map,
-                ground: &ground,
+                world_map: &world_map,
                 run_seed: seed,
             })
             .find_map(|task| kind.check_task(&task).err());

@@ -10,7 +10,7 @@ use crate::grid::Written;
 use crate::options::LoadOptions;
 use crate::parameters::{Parameter, ScaleError};
 use crate::reader::Reader;
-use scenario::{Draft, Grounds, ResolvedScenario, spec};
+use scenario::{Draft, MapCache, ResolvedScenario, spec};
 
 /// A change of the scenario that has been made, and by whom.
 struct Made {
@@ -121,7 +121,7 @@ pub(super) fn build(
         reader,
         reported: Vec::new(),
     };
-    let mut grounds = Grounds::default();
+    let mut map_cache = MapCache::default();
     let mut cells = Vec::new();
     for case in cases {
         for combination in combinations {
@@ -148,7 +148,7 @@ pub(super) fn build(
             }
             builder.apply(&mut draft, &mut made, &on_top, "--set");
             overrides.extend(options.set.iter().cloned());
-            let template = match draft.template(&mut grounds) {
+            let template = match draft.template(&mut map_cache) {
                 Ok(template) => template,
                 Err(problems) => {
                     builder.report(&title, &problems);

@@ -3,14 +3,14 @@ use navigation::tangent_graph::TangentGraph;
 use proptest::prelude::*;
 
 use super::*;
-use crate::ground::Ground;
+use crate::collision_map::CollisionMap;
 use crate::motion::{Arcs, Straight};
 use crate::params::{Algorithm, CostParams};
 
 const RADIUS: f64 = 0.105;
 
 /// Pillars in a room of 8 m × 8 m.
-fn room(pillars: &[(f64, f64, f64)]) -> Ground {
+fn room(pillars: &[(f64, f64, f64)]) -> CollisionMap {
     let bounds = Aabb {
         min: Point2::new(-4.0, -4.0),
         max: Point2::new(4.0, 4.0),
@@ -20,10 +20,10 @@ fn room(pillars: &[(f64, f64, f64)]) -> Ground {
         .map(|&(x, y, half)| Convex::rectangle(Point2::new(x, y), [half, half], 0.0))
         .collect();
     let space = FreeSpace::new(parts, bounds, 0.05).unwrap();
-    Ground::new(&space, RADIUS, 1)
+    CollisionMap::new(&space, RADIUS, 1)
 }
 
-fn four_pillars() -> Ground {
+fn four_pillars() -> CollisionMap {
     room(&[
         (-1.5, -1.5, 1.0),
         (1.5, -1.5, 1.0),
@@ -32,10 +32,10 @@ fn four_pillars() -> Ground {
     ])
 }
 
-fn scene<'a>(ground: &'a Ground, cost: &'a CostModel) -> Scene<'a> {
+fn scene<'a>(collision_map: &'a CollisionMap, cost: &'a CostModel) -> Scene<'a> {
     Scene {
-        space: &ground.space,
-        sampler: &ground.sampler,
+        space: &collision_map.space,
+        sampler: &collision_map.sampler,
         radius: RADIUS,
         cost,
         bodies: &[],
@@ -97,7 +97,7 @@ fn is_consistent<M: Motion>(search: &Search<M>, scene: &Scene<'_>) {
 
 #[test]
 fn rewired_costs_reach_every_node_behind() {
-    let ground = four_pillars();
+    let collision_map = four_pillars();
     let length = by_length();
     let mut danger = CostModel::new(CostParams::default(), Algorithm::Improved, 0.5);
     danger.set_pursuers(
@@ -109,7 +109,7 @@ fn rewired_costs_reach_every_node_behind() {
             }),
     );
     for cost in [&length, &danger] {
-        let scene = scene(&ground, cost);
+        let scene = scene(&collision_map, cost);
         for seed in 0..3 {
             let search = searched(&scene, Straight, SearchParams::default(), seed, 1500);
             assert!(search.progress().best.is_finite());
@@ -120,9 +120,9 @@ fn rewired_costs_reach_every_node_behind() {
 
 #[test]
 fn arcs_keep_their_headings_through_rewiring() {
-    let ground = four_pillars();
+    let collision_map = four_pillars();
     let cost = by_length();
-    let scene = scene(&ground, &cost);
+    let scene = scene(&collision_map, &cost);
     let arcs = Arcs {
         min_radius: 0.3,
         max_bearing: core::f64::consts::FRAC_PI_4,
@@ -140,10 +140,10 @@ fn arcs_keep_their_headings_through_rewiring() {
 
 #[test]
 fn the_length_comes_down_to_the_shortest_ways() {
-    let ground = four_pillars();
+    let collision_map = four_pillars();
     let cost = by_length();
-    let scene = scene(&ground, &cost);
-    let graph = TangentGraph::new(&ground.space, RADIUS).unwrap();
+    let scene = scene(&collision_map, &cost);
+    let graph = TangentGraph::new(&collision_map.space, RADIUS).unwrap();
     let optimum = graph.distance(FROM.position(), TO).unwrap();
     for seed in 0..5 {
         let best = searched(&scene, Straight, SearchParams::default(), seed, 4000)
@@ -157,9 +157,9 @@ fn the_length_comes_down_to_the_shortest_ways() {
 
 #[test]
 fn more_iterations_never_make_the_way_dearer() {
-    let ground = four_pillars();
+    let collision_map = four_pillars();
     let cost = by_length();
-    let scene = scene(&ground, &cost);
+    let scene = scene(&collision_map, &cost);
     let mut search = searched(&scene, Straight, SearchParams::default(), 5, 0);
     let mut last = f64::INFINITY;
     for _ in 0..60 {
@@ -173,9 +173,9 @@ fn more_iterations_never_make_the_way_dearer() {
 
 #[test]
 fn the_same_seed_grows_the_same_tree() {
-    let ground = four_pillars();
+    let collision_map = four_pillars();
     let cost = by_length();
-    let scene = scene(&ground, &cost);
+    let scene = scene(&collision_map, &cost);
     let nodes = |seed| {
         let search = searched(&scene, Straight, SearchParams::default(), seed, 800);
         search.tree().nodes().to_vec()
@@ -186,9 +186,9 @@ fn the_same_seed_grows_the_same_tree() {
 
 #[test]
 fn the_papers_search_never_rewires() {
-    let ground = four_pillars();
+    let collision_map = four_pillars();
     let cost = by_length();
-    let scene = scene(&ground, &cost);
+    let scene = scene(&collision_map, &cost);
     let search = searched(&scene, Straight, SearchParams::paper(), 1, 1500);
     // Without rewiring a child is always younger than its parent; goals are there from the start.
     for (number, node) in search.tree().nodes().iter().enumerate().skip(2) {
@@ -206,9 +206,9 @@ fn a_goal_behind_walls_is_not_reached_but_come_near_to() {
     };
     let wall = Convex::rectangle(Point2::new(0.0, 0.0), [4.0, 0.2], 0.0);
     let space = FreeSpace::new(vec![wall], bounds, 0.05).unwrap();
-    let ground = Ground::new(&space, RADIUS, 1);
+    let collision_map = CollisionMap::new(&space, RADIUS, 1);
     let cost = by_length();
-    let scene = scene(&ground, &cost);
+    let scene = scene(&collision_map, &cost);
     let search = searched(&scene, Straight, SearchParams::default(), 1, 500);
     assert!(search.way().is_empty());
     assert!(search.progress().best.is_infinite());
@@ -221,7 +221,7 @@ fn a_goal_behind_walls_is_not_reached_but_come_near_to() {
 
 #[test]
 fn bodies_in_the_way_are_passed() {
-    let ground = room(&[]);
+    let collision_map = room(&[]);
     let cost = by_length();
     let body = Body {
         at: Point2::origin(),
@@ -229,7 +229,7 @@ fn bodies_in_the_way_are_passed() {
     };
     let scene = Scene {
         bodies: &[body],
-        ..scene(&ground, &cost)
+        ..scene(&collision_map, &cost)
     };
     let search = searched(&scene, Straight, SearchParams::default(), 1, 1000);
     let way = search.way();
@@ -242,9 +242,9 @@ fn bodies_in_the_way_are_passed() {
 
 #[test]
 fn a_warm_start_keeps_the_way_and_makes_its_costs_anew() {
-    let ground = four_pillars();
+    let collision_map = four_pillars();
     let cost = by_length();
-    let scene = scene(&ground, &cost);
+    let scene = scene(&collision_map, &cost);
     let mut search = searched(&scene, Straight, SearchParams::default(), 3, 1500);
     let before = search.way();
     // A little further along the first piece.
@@ -276,9 +276,9 @@ fn a_warm_start_keeps_the_way_and_makes_its_costs_anew() {
 
 #[test]
 fn another_goal_lets_nothing_be_kept() {
-    let ground = four_pillars();
+    let collision_map = four_pillars();
     let cost = by_length();
-    let scene = scene(&ground, &cost);
+    let scene = scene(&collision_map, &cost);
     let mut search = searched(&scene, Straight, SearchParams::default(), 3, 500);
     let goals = [Point2::new(3.0, -3.0)];
     search.replant(
@@ -293,9 +293,9 @@ fn another_goal_lets_nothing_be_kept() {
 
 #[test]
 fn a_search_without_goals_or_free_space_does_no_harm() {
-    let ground = four_pillars();
+    let collision_map = four_pillars();
     let cost = by_length();
-    let scene = scene(&ground, &cost);
+    let scene = scene(&collision_map, &cost);
     let mut search = Search::new(SearchParams::default(), Straight, 1);
     search.run(&scene, 10);
     search.plant(&scene, FROM, &[], Bound::straight(FROM.position(), &[]));
@@ -317,12 +317,12 @@ proptest! {
         pillars in prop::collection::vec((-2.0..2.0, -2.0..2.0, 0.1..0.6), 0..6),
         seed in any::<u64>(),
     ) {
-        let ground = room(&pillars);
+        let collision_map = room(&pillars);
         let cost = by_length();
-        let scene = scene(&ground, &cost);
+        let scene = scene(&collision_map, &cost);
         let search = searched(&scene, Straight, SearchParams::default(), seed, 400);
         is_consistent(&search, &scene);
-        let graph = TangentGraph::new(&ground.space, RADIUS).unwrap();
+        let graph = TangentGraph::new(&collision_map.space, RADIUS).unwrap();
         let optimum = graph.distance(FROM.position(), TO).unwrap();
         prop_assert!(search.progress().best > optimum - 1e-6);
     }

@@ -6,10 +6,10 @@ use planner_view::free_space::FreeSpace;
 use planner_view::view::{RobotView, View};
 use sim_backend::spec::RobotModel;
 
-use super::{Asked, Navigator};
-use crate::ask::Ask;
+use super::{Navigator, OpenRequest};
 use crate::follow::{self, Motion, STANDING, Stops};
 use crate::trajectory::SAGITTA;
+use crate::trajectory_request::TrajectoryRequest;
 
 /// How deep in contact a robot may be and still get a plan (m), beyond its margin.
 const CONTACT: f64 = 2e-3;
@@ -25,7 +25,7 @@ impl Navigator {
         view: &View<'_>,
         own: &RobotView,
         stops: &Stops,
-    ) -> Option<Ask> {
+    ) -> Option<TrajectoryRequest> {
         let want = self.want?;
         let goal = self.goal()?;
         let stands = own.twist.v.abs() < STANDING;
@@ -41,7 +41,7 @@ impl Navigator {
         let robots = self.robots_in_the_way(clearance, start_at, goal);
         let stands = start.twist.v.abs() < STANDING;
         self.want = None;
-        self.asked = Some(Asked {
+        self.asked = Some(OpenRequest {
             want,
             due: view.time_s + ahead,
             goal: self.goal,
@@ -53,7 +53,7 @@ impl Navigator {
         let inset = Vector2::repeat(clearance);
         let bounds = space.bounds();
         let parts = space.shapes().parts();
-        Some(Ask {
+        Some(TrajectoryRequest {
             start: start.pose,
             goal,
             obstacles: parts.iter().cloned().chain(robots).collect(),
@@ -68,7 +68,7 @@ impl Navigator {
     }
 
     /// A question with the speeds of its start and its end filled in.
-    fn speeds(&self, start: &Motion) -> Ask {
+    fn speeds(&self, start: &Motion) -> TrajectoryRequest {
         let share = self.params.speed_fraction;
         let model = self.drive.model();
         let model = RobotModel {
@@ -86,7 +86,7 @@ impl Navigator {
         });
         let fastest = model.v_max.min(wheels);
         let speed = start.twist.v.clamp(0.0, fastest);
-        Ask {
+        TrajectoryRequest {
             start: start.pose,
             start_speed: model.acceleration.map(|_| speed),
             start_turn_rate: turn,

@@ -8,12 +8,12 @@ use planner_view::free_space::FreeSpace;
 use planner_view::view::View;
 use sim_backend::spec::RobotModel;
 
-use crate::ask::{Ask, Unplanned};
 use crate::drive::Drive;
 use crate::follow::{Follow, Motion, STANDING, Stops};
 use crate::params::{AtPopup, NavigatorParams};
 use crate::traffic::Traffic;
 use crate::trajectory::Trajectory;
+use crate::trajectory_request::{PlanFailure, TrajectoryRequest};
 
 /// Distance from a goal at which it is reached (m).
 const GOAL_TOLERANCE: f64 = 0.03;
@@ -26,7 +26,7 @@ const MAX_AHEAD: f64 = 10_000.0;
 
 /// Why a plan is wanted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Want {
+enum ReplanReason {
     /// There is none, or none that leads on.
     Need,
     /// The world has changed: there may be a better one.
@@ -35,8 +35,8 @@ enum Want {
 
 /// A question that is open.
 #[derive(Debug, Clone)]
-struct Asked {
-    want: Want,
+struct OpenRequest {
+    want: ReplanReason,
     /// When the answer takes effect (s).
     due: f64,
     /// Index of the goal.
@@ -57,7 +57,7 @@ pub struct Decision {
     /// What the robot does.
     pub command: Twist2,
     /// What to ask of the optimiser; whatever was asked before is of no interest any more.
-    pub ask: Option<Ask>,
+    pub ask: Option<TrajectoryRequest>,
 }
 
 /// Drives one robot to its goals.
@@ -75,8 +75,8 @@ pub struct Navigator {
     traffic: Traffic,
     /// Since when another robot is in the way (s), and which.
     held_up: Option<(f64, usize)>,
-    asked: Option<Asked>,
-    want: Option<Want>,
+    asked: Option<OpenRequest>,
+    want: Option<ReplanReason>,
     /// Not asked again before this time (s).
     not_before: f64,
     /// Whether it stops before it asks.
@@ -84,7 +84,7 @@ pub struct Navigator {
     ignore_robots: bool,
     revision: Option<u64>,
     /// What it was last told about there being no plan.
-    known: Option<Unplanned>,
+    known: Option<PlanFailure>,
 }
 
 impl Navigator {
@@ -114,7 +114,7 @@ impl Navigator {
             traffic: Traffic::default(),
             held_up: None,
             asked: None,
-            want: Some(Want::Need),
+            want: Some(ReplanReason::Need),
             not_before: 0.0,
             halt: false,
             ignore_robots: false,
@@ -146,13 +146,18 @@ impl Navigator {
     }
 
     /// Whether there has been a plan since one was last missing for such a reason.
-    pub fn is_news(&self, reason: &Unplanned) -> bool {
-        let kind = core::mem::discriminant::<Unplanned>;
+    pub fn is_news(&self, reason: &PlanFailure) -> bool {
+        let kind = core::mem::discriminant::<PlanFailure>;
         self.known.as_ref().map(kind) != Some(kind(reason))
     }
 
     /// Takes the answer to what was asked.
-    pub fn take(&mut self, planned: Result<Trajectory, Unplanned>, space: &FreeSpace, time_s: f64) {
+    pub fn take(
+        &mut self,
+        planned: Result<Trajectory, PlanFailure>,
+        space: &FreeSpace,
+        time_s: f64,
+    ) {
         let Some(asked) = self.asked.take() else {
             return;
         };
@@ -165,7 +170,7 @@ impl Navigator {
         self.ignore_robots = false;
         let left = self.follow.as_ref().map(Follow::left);
         let better = left.is_some_and(|left| trajectory.duration() < left - GAIN);
-        if asked.want == Want::Better && !better {
+        if asked.want == ReplanReason::Better && !better {
             return;
         }
         // In real time it may be late: who moves is on his way already.
@@ -177,7 +182,7 @@ impl Navigator {
         let blocked = trajectory.blocked(space, tau, asked.clearance);
         if blocked.is_some() {
             // The world has changed since it was asked for.
-            self.want = Some(Want::Need);
+            self.want = Some(ReplanReason::Need);
         }
         self.halt = self.halt && blocked.is_some();
         self.held_up = None;
@@ -192,13 +197,13 @@ impl Navigator {
         });
     }
 
-    fn do_without(&mut self, asked: &Asked, reason: Unplanned, time_s: f64) {
-        if asked.want == Want::Better {
+    fn do_without(&mut self, asked: &OpenRequest, reason: PlanFailure, time_s: f64) {
+        if asked.want == ReplanReason::Better {
             return;
         }
-        self.want = Some(Want::Need);
-        if matches!(reason, Unplanned::NoAnswer(_)) {
-            // Asked again at once, on the way.
+        self.want = Some(ReplanReason::Need);
+        if matches!(reason, PlanFailure::NoAnswer(_)) {
+            // OpenRequest again at once, on the way.
         } else if asked.stands {
             self.not_before = time_s + RETRY_S;
             // Others may stand on the goal, or all around; they may also go.
@@ -269,10 +274,10 @@ impl Navigator {
             .trajectory
             .blocked(space, follow.tau, follow.clearance);
         if follow.blocked.is_some() {
-            self.want = Some(Want::Need);
+            self.want = Some(ReplanReason::Need);
             self.halt |= self.params.at_popup == AtPopup::Stop;
         } else if self.want.is_none() && !first {
-            self.want = Some(Want::Better);
+            self.want = Some(ReplanReason::Better);
         }
     }
 
@@ -280,7 +285,7 @@ impl Navigator {
     fn look_at_error(&mut self, motion: &Motion, stands: bool) {
         let Some(follow) = &self.follow else { return };
         if follow.error(&motion.pose) > self.params.max_error {
-            self.want = Some(Want::Need);
+            self.want = Some(ReplanReason::Need);
             self.halt = true;
             if stands {
                 self.follow = None;
@@ -305,11 +310,11 @@ impl Navigator {
             if near && stands {
                 (self.goal, self.want, self.asked) = (self.goals.len(), None, None);
             } else if stands {
-                self.want = Some(Want::Need);
+                self.want = Some(ReplanReason::Need);
             }
         } else {
             self.goal = (self.goal + 1) % self.goals.len();
-            self.want = Some(Want::Need);
+            self.want = Some(ReplanReason::Need);
             self.not_before = 0.0;
         }
     }
@@ -335,7 +340,7 @@ impl Navigator {
                 // Who has the right of way looks for another one first.
                 let others = if who < view.me { 3.0 } else { 1.0 };
                 if view.time_s - since >= others * self.params.patience_s {
-                    self.want = Some(Want::Need);
+                    self.want = Some(ReplanReason::Need);
                     self.held_up = Some((view.time_s, who));
                 }
             }

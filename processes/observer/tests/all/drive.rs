@@ -37,7 +37,7 @@ pub const DT: f64 = 0.05;
 /// A world with one robot in it.
 #[derive(Debug, Clone)]
 pub struct Place {
-    /// Corners of the ground (m).
+    /// Corners of the world map (m).
     pub bounds: [[f64; 2]; 2],
     pub obstacles: Vec<Shape>,
     pub start: Pose2,

@@ -24,7 +24,7 @@ const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
 /// What the dispatcher is given.
 #[derive(Debug, Clone)]
-pub struct Given {
+pub struct DispatcherInput {
     /// Where the run lives.
     pub space: RunSpace,
     /// How its buffers are laid out.
@@ -50,7 +50,7 @@ impl Dispatcher {
     ///
     /// # Errors
     /// [`ProcessError`] if a port or a thread cannot be had.
-    pub fn start(given: Given) -> Result<Self, ProcessError> {
+    pub fn start(given: DispatcherInput) -> Result<Self, ProcessError> {
         let stop = Arc::new(AtomicBool::new(false));
         let refused = Arc::new(AtomicU64::new(0));
         let (tell, opened) = mpsc::channel();
@@ -59,9 +59,9 @@ impl Dispatcher {
             .name("dispatcher".to_owned())
             .spawn(move || {
                 // Ports belong to the thread that opened them.
-                let mut desk = Desk::open(&given, flags)?;
+                let mut state = DispatcherState::open(&given, flags)?;
                 let _ = tell.send(());
-                desk.serve()
+                state.serve()
             })
             .map_err(|e| ProcessError::system("cannot start the dispatcher", e))?;
         let mut dispatcher = Self {
@@ -120,7 +120,7 @@ struct Open {
 }
 
 /// The dispatcher's own side.
-struct Desk {
+struct DispatcherState {
     stop: Arc<AtomicBool>,
     refused: Arc<AtomicU64>,
     // Closed in this order: nobody answers before nobody plans any more.
@@ -134,9 +134,9 @@ struct Desk {
     memory: Memory,
 }
 
-impl Desk {
+impl DispatcherState {
     fn open(
-        given: &Given,
+        given: &DispatcherInput,
         (stop, refused): (Arc<AtomicBool>, Arc<AtomicU64>),
     ) -> Result<Self, ProcessError> {
         let bus = Bus::join(&given.space, given.options, &given.name)?;

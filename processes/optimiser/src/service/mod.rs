@@ -11,7 +11,7 @@ mod recent_plans;
 use core::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-pub use dispatcher::{Dispatcher, Given};
+pub use dispatcher::{Dispatcher, DispatcherInput};
 pub use recent_plans::Memory;
 use trajectory::{Options, Plan, Problem};
 

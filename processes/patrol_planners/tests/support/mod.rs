@@ -73,7 +73,7 @@ impl Drive {
     }
 }
 
-/// A ground from (−4, −4) to (19, 19) with these obstacles.
+/// A world map from (−4, −4) to (19, 19) with these obstacles.
 pub fn drive(
     obstacles: Vec<Shape>,
     start: Pose2,

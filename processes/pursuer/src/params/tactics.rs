@@ -4,7 +4,7 @@ use parameters::{Parameters, above, at_least};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Furthest that a post may lie from its exit (m); the work per tick grows with its square.
+/// Furthest that a guard pose may lie from its exit (m); the work per tick grows with its square.
 pub const MAX_POST_RADIUS: f64 = 5.0;
 
 /// Where the goal for a hypothesis of a target lies.
@@ -57,7 +57,7 @@ pub struct RoleParams {
     /// Greatest distance of a guard from its exit's centre.
     #[schemars(transform = above(0).at_most(MAX_POST_RADIUS).unit("m"))]
     pub post_radius: f64,
-    /// Time that a guard must have to spare, at its post and for every target, to leave it for a
+    /// Time that a guard must have to spare, at its guard pose and for every target, to leave it for a
     /// capture.
     #[schemars(transform = at_least(0).unit("s"))]
     pub margin_s: f64,

@@ -6,10 +6,10 @@ use crate::police::{CATCH, V_POLICE, exact, police, view};
 use crate::support::{CITY, DT, EXIT, Kinematic, RADIUS, street_starts};
 use geometry::pose::{Pose2, Twist2};
 use nalgebra::Point2;
-use navigation::routes::{NavGrid, Wayfinder};
+use navigation::routes::{NavGrid, RouteFinder};
 use planner_view::limits::Limits;
 use planner_view::view::{BeliefView, ParticleView, RobotView, View};
-use pursuer::cut_off::{Blocker, CutSearch, Fugitive};
+use pursuer::cut_off::{CutSearch, EvaderState, ExitBlocker};
 use pursuer::exit_guard::ExitGuards;
 use pursuer::params::{AssignmentMethod, GoalMethod, Knowledge, RoleParams};
 use pursuer::{Pursuer, PursuerParams};
@@ -55,7 +55,7 @@ struct Runner {
 impl Runner {
     fn new(from: Point2<f64>, speed: f64) -> Self {
         let map = &CITY.1;
-        let mut finder = Wayfinder::default();
+        let mut finder = RouteFinder::default();
         finder.prepare(map, RADIUS);
         let mut way = Vec::new();
         let routes = finder.lengths(map, 0, from, [EXIT]).unwrap();
@@ -170,7 +170,7 @@ fn a_guard_is_the_pursuer_nearest_to_the_exit_and_stays_one() {
         .map(|(i, &y)| police(i, Pose2::new(7.5, y, 3.0)))
         .collect();
     robots.push(evader(4, Pose2::new(-4.5, 7.5, 0.0), 0.45));
-    let mut finder = Wayfinder::default();
+    let mut finder = RouteFinder::default();
     finder.prepare(map, RADIUS);
     let mut guards = ExitGuards::new(RoleParams {
         exit_guard: 2,
@@ -200,7 +200,7 @@ fn every_pursuer_comes_to_the_same_guards_targets_and_places() {
         params.assignment.method = AssignmentMethod::CutOff;
         let choices: Vec<_> = (0..5)
             .map(|me| {
-                let mut finder = Wayfinder::default();
+                let mut finder = RouteFinder::default();
                 finder.prepare(map, RADIUS);
                 let mut guards = ExitGuards::new(params.roles);
                 guards.choose(map, &mut finder, &view(1.0, me, &robots, &[]));
@@ -235,9 +235,9 @@ fn a_guard_stands_between_a_threat_and_the_exit() {
             evader(1, Pose2::new(threat.x, threat.y, 3.0), 0.6),
         ];
         let steering = pursuer(&guarding()).command(map, &view(1.0, 0, &robots, &[]));
-        let post = steering.aim.unwrap();
-        let (to_post, to_threat) = (post - EXIT, threat - EXIT);
-        assert!(to_post.dot(&to_threat) > 0.0, "{post} for {threat}");
+        let guard_pose = steering.aim.unwrap();
+        let (to_post, to_threat) = (guard_pose - EXIT, threat - EXIT);
+        assert!(to_post.dot(&to_threat) > 0.0, "{guard_pose} for {threat}");
         assert!(to_post.norm() < to_threat.norm());
         assert_eq!(steering.target, None);
     }
@@ -359,21 +359,21 @@ fn gets_out(grid: &NavGrid, from: Point2<f64>, places: &[Point2<f64>], radius: f
 #[test]
 fn the_places_of_a_cut_separate_the_target_from_the_exit() {
     let map = &CITY.1;
-    let mut finder = Wayfinder::default();
+    let mut finder = RouteFinder::default();
     finder.prepare(map, RADIUS);
     let mut search = CutSearch::default();
     let starts = street_starts();
     let mut sizes = [0; 4];
     for (i, start) in starts.iter().enumerate() {
         let blockers: Vec<_> = (0..4)
-            .map(|b| Blocker {
+            .map(|b| ExitBlocker {
                 at: starts[(i + 13 * b + 5) % starts.len()].position(),
                 v_max: V_POLICE,
                 slot: 20 + b,
             })
             .collect();
         let from = start.position();
-        let runs = Fugitive {
+        let runs = EvaderState {
             at: from,
             v_max: 0.45,
             guarded: false,
@@ -391,7 +391,7 @@ fn the_places_of_a_cut_separate_the_target_from_the_exit() {
         );
         let again = search.cut(map, &mut finder, [EXIT], &runs, &blockers, 0.75);
         assert_eq!(again, cut);
-        let guarded = Fugitive {
+        let guarded = EvaderState {
             guarded: true,
             ..runs
         };
@@ -469,7 +469,7 @@ fn guards_spread_over_the_exits() {
         exits: &[EXIT, far_exit],
         ..view(1.0, 2, &robots, &[])
     };
-    let mut finder = Wayfinder::default();
+    let mut finder = RouteFinder::default();
     finder.prepare(map, RADIUS);
     let mut guards = ExitGuards::new(RoleParams {
         exit_guard: 2,
@@ -482,6 +482,6 @@ fn guards_spread_over_the_exits() {
     assert_eq!(guarded[1], (2, 1));
     let mut params = guarding();
     params.roles.exit_guard = 2;
-    let post = pursuer(&params).command(map, &two_exits).aim.unwrap();
-    assert!((post - far_exit).norm() <= 1.0, "{post}");
+    let guard_pose = pursuer(&params).command(map, &two_exits).aim.unwrap();
+    assert!((guard_pose - far_exit).norm() <= 1.0, "{guard_pose}");
 }

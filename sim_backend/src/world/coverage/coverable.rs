@@ -5,7 +5,7 @@ use nalgebra::Point2;
 use geometry::grid::GridFrame;
 
 /// What is known of the cells.
-pub(super) struct Ground<'a> {
+pub(super) struct CoverageDomain<'a> {
     /// Where the cells lie.
     pub frame: &'a GridFrame,
     /// Distance (m) from each cell's centre to the nearest obstacle.
@@ -18,13 +18,13 @@ pub(super) struct Ground<'a> {
 /// The robot drives from cell to cell, centre to centre: a passage that is wider than the robot by
 /// less than a cell may count as closed, and what lies beyond it as out of reach.
 pub(super) fn mark(
-    ground: &Ground<'_>,
+    domain: &CoverageDomain<'_>,
     starts: impl Iterator<Item = Point2<f64>>,
     body: f64,
     reach: f64,
     coverable: &mut [bool],
 ) {
-    let frame = ground.frame;
+    let frame = domain.frame;
     let mut reached = vec![false; frame.len()];
     let mut open: Vec<(usize, usize)> = Vec::new();
     for (col, row) in starts.filter_map(|p| frame.cell_at(p)) {
@@ -35,7 +35,7 @@ pub(super) fn mark(
     while let Some((col, row)) = open.pop() {
         for (c, r) in neighbours(frame, col, row) {
             let cell = frame.index(c, r);
-            if !reached[cell] && ground.clearance[cell] >= body {
+            if !reached[cell] && domain.clearance[cell] >= body {
                 reached[cell] = true;
                 open.push((c, r));
             }

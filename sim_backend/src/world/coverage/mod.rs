@@ -17,8 +17,8 @@ use geometry::map::WorldMap;
 use geometry::pose::Pose2;
 use nalgebra::Point2;
 
-use self::coverable::Ground;
-use self::swept::Way;
+use self::coverable::CoverageDomain;
+use self::swept::SweptPath;
 use super::motion::Motion;
 use crate::robot::Robot;
 use crate::spec::CoverageSpec;
@@ -65,7 +65,7 @@ pub struct CoverageFigures {
     /// How evenly the coverable cells are visited: standard deviation of their visits, divided by
     /// the mean; 0 before any visit.
     pub unevenness: f64,
-    /// Way driven by the counted robots together (m).
+    /// SweptPath driven by the counted robots together (m).
     pub way: f64,
     /// Mean time since the last visit over the coverable cells (s); since the start for those not
     /// visited yet.
@@ -128,7 +128,7 @@ pub struct Coverage {
     coverable: usize,
     covered: usize,
     visits: u64,
-    /// Way driven by the counted robots together (m).
+    /// SweptPath driven by the counted robots together (m).
     way: f64,
     /// Longest gap between two visits of a coverable cell (ns).
     worst_gap_ns: u64,
@@ -189,7 +189,7 @@ impl Coverage {
         for k in 0..coverage.sweepers.len() {
             let Sweeper { robot, reach, .. } = coverage.sweepers[k];
             let at = robots[robot].pose.position();
-            coverage.visit(Way::Straight { from: at, to: at }, reach, 0, 0);
+            coverage.visit(SweptPath::Straight { from: at, to: at }, reach, 0, 0);
         }
         Ok(coverage)
     }
@@ -204,7 +204,7 @@ impl Coverage {
                 .flat_map(|row| (0..frame.width).map(move |col| frame.center(col, row)));
             centers.map(|center| map.distance(center)).collect()
         };
-        let ground = Ground {
+        let domain = CoverageDomain {
             frame: &frame,
             clearance: &clearance,
         };
@@ -220,7 +220,7 @@ impl Coverage {
             let starts = alike
                 .filter(|(robot, reach)| (robot.radius(), *reach) == kind)
                 .map(|(robot, _)| robot.pose.position());
-            coverable::mark(&ground, starts, kind.0, kind.1, &mut coverable);
+            coverable::mark(&domain, starts, kind.0, kind.1, &mut coverable);
         }
         (self.free, self.visited, self.coverable, self.covered) = (0, 0, 0, 0);
         for ((cell, &clearance), &coverable) in
@@ -271,20 +271,20 @@ impl Coverage {
             };
             if motion.touch[robot].blocked {
                 let mut from = before.position();
-                self.visit(Way::Straight { from, to: from }, reach, tick, now);
+                self.visit(SweptPath::Straight { from, to: from }, reach, tick, now);
                 for &(_, to) in motion.trace.iter().filter(|(mover, _)| *mover == robot) {
-                    self.visit(Way::Straight { from, to }, reach, tick, now);
+                    self.visit(SweptPath::Straight { from, to }, reach, tick, now);
                     from = to;
                 }
             } else {
                 let after = &robots[robot];
-                let way = Way::of(before, after.twist, dt, after.pose.position());
+                let way = SweptPath::of(before, after.twist, dt, after.pose.position());
                 self.visit(way, reach, tick, now);
             }
         }
     }
 
-    fn visit(&mut self, way: Way, reach: f64, tick: u64, now: u64) {
+    fn visit(&mut self, way: SweptPath, reach: f64, tick: u64, now: u64) {
         let (frame, bounds) = (self.frame, way.bounds());
         // The cells whose centres may be near enough, and perhaps one more on each side.
         let range = |low: f64, high: f64, origin: f64, cells: usize| {

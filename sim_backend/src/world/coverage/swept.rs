@@ -12,7 +12,7 @@ const FLAT: f64 = 1e-7;
 
 /// The way of a centre.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Way {
+pub(super) enum SweptPath {
     /// Straight; both ends may be one point.
     Straight { from: Point2<f64>, to: Point2<f64> },
     /// Around a centre.
@@ -27,7 +27,7 @@ pub(super) enum Way {
     },
 }
 
-impl Way {
+impl SweptPath {
     /// The way of a robot that keeps a twist for `dt` (s).
     pub fn of(pose: Pose2, twist: Twist2, dt: f64, end: Point2<f64>) -> Self {
         let (from, sweep) = (pose.position(), twist.omega * dt);
@@ -134,7 +134,7 @@ mod tests {
             reach in 0.05..1.0_f64,
         ) {
             let (pose, twist) = (Pose2::new(0.3, -0.2, theta), Twist2::new(v, omega));
-            let way = Way::of(pose, twist, 1.0, integrate(pose, twist, 1.0).position());
+            let way = SweptPath::of(pose, twist, 1.0, integrate(pose, twist, 1.0).position());
             let p = Point2::new(x, y);
             let steps = 4000;
             let nearest = (0..=steps)

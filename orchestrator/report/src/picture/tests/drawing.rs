@@ -7,8 +7,8 @@ use roxmltree::{Document, Node};
 use sim_backend::team::Team;
 
 use crate::picture::{
-    BeliefTrace, Cells, DominanceTrace, Ground, Mark, MarkKind, PlanTrace, RobotTrace, RunTrace,
-    Standing, Trail, TrailPoint, TreeTrace, draw,
+    BeliefTrace, Cells, DominanceTrace, Mark, MarkKind, PlanTrace, RobotTrace, RunTrace, Standing,
+    StaticScene, Trail, TrailPoint, TreeTrace, draw,
 };
 
 fn robot(name: &str, team: Team, way: impl IntoIterator<Item = (f64, f64)>) -> RobotTrace {
@@ -49,7 +49,7 @@ fn trace() -> RunTrace {
         seed: "7".to_owned(),
         time_s: 2.0,
         end_s: 5.0,
-        ground: Ground {
+        static_scene: StaticScene {
             min: [0.0, 0.0],
             max: [4.0, 3.0],
             obstacles: [(0, wall, false), (1, pillar, true)]
@@ -233,7 +233,7 @@ fn what_came_during_the_run_has_a_colour_of_its_own() {
             .any(|t| t.contains("during the run"))
     );
     let mut plain = trace();
-    plain.ground.obstacles.remove(&1);
+    plain.static_scene.obstacles.remove(&1);
     plain.beliefs.clear();
     let svg = draw(&plain);
     assert!(!svg.contains("during the run") && !svg.contains("particle filter"));
@@ -319,8 +319,8 @@ fn the_largest_run_makes_a_picture_of_at_most_400_kb() {
             edges: way.iter().map(|&to| [[1.234, 2.345], to]).collect(),
         })
         .collect();
-    trace.ground.obstacles.clear();
-    trace.ground.cells = Some(Cells {
+    trace.static_scene.obstacles.clear();
+    trace.static_scene.cells = Some(Cells {
         origin: [0.0, 0.0],
         side: 0.004,
         width: 1000,
@@ -328,7 +328,7 @@ fn the_largest_run_makes_a_picture_of_at_most_400_kb() {
             .map(|i| i.wrapping_mul(2_654_435_761) >> 30 == 0)
             .collect(),
     });
-    let noise = trace.ground.cells.clone().unwrap();
+    let noise = trace.static_scene.cells.clone().unwrap();
     trace.dominance = Some(DominanceTrace {
         police: noise.clone(),
         evader: noise.clone(),

@@ -209,10 +209,10 @@ fn a_picture_of_the_end_has_everything_that_happened() {
         (trace.marks[0].kind, trace.marks[0].time_s),
         (MarkKind::Captured, 5.0)
     );
-    assert_eq!(trace.ground.obstacles.len(), 2);
-    assert!(trace.ground.obstacles[&7].came && !trace.ground.obstacles[&0].came);
+    assert_eq!(trace.static_scene.obstacles.len(), 2);
+    assert!(trace.static_scene.obstacles[&7].came && !trace.static_scene.obstacles[&0].came);
     assert_eq!(
-        (trace.ground.max, trace.ground.exits.len()),
+        (trace.static_scene.max, trace.static_scene.exits.len()),
         ([4.0, 3.0], 1)
     );
     assert!(
@@ -228,7 +228,7 @@ fn a_picture_of_a_moment_has_nothing_from_later_and_the_belief_of_then() {
     assert_eq!((trace.time_s, trace.end_s), (3.0, 10.0));
     assert!((trace.robots[0].pose.x - 0.8).abs() < 1e-9);
     assert!(trace.marks.is_empty() && trace.robots[1].active);
-    assert_eq!(trace.ground.obstacles.len(), 1);
+    assert_eq!(trace.static_scene.obstacles.len(), 1);
     assert_eq!(trace.beliefs.len(), 1);
     assert_eq!(
         (trace.beliefs[0].robot, trace.beliefs[0].mean),
@@ -272,8 +272,8 @@ fn a_map_without_vectors_comes_from_the_messages() {
     log.write::<WorldMap>(maps, 0.0, &header, &cells);
     let (_folder, path) = log.run();
     let trace = drawn(&path, None);
-    assert_eq!(trace.ground.max, [4.0, 3.0]);
-    assert!(trace.ground.cells.unwrap().occupied[9]);
+    assert_eq!(trace.static_scene.max, [4.0, 3.0]);
+    assert!(trace.static_scene.cells.unwrap().occupied[9]);
 }
 
 #[test]

@@ -6,7 +6,7 @@ use nalgebra::Point2;
 
 use super::nav_grid::{NavGrid, SIGHT};
 use super::route_tree::{RouteTree, Routes, Threat};
-use super::ways::{Seed, Ways};
+use super::route_trees::{RouteTrees, Seed};
 use planner_view::map::PlannerMap;
 
 /// Most trees that are kept; a slot beyond it shares the last one.
@@ -19,9 +19,9 @@ const MAX_RADIUS: f64 = 10.0;
 /// [`RouteTree`] per slot, and plants a tree anew
 /// only when its root has come to another node, or the map or the robot's radius has changed.
 #[derive(Debug, Clone, Default)]
-pub struct Wayfinder {
+pub struct RouteFinder {
     built_for: Option<(u64, f64)>,
-    ways: Option<Arc<Ways>>,
+    route_trees: Option<Arc<RouteTrees>>,
     /// Whether other planners use the same trees.
     shares: bool,
     slots: Vec<Slot>,
@@ -29,7 +29,7 @@ pub struct Wayfinder {
 
 #[derive(Debug, Clone, Default)]
 struct Slot {
-    planted: Planted,
+    planted: TreeKey,
     /// What the tree grew from, if others use it too.
     seed: Option<Seed>,
     tree: Arc<RouteTree>,
@@ -40,20 +40,20 @@ struct Slot {
 
 /// What a slot's tree was planted for.
 #[derive(Debug, Clone, Default, PartialEq)]
-enum Planted {
+enum TreeKey {
     #[default]
     Nothing,
-    /// Ways with gates from a node.
+    /// RouteTrees with gates from a node.
     From(usize),
     /// Lengths from a node.
     Lengths(usize),
-    /// Ways to the cheapest of these nodes.
+    /// RouteTrees to the cheapest of these nodes.
     Out(Vec<usize>),
 }
 
 /// The way to the exit that is cheapest to reach.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct WayOut {
+pub struct ExitRoute {
     /// The exit (m).
     pub exit: Point2<f64>,
     /// The last point of the way that can be seen from where it begins (m), or the exit itself.
@@ -62,7 +62,7 @@ pub struct WayOut {
     pub length: f64,
 }
 
-impl Wayfinder {
+impl RouteFinder {
     /// Builds the graph for this map and radius (m), unless it is the one already built.
     pub fn prepare(&mut self, map: &PlannerMap, radius: f64) {
         let radius = if radius.is_nan() {
@@ -72,22 +72,24 @@ impl Wayfinder {
         };
         let wanted = Some((map.revision(), radius));
         if self.built_for != wanted {
-            let lay = || Ways::new(NavGrid::new(map, radius));
-            self.ways = Some(map.derived().get(radius, lay));
+            let lay = || RouteTrees::new(NavGrid::new(map, radius));
+            self.route_trees = Some(map.derived().get(radius, lay));
             self.shares = map.is_shared();
             self.built_for = wanted;
             for slot in &mut self.slots {
-                slot.planted = Planted::Nothing;
+                slot.planted = TreeKey::Nothing;
             }
         }
     }
 
     /// The graph of the map that was [prepared](Self::prepare) last.
     pub fn grid(&self) -> Option<&NavGrid> {
-        self.ways.as_ref().map(|ways| &ways.grid)
+        self.route_trees
+            .as_ref()
+            .map(|route_trees| &route_trees.grid)
     }
 
-    /// The shortest ways from `root` to `targets` (m), with their first legs, kept under a slot
+    /// The shortest routes from `root` to `targets` (m), with their first legs, kept under a slot
     /// number.
     ///
     /// `None` before [`prepare`], for a root that is not finite, and in a map where the robot fits
@@ -104,7 +106,7 @@ impl Wayfinder {
         self.grow(map, slot, root, targets, true)
     }
 
-    /// As [`routes`](Self::routes), but good only for lengths and whole ways, and cheaper: the
+    /// As [`routes`](Self::routes), but good only for lengths and whole routes, and cheaper: the
     /// first leg of every way is its destination.
     pub fn lengths<'a>(
         &'a mut self,
@@ -124,21 +126,21 @@ impl Wayfinder {
         targets: impl IntoIterator<Item = Point2<f64>>,
         gates: bool,
     ) -> Option<Routes<'a>> {
-        let ways = self.ways.as_ref()?;
-        let grid = &ways.grid;
+        let route_trees = self.route_trees.as_ref()?;
+        let grid = &route_trees.grid;
         let node = grid.node_at(root)?;
         let kept = slot_of(&mut self.slots, slot)?;
         let planted = if gates {
-            Planted::From(node)
+            TreeKey::From(node)
         } else {
-            Planted::Lengths(node)
+            TreeKey::Lengths(node)
         };
         if kept.planted != planted {
             let seed = self.shares.then_some(match planted {
-                Planted::From(node) => Seed::From(node),
+                TreeKey::From(node) => Seed::From(node),
                 _ => Seed::Lengths(node),
             });
-            kept.plant(ways, seed, |tree| {
+            kept.plant(route_trees, seed, |tree| {
                 if gates {
                     tree.plant(grid, node);
                 } else {
@@ -151,7 +153,7 @@ impl Wayfinder {
             .into_iter()
             .filter_map(|target| grid.node_at(target))
         {
-            kept.reach(ways, target);
+            kept.reach(route_trees, target);
         }
         Some(Routes {
             map,
@@ -175,9 +177,9 @@ impl Wayfinder {
         exits: impl IntoIterator<Item = Point2<f64>> + Clone,
         threats: &[Threat],
         renew: bool,
-    ) -> Option<WayOut> {
-        let ways = self.ways.as_ref()?;
-        let grid = &ways.grid;
+    ) -> Option<ExitRoute> {
+        let route_trees = self.route_trees.as_ref()?;
+        let grid = &route_trees.grid;
         let node = grid.node_at(from)?;
         let kept = slot_of(&mut self.slots, slot)?;
         let nodes = || {
@@ -186,18 +188,18 @@ impl Wayfinder {
         };
         let is_planted = !renew
             && match &kept.planted {
-                Planted::Out(roots) => roots.iter().copied().eq(nodes()),
+                TreeKey::Out(roots) => roots.iter().copied().eq(nodes()),
                 _ => false,
             };
         if !is_planted {
             let roots: Vec<usize> = nodes().collect();
             let seed = self.shares.then(|| Seed::out(&roots, threats));
-            kept.plant(ways, seed, |tree| {
+            kept.plant(route_trees, seed, |tree| {
                 tree.plant_without_gates(grid, &roots, threats);
             });
-            kept.planted = Planted::Out(roots);
+            kept.planted = TreeKey::Out(roots);
         }
-        if !kept.reach(ways, node) {
+        if !kept.reach(route_trees, node) {
             return None;
         }
         descend(map, grid, &kept.tree, from, node, exits)
@@ -207,9 +209,14 @@ impl Wayfinder {
 impl Slot {
     /// Takes another tree: the one that others have grown from this seed, or a new one, which
     /// `plant` plants.
-    fn plant(&mut self, ways: &Ways, seed: Option<Seed>, plant: impl FnOnce(&mut RouteTree)) {
+    fn plant(
+        &mut self,
+        route_trees: &RouteTrees,
+        seed: Option<Seed>,
+        plant: impl FnOnce(&mut RouteTree),
+    ) {
         self.horizon = 0;
-        match seed.as_ref().map(|seed| ways.tree(seed)) {
+        match seed.as_ref().map(|seed| route_trees.tree(seed)) {
             Some(Some(known)) => self.tree = known,
             Some(None) => {
                 let mut tree = RouteTree::default();
@@ -223,7 +230,7 @@ impl Slot {
     }
 
     /// Grows the tree until it reaches a node; whether it does.
-    fn reach(&mut self, ways: &Ways, node: usize) -> bool {
+    fn reach(&mut self, route_trees: &RouteTrees, node: usize) -> bool {
         loop {
             if let Some(rank) = self.tree.rank(node) {
                 self.horizon = self.horizon.max(rank + 1);
@@ -234,10 +241,10 @@ impl Slot {
                 return false;
             }
             let Some(seed) = &self.seed else {
-                Arc::make_mut(&mut self.tree).reach(&ways.grid, node);
+                Arc::make_mut(&mut self.tree).reach(&route_trees.grid, node);
                 continue;
             };
-            let known = ways.tree(seed);
+            let known = route_trees.tree(seed);
             if let Some(further) = known.filter(|known| known.settled() > self.tree.settled()) {
                 self.tree = further;
                 continue;
@@ -245,9 +252,9 @@ impl Slot {
             // A copy, if others look at it; so that copies are rare, it grows further than needed.
             let tree = Arc::make_mut(&mut self.tree);
             let before = tree.settled();
-            tree.reach(&ways.grid, node);
-            tree.settle(&ways.grid, before.saturating_mul(2));
-            ways.keep(seed, &self.tree);
+            tree.reach(&route_trees.grid, node);
+            tree.settle(&route_trees.grid, before.saturating_mul(2));
+            route_trees.keep(seed, &self.tree);
         }
     }
 }
@@ -260,7 +267,7 @@ fn descend(
     from: Point2<f64>,
     node: usize,
     exits: impl IntoIterator<Item = Point2<f64>>,
-) -> Option<WayOut> {
+) -> Option<ExitRoute> {
     let length = tree.length(node)?;
     let mut waypoint = grid.point(node)?;
     let (mut root, mut in_sight) = (node, true);
@@ -283,7 +290,7 @@ fn descend(
     if in_sight {
         waypoint = exit;
     }
-    Some(WayOut {
+    Some(ExitRoute {
         exit,
         waypoint,
         length: length + (exit - grid.point(root)?).norm(),

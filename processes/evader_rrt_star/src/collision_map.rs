@@ -38,7 +38,7 @@ impl Body {
 
 /// A map for a robot of one size.
 #[derive(Debug, Clone)]
-pub struct Ground {
+pub struct CollisionMap {
     /// The free space.
     pub space: FreeSpace,
     /// Where samples are drawn from.
@@ -53,7 +53,7 @@ pub struct Ground {
     towards: Vec<Arc<Towards>>,
 }
 
-impl Ground {
+impl CollisionMap {
     /// Prepares a map for a robot of this radius, margin included (m).
     pub fn new(space: &FreeSpace, radius: f64, revision: u64) -> Self {
         Self {

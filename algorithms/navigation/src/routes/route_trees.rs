@@ -15,11 +15,11 @@ const MAX_PASSING: usize = 16;
 /// What a tree is a function of, besides its graph.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Seed {
-    /// Ways with gates from a node.
+    /// RouteTrees with gates from a node.
     From(usize),
     /// Lengths from a node.
     Lengths(usize),
-    /// Ways to the cheapest of these nodes past these threats (their numbers' bits).
+    /// RouteTrees to the cheapest of these nodes past these threats (their numbers' bits).
     Out(Vec<usize>, Vec<[u64; 4]>),
 }
 
@@ -39,7 +39,7 @@ impl Seed {
 
 /// A graph, and the trees in it that were grown so far.
 #[derive(Debug)]
-pub(super) struct Ways {
+pub(super) struct RouteTrees {
     pub(super) grid: NavGrid,
     kept: Mutex<Kept>,
 }
@@ -50,7 +50,7 @@ struct Kept {
     passing: VecDeque<(Seed, Arc<RouteTree>)>,
 }
 
-impl Ways {
+impl RouteTrees {
     pub(super) fn new(grid: NavGrid) -> Self {
         Self {
             grid,

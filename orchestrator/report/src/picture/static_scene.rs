@@ -17,7 +17,7 @@ const MAX_RECTANGLES: usize = 2500;
 
 /// What does not drive.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Ground {
+pub struct StaticScene {
     /// Smallest x and y of the world (m).
     pub min: [f64; 2],
     /// Largest x and y of the world (m).
@@ -52,8 +52,8 @@ pub struct Cells {
     pub occupied: Vec<bool>,
 }
 
-impl Ground {
-    /// The ground of a scenario's map as far as it has vectors.
+impl StaticScene {
+    /// The static scene of a scenario's map as far as it has vectors.
     pub(crate) fn of(map: &MapSpec, exits: &[Region]) -> Self {
         let map = match map {
             MapSpec::Vector(map) => map,
@@ -349,17 +349,19 @@ mod tests {
             height: 2,
             ..MapHeader::default()
         };
-        let mut ground = Ground::default();
-        ground.use_cells(&header, &[MapCell::default(); 5]);
-        ground.use_cells(
+        let mut static_scene = StaticScene::default();
+        static_scene.use_cells(&header, &[MapCell::default(); 5]);
+        static_scene.use_cells(
             &MapHeader {
                 resolution: f64::NAN,
                 ..header
             },
             &[MapCell::default(); 6],
         );
-        assert_eq!(ground, Ground::default());
-        ground.use_cells(&header, &[MapCell::default(); 6]);
-        assert!((ground.max[0] - 0.3).abs() < 1e-12 && (ground.max[1] - 0.2).abs() < 1e-12);
+        assert_eq!(static_scene, StaticScene::default());
+        static_scene.use_cells(&header, &[MapCell::default(); 6]);
+        assert!(
+            (static_scene.max[0] - 0.3).abs() < 1e-12 && (static_scene.max[1] - 0.2).abs() < 1e-12
+        );
     }
 }

@@ -89,13 +89,13 @@ impl Rectangle {
 /// A workplace as the measure of coverage sees it: bounds, the robot's radius, and the rectangles
 /// that its centre must keep out of.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Ground {
+pub struct CoverageDomain {
     bounds: Rectangle,
     radius: f64,
     inflated: Vec<Rectangle>,
 }
 
-impl Ground {
+impl CoverageDomain {
     /// The workplace within `bounds` (m) for a robot of `radius` (m); `inflated` are the obstacles
     /// with the radius added on every side.
     ///

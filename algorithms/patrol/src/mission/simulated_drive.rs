@@ -1,4 +1,4 @@
-//! Laps driven on trial, without obstacles, to know how long they take.
+//! Laps driven on simulated drive, without obstacles, to know how long they take.
 
 use geometry::math;
 use geometry::pose::Pose2;
@@ -10,19 +10,19 @@ use steering::waypoint_driver::lap_time;
 use super::Drive;
 use crate::alpha::LapTimes;
 
-/// Tick of the trial drive (s). Not that of the run: the width must not depend on it.
+/// Tick of the simulated drive drive (s). Not that of the run: the width must not depend on it.
 const TICK_S: f64 = 0.05;
 
 /// A robot that is driven through laps as the waypoint driver does it, on empty ground.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TrialDrive {
+pub struct SimulatedDrive {
     limits: Limits,
     go_to: GoToParams,
     /// Time that each waypoint costs beyond the ideal drive (s).
     loss_s: f64,
 }
 
-impl TrialDrive {
+impl SimulatedDrive {
     /// A robot with these limits. Where it accelerates in finite time, each waypoint costs it a stop
     /// and a start, of wheels and of turning, which is more than it loses.
     pub fn new(drive: &Drive, go_to: &GoToParams) -> Self {
@@ -38,7 +38,7 @@ impl TrialDrive {
     }
 }
 
-impl LapTimes for TrialDrive {
+impl LapTimes for SimulatedDrive {
     fn lap_times(&mut self, laps: &[Vec<Point2<f64>>]) -> Option<Vec<f64>> {
         let mut heading: Option<f64> = None;
         let mut times = Vec::with_capacity(laps.len());

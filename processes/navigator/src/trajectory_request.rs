@@ -8,7 +8,7 @@ use thiserror::Error;
 
 /// A question for a trajectory.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Ask {
+pub struct TrajectoryRequest {
     /// Pose at the start.
     pub start: Pose2,
     /// Forward speed at the start (m/s); `None`: free.
@@ -33,7 +33,7 @@ pub struct Ask {
 
 /// Why there is no trajectory.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
-pub enum Unplanned {
+pub enum PlanFailure {
     /// The question makes no sense to the optimiser.
     #[error("the optimiser refuses: {0}")]
     Refused(String),

@@ -56,7 +56,7 @@ pub struct UnknownRobot {
 
 /// The changes that have not happened yet.
 #[derive(Debug, Clone, Default)]
-pub struct Agenda {
+pub struct EventSchedule {
     items: Vec<Item>,
     /// Where the robots started (m).
     starts: Vec<Point2<f64>>,
@@ -76,8 +76,8 @@ struct Item {
     done: bool,
 }
 
-impl Agenda {
-    /// An agenda for these robots; changes that are due at one tick happen in the order of the list.
+impl EventSchedule {
+    /// An event schedule for these robots; changes that are due at one tick happen in the order of the list.
     ///
     /// # Errors
     /// [`UnknownRobot`] if a change waits for a robot that is not in the list.
@@ -232,7 +232,7 @@ mod tests {
     }
 
     /// What happens and what is held at a tick, when the scout has driven this far.
-    fn at(agenda: &mut Agenda, tick: u64, way: f64) -> (Vec<String>, Vec<String>) {
+    fn at(event_schedule: &mut EventSchedule, tick: u64, way: f64) -> (Vec<String>, Vec<String>) {
         let words = |planned: &PlannedChange| {
             let sign = match planned.change {
                 ObstacleChange::Appear { .. } => '+',
@@ -241,12 +241,12 @@ mod tests {
             };
             format!("{sign}{}", planned.obstacle)
         };
-        agenda.observe(tick, &travelled(way));
+        event_schedule.observe(tick, &travelled(way));
         let mut happens = Vec::new();
-        while let Some(planned) = agenda.take(tick) {
+        while let Some(planned) = event_schedule.take(tick) {
             happens.push(words(planned));
         }
-        let held = agenda.newly_held(tick).map(words).collect();
+        let held = event_schedule.newly_held(tick).map(words).collect();
         (happens, held)
     }
 
@@ -260,12 +260,13 @@ mod tests {
 
     #[test]
     fn a_change_happens_once_at_the_first_tick_at_which_its_condition_holds() {
-        let mut agenda = Agenda::new(vec![appear(0, after_way(1.5, 0))], &specs()).unwrap();
-        assert_eq!(at(&mut agenda, 0, 0.0), nothing());
-        assert_eq!(at(&mut agenda, 1, 1.49), nothing());
-        assert_eq!(at(&mut agenda, 2, 1.5), happens(&["+o0"]));
-        assert!(agenda.is_empty());
-        assert_eq!(at(&mut agenda, 3, 1.6), nothing());
+        let mut event_schedule =
+            EventSchedule::new(vec![appear(0, after_way(1.5, 0))], &specs()).unwrap();
+        assert_eq!(at(&mut event_schedule, 0, 0.0), nothing());
+        assert_eq!(at(&mut event_schedule, 1, 1.49), nothing());
+        assert_eq!(at(&mut event_schedule, 2, 1.5), happens(&["+o0"]));
+        assert!(event_schedule.is_empty());
+        assert_eq!(at(&mut event_schedule, 3, 1.6), nothing());
     }
 
     #[test]
@@ -278,11 +279,11 @@ mod tests {
             },
             after: 3,
         };
-        let mut agenda = Agenda::new(vec![appear(0, near)], &specs()).unwrap();
-        assert_eq!(at(&mut agenda, 5, 1.0), nothing());
-        assert_eq!(at(&mut agenda, 6, 2.0), nothing());
-        assert_eq!(at(&mut agenda, 7, 1.0), nothing());
-        assert_eq!(at(&mut agenda, 8, 3.0), happens(&["+o0"]));
+        let mut event_schedule = EventSchedule::new(vec![appear(0, near)], &specs()).unwrap();
+        assert_eq!(at(&mut event_schedule, 5, 1.0), nothing());
+        assert_eq!(at(&mut event_schedule, 6, 2.0), nothing());
+        assert_eq!(at(&mut event_schedule, 7, 1.0), nothing());
+        assert_eq!(at(&mut event_schedule, 8, 3.0), happens(&["+o0"]));
     }
 
     #[test]
@@ -292,8 +293,11 @@ mod tests {
             appear(1, Due::Tick(4)),
             appear(0, after_way(0.5, 0)),
         ];
-        let mut agenda = Agenda::new(changes, &specs()).unwrap();
-        assert_eq!(at(&mut agenda, 4, 1.0), happens(&["+o2", "+o1", "+o0"]));
+        let mut event_schedule = EventSchedule::new(changes, &specs()).unwrap();
+        assert_eq!(
+            at(&mut event_schedule, 4, 1.0),
+            happens(&["+o2", "+o1", "+o0"])
+        );
     }
 
     #[test]
@@ -303,14 +307,18 @@ mod tests {
             disappear(0, after_way(1.0, 0)),
             appear(1, after_way(1.0, 0)),
         ];
-        let mut agenda = Agenda::new(changes, &specs()).unwrap();
-        assert_eq!(at(&mut agenda, 0, 0.5), nothing());
-        let (done, held) = at(&mut agenda, 1, 1.0);
+        let mut event_schedule = EventSchedule::new(changes, &specs()).unwrap();
+        assert_eq!(at(&mut event_schedule, 0, 0.5), nothing());
+        let (done, held) = at(&mut event_schedule, 1, 1.0);
         assert_eq!(done, ["+o1"], "another obstacle does not wait");
         assert_eq!(held, ["-o0"]);
-        assert_eq!(at(&mut agenda, 2, 1.5), nothing(), "named only once");
-        assert_eq!(at(&mut agenda, 3, 2.0), happens(&["+o0", "-o0"]));
-        assert!(agenda.is_empty());
+        assert_eq!(
+            at(&mut event_schedule, 2, 1.5),
+            nothing(),
+            "named only once"
+        );
+        assert_eq!(at(&mut event_schedule, 3, 2.0), happens(&["+o0", "-o0"]));
+        assert!(event_schedule.is_empty());
     }
 
     #[test]
@@ -320,12 +328,12 @@ mod tests {
             disappear(0, after_way(1.0, 2)),
             appear(0, Due::Tick(3)),
         ];
-        let mut agenda = Agenda::new(changes, &specs()).unwrap();
-        assert_eq!(at(&mut agenda, 1, 0.0), nothing());
-        assert_eq!(at(&mut agenda, 2, 0.0), happens(&["+o0"]));
-        assert_eq!(at(&mut agenda, 3, 1.0).1, ["+o0"]);
-        assert_eq!(at(&mut agenda, 4, 1.0), nothing());
-        assert_eq!(at(&mut agenda, 5, 1.0), happens(&["-o0", "+o0"]));
+        let mut event_schedule = EventSchedule::new(changes, &specs()).unwrap();
+        assert_eq!(at(&mut event_schedule, 1, 0.0), nothing());
+        assert_eq!(at(&mut event_schedule, 2, 0.0), happens(&["+o0"]));
+        assert_eq!(at(&mut event_schedule, 3, 1.0).1, ["+o0"]);
+        assert_eq!(at(&mut event_schedule, 4, 1.0), nothing());
+        assert_eq!(at(&mut event_schedule, 5, 1.0), happens(&["-o0", "+o0"]));
     }
 
     #[test]
@@ -335,7 +343,7 @@ mod tests {
             condition: Condition::Travelled { travelled: 1.0 },
             after: 0,
         };
-        let error = Agenda::new(vec![appear(7, due)], &specs()).unwrap_err();
+        let error = EventSchedule::new(vec![appear(7, due)], &specs()).unwrap_err();
         assert_eq!(
             error.to_string(),
             "obstacle `o7` waits for robot 1: expected one of the 1 robots"
