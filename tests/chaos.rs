@@ -26,7 +26,7 @@ fn chaos(kinds: &str, faults: &str, more: &[&str]) -> Json {
 }
 
 #[test]
-fn processes_that_are_killed_or_paused_keep_every_promise() {
+fn processes_that_are_killed_or_paused_keep_every_guarantee() {
     chaos("kill,pause", "6", &[]);
 }
 

@@ -336,7 +336,7 @@ fn police_with_tactics_keep_every_rule_and_play_the_same_game_twice() {
 }
 
 #[test]
-fn a_referee_judges_every_quarter_second_and_changes_nobodys_game() {
+fn a_referee_judges_every_quarter_second_and_changes_no_game() {
     let sandbox = Sandbox::new();
     let short = ["--set", "rules.time_limit=12"];
     let (summary, history, _) = record(&sandbox, &[&["chase_referee"][..], &short].concat());
@@ -369,7 +369,7 @@ fn a_referee_judges_every_quarter_second_and_changes_nobodys_game() {
 }
 
 #[test]
-fn road_works_come_and_go_at_their_times_and_nobody_drives_through_them() {
+fn road_works_come_and_go_at_their_times_and_no_robot_drives_through_them() {
     let sandbox = Sandbox::new();
     let (summary, history, log) = record(&sandbox, &["chase_popup"]);
     let told: Vec<(u64, u8)> = history
@@ -487,8 +487,8 @@ fn by_the_clock_every_tick_is_there_and_nothing_is_lost() {
     let (summary, history, log) = record(&sandbox, &words);
     let game = Game::in_room(&log);
     the_summary_says_what_the_log_holds(&history, &summary);
-    game.nobody_is_in_a_wall(&history);
-    game.nobody_is_too_fast(&history);
+    game.no_robot_is_in_a_wall(&history);
+    game.no_robot_is_too_fast(&history);
     let ticks: Vec<u64> = history.states.iter().map(|s| s.tick).collect();
     assert_eq!(ticks, (0..=200).collect::<Vec<_>>());
     let wall = summary["wall_time_s"].as_f64().unwrap();

@@ -10,8 +10,8 @@ mod limits;
 mod paths;
 #[path = "hostile/question.rs"]
 mod question;
-#[path = "hostile/words.rs"]
-mod words;
+#[path = "hostile/text.rs"]
+mod text;
 
 /// The smallest scenario, for changes.
 const GOOD: &str = r#"title = "Hello"

@@ -343,7 +343,7 @@ fn a_viewer_sees_what_the_log_holds_and_the_run_stays_the_same() {
 }
 
 #[test]
-fn strangers_stay_outside_and_viewers_of_all_ages_come_in() {
+fn other_hosts_are_refused_and_viewers_of_all_versions_accepted() {
     let sandbox = Sandbox::new();
     let run = Watched::start(&sandbox, &["--quiet"]);
     let open = format!("ws://{}/", run.address());

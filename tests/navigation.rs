@@ -20,7 +20,7 @@ fn record(sandbox: &Sandbox, words: &[&str]) -> (Json, History) {
     (summary, History::read(&log))
 }
 
-fn everybody_arrived_without_a_touch(summary: &Json) {
+fn all_robots_arrived_without_contact(summary: &Json) {
     for robot in summary["robots"].as_array().unwrap() {
         assert_eq!(robot["outcome"], "goal_reached", "{summary}");
         assert_eq!(robot["contacts"], 0, "{summary}");
@@ -62,7 +62,7 @@ fn the_robot_crosses_the_board_by_every_method_and_either_way_of_meeting_popups(
                 "--force",
             ];
             let (summary, history) = record(&sandbox, &words);
-            everybody_arrived_without_a_touch(&summary);
+            all_robots_arrived_without_contact(&summary);
             let popped_up = history.obstacles.iter().map(|change| change.tick).max();
             let popped_up = popped_up.expect("obstacles pop up");
             assert_eq!(history.obstacles.len(), 2);
@@ -92,7 +92,7 @@ fn the_robot_crosses_the_board_by_every_method_and_either_way_of_meeting_popups(
 fn the_city_is_crossed_by_all_at_once() {
     let sandbox = Sandbox::new();
     let (summary, history) = record(&sandbox, &["popup_city"]);
-    everybody_arrived_without_a_touch(&summary);
+    all_robots_arrived_without_contact(&summary);
     let city = Walls::city();
     for state in &history.states {
         for robot in &state.robots {
@@ -162,7 +162,7 @@ team = "neutral"
     for limits in ["{}", "{ acceleration = 0.3, angular_acceleration = 3.0 }"] {
         let set = format!("defaults.robot.limits={limits}");
         let (summary, _) = record(&sandbox, &["street.toml", "--force", "--set", &set]);
-        everybody_arrived_without_a_touch(&summary);
+        all_robots_arrived_without_contact(&summary);
     }
     sandbox.assert_nothing_left();
 }
@@ -171,7 +171,7 @@ team = "neutral"
 fn in_real_time_plans_take_effect_when_they_are_there() {
     let sandbox = Sandbox::new();
     let (summary, _) = record(&sandbox, &["popup", "--real-time", "4"]);
-    everybody_arrived_without_a_touch(&summary);
+    all_robots_arrived_without_contact(&summary);
     sandbox.assert_nothing_left();
 }
 

@@ -47,7 +47,7 @@ fn sandbox() -> Sandbox {
 }
 
 #[test]
-fn a_program_of_somebody_else_has_all_commands_for_its_own_planner() {
+fn a_program_outside_this_workspace_has_all_commands_for_its_own_planner() {
     let program = build();
     let sandbox = sandbox();
     let call = |words: &[&str]| sandbox.call(&program).args(words.iter().copied());

@@ -42,7 +42,7 @@ fn is_foretold(end: &Visit, waypoint: &Json) -> bool {
 }
 
 #[test]
-fn an_ally_with_the_key_predicts_the_octagon_and_nobody_else_does() {
+fn an_ally_with_the_key_predicts_the_octagon_and_no_other_key_does() {
     let sandbox = Sandbox::new();
     let drive = Drive::run(&sandbox, "patrol_octagon", &["rules.time_limit=250"]);
     let ends = &drive.history.waypoints;

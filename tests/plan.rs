@@ -34,7 +34,7 @@ fn numbers(list: &Json) -> Vec<f64> {
 }
 
 #[test]
-fn every_instance_gets_an_honest_plan_in_the_order_of_the_file() {
+fn every_instance_gets_a_valid_plan_in_the_order_of_the_file() {
     let sandbox = sandbox();
     let file: Json =
         serde_json::from_str(&std::fs::read_to_string(instances(SMALL)).unwrap()).unwrap();

@@ -166,7 +166,7 @@ fn passes(messages: &[Vec<u8>], of: u32) -> Vec<Vec<Vec<u8>>> {
 }
 
 #[test]
-fn whoever_listens_hears_what_was_recorded_byte_for_byte() {
+fn a_subscriber_gets_what_was_recorded_byte_for_byte() {
     let sandbox = Sandbox::new();
     sandbox.record("chase");
     let expected = logged(&sandbox.path().join("run.mcap"), 0, u64::MAX);
@@ -261,7 +261,7 @@ fn test(sandbox: &Sandbox, processes: &[&str], more: &[&str]) -> (Option<i32>, J
 }
 
 #[test]
-fn processes_say_again_what_they_said_and_a_change_is_named_where_it_shows() {
+fn processes_send_the_same_messages_again_and_a_change_is_named_where_it_shows() {
     let sandbox = Sandbox::new();
     sandbox.record("chase");
     for (processes, more) in [

@@ -7,8 +7,8 @@ mod disk;
 mod grandchildren;
 #[path = "supervision/orchestrator.rs"]
 mod orchestrator;
-#[path = "supervision/room.rs"]
-mod room;
+#[path = "supervision/shared_memory.rs"]
+mod shared_memory;
 #[path = "supervision/surroundings.rs"]
 mod surroundings;
 

@@ -278,7 +278,7 @@ fn results_of_another_experiment_are_refused_and_kept() {
 }
 
 #[test]
-fn what_is_wrong_with_the_call_is_said_before_anything_runs() {
+fn a_wrong_call_is_refused_before_anything_runs() {
     let sandbox = sandbox();
     for (more, words) in [
         (

@@ -195,7 +195,7 @@ fn contours_times_and_widths_that_make_no_patrol() {
 }
 
 #[test]
-fn workplaces_that_nobody_can_cover() {
+fn workplaces_that_no_robot_can_cover() {
     let sandbox = Sandbox::new();
     let list = "world.map.vector.obstacles";
     let block = "world.map.vector.obstacles.block.shape.rectangle.";

@@ -115,7 +115,7 @@ fn another_user_sees_nothing_of_a_run() {
 }
 
 #[test]
-fn a_directory_that_somebody_else_has_prepared_is_refused_by_its_name() {
+fn a_directory_of_another_user_is_refused_by_its_name() {
     let sandbox = Sandbox::new();
     sandbox.file("s.toml", super::GOOD);
     let prepared = sandbox.path().join("prepared");

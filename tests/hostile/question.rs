@@ -40,7 +40,7 @@ fn asked(sandbox: &Sandbox, answer: &str) -> (Option<i32>, String) {
 }
 
 #[test]
-fn programs_start_when_somebody_at_a_terminal_says_yes_and_not_otherwise() {
+fn programs_start_when_a_user_at_a_terminal_says_yes_and_not_otherwise() {
     let sandbox = Sandbox::new();
     let mark = sandbox.path().join("started");
     // A word that looks as if the question came later, and was another.

@@ -162,7 +162,7 @@ fn as_samples(samples: &[TrajectorySample]) -> Vec<Sample> {
 }
 
 #[test]
-fn two_clients_at_once_get_their_own_honest_plans() {
+fn two_clients_at_once_get_their_own_valid_plans() {
     let rig = optimiser(2);
     let (mut a, mut b) = (client(&rig, 2), client(&rig, 3));
     let points = obstacles();

@@ -80,7 +80,7 @@ fn named<'a>(events: &'a [WorldEvent], name: &str) -> Vec<&'a WorldEvent> {
 
 #[test]
 #[expect(clippy::too_many_lines, reason = "one story, told tick by tick")]
-fn the_simulator_obeys_the_driver_of_a_robot_and_nobody_else() {
+fn the_simulator_obeys_the_driver_of_a_robot_only() {
     let rig = Rig::new(ROOM, "simulator");
     let cop = rig.publisher::<Commands>(COP, 1);
     let thief = rig.publisher::<Commands>(THIEF, 1);

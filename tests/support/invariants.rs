@@ -111,8 +111,8 @@ impl Game {
     pub fn holds(&self, history: &History, summary: &Json) {
         self.every_message_is_there_once(history);
         self.every_tick_is_complete(history);
-        self.nobody_is_in_a_wall(history);
-        self.nobody_is_too_fast(history);
+        self.no_robot_is_in_a_wall(history);
+        self.no_robot_is_too_fast(history);
         self.the_rules_are_kept(history);
         the_summary_says_what_the_log_holds(history, summary);
     }
@@ -222,7 +222,7 @@ impl Game {
 
     /// Bodies keep out of the walls of the map, of the obstacles that stand, and of each other.
     #[track_caller]
-    pub fn nobody_is_in_a_wall(&self, history: &History) {
+    pub fn no_robot_is_in_a_wall(&self, history: &History) {
         for state in &history.states {
             let standing = standing_obstacles(history, state.tick);
             let present: Vec<&Robot> = state.robots.iter().filter(|r| r.present).collect();
@@ -250,7 +250,7 @@ impl Game {
 
     /// Speeds as told, as commanded, and as driven from pose to pose.
     #[track_caller]
-    pub fn nobody_is_too_fast(&self, history: &History) {
+    pub fn no_robot_is_too_fast(&self, history: &History) {
         let within = |value: f64, most: f64| value.is_finite() && value.abs() <= most + EPSILON;
         let mut before: Option<&State> = None;
         for state in &history.states {

@@ -403,7 +403,7 @@ impl RawExchange {
         let leader = &self.leader;
         Ok(self
             .planners
-            .wait(READY_WITHIN, || leader.said_ready() >= said)?)
+            .wait(READY_WITHIN, || leader.ready_count() >= said)?)
     }
 
     fn tick(&mut self) -> Result<()> {

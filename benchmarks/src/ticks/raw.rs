@@ -212,7 +212,7 @@ impl RawLeader {
 
     /// How many times a planner has said that it is so far: once with open, once with connected
     /// ports.
-    pub fn said_ready(&self) -> usize {
+    pub fn ready_count(&self) -> usize {
         self.page.word(READY).load(Ordering::SeqCst) as usize
     }
 

@@ -97,7 +97,7 @@ fn what_only_processes_have_is_refused_by_name() {
 }
 
 #[test]
-fn requests_are_answered_at_once_while_somebody_answers() {
+fn requests_are_answered_at_once_while_a_server_exists() {
     let bus = local(false);
     let _service = bus.create_service::<OptimiserPlan>().unwrap();
     // The client may be there first.

@@ -100,7 +100,7 @@ mod tests {
     }
 
     #[test]
-    fn without_perception_the_police_are_drawn_and_without_police_nobody() {
+    fn without_perception_the_police_are_drawn_and_without_police_no_robot() {
         assert_eq!(names("chase_exact", &[])[0], "seen by police_1");
         assert_eq!(names("hello", &[]), [""; 0]);
     }

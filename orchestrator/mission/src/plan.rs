@@ -260,7 +260,7 @@ mod tests {
     }
 
     #[test]
-    fn everybody_that_a_scenario_may_have_finds_a_seat() {
+    fn every_process_that_a_scenario_may_have_gets_a_slot() {
         use runtime::lockstep::TickBarrier;
         let prefix = format!("protean_seats{}_", std::process::id());
         let barrier = TickBarrier::create(&prefix, spec::MAX_PROCESSES + 1);

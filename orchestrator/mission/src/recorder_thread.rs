@@ -217,7 +217,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn whoever_requests_waits_for_a_look_that_began_after_the_call() {
+    fn a_request_waits_for_a_drain_that_began_after_it() {
         let requests = DrainRequests::default();
         requests.drain();
         requests.open(true);

@@ -253,7 +253,7 @@ fn who_is_told_that_there_is_no_way_stands() {
 }
 
 #[test]
-fn an_obstacle_in_nobodys_way_changes_nothing() {
+fn an_obstacle_off_the_path_changes_nothing() {
     let run = |popup: bool| {
         let mut rig = Rig::new(NavigatorParams::default(), &[[5.0, 1.0]], &[]);
         rig.steps(2.0);

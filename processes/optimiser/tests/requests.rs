@@ -118,7 +118,7 @@ proptest! {
     }
 
     #[test]
-    fn random_discs_get_an_honest_plan_or_a_reason(
+    fn random_discs_gets_a_valid_plan_or_a_reason(
         discs in proptest::collection::vec((0.0..4.0f64, 0.0..3.0f64, 0.0..0.5f64), 0..12),
         start in (0.1..3.9f64, 0.1..2.9f64), goal in (0.1..3.9f64, 0.1..2.9f64),
         acceleration in proptest::option::of(0.05..3.0f64),

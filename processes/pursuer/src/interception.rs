@@ -266,7 +266,7 @@ mod tests {
     }
 
     #[test]
-    fn a_target_within_reach_is_met_now_and_strange_numbers_meet_nobody() {
+    fn a_target_within_reach_is_met_now_and_strange_numbers_meet_no_target() {
         let now = meet_straight(Point2::origin(), 0.0, 0.3, &target(0.2, 0.0, 9.0, 0.0));
         assert_eq!(now.unwrap().time_s, 0.0);
         for strange in [f64::NAN, f64::INFINITY] {

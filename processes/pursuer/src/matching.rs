@@ -78,7 +78,7 @@ mod tests {
     }
 
     #[test]
-    fn everybody_nearest_to_one_evader_is_still_split_fairly() {
+    fn pursuers_nearest_to_one_evader_are_still_split_fairly() {
         let costs = [10, 500, 20, 500, 30, 500, 40, 500];
         let matches = balanced(&costs, 4, 2);
         assert_eq!(load(&matches, 2), [2, 2]);
@@ -105,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn nobody_and_nothing_to_chase_gives_nothing() {
+    fn no_pursuer_and_no_evader_gives_no_assignment() {
         assert!(balanced(&[], 0, 2).is_empty());
         assert!(balanced(&[], 2, 0).is_empty());
         assert!(balanced(&[1, 2, 3], 2, 2).is_empty());

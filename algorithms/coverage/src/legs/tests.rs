@@ -125,7 +125,7 @@ fn a_reversal_is_turned_on_the_spot() {
 }
 
 #[test]
-fn corners_of_legs_that_nobody_vouches_for_stay() {
+fn corners_of_unchecked_legs_stay() {
     let rounding = Rounding::new(1.0, 2.0, 1.0, 0.01).unwrap();
     let goals = [goal(5.0, 1.0, None), goal(5.0, 4.0, None)];
     let pieces = path(rounding, Point2::new(1.0, 1.0), &goals);

@@ -175,7 +175,7 @@ fn without_an_exit_there_is_no_escape() {
 }
 
 #[test]
-fn nobody_dominates_what_nobody_reaches() {
+fn unreachable_cells_have_no_owner() {
     let mut dominance = Dominance::default();
     dominance.assess(&CITY.0, &CITY.1, &[], &[], 0.3);
     let mut cells = Vec::new();

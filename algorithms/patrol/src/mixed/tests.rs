@@ -57,7 +57,7 @@ fn the_share_inside_is_that_of_the_area() {
 }
 
 #[test]
-fn waypoints_that_nobody_reaches_change_the_method_for_some_laps() {
+fn unreachable_waypoints_change_the_method_for_some_laps() {
     let mut mixed = laps();
     let on_the_left = |w: &Waypoint| {
         if w.point.x < 1.0 && w.point.y > 5.0 && w.point.y < 10.0 {

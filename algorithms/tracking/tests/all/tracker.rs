@@ -143,7 +143,7 @@ fn a_belief_does_not_depend_on_the_other_opponents() {
 }
 
 #[test]
-fn unseen_opponents_are_believed_where_nobody_looks() {
+fn unseen_opponents_are_believed_outside_the_field_of_view() {
     let perception = run(&PerceptionParams::default(), 0.0, &[3]);
     let track = &perception.tracks()[1];
     assert!(!track.sighting().is_seen());

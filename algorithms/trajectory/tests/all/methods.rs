@@ -9,7 +9,7 @@ use trajectory::{Method, Options, PlanError, Problem, Status};
 use crate::problems::{board, cluttered, disc, faults, options, plan};
 
 #[test]
-fn every_method_finds_an_honest_plan_near_the_bound() {
+fn every_method_finds_a_valid_plan_near_the_bound() {
     let problem = cluttered();
     for method in Method::ALL {
         let plan = plan(&problem, &options(method)).unwrap();
@@ -142,7 +142,7 @@ fn control_points_and_degree_are_those_asked_for() {
 }
 
 #[test]
-fn whoever_is_told_to_stop_has_the_certain_plan() {
+fn a_stopped_search_has_the_certain_plan() {
     let mut asked = 0;
     let found = trajectory::plan(&cluttered(), &options(Method::Vmc), None, &mut || {
         asked += 1;

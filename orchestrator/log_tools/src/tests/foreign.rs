@@ -99,7 +99,7 @@ fn foreign() -> Vec<u8> {
 }
 
 #[test]
-fn what_cannot_be_known_of_them_is_said() {
+fn unknown_facts_are_reported() {
     let folder = tempfile::tempdir().unwrap();
     let log = file(&folder, "ros.mcap", &foreign());
     let info = LogInfo::read(&log, &mut watch()).unwrap();

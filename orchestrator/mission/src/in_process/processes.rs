@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn everybody_comes_after_those_it_waits_for() {
+    fn every_process_comes_after_those_it_waits_for() {
         let mut launches = followers("chase");
         // The worst order: who provides comes last.
         launches.sort_by_key(|launch| launch.watched);

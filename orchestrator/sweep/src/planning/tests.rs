@@ -117,7 +117,7 @@ fn keys_of_the_command_line_go_on_top() {
 }
 
 #[test]
-fn what_is_wrong_with_an_experiment_is_said_at_its_line() {
+fn a_fault_of_an_experiment_is_reported_at_its_line() {
     for (from, to, words) in [
         (
             "fallbacks = false",

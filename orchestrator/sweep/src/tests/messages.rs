@@ -239,7 +239,7 @@ fn names_numbers_and_figures_are_checked() {
 }
 
 #[test]
-fn what_a_sweep_cannot_do_is_said() {
+fn an_impossible_sweep_is_refused() {
     refused(
         "params.threat.gain = 0.0",
         "params.threat.gain = 0.0\nset.run.mode = \"real_time\"",

@@ -461,7 +461,7 @@ mod tests {
     }
 
     #[test]
-    fn nobody_comes_in_after_the_end() {
+    fn no_viewer_is_accepted_after_the_end() {
         let (broadcaster, _tap) = broadcaster();
         broadcaster.close();
         let wake = rustix::event::eventfd(0, rustix::event::EventfdFlags::NONBLOCK).unwrap();

@@ -202,7 +202,7 @@ fn behind_a_wall_nothing_is_seen_and_predictions_go_on() {
 }
 
 #[test]
-fn names_that_are_nobodys_and_numbers_out_of_range_are_refused() {
+fn names_that_are_unknown_and_numbers_out_of_range_are_refused() {
     for (params, part) in [
         (json!({ "watch": ["nobody"] }), "`watch` names `nobody`"),
         (json!({ "period_s": 0.0 }), "`period_s` is 0"),

@@ -126,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn nobody_fills_it() {
+    fn one_client_cannot_fill_it() {
         let mut memory = Memory::default();
         for robot in 0..10_000 {
             memory.keep(&request(robot, 0, 0), plan(1.0));

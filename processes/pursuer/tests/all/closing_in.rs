@@ -74,7 +74,7 @@ fn the_papers_straight_field_is_stopped_by_blocks() {
 }
 
 #[test]
-fn nobody_moves_before_the_delay_or_without_a_target() {
+fn no_robot_moves_before_the_delay_or_without_a_target() {
     let (_, map) = &*CITY;
     let mut pursuer = Pursuer::new(exact(), limits(), 5).unwrap();
     let mut robots = [

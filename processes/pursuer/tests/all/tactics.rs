@@ -308,7 +308,7 @@ fn a_guard_comes_to_rest_at_its_post() {
 }
 
 #[test]
-fn nobody_who_is_no_faster_gets_past_a_guard_and_few_who_are_twice_as_fast() {
+fn no_evader_that_is_no_faster_gets_past_a_guard_and_few_who_are_twice_as_fast() {
     let mut past = Vec::new();
     let mut runners = 0;
     for start in street_starts().iter().step_by(4) {

@@ -74,7 +74,7 @@ fn wait_connected(barrier: &TickBarrier, slots: core::ops::Range<usize>) {
 }
 
 #[test]
-fn every_tick_is_done_by_everybody_before_the_next_and_downstream_after_upstream() {
+fn every_tick_is_done_by_all_members_before_the_next_and_downstream_after_upstream() {
     const TICKS: u64 = 3000;
     let (barrier, monitor) = Barrier::new("order", 6);
     // 1 is upstream of 2 and 3; 4 and 5 follow the simulator only.
@@ -216,7 +216,7 @@ fn the_simulator_waits_for_a_recorder_that_lags_and_never_runs_further_ahead() {
 }
 
 #[test]
-fn a_stop_wakes_everybody() {
+fn a_stop_wakes_all_members() {
     let (barrier, monitor) = Barrier::new("stop", 2);
     monitor.assign_slot(1, true, false);
     monitor.set_phase(Phase::Run);
@@ -293,7 +293,7 @@ fn one_that_joins_in_the_middle_of_a_run_waits_until_the_simulator_has_connected
 }
 
 #[test]
-fn a_dead_process_stays_dead_until_its_seat_is_given_again() {
+fn a_dead_process_stays_dead_until_its_slot_is_reset() {
     let (barrier, monitor) = Barrier::new("buried", 2);
     monitor.assign_slot(1, true, false);
     let member = BarrierMember::new(barrier.open(), 1, Vec::new());
@@ -306,7 +306,7 @@ fn a_dead_process_stays_dead_until_its_seat_is_given_again() {
 }
 
 #[test]
-fn pages_of_strangers_and_too_many_processes_are_refused() {
+fn files_of_other_programs_and_too_many_processes_are_refused() {
     let (barrier, _monitor) = Barrier::new("strange", 2);
     let error = TickBarrier::create(&barrier.0, 2).unwrap_err();
     assert!(matches!(error, BarrierError::File { .. }), "{error}");

@@ -16,7 +16,7 @@ fn position(world: &World, i: usize) -> nalgebra::Point2<f64> {
 }
 
 #[test]
-fn nobody_tunnels_through_a_thin_wall() {
+fn no_robot_tunnels_through_a_thin_wall() {
     let map = room(vec![wall(0.0, 0.0, 1e-6, 5.0)]);
     let mut world = world(
         map,

@@ -114,7 +114,7 @@ fn a_robot_under_a_new_obstacle_is_pushed_to_the_nearest_free_place() {
 }
 
 #[test]
-fn nobody_is_pushed_through_another_wall() {
+fn no_robot_is_pushed_through_another_wall() {
     // Below the robot a thin wall, beyond it the nearest free place; above it a longer way.
     let thin = Shape::Rectangle {
         center: [0.0, -0.2],

@@ -150,7 +150,7 @@ fn assert_on_page(svg: &str) {
 }
 
 #[test]
-fn a_picture_is_valid_xml_and_names_everybody() {
+fn a_picture_is_valid_xml_and_names_every_robot() {
     let svg = draw(&trace());
     let document = Document::parse(&svg).unwrap();
     assert_eq!(class(&document, "robot").len(), 3);

@@ -297,7 +297,7 @@ fn what_is_not_a_log_is_refused_with_the_reason() {
 }
 
 #[test]
-fn an_mcap_file_of_somebody_else_is_refused() {
+fn an_mcap_file_of_another_program_is_refused() {
     let (_folder, path) = Log::with(&Manifest::default()).finish();
     let error = refused(&path, None);
     assert!(error.to_string().contains("manifest"), "{error}");

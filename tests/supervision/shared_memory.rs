@@ -59,7 +59,7 @@ impl Inside {
 }
 
 #[test]
-fn whoever_finds_too_little_shared_memory_does_not_begin() {
+fn a_run_with_too_little_shared_memory_does_not_begin() {
     let sandbox = Sandbox::new();
     let recorded = ["run", "hello", "--set", "rules.time_limit=1", "--out"];
     let recorded = sandbox.protean(recorded).arg("recorded.mcap").run();
