@@ -10,6 +10,7 @@ mod bad_input;
 mod chaos;
 mod chase;
 mod coverage;
+mod documentation;
 mod external;
 mod goldens;
 mod growth;
