@@ -2,10 +2,10 @@
 
 use core::f64::consts::PI;
 
-use geometry::extent::MAX_COORDINATE;
+use geometry::extent::positive;
 use geometry::pose::Pose2;
 use geometry::region::Region;
-use parameters::{Bounds, Parameters, above, between};
+use parameters::{Bounds, Parameters, between};
 use schemars::JsonSchema;
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
@@ -211,10 +211,10 @@ pub(super) struct RobotBlock {
     /// `"turtlebot3_burger"` if absent.
     pub preset: Option<Preset>,
     /// Radius of the disc that the robot occupies; the preset's if absent.
-    #[schemars(transform = above(0).at_most(MAX_COORDINATE).unit("m"))]
+    #[schemars(transform = positive("m"))]
     pub radius: Option<f64>,
     /// Distance between the wheels' contact points; the preset's if absent.
-    #[schemars(transform = above(0).at_most(MAX_COORDINATE).unit("m"))]
+    #[schemars(transform = positive("m"))]
     pub wheel_separation: Option<f64>,
     /// Limits that differ from the preset's.
     pub limits: LimitsSpec,

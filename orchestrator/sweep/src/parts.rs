@@ -35,8 +35,7 @@ pub(super) fn read_seeds(reader: &mut Reader, options: &LoadOptions) -> Option<S
         Some(node) => {
             let spec: SeedsSpec = reader.read(&node, &path)?;
             reader.check(&node, &path, &spec);
-            let seeds = Seeds::range(spec.first, spec.count.min(MAX_MISSIONS as u64));
-            seeds
+            Seeds::range(spec.first, spec.count.min(MAX_MISSIONS as u64))
         }
     };
     let seeds = match &options.seeds {
