@@ -183,12 +183,13 @@ fn simulated(summary: &Json) -> Json {
     }
     // Heartbeats and pictures for viewers belong to processes and logs.
     let topics = summary["topics"].as_object().unwrap();
-    let said = topics.iter().filter(|(name, _)| {
+    let counted = topics.iter().filter(|(name, _)| {
         !name.starts_with("/viewer") && !name.starts_with("process/") && *name != "run/control"
     });
     simulated.insert(
         "topics".to_owned(),
-        said.map(|(name, count)| (name.clone(), count.clone()))
+        counted
+            .map(|(name, count)| (name.clone(), count.clone()))
             .collect::<serde_json::Map<_, _>>()
             .into(),
     );

@@ -22,7 +22,7 @@ const EXEMPT: &[&str] = &[
     "CHANGELOG.md",
     // Names of interfaces, and words that a test of this list needs.
     "tests/goldens/",
-    "tests/language/",
+    "tests/language",
     // Inputs of fuzzing.
     "fuzz/corpus/",
 ];

@@ -291,11 +291,11 @@ fn ctrl_c_keeps_what_was_measured() {
 #[test]
 fn what_cannot_be_measured_is_refused_by_name() {
     let sandbox = Sandbox::new();
-    let refused = |words: &[&str], said: &[&str]| {
+    let refused = |words: &[&str], expected: &[&str]| {
         sandbox
             .protean(words.iter().copied())
             .run()
-            .refused(2, said);
+            .refused(2, expected);
     };
     refused(&["latency", "nowhere"], &["nowhere"]);
     refused(&["latency", "--rate", "0"], &["--rate 0", "1 to 10000"]);

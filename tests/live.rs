@@ -28,7 +28,7 @@ pub struct Watched<'a> {
     child: Child,
     url: String,
     /// What else it says.
-    said: Option<std::thread::JoinHandle<String>>,
+    output: Option<std::thread::JoinHandle<String>>,
 }
 
 impl<'a> Watched<'a> {
@@ -67,13 +67,13 @@ impl<'a> Watched<'a> {
             }
             before += &line;
         };
-        let said =
+        let output =
             std::thread::spawn(move || lines.map_while(Result::ok).collect::<Vec<_>>().join("\n"));
         Self {
             sandbox,
             child,
             url,
-            said: Some(said),
+            output: Some(output),
         }
     }
 
@@ -93,7 +93,7 @@ impl<'a> Watched<'a> {
         rest.split_once('/').unwrap().0
     }
 
-    /// Waits for its end; its code, and what it said.
+    /// Waits for its end; its code, and what it output.
     pub fn finish(mut self) -> (Option<i32>, String) {
         let deadline = Instant::now() + LIMIT;
         let status = loop {
@@ -103,14 +103,14 @@ impl<'a> Watched<'a> {
             assert!(Instant::now() < deadline, "the run does not end");
             std::thread::sleep(Duration::from_millis(10));
         };
-        let said = self.said.take().unwrap().join().unwrap();
-        (status.code(), said)
+        let output = self.output.take().unwrap().join().unwrap();
+        (status.code(), output)
     }
 }
 
 impl Drop for Watched<'_> {
     fn drop(&mut self) {
-        if self.said.is_some() {
+        if self.output.is_some() {
             let _ = self.child.kill();
             let _ = self.child.wait();
             self.sandbox.kill_all();
@@ -148,7 +148,7 @@ impl Viewer {
     }
 
     /// The next message; `None` when the server has closed the connection.
-    fn hear(&mut self) -> Option<Received> {
+    fn receive(&mut self) -> Option<Received> {
         loop {
             match self.0.read() {
                 Ok(Message::Text(text)) => {
@@ -164,13 +164,13 @@ impl Viewer {
 
     /// The first words: what the server is, and its channels by topic.
     fn greeted(&mut self) -> (Json, BTreeMap<String, Json>) {
-        let Some(Received::Text(info)) = self.hear() else {
+        let Some(Received::Text(info)) = self.receive() else {
             panic!("no greeting");
         };
-        assert!(matches!(self.hear(), Some(Received::Time(_))));
+        assert!(matches!(self.receive(), Some(Received::Time(_))));
         let mut channels = BTreeMap::new();
         while !channels.contains_key("/viewer/log") || !channels.contains_key("world/state") {
-            if let Some(Received::Text(text)) = self.hear() {
+            if let Some(Received::Text(text)) = self.receive() {
                 assert_eq!(text["op"], "advertise");
                 for channel in text["channels"].as_array().unwrap() {
                     let topic = channel["topic"].as_str().unwrap().to_owned();
@@ -301,7 +301,7 @@ fn a_viewer_sees_what_the_log_holds_and_the_run_stays_the_same() {
     viewer.0.send(Message::binary(vec![1, 1, 0, 0, 0])).unwrap();
     let mut heard: BTreeMap<u32, Vec<(u64, Vec<u8>)>> = BTreeMap::new();
     let mut now = 0;
-    while let Some(message) = viewer.hear() {
+    while let Some(message) = viewer.receive() {
         match message {
             Received::Text(text) => assert_eq!(text["op"], "advertise"),
             Received::Time(time_ns) => {
@@ -318,10 +318,10 @@ fn a_viewer_sees_what_the_log_holds_and_the_run_stays_the_same() {
             }
         }
     }
-    let (code, said) = run.finish();
-    assert_eq!(code, Some(0), "{said}");
-    assert!(said.contains("live: 1 viewers"), "{said}");
-    assert!(said.contains(", 0 left out"), "{said}");
+    let (code, output) = run.finish();
+    assert_eq!(code, Some(0), "{output}");
+    assert!(output.contains("live: 1 viewers"), "{output}");
+    assert!(output.contains(", 0 left out"), "{output}");
     assert_eq!(now, 6_000_000_000, "to the end");
     let log = Log::read(&sandbox.path().join("run.mcap"));
     for topic in topics {
@@ -371,7 +371,7 @@ fn other_hosts_are_refused_and_viewers_of_all_versions_accepted() {
     old.subscribe(&channels, &["/viewer/map"]);
     let subscription = subscription(&channels["/viewer/map"]);
     loop {
-        match old.hear() {
+        match old.receive() {
             Some(Received::Message {
                 subscription: s, ..
             }) if s == subscription => break,
@@ -397,9 +397,9 @@ fn other_hosts_are_refused_and_viewers_of_all_versions_accepted() {
     run.interrupt();
     let address = run.address().to_owned();
     // All are told good-bye.
-    while old.hear().is_some() {}
-    let (code, said) = run.finish();
-    assert_eq!(code, Some(3), "{said}");
+    while old.receive().is_some() {}
+    let (code, output) = run.finish();
+    assert_eq!(code, Some(3), "{output}");
     assert!(
         TcpStream::connect(&address).is_err(),
         "the port is free again"
@@ -422,12 +422,12 @@ fn a_viewer_that_takes_nothing_does_not_hold_the_run_up() {
     let all: Vec<&str> = channels.keys().map(String::as_str).collect();
     viewer.subscribe(&channels, &all);
     // Never reads again.
-    let (code, said) = run.finish();
-    assert_eq!(code, Some(0), "{said}");
-    assert!(said.contains("live: 1 viewers"), "{said}");
+    let (code, output) = run.finish();
+    assert_eq!(code, Some(0), "{output}");
+    assert!(output.contains("live: 1 viewers"), "{output}");
     // It misses messages; where the run takes long enough for that, it is cut off before.
     let nothing = " 0 left out for those who did not keep up, 0 cut off";
-    assert!(!said.contains(nothing), "{said}");
+    assert!(!output.contains(nothing), "{output}");
     drop(viewer);
     sandbox.assert_nothing_left();
 }

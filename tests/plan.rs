@@ -255,8 +255,8 @@ fn broken_files_are_refused_whole_and_invalid_instances_one_by_one() {
     let outcome = sandbox.protean(["plan", "three.json", "--json"]).run();
     assert_eq!(outcome.code, Some(3), "{outcome}");
     let id = three[0]["id"].as_str().unwrap();
-    let said = format!("three.json: {id}: vmax_px_s = -3: expected a number > 0 (px/s)");
-    assert!(outcome.stderr.contains(&said), "{outcome}");
+    let expected = format!("three.json: {id}: vmax_px_s = -3: expected a number > 0 (px/s)");
+    assert!(outcome.stderr.contains(&expected), "{outcome}");
     let plans = lines(&outcome);
     let status = |i: usize| plans[i]["status"].as_str().unwrap();
     assert_eq!(

@@ -63,11 +63,11 @@ fn assert_same(heard: &BTreeMap<String, Vec<Vec<u8>>>, expected: &BTreeMap<Strin
 
 /// Hears one topic of a run.
 trait TopicSubscriber {
-    fn hear(&self, heard: &mut BTreeMap<String, Vec<Vec<u8>>>);
+    fn receive(&self, heard: &mut BTreeMap<String, Vec<Vec<u8>>>);
 }
 
 impl<T: Topic> TopicSubscriber for Subscriber<T> {
-    fn hear(&self, heard: &mut BTreeMap<String, Vec<Vec<u8>>>) {
+    fn receive(&self, heard: &mut BTreeMap<String, Vec<Vec<u8>>>) {
         while let Some(message) = self.receive().unwrap() {
             let mut data = Vec::new();
             cdr::encode::<T>(message.header(), message.elements(), &mut data);
@@ -78,7 +78,7 @@ impl<T: Topic> TopicSubscriber for Subscriber<T> {
 
 /// Somebody who has joined the run that a replay is.
 struct Listener {
-    ears: Vec<Box<dyn TopicSubscriber>>,
+    subscribers: Vec<Box<dyn TopicSubscriber>>,
     _bus: Bus,
 }
 
@@ -103,7 +103,7 @@ impl Listener {
         let mut open = Open(&bus, Vec::new());
         for_each_topic(&mut open).unwrap();
         Self {
-            ears: open.1,
+            subscribers: open.1,
             _bus: bus,
         }
     }
@@ -120,8 +120,8 @@ impl Listener {
         let mut is_asked = false;
         while replay.is_alive() {
             assert!(Instant::now() < deadline, "the replay does not end");
-            for ear in &self.ears {
-                ear.hear(&mut heard);
+            for subscriber in &self.subscribers {
+                subscriber.receive(&mut heard);
             }
             let all = expected.iter().all(|(topic, messages)| {
                 messages.iter().map(|data| source(data)).all(|source| {

@@ -247,7 +247,7 @@ fn pages_of_what_is_no_log_are_refused_and_those_of_a_killed_run_say_so() {
     let steps = json!([{ "eval": "document.getElementById('missing').textContent" }]);
     if let Some(found) = browse(&sandbox.path().join("cut.html"), &steps) {
         assert_eq!(found["errors"], json!([]));
-        let said = found["answers"][0].as_str().unwrap();
-        assert!(said.contains("ends in the middle"), "{said}");
+        let answer = found["answers"][0].as_str().unwrap();
+        assert!(answer.contains("ends in the middle"), "{answer}");
     }
 }

@@ -152,18 +152,18 @@ fn in_lock_step_a_run_goes_on_without_those_that_were_killed_and_their_robots_st
         left
     };
     let pursuer = gone("pursuer_police_2");
-    let (eyes, evader) = (gone("perception"), gone("evader_potential_evader_1"));
+    let (perception, evader) = (gone("perception"), gone("evader_potential_evader_1"));
 
     // A robot without its planner is stopped from the very next state on.
     let history = History::read(&log(&sandbox));
-    let said = |topic: &str, source: u32| -> BTreeSet<u64> {
+    let ticks_of = |topic: &str, source: u32| -> BTreeSet<u64> {
         let of = |m: &&crate::support::history::Message| m.topic == topic && m.source == source;
         history.messages.iter().filter(of).map(|m| m.tick).collect()
     };
     // Perception is the first process behind the simulator, the pursuers follow.
     // The command of a planner that was killed between that and the end of its turn still counts.
     let stopped_from =
-        |source, left| left + 1 + u64::from(said("robot/command", source).contains(&left));
+        |source, left| left + 1 + u64::from(ticks_of("robot/command", source).contains(&left));
     let (pursuer_stands, evader_stands) = (stopped_from(3, pursuer), stopped_from(6, evader));
     assert_eq!(history.states.len() as u64, 1201);
     for state in &history.states {
@@ -182,9 +182,9 @@ fn in_lock_step_a_run_goes_on_without_those_that_were_killed_and_their_robots_st
     // which it was killed.
     for (topic, source, left) in [
         ("robot/command", 3, pursuer),
-        ("perception/belief", 1, eyes),
+        ("perception/belief", 1, perception),
     ] {
-        let mut ticks = said(topic, source);
+        let mut ticks = ticks_of(topic, source);
         ticks.remove(&left);
         assert_eq!(ticks, (0..left).collect(), "{topic}");
     }
@@ -194,7 +194,7 @@ fn in_lock_step_a_run_goes_on_without_those_that_were_killed_and_their_robots_st
     same_up_to(&sandbox, &["rerun", "--in-process"], "same", first);
     for own in [
         first,
-        ("perception", eyes),
+        ("perception", perception),
         ("evader_potential_evader_1", evader),
     ] {
         same_up_to(&sandbox, &["replay", "--test", own.0], "identical", own);

@@ -196,7 +196,7 @@ fn all_of_it() -> Json {
 
 /// Makes Studio take every jump for one whose messages are slow to come, as they are on a busy
 /// machine or from far: it then shows the time before the messages, and clears what it drew of them
-/// when playing begins. What is said only once is gone from then on.
+/// when playing begins. What is output only once is gone from then on.
 const SLOW_JUMPS: &str = "(() => {
     const later = globalThis.setTimeout;
     globalThis.setTimeout = (act, ms, ...rest) => later(act, ms === 100 ? 0 : ms, ...rest);
@@ -280,9 +280,9 @@ fn a_live_run_is_drawn_in_foxglove_studio() {
     };
     asks_only_this_machine(&found);
     run.interrupt();
-    let (code, said) = run.finish();
+    let (code, output) = run.finish();
     // Over already on a machine that is slow enough.
-    assert!(matches!(code, Some(0 | 3)), "{said}");
+    assert!(matches!(code, Some(0 | 3)), "{output}");
     sandbox.assert_nothing_left();
 }
 
@@ -324,10 +324,10 @@ fn a_log_opens_in_rerun() {
             .env("RERUN_ANALYTICS", "false")
             .output()
             .unwrap();
-        let said = String::from_utf8_lossy(&output.stdout).into_owned();
+        let stdout = String::from_utf8_lossy(&output.stdout).into_owned();
         let errors = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert!(output.status.success(), "{words:?}: {said}\n{errors}");
-        said
+        assert!(output.status.success(), "{words:?}: {stdout}\n{errors}");
+        stdout
     };
     rerun(&["mcap", "check", "run.mcap"]);
     let info = rerun(&["mcap", "info", "run.mcap"]);

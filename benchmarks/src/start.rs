@@ -43,12 +43,12 @@ struct Parts {
 pub fn measure(options: Options) -> Result<Vec<Figure>> {
     let repeats = options.repeats(7, 3);
     let mut parts = Vec::new();
-    let mut said = Vec::new();
+    let mut startup_times = Vec::new();
     for repeat in 1..=repeats {
         say(&format!("start of the chase, {repeat} of {repeats}"));
         let (seen, own) = start_once()?;
         parts.push(seen);
-        said.push(own);
+        startup_times.push(own);
     }
     let mut figures = Vec::new();
     let spread = |part: fn(&Parts) -> f64| Spread::of(parts.iter().map(part));
@@ -71,7 +71,7 @@ pub fn measure(options: Options) -> Result<Vec<Figure>> {
         figures.push(figure);
     }
     figures.extend(
-        Spread::of(said)
+        Spread::of(startup_times)
             .map(|value| Figure::new(ITEM, "first tick, as the run itself says", value, "s")),
     );
     say("memory and log of the chase");

@@ -24,9 +24,9 @@ fn cover(sandbox: &Sandbox, scenario: &str, change: &str, words: &str) {
 
 /// A call of another command that must be refused.
 #[track_caller]
-fn call(sandbox: &Sandbox, words: &[&str], said: &[&str]) {
+fn call(sandbox: &Sandbox, words: &[&str], expected: &[&str]) {
     let outcome = sandbox.protean(words.iter().copied()).run();
-    outcome.refused(2, said);
+    outcome.refused(2, expected);
     let said_once =
         outcome.stderr.starts_with("error: ") && !outcome.stderr.contains("error: error");
     assert!(said_once, "{outcome}");
@@ -66,7 +66,7 @@ fn keys_that_are_none_or_make_no_secret() {
         );
     }
     let place = "(processes.cover.params.key)";
-    for (key, said) in [
+    for (key, expected) in [
         (
             "chebp-raw:0,3",
             "`tx` of `chebp-raw` is 0, but must be above 0",
@@ -78,7 +78,7 @@ fn keys_that_are_none_or_make_no_secret() {
             &sandbox,
             "coverage_open",
             &change,
-            &format!("`key`:  | {said} | {place}"),
+            &format!("`key`:  | {expected} | {place}"),
         );
     }
     let map = "processes.cover.params.map=arnold";
@@ -309,8 +309,12 @@ fn routes_bridges_and_numbers_that_do_not_fit_the_workplace() {
 #[test]
 fn questions_to_planners_that_make_no_sense() {
     let sandbox = Sandbox::new();
-    let predict = |words: &[&str], said: &[&str]| {
-        call(&sandbox, &[&["patrol", "predict"], words].concat(), said);
+    let predict = |words: &[&str], expected: &[&str]| {
+        call(
+            &sandbox,
+            &[&["patrol", "predict"], words].concat(),
+            expected,
+        );
     };
     predict(&["--at", "-1"], &["`t` is -1", "at least 0"]);
     predict(&["--at", "nan"], &["`t` is NaN", "at least 0"]);
@@ -346,8 +350,8 @@ fn questions_to_planners_that_make_no_sense() {
     ];
     call(&sandbox, &short, &["`t_max` is 40 s"]);
 
-    let plan = |words: &[&str], said: &[&str]| {
-        call(&sandbox, &[&["coverage", "plan"], words].concat(), said);
+    let plan = |words: &[&str], expected: &[&str]| {
+        call(&sandbox, &[&["coverage", "plan"], words].concat(), expected);
     };
     plan(
         &["patrol_octagon"],

@@ -54,28 +54,31 @@ fn programs_start_when_a_user_at_a_terminal_says_yes_and_not_otherwise() {
         changed("kind = \"evader_potential\"", &command),
     );
     for answer in ["n\n", "\n", "maybe\n", "yes, but\n", "\u{4}"] {
-        let (code, said) = asked(&sandbox, answer);
-        assert_eq!(code, Some(2), "{answer:?}: {said}");
-        let questions = said.lines().filter(|l| l.starts_with("Start them?"));
-        assert_eq!(questions.count(), 1, "{said}");
+        let (code, output) = asked(&sandbox, answer);
+        assert_eq!(code, Some(2), "{answer:?}: {output}");
+        let questions = output.lines().filter(|l| l.starts_with("Start them?"));
+        assert_eq!(questions.count(), 1, "{output}");
         assert!(
-            said.contains(r#"liar: /bin/sh -c 'touch "$0"; exit 5' "#),
-            "{said}"
+            output.contains(r#"liar: /bin/sh -c 'touch "$0"; exit 5' "#),
+            "{output}"
         );
-        assert!(said.contains(r#" "x\nStart them? [y/N] n\n""#), "{said}");
         assert!(
-            said.contains("look at them and add --allow-external"),
-            "{said}"
+            output.contains(r#" "x\nStart them? [y/N] n\n""#),
+            "{output}"
+        );
+        assert!(
+            output.contains("look at them and add --allow-external"),
+            "{output}"
         );
         assert!(!Path::new(&mark).exists(), "{answer:?}");
     }
     assert!(sandbox.runs().is_empty(), "nothing was started");
     for answer in ["y\n", "yes\n"] {
-        let (code, said) = asked(&sandbox, answer);
-        assert_eq!(code, Some(1), "{answer:?}: {said}");
+        let (code, output) = asked(&sandbox, answer);
+        assert_eq!(code, Some(1), "{answer:?}: {output}");
         assert!(
-            said.contains("process liar ended with exit code 5"),
-            "{said}"
+            output.contains("process liar ended with exit code 5"),
+            "{output}"
         );
         std::fs::remove_file(&mark).unwrap();
     }

@@ -21,7 +21,7 @@ fn recorded(sandbox: &Sandbox) -> Log {
 fn pass(viewer: &mut Viewer) -> BTreeMap<u32, Messages> {
     let (mut heard, mut now): (BTreeMap<u32, Messages>, _) = (BTreeMap::new(), 0);
     loop {
-        match viewer.hear().expect("the replay goes on") {
+        match viewer.receive().expect("the replay goes on") {
             Received::Text(_) => {}
             Received::Time(time_ns) if time_ns < now => return heard,
             Received::Time(time_ns) => now = time_ns,
@@ -60,11 +60,11 @@ fn a_replay_shows_all_that_the_log_holds() {
     pass(&mut viewer);
     let heard = pass(&mut viewer);
     replay.interrupt();
-    while viewer.hear().is_some() {}
-    let (code, said) = replay.finish();
-    assert_eq!(code, Some(3), "{said}");
-    assert!(said.contains("live: 1 viewers, "), "{said}");
-    assert!(said.contains(", 0 left out for those who"), "{said}");
+    while viewer.receive().is_some() {}
+    let (code, output) = replay.finish();
+    assert_eq!(code, Some(3), "{output}");
+    assert!(output.contains("live: 1 viewers, "), "{output}");
+    assert!(output.contains(", 0 left out for those who"), "{output}");
     for topic in topics {
         let heard = &heard[&subscription(&channels[topic])];
         assert!(*heard == log.messages[topic], "{topic}: {}", heard.len());
@@ -87,7 +87,7 @@ fn a_replay_from_the_middle_shows_what_holds_there_and_begins_again() {
         let heard = pass(&mut viewer);
         for topic in topics {
             let all = &log.messages[topic];
-            // What was said before the start and holds there, then what was said from there on.
+            // What was output before the start and holds there, then what was output from there on.
             let start = all.partition_point(|(time, _)| *time < SECOND);
             let end = all.partition_point(|(time, _)| *time <= 2 * SECOND);
             let heard = &heard[&subscription(&channels[topic])];
@@ -95,8 +95,8 @@ fn a_replay_from_the_middle_shows_what_holds_there_and_begins_again() {
         }
     }
     replay.interrupt();
-    while viewer.hear().is_some() {}
-    let (code, said) = replay.finish();
-    assert_eq!(code, Some(3), "{said}");
+    while viewer.receive().is_some() {}
+    let (code, output) = replay.finish();
+    assert_eq!(code, Some(3), "{output}");
     sandbox.assert_nothing_left();
 }

@@ -76,11 +76,11 @@ impl Navigator {
     fn ends(mut self, words: &str) {
         self.world.send(1, &self.world.robots);
         assert!(!self.world.turn(&self.rig, 1));
-        let (status, said) = self.rig.process.end();
-        assert!(!status.success(), "{said}");
+        let (status, output) = self.rig.process.end();
+        assert!(!status.success(), "{output}");
         assert!(
-            said.contains("the optimiser") && said.contains(words),
-            "{said}"
+            output.contains("the optimiser") && output.contains(words),
+            "{output}"
         );
     }
 }

@@ -84,9 +84,9 @@ fn the_simulator_obeys_the_driver_of_a_robot_only() {
     let rig = Rig::new(ROOM, "simulator");
     let cop = rig.publisher::<Commands>(COP, 1);
     let thief = rig.publisher::<Commands>(THIEF, 1);
-    let eyes = rig.publisher::<Commands>(VIEWPOINTS, 1);
+    let perception = rig.publisher::<Commands>(VIEWPOINTS, 1);
     let drivers = Drivers::take_off(rig);
-    for port in [&cop, &thief, &eyes] {
+    for port in [&cop, &thief, &perception] {
         port.update_connections().unwrap();
     }
     let header = |tick: u64| {
@@ -126,8 +126,8 @@ fn the_simulator_obeys_the_driver_of_a_robot_only() {
     let before = robots;
     thief.send(header(1), &ahead(1)).unwrap();
     thief.send(header(1), &ahead(0)).unwrap();
-    eyes.send(header(1), &ahead(0)).unwrap();
-    eyes.send(header(1), &ahead(99)).unwrap();
+    perception.send(header(1), &ahead(0)).unwrap();
+    perception.send(header(1), &ahead(99)).unwrap();
     drivers.done(1);
     let (robots, events) = drivers.turn(2);
     assert_eq!(

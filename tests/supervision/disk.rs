@@ -72,12 +72,12 @@ fn a_directory_that_cannot_be_written_to_is_told_at_once() {
         };
         let stderr = String::from_utf8_lossy(&outcome.stderr);
         assert_eq!(outcome.status.code(), Some(1), "{stderr}");
-        let said = stderr.lines().any(|line| {
+        let ended_by_disk = stderr.lines().any(|line| {
             line.starts_with("error: cannot ")
                 && line.contains(path)
                 && line.contains("Read-only file system")
         });
-        assert!(said, "{words}: {stderr}");
+        assert!(ended_by_disk, "{words}: {stderr}");
         let left = String::from_utf8_lossy(&outcome.stdout);
         assert_eq!(left, ".\n..\nolder.mcap\nprecious\n");
         assert_eq!(sandbox.processes(), [], "processes");

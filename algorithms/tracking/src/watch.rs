@@ -59,7 +59,7 @@ impl Watch {
     }
 
     /// The largest visibility of a point (m) over all observers, 0…1, and the index of the observer
-    /// that has it (the first of equals); `None` if nobody sees the point.
+    /// that has it (the first of equals); `None` if no observer sees the point.
     pub fn best(&self, field: &VisibilityField, p: Point2<f64>) -> Option<(f64, usize)> {
         let mut best: Option<(f64, usize)> = None;
         for viewpoint in self

@@ -399,11 +399,11 @@ impl RawExchange {
         Ok(exchange)
     }
 
-    fn reach(&mut self, said: usize) -> Result<()> {
+    fn reach(&mut self, count: usize) -> Result<()> {
         let leader = &self.leader;
         Ok(self
             .planners
-            .wait(READY_WITHIN, || leader.ready_count() >= said)?)
+            .wait(READY_WITHIN, || leader.ready_count() >= count)?)
     }
 
     fn tick(&mut self) -> Result<()> {

@@ -66,13 +66,13 @@ mod tests {
             Ok::<_, PlaceError>(())
         };
         take("b").unwrap();
-        for (name, said) in [
+        for (name, expected) in [
             ("a", "out holds the experiment `a` again"),
             ("b", "out holds the experiment `b` again"),
             ("c", "experiment `c`; expected one of a, b"),
         ] {
             let error = take(name).unwrap_err().to_string();
-            assert!(error.contains(said), "{error}");
+            assert!(error.contains(expected), "{error}");
         }
         assert_eq!((a, b), (Some(1), Some(2)));
     }

@@ -55,12 +55,12 @@ pub struct TopicComparison {
 /// How two histories compare.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Comparison {
-    /// The topics on which something was said, then or now.
+    /// The topics on which something was message, then or now.
     pub topics: BTreeMap<&'static str, TopicComparison>,
     /// Last tick of which the log has a message.
     #[serde(skip)]
     pub last_tick: u64,
-    /// Whose messages are compared; everybody's if not said.
+    /// Whose messages are compared; everybody's if not message.
     #[serde(skip)]
     sources: Option<BTreeSet<u32>>,
 }
@@ -110,9 +110,9 @@ impl Comparison {
             let Some(&id) = TopicId::ALL.get(key.0) else {
                 continue;
             };
-            let of = |said: &BTreeMap<_, Vec<_>>| said.get(&key).cloned().unwrap_or_default();
+            let of = |message: &BTreeMap<_, Vec<_>>| message.get(&key).cloned().unwrap_or_default();
             let (logged, again): (Vec<SimulatedMessage<'_>>, Vec<_>) = (of(&logged), of(&again));
-            let last = logged.last().map_or(0, |said| said.stamp.tick);
+            let last = logged.last().map_or(0, |message| message.stamp.tick);
             self.last_tick = self.last_tick.max(last);
             let topic = self.topics.entry(id.name()).or_default();
             topic.recorded += logged.len() as u64;
@@ -183,14 +183,18 @@ impl TopicComparison {
             return;
         }
         // The field in question, and its value.
-        let value = |said: Option<&SimulatedMessage<'_>>| match (said, at) {
+        let value = |message: Option<&SimulatedMessage<'_>>| match (message, at) {
             (None, _) => None,
-            (Some(said), None) => {
-                let number = format!("message {}", said.stamp.sequence);
+            (Some(message), None) => {
+                let number = format!("message {}", message.stamp.sequence);
                 Some((String::new(), number))
             }
-            (Some(said), Some(at)) => {
-                let found = field_at(&known::layout(topic).schema.as_ref()?.fields, said.data, at);
+            (Some(message), Some(at)) => {
+                let found = field_at(
+                    &known::layout(topic).schema.as_ref()?.fields,
+                    message.data,
+                    at,
+                );
                 let (name, cell) = found.ok()??;
                 Some((name, cell.to_string()))
             }
@@ -244,14 +248,17 @@ pub fn compare(
             (None, Some(one)) if !cut => one.time,
             (None, _) => break,
         };
-        let (mut logged, mut said) = (Vec::new(), Vec::new());
-        for (from, to, source) in [(&mut x, &mut logged, &mut a), (&mut y, &mut said, &mut b)] {
+        let (mut logged, mut message) = (Vec::new(), Vec::new());
+        for (from, to, source) in [
+            (&mut x, &mut logged, &mut a),
+            (&mut y, &mut message, &mut b),
+        ] {
             if from.first().is_some_and(|first| first.time == time) {
                 *to = std::mem::replace(from, next(source, time)?);
             }
         }
         // The last tick of a log that was cut may be incomplete.
-        comparison.add(&logged, &said, cut && x.is_empty());
+        comparison.add(&logged, &message, cut && x.is_empty());
     }
     watch.end();
     Ok(comparison)

@@ -292,7 +292,7 @@ impl Source {
                 continue;
             }
             let mut here = States::default();
-            let mut said = BTreeSet::new();
+            let mut seen = BTreeSet::new();
             let path = self.reader.path().to_owned();
             self.reader.jump(chunk.at);
             while self.reader.next()?.is_some() && self.reader.at() == chunk.at {
@@ -302,11 +302,11 @@ impl Source {
                     && let Some(played) = self.played.get(&header.channel_id)
                 {
                     let source = played.sender(data);
-                    said.insert(header.channel_id);
+                    seen.insert(header.channel_id);
                     here.keep(&path, source, header, data)?;
                 }
             }
-            for channel in said {
+            for channel in seen {
                 if let Some((one_sender, looked)) = wanted.get_mut(&channel) {
                     *looked += 1;
                     if *one_sender || *looked >= LOOK_BACK {

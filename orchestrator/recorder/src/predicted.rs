@@ -127,11 +127,11 @@ mod tests {
         predicted.add(3, 2.0, &prediction(5, 2.0, Some(0.1), true));
         predicted.add(3, 3.0, &prediction(5, 2.0, Some(0.3), true));
         // A robot that does not exist is none.
-        let stranger = Prediction {
+        let unknown = Prediction {
             robot: 9,
             ..prediction(0, 0.5, None, false)
         };
-        predicted.add(3, 0.0, &stranger);
+        predicted.add(3, 0.0, &unknown);
         let found = predicted.outcomes(&names).unwrap();
         assert_eq!(found.len(), 2);
         let kalman = &found[0];

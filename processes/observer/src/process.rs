@@ -49,7 +49,7 @@ pub struct ObserverProcess {
     /// Robots that are watched, and from which it looks.
     robots: Vec<usize>,
     from_robots: Vec<usize>,
-    eyes: PoseSensor,
+    sensor: PoseSensor,
     space: Option<Space>,
     targets: Vec<Target>,
     state: StateInput,
@@ -122,7 +122,7 @@ impl ProcessKind for ObserverProcess {
         let capacity = robots.len() * methods * params.horizons_s.len();
         let limited = !(params.from_points.is_empty() && from_robots.is_empty());
         Ok(Self {
-            eyes: PoseSensor::new(&params.eyes, limited),
+            sensor: PoseSensor::new(&params.eyes, limited),
             every: ticks(params.period_s, run.tick_period()),
             state: StateInput::open(bus, run.robots.len())?,
             map: MapInput::open(bus)?,
@@ -187,7 +187,7 @@ impl Process for ObserverProcess {
         let robots = &self.state.robots;
         let active = |robot: usize| robots.get(robot).filter(|state| state.status == 0);
         let from_robots = self.from_robots.iter().filter_map(|&robot| active(robot));
-        self.eyes.set(
+        self.sensor.set(
             space,
             self.params
                 .from_points
@@ -200,7 +200,7 @@ impl Process for ObserverProcess {
                 continue;
             };
             let truth = Pose2::new(state.x, state.y, state.theta);
-            let (visibility, seen) = self.eyes.look(space, truth, &mut target.noise);
+            let (visibility, seen) = self.sensor.look(space, truth, &mut target.noise);
             target.visible = seen.is_some();
             let look = Look {
                 time: newest as f64 * period,
@@ -208,7 +208,7 @@ impl Process for ObserverProcess {
                 seen,
                 visibility,
             };
-            let scene = (space, self.eyes.watch());
+            let scene = (space, self.sensor.watch());
             target
                 .watched
                 .observe(newest, look, truth.position(), scene);
@@ -225,7 +225,7 @@ impl Process for ObserverProcess {
                 continue;
             }
             let (robot, visible) = (target.robot, target.visible);
-            let scene = (space, self.eyes.watch());
+            let scene = (space, self.sensor.watch());
             target.watched.report(newest, scene, |predicted| {
                 report.push(prediction(robot, visible, &predicted));
             });

@@ -175,8 +175,8 @@ fn nothing_many_and_no_way_at_all() {
     };
     let grazed = disc(0, 0.5, 0.797, 0.2);
     assert_eq!(status(&one, &[grazed]), PlanResponse::PLANNED);
-    for buried in [disc(0, 0.5, 0.7, 0.2), disc(0, 3.5, 2.5, 0.2)] {
-        assert_eq!(status(&one, &[buried]), PlanResponse::INVALID);
+    for covered in [disc(0, 0.5, 0.7, 0.2), disc(0, 3.5, 2.5, 0.2)] {
+        assert_eq!(status(&one, &[covered]), PlanResponse::INVALID);
     }
     // All around the start.
     let ring: Vec<ShapePoint> = (0u32..40)

@@ -43,8 +43,8 @@ fn a_waypoint_far_ahead_is_found_at_once() {
     assert_eq!(lap[0].number, first);
     assert_eq!(forecast.waypoint(first + 40).unwrap(), lap[40]);
     // Someone with another key, one unit away, knows nothing.
-    let stranger = Forecast::new(awg, source("catp:3689348814741910314,5939851591734475604"));
-    let gap = stranger.waypoint(first + 40).unwrap().point - lap[40].point;
+    let other_key = Forecast::new(awg, source("catp:3689348814741910314,5939851591734475604"));
+    let gap = other_key.waypoint(first + 40).unwrap().point - lap[40].point;
     assert!(gap.norm() > 1e-3, "{gap}");
 }
 

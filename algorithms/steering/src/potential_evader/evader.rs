@@ -19,7 +19,7 @@ use super::params::{EvaderParams, ThreatParams};
 /// The route finder's slot of the cheapest ways past the Police.
 const PAST_POLICE: usize = 0;
 /// The route finder's slot of the shortest ways.
-const SHORTEST_PATH_SLOT: usize = 1;
+const PATH_SLOT: usize = 1;
 /// Distance within which other robots are measured along the ways (m).
 const MEASURED: f64 = 4.0;
 
@@ -97,7 +97,7 @@ impl Evader {
                     .iter()
                     .map(|repulsor| repulsor.at)
                     .filter(near);
-                self.finder.routes(map, SHORTEST_PATH_SLOT, here, places)
+                self.finder.routes(map, PATH_SLOT, here, places)
             }
         };
         let bearings = routes.map_or(Bearings::Straight, Bearings::Along);

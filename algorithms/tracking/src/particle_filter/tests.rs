@@ -217,7 +217,7 @@ fn without_weight_a_sighting_rebuilds_the_belief_around_it() {
 fn without_weight_and_sighting_the_reachable_free_space_is_taken() {
     // The target hides in a dead end that is then walled up.
     let space = Space::new(&room());
-    let nobody = watch_from(&space, &[]);
+    let no_observer = watch_from(&space, &[]);
     let start = Pose2::new(-3.0, 0.0, 0.0);
     let mut free = Grid {
         frame: *space.frame(),
@@ -234,7 +234,7 @@ fn without_weight_and_sighting_the_reachable_free_space_is_taken() {
         ..FilterParams::default()
     };
     let mut walled = ParticleFilter::new(&params, LIMITS, Some(start), &space, rng(1));
-    walled.update(&changed, &nobody, &Sighting::default(), DT);
+    walled.update(&changed, &no_observer, &Sighting::default(), DT);
     assert_eq!(walled.rebuilt(), 1);
     let reach = 0.5 + 0.5 * DT + 0.05;
     for p in walled.particles() {

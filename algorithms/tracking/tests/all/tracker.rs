@@ -229,12 +229,12 @@ fn bad_set_ups_and_updates_are_refused_by_name() {
         let error = perception.update(&[], &[], dt).unwrap_err();
         assert!(matches!(error, PerceptionError::TimeStep { .. }));
     }
-    let stranger = TargetTruth {
+    let unknown = TargetTruth {
         robot: 5,
         pose: Pose2::default(),
     };
     assert_eq!(
-        perception.update(&[], &[stranger], DT).unwrap_err(),
+        perception.update(&[], &[unknown], DT).unwrap_err(),
         PerceptionError::UnknownTarget { robot: 5 }
     );
     // Nonsense poses are simply not seen and see nothing.

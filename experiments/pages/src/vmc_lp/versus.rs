@@ -208,7 +208,7 @@ fn verdicts(study: &Study, pair: (&str, &str)) -> String {
             "not decided"
         }
     };
-    let said = |duel: &Duel, of: Measure| {
+    let figures = |duel: &Duel, of: Measure| {
         let (hits, of) = of(duel);
         (share(hits as f64 / of.max(1) as f64), hits, of)
     };
@@ -226,7 +226,7 @@ fn verdicts(study: &Study, pair: (&str, &str)) -> String {
         ),
     ];
     for (claim, measure, ties) in claims {
-        let (theirs, hits, of) = said(&theirs, measure);
+        let (theirs, hits, of) = figures(&theirs, measure);
         let mine = measure(&ours);
         // Hardly any pair that differs is an answer, too.
         let pairs = ours.times.len() as u64;

@@ -8,7 +8,7 @@ use crate::palette;
 
 /// Font size (px).
 const SIZE: f64 = 14.0;
-/// Font size of what is said beside (px).
+/// Font size of what is label beside (px).
 const SMALL: f64 = 12.5;
 /// Distance of two lines of a row (px).
 const LINE: f64 = 18.0;
@@ -59,7 +59,7 @@ impl Legend {
                 lines: lines(
                     match chart.interval.as_str() {
                         "" => "95 % interval",
-                        said => said,
+                        label => label,
                     },
                     SMALL,
                 ),

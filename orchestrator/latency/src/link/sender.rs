@@ -96,14 +96,14 @@ impl Link {
             .map_err(|e| LinkError::system("cannot make a pipe")(e.into()))?;
         // The receiver pins itself before it opens anything.
         let mut receiver = Receiver::start(&config)?;
-        let said = |count| page.word(READY).load(Ordering::SeqCst) >= count;
-        receiver.wait("open its ports", || said(1))?;
+        let is_ready = |count| page.word(READY).load(Ordering::SeqCst) >= count;
+        receiver.wait("open its ports", || is_ready(1))?;
         // It has connected, or its exit was seen.
         let (socket, _) = listener
             .accept()
             .map_err(LinkError::system("cannot accept at the socket"))?;
         let pipe = receiver.writing_end(&config)?;
-        receiver.wait("open the pipe", || said(2))?;
+        receiver.wait("open the pipe", || is_ready(2))?;
         if placement != Placement::Unpinned {
             pin(0)?;
         }

@@ -72,17 +72,17 @@ fn a_tick_that_does_not_end_is_written_after_a_quarter_of_a_second_and_every_mes
         }
         look(&mut recording, completed, ms(250));
         let sent = run(TICKS, 1);
-        let said = |s: &&Sent| {
+        let sent_count = |s: &&Sent| {
             let tick = s.stamp().tick;
             tick < still || (tick == still && !is_command(s))
         };
-        let said = sent.iter().filter(said).count();
-        assert_eq!(lossless(&path).len(), said, "{still}");
+        let sent_count = sent.iter().filter(sent_count).count();
+        assert_eq!(lossless(&path).len(), sent_count, "{still}");
         // What comes later is there at the next look.
         let (command, rest) = rest.split_first().unwrap();
         command.push(&mut recording);
         look(&mut recording, completed, ms(251));
-        assert_eq!(lossless(&path).len(), said + 1, "{still}");
+        assert_eq!(lossless(&path).len(), sent_count + 1, "{still}");
 
         for sent in rest {
             sent.push(&mut recording);

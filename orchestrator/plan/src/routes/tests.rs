@@ -49,10 +49,10 @@ fn an_ally_with_the_key_knows_what_one_without_it_does_not() {
     let patrol = Patrol::of(&octagon, None, None).unwrap();
     let ally = Patrol::of(&octagon, None, Some(*patrol.key())).unwrap();
     let other = "catp:0.1,0.2".parse().unwrap();
-    let stranger = Patrol::of(&octagon, None, Some(other)).unwrap();
+    let other_key = Patrol::of(&octagon, None, Some(other)).unwrap();
     let far = patrol.waypoint(1_000_001).unwrap();
     assert_eq!(ally.waypoint(1_000_001).unwrap(), far);
-    assert_ne!(stranger.waypoint(1_000_001).unwrap().point, far.point);
+    assert_ne!(other_key.waypoint(1_000_001).unwrap().point, far.point);
     let place = ally.at(1234.5).unwrap();
     assert_eq!(place.point, patrol.at(1234.5).unwrap().point);
     assert!(patrol.at(-1.0).is_err() && patrol.at(f64::NAN).is_err());

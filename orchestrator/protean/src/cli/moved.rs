@@ -57,8 +57,8 @@ mod tests {
             let words: Vec<OsString> = line.split_whitespace().map(OsString::from).collect();
             find(rows, &words)
         };
-        let said = answer("sweep page DIR --out x.md").unwrap();
-        assert!(said.contains("`protean sweep page`") && said.ends_with("type this"));
+        let message = answer("sweep page DIR --out x.md").unwrap();
+        assert!(message.contains("`protean sweep page`") && message.ends_with("type this"));
         assert!(answer("bench --json").unwrap().ends_with("type that"));
         assert_eq!(answer("sweep pages.toml"), None);
         assert_eq!(answer("sweep"), None);

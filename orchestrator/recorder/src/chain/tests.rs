@@ -171,7 +171,7 @@ fn output(tick: u64, source: u32, received_ns: u64, sent_ns: u64) -> Stamp {
     stamp(tick, source, [0, received_ns, received_ns, sent_ns])
 }
 
-fn said(tick: u64, received_ns: u64, sent_ns: u64) -> Stamp {
+fn stamped(tick: u64, received_ns: u64, sent_ns: u64) -> Stamp {
     Stamp {
         origin_ns: sent_ns,
         ..output(tick, SIMULATOR, received_ns, sent_ns)
@@ -189,7 +189,7 @@ fn only(measured: &BTreeMap<String, Percentiles>, name: &str) -> (u64, f64) {
 fn a_tick_with_beliefs_is_measured_hop_by_hop() {
     let mut chain = Chain::new(&processes());
     let base = 1_000_000;
-    chain.take(TopicId::WorldState, &said(5, base - 700, base));
+    chain.take(TopicId::WorldState, &stamped(5, base - 700, base));
     chain.take(
         TopicId::Sightings,
         &output(5, PERCEPTION, base + 1_000, base + 4_000),
@@ -210,7 +210,10 @@ fn a_tick_with_beliefs_is_measured_hop_by_hop() {
         TopicId::Commands,
         &output(5, EVADER, base + 500, base + 800),
     );
-    chain.take(TopicId::WorldState, &said(6, base + 12_000, base + 12_500));
+    chain.take(
+        TopicId::WorldState,
+        &stamped(6, base + 12_000, base + 12_500),
+    );
     let measured = chain.percentiles();
     assert_eq!(only(&measured, "simulator to perception"), (1, 1.0));
     assert_eq!(only(&measured, "perception step"), (1, 5.0));
@@ -226,7 +229,7 @@ fn a_tick_with_beliefs_is_measured_hop_by_hop() {
 #[test]
 fn without_beliefs_pursuers_answer_the_state() {
     let mut chain = Chain::new(&processes());
-    chain.take(TopicId::WorldState, &said(0, 0, 1_000));
+    chain.take(TopicId::WorldState, &stamped(0, 0, 1_000));
     chain.take(TopicId::Commands, &output(0, PURSUER, 3_000, 4_000));
     let measured = chain.percentiles();
     assert_eq!(only(&measured, "simulator to pursuer"), (1, 2.0));
@@ -236,7 +239,7 @@ fn without_beliefs_pursuers_answer_the_state() {
 #[test]
 fn clocks_that_are_missing_or_swapped_measure_nothing() {
     let mut chain = Chain::new(&processes());
-    chain.take(TopicId::WorldState, &said(3, 0, 5_000));
+    chain.take(TopicId::WorldState, &stamped(3, 0, 5_000));
     chain.take(TopicId::Commands, &output(3, EVADER, 4_000, 0));
     chain.take(TopicId::Commands, &output(9, EVADER, 4_000, 5_000));
     chain.take(TopicId::Commands, &output(3, 77, 6_000, 7_000));
@@ -248,10 +251,10 @@ fn clocks_that_are_missing_or_swapped_measure_nothing() {
 fn late_messages_of_a_tick_that_is_still_kept_count() {
     let mut chain = Chain::new(&processes());
     for tick in 0..WINDOW {
-        chain.take(TopicId::WorldState, &said(tick, 0, 1_000 * (tick + 1)));
+        chain.take(TopicId::WorldState, &stamped(tick, 0, 1_000 * (tick + 1)));
     }
     chain.take(TopicId::Commands, &output(2, EVADER, 3_500, 3_600));
-    chain.take(TopicId::WorldState, &said(WINDOW, 0, 1_000_000));
+    chain.take(TopicId::WorldState, &stamped(WINDOW, 0, 1_000_000));
     chain.take(TopicId::Commands, &output(0, EVADER, 1_500, 1_600));
     let measured = chain.percentiles();
     assert_eq!(only(&measured, "simulator to evader"), (1, 0.5));

@@ -92,17 +92,20 @@ fn every_message_is_in_the_log_once_in_order_and_counted() {
             "{topic} goes back from {before} to {log_time}"
         );
     }
-    let said: BTreeMap<String, (u64, u64)> = summary
+    let in_summary: BTreeMap<String, (u64, u64)> = summary
         .topics
         .iter()
         .map(|(t, c)| (t.clone(), (c.messages, c.bytes)))
         .collect();
-    assert_eq!(said, counted, "the summary counts what is in the file");
+    assert_eq!(
+        in_summary, counted,
+        "the summary counts what is in the file"
+    );
     assert!(
         topics::NAMES
             .iter()
             .filter(|name| !matches!(**name, ProcessEvents::NAME | ProcessLog::NAME))
-            .all(|name| said.contains_key(*name)),
+            .all(|name| in_summary.contains_key(*name)),
         "the run has every topic of runs without failures"
     );
     assert!(

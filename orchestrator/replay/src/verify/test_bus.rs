@@ -25,14 +25,14 @@ use mission::plan::Plan;
 struct Moment {
     tick: u64,
     time: u64,
-    said: Vec<Logged>,
+    messages: Vec<Logged>,
 }
 
 impl Moment {
     /// The state of the world, if it is there.
     fn state(&self) -> Option<WorldHeader> {
         let state = self
-            .said
+            .messages
             .iter()
             .find(|m| NAMES.get(m.rank) == Some(&WorldState::NAME))?;
         let (header, _) = WorldHeader::read_from_prefix(state.data.get(ENCAPSULATION..)?).ok()?;
@@ -92,12 +92,12 @@ impl<'a> TestBus<'a> {
 
     /// Everything of the next tick.
     fn next(&self, source: &mut Source) -> Result<Option<Moment>, ReplayError> {
-        let mut said = Vec::new();
-        source.tick(&mut said)?;
-        Ok(said.first().map(|first| first.time).map(|time| Moment {
+        let mut messages = Vec::new();
+        source.tick(&mut messages)?;
+        Ok(messages.first().map(|first| first.time).map(|time| Moment {
             tick: time / self.period_ns,
             time,
-            said,
+            messages,
         }))
     }
 
@@ -117,9 +117,9 @@ impl<'a> TestBus<'a> {
         // Everybody builds what it needs of the map before time starts.
         if let Some(first) = &mut moment {
             for name in [WorldMap::NAME, WorldShapes::NAME] {
-                let mut said = first.said.iter();
-                if let Some(at) = said.position(|m| NAMES.get(m.rank) == Some(&name)) {
-                    let message = first.said.remove(at);
+                let mut messages = first.messages.iter();
+                if let Some(at) = messages.position(|m| NAMES.get(m.rank) == Some(&name)) {
+                    let message = first.messages.remove(at);
                     self.say(&message)?;
                 }
             }
@@ -145,7 +145,7 @@ impl<'a> TestBus<'a> {
             };
             over = state.phase == WorldHeader::OVER;
             moment = self.next(source)?;
-            for message in &now.said {
+            for message in &now.messages {
                 let sender = message.sender();
                 if self.test_selection.before.contains(&sender) {
                     self.say(message)?;
@@ -158,8 +158,8 @@ impl<'a> TestBus<'a> {
             // The last tick of a log that was cut may lack something.
             let captured = self.capture.take(&self.test_selection.senders, now.time);
             let captured = captured.map_err(MissionError::from)?;
-            comparison.add(&now.said, &captured, moment.is_none() && !over);
-            for message in &now.said {
+            comparison.add(&now.messages, &captured, moment.is_none() && !over);
+            for message in &now.messages {
                 let sender = message.sender();
                 if !self.test_selection.before.contains(&sender) {
                     self.say(message)?;

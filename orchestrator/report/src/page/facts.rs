@@ -17,10 +17,10 @@ use crate::picture::static_scene::corners;
 use recorder::{RobotOutcome, status_name};
 use scenario::kind::Kind;
 
-/// What became of the robots: as the run said at its end, else as the last state in the log has it.
+/// What became of the robots: as the run recorded at its end, else as the last state in the log has it.
 pub(super) fn outcome(gathered: &Gathered) -> Vec<RobotOutcome> {
-    let said = gathered.facts.result.get("robots");
-    if let Some(robots) = said.and_then(|text| serde_json::from_str(text).ok()) {
+    let recorded = gathered.facts.result.get("robots");
+    if let Some(robots) = recorded.and_then(|text| serde_json::from_str(text).ok()) {
         return robots;
     }
     let Some(last) = gathered.frames.last() else {
@@ -198,10 +198,11 @@ fn latency(gathered: &mut Gathered) -> Json {
             })
             .collect();
     }
-    let said = gathered.facts.result.get("latency_us");
-    let said: Option<std::collections::BTreeMap<String, Percentiles>> =
-        said.and_then(|text| serde_json::from_str(text).ok());
-    said.unwrap_or_default()
+    let recorded = gathered.facts.result.get("latency_us");
+    let recorded: Option<std::collections::BTreeMap<String, Percentiles>> =
+        recorded.and_then(|text| serde_json::from_str(text).ok());
+    recorded
+        .unwrap_or_default()
         .into_iter()
         .map(|(name, percentiles)| json!({ "name": name, "us": percentiles }))
         .collect()

@@ -299,7 +299,7 @@ pub struct BroadcastHandle(Arc<Broadcaster>);
 
 impl BroadcastHandle {
     /// What is shown goes on at another time (simulated ns), which may be an earlier one. What held
-    /// until now does so no longer: what holds there is to be said next.
+    /// until now does so no longer: what holds there is to be output next.
     pub fn jump(&mut self, time_ns: u64) {
         self.0.lock().jump(time_ns);
     }

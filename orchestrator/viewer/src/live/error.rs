@@ -13,7 +13,7 @@ pub enum LiveError {
     Listen {
         /// The port that was asked for.
         port: u16,
-        /// What the system said.
+        /// What the system output.
         source: io::Error,
     },
     /// The system refused something else.
@@ -21,7 +21,7 @@ pub enum LiveError {
     System {
         /// What was attempted.
         what: &'static str,
-        /// What the system said.
+        /// What the system output.
         source: io::Error,
     },
 }

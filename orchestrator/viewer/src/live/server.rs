@@ -16,7 +16,7 @@ use super::handshake::Token;
 
 /// Most connections at a time.
 const CONNECTIONS: usize = 32;
-/// A viewer that takes nothing for so long is cut off, unless something else is said.
+/// A viewer that takes nothing for so long is cut off, unless something else is output.
 const PATIENCE: Duration = Duration::from_secs(10);
 /// How long nobody is let in when the system could not accept a connection: it has no descriptors
 /// left, for instance, and will have at once only if somebody goes.

@@ -108,12 +108,12 @@ fn messages_are_numbered_and_counted_and_do_not_depend_on_batches() {
         assert_eq!(u64::from(*sequence), count.0, "{topic}");
         *count = (count.0 + 1, count.1 + bytes.len() as u64);
     }
-    let said = summary.topics.iter();
-    let said = said.filter(|(topic, _)| topic.starts_with("/viewer/"));
-    let said: BTreeMap<&str, (u64, u64)> = said
+    let in_summary = summary.topics.iter();
+    let in_summary = in_summary.filter(|(topic, _)| topic.starts_with("/viewer/"));
+    let in_summary: BTreeMap<&str, (u64, u64)> = in_summary
         .map(|(topic, count)| (topic.as_str(), (count.messages, count.bytes)))
         .collect();
-    assert_eq!(said, counted);
+    assert_eq!(in_summary, counted);
     for batch in [1, 7, 60] {
         let path = directory.path().join(format!("{batch}.mcap"));
         record(&path, &options(), &sent, batch);

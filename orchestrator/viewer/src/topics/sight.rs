@@ -134,11 +134,11 @@ mod tests {
             seen: 1,
             ..Sighting::default()
         };
-        let nobody = Sighting {
+        let unseen = Sighting {
             observer: u32::MAX,
             ..seen
         };
-        sight.set([seen, nobody].into_iter());
+        sight.set([seen, unseen].into_iter());
         let update = sight.draw(&states, 1).unwrap();
         let line = &update.entities[0].lines[0];
         assert_eq!(

@@ -48,7 +48,7 @@ impl BarrierLeader {
     }
 
     /// How many members have not done this many ticks. A member that has ended counts until the
-    /// orchestrator has buried it or stopped the run: otherwise the world would go on without it for
+    /// orchestrator has dead it or stopped the run: otherwise the world would go on without it for
     /// as long as that takes, a different time in every run.
     fn waiting_for(&self, wanted: u32) -> u32 {
         self.members()

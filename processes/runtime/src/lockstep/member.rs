@@ -39,7 +39,7 @@ impl BarrierMember {
 
     /// Says how this process is, and wakes whoever waits for that.
     pub fn set_state(&self, state: SlotState) {
-        // Who was buried stays so: a bridge may speak for a process that is gone.
+        // Who was dead stays so: a bridge may speak for a process that is gone.
         let alive = |now| (now != SlotState::Dead as u32).then_some(state as u32);
         let word = &self.barrier.slot(self.slot).state;
         let _ = word.fetch_update(Ordering::SeqCst, Ordering::SeqCst, alive);

@@ -32,7 +32,7 @@ impl BarrierMonitor {
         self.reset_slot(slot);
     }
 
-    /// Gives a slot to the successor of a process that has been buried, which is about to start;
+    /// Gives a slot to the successor of a process that has been dead, which is about to start;
     /// only in real time.
     pub fn reset_slot(&self, slot: usize) {
         let state = &self.barrier.slot(slot.min(MAX_SLOTS - 1)).state;

@@ -294,7 +294,7 @@ fn one_that_joins_in_the_middle_of_a_run_waits_until_the_simulator_has_connected
 
 #[test]
 fn a_dead_process_stays_dead_until_its_slot_is_reset() {
-    let (barrier, monitor) = Barrier::new("buried", 2);
+    let (barrier, monitor) = Barrier::new("dead", 2);
     monitor.assign_slot(1, true, false);
     let member = BarrierMember::new(barrier.open(), 1, Vec::new());
     member.set_state(SlotState::Prepared);
