@@ -361,7 +361,7 @@ fn overrides_and_options_that_make_no_sense() {
     let outcome = sandbox.protean(["rum"]).run();
     outcome.refused(2, &["rum", "Usage"]);
     sandbox
-        .protean(["list", "--show", "chaze"])
+        .protean(["new", "mine.toml", "--from", "chaze"])
         .run()
         .refused(2, &["\"chaze\"", "chase"]);
 }
@@ -371,9 +371,53 @@ fn programs_of_the_scenarios_own_need_permission() {
     let sandbox = Sandbox::new();
     sandbox.file("own.toml", driven_by("[\"/bin/touch\", \"was_here\"]"));
     let words = [
-        "own.toml starts programs",
+        "own.toml starts external programs",
         "--allow-external",
         "liar: /bin/touch was_here",
     ];
     refused_by_run(&sandbox, &["own.toml"], &words);
+}
+
+#[test]
+fn a_new_scenario_runs_and_is_not_overwritten_unasked() {
+    let sandbox = Sandbox::new();
+    for name in ["hello", "chase", "patrol_octagon"] {
+        let file = format!("own/{name}.toml");
+        let made = sandbox.protean(["new", &file, "--from", name]).run();
+        assert_eq!(made.code, Some(0), "{made}");
+        assert!(
+            made.stderr.contains(&format!("protean run {file}")),
+            "{made}"
+        );
+        for written in made.stdout.lines() {
+            assert!(sandbox.path().join(written).is_file(), "{written}");
+        }
+        let checked = sandbox.protean(["check", &file]).run();
+        assert_eq!(checked.code, Some(0), "{checked}");
+    }
+    sandbox.file("own/hello.toml", "mine");
+    let again = ["new", "own/hello.toml", "--from", "hello"];
+    let refused = sandbox.protean(again).run();
+    refused.refused(2, &["own/hello.toml", "--force"]);
+    let kept = std::fs::read_to_string(sandbox.path().join("own/hello.toml")).unwrap();
+    assert_eq!(kept, "mine");
+    let forced = sandbox.protean(again).arg("--force").run();
+    assert_eq!(forced.code, Some(0), "{forced}");
+    let checked = sandbox.protean(["check", "own/hello.toml"]).run();
+    assert_eq!(checked.code, Some(0), "{checked}");
+    let refused = sandbox.protean(["new", "own"]).run();
+    refused.refused(2, &["own", ".toml"]);
+}
+
+#[test]
+fn removed_commands_are_answered_with_their_replacement() {
+    let sandbox = Sandbox::new();
+    for (words, instead) in [
+        (&["instances", "base"][..], "protean plan generate"),
+        (&["messages", "--python"], "protean schema messages"),
+        (&["list", "--show", "chase"], "protean new"),
+    ] {
+        let outcome = sandbox.protean(words.iter().copied()).run();
+        outcome.refused(2, &[instead]);
+    }
 }

@@ -207,8 +207,11 @@ fn arcs_in_place_of_corners_are_driven_without_stopping() {
 #[test]
 fn an_obstacle_that_pops_up_is_driven_around_from_then_on() {
     let sandbox = Sandbox::new();
-    let listed = sandbox.protean(["list", "--show", "coverage_case2"]).run();
-    assert_eq!(listed.code, Some(0), "{listed}");
+    let made = sandbox
+        .protean(["new", "popup.toml", "--from", "coverage_case2"])
+        .run();
+    assert_eq!(made.code, Some(0), "{made}");
+    let text = std::fs::read_to_string(sandbox.path().join("popup.toml")).unwrap();
     let event = r#"
 [[events]]
 time_s = 40.0
@@ -216,7 +219,7 @@ action = "appear"
 obstacle = "crate"
 shape.rectangle = { center = [5.0, 8.2], half_extents = [0.8, 0.5] }
 "#;
-    sandbox.file("popup.toml", listed.stdout + event);
+    sandbox.file("popup.toml", text + event);
     let drive = Drive::run(&sandbox, "popup.toml", &["rules.time_limit=160"]);
     let appeared: Vec<u64> = drive.history.obstacles.iter().map(|c| c.tick).collect();
     assert_eq!(appeared, [800]);

@@ -26,7 +26,7 @@ fn prepare(sandbox: &Sandbox) -> bool {
             return false;
         }
     };
-    let messages = sandbox.protean(["messages", "--python"]).run();
+    let messages = sandbox.protean(["schema", "messages"]).run();
     assert_eq!(messages.code, Some(0), "{messages}");
     sandbox.file("planners/protean_messages.py", messages.stdout.clone());
     let planner = sandbox.file(

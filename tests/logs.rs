@@ -22,7 +22,7 @@ fn a_log_tells_what_it_holds_and_is_run_again_the_same() {
 
     // Recorded by processes, done again by processes and within one.
     for more in [&["--json"][..], &["--json", "--in-process"]] {
-        let words = ["rerun", "run.mcap", "--quiet"].into_iter();
+        let words = ["verify", "run.mcap", "--quiet"].into_iter();
         let outcome = sandbox.protean(words.chain(more.iter().copied())).run();
         assert_eq!(outcome.code, Some(0), "{outcome}");
         let rerun = outcome.json();
@@ -57,7 +57,7 @@ fn what_is_left_of_a_truncated_log_is_recovered_and_read_by_python() {
     let info = sandbox.protean(["info", "cut.mcap"]).run();
     assert_eq!(info.code, Some(3), "{info}");
     for words in [
-        "NOT WHOLE",
+        "INCOMPLETE",
         "ends in the middle",
         "the run did not come to its end",
     ] {
@@ -67,7 +67,7 @@ fn what_is_left_of_a_truncated_log_is_recovered_and_read_by_python() {
         .protean(["recover", "cut.mcap", "--out", "ok.mcap", "--json"])
         .run();
     assert_eq!(recovered.code, Some(3), "{recovered}");
-    assert!(recovered.stderr.contains("is not whole"), "{recovered}");
+    assert!(recovered.stderr.contains("is incomplete"), "{recovered}");
     let path = sandbox.path().join("ok.mcap");
     let history = History::read(&path);
     let messages: u64 = history.counts.values().map(|(messages, _)| messages).sum();
@@ -78,10 +78,10 @@ fn what_is_left_of_a_truncated_log_is_recovered_and_read_by_python() {
     }
     // It goes as far as the log: then it is the same.
     let rerun = sandbox
-        .protean(["rerun", "ok.mcap", "--in-process", "--quiet"])
+        .protean(["verify", "ok.mcap", "--in-process", "--quiet"])
         .run();
     assert_eq!(rerun.code, Some(3), "{rerun}");
-    assert!(rerun.stdout.contains("the same up to tick"), "{rerun}");
+    assert!(rerun.stdout.contains("identical up to tick"), "{rerun}");
 }
 
 #[test]
@@ -167,7 +167,7 @@ fn what_is_not_a_log_or_cannot_be_done_is_refused() {
     ] {
         for command in [
             &["info"][..],
-            &["rerun"],
+            &["verify"],
             &["recover", "--out", "x.mcap"],
             &["filter", "--out", "x.mcap"],
             &["export", "--out", "x"],
@@ -178,6 +178,66 @@ fn what_is_not_a_log_or_cannot_be_done_is_refused() {
         }
     }
     sandbox.record_in_real_time("rt.mcap");
-    let outcome = sandbox.protean(["rerun", "rt.mcap"]).run();
+    let outcome = sandbox.protean(["verify", "rt.mcap"]).run();
     outcome.refused(2, &["rt.mcap", "recorded in real time"]);
+}
+
+#[test]
+fn the_messages_of_a_log_are_printed_as_lines_of_json() {
+    let sandbox = Sandbox::new();
+    let summary = sandbox.record("chase_exact");
+    let printed = |words: &[&str]| {
+        let words = ["cat", "run.mcap"].into_iter().chain(words.iter().copied());
+        let outcome = sandbox.protean(words).run();
+        assert_eq!(outcome.code, Some(0), "{outcome}");
+        assert_eq!(outcome.stderr, "", "{outcome}");
+        let lines = outcome.stdout.lines();
+        let lines = lines.map(|line| serde_json::from_str::<Json>(line).unwrap());
+        lines.collect::<Vec<Json>>()
+    };
+    let all = printed(&[]);
+    let history = History::read(&sandbox.path().join("run.mcap"));
+    let counts: u64 = history.counts.values().map(|(messages, _)| messages).sum();
+    assert_eq!(all.len() as u64, counts);
+    let states: Vec<&Json> = all.iter().filter(|l| l["topic"] == "world/state").collect();
+    assert_eq!(states.len(), history.states.len());
+    for (line, state) in states.iter().zip(&history.states) {
+        let message = &line["message"];
+        assert_eq!(message["stamp"]["tick"], state.tick);
+        let robots = message["robots"].as_array().unwrap();
+        assert_eq!(robots.len(), state.robots.len());
+        for (robot, expected) in robots.iter().zip(&state.robots) {
+            assert_eq!(robot["x"].as_f64(), Some(expected.x));
+        }
+    }
+    let picture = all.iter().find(|l| l["topic"] == "/viewer/scene").unwrap();
+    assert!(picture["bytes"].as_u64() > Some(0) && picture["note"].is_string());
+
+    let part = ["--topics", "world/*", "--start", "0.5", "--end", "1"];
+    for line in printed(&part) {
+        let time = line["log_time_s"].as_f64().unwrap();
+        assert!((0.5..=1.0).contains(&time), "{line}");
+        assert!(line["topic"].as_str().unwrap().starts_with("world/"));
+    }
+    assert_eq!(printed(&["--limit", "3"]), all[..3]);
+    let refused = sandbox.protean(["cat", "run.mcap", "--topics", "nope"]);
+    refused.run().refused(2, &["nope"]);
+
+    let pipe = ["-c", "\"$@\" | head -n 1", "sh"];
+    let head = sandbox.protean(["cat", "run.mcap"]).through("sh", &pipe);
+    let head = head.run();
+    assert_eq!((head.code, head.stdout.lines().count()), (Some(0), 1));
+    assert_eq!(head.stderr, "", "a closed pipe is not an error");
+    assert!(summary["ticks"].as_u64() > Some(0));
+}
+
+#[test]
+fn the_old_name_of_verify_stays_for_scripts() {
+    let sandbox = Sandbox::new();
+    sandbox.record("chase_exact");
+    let words = ["run.mcap", "--in-process", "--quiet", "--json"];
+    let called = |name| sandbox.protean([name].into_iter().chain(words)).run();
+    assert_eq!(called("rerun").json()["same"], true);
+    let help = sandbox.protean(["--help"]).run();
+    assert!(!help.stdout.contains("rerun"), "{help}");
 }

@@ -85,7 +85,7 @@ fn a_program_outside_this_workspace_has_all_commands_for_its_own_planner() {
     assert_eq!(alone["robots"][0]["outcome"], "goal_reached", "{alone}");
     assert_eq!(alone["digest"], together["digest"]);
 
-    let again = call(&["rerun", "hall.mcap"]).json();
+    let again = call(&["verify", "hall.mcap"]).json();
     assert_eq!(again["same"], true, "{again}");
 
     let rows = |words: &[&str]| -> Vec<String> {

@@ -275,7 +275,9 @@ fn broken_files_are_refused_whole_and_invalid_instances_one_by_one() {
 fn instances_follow_from_recipe_and_seed_and_can_be_planned() {
     let sandbox = Sandbox::new();
     let made = |words: &[&str]| {
-        let words = ["instances"].into_iter().chain(words.iter().copied());
+        let words = ["plan", "generate"]
+            .into_iter()
+            .chain(words.iter().copied());
         let outcome = sandbox.protean(words).run();
         assert_eq!(outcome.code, Some(0), "{outcome}");
         outcome.stdout
@@ -302,7 +304,7 @@ fn instances_follow_from_recipe_and_seed_and_can_be_planned() {
             assert_eq!(plan["lower_bound_s"], instance["reference"]["t_lb_s"]);
         }
     }
-    let outcome = sandbox.protean(["instances", "nonsense"]).run();
+    let outcome = sandbox.protean(["plan", "generate", "nonsense"]).run();
     outcome.refused(2, &["nonsense", "base"]);
 }
 
@@ -382,5 +384,5 @@ fn a_sweep_of_plans_is_the_same_however_it_is_shared_out() {
     assert_eq!(dry["missions"].as_array().unwrap().len(), 20);
     assert!(!sandbox.path().join("new").exists());
     sweep(&["plans.toml", "--log", "all"]).refused(2, &["--log", "plans have no logs"]);
-    sweep(&["page", "whole"]).refused(2, &["no longer a command", "-p pages"]);
+    sweep(&["page", "whole"]).refused(2, &["was removed", "-p pages"]);
 }

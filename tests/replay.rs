@@ -364,7 +364,7 @@ fn what_cannot_be_played_or_tested_is_refused() {
         (
             &["run.mcap", "--test", "simulator"],
             2,
-            &["simulator", "protean rerun"],
+            &["simulator", "protean verify"],
         ),
         (
             &["run.mcap", "--test", "pursuer_police_1", "--set", "nope=1"],

@@ -243,7 +243,7 @@ fn pages_of_what_is_no_log_are_refused_and_those_of_a_killed_run_say_so() {
         .protean(["report", "cut.mcap", "--out", "cut.html"])
         .run();
     assert_eq!(outcome.code, Some(3), "{outcome}");
-    assert!(outcome.stderr.contains("is not whole"), "{outcome}");
+    assert!(outcome.stderr.contains("is incomplete"), "{outcome}");
     let steps = json!([{ "eval": "document.getElementById('missing').textContent" }]);
     if let Some(found) = browse(&sandbox.path().join("cut.html"), &steps) {
         assert_eq!(found["errors"], json!([]));

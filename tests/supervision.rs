@@ -190,8 +190,8 @@ fn in_lock_step_a_run_goes_on_without_those_that_were_killed_and_their_robots_st
     }
 
     let first = ("pursuer_police_2", pursuer);
-    same_up_to(&sandbox, &["rerun"], "same", first);
-    same_up_to(&sandbox, &["rerun", "--in-process"], "same", first);
+    same_up_to(&sandbox, &["verify"], "same", first);
+    same_up_to(&sandbox, &["verify", "--in-process"], "same", first);
     for own in [
         first,
         ("perception", perception),

@@ -9,7 +9,7 @@ What every planner of one's own does, in any language that iceoryx2 speaks:
   5. end when the id index + 64 comes (it is killed if the orchestrator ends without that).
 
 Needs: pip install iceoryx2==0.10.0, and protean_messages.py beside this file
-(protean messages --python > protean_messages.py).
+(protean schema messages > protean_messages.py).
 """
 import ctypes
 import json

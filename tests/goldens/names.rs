@@ -128,7 +128,7 @@ const COMMANDS: &[(&str, &[&str], i32)] = &[
     ),
     ("export", &["export", "chase.mcap", "--out", "tables"], 0),
     ("report", &["report", "chase.mcap"], 0),
-    ("rerun", &["rerun", "chase.mcap", "--in-process"], 0),
+    ("verify", &["verify", "chase.mcap", "--in-process"], 0),
     (
         "replay",
         &["replay", "chase.mcap", "--as-fast-as-possible"],
@@ -224,7 +224,8 @@ fn called() -> (Sandbox, BTreeMap<String, BTreeSet<String>>) {
     sandbox.file("plans.toml", PLANS);
     let instances = sandbox
         .protean([
-            "instances",
+            "plan",
+            "generate",
             "base",
             "--count",
             "1",

@@ -83,11 +83,11 @@ fn what_is_no_file_is_neither_waited_for_nor_read_without_end() {
         refused(&sandbox, &["--allow-outside"], &[words]);
     }
     for command in [
-        "info", "recover", "filter", "export", "report", "rerun", "picture",
+        "info", "recover", "filter", "export", "report", "verify", "picture",
     ] {
         for log in ["in/map.pgm", "/dev/zero"] {
             let call = [command, log, "--out", "out"];
-            let arguments = &call[..if matches!(command, "info" | "rerun") {
+            let arguments = &call[..if matches!(command, "info" | "verify") {
                 2
             } else {
                 4

@@ -67,7 +67,7 @@ fn programs_start_when_a_user_at_a_terminal_says_yes_and_not_otherwise() {
             "{output}"
         );
         assert!(
-            output.contains("look at them and add --allow-external"),
+            output.contains("check them, then add --allow-external"),
             "{output}"
         );
         assert!(!Path::new(&mark).exists(), "{answer:?}");

@@ -41,7 +41,7 @@ fn titles_topics_and_last_words_do_not_reach_the_terminal_as_they_are() {
         &["check", "evil.toml", "--json"],
         &["info", "evil.mcap"],
         &["info", "evil.mcap", "--json"],
-        &["rerun", "evil.mcap", "--in-process"],
+        &["verify", "evil.mcap", "--in-process"],
         &["report", "evil.mcap", "--out", "evil.html"],
         &["picture", "evil.mcap", "--out", "evil.svg"],
         &["export", "evil.mcap", "--out", "tables"],
@@ -106,7 +106,7 @@ fn no_command_starts_programs_of_a_scenario_or_of_a_log_unasked() {
     );
     for call in [
         &["run", "evil.toml"][..],
-        &["rerun", "evil.mcap"],
+        &["verify", "evil.mcap"],
         &["replay", "evil.mcap", "--test", "liar"],
         &["sweep", "experiment.toml"],
     ] {

@@ -8,11 +8,13 @@ use mcap_log::MessageHeader;
 use mcap_log::ReadProgress;
 use mcap_log::Topics;
 use mcap_log::known;
-use mcap_log::output::{FILTERED, MANIFEST, Output, no_longer_whole};
+use mcap_log::output::{FILTERED, Output, no_longer_whole};
 use mcap_log::reader::{Channel, Item, Reader};
 use mcap_log::states::{States, is_latched};
 use mcap_log::{DerivedError, LogReadError};
 use serde::Serialize;
+
+use crate::time_span::TimeSpan;
 
 /// What is kept of a log.
 #[derive(Debug, Clone, Default)]
@@ -92,9 +94,7 @@ pub fn filter(
 struct Part<'a> {
     log: &'a Path,
     options: &'a FilterOptions,
-    /// Log time of the first and of the last message (ns).
-    from: u64,
-    to: u64,
+    span: TimeSpan,
     /// The channels that are kept.
     channels: BTreeMap<u16, KeptChannel>,
     /// The states before the start.
@@ -120,25 +120,11 @@ impl<'a> Part<'a> {
         options: &'a FilterOptions,
         watch: &mut ReadProgress,
     ) -> Result<Self, LogReadError> {
-        let (start, end) = (
-            nanoseconds("--start", options.start_s)?,
-            nanoseconds("--end", options.end_s)?,
-        );
-        if let (Some(start), Some(end)) = (start, end)
-            && start > end
-        {
-            let text = "--start: expected a time that is not after --end";
-            return Err(LogReadError::Argument(text.to_owned()));
-        }
-        let zero = match (start, end) {
-            (None, None) => 0,
-            _ => zero(log, watch)?,
-        };
+        let span = TimeSpan::new(log, options.start_s, options.end_s, watch)?;
         Ok(Self {
             log,
             options,
-            from: start.map_or(0, |start| zero.saturating_add(start)),
-            to: end.map_or(u64::MAX, |end| zero.saturating_add(end)),
+            span,
             channels: BTreeMap::new(),
             states: States::default(),
             begun: false,
@@ -175,10 +161,10 @@ impl<'a> Part<'a> {
         let Some(&channel) = self.channels.get(&header.channel_id) else {
             return Ok(());
         };
-        if header.log_time > self.to {
+        if header.log_time > self.span.to {
             return Ok(());
         }
-        if header.log_time < self.from {
+        if header.log_time < self.span.from {
             if channel.is_state && self.begun {
                 self.count.late_states += 1;
             } else if channel.is_state {
@@ -190,7 +176,7 @@ impl<'a> Part<'a> {
         }
         if !self.begun {
             self.begun = true;
-            self.count.restored = restore(&mut self.states, self.from, output)?;
+            self.count.restored = restore(&mut self.states, self.span.from, output)?;
         }
         self.with_messages.insert(header.channel_id);
         self.count.messages += 1;
@@ -200,7 +186,7 @@ impl<'a> Part<'a> {
     fn finish(mut self, mut output: Output, source: Condition) -> Result<Filtered, DerivedError> {
         self.with_messages.extend(self.states.channels());
         if !self.begun {
-            self.count.restored = restore(&mut self.states, self.from, &mut output)?;
+            self.count.restored = restore(&mut self.states, self.span.from, &mut output)?;
         }
         let mut count = self.count;
         count.messages += count.restored;
@@ -235,34 +221,4 @@ fn restore(states: &mut States, from: u64, output: &mut Output) -> Result<u64, D
         output.message(&header, data)?;
     }
     Ok(last.len() as u64)
-}
-
-/// A time on the command line (s) in nanoseconds.
-///
-/// # Errors
-/// A time that is negative, not finite or beyond 1e10 s.
-pub fn nanoseconds(option: &str, time: Option<f64>) -> Result<Option<u64>, LogReadError> {
-    match time {
-        None => Ok(None),
-        Some(t) if (0.0..=1e10).contains(&t) => Ok(Some((t * 1e9).round() as u64)),
-        Some(t) => Err(LogReadError::Argument(format!(
-            "{option} {t}: expected a time from 0 to 1e10 (s)"
-        ))),
-    }
-}
-
-/// The log time that counts as 0: that of the start of the run in logs of ours, else that of the
-/// first message.
-fn zero(log: &Path, watch: &mut ReadProgress) -> Result<u64, LogReadError> {
-    let mut reader = Reader::open(log, Some(watch))?;
-    let mut first = u64::MAX;
-    while let Some(item) = reader.next()? {
-        match item {
-            // It stands before the first message.
-            Item::Metadata(record) if record.name == MANIFEST => return Ok(0),
-            Item::Message(header, _) => first = first.min(header.log_time),
-            _ => {}
-        }
-    }
-    Ok(if first == u64::MAX { 0 } else { first })
 }

@@ -1,24 +1,30 @@
-//! Tools for logs: what is in one ([`LogInfo`]), what can be saved of a damaged one ([`recover`](recover())), parts
-//! of one ([`filter`](filter())), tables of one ([`export`](export())), and two compared ([`compare`](compare())).
+//! Tools for logs: [`LogInfo`] summarises a log, [`cat`](cat()) lists its messages as JSON,
+//! [`recover`](recover()) repairs a truncated or damaged one, [`filter`](filter()) cuts it, [`export`](export())
+//! writes tables, and [`compare`](compare()) compares two.
 
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 #![cfg_attr(not(test), warn(clippy::panic, clippy::unreachable))]
 
+mod cat;
 mod compare;
 mod deviation;
 mod export;
 mod filter;
 mod info;
 mod info_text;
+mod message_json;
 mod recover;
+mod time_span;
 
 #[cfg(test)]
 mod tests;
 
+pub use cat::{CatOptions, cat};
 pub use compare::{Comparison, Difference, TopicComparison, compare};
 pub use deviation::Deviation;
 pub use export::{ExportOptions, Exported, Table, export};
-pub use filter::{FilterOptions, Filtered, filter, nanoseconds};
+pub use filter::{FilterOptions, Filtered, filter};
 pub use info::{LogInfo, TopicInfo};
 pub use info_text::text as info_text;
 pub use recover::{Recovered, recover};
+pub use time_span::nanoseconds;

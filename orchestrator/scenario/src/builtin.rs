@@ -9,6 +9,14 @@ pub struct Builtin {
     pub text: &'static str,
 }
 
+impl Builtin {
+    /// Returns the path and the text of the map file that the scenario names, if it names one.
+    pub fn map(&self) -> Option<(&'static str, &'static str)> {
+        let names = |path: &str| self.text.contains(&format!("\nmap = \"{path}\""));
+        MAPS.into_iter().find(|(path, _)| names(path))
+    }
+}
+
 /// The scenario that runs when none is named.
 pub const DEFAULT: &str = "chase";
 

@@ -10,8 +10,7 @@ mod parquet;
 use std::fmt;
 use std::io::{self, Write};
 
-use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
-use comfy_table::{CellAlignment, Table};
+use comfy_table::{CellAlignment, LineStyle, Table, TableStyle};
 
 /// The form of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -22,11 +21,14 @@ pub enum Format {
     Parquet,
 }
 
-/// A table for a terminal with these columns: the first `texts` of them to the left, the others to the
-/// right.
+/// One rule below the header, none elsewhere.
+const STYLE: TableStyle =
+    TableStyle::new().header_separator(LineStyle::none().fill('─').junction('─'));
+
+/// Returns a table for the terminal with these columns: the first `texts` of them aligned left, the others right.
 pub fn for_terminal<'a>(header: impl IntoIterator<Item = &'a str>, texts: usize) -> Table {
     let mut table = Table::new();
-    table.load_style(UTF8_HORIZONTAL_ONLY).set_header(header);
+    table.load_style(STYLE).set_header(header);
     for column in table.column_iter_mut().skip(texts) {
         column.set_cell_alignment(CellAlignment::Right);
     }

@@ -1,10 +1,11 @@
 //! From the fields of a message to rows of a table.
 
-use std::fmt::Write as _;
 use std::io;
 
 use mcap_log::ros2::{Cdr, Count, DecodeError, Field, Kind, Number, Schema, SchemaError};
 use tables::{Cell, Column, Type};
+
+use crate::message_json::{bytes, is_bytes, json};
 
 /// Most columns of a table.
 const MAX_COLUMNS: usize = 2048;
@@ -122,10 +123,6 @@ fn form(field: &Field) -> Form {
     }
 }
 
-fn is_bytes(field: &Field) -> bool {
-    matches!(field.kind, Kind::Number(Number::U8))
-}
-
 fn flatten(field: &Field, name: &str, columns: &mut Vec<Column>) -> Result<(), SchemaError> {
     match form(field) {
         Form::One => flatten_one(&field.kind, name, columns),
@@ -168,13 +165,7 @@ fn cells(cdr: &mut Cdr<'_>, field: &Field, row: &mut Vec<Cell>) -> Result<(), De
             (0..count).try_for_each(|_| cells_of_one(cdr, &field.kind, &field.name, row))
         }
         Form::Bytes => {
-            let mut bytes = Vec::new();
-            for _ in 0..cdr.count(field)? {
-                if let Cell::UInt(byte) = cdr.number(Number::U8, &field.name)? {
-                    bytes.push(byte as u8);
-                }
-            }
-            row.push(Cell::Text(bytes_text(&bytes)));
+            row.push(Cell::Text(bytes(cdr, field)?));
             Ok(())
         }
         Form::Json => {
@@ -199,79 +190,5 @@ fn cells_of_one(
             return fields.iter().try_for_each(|field| cells(cdr, field, row));
         }
     }
-    Ok(())
-}
-
-/// Bytes as the text that they are, zeros behind it left away, or in hexadecimal.
-fn bytes_text(bytes: &[u8]) -> String {
-    let end = bytes
-        .iter()
-        .rposition(|&b| b != 0)
-        .map_or(0, |last| last + 1);
-    let text = bytes
-        .get(..end)
-        .and_then(|bytes| str::from_utf8(bytes).ok());
-    match text.filter(|text| !text.chars().any(char::is_control)) {
-        Some(text) => text.to_owned(),
-        None => bytes.iter().fold("0x".to_owned(), |mut text, byte| {
-            // A write to a String cannot fail.
-            let _ = write!(text, "{byte:02x}");
-            text
-        }),
-    }
-}
-
-/// A field with its elements as JSON; numbers that are not finite as text.
-fn json(cdr: &mut Cdr<'_>, field: &Field, text: &mut String) -> Result<(), DecodeError> {
-    if field.count == Count::One {
-        return json_one(cdr, &field.kind, &field.name, text);
-    }
-    text.push('[');
-    for index in 0..cdr.count(field)? {
-        if index > 0 {
-            text.push(',');
-        }
-        json_one(cdr, &field.kind, &field.name, text)?;
-    }
-    text.push(']');
-    Ok(())
-}
-
-fn json_one(
-    cdr: &mut Cdr<'_>,
-    kind: &Kind,
-    name: &str,
-    text: &mut String,
-) -> Result<(), DecodeError> {
-    let cell = match kind {
-        Kind::Message(fields) => {
-            text.push('{');
-            for (index, field) in fields.iter().enumerate() {
-                if index > 0 {
-                    text.push(',');
-                }
-                text.push_str(&format!(
-                    "{}:",
-                    serde_json::Value::from(field.name.as_str())
-                ));
-                json(cdr, field, text)?;
-            }
-            text.push('}');
-            return Ok(());
-        }
-        Kind::Number(number) => cdr.number(*number, name)?,
-        Kind::Text => cdr.text(name)?,
-    };
-    let plain = match &cell {
-        Cell::Text(_) => false,
-        Cell::F32(v) => v.is_finite(),
-        Cell::F64(v) => v.is_finite(),
-        _ => true,
-    };
-    text.push_str(&if plain {
-        cell.to_string()
-    } else {
-        serde_json::Value::from(cell.to_string()).to_string()
-    });
     Ok(())
 }

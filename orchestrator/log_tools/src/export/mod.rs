@@ -11,13 +11,13 @@ use mcap_log::ReadProgress;
 use mcap_log::Topics;
 use mcap_log::derived;
 use mcap_log::reader::{Channel, Item, Reader};
-use mcap_log::ros2::Schema;
 use mcap_log::{DerivedError, LogReadError};
 use platform::atomic_file::{AtomicFile, Readers};
 use serde::Serialize;
 use tables::{self, Cell, Format, Rows};
 
 use self::columns::Layout;
+use crate::message_json::schema_of;
 
 /// Most tables that are written at once: each is an open file.
 const MAX_TABLES: usize = 500;
@@ -267,20 +267,9 @@ impl Open {
     }
 }
 
-/// How the messages of a channel become rows, or why they do not.
+/// Returns the columns of a channel, or the reason why it has no table.
 fn layout(channel: &Channel, schema: Option<&mcap_log::reader::Schema>) -> Result<Layout, String> {
-    let Some(schema) = schema else {
-        return Err("it has no schema".to_owned());
-    };
-    if channel.message_encoding != "cdr" || schema.encoding != "ros2msg" {
-        return Err(format!(
-            "its messages are `{}` with a schema in `{}`; only those of ROS 2 (`cdr` with \
-             `ros2msg`) become tables",
-            channel.message_encoding, schema.encoding
-        ));
-    }
-    let schema = Schema::parse(&schema.data).map_err(|e| e.to_string())?;
-    Layout::new(&schema).map_err(|e| e.to_string())
+    Layout::new(&schema_of(channel, schema)?).map_err(|error| error.to_string())
 }
 
 /// `world/state` is in `world.state.csv`; a name that was taken gets the channel's number.

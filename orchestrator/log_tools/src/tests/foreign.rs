@@ -1,6 +1,8 @@
 //! Files of other programs.
 
 use std::collections::BTreeMap;
+use std::num::NonZeroU64;
+use std::ops::ControlFlow;
 
 use mcap::WriteOptions;
 use mcap::records::MessageHeader;
@@ -8,7 +10,7 @@ use mcap_log::Topics;
 use tables::Format;
 
 use super::support::{file, watch};
-use crate::{ExportOptions, LogInfo, export};
+use crate::{CatOptions, ExportOptions, LogInfo, cat, export};
 
 const POSE_ARRAY: &str = "\
 # An array of poses.
@@ -146,4 +148,108 @@ fn their_messages_become_tables_by_their_own_schemas() {
          1000000000,1000000000,0,5,6,map,\"[\"\"é,\\\"\"\"\",\"\"b\"\"]\",true,,,,\n"
     );
     assert!(out.join("poses-2.csv").exists());
+}
+
+#[test]
+fn their_messages_become_lines_of_json() {
+    let folder = tempfile::tempdir().unwrap();
+    let log = file(&folder, "ros.mcap", &foreign());
+    let lines = |options: &CatOptions| {
+        let mut lines = Vec::new();
+        cat(&log, options, &mut watch(), |line| {
+            lines.push(serde_json::from_str::<serde_json::Value>(line).unwrap());
+            ControlFlow::Continue(())
+        })
+        .map(|_| lines)
+    };
+    let all = lines(&CatOptions::default()).unwrap();
+    let topics: Vec<&str> = all.iter().map(|l| l["topic"].as_str().unwrap()).collect();
+    assert_eq!(topics, ["/poses", "/poses", "/poses", "/poses", "/broken"]);
+    assert_eq!(all[0]["log_time_s"], 3.0);
+    let message = &all[0]["message"];
+    assert_eq!(message["header"]["frame_id"], "map");
+    assert_eq!(message["points"][1]["size"], serde_json::json!(["NaN", 3]));
+    assert_eq!(message["names"], serde_json::json!(["é,\"", "b"]));
+    // A truncated message, and a schema that cannot be read.
+    for (line, words) in [
+        (&all[2], "ends in the middle"),
+        (&all[4], "`nope` is not defined"),
+    ] {
+        assert!(line["note"].as_str().unwrap().contains(words), "{line}");
+        assert!(line["bytes"].as_u64() >= Some(30) && line["message"].is_null());
+    }
+
+    // Times count from the first message, at 1 s.
+    let options = CatOptions {
+        start_s: Some(0.5),
+        end_s: Some(1.0),
+        ..CatOptions::default()
+    };
+    assert_eq!(lines(&options).unwrap().len(), 3);
+    let options = CatOptions {
+        topics: Topics {
+            only: vec!["/br*".to_owned()],
+            ..Topics::default()
+        },
+        ..options
+    };
+    assert_eq!(lines(&options).unwrap().len(), 1);
+    let options = CatOptions {
+        limit: NonZeroU64::new(2),
+        ..CatOptions::default()
+    };
+    assert_eq!(lines(&options).unwrap(), all[..2]);
+    let options = CatOptions {
+        topics: Topics {
+            only: vec!["/no".to_owned()],
+            ..Topics::default()
+        },
+        ..CatOptions::default()
+    };
+    assert!(lines(&options).unwrap_err().to_string().contains("/no"));
+
+    let mut count = 0;
+    cat(&log, &CatOptions::default(), &mut watch(), |_| {
+        count += 1;
+        ControlFlow::Break(())
+    })
+    .unwrap();
+    assert_eq!(count, 1, "the reader has gone");
+}
+
+#[test]
+fn json_messages_are_printed_as_they_are() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut disk = std::io::Cursor::new(Vec::new());
+    let mut writer = WriteOptions::new().create(&mut disk).unwrap();
+    let none = BTreeMap::new();
+    let channel = writer.add_channel(0, "/note", "json", &none).unwrap();
+    for data in ["{\n  \"b\": 1.50, \"a\": 2}", "{\"b\": "] {
+        let header = MessageHeader {
+            channel_id: channel,
+            sequence: 0,
+            log_time: 1_500_000_000,
+            publish_time: 0,
+        };
+        writer
+            .write_to_known_channel(&header, data.as_bytes())
+            .unwrap();
+    }
+    writer.finish().unwrap();
+    drop(writer);
+    let log = file(&folder, "json.mcap", &disk.into_inner());
+    let mut lines = Vec::new();
+    cat(&log, &CatOptions::default(), &mut watch(), |line| {
+        lines.push(line.to_owned());
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    assert_eq!(
+        lines[0],
+        r#"{"topic":"/note","log_time_s":1.5,"message":{   "b": 1.50, "a": 2}}"#
+    );
+    assert!(
+        lines[1].contains(r#""bytes":6,"note":"it is not JSON"#),
+        "{lines:?}"
+    );
 }

@@ -7,7 +7,8 @@ use std::sync::atomic::AtomicBool;
 use clap::builder::PossibleValue;
 use platform::eprintln;
 
-use super::output::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, complain, print, print_json};
+use super::common::{ExternalArg, JsonArg, QuietArg};
+use super::output::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, print, print_error, print_json};
 use super::run::{handle_signals, refuse_external, with_real_time};
 use super::run_args::OverrideArgs;
 use faults::{ChaosOptions, FaultKind, chaos, line, text};
@@ -16,17 +17,17 @@ use scenario::kind::Kind;
 
 /// Help below the options.
 pub(super) const HELP: &str = "\
-Every fault has a mission of its own: a run of the scenario as a program of its own. One of its processes, or the
-orchestrator, is killed, stopped or paused at a moment that --fault-seed draws. Then these promises are checked:
+Every fault has its own mission, which runs as a separate `protean run`. At a time drawn from --fault-seed, one of its
+processes or the orchestrator is killed, stopped or paused. Then these guarantees are checked:
 
-  the run ends in bounded time, and names the process that failed;
-  a history that was not disturbed is the same, bit for bit;
-  no process, shared memory or file is left; after a killed orchestrator not once `protean clean` has run;
-  the log is whole; that of a killed orchestrator can be recovered and lacks the last second at most.
+  - The run ends in bounded time and names the process that failed.
+  - The history of a run that is only paused is identical, bit for bit.
+  - No process, shared memory or file is left; after a killed orchestrator, not after `protean clean`.
+  - The log is complete; the log of a killed orchestrator can be recovered and lacks at most the last second.
 
-Exit codes: 0 all promises held, 1 some were broken, 2 wrong usage or scenario, 3 ended by Ctrl-C.";
+Exit codes: 0 all guarantees hold, 1 some are violated, 2 wrong usage or scenario, 3 interrupted.";
 
-/// A kind of faults as an argument.
+/// Value of `--kinds`.
 #[derive(Debug, Clone)]
 struct KindArg(FaultKind);
 
@@ -48,36 +49,33 @@ impl clap::ValueEnum for KindArg {
 /// Arguments of `protean chaos`.
 #[derive(Debug, clap::Args)]
 pub(super) struct ChaosArgs {
-    /// A scenario file, or the name of a built-in scenario
+    /// Scenario file, or name of a built-in scenario (see `protean list`)
     #[arg(default_value = super::run_args::DEFAULT_SCENARIO)]
     scenario: String,
-    /// How many faults, 1 to 1000000
+    /// Number of faults, 1 to 1000000
     #[arg(long, short = 'n', value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     faults: u64,
-    /// Kinds of faults to draw from [default: all]
+    /// Kinds of faults [default: all]
     #[arg(long, value_name = "KIND", value_delimiter = ',', value_enum)]
     kinds: Vec<KindArg>,
-    /// Seed of the faults (`--seed` is that of the missions)
+    /// Seed of the faults (`--seed` is the seed of the missions)
     #[arg(long, value_name = "N", default_value_t = 1)]
     fault_seed: u64,
-    /// Run the missions by the clock instead of in lock-step, FACTOR times as fast as reality
+    /// Run in real time instead of lock-step, or FACTOR times as fast
     #[arg(long, value_name = "FACTOR", num_args = 0..=1, default_missing_value = "1")]
     real_time: Option<f64>,
     #[command(flatten)]
     overrides: OverrideArgs,
-    /// Let the scenario start programs that are not Protean's own
-    #[arg(long)]
-    allow_external: bool,
-    /// Print one JSON object
-    #[arg(long)]
-    json: bool,
-    /// Show nothing but errors and the result
-    #[arg(long, short)]
-    quiet: bool,
+    #[command(flatten)]
+    external: ExternalArg,
+    #[command(flatten)]
+    json: JsonArg,
+    #[command(flatten)]
+    quiet: QuietArg,
 }
 
-/// Injects faults, and prints which promises held.
-pub fn run(kinds: &[Kind], args: &ChaosArgs) -> ExitCode {
+/// Injects faults and prints which guarantees hold.
+pub(super) fn run(kinds: &[Kind], args: &ChaosArgs) -> ExitCode {
     let options = match options(kinds, args) {
         Ok(options) => options,
         Err(text) => {
@@ -90,18 +88,18 @@ pub fn run(kinds: &[Kind], args: &ChaosArgs) -> ExitCode {
         return ExitCode::from(EXIT_FAILED);
     }
     let report = chaos(&options, |outcome| {
-        if !args.quiet {
+        if !args.quiet.quiet {
             eprintln!("{}", line(outcome));
         }
     });
     let report = match report {
         Ok(report) => report,
         Err(error) => {
-            complain(&error);
+            print_error(&error);
             return ExitCode::from(EXIT_FAILED);
         }
     };
-    if args.json {
+    if args.json.json {
         print_json(&serde_json::json!(report));
     } else {
         print(&text(&report));
@@ -119,7 +117,7 @@ fn options(kinds: &[Kind], args: &ChaosArgs) -> Result<ChaosOptions, String> {
         .allow_outside(args.overrides.allow_outside)
         .load(&args.scenario, &set, args.overrides.seed)
         .map_err(|problems| problems.to_string())?;
-    refuse_external(&args.scenario, &scenario, args.allow_external)?;
+    refuse_external(&args.scenario, &scenario, args.external.allow_external)?;
     Ok(ChaosOptions {
         scenario,
         seed: args.fault_seed,

@@ -5,28 +5,38 @@ use std::process::ExitCode;
 use platform::eprintln;
 use serde_json::json;
 
+use super::common::JsonArg;
 use super::output::{EXIT_INVALID, print, print_json};
 use super::run_args::OverrideArgs;
 use scenario::Loader;
 use scenario::kind::Kind;
 
-/// Checks a scenario and says what it is.
-pub fn check(
-    kinds: &[Kind],
-    target: &str,
-    overrides: &OverrideArgs,
-    show: bool,
-    as_json: bool,
-) -> ExitCode {
+/// Arguments of `protean check`.
+#[derive(Debug, clap::Args)]
+pub(super) struct CheckArgs {
+    /// Scenario file, or name of a built-in scenario (see `protean list`)
+    scenario: String,
+    #[command(flatten)]
+    overrides: OverrideArgs,
+    /// Print the scenario with all defaults and overrides filled in
+    #[arg(long)]
+    print: bool,
+    #[command(flatten)]
+    json: JsonArg,
+}
+
+/// Checks a scenario and summarises it.
+pub(super) fn run(kinds: &[Kind], args: &CheckArgs) -> ExitCode {
+    let (target, overrides) = (&args.scenario, &args.overrides);
     let loaded = Loader::new(kinds)
         .allow_outside(overrides.allow_outside)
         .load(target, &overrides.set, overrides.seed);
     match loaded {
-        Ok(scenario) if show => {
+        Ok(scenario) if args.print => {
             print(scenario.to_toml().trim_end());
             ExitCode::SUCCESS
         }
-        Ok(scenario) if as_json => {
+        Ok(scenario) if args.json.json => {
             print_json(&json!({
                 "ok": true,
                 "scenario": scenario.name,
@@ -40,14 +50,14 @@ pub fn check(
         }
         Ok(scenario) => {
             let mut text = format!(
-                "{target}: ok: {}, {} and the simulator, {}",
+                "{target}: ok: {}, {} besides the simulator, {}",
                 counted(scenario.world.robots.len(), "robot", "robots"),
                 counted(scenario.processes.len(), "process", "processes"),
                 counted(scenario.events.len(), "event", "events")
             );
             for process in scenario.external_commands() {
                 text.push_str(&format!(
-                    "\n  {} starts a program of its own: {}",
+                    "\n  {} starts an external program: {}",
                     process.name,
                     process.program.command_line().unwrap_or_default()
                 ));
@@ -56,7 +66,7 @@ pub fn check(
             ExitCode::SUCCESS
         }
         Err(problems) => {
-            if as_json {
+            if args.json.json {
                 print_json(&json!({ "ok": false, "problems": problems.to_string() }));
             } else {
                 eprintln!("{problems}");
@@ -66,7 +76,7 @@ pub fn check(
     }
 }
 
-/// `1 robot`, `2 robots`.
+/// Returns a count with its noun: `1 robot`, `2 robots`.
 fn counted(n: usize, one: &str, many: &str) -> String {
     format!("{n} {}", if n == 1 { one } else { many })
 }

@@ -8,8 +8,8 @@ use serde_json::json;
 use super::output::{EXIT_FAILED, print, print_json};
 use mission::run_directory::{self, FoundDirectory};
 
-/// Removes what dead runs have left and says what that was.
-pub fn clean(as_json: bool) -> ExitCode {
+/// Removes the remains of killed runs and lists them.
+pub(super) fn clean(as_json: bool) -> ExitCode {
     let found = match run_directory::clean() {
         Ok(found) => found,
         Err(error) => {
@@ -39,7 +39,7 @@ pub fn clean(as_json: bool) -> ExitCode {
     } else {
         for f in &found {
             print(&match f {
-                FoundDirectory::Alive(root) => format!("{}: alive, left alone", root.display()),
+                FoundDirectory::Alive(root) => format!("{}: running, kept", root.display()),
                 FoundDirectory::Removed { root, killed } if killed.is_empty() => {
                     format!("{}: removed", root.display())
                 }

@@ -4,48 +4,48 @@ use std::process::ExitCode;
 
 use clap::Subcommand;
 
-use super::output::{EXIT_INVALID, complain, print};
+use super::common::JsonArg;
+use super::output::{EXIT_INVALID, print, print_error};
 use super::run_args::OverrideArgs;
 use plan::routes::coverage::{Extent, plan};
 use scenario::Loader;
 use scenario::kind::Kind;
 
-/// What `protean coverage` does.
+/// Subcommands of `protean coverage`.
 #[derive(Debug, Subcommand)]
 pub(super) enum CoverageCommand {
-    /// Print the free rectangles, the tour, the sub-goals and what they cover
+    /// Print free rectangles, tour, sub-goals and their coverage
     #[command(after_long_help = HELP)]
     Plan(PlanArgs),
 }
 
+/// Help below the options.
 const HELP: &str = "\
-Coverage is that of driving straight from sub-goal to sub-goal: the part of the cells with a sub-goal in them
-(goals), with a point of the path in them (path), and with a centre that the robot's disc has swept (disc,
-cells of 0.1 m), of the cells that the robot's body can cover. With `follow.margin` the planner keeps so much
-farther from obstacles and walls than the robot's radius; set it to 0 for the workplace of the Chebyshev
-coverage paper.";
+Coverage assumes that the robot drives straight from sub-goal to sub-goal. It is the share of the cells that the
+robot's body can cover: cells with a sub-goal (goals), cells with a point of the path (path), and cells whose centre
+the robot's disc sweeps (disc, cells of 0.1 m). `follow.margin` (m) is the distance that the planner keeps from obstacles
+and walls in addition to the robot's radius; 0 gives the workspace of the Chebyshev coverage paper.";
 
-/// What `protean coverage plan` takes.
+/// Arguments of `protean coverage plan`.
 #[derive(Debug, clap::Args)]
 pub(super) struct PlanArgs {
-    /// A scenario file, or the name of a built-in scenario
+    /// Scenario file, or name of a built-in scenario (see `protean list`)
     #[arg(default_value = "coverage_open")]
     scenario: String,
-    /// Name of the process, if several cover
+    /// Process of the scenario; required if several cover
     #[arg(long, value_name = "NAME")]
     process: Option<String>,
-    /// How many large loops [default: 1]
+    /// Number of large loops [default: 1]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000), conflicts_with_all = ["goals", "way"])]
     loops: Option<u32>,
-    /// How many sub-goals
+    /// Number of sub-goals
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=10_000_000), conflicts_with = "way")]
     goals: Option<u64>,
-    /// As many sub-goals as a way of this length reaches (m)
+    /// Number of sub-goals, given as the length of the path through them (m)
     #[arg(long, value_name = "LENGTH", value_parser = parse_way)]
     way: Option<f64>,
-    /// Print one JSON object
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    json: JsonArg,
     #[command(flatten)]
     overrides: OverrideArgs,
 }
@@ -59,7 +59,7 @@ fn parse_way(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Runs the command.
+/// Runs `protean coverage`.
 pub(super) fn coverage(kinds: &[Kind], command: &CoverageCommand) -> ExitCode {
     let CoverageCommand::Plan(args) = command;
     match planned(kinds, args) {
@@ -68,7 +68,7 @@ pub(super) fn coverage(kinds: &[Kind], command: &CoverageCommand) -> ExitCode {
             ExitCode::SUCCESS
         }
         Err(error) => {
-            complain(&*error);
+            print_error(&*error);
             ExitCode::from(EXIT_INVALID)
         }
     }
@@ -84,7 +84,7 @@ fn planned(kinds: &[Kind], args: &PlanArgs) -> Result<String, Box<dyn std::error
         (None, None) => Extent::Loops(args.loops.unwrap_or(1)),
     };
     let planned = plan(&scenario, args.process.as_deref(), extent)?;
-    Ok(if args.json {
+    Ok(if args.json.json {
         planned.json().to_string()
     } else {
         planned.text()

@@ -6,27 +6,28 @@ use std::process::ExitCode;
 use platform::eprintln;
 use tables::Format;
 
+use super::common::{ForceArg, JsonArg, QuietArg};
 use super::logs::{self, TopicArgs};
 use super::output::{EXIT_PARTIAL, print, print_json};
 use log_tools::{ExportOptions, export};
 
-/// What stands below the options.
+/// Help below the options.
 pub(super) const HELP: &str = "\
-Every topic of ROS 2 messages (all of ours but the viewers', and those of ROS 2 itself) becomes a file,
-`world/state` for example `world.state.csv`. A row is an element of a message (a robot, a particle), behind
-log_time_ns, publish_time_ns, sequence and the fields of the message; a message without elements has one
-row. Nested fields are called `stamp.tick`, elements of short arrays `bounds.0`; bytes are text or 0x…,
-sequences within elements JSON. Numbers are written so that they read back to the same bits.
+Every topic with ROS 2 messages becomes a file: `world/state` becomes `world.state.csv`. The viewer topics of Protean
+have another encoding and are skipped. A row is one element of a message (a robot, a particle); it repeats log_time_ns,
+publish_time_ns, sequence and the fields of the message. A message without elements is one row. Columns of nested
+fields are named `stamp.tick`, elements of short arrays `bounds.0`. Byte arrays are written as text or 0x…; nested
+sequences as JSON. Floating-point numbers are written with enough digits to read the same value back.
 
-Exit codes: 0 done, 1 the tables cannot be written, 2 wrong usage, or the file cannot be read or is not
-an MCAP file, 3 done, but messages are missing or could not be decoded: which, is said.";
+Exit codes: 0 success, 1 the tables cannot be written, 2 wrong usage, or the file is not a readable MCAP file,
+3 messages are missing or could not be decoded (stderr lists them).";
 
-/// The form of the tables, as the option names it.
+/// Values of `--format`.
 #[derive(Debug, Clone, Copy, clap::ValueEnum)]
 enum FormatArg {
-    /// Text, a line for every row.
+    /// Comma-separated values
     Csv,
-    /// Apache Parquet, with a type for every column.
+    /// Apache Parquet, with typed columns
     Parquet,
 }
 
@@ -39,56 +40,53 @@ impl From<FormatArg> for Format {
     }
 }
 
-/// What `protean export` takes.
+/// Arguments of `protean export`.
 #[derive(Debug, clap::Args)]
 pub(super) struct ExportArgs {
-    /// A log
+    /// Log file
     log: PathBuf,
-    /// Write the tables into this directory
+    /// Write the tables to directory DIR
     #[arg(long, short, value_name = "DIR")]
     out: PathBuf,
-    /// Form of the tables
+    /// File format of the tables
     #[arg(long, value_enum, default_value_t = FormatArg::Csv)]
     format: FormatArg,
     #[command(flatten)]
     topics: TopicArgs,
-    /// Write into a directory that is not empty, over tables of the same names
-    #[arg(long)]
-    force: bool,
-    /// Print one JSON object
-    #[arg(long)]
-    json: bool,
-    /// Show nothing but errors and the result
-    #[arg(long, short)]
-    quiet: bool,
+    #[command(flatten)]
+    force: ForceArg,
+    #[command(flatten)]
+    json: JsonArg,
+    #[command(flatten)]
+    quiet: QuietArg,
 }
 
-/// Writes the messages of a log as tables.
+/// Writes the messages of a log to tables.
 pub fn run(args: ExportArgs) -> ExitCode {
     let options = ExportOptions {
         format: args.format.into(),
         topics: args.topics.into(),
-        force: args.force,
+        force: args.force.force,
     };
-    logs::command(args.quiet, |watch| {
+    logs::command(args.quiet.quiet, |watch| {
         let done = export(&args.log, &args.out, &options, watch)?;
         let code = logs::of_condition(&args.log, &done.source);
-        if args.json {
+        if args.json.json {
             print_json(&serde_json::json!(done));
         } else {
             for table in done.tables.values() {
                 print(&format!("{}: {} rows", table.file.display(), table.rows));
             }
         }
-        if !args.quiet && !done.skipped.is_empty() {
-            eprintln!("no tables of:");
+        if !args.quiet.quiet && !done.skipped.is_empty() {
+            eprintln!("skipped topics:");
             for (topic, why) in &done.skipped {
                 eprintln!("    {topic}: {why}");
             }
         }
         let undecodable: u64 = done.tables.values().map(|table| table.undecodable).sum();
         if undecodable > 0 {
-            eprintln!("warning: {undecodable} messages do not have the form of their schema");
+            eprintln!("warning: {undecodable} messages do not match their schema");
             return Ok(ExitCode::from(EXIT_PARTIAL));
         }
         Ok(code)

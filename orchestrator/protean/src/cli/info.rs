@@ -1,26 +1,37 @@
 //! `protean info`.
 
-use std::path::Path;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
+use super::common::{JsonArg, QuietArg};
 use super::logs;
 use super::output::{EXIT_PARTIAL, print, print_json};
 use log_tools::{LogInfo, info_text};
 
-/// What stands below the options.
+/// Help below the options.
 pub(super) const HELP: &str = "\
-The whole file is read and every checksum in it is checked. `lost` counts the messages that are missing
-by the numbers of their senders. Files of other programs and files that end in the middle are described
-as far as they go.
+Reads the whole file and verifies every checksum. `lost` counts messages missing from the sequence numbers of their
+publishers. Logs of other programs and truncated logs are summarised as far as they can be read.
 
-Exit codes: 0 the log is whole, 2 it cannot be read or is not an MCAP file, 3 it is not whole: what is
-missing is said.";
+Exit codes: 0 the log is complete, 2 the file is not a readable MCAP file, 3 the log is incomplete (the output lists
+what is missing).";
 
-/// Prints what a log holds.
-pub fn info(log: &Path, json: bool, quiet: bool) -> ExitCode {
-    logs::command(quiet, |watch| {
-        let info = LogInfo::read(log, watch)?;
-        if json {
+/// Arguments of `protean info`.
+#[derive(Debug, clap::Args)]
+pub(super) struct InfoArgs {
+    /// Log file
+    log: PathBuf,
+    #[command(flatten)]
+    json: JsonArg,
+    #[command(flatten)]
+    quiet: QuietArg,
+}
+
+/// Prints the summary of a log.
+pub(super) fn run(args: &InfoArgs) -> ExitCode {
+    logs::command(args.quiet.quiet, |watch| {
+        let info = LogInfo::read(&args.log, watch)?;
+        if args.json.json {
             print_json(&serde_json::json!(info));
         } else {
             print(&info_text(&info));

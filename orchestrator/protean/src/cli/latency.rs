@@ -10,6 +10,7 @@ use mcap_log::{DerivedError, ReadProgress, derived};
 use platform::atomic_file::Readers;
 use platform::eprintln;
 
+use super::common::{ExternalArg, ForceArg, QuietArg};
 use super::logs;
 use super::output::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, print, print_json};
 use super::run::{handle_signals, refuse_external};
@@ -19,76 +20,70 @@ use latency::{LatencyError, Report, Run, baselines, mission, of_log, text};
 use scenario::kind::Kind;
 use scenario::{Loader, ResolvedScenario};
 
-/// What stands below the options.
+/// Help below the options.
 pub(super) const HELP: &str = "\
-Without --of it runs the scenario in real time (once per --rate), and passes messages of the same sizes over
-bare iceoryx2 (busy polling, and woken by an event), over our bus with the wake-up of a run, over a Unix
-domain socket and over a pipe, each between two processes: unpinned, on one core, on two.
+Runs the scenario in real time, once for every --rate, and measures baselines: messages of the same sizes over plain
+iceoryx2 (busy polling, and event wake-up), over Protean's bus with its wake-up, over a Unix domain socket and over a
+pipe; each between two processes: unpinned, on one core, on two cores. With a log, it measures from the stamps in the
+log and runs nothing.
 
-It prints, for the stages from sense to act, for every hop and step, and for the parts of every process's
-turn: count, p50, p90, p99, p99.9, max, jitter (mean of |difference to the one before|) in us; how many ticks
-were answered in time; the baselines. The stages of a tick add up to the whole.
+Prints count, p50, p90, p99, p99.9, max and jitter (mean absolute difference of consecutive values) in us, for the
+stages of sense-to-act, for every hop, and for the parts of every process's tick; then the ticks answered in time, and
+the baselines. The stages of a tick add up to the whole.
 
 Examples:
   protean latency --rate 20 --rate 200
-  protean latency hello --duration 5 --json -
-  protean latency --of logs/chase-1.mcap        a recorded log (or just: protean latency logs/chase-1.mcap)
+  protean latency hello --duration 5 --json
+  protean latency logs/chase-1.mcap
 
-The fields of the JSON object, and what every row means: docs/how-to/latency.md. Progress goes to stderr; Ctrl-C keeps
-what was measured. Exit codes: 0 measured, 1 something failed, 2 wrong arguments, or a log that says nothing,
-3 interrupted, or the log is not whole.";
+docs/how-to/latency.md explains every row and every field of the JSON object. Ctrl-C keeps what was measured.
+Exit codes: 0 success, 1 a measurement failed, 2 wrong usage, or the log has no latencies, 3 interrupted, or the log is
+incomplete.";
 
 /// Range of `--rate` (Hz): that of a tick's length.
 const RATES: core::ops::RangeInclusive<f64> = 1.0..=10_000.0;
 
-/// What `protean latency` takes.
+/// Arguments of `protean latency`.
 #[derive(Debug, clap::Args)]
-#[expect(
-    clippy::struct_excessive_bools,
-    reason = "one per switch of the command line"
-)]
 pub(super) struct LatencyArgs {
-    /// A scenario file, the name of a built-in scenario [default: chase], or a log (.mcap)
+    /// Scenario file, name of a built-in scenario [default: chase], or log file (.mcap)
     target: Option<String>,
     #[command(flatten)]
     overrides: OverrideArgs,
-    /// End the mission after this time (s)
+    /// End the mission after S seconds
     #[arg(long, value_name = "S", conflicts_with = "of")]
     duration: Option<f64>,
-    /// Ticks per second (Hz), in place of the scenario's; several times: a mission each
+    /// Ticks per second (Hz) [default: the scenario's]; repeatable: one mission for each
     #[arg(long, value_name = "HZ", conflicts_with = "of")]
     rate: Vec<f64>,
-    /// Measure from the stamps in this log, and run nothing
+    /// Measure from the stamps in a log
     #[arg(long, value_name = "LOG", conflicts_with_all = ["target", "seed", "set"])]
     of: Option<PathBuf>,
-    /// Run the mission only
+    /// Measure no baselines
     #[arg(long)]
     no_baselines: bool,
-    /// Fewer repetitions of baselines: a first impression
+    /// Repeat the baselines less often
     #[arg(long)]
     quick: bool,
-    /// Write one JSON object to this file; `-`: to stdout, instead of the tables
-    #[arg(long, value_name = "FILE")]
+    /// Print one JSON object, or write it to FILE
+    #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "-")]
     json: Option<PathBuf>,
-    /// Keep the mission's log in this file
+    /// Write the log of the mission to FILE
     #[arg(long, value_name = "FILE", conflicts_with = "of")]
     log: Option<PathBuf>,
-    /// Overwrite files that exist
-    #[arg(long)]
-    force: bool,
-    /// Let the scenario start programs that are not Protean's own
-    #[arg(long)]
-    allow_external: bool,
-    /// Show nothing but errors and the result
-    #[arg(long, short)]
-    quiet: bool,
+    #[command(flatten)]
+    force: ForceArg,
+    #[command(flatten)]
+    external: ExternalArg,
+    #[command(flatten)]
+    quiet: QuietArg,
 }
 
-/// Why nothing was measured: what to say, and the exit code.
+/// Message and exit code of a measurement that failed.
 type Refusal = (String, u8);
 
-/// Measures, and writes what was asked for.
-pub fn run(kinds: &[Kind], args: &LatencyArgs) -> ExitCode {
+/// Measures and prints the result.
+pub(super) fn run(kinds: &[Kind], args: &LatencyArgs) -> ExitCode {
     let interrupted = Arc::new(AtomicBool::new(false));
     if let Err(error) = handle_signals(&interrupted) {
         eprintln!("error: cannot handle signals: {error}");
@@ -110,13 +105,13 @@ fn measure(
 ) -> Result<u8, Refusal> {
     runtime::logging::start("warn");
     ipc_types::bus::quiet_transport();
-    // Whether the results may stand there is known before anything is measured.
+    // The output file is checked before the measurement.
     let log = log_of(args);
     let to_file = args.json.as_deref().filter(|out| *out != Path::new("-"));
     let beside = log.clone().or_else(|| args.log.clone()).unwrap_or_default();
     let json = to_file
         .map(|out| {
-            let file = derived::create(out, &beside, args.force, Readers::Anybody)?;
+            let file = derived::create(out, &beside, args.force.force, Readers::Anybody)?;
             Ok((out, file))
         })
         .transpose()
@@ -124,10 +119,10 @@ fn measure(
     let mut report = Report::new();
     let mut code = 0;
     if let Some(log) = &log {
-        let mut watch = ReadProgress::new(Arc::clone(interrupted), args.quiet);
+        let mut watch = ReadProgress::new(Arc::clone(interrupted), args.quiet.quiet);
         let measured = of_log(log, kinds, &mut watch).map_err(|error| refusal(&error))?;
         if !measured.condition.data {
-            eprintln!("warning: {} is not whole", log.display());
+            eprintln!("warning: {} is incomplete", log.display());
             code = EXIT_PARTIAL;
         }
         report.runs.push(Run {
@@ -172,7 +167,7 @@ fn refusal_of_file(error: &DerivedError) -> Refusal {
     (format!("error: {error}"), code)
 }
 
-/// The log to read, if it is one: named by --of, or by its ending.
+/// Returns the log to read: the value of --of, or a target that ends in `.mcap`.
 fn log_of(args: &LatencyArgs) -> Option<PathBuf> {
     let target = args.target.as_ref().map(PathBuf::from);
     let target = target.filter(|path| path.extension().is_some_and(|end| end == "mcap"));
@@ -180,7 +175,7 @@ fn log_of(args: &LatencyArgs) -> Option<PathBuf> {
 }
 
 fn say(args: &LatencyArgs) -> impl FnMut(&str) + Send + use<> {
-    let quiet = args.quiet;
+    let quiet = args.quiet.quiet;
     move |what: &str| {
         if !quiet {
             eprintln!("measuring {what}");
@@ -188,7 +183,7 @@ fn say(args: &LatencyArgs) -> impl FnMut(&str) + Send + use<> {
     }
 }
 
-/// A mission per rate, each with its baselines.
+/// Runs a mission for every rate, each with its baselines.
 fn missions(
     kinds: &[Kind],
     args: &LatencyArgs,
@@ -199,7 +194,7 @@ fn missions(
     let target = args.target.as_deref().unwrap_or(DEFAULT_SCENARIO);
     if args.log.is_some() && args.rate.len() > 1 {
         return Err(wrong(
-            "error: --log keeps the log of one mission: give one --rate".to_owned(),
+            "error: --log: expected one --rate at most".to_owned(),
         ));
     }
     let rates: Vec<Option<f64>> = if args.rate.is_empty() {
@@ -207,7 +202,7 @@ fn missions(
     } else {
         args.rate.iter().copied().map(Some).collect()
     };
-    // All are checked before the first one runs.
+    // All scenarios are checked before the first one runs.
     let scenarios = rates
         .iter()
         .map(|rate| load(kinds, target, args, *rate))
@@ -225,19 +220,19 @@ fn missions(
         ));
         let options = mission::RunOptions {
             log: args.log.clone(),
-            force: args.force,
-            quiet: args.quiet,
+            force: args.force.force,
+            quiet: args.quiet.quiet,
             interrupted: Arc::clone(interrupted),
         };
         let (measured, ended) = match mission::run(scenario, kinds, &options) {
             Ok(done) => done,
-            // What the missions before it have given is worth something.
+            // The results of earlier missions are kept.
             Err(error) if !report.runs.is_empty() => {
                 report.errors.push(error.to_string());
                 break;
             }
             Err(error) => {
-                // A mission that was ended before it could say anything is no wrong argument.
+                // A mission that was interrupted early is not a failure.
                 let (text, _) = refusal(&error);
                 let ended = interrupted.load(Ordering::SeqCst);
                 return Err((text, if ended { EXIT_PARTIAL } else { EXIT_FAILED }));
@@ -263,7 +258,7 @@ fn missions(
     Ok(())
 }
 
-/// The scenario as it is to be run.
+/// Loads the scenario for one rate.
 fn load(
     kinds: &[Kind],
     target: &str,
@@ -302,6 +297,6 @@ fn load(
             scenario = load(&set)?;
         }
     }
-    refuse_external(target, &scenario, args.allow_external)?;
+    refuse_external(target, &scenario, args.external.allow_external)?;
     Ok(scenario)
 }

@@ -2,27 +2,14 @@
 
 use std::process::ExitCode;
 
-use platform::eprintln;
 use serde_json::json;
 
-use super::output::{EXIT_INVALID, print, print_json};
+use super::output::{print, print_json};
 use scenario::kind::Kind;
-use scenario::{builtin, list as scenarios};
+use scenario::list as scenarios;
 
-/// Lists what there is, or shows one built-in scenario.
-pub fn list(kinds: &[Kind], as_json: bool, show: Option<&str>) -> ExitCode {
-    if let Some(name) = show {
-        if let Some(scenario) = builtin::scenario(name) {
-            print(scenario.text.trim_end());
-            return ExitCode::SUCCESS;
-        }
-        let names: Vec<_> = scenarios().into_iter().map(|s| s.name).collect();
-        eprintln!(
-            "error: no built-in scenario {name:?}: expected one of {}",
-            names.join(", ")
-        );
-        return ExitCode::from(EXIT_INVALID);
-    }
+/// Lists the built-in scenarios and the kinds of processes.
+pub(super) fn list(kinds: &[Kind], as_json: bool) -> ExitCode {
     let scenarios = scenarios();
     if as_json {
         print_json(&json!({
@@ -37,13 +24,17 @@ pub fn list(kinds: &[Kind], as_json: bool, show: Option<&str>) -> ExitCode {
         }));
         return ExitCode::SUCCESS;
     }
-    let mut text = String::from("Scenarios (protean run NAME, protean list --show NAME):\n");
+    let names = scenarios.iter().map(|s| s.name.as_str());
+    let names = names.chain(kinds.iter().map(|k| k.name));
+    let width = names.map(str::len).max().unwrap_or_default();
+    let mut text =
+        String::from("Scenarios (`protean run NAME`, `protean new FILE.toml --from NAME`):\n");
     for s in &scenarios {
-        text.push_str(&format!("  {:20} {}\n", s.name, s.title));
+        text += &format!("  {:width$}  {}\n", s.name, s.title);
     }
-    text.push_str("\nKinds of processes (kind = \"NAME\"):\n");
+    text += "\nKinds of processes (`kind = \"NAME\"` in a scenario):\n";
     for k in kinds {
-        text.push_str(&format!("  {:20} {}\n", k.name, k.summary));
+        text += &format!("  {:width$}  {}\n", k.name, k.summary);
     }
     print(text.trim_end());
     ExitCode::SUCCESS

@@ -1,4 +1,4 @@
-//! What `info`, `recover`, `filter`, `export` and `rerun` have in common.
+//! Arguments, errors and exit codes that the commands on logs share.
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -13,13 +13,13 @@ use super::run::handle_signals;
 use log_tools::Difference;
 use replay::ReplayError;
 
-/// Which topics.
+/// Selection of topics.
 #[derive(Debug, clap::Args)]
 pub(super) struct TopicArgs {
-    /// Only these topics; `*` stands for any letters: `--topics 'world/*,robot/command'`
+    /// Take only these topics; `*` matches any text, e.g. `world/*,robot/command`
     #[arg(long, value_name = "TOPIC", value_delimiter = ',')]
     topics: Vec<String>,
-    /// Without these topics
+    /// Leave these topics out
     #[arg(long, value_name = "TOPIC", value_delimiter = ',')]
     exclude: Vec<String>,
 }
@@ -33,20 +33,20 @@ impl From<TopicArgs> for Topics {
     }
 }
 
-/// Which part of a log.
+/// Selection of a part of a log.
 #[derive(Debug, clap::Args)]
 pub(super) struct PartArgs {
-    /// From this simulated time on (s)
+    /// Start at simulated time T (s)
     #[arg(long, value_name = "T")]
     pub(super) start: Option<f64>,
-    /// Up to this simulated time (s)
+    /// End at simulated time T (s)
     #[arg(long, value_name = "T")]
     pub(super) end: Option<f64>,
     #[command(flatten)]
     pub(super) topics: TopicArgs,
 }
 
-/// Does something with a log that can be interrupted, and says how it ended.
+/// Runs a command on a log until it ends or Ctrl-C interrupts it; prints its error, returns its exit code.
 pub(super) fn command(
     quiet: bool,
     work: impl FnOnce(&mut ReadProgress) -> Result<ExitCode, CommandError>,
@@ -63,16 +63,16 @@ pub(super) fn command(
     })
 }
 
-/// Why a command on a log failed.
+/// Error of a command on a log.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum CommandError {
     /// The log cannot be read.
     #[error(transparent)]
     Log(#[from] LogReadError),
-    /// A file cannot be made from the log.
+    /// An output file cannot be written.
     #[error(transparent)]
     Derived(#[from] DerivedError),
-    /// The run cannot be done again.
+    /// The run cannot be replayed or verified.
     #[error(transparent)]
     Replay(#[from] ReplayError),
 }
@@ -87,7 +87,7 @@ impl CommandError {
     }
 }
 
-/// The exit code of a command whose log cannot be read.
+/// Returns the exit code of a command whose log cannot be read.
 pub(super) fn exit_code_of_read(error: &LogReadError) -> u8 {
     match error {
         LogReadError::Interrupted => EXIT_PARTIAL,
@@ -95,7 +95,7 @@ pub(super) fn exit_code_of_read(error: &LogReadError) -> u8 {
     }
 }
 
-/// The exit code of a command that cannot make its file from a log.
+/// Returns the exit code of a command that cannot write its output.
 pub(super) fn exit_code_of_derived(error: &DerivedError) -> u8 {
     match error {
         DerivedError::Log(error) => exit_code_of_read(error),
@@ -104,24 +104,24 @@ pub(super) fn exit_code_of_derived(error: &DerivedError) -> u8 {
     }
 }
 
-/// Says that a log is of another version than the program that does it again.
+/// Notes on stderr that another version of the program recorded the log.
 pub(super) fn note_version(recorded_by: Option<&str>) {
     if let Some(version) = recorded_by {
         eprintln!(
-            "note: recorded by protean {version}, done again by {}",
+            "note: recorded by protean {version}, this is {}",
             env!("CARGO_PKG_VERSION")
         );
     }
 }
 
-/// The first difference of a topic, for people.
+/// Returns the text of the first difference of a topic.
 pub(super) fn difference(topic: &str, first: &Difference) -> String {
     let or_none = |value: &str| match value {
         "" => "nothing".to_owned(),
         value => value.to_owned(),
     };
     format!(
-        "{topic}: {} messages, the first at tick {} ({:.2} s) from source {}: {} {} in the log, {} now",
+        "{topic}: {} messages differ, first at tick {} ({:.2} s) from source {}: {} is {} in the log, {} now",
         first.messages,
         first.tick,
         first.time_s,
@@ -132,7 +132,7 @@ pub(super) fn difference(topic: &str, first: &Difference) -> String {
     )
 }
 
-/// The exit code of a comparison: whether all is the same, and whether that is the whole run.
+/// Returns the exit code of a comparison: `same` if no message differs, `whole` if it covers the whole run.
 pub(super) fn of_comparison(same: bool, whole: bool) -> ExitCode {
     match (same, whole) {
         (true, true) => ExitCode::SUCCESS,
@@ -141,17 +141,17 @@ pub(super) fn of_comparison(same: bool, whole: bool) -> ExitCode {
     }
 }
 
-/// Warns of a log that is not whole; the exit code says whether messages may be missing.
+/// Warns of an incomplete log; returns the exit code, which tells if messages may be missing.
 pub(super) fn of_condition(log: &Path, condition: &Condition) -> ExitCode {
     if condition.is_whole() {
         return ExitCode::SUCCESS;
     }
-    eprintln!("warning: {} is not whole:", log.display());
+    eprintln!("warning: {} is incomplete:", log.display());
     for line in condition.lines() {
         eprintln!("    {line}");
     }
     if condition.data {
-        eprintln!("    nothing of its data is missing");
+        eprintln!("    no messages are missing");
         return ExitCode::SUCCESS;
     }
     ExitCode::from(EXIT_PARTIAL)

@@ -1,26 +1,29 @@
-//! What a person types.
+//! The command line.
 
+mod cat;
 mod chaos;
 mod check;
 mod clean;
+mod common;
 mod coverage;
 mod export;
 mod filter;
+mod help;
 mod info;
-mod instances;
 mod latency;
 mod list;
 mod logs;
 mod moved;
+mod new;
 mod output;
 mod patrol;
 mod picture;
 mod plan;
+mod plan_generate;
 mod process;
 mod recover;
 mod replay;
 mod report;
-mod rerun;
 mod run;
 mod run_args;
 mod run_summary;
@@ -29,23 +32,22 @@ mod sweep;
 mod sweep_args;
 mod sweep_kind;
 mod sweep_output;
+mod verify;
 
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::{CommandFactory as _, Parser, Subcommand};
+use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use platform::eprintln;
 
 use scenario::kind::{Kind, find};
 
-use output::{EXIT_INVALID, print};
-use run_args::{DEFAULT_SCENARIO, OverrideArgs, RunArgs};
+use common::JsonArg;
+use output::EXIT_INVALID;
+use run_args::{DEFAULT_SCENARIO, RunArgs};
 
-/// Patrol, coverage and pursuit-evasion with 2-D robots, as real processes over zero-copy shared
-/// memory, recorded to MCAP.
-///
-/// Without a command it runs the default chase.
+/// Simulate, record and measure missions of 2-D robots: pursuit-evasion, patrol and coverage.
 #[derive(Debug, Parser)]
 #[command(name = "protean", version, args_conflicts_with_subcommands = true)]
 struct Cli {
@@ -57,139 +59,112 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Run a scenario: start its processes, record everything, print the outcome
+    /// Run a scenario and record its log
     Run {
-        /// A scenario file, or the name of a built-in scenario (see `protean list`)
+        /// Scenario file, or name of a built-in scenario (see `protean list`)
         #[arg(default_value = DEFAULT_SCENARIO)]
         scenario: String,
         #[command(flatten)]
         args: RunArgs,
     },
     /// Check a scenario without running it
-    Check {
-        /// A scenario file, or the name of a built-in scenario
-        scenario: String,
-        #[command(flatten)]
-        overrides: OverrideArgs,
-        /// Print the scenario with everything filled in
-        #[arg(long)]
-        print: bool,
-        /// Print one JSON object
-        #[arg(long)]
-        json: bool,
-    },
-    /// Print the JSON Schema of a kind of file, for editors
-    Schema {
-        /// The kind of file
-        #[arg(value_enum)]
-        file: schema::File,
-    },
-    /// List the built-in scenarios and the kinds of processes
+    Check(check::CheckArgs),
+    /// Write a scenario file to start from
+    #[command(after_long_help = new::HELP)]
+    New(new::NewArgs),
+    /// List built-in scenarios and kinds of processes
     List {
-        /// Print one JSON object
-        #[arg(long)]
-        json: bool,
-        /// Print a built-in scenario's file, to copy from
-        #[arg(long, value_name = "NAME")]
-        show: Option<String>,
+        #[command(flatten)]
+        json: JsonArg,
     },
-    /// Draw a log as one picture: the map, the paths of the robots, captures and escapes
-    #[command(after_long_help = picture::HELP)]
-    Picture {
-        /// A log of a run
-        log: PathBuf,
-        /// Write the picture to this file [default: the log's name with .svg]
-        #[arg(long, short, value_name = "FILE")]
-        out: Option<PathBuf>,
-        /// Show the run at this simulated time (s), with what was believed then, not its end
-        #[arg(long, value_name = "T")]
-        at: Option<f64>,
-        /// Overwrite the picture if it exists
-        #[arg(long)]
-        force: bool,
-    },
-    /// Say what a log holds and in what condition it is
-    #[command(after_long_help = info::HELP)]
-    Info {
-        /// A log
-        log: PathBuf,
-        /// Print one JSON object
-        #[arg(long)]
-        json: bool,
-        /// Show no progress
-        #[arg(long, short)]
-        quiet: bool,
-    },
-    /// Save what is left of a log that ends in the middle or is damaged
-    #[command(after_long_help = recover::HELP)]
-    Recover(recover::RecoverArgs),
-    /// Write a part of a log into a new one: some time, some topics
-    #[command(after_long_help = filter::HELP)]
-    Filter(filter::FilterArgs),
-    /// Write the messages of a log as tables
-    #[command(after_long_help = export::HELP)]
-    Export(export::ExportArgs),
-    /// Make one page for a browser of a log: the mission animated, events, figures, latencies
+    /// Write an HTML page about a log: animated mission, events, figures, latencies
     #[command(after_long_help = report::HELP)]
     Report(report::ReportArgs),
-    /// Play a log: send its messages once more, to viewers and processes, or to a process under test
+    /// Draw a log as an SVG picture: map, paths, captures and escapes
+    #[command(after_long_help = picture::HELP)]
+    Picture(picture::PictureArgs),
+    /// Summarise a log and check its integrity
+    #[command(after_long_help = info::HELP)]
+    Info(info::InfoArgs),
+    /// Print the messages of a log as lines of JSON
+    #[command(after_long_help = cat::HELP)]
+    Cat(cat::CatArgs),
+    /// Write the messages of a log to CSV or Parquet files
+    #[command(after_long_help = export::HELP)]
+    Export(export::ExportArgs),
+    /// Copy a time span or some topics of a log to a new log
+    #[command(after_long_help = filter::HELP)]
+    Filter(filter::FilterArgs),
+    /// Repair a truncated or damaged log
+    #[command(after_long_help = recover::HELP)]
+    Recover(recover::RecoverArgs),
+    /// Publish a log again, or test processes against it
     #[command(after_long_help = replay::HELP)]
     Replay(replay::ReplayArgs),
-    /// Do the run in a log again and prove that it is the same
-    #[command(after_long_help = rerun::HELP)]
-    Rerun(rerun::RerunArgs),
-    /// Measure how long it takes from the state of the world to the commands for it, hop by hop
-    #[command(after_long_help = latency::HELP)]
-    Latency(latency::LatencyArgs),
-    /// Plan minimum-time trajectories for every instance of a file, and check them
-    #[command(after_long_help = plan::HELP)]
+    /// Run the scenario of a log again and verify that the result is identical
+    #[command(alias = "rerun", after_long_help = verify::HELP)]
+    Verify(verify::VerifyArgs),
+    /// Run an experiment: many missions, one table of results
+    #[command(
+        args_conflicts_with_subcommands = true,
+        subcommand_negates_reqs = true,
+        after_long_help = sweep_args::HELP
+    )]
+    Sweep(sweep_args::SweepArgs),
+    /// Plan minimum-time trajectories for the instances of a file
+    #[command(
+        args_conflicts_with_subcommands = true,
+        subcommand_negates_reqs = true,
+        after_long_help = plan::HELP
+    )]
     Plan(plan::PlanArgs),
-    /// Make random instances to plan
-    #[command(after_long_help = instances::HELP)]
-    Instances(instances::InstancesArgs),
-    /// The sub-goals of a coverage, the rectangles that they lie in, and what they cover
-    #[command(subcommand)]
-    Coverage(coverage::CoverageCommand),
-    /// The waypoints of a patrol: plan laps, predict them with the key
+    /// Plan or predict the waypoints of a patrol
     #[command(subcommand)]
     Patrol(patrol::PatrolCommand),
-    /// Run an experiment: many missions from one file, and one table of results
-    #[command(args_conflicts_with_subcommands = true, after_long_help = sweep_args::HELP)]
-    Sweep(sweep_args::SweepArgs),
-    /// Kill, stop, slow down and double processes of runs, and check what must hold all the same
+    /// Plan the sub-goals of a coverage
+    #[command(subcommand)]
+    Coverage(coverage::CoverageCommand),
+    /// Measure the latency from world state to command, and its parts
+    #[command(after_long_help = latency::HELP)]
+    Latency(latency::LatencyArgs),
+    /// Inject faults into runs and check the guarantees
     #[command(after_long_help = chaos::HELP)]
     Chaos(chaos::ChaosArgs),
-    /// Remove what runs that were killed have left behind
+    /// Remove what killed runs left behind: processes, shared memory, files
     Clean {
-        /// Print one JSON object
-        #[arg(long)]
-        json: bool,
+        #[command(flatten)]
+        json: JsonArg,
     },
-    /// Print the messages for planners in another language
-    Messages {
-        /// As a Python module of ctypes structures, for the iceoryx2 package
-        #[arg(long, required = true)]
-        python: bool,
+    /// Print the schema of scenario files, experiment files or messages
+    Schema {
+        /// What the schema describes
+        #[arg(value_enum)]
+        subject: schema::SchemaOf,
     },
     /// Print a completion script for a shell
     Completions {
-        /// The shell
+        /// Shell
         shell: clap_complete::Shell,
     },
-    /// Be one process of a run (the orchestrator calls this)
+    /// Run as one process of a run (called by the orchestrator)
     #[command(hide = true)]
     Process {
         /// Kind of the process
         kind: String,
-        /// Its configuration
+        /// Configuration file
         #[arg(long)]
         config: PathBuf,
     },
 }
 
+/// Returns the definition of the command line.
+pub(crate) fn program() -> clap::Command {
+    help::with_headings(Cli::command())
+}
+
 /// Runs the command line with these kinds of processes; returns the exit code.
 ///
-/// The main function of `protean` is `main_with(KINDS.to_vec())`; a program of somebody else adds its own kinds:
+/// The main function of `protean` is `main_with(KINDS.to_vec())`; another program adds its own kinds:
 ///
 /// ```no_run
 /// # use protean::{kinds, main_with};
@@ -201,8 +176,8 @@ enum Command {
 pub fn main_with(kinds: Vec<Kind>) -> ExitCode {
     // As long as the program, which ends with the command.
     let kinds: &'static [Kind] = kinds.leak();
-    if let Some(name) = twice(kinds) {
-        eprintln!("error: this program has two kinds of processes called {name:?}");
+    if let Some(name) = duplicate(kinds) {
+        eprintln!("error: this program has two kinds of processes named {name:?}");
         return ExitCode::from(EXIT_INVALID);
     }
     platform::descriptors::raise_limit();
@@ -211,11 +186,13 @@ pub fn main_with(kinds: Vec<Kind>) -> ExitCode {
         eprintln!("{message}");
         return ExitCode::from(EXIT_INVALID);
     }
-    output::exit_code(command(kinds, Cli::parse()))
+    let cli = Cli::from_arg_matches(&program().get_matches());
+    let cli = cli.unwrap_or_else(|error| error.format(&mut program()).exit());
+    output::exit_code(command(kinds, cli))
 }
 
-/// A name that two kinds have.
-fn twice(kinds: &[Kind]) -> Option<&'static str> {
+/// Returns a name that two kinds share.
+fn duplicate(kinds: &[Kind]) -> Option<&'static str> {
     let mut rest = kinds;
     while let [kind, others @ ..] = rest {
         if find(others, kind.name).is_some() {
@@ -227,51 +204,36 @@ fn twice(kinds: &[Kind]) -> Option<&'static str> {
 }
 
 fn command(kinds: &'static [Kind], cli: Cli) -> ExitCode {
-    match cli.command {
-        None => run::run(kinds, DEFAULT_SCENARIO, &cli.run),
-        Some(Command::Run { scenario, args }) => run::run(kinds, &scenario, &args),
-        Some(Command::Check {
-            scenario,
-            overrides,
-            print,
-            json,
-        }) => check::check(kinds, &scenario, &overrides, print, json),
-        Some(Command::Schema { file }) => schema::schema(kinds, file),
-        Some(Command::List { json, show }) => list::list(kinds, json, show.as_deref()),
-        Some(Command::Picture {
-            log,
-            out,
-            at,
-            force,
-        }) => picture::picture(&log, out, at, force),
-        Some(Command::Info { log, json, quiet }) => info::info(&log, json, quiet),
-        Some(Command::Recover(args)) => recover::run(&args),
-        Some(Command::Filter(args)) => filter::run(args),
-        Some(Command::Export(args)) => export::run(args),
-        Some(Command::Report(args)) => report::run(kinds, &args),
-        Some(Command::Replay(args)) => replay::run(kinds, args),
-        Some(Command::Rerun(args)) => rerun::run(kinds, &args),
-        Some(Command::Latency(args)) => latency::run(kinds, &args),
-        Some(Command::Plan(args)) => plan::plan(&args),
-        Some(Command::Instances(args)) => instances::instances(&args),
-        Some(Command::Coverage(command)) => coverage::coverage(kinds, &command),
-        Some(Command::Patrol(command)) => patrol::patrol(kinds, command),
-        Some(Command::Sweep(args)) => sweep::sweep(kinds, &args),
-        Some(Command::Chaos(args)) => chaos::run(kinds, &args),
-        Some(Command::Clean { json }) => clean::clean(json),
-        Some(Command::Messages { python: _ }) => {
-            print(ipc_types::python::module().trim_end());
+    let Some(command) = cli.command else {
+        return run::run(kinds, DEFAULT_SCENARIO, &cli.run);
+    };
+    match command {
+        Command::Run { scenario, args } => run::run(kinds, &scenario, &args),
+        Command::Check(args) => check::run(kinds, &args),
+        Command::New(args) => new::run(&args),
+        Command::List { json } => list::list(kinds, json.json),
+        Command::Report(args) => report::run(kinds, &args),
+        Command::Picture(args) => picture::run(&args),
+        Command::Info(args) => info::run(&args),
+        Command::Cat(args) => cat::run(args),
+        Command::Export(args) => export::run(args),
+        Command::Filter(args) => filter::run(args),
+        Command::Recover(args) => recover::run(&args),
+        Command::Replay(args) => replay::run(kinds, args),
+        Command::Verify(args) => verify::run(kinds, &args),
+        Command::Sweep(args) => sweep::sweep(kinds, &args),
+        Command::Plan(args) => plan::run(&args),
+        Command::Patrol(command) => patrol::patrol(kinds, command),
+        Command::Coverage(command) => coverage::coverage(kinds, &command),
+        Command::Latency(args) => latency::run(kinds, &args),
+        Command::Chaos(args) => chaos::run(kinds, &args),
+        Command::Clean { json } => clean::clean(json.json),
+        Command::Schema { subject } => schema::schema(kinds, subject),
+        Command::Completions { shell } => {
+            let mut stdout = std::io::stdout();
+            clap_complete::generate(shell, &mut program(), "protean", &mut stdout);
             ExitCode::SUCCESS
         }
-        Some(Command::Completions { shell }) => {
-            clap_complete::generate(
-                shell,
-                &mut Cli::command(),
-                "protean",
-                &mut std::io::stdout(),
-            );
-            ExitCode::SUCCESS
-        }
-        Some(Command::Process { kind, config }) => process::run(kinds, &kind, &config),
+        Command::Process { kind, config } => process::run(kinds, &kind, &config),
     }
 }

@@ -1,32 +1,37 @@
-//! Commands that moved or went, each answered with what to type instead.
+//! Commands that were moved or removed, with what to type instead.
 
 use std::ffi::{OsStr, OsString};
 
-/// The first words of a command that is no longer there, and what to type instead.
+/// First words of a removed command, and what to type instead.
 type Row = (&'static [&'static str], &'static str);
 
-/// One row per command that moved or went.
+/// Removed commands.
 const MOVED: &[Row] = &[
     (
+        &["instances"],
+        "`protean plan generate RECIPE --count N --out FILE`",
+    ),
+    (&["messages"], "`protean schema messages`"),
+    (&["list", "--show"], "`protean new FILE.toml --from NAME`"),
+    (
         &["bench"],
-        "in the source tree, `cargo run --release -p benchmarks -- chase|start|ticks|in-process`",
+        "`cargo run --release -p benchmarks -- chase|start|ticks|in-process` in the source tree",
     ),
     (
         &["soak"],
-        "in the source tree, `cargo test -p end_to_end growth:: -- --ignored`",
+        "`cargo test -p end_to_end growth:: -- --ignored` in the source tree",
     ),
     (
         &["sweep", "page"],
-        "in the source tree, `cargo run --release -p pages -- chase|vmc-lp|patrol DIR…`",
+        "`cargo run --release -p pages -- chase|vmc-lp|patrol DIR…` in the source tree",
     ),
     (
         &["sweep", "plans"],
-        "in the source tree, `cargo run --release -p pages -- plans`",
+        "`cargo run --release -p pages -- plans` in the source tree",
     ),
 ];
 
-/// The message for a command line, without the program's name, that begins with a command that moved
-/// or went; `None` for any other.
+/// Returns the message for a command line (without the program's name) that begins with a removed command.
 pub(super) fn message(arguments: &[OsString]) -> Option<String> {
     find(MOVED, arguments)
 }
@@ -38,7 +43,7 @@ fn find(rows: &[Row], arguments: &[OsString]) -> Option<String> {
     };
     let (words, instead) = rows.iter().find(|(words, _)| begins_with(words))?;
     Some(format!(
-        "error: `protean {}` is no longer a command; instead, {instead}",
+        "error: `protean {}` was removed; use {instead}",
         words.join(" ")
     ))
 }
@@ -51,7 +56,7 @@ mod tests {
     use crate::cli::Cli;
 
     #[test]
-    fn a_command_that_went_is_answered_with_what_to_type_instead() {
+    fn a_removed_command_is_answered_with_its_replacement() {
         let rows: &[Row] = &[(&["sweep", "page"], "type this"), (&["bench"], "type that")];
         let answer = |line: &str| {
             let words: Vec<OsString> = line.split_whitespace().map(OsString::from).collect();
@@ -67,10 +72,10 @@ mod tests {
     }
 
     #[test]
-    fn no_row_hides_a_command_that_is_there() {
+    fn no_row_hides_an_existing_command() {
         let cli = Cli::command();
         for (words, _) in MOVED {
-            // A word that is no command may still be an argument: `sweep page` names an experiment.
+            // A word that is not a command may be an argument: `sweep page` names an experiment.
             let found = words
                 .iter()
                 .try_fold(&cli, |command, word| command.find_subcommand(word));

@@ -1,4 +1,4 @@
-//! What commands write to the terminal, and their exit codes.
+//! Output of commands to the terminal, and their exit codes.
 
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -10,11 +10,11 @@ use platform::eprintln;
 pub const EXIT_FAILED: u8 = 1;
 /// Exit code for wrong usage or input.
 pub const EXIT_INVALID: u8 = 2;
-/// Exit code for a partial result: a run that was interrupted, a log that misses messages.
+/// Exit code for a partial result: an interrupted run, a log with missing messages.
 pub const EXIT_PARTIAL: u8 = 3;
 
-/// Says on stderr why a command is refused; a scenario's problems are texts of their own.
-pub(super) fn complain(error: &(dyn std::error::Error + 'static)) {
+/// Prints an error to stderr; diagnostics of a scenario have their own form.
+pub(super) fn print_error(error: &(dyn std::error::Error + 'static)) {
     if let Some(problems) = error.downcast_ref::<Diagnostics>() {
         eprintln!("{problems}");
     } else {
@@ -22,12 +22,11 @@ pub(super) fn complain(error: &(dyn std::error::Error + 'static)) {
     }
 }
 
-/// Whether a result could not be written to stdout.
+/// `true` if a result could not be written to stdout.
 static RESULT_LOST: AtomicBool = AtomicBool::new(false);
 
-/// Writes a line to stdout, of text that cannot steer a terminal; a reader that went away
-/// (`protean list | head`) is no error. Anything else is told, and the program ends with [`EXIT_FAILED`] if it
-/// would have ended well.
+/// Writes a line to stdout, with control characters escaped. A closed pipe (`protean list | head`) is not an error.
+/// After another error, the exit code [`EXIT_FAILED`] replaces success.
 pub(super) fn print(text: &str) {
     use std::io::{ErrorKind, Write as _};
     let mut out = std::io::stdout().lock();
@@ -46,7 +45,7 @@ pub(super) fn print_json(value: &serde_json::Value) {
     print(&value.to_string());
 }
 
-/// The exit code of a command that ended with this one.
+/// Returns the exit code of the program for the exit code of its command.
 pub(super) fn exit_code(code: ExitCode) -> ExitCode {
     if RESULT_LOST.load(Ordering::Relaxed) && code == ExitCode::SUCCESS {
         ExitCode::from(EXIT_FAILED)

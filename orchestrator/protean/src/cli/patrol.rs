@@ -6,36 +6,36 @@ use chaotic_maps::Key;
 use clap::Subcommand;
 use serde_json::{Value as Json, json};
 
-use super::output::{EXIT_INVALID, complain, print, print_json};
+use super::common::JsonArg;
+use super::output::{EXIT_INVALID, print, print_error, print_json};
 use super::run_args::OverrideArgs;
 use plan::routes::RouteError;
 use plan::routes::patrol::{Laps, Patrol, kind_name, waypoint_json};
 use scenario::Loader;
 use scenario::kind::Kind;
 
-/// Scenario of a patrol if none is named.
+/// Scenario when the command line names none.
 const DEFAULT: &str = "patrol_octagon";
 
-/// What `protean patrol` does.
+/// Subcommands of `protean patrol`.
 #[derive(Debug, Subcommand)]
 pub(super) enum PatrolCommand {
-    /// Print the waypoints of the first laps, and what they measure
+    /// Print and measure the waypoints of the first laps
     Plan {
         #[command(flatten)]
         which: PatrolArgs,
-        /// How many laps
+        /// Number of laps
         #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=10_000))]
         laps: u32,
-        /// Print one JSON object
-        #[arg(long)]
-        json: bool,
+        #[command(flatten)]
+        json: JsonArg,
     },
-    /// Say where the patrol will be: for allies, who have the key
+    /// Predict the position of the patrol from its key
     #[command(after_long_help = PREDICT_HELP)]
     Predict {
         #[command(flatten)]
         which: PatrolArgs,
-        /// Time after the robot set out from the start of the contour (s); may be given several times
+        /// Time since the robot left the start of the contour (s) (repeatable)
         #[arg(
             long,
             value_name = "T",
@@ -43,54 +43,53 @@ pub(super) enum PatrolCommand {
             allow_negative_numbers = true
         )]
         at: Vec<f64>,
-        /// Number of a waypoint, 0 for the start; may be given several times
+        /// Number of a waypoint; 0 is the start (repeatable)
         #[arg(long, value_name = "N", allow_negative_numbers = true)]
         waypoint: Vec<u64>,
-        /// Print one JSON object
-        #[arg(long)]
-        json: bool,
+        #[command(flatten)]
+        json: JsonArg,
     },
 }
 
+/// Help below the options.
 const PREDICT_HELP: &str = "\
-The key is a generator and its state in one word: catp:0.4,0.644, cat64:1,2, catf64:0.4,0.644,
-keyed:<64 hexadecimal digits>. Waypoints are exact, however far ahead. Times go by the clock of the
-waypoints, at which every stretch between two of them takes as long (about a second, so that laps end
-within t_max). It starts when the robot sets out from the start of the contour: with the run, if it
-stands there. A robot with pace = \"clock\" (the default) keeps it as far as its drive and obstacles
-let it: after a long stretch it is late until it has caught up.";
+A key is a generator and its state in one word: catp:0.4,0.644, cat64:1,2, catf64:0.4,0.644, keyed:<64 hexadecimal
+digits>. Waypoints are exact at any distance in the future. Times follow the schedule of the waypoints: every stretch
+between two waypoints takes the same time (about 1 s, so that laps end within t_max). The schedule starts when the robot
+leaves the start of the contour; if it stands there, at the start of the run. A robot with pace = \"clock\" (the default)
+follows the schedule within the limits of its drive and of obstacles: after a long stretch it is late and catches up.";
 
-/// Which patrol is meant.
+/// Selection of a patrol.
 #[derive(Debug, clap::Args)]
 pub(super) struct PatrolArgs {
-    /// A scenario file, or the name of a built-in scenario
+    /// Scenario file, or name of a built-in scenario (see `protean list`)
     #[arg(default_value = DEFAULT)]
     scenario: String,
-    /// Name of the process, if several patrol
+    /// Process of the scenario; required if several patrol
     #[arg(long, value_name = "NAME")]
     process: Option<String>,
-    /// Key in place of the scenario's
+    /// Key [default: the scenario's]
     #[arg(long, value_name = "KEY")]
     key: Option<Key>,
     #[command(flatten)]
     overrides: OverrideArgs,
 }
 
-/// Runs the command.
+/// Runs `protean patrol`.
 pub(super) fn patrol(kinds: &[Kind], command: PatrolCommand) -> ExitCode {
     let done = match command {
-        PatrolCommand::Plan { which, laps, json } => plan(kinds, &which, laps, json),
+        PatrolCommand::Plan { which, laps, json } => plan(kinds, &which, laps, json.json),
         PatrolCommand::Predict {
             which,
             at,
             waypoint,
             json,
-        } => predict(kinds, &which, &at, &waypoint, json),
+        } => predict(kinds, &which, &at, &waypoint, json.json),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            complain(&*error);
+            print_error(&*error);
             ExitCode::from(EXIT_INVALID)
         }
     }
@@ -125,7 +124,7 @@ fn plan(
 
 fn plan_text(patrol: &Patrol, laps: &Laps) -> String {
     let mut text = format!(
-        "{}: {} with the key {}, α = {:.3} m, t_max = {} s\n\n",
+        "{}: {}, key {}, α = {:.3} m, t_max = {} s\n\n",
         patrol.process,
         patrol.robot,
         patrol.key(),
@@ -145,7 +144,7 @@ fn plan_text(patrol: &Patrol, laps: &Laps) -> String {
     }
     if let Some(m) = &laps.metrics {
         text += &format!(
-            "\na lap: {:.2} m, to be driven at {:.4} m/s\n\
+            "\nlap: {:.2} m, speed {:.4} m/s\n\
              MAE {:.4} m by time ({:.4} m by length), ANDC {:.4} /s\n\
              MAA {:.4} rad ({:.4} rad folded), RA [{:.3}, {:.3}] rad",
             m.length_mean,
@@ -199,7 +198,7 @@ fn predict(
     let mut lines = Vec::new();
     for (time, place) in &places {
         lines.push(format!(
-            "{time} s: ({:.4}, {:.4}) m, from waypoint {} to waypoint {} of lap {} at ({:.4}, {:.4}) m",
+            "{time} s: ({:.4}, {:.4}) m, between waypoint {} and waypoint {} of lap {} at ({:.4}, {:.4}) m",
             place.point.x,
             place.point.y,
             place.from.number,

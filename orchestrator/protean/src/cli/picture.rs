@@ -1,28 +1,47 @@
 //! `protean picture`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use mcap_log::derived;
 use platform::atomic_file::Readers;
 
+use super::common::ForceArg;
 use super::logs;
 use super::output::print;
 use report::picture::{RunTrace, draw};
 
-/// What stands below the options.
+/// Help below the options.
 pub(super) const HELP: &str = "\
-Logs that end in the middle are drawn as far as they go.
+A truncated log is drawn as far as it can be read.
 
-Exit codes: 0 done, 1 the picture cannot be written, 2 the log cannot be read, is not one of protean or does not
-reach to --at, 3 done, but the log is not whole: what is missing, is said.";
+Exit codes: 0 success, 1 the picture cannot be written, 2 the file is not a readable Protean log or ends before --at,
+3 the log is incomplete (stderr lists what is missing).";
+
+/// Arguments of `protean picture`.
+#[derive(Debug, clap::Args)]
+pub(super) struct PictureArgs {
+    /// Log file
+    log: PathBuf,
+    /// Write the picture to FILE [default: the log's name with .svg]
+    #[arg(long, short, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Draw the state and the beliefs at simulated time T (s) [default: the end]
+    #[arg(long, value_name = "T")]
+    at: Option<f64>,
+    #[command(flatten)]
+    force: ForceArg,
+}
 
 /// Draws a log into an SVG file and prints the file's name.
-pub fn picture(log: &Path, out: Option<PathBuf>, at: Option<f64>, force: bool) -> ExitCode {
+pub(super) fn run(args: &PictureArgs) -> ExitCode {
+    let log = &args.log;
     logs::command(false, |watch| {
+        let out = args.out.clone();
         let out = out.unwrap_or_else(|| log.with_extension("svg"));
-        let (trace, condition) = RunTrace::read(log, at, watch)?;
-        derived::write(draw(&trace).as_bytes(), &out, log, force, Readers::Anybody)?;
+        let (trace, condition) = RunTrace::read(log, args.at, watch)?;
+        let (svg, force) = (draw(&trace), args.force.force);
+        derived::write(svg.as_bytes(), &out, log, force, Readers::Anybody)?;
         print(&out.display().to_string());
         Ok(logs::of_condition(log, &condition))
     })

@@ -6,125 +6,141 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use clap::ValueEnum;
+use clap::{Subcommand, ValueEnum};
 use platform::atomic_file::save;
 use platform::eprintln;
 use platform::progress::Progress;
 use trajectory::Method;
 use trajectory::options::{Constraints, Guess};
 
+use super::common::QuietArg;
 use super::output::{EXIT_FAILED, EXIT_INVALID, EXIT_PARTIAL, print};
+use super::plan_generate;
 use super::run::handle_signals;
 use plan::batch::{Settings, solve_all};
 use plan::summary::Summary;
-use plan::{Answer, Element, PlanOptions, read};
+use plan::{Answer, PlanOptions, read};
 use platform::machine::processors;
 
-/// What stands below the options.
+/// Help below the options.
 pub(super) const HELP: &str = "\
-The file is a JSON array of instances: id, cm_per_px, vmax_px_s, wmax_rad_s, buffer_px,
-bounds_px [x, y, x, y], start {x, y, theta}, start_speed or null, goal {x, y}, obstacles
-[{x, y, r}, {\"polygon\": [[x, y], …]}, …]; perhaps goal.theta, goal_speed, start_turn_rate,
-wheel_speed_px_s with wheel_separation_px, acceleration_px_s2, angular_acceleration_rad_s2. Lengths in
-pixels, times in seconds, angles in radians. Other fields are ignored. `protean instances` makes such
-files.
+The file is a JSON array of instances. Fields: id, cm_per_px, vmax_px_s, wmax_rad_s, buffer_px, bounds_px
+[x, y, x, y], start {x, y, theta}, start_speed or null, goal {x, y}, obstacles [{x, y, r}, {\"polygon\": [[x, y], …]}, …].
+Optional fields: goal.theta, goal_speed, start_turn_rate, wheel_speed_px_s with wheel_separation_px,
+acceleration_px_s2, angular_acceleration_rad_s2. Lengths are in pixels, times in seconds, angles in radians. Other
+fields are ignored. `protean plan generate` writes such files.
 
---json prints a line of JSON for every instance, in the order of the file: id, status, honest, t_s,
-lower_bound_s, gap, cpu_ms, min_clearance, method, iterations, control_points, length, error, and
-with --samples samples [[t, x, y, theta, v, omega], …]; in the instance's own units. status is planned,
-fallback (the exact shortest path instead of the method's curve), no_path, infeasible, not_honest
-(with --no-fallbacks), invalid or failed. honest says whether the plan keeps what the instance asks
-for: checked again, by code that shares nothing with the planner. cpu_ms is the CPU time of the thread
-that planned.
+--json prints one line for every instance, in the order of the file: id, status, honest, t_s, lower_bound_s, gap,
+cpu_ms, min_clearance, method, iterations, control_points, length, error, and with --samples samples
+[[t, x, y, theta, v, omega], …], in the units of the instance. status is planned, fallback (the exact shortest path
+instead of the method's curve), no_path, infeasible, not_honest (with --no-fallbacks), invalid or failed. honest is
+true if the trajectory passes the trajectory check, which shares no code with the planner. cpu_ms is the CPU time of
+the planning thread.
 
-Exit codes: 0 every instance has its answer (that there is no path is one), 1 the results cannot be
-written, 2 wrong usage or a file that is not of this form, 3 some instances are invalid, or it was
-interrupted.";
+Exit codes: 0 every instance has an answer (no_path is one), 1 the results cannot be written, 2 wrong usage or a
+malformed file, 3 some instances are invalid, or interrupted.";
 
-/// What `protean plan` takes.
+/// Arguments of `protean plan`.
 #[derive(Debug, clap::Args)]
 pub(super) struct PlanArgs {
-    /// A JSON file of instances (see the end of --help)
-    instances: PathBuf,
+    #[command(subcommand)]
+    command: Option<PlanCommand>,
     #[command(flatten)]
-    how: PlanMethodArgs,
-    /// Only the first N instances
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
-    limit: Option<u32>,
-    /// Instances at once [default: as many as there are processors]
-    #[arg(long, short, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=4096))]
-    jobs: Option<u16>,
-    /// Plan each instance K times and give the least CPU time
-    #[arg(long, value_name = "K", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=10_000))]
-    repeat: u32,
-    /// Print a line of JSON for every instance, not the table
-    #[arg(long)]
-    json: bool,
-    /// With the samples of the plans in the lines of JSON
-    #[arg(long)]
-    samples: bool,
-    /// Write the lines of JSON to this file
-    #[arg(long, short, value_name = "FILE")]
-    out: Option<PathBuf>,
-    /// Show nothing but errors and the result
-    #[arg(long, short)]
-    quiet: bool,
+    file: FileArgs,
 }
 
-/// How plans are made.
+/// Subcommands of `protean plan`.
+#[derive(Debug, Subcommand)]
+enum PlanCommand {
+    /// Generate random instances to plan
+    #[command(after_long_help = plan_generate::HELP)]
+    Generate(plan_generate::GenerateArgs),
+}
+
+/// Arguments of `protean plan INSTANCES`.
+#[derive(Debug, clap::Args)]
+struct FileArgs {
+    /// JSON file of instances (described at the end of --help)
+    #[arg(required = true)]
+    instances: Option<PathBuf>,
+    #[command(flatten)]
+    method: PlanMethodArgs,
+    /// Plan only the first N instances
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    limit: Option<u32>,
+    /// Plan N instances at once [default: number of processors]
+    #[arg(long, short, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=4096))]
+    jobs: Option<u16>,
+    /// Plan each instance K times and report the minimum CPU time
+    #[arg(long, value_name = "K", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    repeat: u32,
+    /// Print one JSON object for every instance
+    #[arg(long)]
+    json: bool,
+    /// Add the samples of the trajectories to the JSON objects
+    #[arg(long)]
+    samples: bool,
+    /// Write the JSON objects to FILE
+    #[arg(long, short, value_name = "FILE")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    quiet: QuietArg,
+}
+
+/// Options of the planner.
 #[derive(Debug, clap::Args)]
 struct PlanMethodArgs {
-    /// The method
+    /// Planning method
     #[arg(long, value_enum, default_value_t = MethodName::Bspline)]
     method: MethodName,
-    /// From what path it starts
+    /// Initial path of the optimisation
     #[arg(long, value_enum, default_value_t = GuessName::Tangent)]
     guess: GuessName,
-    /// Where along the curve obstacles are looked at
+    /// Points of the curve at which obstacles are checked
     #[arg(long, value_enum, default_value_t = ConstraintsName::Dense)]
     constraints: ConstraintsName,
-    /// Degree of the B-spline [default: 3, or 2 for the prey of lp]
+    /// Degree of the B-spline [default: 3; lp: 2]
     #[arg(long, value_name = "D")]
     degree: Option<usize>,
-    /// Number of its control points [default: what the path needs]
+    /// Number of control points [default: depends on the path]
     #[arg(long, value_name = "N")]
     control_points: Option<usize>,
-    /// N of the N + 1 Legendre-Gauss-Lobatto nodes [default: 15]
+    /// Use N + 1 Legendre-Gauss-Lobatto nodes [default: 15]
     #[arg(long, value_name = "N")]
     nodes: Option<usize>,
-    /// Reference point of vmc (px) [default: far beyond the lower corner of the bounds]
+    /// Reference point of vmc (px) [default: far outside the lower corner of the bounds]
     #[arg(long, value_name = "X,Y", value_parser = parse_point, allow_hyphen_values = true)]
     reference_point: Option<[f64; 2]>,
-    /// Try nothing else where the curve asked for is of no use
+    /// Fail where the method gives no valid trajectory, instead of using the shortest path
     #[arg(long)]
     no_fallbacks: bool,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum MethodName {
-    /// The path is a cubic B-spline
+    /// Cubic B-spline
     Bspline,
-    /// Local pursuit: the path pursues a virtual prey on a B-spline
+    /// Local pursuit of a virtual prey on a B-spline
     Lp,
-    /// Virtual motion camouflage: the path hides before a virtual prey on a B-spline
+    /// Virtual motion camouflage towards a virtual prey on a B-spline
     Vmc,
-    /// The exact shortest path, with turns on the spot
+    /// Exact shortest path with turns on the spot
     Tangent,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum GuessName {
-    /// The exact shortest path
+    /// Exact shortest path
     Tangent,
-    /// The wavefront on a grid, pulled taut
+    /// Shortened wavefront path on a grid
     Wavefront,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum ConstraintsName {
-    /// Everywhere
+    /// Dense samples
     Dense,
-    /// At the nodes only; what lies between two of them is not seen
+    /// Nodes only
     Nodes,
 }
 
@@ -163,14 +179,24 @@ impl PlanMethodArgs {
     }
 }
 
+/// Runs `protean plan`.
+pub(super) fn run(args: &PlanArgs) -> ExitCode {
+    match &args.command {
+        Some(PlanCommand::Generate(args)) => plan_generate::generate(args),
+        None => plan(&args.file),
+    }
+}
+
 /// Plans every instance of a file.
-pub(super) fn plan(args: &PlanArgs) -> ExitCode {
-    let options = args.how.options();
+fn plan(args: &FileArgs) -> ExitCode {
+    // clap requires the file unless there is a subcommand.
+    let file = args.instances.as_deref().unwrap_or(Path::new(""));
+    let options = args.method.options();
     if let Err(error) = options.validate() {
         eprintln!("error: --{}", error.to_string().replace('_', "-"));
         return ExitCode::from(EXIT_INVALID);
     }
-    let mut elements = match read(&args.instances) {
+    let mut elements = match read(file) {
         Ok(elements) => elements,
         Err(error) => {
             eprintln!("error: {error}");
@@ -183,45 +209,47 @@ pub(super) fn plan(args: &PlanArgs) -> ExitCode {
         eprintln!("error: cannot handle signals: {error}");
         return ExitCode::from(EXIT_FAILED);
     }
-    // A planner that breaks down is said by its instance, in one line.
+    // A panic of a planner becomes the error of its instance.
     std::panic::set_hook(Box::new(|_| ()));
     let settings = Settings {
         options,
         jobs: args.jobs.map_or_else(processors, usize::from),
         repeat: args.repeat,
     };
-    let mut told = AnswerCounts::new(args, elements.len());
+    let mut output = AnswerWriter::new(args, file, elements.len());
     let solved = solve_all(&elements, &settings, &interrupted, |index, answer| {
-        told.tell(index, answer, &elements);
+        output.add(index, answer);
     });
     let _ = std::panic::take_hook();
-    told.progress.finish();
+    output.progress.finish();
     if let Err(error) = solved {
         eprintln!("error: cannot start a thread: {error}; choose fewer --jobs");
         return ExitCode::from(EXIT_FAILED);
     }
-    told.conclude(&settings.options, interrupted.load(Ordering::SeqCst))
+    output.conclude(&settings.options, interrupted.load(Ordering::SeqCst))
 }
 
-/// What has been said of the answers so far.
-struct AnswerCounts<'a> {
-    args: &'a PlanArgs,
+/// Prints answers in the order of the file and counts them.
+struct AnswerWriter<'a> {
+    args: &'a FileArgs,
+    file: &'a Path,
     progress: Progress,
     summary: Summary,
     total: usize,
     refused: usize,
-    /// Lines that wait for those before them.
+    /// Lines that wait for earlier ones.
     waiting: BTreeMap<usize, String>,
     next: usize,
-    /// What goes to the file.
+    /// Content of the output file.
     lines: String,
 }
 
-impl<'a> AnswerCounts<'a> {
-    fn new(args: &'a PlanArgs, total: usize) -> Self {
+impl<'a> AnswerWriter<'a> {
+    fn new(args: &'a FileArgs, file: &'a Path, total: usize) -> Self {
         Self {
             args,
-            progress: Progress::new(total, 0, args.quiet, "plans"),
+            file,
+            progress: Progress::new(total, 0, args.quiet.quiet, "plans"),
             summary: Summary::default(),
             total,
             refused: 0,
@@ -231,11 +259,11 @@ impl<'a> AnswerCounts<'a> {
         }
     }
 
-    fn tell(&mut self, index: usize, mut answer: Answer, elements: &[Element]) {
+    fn add(&mut self, index: usize, mut answer: Answer) {
         self.summary.add(&answer);
         if !answer.is_answer() {
             self.refused += 1;
-            let file = self.args.instances.display();
+            let file = self.file.display();
             let why = answer.error.as_deref().unwrap_or_default();
             self.progress
                 .say(&format!("error: {file}: {}: {why}", answer.id));
@@ -253,14 +281,13 @@ impl<'a> AnswerCounts<'a> {
             }
             Err(error) => self.progress.say(&format!("error: {}: {error}", answer.id)),
         }
-        debug_assert!(index < elements.len());
         while let Some(line) = self.waiting.remove(&self.next) {
             self.line(&line);
             self.next += 1;
         }
     }
 
-    /// A line of the results whose turn it is.
+    /// Writes the next line.
     fn line(&mut self, line: &str) {
         if self.args.json {
             print(line);
@@ -272,7 +299,7 @@ impl<'a> AnswerCounts<'a> {
     }
 
     fn conclude(mut self, options: &PlanOptions, interrupted: bool) -> ExitCode {
-        // After an interruption some are missing; what there is keeps its order.
+        // After an interruption, earlier lines may be missing; the order stays.
         for line in std::mem::take(&mut self.waiting).into_values() {
             self.line(&line);
         }
@@ -282,12 +309,12 @@ impl<'a> AnswerCounts<'a> {
             eprintln!("error: {error}");
             return ExitCode::from(EXIT_FAILED);
         }
-        let stem = self.args.instances.file_stem().map(Path::new);
+        let stem = self.file.file_stem().map(Path::new);
         let name = stem.map_or_else(String::new, |s| s.display().to_string());
         let text = self.summary.text([&name, options.method.name()]);
         if !self.args.json {
             print(&text);
-        } else if !self.args.quiet {
+        } else if !self.args.quiet.quiet {
             eprintln!("{text}");
         }
         let missing = self.total - self.summary.answered;

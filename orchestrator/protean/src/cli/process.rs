@@ -1,4 +1,4 @@
-//! `protean process`: being one process of a run.
+//! `protean process`: one process of a run.
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -9,17 +9,16 @@ use super::output::EXIT_INVALID;
 use latency::link;
 use scenario::kind::{Kind, find};
 
-/// How a process runs, given the path of its configuration.
+/// Main function of a process; takes the path of its configuration.
 type Run = fn(&Path) -> ExitCode;
 
-/// Processes that no scenario names: the one that leads the loop of the others, and the receiver of
-/// `protean latency`.
+/// Processes that no scenario names: the simulator, and the receiver of `protean latency`.
 const INTERNAL: [(&str, Run); 2] = [
     (simulator::NAME, simulator::process::run),
     (link::SINK_KIND, link::sink),
 ];
 
-/// Runs the process of this kind to its end.
+/// Runs a process of this kind to its end.
 pub fn run(kinds: &[Kind], kind: &str, config: &Path) -> ExitCode {
     if let Some((_, run)) = INTERNAL.iter().find(|(name, _)| *name == kind) {
         return run(config);
@@ -27,6 +26,6 @@ pub fn run(kinds: &[Kind], kind: &str, config: &Path) -> ExitCode {
     if let Some(kind) = find(kinds, kind) {
         return kind.run(config);
     }
-    eprintln!("error: no process of kind {kind:?} in this program");
+    eprintln!("error: this program has no process of kind {kind:?}");
     ExitCode::from(EXIT_INVALID)
 }

@@ -3,49 +3,47 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use super::common::{ForceArg, JsonArg, QuietArg};
 use super::logs;
 use super::output::{print, print_json};
 use log_tools::recover;
 
-/// What stands below the options.
+/// Help below the options.
 pub(super) const HELP: &str = "\
-Writes everything that can be read into a new log with an index and a summary: every whole chunk whose
-checksum fits. The messages keep their order, times and numbers. The log itself stays as it is.
+Copies every complete chunk with a correct checksum to a new log, and writes an index and a summary. Messages keep
+their order, times and sequence numbers. The damaged log is not changed.
 
-Exit codes: 0 no data were missing, 1 the new log cannot be written, 2 the file cannot be read or is not
-an MCAP file, 3 something is lost: what, is said.";
+Exit codes: 0 no messages were missing, 1 the new log cannot be written, 2 wrong usage, or the file is not a readable
+MCAP file, 3 messages are lost (stderr lists what is missing).";
 
-/// What `protean recover` takes.
+/// Arguments of `protean recover`.
 #[derive(Debug, clap::Args)]
 pub(super) struct RecoverArgs {
-    /// A log that ends in the middle, or is damaged
+    /// Truncated or damaged log file
     log: PathBuf,
-    /// Write the new log to this file
+    /// Write the new log to FILE
     #[arg(long, short, value_name = "FILE")]
     out: PathBuf,
-    /// Overwrite the file if it exists
-    #[arg(long)]
-    force: bool,
-    /// Print one JSON object
-    #[arg(long)]
-    json: bool,
-    /// Show nothing but errors and the result
-    #[arg(long, short)]
-    quiet: bool,
+    #[command(flatten)]
+    force: ForceArg,
+    #[command(flatten)]
+    json: JsonArg,
+    #[command(flatten)]
+    quiet: QuietArg,
 }
 
-/// Makes a log that can be opened from one that is not whole.
+/// Repairs a log.
 pub fn run(args: &RecoverArgs) -> ExitCode {
-    logs::command(args.quiet, |watch| {
-        let done = recover(&args.log, &args.out, args.force, watch)?;
+    logs::command(args.quiet.quiet, |watch| {
+        let done = recover(&args.log, &args.out, args.force.force, watch)?;
         let code = logs::of_condition(&args.log, &done.source);
-        if args.json {
+        if args.json.json {
             print_json(&serde_json::json!(done));
         } else {
             let lost = match done.lost {
                 _ if done.source.data => String::new(),
                 Some(lost) => format!(", {lost} lost"),
-                None => ", how many are lost is not known".to_owned(),
+                None => ", unknown number lost".to_owned(),
             };
             print(&format!(
                 "{}: {} messages up to {:.2} s{lost}, {} attachments, {} metadata records",

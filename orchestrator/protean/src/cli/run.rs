@@ -35,12 +35,12 @@ pub fn run(kinds: &[Kind], target: &str, args: &RunArgs) -> ExitCode {
         eprintln!("error: cannot handle signals: {error}");
         return ExitCode::from(EXIT_FAILED);
     }
-    match fly(&scenario, args, interrupted) {
+    match execute(&scenario, args, interrupted) {
         Ok(report) => {
             if let Some(live) = report.live {
-                tell_of_viewers(live, args.quiet);
+                report_viewers(live, args.quiet.quiet);
             }
-            if args.json {
+            if args.json.json {
                 print_json(&run_summary::json(&scenario, &report));
             } else {
                 print(&run_summary::text(&scenario, &report));
@@ -59,7 +59,7 @@ pub fn run(kinds: &[Kind], target: &str, args: &RunArgs) -> ExitCode {
     }
 }
 
-fn fly(
+fn execute(
     scenario: &ResolvedScenario,
     args: &RunArgs,
     interrupted: Arc<AtomicBool>,
@@ -67,8 +67,8 @@ fn fly(
     if args.in_process {
         let options = InProcessOptions {
             out: args.out.clone(),
-            force: args.force,
-            show: !args.quiet,
+            force: args.force.force,
+            show: !args.quiet.quiet,
             interrupted,
             ..InProcessOptions::default()
         };
@@ -77,23 +77,23 @@ fn fly(
     let lock_step = scenario.run.mode == Mode::LockStep;
     let options = MissionOptions {
         out: args.out.clone(),
-        force: args.force,
+        force: args.force.force,
         without_log: false,
-        quiet: args.quiet,
+        quiet: args.quiet.quiet,
         log_level: args.log_level.clone(),
         live: args.live,
-        // Who looks on wants to see something.
+        // Without a pace, a run would end before a viewer shows it.
         pace: args.pace.or(args.live.map(|_| 1.0)).filter(|_| lock_step),
         interrupted,
     };
     mission::run(scenario, &options)
 }
 
-/// Says what live viewers got.
-pub(super) fn tell_of_viewers(live: LiveTotals, quiet: bool) {
+/// Prints the totals of live viewers to stderr.
+pub(super) fn report_viewers(live: LiveTotals, quiet: bool) {
     if !quiet || live.left_out + live.cut_off > 0 {
         eprintln!(
-            "live: {} viewers, {} messages, {} left out for those who did not keep up, {} cut off",
+            "live: {} viewers, {} messages sent, {} dropped for slow viewers, {} viewers disconnected",
             live.viewers, live.messages, live.left_out, live.cut_off
         );
     }
@@ -113,11 +113,11 @@ fn load(kinds: &[Kind], target: &str, args: &RunArgs) -> Result<ResolvedScenario
         .allow_outside(args.overrides.allow_outside)
         .load(target, &set, args.overrides.seed)
         .map_err(|problems| problems.to_string())?;
-    refuse_external(target, &scenario, args.allow_external)?;
+    refuse_external(target, &scenario, args.external.allow_external)?;
     Ok(scenario)
 }
 
-/// The overrides of a scenario that `--real-time` adds to those of `--set`.
+/// Returns the overrides of `--set` and those that `--real-time` adds.
 pub(super) fn with_real_time(set: &[String], factor: Option<f64>) -> Result<Vec<String>, String> {
     check_factor("--real-time", factor)?;
     let mut set = set.to_vec();
@@ -137,8 +137,7 @@ fn check_factor(name: &str, factor: Option<f64>) -> Result<(), String> {
     }
 }
 
-/// Programs that are not ours are started only if somebody has looked at them: now, at a terminal, or
-/// before.
+/// Refuses a scenario with external programs, unless they are allowed or the user at the terminal agrees.
 pub(super) fn refuse_external(
     target: &str,
     scenario: &ResolvedScenario,
@@ -150,17 +149,17 @@ pub(super) fn refuse_external(
             let line = process.program.command_line().unwrap_or_default();
             programs.push_str(&format!("\n    {}: {line}", process.name));
         }
-        let what = format!("{target} starts programs that are not Protean's own");
+        let what = format!("{target} starts external programs");
         if !agreed(&format!("{what}:{programs}\nStart them? [y/N]")) {
             return Err(format!(
-                "error: {what}; look at them and add --allow-external:{programs}"
+                "error: {what}; check them, then add --allow-external:{programs}"
             ));
         }
     }
     Ok(())
 }
 
-/// Whether a person at a terminal says yes; where there is none, nobody does.
+/// Asks the user at the terminal; returns `false` without a terminal.
 fn agreed(question: &str) -> bool {
     use std::io::IsTerminal as _;
     let mut answer = String::new();
@@ -168,7 +167,7 @@ fn agreed(question: &str) -> bool {
         return false;
     }
     eprintln!("{question}");
-    // Without an answer that can be read there is none.
+    // An answer that cannot be read counts as no.
     let _ = std::io::stdin().read_line(&mut answer);
     matches!(answer.trim(), "y" | "Y" | "yes" | "Yes")
 }

@@ -4,24 +4,26 @@ use std::process::ExitCode;
 
 use clap::ValueEnum;
 
-use super::output::print_json;
+use super::output::{print, print_json};
 use scenario::kind::Kind;
 
-/// A kind of file that has a schema.
+/// Subject of a schema.
 #[derive(Debug, Clone, Copy, ValueEnum)]
-pub(super) enum File {
-    /// A scenario
+pub(super) enum SchemaOf {
+    /// Scenario files: JSON Schema, for editors
     Scenario,
-    /// An experiment
+    /// Experiment files: JSON Schema, for editors
     Experiment,
+    /// Messages: Python module of ctypes structures, for planners that use the iceoryx2 package
+    Messages,
 }
 
-/// Prints the schema of a kind of file.
-pub fn schema(kinds: &[Kind], file: File) -> ExitCode {
-    let schema = match file {
-        File::Scenario => scenario::schema::schema(kinds),
-        File::Experiment => sweep::schema::schema(),
-    };
-    print_json(&schema.to_value());
+/// Prints a schema.
+pub(super) fn schema(kinds: &[Kind], subject: SchemaOf) -> ExitCode {
+    match subject {
+        SchemaOf::Scenario => print_json(&scenario::schema::schema(kinds).to_value()),
+        SchemaOf::Experiment => print_json(&sweep::schema::schema().to_value()),
+        SchemaOf::Messages => print(ipc_types::python::module().trim_end()),
+    }
     ExitCode::SUCCESS
 }

@@ -25,20 +25,19 @@ use sweep::{
     ExperimentOf, Kind, LoadOptions, Mission, Record, Results, Seeds, SweepError, figures, kind_of,
 };
 
-/// Runs experiments, merges their results, and shows them.
+/// Runs an experiment, merges results, or draws their figures.
 pub(super) fn sweep(kinds: &'static [kind::Kind], args: &SweepArgs) -> ExitCode {
     match (&args.command, &args.run.experiment) {
-        (Some(SweepCommand::Merge { parts, out, json }), _) => merged(parts, out, *json),
+        (Some(SweepCommand::Merge { parts, out, json }), _) => merged(parts, out, json.json),
         (Some(SweepCommand::Figures { results }), _) => redrawn(results),
         (None, Some(experiment)) => run(kinds, experiment, &args.run),
         (None, None) => {
-            eprintln!("error: which experiment? `protean sweep EXPERIMENT.toml`, see --help");
-            ExitCode::from(EXIT_INVALID)
+            invalid("error: expected an experiment file: `protean sweep EXPERIMENT.toml`")
         }
     }
 }
 
-/// Says what is wrong; the code of a failure.
+/// Prints an error; returns its exit code.
 fn failed(error: &SweepError) -> ExitCode {
     eprintln!("error: {error}");
     ExitCode::from(match error {
@@ -63,7 +62,7 @@ fn merged(parts: &[PathBuf], out: &Path, as_json: bool) -> ExitCode {
 fn merged_of<S: SweepKind>(parts: &[PathBuf], out: &Path, as_json: bool) -> ExitCode {
     let drawn = || {
         let results = merge::<S::Row>(parts, out)?;
-        // Every part has the published points of the figures.
+        // Every shard has the published points of the figures.
         if let Some(part) = parts.first() {
             S::keep_published(part, &results)?;
         }
@@ -76,12 +75,10 @@ fn merged_of<S: SweepKind>(parts: &[PathBuf], out: &Path, as_json: bool) -> Exit
     }
 }
 
-/// Draws the figures of results again and prints their files.
+/// Draws the figures of results and prints their files.
 fn redrawn(directory: &Path) -> ExitCode {
     if matches!(kind_of(directory), Ok(Kind::Planning)) {
-        return invalid(
-            "error: results of plans have no figures of their own: experiments/pages draws them",
-        );
+        return invalid("error: results of plans have no figures; experiments/pages draws them");
     }
     match Results::read(directory).and_then(|results| figures::write(&results)) {
         Ok(files) => {
@@ -110,7 +107,7 @@ fn run(kinds: &'static [kind::Kind], path: &Path, args: &SweepRunArgs) -> ExitCo
         set: args.set.clone(),
         seeds,
         allow_outside: args.allow_outside,
-        allow_external: args.allow_external,
+        allow_external: args.external.allow_external,
     };
     if is_planning(path) {
         run_of::<Task>(path, args, &options, shard)
@@ -141,7 +138,7 @@ fn run_of<S: SweepKind>(
     ended.unwrap_or_else(|error| failed(&error))
 }
 
-/// Where results go.
+/// Returns the directory of the results.
 fn place(args: &SweepRunArgs, name: &str, shard: Shard) -> PathBuf {
     args.out.clone().unwrap_or_else(|| {
         let out = Path::new("results").join(name);
@@ -151,7 +148,7 @@ fn place(args: &SweepRunArgs, name: &str, shard: Shard) -> PathBuf {
     })
 }
 
-/// Lists the missions that are still to be carried out.
+/// Lists the missions that would run.
 fn dry_run<S: SweepKind>(
     experiment: &ExperimentOf<S>,
     args: &SweepRunArgs,
@@ -167,13 +164,13 @@ fn dry_run<S: SweepKind>(
         known,
         what: S::TO_DO,
     };
-    list(&listing, args.json, |cell| {
+    list(&listing, args.json.json, |cell| {
         experiment.cells.get(cell).map_or(Json::Null, S::details)
     });
     Ok(ExitCode::SUCCESS)
 }
 
-/// What Ctrl-C sets.
+/// Returns the flag that Ctrl-C sets.
 fn interruptible() -> Result<Arc<AtomicBool>, SweepError> {
     let interrupted = Arc::new(AtomicBool::new(false));
     handle_signals(&interrupted).map_err(|source| SweepError::Resource {
@@ -183,7 +180,7 @@ fn interruptible() -> Result<Arc<AtomicBool>, SweepError> {
     Ok(interrupted)
 }
 
-/// Takes what need not be done again from the results that `--reuse` names.
+/// Copies missions from the results that `--reuse` names.
 fn take_over<R: Record>(
     results: &mut Results<R>,
     args: &SweepRunArgs,
@@ -191,8 +188,8 @@ fn take_over<R: Record>(
 ) -> Result<(), SweepError> {
     for directory in &args.reuse {
         let taken = results.reuse(&Results::read(directory)?)?;
-        if !args.quiet {
-            eprintln!("{taken} {what} taken over from {}", directory.display());
+        if !args.quiet.quiet {
+            eprintln!("{taken} {what} copied from {}", directory.display());
         }
     }
     Ok(())
@@ -219,14 +216,14 @@ fn carry_out<S: SweepKind>(
         retry_failed: args.retry_failed,
         log: args.log.map_or_else(LogPolicy::default, LogPolicy::from),
         timeout: Duration::from_secs_f64(experiment.run.timeout_s),
-        quiet: args.quiet,
+        quiet: args.quiet.quiet,
         interrupted,
     };
     let ran = runner::run(experiment, &mut results, S::engine(args).as_ref(), &options);
-    // What is done is worth a table also when something went wrong.
+    // The tables are written also after an error.
     let written = results.write_tables();
     let report = ran?;
     written?;
     S::draw(&results)?;
-    Ok(conclude::<S>(&results, Some(&report), args.json))
+    Ok(conclude::<S>(&results, Some(&report), args.json.json))
 }

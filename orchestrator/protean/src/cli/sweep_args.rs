@@ -5,23 +5,24 @@ use std::path::PathBuf;
 use clap::Subcommand;
 use sweep::spec::LogPolicy;
 
-/// What stands below the options.
+use super::common::{ExternalArg, JsonArg, QuietArg};
+
+/// Help below the options.
 pub(super) const HELP: &str = "\
-A sweep may be interrupted and killed at any time: the same command goes on where it stopped, and a
-mission that is done is never carried out again. What it results in (results.csv, byte for byte)
-depends on the experiment alone. docs/reference/experiment.md describes the experiment file and the results.
+A sweep may be interrupted or killed: the same command resumes it and repeats no finished mission. The experiment alone
+determines results.csv, byte for byte. docs/reference/experiment.md describes the experiment file and the results.
 
-Exit codes: 0 everything is done, 1 the results cannot be kept, 2 wrong usage or experiment,
-3 some missions failed or are missing.";
+Exit codes: 0 all missions are done, 1 the results cannot be written, 2 wrong usage or experiment, 3 missions failed or
+are missing.";
 
-/// Which missions keep their log.
+/// Missions that keep their log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub(super) enum LogPolicyArg {
-    /// None, and none is written: the fastest.
+    /// No mission; no log is written
     None,
-    /// Those that failed. All are written, and removed when the mission went well.
+    /// Failed missions; the logs of the others are removed
     Failed,
-    /// All of them.
+    /// All missions
     All,
 }
 
@@ -35,7 +36,7 @@ impl From<LogPolicyArg> for LogPolicy {
     }
 }
 
-/// What `protean sweep` takes.
+/// Arguments of `protean sweep`.
 #[derive(Debug, clap::Args)]
 pub(super) struct SweepArgs {
     #[command(subcommand)]
@@ -46,23 +47,22 @@ pub(super) struct SweepArgs {
 
 #[derive(Debug, Subcommand)]
 pub(super) enum SweepCommand {
-    /// Draw the figures of results again
+    /// Draw the figures of existing results
     Figures {
-        /// The directory of the results
+        /// Directory of the results
         #[arg(value_name = "DIR")]
         results: PathBuf,
     },
-    /// Put the results of an experiment's parts together
+    /// Merge the results of the shards of an experiment
     Merge {
-        /// The directories of the parts
+        /// Directories of the shards
         #[arg(required = true, value_name = "DIR")]
         parts: Vec<PathBuf>,
-        /// Where the results go; it may hold some of them already
+        /// Write the results to directory DIR, which may contain some of them
         #[arg(long, short, value_name = "DIR")]
         out: PathBuf,
-        /// Print one JSON object
-        #[arg(long)]
-        json: bool,
+        #[command(flatten)]
+        json: JsonArg,
     },
 }
 
@@ -72,48 +72,46 @@ pub(super) enum SweepCommand {
     reason = "one per switch of the command line"
 )]
 pub(super) struct SweepRunArgs {
-    /// The experiment's file
+    /// Experiment file
+    #[arg(required = true)]
     pub(super) experiment: Option<PathBuf>,
-    /// Where the results go [default: results/EXPERIMENT, and shard-I-of-N below it for a shard]
+    /// Write the results to directory DIR [default: results/EXPERIMENT, for a shard results/EXPERIMENT/shard-I-of-N]
     #[arg(long, short, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
-    /// Missions at once [default: as many as there are processors]
+    /// Run N missions at once [default: number of processors]
     #[arg(long, short, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=4096))]
     pub(super) jobs: Option<u16>,
-    /// Seeds in place of the experiment's: A..B, both included
+    /// Seeds A to B, inclusive [default: the experiment's]
     #[arg(long, value_name = "A..B")]
     pub(super) seeds: Option<String>,
-    /// Override a value of every scenario
+    /// Override a value of every scenario, e.g. `rules.time_limit=60`
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub(super) set: Vec<String>,
-    /// Run every mission inside this program instead of as processes: the same results, many times faster
+    /// Run all processes within this one: same results, many times faster
     #[arg(long)]
     pub(super) in_process: bool,
-    /// Only part I of N: every N-th mission
+    /// Run shard I of N: every N-th mission
     #[arg(long, value_name = "I/N")]
     pub(super) shard: Option<String>,
-    /// List the missions that would be carried out, and do nothing
+    /// List the missions that would run, and run none
     #[arg(long)]
     pub(super) dry_run: bool,
-    /// Carry out missions again that failed before
+    /// Run failed missions again
     #[arg(long)]
     pub(super) retry_failed: bool,
-    /// Take over missions of other results whose scenario and seed are the same
+    /// Copy missions with the same scenario and seed from other results
     #[arg(long, value_name = "DIR")]
     pub(super) reuse: Vec<PathBuf>,
-    /// Which missions keep their log, in the results' folder logs
+    /// Missions that keep their log, in folder logs of the results
     #[arg(long, value_name = "WHICH")]
     pub(super) log: Option<LogPolicyArg>,
-    /// Let scenarios start programs that are not Protean's own
-    #[arg(long)]
-    pub(super) allow_external: bool,
+    #[command(flatten)]
+    pub(super) external: ExternalArg,
     /// Let the experiment and its scenarios use files outside their folders
     #[arg(long)]
     pub(super) allow_outside: bool,
-    /// Show nothing but errors and the result
-    #[arg(long, short)]
-    pub(super) quiet: bool,
-    /// Print the result as one JSON object
-    #[arg(long)]
-    pub(super) json: bool,
+    #[command(flatten)]
+    pub(super) quiet: QuietArg,
+    #[command(flatten)]
+    pub(super) json: JsonArg,
 }

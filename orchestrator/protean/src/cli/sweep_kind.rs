@@ -1,4 +1,4 @@
-//! What `protean sweep` does differently for missions of robots and for plans.
+//! Differences of `protean sweep` between missions of robots and plans.
 
 use std::path::Path;
 
@@ -13,19 +13,19 @@ use sweep::{Cell, ExperimentOf, Mission, Results, Subject, SweepError, figures, 
 
 /// A kind of missions on the command line.
 pub(super) trait SweepKind: Subject {
-    /// The words for missions that are still to be carried out.
+    /// Name of the missions that would run.
     const TO_DO: &'static str;
 
     /// Checks that the arguments fit the experiment.
     ///
     /// # Errors
-    /// The message.
+    /// The message for the user.
     fn check(experiment: &ExperimentOf<Self>, args: &SweepRunArgs) -> Result<(), String>;
 
-    /// What carries missions out.
+    /// Returns the engine that runs missions.
     fn engine(args: &SweepRunArgs) -> Box<Self::Engine>;
 
-    /// The fields of a cell in the list of a dry run, beside case and parameters.
+    /// Returns the fields of a cell in the list of a dry run, besides case and parameters.
     fn details(cell: &Cell<Self>) -> Json;
 
     /// Copies what figures need from the folder of the experiment to its results.
@@ -44,21 +44,21 @@ pub(super) trait SweepKind: Subject {
         Ok(())
     }
 
-    /// The summary for programs.
+    /// Returns the summary as JSON.
     fn json(results: &Results<Self::Row>, report: Option<&RunReport>) -> Json;
 
-    /// The summary for people.
+    /// Returns the summary as text.
     fn text(results: &Results<Self::Row>, report: Option<&RunReport>) -> String;
 }
 
 impl SweepKind for Mission {
-    const TO_DO: &'static str = "missions to carry out";
+    const TO_DO: &'static str = "missions to run";
 
     fn check(experiment: &ExperimentOf<Self>, args: &SweepRunArgs) -> Result<(), String> {
         let mut cells = experiment.cells.iter();
         if let Some(cell) = cells.find(|cell| args.in_process && cell.external) {
             return Err(format!(
-                "--in-process: the scenario of case `{}` starts a program that is not Protean's own, which can only be a process",
+                "--in-process: the scenario of case `{}` starts an external program, which needs its own process",
                 cell.case
             ));
         }
@@ -102,13 +102,13 @@ impl SweepKind for Task {
 
     fn check(_: &ExperimentOf<Self>, args: &SweepRunArgs) -> Result<(), String> {
         match args.log {
-            Some(_) => Err("--log: plans have no logs; leave it away".to_owned()),
+            Some(_) => Err("--log: plans have no logs; remove the option".to_owned()),
             None => Ok(()),
         }
     }
 
     fn engine(_: &SweepRunArgs) -> Box<()> {
-        // A planner that breaks down is a row that says so.
+        // A panic of a planner becomes the error of its row.
         std::panic::set_hook(Box::new(|_| ()));
         Box::new(())
     }

@@ -1,4 +1,4 @@
-//! What `protean sweep` prints: what is still to be done, and what came of it.
+//! Output of `protean sweep`: missions to run, and results.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -12,11 +12,10 @@ use super::sweep_kind::SweepKind;
 use sweep::runner::RunReport;
 use sweep::{Manifest, MissionId, Record, Results, SweepError};
 
-/// The results that a directory holds of the experiment with this manifest; `None` if it holds none
-/// at all.
+/// Returns the results of the experiment in a directory; `None` if it has none.
 ///
 /// # Errors
-/// [`SweepError::Other`] if they are of another experiment, or what keeps them from being read.
+/// [`SweepError::Other`] if they belong to another experiment; other [`SweepError`]s if they cannot be read.
 pub(super) fn known<R: Record>(
     out: &Path,
     manifest: &Manifest,
@@ -35,19 +34,19 @@ pub(super) fn known<R: Record>(
     }
 }
 
-/// What a sweep would do.
+/// Missions that a sweep would run.
 pub(super) struct Listing<'a> {
-    /// The experiment.
+    /// Manifest of the experiment.
     pub manifest: &'a Manifest,
-    /// What is still to be done.
+    /// Missions to run.
     pub open: &'a [MissionId],
-    /// How much is done.
+    /// Number of finished missions.
     pub known: usize,
-    /// What is to be done, in words: `missions to carry out`.
+    /// Name of the missions: `missions to run`.
     pub what: &'a str,
 }
 
-/// Prints what a sweep would do; `details` is what a cell has beside case and parameters, as JSON.
+/// Prints the missions that a sweep would run; `details` returns fields of a cell besides case and parameters.
 pub(super) fn list(listing: &Listing<'_>, as_json: bool, details: impl Fn(usize) -> Json) {
     let manifest = listing.manifest;
     if as_json {
@@ -92,7 +91,7 @@ pub(super) fn list(listing: &Listing<'_>, as_json: bool, details: impl Fn(usize)
     );
 }
 
-/// Prints what results amount to.
+/// Prints the summary of results; returns the exit code.
 pub(super) fn conclude<S: SweepKind>(
     results: &Results<S::Row>,
     report: Option<&RunReport>,
@@ -109,7 +108,7 @@ pub(super) fn conclude<S: SweepKind>(
         print(&format!("{text}\nresults   {}", table.display()));
     }
     let failures = results.rows().any(|(_, row)| row.is_failed());
-    // A part has done its work when its own missions are done.
+    // A shard is complete when its own missions are done.
     let interrupted = report.is_some_and(|report| report.interrupted);
     let missing = report.is_none() && !results.missing().is_empty();
     if failures || interrupted || missing {

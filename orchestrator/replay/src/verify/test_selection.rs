@@ -112,7 +112,7 @@ fn launch_of<'p>(
         )));
     };
     if launch.config.index == 0 {
-        let text = "it leads the others; `protean rerun` does the whole run again";
+        let text = "it leads the tick barrier; `protean verify` runs the whole scenario again";
         return Err(refuse(text.to_owned()));
     }
     if let Role::Process(program @ Program::Command { .. }) = &launch.role

@@ -1,4 +1,4 @@
-//! `protean instances`.
+//! `protean plan generate`.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -11,48 +11,47 @@ use super::output::{EXIT_FAILED, EXIT_INVALID, print};
 use plan::Recipe;
 use plan::generate::{NAMES, with_reference};
 
-/// What stands below the options.
+/// Help below the options.
 pub(super) const HELP: &str = "\
-Recipes, on a board of 640 x 480 px at 0.75 cm/px, robot 15 cm/s and 16 rad/s, clearance 10 px:
-  base       corner to corner, 10 to 20 discs of 5 to 15 px anywhere, heading 40 to 45 degrees
-  ang0_90    the same with a heading of 0 to 90 degrees
-  obs1_10    the same with 1 to 10 discs
-  obs30_40   the same with 30 to 40 discs
-  rad20_30   the same with radii of 20 to 30 px
-  dense      the same with 30 to 40 discs of 20 to 30 px; some have no path
-  t3         between places at least 560 px apart, 5 discs of one radius of 20 to 35 px
-  t4a        the same with 3 discs
-  t4b        on from 36 % of the shortest path of the t4a of the same seed, where 2 discs pop up
+Recipes (board 640 x 480 px at 0.75 cm/px, robot 15 cm/s and 16 rad/s, clearance 10 px):
+  base       corner to corner, 10 to 20 discs of 5 to 15 px, heading 40 to 45 degrees
+  ang0_90    base with a heading of 0 to 90 degrees
+  obs1_10    base with 1 to 10 discs
+  obs30_40   base with 30 to 40 discs
+  rad20_30   base with radii of 20 to 30 px
+  dense      base with 30 to 40 discs of 20 to 30 px; some have no path
+  t3         start and goal at least 560 px apart, 5 discs of one radius of 20 to 35 px
+  t4a        t3 with 3 discs
+  t4b        the rest of a t4a instance from 36 % of its shortest path on, where 2 discs appear
 
-An instance follows from the recipe and its seed alone: the seeds of --count N --seed S are S to
-S + N - 1. `reference` in the file holds the length of the exact shortest path and the lower bound of
-the time that follows from it.";
+Recipe and seed determine an instance. --count N --seed S gives the seeds S to S + N - 1. `reference` in the file holds
+the length of the exact shortest path and the resulting lower bound of the time.";
 
-/// What `protean instances` takes.
+/// Arguments of `protean plan generate`.
 #[derive(Debug, clap::Args)]
-pub(super) struct InstancesArgs {
-    /// The recipe (see the end of --help)
+pub(super) struct GenerateArgs {
+    /// Recipe (described at the end of --help)
     #[arg(value_parser = PossibleValuesParser::new(NAMES))]
     recipe: String,
     /// Number of instances
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     count: u32,
-    /// Seed of the first
+    /// Seed of the first instance
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
-    /// Write the file here instead of printing it
+    /// Write the instances to FILE [default: stdout]
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
 }
 
-/// Makes a file of instances.
-pub(super) fn instances(args: &InstancesArgs) -> ExitCode {
+/// Generates random instances.
+pub(super) fn generate(args: &GenerateArgs) -> ExitCode {
     let invalid = |text: &str| {
         eprintln!("error: {text}");
         ExitCode::from(EXIT_INVALID)
     };
     let Some(recipe) = Recipe::by_name(&args.recipe) else {
-        return invalid("no such recipe, see --help");
+        return invalid("unknown recipe; see `protean plan generate --help`");
     };
     let Some(last) = args.seed.checked_add(u64::from(args.count) - 1) else {
         return invalid("--seed: the last seed would be larger than 2^64 - 1");
@@ -68,7 +67,7 @@ pub(super) fn instances(args: &InstancesArgs) -> ExitCode {
         .collect();
     let text = format!("[\n{}\n]", lines.join(",\n"));
     if without > 0 {
-        eprintln!("{without} of {} instances have no path", args.count);
+        eprintln!("note: {without} of {} instances have no path", args.count);
     }
     match &args.out {
         None => print(&text),

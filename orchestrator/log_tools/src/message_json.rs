@@ -1,0 +1,150 @@
+//! Messages as JSON, decoded by the schema in the log.
+
+use std::fmt::Write as _;
+
+use mcap_log::reader::{Channel, Schema as LogSchema};
+use mcap_log::ros2::{Cdr, Count, DecodeError, Field, Kind, Number, Schema};
+use tables::Cell;
+
+/// Returns the schema of a channel with ROS 2 messages, or the reason why its messages cannot be decoded.
+pub(crate) fn schema_of(channel: &Channel, schema: Option<&LogSchema>) -> Result<Schema, String> {
+    let Some(schema) = schema else {
+        return Err("it has no schema".to_owned());
+    };
+    if channel.message_encoding != "cdr" || schema.encoding != "ros2msg" {
+        return Err(format!(
+            "its encoding is `{}` with a schema in `{}`; only ROS 2 messages (`cdr` with `ros2msg`) are decoded",
+            channel.message_encoding, schema.encoding
+        ));
+    }
+    Schema::parse(&schema.data).map_err(|error| error.to_string())
+}
+
+/// Returns a message as a JSON object, its fields in the order of the schema.
+pub(crate) fn object(schema: &Schema, message: &[u8]) -> Result<String, DecodeError> {
+    let mut text = String::new();
+    fields(
+        &mut Cdr::new(message)?,
+        &schema.fields,
+        &mut text,
+        ByteForm::Text,
+    )?;
+    Ok(text)
+}
+
+/// Form of a byte array within a JSON value.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum ByteForm {
+    /// A string as [`bytes`] returns it.
+    Text,
+    /// An array of numbers.
+    Numbers,
+}
+
+/// Returns `true` if the elements of a field are bytes.
+pub(crate) fn is_bytes(field: &Field) -> bool {
+    field.count != Count::One && field.kind == Kind::Number(Number::U8)
+}
+
+/// Reads a byte array: as text without trailing zeros, or in hexadecimal if it is not printable text.
+pub(crate) fn bytes(cdr: &mut Cdr<'_>, field: &Field) -> Result<String, DecodeError> {
+    let mut bytes = Vec::new();
+    for _ in 0..cdr.count(field)? {
+        if let Cell::UInt(byte) = cdr.number(Number::U8, &field.name)? {
+            bytes.push(byte as u8);
+        }
+    }
+    let end = bytes
+        .iter()
+        .rposition(|&b| b != 0)
+        .map_or(0, |last| last + 1);
+    let text = bytes
+        .get(..end)
+        .and_then(|bytes| str::from_utf8(bytes).ok());
+    Ok(
+        match text.filter(|text| !text.chars().any(char::is_control)) {
+            Some(text) => text.to_owned(),
+            None => bytes.iter().fold("0x".to_owned(), |mut text, byte| {
+                // A write to a String cannot fail.
+                let _ = write!(text, "{byte:02x}");
+                text
+            }),
+        },
+    )
+}
+
+/// Appends a field as JSON, byte arrays as arrays of numbers; numbers that are not finite become text.
+pub(crate) fn json(cdr: &mut Cdr<'_>, field: &Field, text: &mut String) -> Result<(), DecodeError> {
+    value(cdr, field, text, ByteForm::Numbers)
+}
+
+fn value(
+    cdr: &mut Cdr<'_>,
+    field: &Field,
+    text: &mut String,
+    form: ByteForm,
+) -> Result<(), DecodeError> {
+    if field.count == Count::One {
+        return element(cdr, &field.kind, &field.name, text, form);
+    }
+    if form == ByteForm::Text && is_bytes(field) {
+        text.push_str(&quoted(&bytes(cdr, field)?));
+        return Ok(());
+    }
+    text.push('[');
+    for index in 0..cdr.count(field)? {
+        if index > 0 {
+            text.push(',');
+        }
+        element(cdr, &field.kind, &field.name, text, form)?;
+    }
+    text.push(']');
+    Ok(())
+}
+
+fn element(
+    cdr: &mut Cdr<'_>,
+    kind: &Kind,
+    name: &str,
+    text: &mut String,
+    form: ByteForm,
+) -> Result<(), DecodeError> {
+    let cell = match kind {
+        Kind::Message(of_message) => return fields(cdr, of_message, text, form),
+        Kind::Number(number) => cdr.number(*number, name)?,
+        Kind::Text => cdr.text(name)?,
+    };
+    let plain = match &cell {
+        Cell::Text(_) => false,
+        Cell::F32(v) => v.is_finite(),
+        Cell::F64(v) => v.is_finite(),
+        _ => true,
+    };
+    let cell = cell.to_string();
+    text.push_str(&if plain { cell } else { quoted(&cell) });
+    Ok(())
+}
+
+fn fields(
+    cdr: &mut Cdr<'_>,
+    fields: &[Field],
+    text: &mut String,
+    form: ByteForm,
+) -> Result<(), DecodeError> {
+    text.push('{');
+    for (index, field) in fields.iter().enumerate() {
+        if index > 0 {
+            text.push(',');
+        }
+        text.push_str(&quoted(&field.name));
+        text.push(':');
+        value(cdr, field, text, form)?;
+    }
+    text.push('}');
+    Ok(())
+}
+
+/// Returns a JSON string.
+pub(crate) fn quoted(text: &str) -> String {
+    serde_json::Value::from(text).to_string()
+}

@@ -1,0 +1,77 @@
+//! `protean cat`.
+
+use std::io::{self, BufWriter, ErrorKind, Write as _};
+use std::num::NonZeroU64;
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use log_tools::{CatOptions, cat};
+use platform::eprintln;
+use platform::terminal::harmless;
+
+use super::logs::{self, PartArgs};
+use super::output::EXIT_FAILED;
+
+/// Help below the options.
+pub(super) const HELP: &str = "\
+Prints one line for every message, in the order of the log:
+
+  {\"topic\":\"robot/command\",\"log_time_s\":0.05,\"message\":{…}}
+
+ROS 2 messages are decoded with the schema in the log; byte arrays become text or 0x…. JSON messages are printed as
+they are. Messages in other encodings have the fields `bytes` (length) and `note` (reason) instead of `message`.
+Numbers that are not finite become text.
+
+Examples:
+  protean cat logs/chase-1.mcap --limit 5
+  protean cat logs/chase-1.mcap --topics robot/command | jq .message
+
+Exit codes: 0 success, 1 the output cannot be written, 2 wrong usage, or the file is not a readable MCAP file,
+3 interrupted, or messages of the log are missing.";
+
+/// Arguments of `protean cat`.
+#[derive(Debug, clap::Args)]
+pub(super) struct CatArgs {
+    /// Log file
+    log: PathBuf,
+    #[command(flatten)]
+    part: PartArgs,
+    /// Stop after N messages
+    #[arg(long, value_name = "N")]
+    limit: Option<NonZeroU64>,
+}
+
+/// Prints the messages of a log.
+pub fn run(args: CatArgs) -> ExitCode {
+    let options = CatOptions {
+        start_s: args.part.start,
+        end_s: args.part.end,
+        topics: args.part.topics.into(),
+        limit: args.limit,
+    };
+    // Progress would mix with the messages.
+    let quiet = true;
+    logs::command(quiet, |watch| {
+        let mut out = BufWriter::new(io::stdout().lock());
+        let mut written = Ok(());
+        let condition = cat(&args.log, &options, watch, |line| {
+            written = writeln!(out, "{}", harmless(line));
+            match written {
+                Ok(()) => ControlFlow::Continue(()),
+                Err(_) => ControlFlow::Break(()),
+            }
+        })?;
+        match written.and_then(|()| out.flush()) {
+            Ok(()) => Ok(condition.map_or(ExitCode::SUCCESS, |condition| {
+                logs::of_condition(&args.log, &condition)
+            })),
+            // `protean cat LOG | head` reads no further.
+            Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(ExitCode::SUCCESS),
+            Err(error) => {
+                eprintln!("error: cannot write to stdout: {error}");
+                Ok(ExitCode::from(EXIT_FAILED))
+            }
+        }
+    })
+}

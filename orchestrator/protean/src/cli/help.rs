@@ -1,0 +1,98 @@
+//! The help of the program: its commands under headings.
+
+use clap::Command;
+
+/// The commands by heading, in the order of the help.
+pub(super) const HEADINGS: [(&str, &[&str]); 6] = [
+    ("Missions", &["run", "check", "new", "list"]),
+    (
+        "Logs",
+        &[
+            "report", "picture", "info", "cat", "export", "filter", "recover", "replay", "verify",
+        ],
+    ),
+    ("Experiments", &["sweep"]),
+    ("Planning", &["plan", "patrol", "coverage"]),
+    ("Health", &["latency", "chaos", "clean"]),
+    ("Other", &["schema", "completions", "help"]),
+];
+
+/// Returns the program with its help: commands under headings, the options of `run` hidden.
+pub(super) fn with_headings(program: Command) -> Command {
+    let heading = program.get_styles().get_header();
+    let name = program.get_styles().get_literal();
+    let mut template = "{about-with-newline}\n{usage-heading} {usage}\n".to_owned();
+    for (title, commands) in HEADINGS {
+        template += &format!("\n{heading}{title}:{heading:#}\n");
+        for command in commands {
+            let about = program
+                .find_subcommand(command)
+                .and_then(Command::get_about);
+            let about = about.map_or_else(|| HELP.to_owned(), ToString::to_string);
+            template += &format!("  {name}{command:11}{name:#}  {about}\n");
+        }
+    }
+    template += &format!(
+        "\n{heading}Options:{heading:#}\n{{options}}\n\n\
+         Without a command, `protean` runs `run chase` with the options of `run`.\n"
+    );
+    program
+        .mut_args(|option| option.hide(true))
+        .override_usage("protean [COMMAND] [OPTIONS]")
+        .help_template(template)
+}
+
+/// The description of `help`, which clap adds later.
+const HELP: &str = "Print the help of a command";
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+    use crate::cli::program;
+
+    #[test]
+    fn every_visible_command_has_one_heading() {
+        let mut program = program();
+        program.build();
+        let visible: BTreeSet<&str> = program
+            .get_subcommands()
+            .filter(|command| !command.is_hide_set())
+            .map(Command::get_name)
+            .collect();
+        let mut listed = BTreeSet::new();
+        for (heading, commands) in HEADINGS {
+            for command in commands {
+                assert!(listed.insert(*command), "{command}: twice, under {heading}");
+            }
+        }
+        assert_eq!(listed, visible);
+        assert!(visible.len() <= 23, "too many commands to choose from");
+    }
+
+    #[test]
+    fn the_help_shows_commands_and_no_options_of_run() {
+        let help = program().render_long_help().to_string();
+        for line in [
+            "\nMissions:\n  run          Run a scenario",
+            "\nHealth:\n  latency ",
+            "  -h, --help",
+        ] {
+            assert!(help.contains(line), "{line}: {help}");
+        }
+        assert!(
+            !help.contains("--pace") && !help.contains("--seed"),
+            "{help}"
+        );
+        assert!(help.lines().all(|line| line.len() <= 100), "{help}");
+    }
+
+    #[test]
+    fn options_of_run_need_no_command() {
+        let words = ["protean", "--seed", "3", "--in-process"];
+        let matches = program().try_get_matches_from(words).unwrap();
+        assert_eq!(matches.get_one::<u64>("seed"), Some(&3));
+        assert_eq!(matches.subcommand_name(), None);
+    }
+}

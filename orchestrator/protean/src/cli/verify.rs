@@ -1,0 +1,107 @@
+//! `protean verify`.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use super::common::{ExternalArg, JsonArg, QuietArg};
+use super::logs;
+use super::output::{print, print_json};
+use replay::{Rerun, RerunOptions, rerun};
+use scenario::kind::Kind;
+
+/// Help below the options.
+pub(super) const HELP: &str = "\
+Runs the scenario, seed and events of the log again, and compares the digest and every message of the simulated history
+(all topics but clocks and heartbeats). If the run was killed or interrupted, the comparison ends with the log; if a
+process failed, it ends at the first failure.
+
+Exit codes: 0 identical, 1 different (the output lists the first difference of every topic) or the run failed, 2 the
+run cannot be repeated, 3 identical up to the end of an incomplete log or the first failure of a process; or
+interrupted.";
+
+/// Arguments of `protean verify`.
+#[derive(Debug, clap::Args)]
+pub(super) struct VerifyArgs {
+    /// Log file of a run in lock-step
+    log: PathBuf,
+    /// Run all processes within this one
+    #[arg(long)]
+    in_process: bool,
+    #[command(flatten)]
+    external: ExternalArg,
+    #[command(flatten)]
+    json: JsonArg,
+    #[command(flatten)]
+    quiet: QuietArg,
+}
+
+/// Runs the scenario of a log again and compares every message.
+pub(super) fn run(kinds: &[Kind], args: &VerifyArgs) -> ExitCode {
+    runtime::logging::start("warn");
+    let options = RerunOptions {
+        in_process: args.in_process,
+        allow_external: args.external.allow_external,
+    };
+    logs::command(args.quiet.quiet, |watch| {
+        let done = rerun(&args.log, kinds, options, watch)?;
+        logs::note_version(done.recorded_by.as_deref());
+        if args.json.json {
+            print_json(&serde_json::json!(done));
+        } else {
+            print(&text(&done));
+        }
+        Ok(logs::of_comparison(done.same, done.whole))
+    })
+}
+
+/// Returns the result as text.
+fn text(done: &Rerun) -> String {
+    let mut text = format!(
+        "{} (seed {}): {} ticks in {:.2} s\n",
+        done.scenario, done.seed, done.ticks, done.wall_time_s
+    );
+    match &done.digest_logged {
+        Some(logged) if *logged == done.digest => {
+            text += &format!("digest    {} in the log and now\n", done.digest);
+        }
+        Some(logged) => {
+            text += &format!(
+                "digest    {logged} in the log\n          {} now\n",
+                done.digest
+            );
+        }
+        None => text += &format!("digest    none in the log, {} now\n", done.digest),
+    }
+    let Some(comparison) = &done.comparison else {
+        text += "messages  not compared: the log contains a part of its run";
+        return text;
+    };
+    text += &format!("messages  {} identical\n", comparison.equal());
+    match comparison.first() {
+        None if done.same && done.whole => text += "result    identical",
+        None if done.same => {
+            text += &match &done.left {
+                Some(left) => format!(
+                    "result    identical up to tick {}, at which process {} {}; later ticks are not \
+                     compared",
+                    left.tick, left.process, left.reason
+                ),
+                None => format!(
+                    "result    identical up to tick {}, the last tick in the log",
+                    comparison.last_tick
+                ),
+            };
+        }
+        None => text += "result    DIFFERENT: the digest in the log does not match its messages",
+        Some((topic, first)) => {
+            text += &format!(
+                "result    DIFFERENT from tick {} on, first on {topic}\n",
+                first.tick
+            );
+            for (topic, first) in comparison.differences() {
+                text += &format!("          {}\n", logs::difference(topic, first));
+            }
+        }
+    }
+    text.trim_end().to_owned()
+}
