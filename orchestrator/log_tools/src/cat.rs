@@ -7,7 +7,7 @@ use std::path::Path;
 
 use mcap_log::reader::{Channel, Item, Reader, Schema as LogSchema};
 use mcap_log::ros2::Schema;
-use mcap_log::{Condition, LogReadError, Topics, ReadProgress, seconds};
+use mcap_log::{Condition, LogReadError, ReadProgress, Topics, seconds};
 
 use crate::message_json::{object, quoted, schema_of};
 use crate::time_span::TimeSpan;
